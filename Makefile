@@ -1,0 +1,50 @@
+# make demo   the whole pipeline on an embedded synthetic recording, into out/demo
+# make test   the test suite        make lint   ruff and mypy        make wheel   build and check the wheel
+# Each prepares what it needs by itself: environment, dependencies, compiled kernels.
+
+PYTHON  ?= python3
+VENV    := .venv
+BIN     := $(VENV)/bin
+ROOMS   := ga tracking fusion animation render replays
+READY   := $(VENV)/.ready
+NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/*.cpp ga/kernels/*.h)
+
+.PHONY: demo test test-quick lint wheel names system clean
+.DEFAULT_GOAL := demo
+
+demo: $(READY) system
+	$(BIN)/motorcade demo --out out/demo
+
+test: $(READY) system
+	$(BIN)/python -m pytest -q -n 2 --dist loadgroup
+
+test-quick: $(READY)
+	$(BIN)/python -m pytest -q -n 2 --dist loadgroup -m "not slow"
+
+lint: $(READY) names
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	MYPYPATH=build/names $(BIN)/mypy $(addprefix -p motorcade.,$(ROOMS))
+
+wheel: $(READY)
+	bash .ci/check_wheel
+
+# The environment is complete when this stamp is newer than everything it was made from.
+$(READY): $(NATIVE)
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "motorcade needs Python 3.11 or newer; say PYTHON=python3.x")'
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install -q -c constraints.txt pip scikit-build-core nanobind
+	$(BIN)/python -m pip install -q -c constraints.txt --no-build-isolation -e ".[dev]"
+	touch $@
+
+# Headless OpenGL comes from the system's packages: installed where permitted, named where not.
+system:
+	@sh .ci/system_libraries
+
+# mypy finds motorcade.<room> through these links, since the rooms lie at the top of the repository.
+names:
+	@mkdir -p build/names/motorcade
+	@for room in $(ROOMS); do ln -sfn ../../../$$room build/names/motorcade/$$room; done
+
+clean:
+	rm -rf $(VENV) build dist out .mypy_cache .ruff_cache .pytest_cache

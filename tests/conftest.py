@@ -1,0 +1,18 @@
+"""Fixtures shared by every room's tests: where the real recordings lie."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session")
+def data_dir() -> Path:
+    """Folder of the real recordings; tests that ask for it skip where it is absent."""
+    named = os.environ.get("MOTORCADE_DATA")
+    folder = Path(named) if named else REPOSITORY.parent / "shared" / "data"
+    if not folder.is_dir():
+        pytest.skip("no real recordings here: set MOTORCADE_DATA to their folder")
+    return folder
