@@ -1,0 +1,26 @@
+"""Geometric algebra room: rotors, motors, trajectories, and the kernels under them.
+
+Needs NumPy only. Values are frozen and validated, batch in the leading dimensions. Poses are
+named ``world_T_camera`` (maps camera coordinates to world), versors act by ``X' = M X ~M``.
+"""
+
+from __future__ import annotations
+
+from motorcade.ga import kernels
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.trajectory import Trajectory
+from motorcade.ga.versors.motor import Motor
+from motorcade.ga.versors.rotor import Rotor
+from motorcade.ga.versors.versor import Versor
+
+__all__ = [
+    "FloatArray",
+    "IntArray",
+    "Motor",
+    "Rotor",
+    "Trajectory",
+    "Versor",
+    "checked_floats",
+    "frozen",
+    "kernels",
+]

@@ -1,0 +1,187 @@
+"""Trajectory: stamped poses of one frame in another, ``parent_T_child``.
+
+Stamps are integer nanoseconds, strictly increasing. A pose maps child coordinates to parent
+coordinates (``world_T_camera`` by default). Between stamps the pose follows the screw from one
+neighbour to the next; outside the span nothing is invented.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.versors.motor import Motor
+
+__all__ = ["Trajectory"]
+
+_FORMAT = "motorcade trajectory 1"
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Poses ``parent_T_child`` at strictly increasing stamps.
+
+    Args:
+        time_ns: ``(N,)`` integer nanoseconds, N at least 1.
+        poses: Motor of shape ``(N,)``.
+        parent: name of the frame that poses map to.
+        child: name of the frame that moves.
+
+    Raises:
+        ValueError: stamps that are no integers or do not increase, or lengths that differ.
+    """
+
+    time_ns: IntArray
+    poses: Motor
+    parent: str = "world"
+    child: str = "camera"
+
+    def __post_init__(self) -> None:
+        stamps = _checked_stamps(self.time_ns, "Trajectory.time_ns")
+        if stamps.ndim != 1 or stamps.size == 0:
+            raise ValueError(
+                f"Trajectory.time_ns: expected shape (N,) with N >= 1, got {stamps.shape}"
+            )
+        if not isinstance(self.poses, Motor):
+            raise ValueError(f"Trajectory.poses: expected a Motor, got {type(self.poses).__name__}")
+        if self.poses.shape != stamps.shape:
+            raise ValueError(
+                f"Trajectory.poses: expected shape {stamps.shape} to match time_ns, "
+                f"got {self.poses.shape}"
+            )
+        backwards = np.flatnonzero(np.diff(stamps) <= 0)
+        if backwards.size:
+            at = int(backwards[0]) + 1
+            raise ValueError(
+                "Trajectory.time_ns: expected strictly increasing stamps, got "
+                f"{int(stamps[at])} at index {at} after {int(stamps[at - 1])}"
+            )
+        own = stamps.copy()
+        own.setflags(write=False)
+        object.__setattr__(self, "time_ns", own)
+
+    def __len__(self) -> int:
+        return int(self.time_ns.size)
+
+    def __repr__(self) -> str:
+        return (
+            f"Trajectory({self.parent}_T_{self.child}, {len(self)} poses, {self.duration_s:.3f} s)"
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Rebuild through the constructor, so copies sent to other processes stay read-only."""
+        return Trajectory, (np.array(self.time_ns), self.poses, self.parent, self.child)
+
+    @property
+    def duration_s(self) -> float:
+        """Seconds from the first stamp to the last."""
+        return float(self.time_ns[-1] - self.time_ns[0]) * 1e-9
+
+    @property
+    def time_s(self) -> FloatArray:
+        """Stamps ``(N,)`` in seconds after the first."""
+        seconds: FloatArray = (self.time_ns - self.time_ns[0]) * 1e-9
+        return seconds
+
+    def __getitem__(self, index: slice | ArrayLike) -> Trajectory:
+        """Part of the trajectory, by slice, boolean mask or increasing indices.
+
+        Raises:
+            ValueError: a selection that is empty or not increasing.
+            TypeError: a single index; that is ``trajectory.poses[i]``.
+        """
+        chosen = index if isinstance(index, slice) else np.asarray(index)
+        if not isinstance(chosen, slice) and chosen.ndim != 1:
+            raise TypeError("Trajectory index: expected a slice or a 1-d array of indices")
+        return Trajectory(self.time_ns[chosen], self.poses[chosen], self.parent, self.child)
+
+    def at(self, time_ns: ArrayLike) -> Motor:
+        """Poses at stamps ``(*)`` in nanoseconds, by screw interpolation between neighbours.
+
+        Raises:
+            ValueError: stamps that are no integers, or outside the span of the trajectory.
+        """
+        stamps = _checked_stamps(time_ns, "Trajectory.at(time_ns)")
+        first, last = int(self.time_ns[0]), int(self.time_ns[-1])
+        outside = (stamps < first) | (stamps > last)
+        if np.any(outside):
+            raise ValueError(
+                f"Trajectory.at(time_ns): expected stamps in [{first}, {last}], got "
+                f"{int(stamps[outside][0])} and {int(np.count_nonzero(outside)) - 1} more outside"
+            )
+        if len(self) == 1:
+            return self.poses[np.zeros(stamps.shape, dtype=np.int64)]
+        before = np.searchsorted(self.time_ns, stamps, side="right") - 1
+        before = np.minimum(before, len(self) - 2)
+        step = self.time_ns[before + 1] - self.time_ns[before]
+        fraction = (stamps - self.time_ns[before]) / step
+        return self.poses[before].interpolate(self.poses[before + 1], fraction)
+
+    def resampled(self, time_ns: ArrayLike) -> Trajectory:
+        """The trajectory at other stamps ``(M,)`` inside its span; see `at`."""
+        stamps = _checked_stamps(time_ns, "Trajectory.resampled(time_ns)")
+        return Trajectory(stamps, self.at(stamps), self.parent, self.child)
+
+    def transformed_by(
+        self,
+        left: Motor | None = None,
+        right: Motor | None = None,
+        *,
+        parent: str | None = None,
+        child: str | None = None,
+    ) -> Trajectory:
+        """``left @ pose @ right``: move the parent frame by `left`, the child frame by `right`.
+
+        ``parent`` and ``child`` name the new frames; without them the old names stay.
+        """
+        poses = self.poses if left is None else left @ self.poses
+        poses = poses if right is None else poses @ right
+        return Trajectory(self.time_ns, poses, parent or self.parent, child or self.child)
+
+    def save(self, path: Path) -> None:
+        """Write an ``.npz`` file of plain arrays; the same trajectory gives the same bytes.
+
+        Raises:
+            ValueError: a file name that does not end in ``.npz``.
+            OSError: a file that cannot be written.
+        """
+        if path.suffix != ".npz":
+            raise ValueError(f"Trajectory.save(path): expected a name ending in .npz, got {path}")
+        np.savez(
+            path,
+            format=np.array(_FORMAT),
+            time_ns=self.time_ns,
+            coefficients=self.poses.coefficients,
+            parent=np.array(self.parent),
+            child=np.array(self.child),
+        )
+
+    @classmethod
+    def load(cls, path: Path) -> Trajectory:
+        """Read what `save` wrote.
+
+        Raises:
+            ValueError: a file that is no trajectory, or holds values that are refused.
+            OSError: a file that cannot be read.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                if str(stored["format"]) != _FORMAT:
+                    raise ValueError(f"expected the format '{_FORMAT}', got '{stored['format']}'")
+                poses = Motor(stored["coefficients"])
+                return cls(stored["time_ns"], poses, str(stored["parent"]), str(stored["child"]))
+        except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as fault:
+            raise ValueError(f"{path}: not a saved trajectory: {fault}") from fault
+
+
+def _checked_stamps(value: ArrayLike, name: str) -> IntArray:
+    given = np.asarray(value)
+    if given.dtype.kind != "i":
+        raise ValueError(f"{name}: expected integer nanoseconds, got dtype {given.dtype}")
+    return given.astype(np.int64, copy=False)

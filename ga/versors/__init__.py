@@ -1,0 +1,1 @@
+"""Versor types: rotations and rigid motions with one set of verbs."""
