@@ -1,0 +1,100 @@
+"""The house style of plots: quiet axes, colour-blind safe lines, readable on light and dark pages.
+
+Figures are drawn once, with marker colours for ink, grid and page; `as_svg` turns these into CSS
+variables (`--ink`, `--grid`, `--page`), so that the page decides. Line colours are those of
+Okabe and Ito, "Color Universal Design" (2008), which keep apart on both grounds.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INK, GRID, PAGE = "#123456", "#abcdef", "#fedcba"
+COLOURS = {
+    "truth": INK,
+    "measured": "#999999",
+    "fused": "#56b4e9",
+    "motor": "#009e73",
+    "quaternion": "#e69f00",
+    "euler": "#d55e00",
+}
+"""One colour a name, the same in every plot of every report."""
+
+_VARIABLES = {INK: "var(--ink)", GRID: "var(--grid)", PAGE: "var(--page)"}
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Matplotlib settings that hold inside the block; nothing global changes."""
+    import matplotlib as mpl
+
+    settings = {
+        "font.family": "sans-serif",
+        "font.size": 9.0,
+        "axes.titlesize": 10.0,
+        "axes.titlelocation": "left",
+        "axes.edgecolor": GRID,
+        "axes.facecolor": PAGE,
+        "axes.labelcolor": INK,
+        "axes.titlecolor": INK,
+        "axes.grid": True,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "figure.facecolor": PAGE,
+        "figure.constrained_layout.use": True,
+        "grid.color": GRID,
+        "grid.linewidth": 0.6,
+        "legend.frameon": False,
+        "legend.labelcolor": INK,
+        "lines.linewidth": 1.2,
+        "lines.solid_joinstyle": "round",
+        "text.color": INK,
+        "xtick.color": INK,
+        "ytick.color": INK,
+        "xtick.major.size": 0.0,
+        "ytick.major.size": 0.0,
+        "svg.fonttype": "none",
+        "svg.hashsalt": "motorcade",
+    }
+    with mpl.rc_context(settings):
+        yield
+
+
+def new_figure(width_in: float, height_in: float, columns: int = 1) -> tuple[Figure, list[Axes]]:
+    """A figure that belongs to no window system, with its axes side by side."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width_in, height_in))
+    axes = figure.subplots(1, columns, squeeze=False)
+    return figure, list(axes[0])
+
+
+def line_style(name: str) -> dict[str, float | str]:
+    """Colour and weight of the line called `name`; the truth lies thin on top of the others."""
+    emphasis = {"truth": 0.9, "measured": 0.7, "motor": 1.7}
+    return {
+        "label": name,
+        "color": COLOURS[name],
+        "linewidth": emphasis.get(name, 1.1),
+        "zorder": 5.0 if name == "truth" else 3.0 if name == "motor" else 2.0,
+    }
+
+
+def as_svg(figure: Figure) -> str:
+    """The figure as an `<svg>` element that takes its ink from the page around it."""
+    text = io.StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
+    svg = text.getvalue()
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r'width="[\d.]+pt" height="[\d.]+pt"', 'width="100%"', svg, count=1)
+    for colour, variable in _VARIABLES.items():
+        svg = svg.replace(colour, variable)
+    return svg

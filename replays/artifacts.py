@@ -1,0 +1,212 @@
+"""Stage outputs on disk: frozen dataclasses as a JSON tree, one .npz of arrays, and files.
+
+An artifact is a folder: `value.json` (the tree), `arrays.npz` (its arrays), `files/` (whatever the
+value points to with a `Path`), `aside.json` (fields that say how the value came about, such as
+seconds, and do not belong to its content) and `artifact.json` (format version, content digest),
+written last. The folder is built under a temporary name and renamed, so a reader sees all or nothing.
+
+Reading is driven by the type asked for, never by names found in the file; nothing is unpickled.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import os
+import shutil
+import types
+import typing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+FORMAT_VERSION = 1
+ASIDE = {"aside": True}
+"""Metadata for `dataclasses.field`: the field is stored, but is not part of the value's content."""
+
+
+class ArtifactError(ValueError):
+    """A stored artifact cannot be read as the type asked for."""
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A value as it lies on disk: its folder and the SHA-256 of its content."""
+
+    folder: Path
+    digest: str
+
+
+def write_artifact(value: object, folder: Path) -> Stored:
+    """Store a frozen dataclass in `folder` (which must not exist yet), all or nothing.
+
+    Files that the value points to are moved into the artifact. Raises TypeError for a field of
+    a kind that cannot be stored.
+    """
+    building = folder.with_name(f".{folder.name}.{os.getpid()}")
+    shutil.rmtree(building, ignore_errors=True)
+    (building / "files").mkdir(parents=True)
+    encoder = _Encoder(building / "files")
+    tree = encoder.encode(value, "value")
+    _write_json(building / "value.json", tree)
+    _write_json(building / "aside.json", encoder.aside)
+    np.savez(building / "arrays.npz", allow_pickle=False, **encoder.arrays)
+    digest = _content_digest(building)
+    _write_json(building / "artifact.json", {"version": FORMAT_VERSION, "digest": digest})
+    _publish(building, folder)
+    return Stored(folder, digest)
+
+
+def find_artifact(folder: Path) -> Stored | None:
+    """The artifact in `folder`, or None where there is none of this format version."""
+    try:
+        about = json.loads((folder / "artifact.json").read_text())
+    except (FileNotFoundError, NotADirectoryError, json.JSONDecodeError):
+        return None
+    if not isinstance(about, dict) or about.get("version") != FORMAT_VERSION:
+        return None
+    return Stored(folder, str(about["digest"]))
+
+
+def read_artifact(stored: Stored, kind: Any) -> Any:
+    """Read the value back as `kind`, running the constructor's checks again.
+
+    Raises ArtifactError where the folder's content does not fit the type.
+    """
+    try:
+        tree = json.loads((stored.folder / "value.json").read_text())
+        aside = json.loads((stored.folder / "aside.json").read_text())
+        with np.load(stored.folder / "arrays.npz", allow_pickle=False) as arrays:
+            decoder = _Decoder(stored.folder / "files", dict(arrays), aside)
+        return decoder.decode(tree, kind, "value")
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise ArtifactError(
+            f"{stored.folder}: cannot be read as {kind}: {error}; delete the folder to recompute it"
+        ) from error
+
+
+def sweep_unfinished(cache: Path) -> None:
+    """Remove what killed runs left half-built in `cache`; runs that still live keep theirs."""
+    for building in cache.glob(".*.*"):
+        owner = building.name.rpartition(".")[2]
+        if owner.isdigit() and not Path(f"/proc/{owner}").exists():
+            shutil.rmtree(building, ignore_errors=True)
+
+
+class _Encoder:
+    """Walks a value; collects arrays and files; leaves a JSON tree."""
+
+    def __init__(self, files: Path) -> None:
+        self.files = files
+        self.arrays: dict[str, np.ndarray[Any, Any]] = {}
+        self.aside: dict[str, Any] = {}
+
+    def encode(self, value: object, where: str) -> Any:
+        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+            return self._encode_fields(value, where)
+        if isinstance(value, np.ndarray):
+            self.arrays[where] = value
+            return {"array": where}
+        if isinstance(value, Path):
+            name = f"{len(list(self.files.iterdir()))}{value.suffix}"
+            shutil.move(value, self.files / name)
+            return {"file": name}
+        if isinstance(value, dict):
+            return {str(key): self.encode(item, f"{where}.{key}") for key, item in value.items()}
+        if isinstance(value, (tuple, list)):
+            return [self.encode(item, f"{where}.{i}") for i, item in enumerate(value)]
+        if value is None or isinstance(value, (bool, int, float, str)):
+            return value
+        raise TypeError(f"{where}: a {type(value).__name__} cannot be stored as an artifact")
+
+    def _encode_fields(self, value: Any, where: str) -> dict[str, Any]:
+        tree = {}
+        for field in dataclasses.fields(value):
+            path = f"{where}.{field.name}"
+            encoded = self.encode(getattr(value, field.name), path)
+            if field.metadata.get("aside"):
+                self.aside[path] = encoded
+            else:
+                tree[field.name] = encoded
+        return tree
+
+
+class _Decoder:
+    """Rebuilds a value from the tree, guided by the annotations of the type asked for."""
+
+    def __init__(
+        self, files: Path, arrays: dict[str, np.ndarray[Any, Any]], aside: dict[str, Any]
+    ) -> None:
+        self.files = files
+        self.arrays = arrays
+        self.aside = aside
+
+    def decode(self, tree: Any, kind: Any, where: str) -> Any:
+        origin = typing.get_origin(kind)
+        if origin in (typing.Union, types.UnionType):
+            return self._decode_optional(tree, kind, where)
+        if origin is np.ndarray or kind is np.ndarray:
+            return self.arrays[tree["array"]]
+        if dataclasses.is_dataclass(kind):
+            return self._decode_fields(tree, kind, where)
+        if kind is Path:
+            return self.files / Path(tree["file"]).name
+        if origin is dict:
+            item = typing.get_args(kind)[1]
+            return {key: self.decode(value, item, f"{where}.{key}") for key, value in tree.items()}
+        if origin is tuple:
+            item = typing.get_args(kind)[0]
+            return tuple(self.decode(part, item, f"{where}.{i}") for i, part in enumerate(tree))
+        if kind is float and isinstance(tree, int) and not isinstance(tree, bool):
+            return float(tree)
+        if origin is typing.Literal or isinstance(tree, kind):
+            return tree
+        raise TypeError(f"{where}: expected {kind}, came {type(tree).__name__}")
+
+    def _decode_optional(self, tree: Any, kind: Any, where: str) -> Any:
+        if tree is None:
+            return None
+        (present,) = (part for part in typing.get_args(kind) if part is not types.NoneType)
+        return self.decode(tree, present, where)
+
+    def _decode_fields(self, tree: Any, kind: Any, where: str) -> Any:
+        hints = typing.get_type_hints(kind)
+        values = {}
+        for field in dataclasses.fields(kind):
+            path = f"{where}.{field.name}"
+            encoded = self.aside[path] if field.metadata.get("aside") else tree[field.name]
+            values[field.name] = self.decode(encoded, hints[field.name], path)
+        return kind(**values)
+
+
+def _content_digest(folder: Path) -> str:
+    content = hashlib.sha256()
+    parts = [folder / "value.json", folder / "arrays.npz", *sorted((folder / "files").iterdir())]
+    for path in parts:
+        content.update(path.name.encode())
+        with path.open("rb") as file:
+            content.update(hashlib.file_digest(file, "sha256").digest())
+    return content.hexdigest()
+
+
+def _publish(building: Path, folder: Path) -> None:
+    """Rename into place; where another run was faster with the same key, keep its result."""
+    for path in building.rglob("*"):
+        if path.is_file():
+            with path.open("rb") as file:
+                os.fsync(file.fileno())
+    try:
+        building.rename(folder)
+    except OSError:
+        if find_artifact(folder) is None:
+            shutil.rmtree(folder)
+            building.rename(folder)
+        else:
+            shutil.rmtree(building)
+
+
+def _write_json(path: Path, tree: Any) -> None:
+    path.write_text(json.dumps(tree, indent=1, sort_keys=True) + "\n")

@@ -1,0 +1,67 @@
+"""Artifacts: what is written is read back, all or nothing, and only as the type asked for."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.replays import artifacts
+
+
+@dataclass(frozen=True)
+class Inner:
+    name: str
+    weights: np.ndarray
+
+
+@dataclass(frozen=True)
+class Outer:
+    inner: Inner
+    parts: dict[str, Inner]
+    spans: tuple[float, ...]
+    note: str | None
+    film: Path
+    seconds: float = field(metadata=artifacts.ASIDE)
+
+
+def outer(tmp_path: Path, seconds: float = 1.0) -> Outer:
+    film = tmp_path / "film.bin"
+    film.write_bytes(b"moving pictures")
+    inner = Inner("a", np.array([0.1, np.nan, -0.0]))
+    return Outer(inner, {"b": Inner("b", np.arange(3))}, (1.0, 2.5), None, film, seconds)
+
+
+def test_a_value_comes_back_as_it_was(tmp_path: Path) -> None:
+    value = outer(tmp_path)
+    read = artifacts.read_artifact(artifacts.write_artifact(value, tmp_path / "kept"), Outer)
+    np.testing.assert_array_equal(read.inner.weights, value.inner.weights)
+    np.testing.assert_array_equal(read.parts["b"].weights, [0, 1, 2])
+    assert read.parts["b"].weights.dtype == np.int64
+    assert (read.spans, read.note, read.seconds) == ((1.0, 2.5), None, 1.0)
+    assert read.film.read_bytes() == b"moving pictures"
+
+
+def test_the_digest_is_that_of_the_content_alone(tmp_path: Path) -> None:
+    first = artifacts.write_artifact(outer(tmp_path, seconds=1.0), tmp_path / "first")
+    second = artifacts.write_artifact(outer(tmp_path, seconds=2.0), tmp_path / "second")
+    assert first.digest == second.digest
+
+
+def test_half_written_artifacts_are_not_found_and_swept(tmp_path: Path) -> None:
+    half = tmp_path / ".kept.999999999"
+    (half / "files").mkdir(parents=True)
+    assert artifacts.find_artifact(tmp_path / "kept") is None
+    artifacts.sweep_unfinished(tmp_path)
+    assert not half.exists()
+
+
+def test_content_that_does_not_fit_the_type_is_refused(tmp_path: Path) -> None:
+    stored = artifacts.write_artifact(outer(tmp_path), tmp_path / "kept")
+    with pytest.raises(artifacts.ArtifactError, match="cannot be read as"):
+        artifacts.read_artifact(stored, Inner)
+
+
+def test_what_cannot_be_stored_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match=r"value\.name: a set cannot be stored"):
+        artifacts.write_artifact(Inner({1}, np.zeros(1)), tmp_path / "kept")  # type: ignore[arg-type]
