@@ -1,0 +1,143 @@
+"""Unit dual quaternions ``(*, 8)``: real part w, x, y, z, then dual part w, x, y, z.
+
+``q = r + ½ ε t r`` turns by ``r``, then moves by ``t`` (metres). Blends after Kavan, Collins,
+Zara, O'Sullivan, "Skinning with dual quaternions" (2007). Batch in front; shapes broadcast.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.rivals.quaternion import (
+    quaternion_apply,
+    quaternion_conjugate,
+    quaternion_multiply,
+)
+
+__all__ = [
+    "dual_quaternion_apply", "dual_quaternion_as_quaternion_translation", "dual_quaternion_blend",
+    "dual_quaternion_conjugate", "dual_quaternion_from_quaternion_translation",
+    "dual_quaternion_multiply", "dual_quaternion_normalize", "dual_quaternion_screw",
+]  # fmt: skip
+
+# Below this sine of half the angle a screw has no axis left and is a plain translation.
+_NO_AXIS = 1e-12
+
+
+def dual_quaternion_from_quaternion_translation(
+    wxyz: ArrayLike, translation_m: ArrayLike
+) -> FloatArray:
+    """Dual quaternions ``(*, 8)`` from unit quaternions ``(*, 4)`` and translations ``(*, 3)``."""
+    real = checked_floats(wxyz, "wxyz", (4,))
+    t = checked_floats(translation_m, "translation_m", (3,))
+    pure = np.concatenate([np.zeros((*t.shape[:-1], 1)), t], axis=-1)
+    dual = 0.5 * quaternion_multiply(pure, real)
+    return np.concatenate([np.broadcast_to(real, dual.shape), dual], axis=-1)
+
+
+def dual_quaternion_as_quaternion_translation(q: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Unit quaternions ``(*, 4)`` and translations ``(*, 3)`` in metres."""
+    given = checked_floats(q, "q", (8,))
+    translation = 2.0 * quaternion_multiply(given[..., 4:], quaternion_conjugate(given[..., :4]))
+    return given[..., :4].copy(), translation[..., 1:]
+
+
+def dual_quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
+    """The product ``a b``, ``(*, 8)``: as motions, ``b`` first.
+
+    Raises:
+        ValueError: wrong last dimension, NaN or infinity.
+    """
+    first, second = checked_floats(a, "a", (8,)), checked_floats(b, "b", (8,))
+    real = quaternion_multiply(first[..., :4], second[..., :4])
+    dual = quaternion_multiply(first[..., :4], second[..., 4:]) + quaternion_multiply(
+        first[..., 4:], second[..., :4]
+    )
+    return np.concatenate([real, dual], axis=-1)
+
+
+def dual_quaternion_conjugate(q: ArrayLike) -> FloatArray:
+    """Both parts conjugated, ``(*, 8)``: the inverse of a unit dual quaternion."""
+    given = checked_floats(q, "q", (8,))
+    return np.concatenate(
+        [quaternion_conjugate(given[..., :4]), quaternion_conjugate(given[..., 4:])], axis=-1
+    )
+
+
+def dual_quaternion_normalize(q: ArrayLike) -> FloatArray:
+    """Divide by the dual norm, ``(*, 8)``: unit real part, dual part at right angles to it.
+
+    Raises:
+        ValueError: wrong last dimension, NaN or infinity, or a zero real part.
+    """
+    given = checked_floats(q, "q", (8,))
+    norm = np.linalg.norm(given[..., :4], axis=-1, keepdims=True)
+    if not np.all(norm > 0.0):
+        raise ValueError("q: expected a non-zero real part, got a zero one")
+    real, dual = given[..., :4] / norm, given[..., 4:] / norm
+    dual = dual - np.sum(real * dual, axis=-1, keepdims=True) * real
+    return np.concatenate([real, dual], axis=-1)
+
+
+def dual_quaternion_apply(q: ArrayLike, points: ArrayLike) -> FloatArray:
+    """Move points ``(*, 3)`` in metres."""
+    rotation, translation = dual_quaternion_as_quaternion_translation(q)
+    return quaternion_apply(rotation, points) + translation
+
+
+def dual_quaternion_blend(q: ArrayLike, weights: ArrayLike) -> FloatArray:
+    """Dual quaternion linear blending of ``(*, K, 8)`` with weights ``(*, K)``, to ``(*, 8)``.
+
+    Signs are taken from the first of the K, so each is blended the short way from it. The path
+    between two is the screw's, its speed only nearly constant.
+
+    Raises:
+        ValueError: wrong dimensions, NaN or infinity, or weights that cancel to zero.
+    """
+    given = checked_floats(q, "q", (8,))
+    share = checked_floats(weights, "weights", ())
+    if given.ndim < 2 or share.ndim < 1 or share.shape[-1] != given.shape[-2]:
+        raise ValueError(
+            f"weights: expected (*, K) for q of shape (*, K, 8) = {given.shape}, got {share.shape}"
+        )
+    against = np.sum(given[..., :1, :4] * given[..., :4], axis=-1) < 0.0
+    signed = np.where(against, -1.0, 1.0) * share
+    return dual_quaternion_normalize(np.sum(signed[..., None] * given, axis=-2))
+
+
+def dual_quaternion_screw(
+    a: ArrayLike, b: ArrayLike, fraction: ArrayLike, short_way: bool = True
+) -> FloatArray:
+    """Screw interpolation (ScLERP), ``(*, 8)``: ``a (a* b)^fraction``; ``fraction (*)`` broadcasts.
+
+    The power is taken through axis, moment, angle and pitch of the screw, and a motion that turns
+    by less than 2e-12 rad is treated as a translation.
+    """
+    steps = checked_floats(fraction, "fraction", ())[..., None]
+    between = dual_quaternion_multiply(dual_quaternion_conjugate(a), b)
+    if short_way:
+        between = np.where(between[..., :1] < 0.0, -between, between)
+    return dual_quaternion_multiply(a, _power(between, steps))
+
+
+def _power(q: FloatArray, exponent: FloatArray) -> FloatArray:
+    cosine, vector = q[..., :1], q[..., 1:4]
+    sine = np.linalg.norm(vector, axis=-1, keepdims=True)
+    turns = sine > _NO_AXIS
+    safe = np.where(turns, sine, 1.0)
+    axis = vector / safe
+    half_pitch = -q[..., 4:5] / safe
+    moment = (q[..., 5:] - half_pitch * cosine * axis) / safe
+    half = exponent * np.arctan2(sine, cosine)
+    push = exponent * half_pitch
+    screw = np.concatenate([
+        np.cos(half), np.sin(half) * axis,
+        -push * np.sin(half), np.sin(half) * moment + push * np.cos(half) * axis,
+    ], axis=-1)  # fmt: skip
+    slide = np.concatenate(
+        np.broadcast_arrays(1.0, 0.0, 0.0, 0.0, 0.0, exponent * q[..., 5:6],
+                            exponent * q[..., 6:7], exponent * q[..., 7:8]), axis=-1
+    )  # fmt: skip
+    return np.where(turns, screw, slide)

@@ -1,0 +1,139 @@
+"""Unit quaternions ``(*, 4)`` in the order w, x, y, z, as practitioners write them.
+
+Hamilton's product, active rotations: ``q x q*`` rotates the vector ``x``. ``q`` and ``-q`` are the
+same rotation. A pose is a quaternion beside a translation, and the two are interpolated apart.
+Angles in radians, batch in front; shapes broadcast.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.ga.arrays import FloatArray, checked_floats
+
+__all__ = [
+    "quaternion_apply", "quaternion_as_matrix", "quaternion_conjugate", "quaternion_from_matrix",
+    "quaternion_from_rotation_vector", "quaternion_multiply", "quaternion_nlerp",
+    "quaternion_normalize", "quaternion_slerp",
+]  # fmt: skip
+
+# Below this angle between two quaternions the sines of slerp cancel, and the chord is the arc.
+_PARALLEL_RAD = 1e-8
+
+
+def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
+    """Hamilton's product ``a b``, ``(*, 4)``: as rotations, ``b`` first.
+
+    Raises:
+        ValueError: wrong last dimension, NaN or infinity.
+    """
+    aw, ax, ay, az = np.moveaxis(checked_floats(a, "a", (4,)), -1, 0)
+    bw, bx, by, bz = np.moveaxis(checked_floats(b, "b", (4,)), -1, 0)
+    return np.stack([
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    ], axis=-1)  # fmt: skip
+
+
+def quaternion_conjugate(q: ArrayLike) -> FloatArray:
+    """The rotation undone, ``(*, 4)``."""
+    given = checked_floats(q, "q", (4,))
+    return np.concatenate([given[..., :1], -given[..., 1:]], axis=-1)
+
+
+def quaternion_normalize(q: ArrayLike) -> FloatArray:
+    """Divide by the norm, ``(*, 4)``.
+
+    Raises:
+        ValueError: wrong last dimension, NaN or infinity, or a zero quaternion.
+    """
+    given = checked_floats(q, "q", (4,))
+    norm = np.linalg.norm(given, axis=-1, keepdims=True)
+    if not np.all(norm > 0.0):
+        raise ValueError("q: expected non-zero quaternions, got a zero one")
+    unit: FloatArray = given / norm
+    return unit
+
+
+def quaternion_apply(q: ArrayLike, points: ArrayLike) -> FloatArray:
+    """Rotate points ``(*, 3)`` by ``q x q*``."""
+    x = checked_floats(points, "points", (3,))
+    pure = np.concatenate([np.zeros((*x.shape[:-1], 1)), x], axis=-1)
+    return quaternion_multiply(quaternion_multiply(q, pure), quaternion_conjugate(q))[..., 1:]
+
+
+def quaternion_from_rotation_vector(vector_rad: ArrayLike) -> FloatArray:
+    """Quaternions ``(*, 4)`` from axis times angle ``(*, 3)`` in radians."""
+    vector = checked_floats(vector_rad, "vector_rad", (3,))
+    angle = np.linalg.norm(vector, axis=-1, keepdims=True)
+    return np.concatenate([np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * vector], axis=-1)
+
+
+def quaternion_as_matrix(q: ArrayLike) -> FloatArray:
+    """Rotation matrices ``(*, 3, 3)`` that act on columns."""
+    w, x, y, z = np.moveaxis(checked_floats(q, "q", (4,)), -1, 0)
+    entries = [
+        w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y),
+        2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x),
+        2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z,
+    ]  # fmt: skip
+    return np.stack(entries, axis=-1).reshape(*w.shape, 3, 3)
+
+
+def quaternion_from_matrix(matrix: ArrayLike) -> FloatArray:
+    """Quaternions ``(*, 4)`` of rotation matrices ``(*, 3, 3)``, by Shepperd's four cases.
+
+    The sign is that of the largest component: positive. The matrix is taken for a rotation.
+    """
+    m = checked_floats(matrix, "matrix", (3, 3))
+    d = np.diagonal(m, axis1=-2, axis2=-1)
+    trace = d.sum(axis=-1)
+    largest = np.argmax(np.concatenate([trace[..., None], d], axis=-1), axis=-1)
+    x, y, z = (m[..., k, j] - m[..., j, k] for j, k in ((1, 2), (2, 0), (0, 1)))
+    yz, zx, xy = (m[..., k, j] + m[..., j, k] for j, k in ((1, 2), (2, 0), (0, 1)))
+    w2, (x2, y2, z2) = 1 + trace, np.moveaxis(1 - trace[..., None] + 2 * d, -1, 0)
+    cases = ([w2, x, y, z], [x, x2, xy, zx], [y, xy, y2, yz], [z, zx, yz, z2])
+    picked = [np.choose(largest, [case[component] for case in cases]) for component in range(4)]
+    return quaternion_normalize(np.stack(picked, axis=-1))
+
+
+def quaternion_slerp(
+    a: ArrayLike, b: ArrayLike, fraction: ArrayLike, short_way: bool = True
+) -> FloatArray:
+    """Spherical interpolation ``(*, 4)`` (Shoemake, 1985); ``fraction (*)`` broadcasts.
+
+    With ``short_way`` the second quaternion is negated where the dot product is negative. Between
+    opposite quaternions (the long way round from a rotation to itself) the path is undefined.
+    """
+    first, second, steps = _pair(a, b, fraction, short_way)
+    angle = 2.0 * np.arctan2(
+        np.linalg.norm(second - first, axis=-1, keepdims=True),
+        np.linalg.norm(second + first, axis=-1, keepdims=True),
+    )
+    close = angle < _PARALLEL_RAD
+    safe = np.where(close, 1.0, angle)
+    left = np.where(close, 1.0 - steps, np.sin((1.0 - steps) * safe) / np.sin(safe))
+    right = np.where(close, steps, np.sin(steps * safe) / np.sin(safe))
+    return quaternion_normalize(left * first + right * second)
+
+
+def quaternion_nlerp(
+    a: ArrayLike, b: ArrayLike, fraction: ArrayLike, short_way: bool = True
+) -> FloatArray:
+    """Linear interpolation and division by the norm, ``(*, 4)``: same path, uneven speed."""
+    first, second, steps = _pair(a, b, fraction, short_way)
+    return quaternion_normalize((1.0 - steps) * first + steps * second)
+
+
+def _pair(
+    a: ArrayLike, b: ArrayLike, fraction: ArrayLike, short_way: bool
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    first, second = checked_floats(a, "a", (4,)), checked_floats(b, "b", (4,))
+    steps = checked_floats(fraction, "fraction", ())[..., None]
+    if short_way:
+        dot = np.sum(first * second, axis=-1, keepdims=True)
+        second = np.where(dot < 0.0, -second, second)
+    return first, second, steps
