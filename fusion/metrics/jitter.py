@@ -1,0 +1,134 @@
+"""Jitter: acceleration that the true motion does not have.
+
+With a truth it is the RMS of (acceleration - true acceleration), angular and linear apart; without
+one, the RMS acceleration above a stated frequency. Accelerations are second differences at the
+stamps as they are, even or not: linear ones in the world, angular ones in the moving frame. The
+truth is differenced at the same stamps, so the error of differencing cancels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
+from motorcade.ga import FloatArray, Motor, Trajectory
+
+__all__ = ["Jitter", "accelerations", "jitter", "jitter_above"]
+
+_GAP_INTERVALS = 3.0
+_EVEN_INTERVALS = 1.5
+_SHORTEST_SPECTRUM = 16
+
+
+@dataclass(frozen=True)
+class Jitter:
+    """RMS of the acceleration's length: `linear_m_s2` and `angular_rad_s2`."""
+
+    linear_m_s2: float
+    angular_rad_s2: float
+
+
+def accelerations(time_s: FloatArray, poses: Motor) -> tuple[FloatArray, FloatArray]:
+    """Second differences at the inner stamps of poses ``(N,)``, exact for constant acceleration.
+
+    Returns:
+        Linear acceleration in the world ``(N-2, 3)`` in m/s², and angular acceleration in the
+        moving frame ``(N-2, 3)`` in rad/s² (steps must turn by less than π).
+    """
+    steps = np.diff(time_s)[:, None]
+    velocity = np.diff(poses.translation_m, axis=0) / steps
+    rate = (poses[:-1].rotor.inverse() @ poses[1:].rotor).as_rotation_vector() / steps
+    between = 0.5 * (steps[1:] + steps[:-1])
+    return np.diff(velocity, axis=0) / between, np.diff(rate, axis=0) / between
+
+
+def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
+    """RMS of acceleration minus true acceleration, over the estimate's stamps.
+
+    The trajectories must share their frames: align first where the worlds differ. Stamps in holes
+    of the truth, and differences across holes of the estimate (more than three median
+    intervals), are left out.
+
+    Raises:
+        NotObservableError: no three consecutive stamps of the estimate that the truth covers.
+    """
+    path = SmoothPath(truth)
+    time_s = path.seconds(estimate.time_ns)
+    usable = _whole_triples(time_s, path.covers(time_s))
+    if not np.any(usable):
+        raise NotObservableError(
+            "jitter: expected three consecutive stamps of the estimate within the truth, got none"
+        )
+    first = int(np.argmax(usable))
+    last = usable.size - int(np.argmax(usable[::-1])) + 2
+    time_s, poses, usable = time_s[first:last], estimate.poses[first:last], usable[first : last - 2]
+    ours = accelerations(time_s, poses)
+    true = accelerations(time_s, path.poses(np.clip(time_s, *path.span_s)))
+    linear, angular = (a[usable] - b[usable] for a, b in zip(ours, true, strict=True))
+    return Jitter(_rms(linear), _rms(angular))
+
+
+def jitter_above(trajectory: Trajectory, frequency_hz: float) -> Jitter:
+    """RMS acceleration above `frequency_hz`, where no truth is at hand.
+
+    Stretches without holes are brought to an even rate and the power of their periodograms
+    (straight line removed, Hann window) above the frequency is summed; longer stretches weigh
+    more. Real motion above the frequency counts as jitter too, so choose it above the motion.
+
+    Raises:
+        ValueError: a frequency that is not positive or not below half the sampling rate.
+        NotObservableError: no stretch of 16 poses without a hole.
+    """
+    time_s = trajectory.time_s
+    interval = float(np.median(np.diff(time_s))) if time_s.size > 1 else np.inf
+    if not 0.0 < frequency_hz < 0.5 / interval:
+        raise ValueError(
+            f"frequency_hz: expected above 0 and below half the rate ({0.5 / interval:.3f} Hz), "
+            f"got {frequency_hz}"
+        )
+    cuts = np.flatnonzero(np.diff(time_s) > _EVEN_INTERVALS * interval) + 1
+    power, weight = np.zeros(2), 0
+    for stretch in np.split(np.arange(time_s.size), cuts):
+        if stretch.size < _SHORTEST_SPECTRUM:
+            continue
+        times = time_s[stretch]
+        both = accelerations(times, trajectory.poses[stretch])
+        even_s = np.arange(times[1], times[-2] + 1e-3 * interval, interval)
+        for i, series in enumerate(both):
+            power[i] += even_s.size * _power_above(times[1:-1], series, even_s, frequency_hz)
+        weight += even_s.size
+    if weight == 0:
+        raise NotObservableError(
+            f"jitter: expected a stretch of {_SHORTEST_SPECTRUM} poses without a hole, got none"
+        )
+    linear, angular = np.sqrt(power / weight)
+    return Jitter(float(linear), float(angular))
+
+
+def _whole_triples(time_s: FloatArray, covered: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    if time_s.size < 3:
+        return np.zeros(0, dtype=np.bool_)
+    steps = np.diff(time_s)
+    near = steps <= _GAP_INTERVALS * np.median(steps)
+    return np.asarray(covered[:-2] & covered[1:-1] & covered[2:] & near[:-1] & near[1:])
+
+
+def _power_above(
+    time_s: FloatArray, series: FloatArray, even_s: FloatArray, frequency_hz: float
+) -> float:
+    """Mean square of ``series (N, 3)`` above the frequency, summed over its components."""
+    from scipy.signal import detrend, periodogram
+
+    even = np.stack([np.interp(even_s, time_s, column) for column in series.T])
+    rate = 1.0 / (even_s[1] - even_s[0])
+    level = detrend(even, axis=-1)
+    frequencies, density = periodogram(level, rate, "hann", detrend=False, axis=-1)
+    above = frequencies >= frequency_hz
+    return float(np.sum(density[:, above]) * (frequencies[1] - frequencies[0]))
+
+
+def _rms(vectors: FloatArray) -> float:
+    return float(np.sqrt(np.mean(np.sum(vectors**2, axis=-1))))

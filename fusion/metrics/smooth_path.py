@@ -1,0 +1,89 @@
+"""A reference trajectory between its stamps, smooth enough to be differentiated.
+
+Screw interpolation has corners at the stamps, and second differences taken across a corner are
+large where the true acceleration is small. This interpolant passes through every pose with
+continuous velocity, acceleration and angular rate (cubic splines; scipy's `CubicSpline` and
+`RotationSpline`). It invents nothing across holes: `covers` says where the stamps stand close.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
+
+__all__ = ["NotObservableError", "SmoothPath"]
+
+_HOLE_INTERVALS = 3.0
+
+
+class NotObservableError(ValueError):
+    """The trajectories are sound but too short, too sparse or too still to tell the figure."""
+
+
+class SmoothPath:
+    """Cubic interpolation of a trajectory; times are seconds after its first stamp, `origin_ns`.
+
+    Raises:
+        NotObservableError: fewer than two poses.
+    """
+
+    def __init__(self, trajectory: Trajectory) -> None:
+        from scipy.interpolate import CubicSpline
+        from scipy.spatial.transform import Rotation, RotationSpline
+
+        if len(trajectory) < 2:
+            raise NotObservableError(f"reference: expected 2 or more poses, got {len(trajectory)}")
+        self.origin_ns = int(trajectory.time_ns[0])
+        self._time_s = trajectory.time_s
+        quaternions = trajectory.poses.rotor.as_quaternion()
+        self._rotation = RotationSpline(
+            self._time_s, Rotation.from_quat(quaternions, scalar_first=True)
+        )
+        self._position = CubicSpline(self._time_s, trajectory.poses.translation_m)
+
+    @property
+    def span_s(self) -> tuple[float, float]:
+        """First and last time in seconds."""
+        return 0.0, float(self._time_s[-1])
+
+    def seconds(self, time_ns: IntArray) -> FloatArray:
+        """Stamps in seconds after `origin_ns`."""
+        return np.asarray((time_ns - self.origin_ns) * 1e-9, dtype=np.float64)
+
+    def covers(self, time_s: FloatArray) -> NDArray[np.bool_]:
+        """Which times lie between two stamps at most three median intervals apart."""
+        steps = np.diff(self._time_s)
+        close = steps <= _HOLE_INTERVALS * np.median(steps)
+        before = np.clip(np.searchsorted(self._time_s, time_s, side="right") - 1, 0, steps.size - 1)
+        inside = (time_s >= self._time_s[0]) & (time_s <= self._time_s[-1])
+        return np.asarray(inside & close[before], dtype=np.bool_)
+
+    def positions_m(self, time_s: FloatArray) -> FloatArray:
+        """Positions ``(*, 3)``."""
+        return np.asarray(self._position(time_s), dtype=np.float64)
+
+    def poses(self, time_s: FloatArray) -> Motor:
+        """Poses ``(N,)`` at times ``(N,)``."""
+        quaternions = self._rotation(time_s).as_quat(scalar_first=True)
+        return Motor.from_rotor_translation(
+            Rotor.from_quaternion(quaternions), self.positions_m(time_s)
+        )
+
+    @cached_property
+    def _turn(self) -> Callable[[FloatArray], FloatArray]:
+        from scipy.interpolate import CubicSpline
+
+        rates = self._rotation(self._time_s, 1)
+        turn: Callable[[FloatArray], FloatArray] = CubicSpline(self._time_s, rates).antiderivative()
+        return turn
+
+    def mean_rates_rad_s(self, start_s: FloatArray, end_s: FloatArray) -> FloatArray:
+        """Mean angular rates ``(N, 3)`` in the moving frame from `start_s` to `end_s` ``(N,)``."""
+        turn = self._turn
+        rates: FloatArray = (turn(end_s) - turn(start_s)) / (end_s - start_s)[:, None]
+        return rates
