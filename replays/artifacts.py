@@ -15,8 +15,12 @@ import hashlib
 import json
 import os
 import shutil
+import tempfile
 import types
 import typing
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -34,14 +38,15 @@ class ArtifactError(ValueError):
 
 @dataclass(frozen=True)
 class Stored:
-    """A value as it lies on disk: its folder and the SHA-256 of its content."""
+    """A value as it lies on disk: its folder, the SHA-256 of its content, how long it took."""
 
     folder: Path
     digest: str
+    seconds: float
 
 
-def write_artifact(value: object, folder: Path) -> Stored:
-    """Store a frozen dataclass in `folder` (which must not exist yet), all or nothing.
+def write_artifact(value: object, folder: Path, seconds: float) -> Stored:
+    """Store a frozen dataclass, which took `seconds` to make, in `folder`, all or nothing.
 
     Files that the value points to are moved into the artifact. Raises TypeError for a field of
     a kind that cannot be stored.
@@ -55,9 +60,10 @@ def write_artifact(value: object, folder: Path) -> Stored:
     _write_json(building / "aside.json", encoder.aside)
     np.savez(building / "arrays.npz", allow_pickle=False, **encoder.arrays)
     digest = _content_digest(building)
-    _write_json(building / "artifact.json", {"version": FORMAT_VERSION, "digest": digest})
+    about = {"version": FORMAT_VERSION, "digest": digest, "seconds": seconds}
+    _write_json(building / "artifact.json", about)
     _publish(building, folder)
-    return Stored(folder, digest)
+    return Stored(folder, digest, seconds)
 
 
 def find_artifact(folder: Path) -> Stored | None:
@@ -68,7 +74,7 @@ def find_artifact(folder: Path) -> Stored | None:
         return None
     if not isinstance(about, dict) or about.get("version") != FORMAT_VERSION:
         return None
-    return Stored(folder, str(about["digest"]))
+    return Stored(folder, str(about["digest"]), float(about["seconds"]))
 
 
 def read_artifact(stored: Stored, kind: Any) -> Any:
@@ -86,6 +92,27 @@ def read_artifact(stored: Stored, kind: Any) -> Any:
         raise ArtifactError(
             f"{stored.folder}: cannot be read as {kind}: {error}; delete the folder to recompute it"
         ) from error
+
+
+_workspace: ContextVar[Path | None] = ContextVar("workspace", default=None)
+
+
+@contextmanager
+def workspace(cache: Path) -> Iterator[None]:
+    """Inside the block, `new_file` gives paths beside the artifacts, swept should the run die."""
+    folder = cache / f".workspace.{os.getpid()}"
+    folder.mkdir(parents=True, exist_ok=True)
+    token = _workspace.set(folder)
+    try:
+        yield
+    finally:
+        _workspace.reset(token)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def new_file(name: str) -> Path:
+    """Where a stage may write a file that its output points to."""
+    return Path(tempfile.mkdtemp(dir=_workspace.get())) / name
 
 
 def sweep_unfinished(cache: Path) -> None:

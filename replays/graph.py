@@ -17,7 +17,7 @@ import time
 import types
 import typing
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -78,12 +78,23 @@ class Stage:
 
 
 @dataclass(frozen=True)
+class Record:
+    """How one stage of a run came to its output: its key, knobs, and the seconds it took then."""
+
+    stage: str
+    key: str
+    knobs: Mapping[str, str]
+    seconds: float
+    cached: bool
+
+
+@dataclass(frozen=True)
 class Run:
-    """What a run left: every output computed or found, and which stages could not run here."""
+    """What a run left: every output, how it came about, and which stages could not run here."""
 
     outputs: Mapping[str, Any]
-    unavailable: Mapping[str, str] = field(default_factory=dict)
-    computed: tuple[str, ...] = ()
+    unavailable: Mapping[str, str]
+    records: tuple[Record, ...]
 
 
 class Graph:
@@ -164,25 +175,27 @@ class Graph:
         outputs: dict[str, Any] = dict(sources)
         digests = {name: source.digest() for name, source in sources.items()}
         unavailable: dict[str, str] = {}
-        computed = []
+        records = []
         for name in self.needed(target):
             stage = self.stages[name]
             settings = _settings(stage, chosen.get(name, {}))
             folder = cache / f"{name}-{_key(stage, digests, settings)}"
-            stored = artifacts.find_artifact(folder)
-            if stored is None:
-                try:
-                    stored = _compute(stage, outputs, settings, folder)
-                except Unavailable as missing:
-                    if name == target or not self._may_be_missing(name, target):
-                        raise
-                    log.warning("%s: left out: %s", name, missing)
-                    unavailable[name], outputs[name], digests[name] = str(missing), None, "none"
-                    continue
-                computed.append(name)
+            found = artifacts.find_artifact(folder)
+            try:
+                stored = found or _compute(stage, outputs, settings, folder)
+            except Unavailable as missing:
+                if name == target or not self._may_be_missing(name, target):
+                    raise
+                log.warning("%s: left out: %s", name, missing)
+                unavailable[name], outputs[name], digests[name] = str(missing), None, "none"
+                continue
+            knobs_as_text = {knob: repr(value) for knob, value in settings.items()}
+            records.append(
+                Record(name, folder.name, knobs_as_text, stored.seconds, cached=found is not None)
+            )
             outputs[name] = artifacts.read_artifact(stored, stage.output)
             digests[name] = stored.digest
-        return Run(outputs, unavailable, tuple(computed))
+        return Run(outputs, unavailable, tuple(records))
 
     def _may_be_missing(self, name: str, target: str) -> bool:
         users = [self.stages[user] for user in self.needed(target)]
@@ -219,7 +232,9 @@ def _compute(
 ) -> artifacts.Stored:
     log.info("%s ...", stage.name)
     start = time.perf_counter()
-    value = stage.function(*(outputs[name] for name in stage.inputs), **settings)
-    stored = artifacts.write_artifact(value, folder)
-    log.info("%s: %.1f s", stage.name, time.perf_counter() - start)
+    with artifacts.workspace(folder.parent):
+        value = stage.function(*(outputs[name] for name in stage.inputs), **settings)
+        seconds = time.perf_counter() - start
+        stored = artifacts.write_artifact(value, folder, seconds)
+    log.info("%s: %.1f s", stage.name, seconds)
     return stored

@@ -34,7 +34,7 @@ def outer(tmp_path: Path, seconds: float = 1.0) -> Outer:
 
 def test_a_value_comes_back_as_it_was(tmp_path: Path) -> None:
     value = outer(tmp_path)
-    read = artifacts.read_artifact(artifacts.write_artifact(value, tmp_path / "kept"), Outer)
+    read = artifacts.read_artifact(artifacts.write_artifact(value, tmp_path / "kept", 0.5), Outer)
     np.testing.assert_array_equal(read.inner.weights, value.inner.weights)
     np.testing.assert_array_equal(read.parts["b"].weights, [0, 1, 2])
     assert read.parts["b"].weights.dtype == np.int64
@@ -43,8 +43,8 @@ def test_a_value_comes_back_as_it_was(tmp_path: Path) -> None:
 
 
 def test_the_digest_is_that_of_the_content_alone(tmp_path: Path) -> None:
-    first = artifacts.write_artifact(outer(tmp_path, seconds=1.0), tmp_path / "first")
-    second = artifacts.write_artifact(outer(tmp_path, seconds=2.0), tmp_path / "second")
+    first = artifacts.write_artifact(outer(tmp_path, seconds=1.0), tmp_path / "first", 0.5)
+    second = artifacts.write_artifact(outer(tmp_path, seconds=2.0), tmp_path / "second", 0.7)
     assert first.digest == second.digest
 
 
@@ -57,11 +57,11 @@ def test_half_written_artifacts_are_not_found_and_swept(tmp_path: Path) -> None:
 
 
 def test_content_that_does_not_fit_the_type_is_refused(tmp_path: Path) -> None:
-    stored = artifacts.write_artifact(outer(tmp_path), tmp_path / "kept")
+    stored = artifacts.write_artifact(outer(tmp_path), tmp_path / "kept", 0.5)
     with pytest.raises(artifacts.ArtifactError, match="cannot be read as"):
         artifacts.read_artifact(stored, Inner)
 
 
 def test_what_cannot_be_stored_is_refused(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match=r"value\.name: a set cannot be stored"):
-        artifacts.write_artifact(Inner({1}, np.zeros(1)), tmp_path / "kept")  # type: ignore[arg-type]
+        artifacts.write_artifact(Inner({1}, np.zeros(1)), tmp_path / "kept", 0.5)  # type: ignore[arg-type]

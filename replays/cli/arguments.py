@@ -1,0 +1,40 @@
+"""Arguments and habits that several commands share."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable, Mapping
+from typing import Any
+
+Subparsers = Any
+"""What `argparse` calls `_SubParsersAction`: it has no public name."""
+
+Command = Callable[[argparse.Namespace], None]
+
+
+def new_command(
+    commands: Subparsers,
+    shared: argparse.ArgumentParser,
+    command: Command,
+    *,
+    name: str,
+    summary: str,
+    example: str,
+) -> argparse.ArgumentParser:
+    """A sub-command whose help closes with an example; `command` is called with its arguments."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name,
+        parents=[shared],
+        help=summary,
+        description=summary[0].upper() + summary[1:] + ".",
+        epilog=f"example:\n  {example}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.set_defaults(command=command)
+    return parser
+
+
+def print_json(values: Mapping[str, Any]) -> None:
+    """Machine-readable results on standard output; keys carry units."""
+    print(json.dumps(values, indent=2))

@@ -1,0 +1,51 @@
+"""`motorcade evaluate`: errors of an estimated trajectory against a reference."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from motorcade.replays.cli.arguments import Subparsers, new_command
+
+
+def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        evaluate_files,
+        name="evaluate",
+        summary="absolute and relative pose error, rotation, jitter and lag against a reference",
+        example="motorcade evaluate estimate.tum truth.tum --align se3 --json errors.json",
+    )
+    parser.add_argument("estimate", type=Path, metavar="EST")
+    parser.add_argument("reference", type=Path, metavar="REF")
+    parser.add_argument("--align", choices=("none", "se3", "sim3"), default="none")
+    parser.add_argument(
+        "--max-difference-s",
+        type=float,
+        default=0.01,
+        help="stamps farther apart are not paired (0.01 s)",
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the results there")
+    parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
+
+
+def evaluate_files(arguments: argparse.Namespace) -> None:
+    """Read both, evaluate, print a table."""
+    from motorcade.fusion.metrics import evaluate
+    from motorcade.replays.trajectory_files import read_trajectory
+
+    estimate = read_trajectory(arguments.estimate, rate_hz=arguments.rate_hz)
+    reference = read_trajectory(arguments.reference, rate_hz=arguments.rate_hz)
+    errors = evaluate(
+        estimate,
+        reference,
+        align=arguments.align,
+        max_difference_s=arguments.max_difference_s,
+    ).as_dict()
+    for key, value in errors.items():
+        print(f"{key:>28}  {value:.9g}" if isinstance(value, float) else f"{key:>28}  {value}")
+    if arguments.json is not None:
+        arguments.json.write_text(json.dumps(errors, indent=2) + "\n", encoding="utf-8")

@@ -1,0 +1,72 @@
+"""Dispatch to the commands; turns expected errors into one line and an exit status."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+
+from motorcade.replays.cli import demo, evaluate, graph, inspect, run, simulate_imu, smooth
+
+COMMANDS = (demo, run, inspect, smooth, evaluate, simulate_imu, graph)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    arguments = _parser().parse_args(argv)
+    _set_up_logging(arguments.verbose)
+    try:
+        arguments.command(arguments)
+    except KeyboardInterrupt:
+        print("motorcade: stopped; what was finished is kept", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader of our output has gone; nothing is left to say
+        return 0
+    except ModuleNotFoundError as error:
+        logging.getLogger("motorcade").debug("traceback", exc_info=True)
+        print(f"motorcade: {_missing_module(error)}", file=sys.stderr)
+        return 1
+    except (ValueError, OSError, RuntimeError) as error:
+        logging.getLogger("motorcade").debug("traceback", exc_info=True)
+        print(f"motorcade: {_one_line(error)}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="motorcade",
+        description="From recorded camera and IMU sequences to smooth poses, augmented video "
+        "and an error report.",
+    )
+    parser.add_argument("--version", action="version", version=f"motorcade {version('motorcade')}")
+    shared = argparse.ArgumentParser(add_help=False)
+    shared.add_argument(
+        "-v", "--verbose", action="count", default=0, help="say more; twice for tracebacks"
+    )
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        command.add_to(commands, shared)
+    return parser
+
+
+def _set_up_logging(verbose: int) -> None:
+    level = (logging.WARNING, logging.INFO, logging.DEBUG)[min(verbose, 2)]
+    logging.basicConfig(level=logging.WARNING, format="%(message)s", stream=sys.stderr)
+    logging.getLogger("motorcade").setLevel(level)
+
+
+def _missing_module(error: ModuleNotFoundError) -> str:
+    return (
+        f"this command needs the Python package {error.name!r}, which is not installed; "
+        'pip install "motorcade[pipeline]" brings it'
+    )
+
+
+def _one_line(error: BaseException) -> str:
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    return " ".join(str(error).split()) or type(error).__name__

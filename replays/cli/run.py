@@ -1,0 +1,86 @@
+"""`motorcade run`: the whole stage graph on one or several recordings."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from motorcade.replays.cli.arguments import Subparsers, new_command
+
+
+def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        run_recordings,
+        name="run",
+        summary="track, fuse, smooth and augment recordings; leave videos and error reports",
+        example="motorcade run images/ --manifest camera.toml --out out/run --set fused.rts=false",
+    )
+    parser.add_argument("recordings", type=Path, nargs="+", metavar="RECORDING")
+    parser.add_argument(
+        "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
+    )
+    add_run_options(parser, out=Path("out"))
+    parser.add_argument("--executor", choices=("local", "processes"), default="local")
+
+
+def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:
+    """Options shared with `demo`."""
+    parser.add_argument("--out", type=Path, default=out, metavar="DIR", help=f"({out})")
+    parser.add_argument("--until", default="report", metavar="STAGE", help="stop after this stage")
+    parser.add_argument(
+        "--set",
+        dest="settings",
+        action="append",
+        default=[],
+        metavar="STAGE.KNOB=VALUE",
+        help="change a knob; `motorcade graph --knobs` lists them",
+    )
+    parser.add_argument("--cache", type=Path, metavar="DIR", help="stage outputs (OUT/.cache)")
+    parser.add_argument("--json", action="store_true", help="print the error report as JSON")
+
+
+def run_recordings(arguments: argparse.Namespace) -> None:
+    """Run one recording here, or several by the executor asked for."""
+    from motorcade.replays.pipeline import Job, run_job, run_jobs
+
+    jobs = [
+        Job(
+            recording=path,
+            manifest=arguments.manifest,
+            out=arguments.out / path.resolve().name if len(arguments.recordings) > 1 else arguments.out,
+            cache=arguments.cache,
+            until=arguments.until,
+            settings=tuple(arguments.settings),
+        )
+        for path in arguments.recordings
+    ]
+    if len(jobs) == 1:
+        print_summary(run_job(jobs[0]), jobs[0].out, as_json=arguments.json)
+        return
+    failed = 0
+    for job, outcome in run_jobs(jobs, arguments.executor):
+        if isinstance(outcome, BaseException):
+            failed += 1
+            print(f"motorcade: {job.recording}: {outcome}", file=sys.stderr)
+        else:
+            print(f"{job.recording}:")
+            print_summary(outcome, job.out, as_json=arguments.json)
+    if failed:
+        raise RuntimeError(f"{failed} of {len(jobs)} recordings failed; the others are done")
+
+
+def print_summary(summary: dict[str, object], out: Path, *, as_json: bool) -> None:
+    """The table of errors, or the whole report as JSON, and where the results lie."""
+    from motorcade.replays.report.summary import as_table
+
+    if as_json:
+        print(json.dumps(summary, indent=2))
+        return
+    if "errors" in summary:
+        print(as_table(summary))
+    print(f"results in {out}")

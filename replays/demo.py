@@ -1,0 +1,32 @@
+"""The embedded recording of `motorcade demo`: rendered once, then read like any other."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+from motorcade.replays.progress import track
+from motorcade.replays.provenance import code_digest
+from motorcade.replays.synthetic_room import write_recording
+
+MARKER = ".rendered"
+
+
+def ensure_demo_recording(folder: Path, seed: int) -> Path:
+    """Render the synthetic room into `folder` unless this code has done so with this seed.
+
+    The folder appears complete or not at all. Raises `render.RenderUnavailable` without OpenGL.
+    """
+    made_from = f"{code_digest(write_recording)} seed {seed}\n"
+    marker = folder / MARKER
+    if marker.is_file() and marker.read_text(encoding="utf-8") == made_from:
+        return folder
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    building = folder.with_name(f".{folder.name}.{os.getpid()}")
+    shutil.rmtree(building, ignore_errors=True)
+    write_recording(building, seed=seed, progress=track)
+    (building / MARKER).write_text(made_from, encoding="utf-8")
+    shutil.rmtree(folder, ignore_errors=True)
+    building.rename(folder)
+    return folder

@@ -1,0 +1,130 @@
+"""The report page: one HTML file that needs nothing beside it."""
+
+from __future__ import annotations
+
+import base64
+import platform
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga import kernels
+from motorcade.replays.report.findings import Findings
+from motorcade.replays.report.pictures import plots
+from motorcade.replays.report.summary import COLUMNS, shown_columns, shown_value
+
+TEMPLATE = Path(__file__).with_name("template.html")
+NO_VIDEO = (
+    "there is no headless OpenGL on this machine. Debian and Ubuntu bring it with "
+    "apt-get install libegl1 libgl1-mesa-dri; then run the same command again."
+)
+ORIGINS = {
+    "board": "tracked from the board in the images",
+    "simulated": "simulated from the truth, with noise",
+    "recorded": "recorded",
+    "reference": "simulated from the truth",
+    "tracked": "simulated along the tracked path (it knows nothing that the images did not)",
+}
+
+
+def page(findings: Findings) -> str:
+    """The whole page as HTML text; the video is inside as a data address."""
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
+    figures = findings.errors.figures
+    keys = shown_columns(figures)
+    return template.render(
+        name=findings.recording.name,
+        headline=_headline(findings),
+        video=_video(findings),
+        video_caption=_video_caption(findings),
+        no_video=NO_VIDEO,
+        facts=_facts(findings),
+        errors_caption=_errors_caption(findings),
+        columns=[f"{COLUMNS[key][0]} ({COLUMNS[key][1]})" for key in keys],
+        rows=_rows(figures, keys),
+        plots=plots(findings),
+        has_truth=findings.recording.truth is not None,
+        provenance=_provenance(),
+    )
+
+
+def _headline(findings: Findings) -> str:
+    poses, imu = findings.camera_poses, findings.imu
+    return f"Camera poses {ORIGINS[poses.origin]}; IMU {ORIGINS[imu.origin]}."
+
+
+def _video(findings: Findings) -> str | None:
+    if findings.overlay is None:
+        return None
+    encoded = base64.b64encode(findings.overlay.path.read_bytes()).decode("ascii")
+    return f"data:video/mp4;base64,{encoded}"
+
+
+def _video_caption(findings: Findings) -> str:
+    if findings.overlay is None:
+        return ""
+    film = findings.overlay
+    return (
+        f"{film.frames} undistorted frames, the character drawn from the motor-smoothed path "
+        f"in {film.frames_with_character} of them."
+    )
+
+
+def _facts(findings: Findings) -> list[dict[str, str]]:
+    """The few figures that stand large at the top."""
+    poses = findings.camera_poses
+    measured = len(poses.measurements.trajectory)
+    facts = [("frames with a pose", f"{measured} of {len(poses.sought_ns)}")]
+    if findings.frames_per_second is not None:
+        facts.append(("frames/s tracked, reading included", f"{findings.frames_per_second:.0f}"))
+        median = float(np.median(poses.reprojection_px))
+        facts.append(("median reprojection error", f"{median:.2f} px"))
+    motor = findings.errors.figures.get("motor", {})
+    if motor.get("ape_rmse_m") is not None:
+        facts.append(("APE, motor-smoothed", f"{shown_value('ape_rmse_m', motor['ape_rmse_m'])} mm"))
+        turn = shown_value("rotation_rmse_deg", motor["rotation_rmse_deg"])
+        facts.append(("rotation error, motor-smoothed", f"{turn}°"))
+    facts.append(("IMU samples", f"{len(findings.imu.stream.time_ns):,}"))
+    return [{"label": label, "value": value} for label, value in facts]
+
+
+def _errors_caption(findings: Findings) -> str:
+    errors = findings.errors
+    if findings.recording.truth is None:
+        return "This recording has no truth, so only jitter can be told."
+    how = {
+        "none": "without alignment",
+        "se3": "after rigid alignment (SE3)",
+        "sim3": "after alignment with scale (Sim3)",
+    }[errors.align]
+    return f"Against the recording's truth, {how}; root mean squares. The best of a column is green."
+
+
+def _rows(figures: dict[str, dict[str, float | None]], keys: list[str]) -> list[dict[str, Any]]:
+    best = {}
+    for key in keys:
+        sizes = {name: abs(row[key] or 0.0) for name, row in figures.items() if row.get(key) is not None}
+        best[key] = min(sizes, key=lambda name: sizes[name])
+    return [
+        {
+            "name": name,
+            "cells": [
+                {"text": shown_value(key, row.get(key)), "best": best[key] == name} for key in keys
+            ],
+        }
+        for name, row in figures.items()
+    ]
+
+
+def _provenance() -> list[tuple[str, str]]:
+    return [
+        ("motorcade", f"{version('motorcade')}, {kernels.backend} kernels"),
+        ("Python, NumPy, OpenCV", f"{platform.python_version()}, {np.__version__}, "
+         f"{version('opencv-contrib-python-headless')}"),
+        ("settings", "run.json beside this page holds every knob, key and time"),
+    ]  # fmt: skip

@@ -1,0 +1,98 @@
+"""`report.json` and its short form for a terminal; keys carry units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from motorcade.replays.report.findings import Findings
+
+COLUMNS = {
+    "ape_rmse_m": ("APE", "mm", 1e3),
+    "rotation_rmse_deg": ("rotation", "deg", 1.0),
+    "rpe_trans_rmse_m": ("RPE", "mm", 1e3),
+    "rpe_rot_rmse_deg": ("RPE rot.", "deg", 1.0),
+    "angular_jitter_rad_s2": ("ang. jitter", "rad/s²", 1.0),
+    "linear_jitter_m_s2": ("lin. jitter", "m/s²", 1.0),
+    "lag_ms": ("lag", "ms", 1.0),
+}
+"""Figures shown side by side: key, heading, shown unit, factor into it."""
+
+
+def summarise(findings: Findings) -> dict[str, Any]:
+    """The report's figures as a JSON-ready tree."""
+    poses, film, start = findings.camera_poses, findings.overlay, findings.convergence
+    tree = {
+        "recording": findings.recording.name,
+        "camera_poses": {
+            "origin": poses.origin,
+            "sought": len(poses.sought_ns),
+            "measured": len(poses.measurements.trajectory),
+            "reprojection_median_px": float(np.median(poses.reprojection_px)),
+            "seconds": poses.seconds,
+            "frames_per_s": findings.frames_per_second,
+        },
+        "imu": {"origin": findings.imu.origin, "samples": len(findings.imu.stream.time_ns)},
+        "align": findings.errors.align,
+        "errors": findings.errors.figures,
+        "convergence": {
+            "initial_tilt_deg": start.initial_tilt_deg,
+            "settled_s": start.settled_s,
+            "judged_by": start.judged_by,
+        },
+        "overlay": film
+        and {
+            "frames": film.frames,
+            "frames_with_character": film.frames_with_character,
+            "seconds": film.seconds,
+        },
+    }
+    cleaned: dict[str, Any] = without_nan(tree)
+    return cleaned
+
+
+def shown_columns(figures: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Keys of `COLUMNS` that at least one path has a figure for."""
+    return [
+        key for key in COLUMNS if any(row.get(key) is not None for row in figures.values())
+    ]
+
+
+def shown_value(key: str, value: float | None) -> str:
+    """A figure in its shown unit with three significant digits, or a dash."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    scaled = value * COLUMNS[key][2]
+    digits = 2 if scaled == 0 else max(0, 2 - math.floor(math.log10(abs(scaled))))
+    return f"{scaled:.{min(digits, 4)}f}"
+
+
+def as_table(summary: Mapping[str, Any]) -> str:
+    """The errors of a report as aligned text."""
+    figures = summary["errors"]
+    keys = shown_columns(figures)
+    head = ["", *(f"{COLUMNS[key][0]} ({COLUMNS[key][1]})" for key in keys)]
+    rows = [
+        [name, *(shown_value(key, row.get(key)) for key in keys)] for name, row in figures.items()
+    ]
+    widths = [max(len(line[i]) for line in [head, *rows]) for i in range(len(head))]
+    lines = []
+    for line in [head, *rows]:
+        cells = [line[0].ljust(widths[0])]
+        cells += [cell.rjust(width) for cell, width in zip(line[1:], widths[1:], strict=True)]
+        lines.append("  ".join(cells))
+    return "\n".join(lines)
+
+
+def without_nan(value: Any) -> Any:
+    """The same tree with None for numbers that JSON does not know."""
+    if isinstance(value, dict):
+        return {key: without_nan(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [without_nan(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

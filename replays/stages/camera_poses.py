@@ -1,0 +1,105 @@
+"""Stage `camera_poses`: where the camera was, measured from its board or simulated from the truth."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from motorcade.fusion.simulate_poses import simulate_camera_poses
+from motorcade.ga import FloatArray, IntArray
+from motorcade.replays.artifacts import ASIDE
+from motorcade.replays.progress import track
+from motorcade.replays.recording import Recording
+from motorcade.tracking import PoseMeasurements, track_board
+
+Origin = Literal["board", "simulated"]
+
+
+@dataclass(frozen=True)
+class CameraPoses:
+    """Measured poses `world_T_camera`, and every stamp at which one was sought.
+
+    `reprojection_px` (N,) belongs to the measurements; it is NaN where nothing was reprojected.
+    `seconds` is what tracking took, reading and decoding the images included.
+    """
+
+    measurements: PoseMeasurements
+    sought_ns: IntArray
+    reprojection_px: FloatArray
+    origin: Origin
+    seconds: float = field(metadata=ASIDE)
+
+
+def camera_poses(
+    recording: Recording,
+    *,
+    source: Literal["auto", "board", "simulated"] = "auto",
+    rate_hz: float = 20.0,
+    sigma_m: float = 0.01,
+    sigma_deg: float = 0.5,
+    blackouts_s: tuple[float, ...] = (),
+    seed: int = 0,
+) -> CameraPoses:
+    """Track the recording's board; where it has none, simulate measurements from its truth.
+
+    `rate_hz`, `sigma_m` and `sigma_deg` (an axis) and `seed` shape the simulation. `blackouts_s`
+    (start, end, start, end, … in seconds after the first stamp) are spans in which no pose is
+    measured, whatever the source. Raises ValueError where the recording has neither.
+    """
+    spans = _spans(blackouts_s)
+    if source == "board" or (source == "auto" and recording.board is not None):
+        return _tracked(recording, spans)
+    if recording.truth is None:
+        raise ValueError(
+            f"{recording.name}: no board to track and no truth to simulate poses from; "
+            "describe the board in a manifest ([board] type = ...)"
+        )
+    measurements = simulate_camera_poses(
+        recording.truth, rate_hz, sigma_m, np.deg2rad(sigma_deg), np.random.default_rng(seed)
+    )
+    sought = measurements.trajectory.time_ns
+    seen = ~_inside(sought, spans)
+    return CameraPoses(
+        measurements[seen], sought, np.full(int(seen.sum()), np.nan), "simulated", 0.0
+    )
+
+
+def _tracked(recording: Recording, spans: FloatArray) -> CameraPoses:
+    if recording.board is None or recording.camera is None:
+        missing = "camera" if recording.camera is None else "board"
+        raise ValueError(f"{recording.name}: no {missing} known; describe it in a manifest")
+    frames = recording.frames
+    start = time.perf_counter()
+    tracked = track_board(
+        ((frame.time_ns, frame.gray()) for frame in track(frames, "tracking", len(frames))),
+        recording.camera,
+        recording.board,
+    )
+    seconds = time.perf_counter() - start
+    measurements = tracked.measurements.transformed_by(recording.world_T_board)
+    seen = ~_inside(measurements.trajectory.time_ns, spans)
+    return CameraPoses(
+        measurements[seen], frames.time_ns, tracked.reprojection_px[seen], "board", seconds
+    )
+
+
+def _spans(blackouts_s: tuple[float, ...]) -> FloatArray:
+    if len(blackouts_s) % 2:
+        raise ValueError(
+            f"camera_poses.blackouts_s: expected start, end pairs, came {len(blackouts_s)} numbers"
+        )
+    spans = np.array(blackouts_s, dtype=np.float64).reshape(-1, 2)
+    if np.any(spans[:, 1] <= spans[:, 0]):
+        raise ValueError("camera_poses.blackouts_s: expected every end after its start")
+    return spans
+
+
+def _inside(time_ns: IntArray, spans: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    seconds = (time_ns - time_ns[0]) * 1e-9
+    inside = np.zeros(seconds.shape, dtype=np.bool_)
+    for start, end in spans:
+        inside |= (seconds >= start) & (seconds < end)
+    return inside

@@ -1,0 +1,115 @@
+"""Stage `errors`: every path of the run against the truth, as figures and over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from motorcade.fusion.filter import Fused
+from motorcade.fusion.metrics import (
+    Align,
+    absolute_translation_m,
+    accelerations,
+    alignment_of,
+    associate,
+    evaluate,
+    jitter_above,
+    rotation_rad,
+)
+from motorcade.ga import FloatArray, Trajectory
+from motorcade.replays.recording import Recording
+from motorcade.replays.stages.camera_poses import CameraPoses
+from motorcade.replays.stages.smoothed import Smoothed
+
+
+@dataclass(frozen=True)
+class ErrorSeries:
+    """Errors of one path over time; seconds count from the first stamp of the measured path."""
+
+    time_s: FloatArray
+    position_m: FloatArray
+    rotation_deg: FloatArray
+
+
+@dataclass(frozen=True)
+class ShakeSeries:
+    """Length of the angular acceleration of one path over time, in the moving frame."""
+
+    time_s: FloatArray
+    angular_acceleration_rad_s2: FloatArray
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Figures and series a path: `measured`, `fused`, and every smoothed representation.
+
+    `align` is the alignment used; it is "none" and `against_truth` empty where there is no truth.
+    """
+
+    align: Align
+    figures: dict[str, dict[str, float | None]]
+    against_truth: dict[str, ErrorSeries]
+    shake: dict[str, ShakeSeries]
+
+
+def errors(
+    recording: Recording,
+    camera_poses: CameraPoses,
+    fused: Fused,
+    smoothed: Smoothed,
+    *,
+    align: Literal["auto", "none", "se3", "sim3"] = "auto",
+    jitter_above_hz: float = 5.0,
+) -> Errors:
+    """Evaluate every path.
+
+    `align=auto` aligns (se3) where the poses were tracked, since the board's frame need not be
+    the truth's, and not where they were simulated from the truth. Without a truth only the jitter
+    above `jitter_above_hz` is told.
+    """
+    paths = {"measured": camera_poses.measurements.trajectory, "fused": fused.trajectory}
+    paths |= smoothed.trajectories
+    start_ns = int(paths["measured"].time_ns[0])
+    shake = {name: _shake(path, start_ns) for name, path in paths.items()}
+    truth = recording.truth
+    if truth is None:
+        figures = {name: _figures_without_truth(path, jitter_above_hz) for name, path in paths.items()}
+        return Errors("none", figures, {}, shake)
+    how: Align = ("se3" if camera_poses.origin == "board" else "none") if align == "auto" else align
+    figures = {name: _figures(path, truth, how) for name, path in paths.items()}
+    series = {name: _series(path, truth, how, start_ns) for name, path in paths.items()}
+    return Errors(how, figures, series, shake)
+
+
+def _figures(path: Trajectory, truth: Trajectory, align: Align) -> dict[str, float | None]:
+    found = evaluate(path, truth, align=align).as_dict()
+    return {key: value for key, value in found.items() if not isinstance(value, str)}
+
+
+def _figures_without_truth(path: Trajectory, frequency_hz: float) -> dict[str, float | None]:
+    jitter = jitter_above(path, frequency_hz)
+    return {
+        "angular_jitter_rad_s2": jitter.angular_rad_s2,
+        "linear_jitter_m_s2": jitter.linear_m_s2,
+        "jitter_above_hz": frequency_hz,
+    }
+
+
+def _series(path: Trajectory, truth: Trajectory, align: Align, start_ns: int) -> ErrorSeries:
+    pairs = associate(path, truth)
+    aligned = alignment_of(pairs, align).apply(pairs.estimate)
+    return ErrorSeries(
+        time_s=(pairs.time_ns - start_ns) * 1e-9,
+        position_m=absolute_translation_m(aligned, pairs.reference),
+        rotation_deg=np.rad2deg(rotation_rad(aligned, pairs.reference)),
+    )
+
+
+def _shake(path: Trajectory, start_ns: int) -> ShakeSeries:
+    if len(path) < 3:
+        return ShakeSeries(np.zeros(0), np.zeros(0))
+    _, angular = accelerations(path.time_s, path.poses)
+    time_s = (path.time_ns[1:-1] - start_ns) * 1e-9
+    return ShakeSeries(time_s, np.linalg.norm(angular, axis=-1))
