@@ -8,16 +8,19 @@ from __future__ import annotations
 
 from motorcade.ga import kernels
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.splines import CumulativeBSpline, SplineSample
 from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.versor import Versor
 
 __all__ = [
+    "CumulativeBSpline",
     "FloatArray",
     "IntArray",
     "Motor",
     "Rotor",
+    "SplineSample",
     "Trajectory",
     "Versor",
     "checked_floats",

@@ -1,0 +1,202 @@
+"""Least-squares fit of a cumulative B-spline's control motors to poses.
+
+Minimised is the sum over the poses of squared rotation (rad) and displacement (m) left between
+pose and spline, plus a very small multiple of the squared fourth differences of the screws from
+control to control. That term decides what the poses leave open, such as the outermost controls.
+Gauss-Newton with exact derivatives (Sommer et al., CVPR 2020, carried over to rigid motions); a
+segment touches six controls, so the normal equations are a band and the cost is linear in time.
+
+Twists are (rotation, translation); a control moves by ``C exp(step)``, a pose by ``S exp(J step)``.
+"""
+
+from __future__ import annotations
+
+from math import factorial
+from typing import NamedTuple
+
+import numpy as np
+
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.versors.motor import Motor
+
+__all__ = ["fit_controls", "twist_adjoint"]
+
+_MAX_STEPS = 30
+# Largest step of any control that shapes a pose by a tenth or more, rad and m.
+_CONVERGED = 1e-9
+_SMOOTHNESS = 1e-6
+_CHUNK = 2048
+_FOURTH_DIFFERENCE = (1.0, -4.0, 6.0, -4.0, 1.0)
+_SERIES_TERMS = 16
+
+
+def fit_controls(
+    controls: Motor, segment: IntArray, weights: FloatArray, poses: Motor
+) -> Motor | None:
+    """Move control motors until the spline through them is closest to the poses.
+
+    Args:
+        controls: first guess, Motor ``(n,)``.
+        segment: ``(N,)`` first of the six controls that shape each pose, not decreasing.
+        weights: ``(5, N)`` cumulative basis at each pose.
+        poses: Motor ``(N,)``.
+
+    Returns:
+        The fitted controls, or None where the steps do not settle.
+
+    Raises:
+        ModuleNotFoundError: scipy is missing.
+    """
+    for _ in range(_MAX_STEPS):
+        blocks, gradient = _normal_equations(controls, segment, weights, poses)
+        step = _solve_band(blocks, gradient)
+        controls = controls @ Motor.from_twist(step)
+        # The six weights of a pose sum to one, most of it on the middle two controls.
+        if float(np.max(np.abs(step[2:-2]))) < _CONVERGED:
+            return controls
+    return None
+
+
+def twist_adjoint(motor: Motor) -> FloatArray:
+    """Matrices ``(*, 6, 6)`` that carry twists through a motor: ``M exp(x) ~M = exp(Ad x)``."""
+    rotation = motor.rotor.as_matrix()
+    adjoint = np.zeros((*motor.shape, 6, 6))
+    adjoint[..., :3, :3] = adjoint[..., 3:, 3:] = rotation
+    adjoint[..., 3:, :3] = _cross_matrix(motor.translation_m) @ rotation
+    return adjoint
+
+
+def _cross_matrix(vector: FloatArray) -> FloatArray:
+    x, y, z = np.moveaxis(vector, -1, 0)
+    zero = np.zeros_like(x)
+    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def _bracket_matrix(twist: FloatArray) -> FloatArray:
+    bracket = np.zeros((*twist.shape, 6))
+    bracket[..., :3, :3] = bracket[..., 3:, 3:] = _cross_matrix(twist[..., :3])
+    bracket[..., 3:, :3] = _cross_matrix(twist[..., 3:])
+    return bracket
+
+
+def _right_jacobian(twist: FloatArray) -> FloatArray:
+    """``(*, 6, 6)`` with ``exp(x + y) ≈ exp(x) exp(J y)``: the sum of ``(-ad)^n / (n + 1)!``.
+
+    Powers above the fourth fold back by ``ad⁵ = -2 θ² ad³ - θ⁴ ad``, which leaves four series in
+    ``θ²``; they converge for every angle.
+    """
+    angle2 = np.sum(twist[..., :3] ** 2, axis=-1)
+    factors = [np.zeros_like(angle2) for _ in range(4)]
+    for m in range(_SERIES_TERMS, 0, -1):
+        sign = (-1.0) ** (m - 1)
+        for low, extra in ((0, 2), (1, 3)):
+            scale = sign / factorial(2 * m + extra)
+            factors[low + 2] = factors[low + 2] * angle2 + m * scale
+            factors[low] = factors[low] * angle2 + (m - 1) * scale
+    bracket = -_bracket_matrix(twist)
+    square = bracket @ bracket
+    one, two = 1 / 2 + factors[0] * angle2, 1 / 6 + factors[1] * angle2
+    low_part = one[..., None, None] * np.eye(6) + two[..., None, None] * bracket
+    high_part = factors[2][..., None, None] * np.eye(6) + factors[3][..., None, None] * bracket
+    total: FloatArray = np.eye(6) + bracket @ (low_part + square @ high_part)
+    return total
+
+
+class _Chain(NamedTuple):
+    """Control motors, screws between them, and how each screw changes with a control's step."""
+
+    controls: Motor
+    screws: FloatArray
+    by_next: FloatArray
+    by_last: FloatArray
+
+    @classmethod
+    def of(cls, controls: Motor) -> _Chain:
+        screws = (controls[:-1].inverse() @ controls[1:]).as_twist()
+        by_next: FloatArray = np.linalg.inv(_right_jacobian(screws)).astype(np.float64)
+        by_last: FloatArray = np.linalg.inv(_right_jacobian(-screws)).astype(np.float64)
+        return cls(controls, screws, by_next, -by_last)
+
+
+def _pose_jacobians(
+    chain: _Chain, segment: IntArray, weights: FloatArray
+) -> tuple[Motor, FloatArray]:
+    """Poses ``(N,)`` and their derivatives ``(N, 6, 36)`` by the steps of six controls each."""
+    jacobian = np.zeros((len(segment), 6, 6, 6))
+    pose = Motor.identity((len(segment),))
+    carried = np.broadcast_to(np.eye(6), (len(segment), 6, 6))
+    for j in range(4, -1, -1):
+        weight = weights[j][:, None]
+        part = weight * chain.screws[segment + j]
+        effect = carried @ (weight[..., None] * _right_jacobian(part))
+        jacobian[:, :, j + 1] += effect @ chain.by_next[segment + j]
+        jacobian[:, :, j] += effect @ chain.by_last[segment + j]
+        factor = Motor.from_twist(part)
+        pose = factor @ pose
+        carried = carried @ twist_adjoint(factor.inverse())
+    jacobian[:, :, 0] += carried
+    return chain.controls[segment] @ pose, jacobian.reshape(-1, 6, 36)
+
+
+def _roughness(chain: _Chain, segments: int) -> tuple[FloatArray, FloatArray]:
+    """Fourth differences of the screws ``(n - 5, 6)`` and their derivatives ``(n - 5, 6, 36)``."""
+    rough = np.zeros((segments, 6))
+    jacobian = np.zeros((segments, 6, 6, 6))
+    for j, factor in enumerate(_FOURTH_DIFFERENCE):
+        rough += factor * chain.screws[j : j + segments]
+        jacobian[:, :, j + 1] += factor * chain.by_next[j : j + segments]
+        jacobian[:, :, j] += factor * chain.by_last[j : j + segments]
+    return rough, jacobian.reshape(-1, 6, 36)
+
+
+def _residuals(pose: Motor, target: Motor) -> FloatArray:
+    """Rotation vector and displacement ``(N, 6)`` from pose to target, in the pose's own frame."""
+    turn = (pose.rotor.inverse() @ target.rotor).as_rotation_vector()
+    shift = pose.rotor.inverse().apply(target.translation_m - pose.translation_m)
+    return np.concatenate([turn, shift], axis=-1)
+
+
+def _normal_equations(
+    controls: Motor, segment: IntArray, weights: FloatArray, poses: Motor
+) -> tuple[FloatArray, FloatArray]:
+    """Blocks ``(n - 5, 36, 36)`` and gradients ``(n - 5, 36)``, one a segment."""
+    chain, segments = _Chain.of(controls), len(controls) - 5
+    blocks = np.zeros((segments, 36, 36))
+    gradient = np.zeros((segments, 36))
+    for start in range(0, len(segment), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        pose, jacobian = _pose_jacobians(chain, segment[part], weights[:, part])
+        turned = np.swapaxes(jacobian, -1, -2)
+        residual = _residuals(pose, poses[part])
+        firsts = np.flatnonzero(np.diff(segment[part], prepend=-1))
+        owners = segment[part][firsts]
+        blocks[owners] += np.add.reduceat(turned @ jacobian, firsts, axis=0)
+        gradient[owners] += np.add.reduceat((turned @ residual[..., None])[..., 0], firsts, axis=0)
+    strength = _SMOOTHNESS * len(segment) / segments
+    rough, jacobian = _roughness(chain, segments)
+    turned = strength * np.swapaxes(jacobian, -1, -2)
+    blocks += turned @ jacobian
+    gradient -= (turned @ rough[..., None])[..., 0]
+    return blocks, gradient
+
+
+def _solve_band(blocks: FloatArray, gradient: FloatArray) -> FloatArray:
+    """Steps ``(n, 6)`` of all controls from the overlapping equations of the segments."""
+    try:
+        from scipy.linalg import solveh_banded
+    except ModuleNotFoundError as missing:
+        raise ModuleNotFoundError(
+            'fitting a spline needs scipy: pip install "motorcade[pipeline]"'
+        ) from missing
+    segments = len(blocks)
+    size = 6 * (segments + 5)
+    band = np.zeros((36, size))
+    right = np.zeros(size)
+    for column in range(36):
+        own = slice(column, column + 6 * segments, 6)
+        right[own] += gradient[:, column]
+        band[: 36 - column, own] += blocks[:, column:, column].T
+    # The smoothness term leaves out steps that are polynomials over the whole spline.
+    band[0] += 1e-14 * np.max(band[0])
+    return np.asarray(solveh_banded(band, right, lower=True)).reshape(-1, 6)
