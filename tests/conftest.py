@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parents[1]
@@ -16,3 +17,9 @@ def data_dir() -> Path:
     if not folder.is_dir():
         pytest.skip("no real recordings here: set MOTORCADE_DATA to their folder")
     return folder
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """Random numbers that are the same in every run."""
+    return np.random.default_rng(20240229)
