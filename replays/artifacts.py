@@ -3,7 +3,7 @@
 An artifact is a folder: `value.json` (the tree), `arrays.npz` (its arrays), `files/` (whatever the
 value points to with a `Path`), `aside.json` (fields that say how the value came about, such as
 seconds, and do not belong to its content) and `artifact.json` (format version, content digest),
-written last. The folder is built under a temporary name and renamed, so a reader sees all or nothing.
+written last. The folder is built under a temporary name and renamed: a reader sees all or nothing.
 
 Reading is driven by the type asked for, never by names found in the file; nothing is unpickled.
 """

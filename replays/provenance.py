@@ -1,8 +1,8 @@
 """What a stage's result depends on besides its inputs: code and the versions that run it.
 
 `code_digest(function)` covers the source of the function's module and of every module of ours that
-it imports, directly or through others, wherever in the file the import stands; the bytes of compiled
-modules; and the versions of Python and of each foreign package that these modules import.
+it imports, directly or through others, wherever in the file the import stands; the bytes of
+compiled modules; and the versions of Python and of each foreign package that these modules import.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Zero-lag smoothing by local polynomials: at every stamp a weighted polynomial of its neighbourhood.
+"""Zero-lag smoothing by local polynomials: at every stamp one of its neighbourhood, weighted.
 
 W. S. Cleveland, Robust locally weighted regression and smoothing scatterplots, JASA 74 (1979),
 with his tricube weights, over time instead of neighbours by count: stamps may be uneven and gaps

@@ -34,7 +34,7 @@ class Representation(Protocol):
 
 
 class _Motors:
-    """Twists from the centre pose to its neighbours: the same result in any world and sensor frame."""
+    """Twists from the centre pose to its neighbours: independent of world and sensor frame."""
 
     def chart(self, poses: Motor) -> FloatArray:
         return poses.coefficients

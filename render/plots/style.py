@@ -11,7 +11,7 @@ import io
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +36,7 @@ def house_style() -> Iterator[None]:
     """Matplotlib settings that hold inside the block; nothing global changes."""
     import matplotlib as mpl
 
-    settings = {
+    settings: Any = {
         "font.family": "sans-serif",
         "font.size": 9.0,
         "axes.titlesize": 10.0,
@@ -77,7 +77,7 @@ def new_figure(width_in: float, height_in: float, columns: int = 1) -> tuple[Fig
     return figure, list(axes[0])
 
 
-def line_style(name: str) -> dict[str, float | str]:
+def line_style(name: str) -> dict[str, Any]:
     """Colour and weight of the line called `name`; the truth lies thin on top of the others."""
     emphasis = {"truth": 0.9, "measured": 0.7, "motor": 1.7}
     return {

@@ -1,4 +1,4 @@
-"""Stage `camera_poses`: where the camera was, measured from its board or simulated from the truth."""
+"""Stage `camera_poses`: where the camera was, from its board or simulated from the truth."""
 
 from __future__ import annotations
 

@@ -75,7 +75,9 @@ def errors(
     shake = {name: _shake(path, start_ns) for name, path in paths.items()}
     truth = recording.truth
     if truth is None:
-        figures = {name: _figures_without_truth(path, jitter_above_hz) for name, path in paths.items()}
+        figures = {
+            name: _figures_without_truth(path, jitter_above_hz) for name, path in paths.items()
+        }
         return Errors("none", figures, {}, shake)
     how: Align = ("se3" if camera_poses.origin == "board" else "none") if align == "auto" else align
     figures = {name: _figures(path, truth, how) for name, path in paths.items()}
@@ -101,7 +103,7 @@ def _series(path: Trajectory, truth: Trajectory, align: Align, start_ns: int) ->
     pairs = associate(path, truth)
     aligned = alignment_of(pairs, align).apply(pairs.estimate)
     return ErrorSeries(
-        time_s=(pairs.time_ns - start_ns) * 1e-9,
+        time_s=np.asarray((pairs.time_ns - start_ns) * 1e-9),
         position_m=absolute_translation_m(aligned, pairs.reference),
         rotation_deg=np.rad2deg(rotation_rad(aligned, pairs.reference)),
     )
@@ -111,5 +113,5 @@ def _shake(path: Trajectory, start_ns: int) -> ShakeSeries:
     if len(path) < 3:
         return ShakeSeries(np.zeros(0), np.zeros(0))
     _, angular = accelerations(path.time_s, path.poses)
-    time_s = (path.time_ns[1:-1] - start_ns) * 1e-9
+    time_s = np.asarray((path.time_ns[1:-1] - start_ns) * 1e-9)
     return ShakeSeries(time_s, np.linalg.norm(angular, axis=-1))

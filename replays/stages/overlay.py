@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from motorcade.animation.mannequin import mannequin
 from motorcade.ga import Trajectory
-from motorcade.render import RenderUnavailable, render_overlay, write_video
-from motorcade.replays.artifacts import ASIDE, new_file
-from motorcade.replays.graph import Unavailable
-from motorcade.replays.progress import track
+from motorcade.replays.artifacts import ASIDE
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.placed import Placed
 from motorcade.replays.stages.smoothed import Smoothed
@@ -46,5 +41,7 @@ def overlay(
 def _chosen(smoothed: Smoothed, representation: str) -> Trajectory:
     if representation not in smoothed.trajectories:
         known = ", ".join(smoothed.trajectories)
-        raise ValueError(f"overlay.representation: expected one of {known}, came {representation!r}")
+        raise ValueError(
+            f"overlay.representation: expected one of {known}, came {representation!r}"
+        )
     return smoothed.trajectories[representation]

@@ -24,7 +24,9 @@ def smoothed(
     order: int = 2,
 ) -> Smoothed:
     """Smooth the fused path by local polynomials of `order` over `window_s` seconds."""
-    return Smoothed({
-        name: smooth(fused.trajectory, representation=name, window_s=window_s, order=order)
-        for name in representations
-    })
+    return Smoothed(
+        {
+            name: smooth(fused.trajectory, representation=name, window_s=window_s, order=order)
+            for name in representations
+        }
+    )

@@ -152,7 +152,8 @@ from motorcade.replays.graph import Graph
 import stages_on_disk as s
 
 sys.path.insert(0, ".")
-run = Graph([s.first, s.second], {"text": s.Text}).run("second", {"text": s.Text("a")}, Path("cache"))
+graph = Graph([s.first, s.second], {"text": s.Text})
+run = graph.run("second", {"text": s.Text("a")}, Path("cache"))
 print(*(r.stage for r in run.records if not r.cached), run.outputs["second"].value)
 """
 
