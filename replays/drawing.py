@@ -79,5 +79,3 @@ def _edge(start: tuple[int, int], end: tuple[int, int], *, optional: bool) -> st
         f'<path class="{kind}" marker-end="url(#tip)" '
         f'd="M{x0} {y0:g}C{x0 + bend:g} {y0:g} {x1 - bend:g} {y1:g} {x1} {y1:g}"/>'
     )
-
-

@@ -211,9 +211,7 @@ def _strip_none(hint: Any) -> tuple[Any, bool]:
 
 
 def _settings(stage: Stage, chosen: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        name: chosen.get(name, parameter.default) for name, parameter in stage.knobs.items()
-    }
+    return {name: chosen.get(name, parameter.default) for name, parameter in stage.knobs.items()}
 
 
 def _key(stage: Stage, digests: Mapping[str, str], settings: Mapping[str, Any]) -> str:

@@ -1,14 +1,13 @@
 """The pipeline: recording in, trajectories, video and error report out.
 
-    recording ─┬─ camera_poses ─┬─ fused ── smoothed ─┬─ errors ──────────┬─ report
-               └─ imu ──────────┘                     └─ placed ─ overlay ┄┘
+recording ─┬─ camera_poses ─┬─ fused ── smoothed ─┬─ errors ──────────┬─ report
+           └─ imu ──────────┘                     └─ placed ─ overlay ┄┘
 """
 
 from __future__ import annotations
 
 import json
 import os
-import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.ga import Trajectory
+from motorcade.replays.atomic import copy_file, write_bytes
 from motorcade.replays.graph import Graph, Run
 from motorcade.replays.knobs import parse_knobs
 from motorcade.replays.recording import Recording, open_recording
@@ -113,15 +113,15 @@ def export(run: Run, out: Path) -> dict[str, Any]:
     """Copy what a run computed into `out`, each file at once or not at all."""
     for name, trajectory in trajectories(run).items():
         write_trajectory(trajectory, out / "trajectories" / f"{name}.tum")
-    (out / "run.json").write_text(json.dumps(account(run), indent=2) + "\n", encoding="utf-8")
+    write_bytes(out / "run.json", (json.dumps(account(run), indent=2) + "\n").encode())
     film = run.outputs.get("overlay")
     if film is not None:
-        replace_file(film.path, out / "overlay.mp4")
+        copy_file(film.path, out / "overlay.mp4")
     pages = run.outputs.get("report")
     if pages is None:
         return account(run)
-    replace_file(pages.page, out / "report.html")
-    replace_file(pages.summary, out / "report.json")
+    copy_file(pages.page, out / "report.html")
+    copy_file(pages.summary, out / "report.json")
     summary: dict[str, Any] = json.loads(pages.summary.read_text(encoding="utf-8"))
     return summary
 
@@ -143,11 +143,3 @@ def trajectories(run: Run) -> dict[str, Trajectory]:
         for representation, trajectory in run.outputs["smoothed"].trajectories.items():
             named[f"smoothed_{representation}"] = trajectory
     return named
-
-
-def replace_file(source: Path, target: Path) -> None:
-    """Copy a file over `target` in one step, so that no reader sees half of it."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    building = target.with_name(f".{target.name}.{os.getpid()}")
-    shutil.copyfile(source, building)
-    building.replace(target)

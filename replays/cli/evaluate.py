@@ -35,6 +35,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def evaluate_files(arguments: argparse.Namespace) -> None:
     """Read both, evaluate, print a table."""
     from motorcade.fusion.metrics import evaluate
+    from motorcade.replays.atomic import write_bytes
     from motorcade.replays.trajectory_files import read_trajectory
 
     estimate = read_trajectory(arguments.estimate, rate_hz=arguments.rate_hz)
@@ -48,4 +49,4 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
     for key, value in errors.items():
         print(f"{key:>28}  {value:.9g}" if isinstance(value, float) else f"{key:>28}  {value}")
     if arguments.json is not None:
-        arguments.json.write_text(json.dumps(errors, indent=2) + "\n", encoding="utf-8")
+        write_bytes(arguments.json, (json.dumps(errors, indent=2) + "\n").encode())

@@ -25,11 +25,12 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def draw(arguments: argparse.Namespace) -> None:
     """Print or write the drawing."""
     from motorcade.replays import drawing
+    from motorcade.replays.atomic import write_bytes
     from motorcade.replays.pipeline import pipeline
 
     graph = pipeline()
     if arguments.svg is not None:
-        arguments.svg.write_text(drawing.svg(graph), encoding="utf-8")
+        write_bytes(arguments.svg, drawing.svg(graph).encode())
     elif arguments.knobs:
         for stage in graph.stages.values():
             for knob in stage.knobs.values():

@@ -52,7 +52,9 @@ def run_recordings(arguments: argparse.Namespace) -> None:
         Job(
             recording=path,
             manifest=arguments.manifest,
-            out=arguments.out / path.resolve().name if len(arguments.recordings) > 1 else arguments.out,
+            out=arguments.out / path.resolve().name
+            if len(arguments.recordings) > 1
+            else arguments.out,
             cache=arguments.cache,
             until=arguments.until,
             settings=tuple(arguments.settings),

@@ -32,12 +32,12 @@ def simulate(arguments: argparse.Namespace) -> None:
     import numpy as np
 
     from motorcade.fusion.imu import ADIS16448, ImuNoise, simulate_imu
-    from motorcade.replays.imu_files import write_imu_csv
+    from motorcade.replays.imu_files import write_imu
     from motorcade.replays.trajectory_files import read_trajectory
 
-    noise = ADIS16448 if arguments.noise is None else ImuNoise.read_yaml(arguments.noise)
+    noise = ADIS16448 if arguments.noise is None else ImuNoise.load(arguments.noise)
     trajectory = read_trajectory(arguments.trajectory)
     simulated = simulate_imu(
         trajectory, arguments.rate_hz, noise, np.random.default_rng(arguments.seed)
     )
-    write_imu_csv(simulated.stream, arguments.output)
+    write_imu(simulated.stream, arguments.output)

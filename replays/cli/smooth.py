@@ -24,9 +24,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "--representation", choices=("motor", "quaternion", "euler"), default="motor"
     )
     parser.add_argument("--window-s", type=float, default=0.3, help="width of the window (0.3 s)")
-    parser.add_argument(
-        "--order", type=int, default=2, help="order of the local polynomial (2)"
-    )
+    parser.add_argument("--order", type=int, default=2, help="order of the local polynomial (2)")
     parser.add_argument("--format", choices=("tum", "euroc", "kitti"), help="of both files")
     parser.add_argument("--rate-hz", type=float, help="rate of a KITTI file, which has no stamps")
 

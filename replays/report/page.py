@@ -86,7 +86,9 @@ def _facts(findings: Findings) -> list[dict[str, str]]:
         facts.append(("median reprojection error", f"{median:.2f} px"))
     motor = findings.errors.figures.get("motor", {})
     if motor.get("ape_rmse_m") is not None:
-        facts.append(("APE, motor-smoothed", f"{shown_value('ape_rmse_m', motor['ape_rmse_m'])} mm"))
+        facts.append(
+            ("APE, motor-smoothed", f"{shown_value('ape_rmse_m', motor['ape_rmse_m'])} mm")
+        )
         turn = shown_value("rotation_rmse_deg", motor["rotation_rmse_deg"])
         facts.append(("rotation error, motor-smoothed", f"{turn}°"))
     facts.append(("IMU samples", f"{len(findings.imu.stream.time_ns):,}"))
@@ -102,13 +104,17 @@ def _errors_caption(findings: Findings) -> str:
         "se3": "after rigid alignment (SE3)",
         "sim3": "after alignment with scale (Sim3)",
     }[errors.align]
-    return f"Against the recording's truth, {how}; root mean squares. The best of a column is green."
+    return (
+        f"Against the recording's truth, {how}; root mean squares. The best of a column is green."
+    )
 
 
 def _rows(figures: dict[str, dict[str, float | None]], keys: list[str]) -> list[dict[str, Any]]:
     best = {}
     for key in keys:
-        sizes = {name: abs(row[key] or 0.0) for name, row in figures.items() if row.get(key) is not None}
+        sizes = {
+            name: abs(row[key] or 0.0) for name, row in figures.items() if row.get(key) is not None
+        }
         best[key] = min(sizes, key=lambda name: sizes[name])
     return [
         {

@@ -56,9 +56,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
 
 def shown_columns(figures: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Keys of `COLUMNS` that at least one path has a figure for."""
-    return [
-        key for key in COLUMNS if any(row.get(key) is not None for row in figures.values())
-    ]
+    return [key for key in COLUMNS if any(row.get(key) is not None for row in figures.values())]
 
 
 def shown_value(key: str, value: float | None) -> str:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import FloatArray, IntArray
-from motorcade.replays.artifacts import ASIDE
+from motorcade.replays.artifacts import ASIDE, new_file
 from motorcade.replays.progress import track
 from motorcade.replays.recording import Recording
 from motorcade.tracking import PoseMeasurements, track_board
@@ -23,13 +25,16 @@ class CameraPoses:
     """Measured poses `world_T_camera`, and every stamp at which one was sought.
 
     `reprojection_px` (N,) belongs to the measurements; it is NaN where nothing was reprojected.
-    `seconds` is what tracking took, reading and decoding the images included.
+    `board_track` holds the corners and both planar candidates of every frame (read it with
+    `tracking.BoardTrack.load`); simulated poses have none. `seconds` is what tracking took,
+    reading and decoding the images included.
     """
 
     measurements: PoseMeasurements
     sought_ns: IntArray
     reprojection_px: FloatArray
     origin: Origin
+    board_track: Path | None
     seconds: float = field(metadata=ASIDE)
 
 
@@ -57,13 +62,14 @@ def camera_poses(
             f"{recording.name}: no board to track and no truth to simulate poses from; "
             "describe the board in a manifest ([board] type = ...)"
         )
-    measurements = simulate_camera_poses(
+    simulated = simulate_camera_poses(
         recording.truth, rate_hz, sigma_m, np.deg2rad(sigma_deg), np.random.default_rng(seed)
     )
-    sought = measurements.trajectory.time_ns
+    sought = simulated.trajectory.time_ns
     seen = ~_inside(sought, spans)
+    nothing_reprojected = np.full(np.count_nonzero(seen), np.nan)
     return CameraPoses(
-        measurements[seen], sought, np.full(int(seen.sum()), np.nan), "simulated", 0.0
+        _chosen(simulated, seen), sought, nothing_reprojected, "simulated", None, seconds=0.0
     )
 
 
@@ -79,11 +85,27 @@ def _tracked(recording: Recording, spans: FloatArray) -> CameraPoses:
         recording.board,
     )
     seconds = time.perf_counter() - start
-    measurements = tracked.measurements.transformed_by(recording.world_T_board)
-    seen = ~_inside(measurements.trajectory.time_ns, spans)
-    return CameraPoses(
-        measurements[seen], frames.time_ns, tracked.reprojection_px[seen], "board", seconds
+    on_board = tracked.measurements
+    seen = ~_inside(on_board.trajectory.time_ns, spans)
+    in_world = PoseMeasurements(
+        on_board.trajectory.transformed_by(left=recording.world_T_board), on_board.covariance
     )
+    board_track = new_file("board_track.npz")
+    tracked.save(board_track)
+    return CameraPoses(
+        _chosen(in_world, seen),
+        frames.time_ns,
+        tracked.error_px[seen],
+        "board",
+        board_track,
+        seconds,
+    )
+
+
+def _chosen(measurements: PoseMeasurements, seen: NDArray[np.bool_]) -> PoseMeasurements:
+    if not np.any(seen):
+        raise ValueError("camera_poses.blackouts_s: no measured pose is left; shorten the spans")
+    return PoseMeasurements(measurements.trajectory[seen], measurements.covariance[seen])
 
 
 def _spans(blackouts_s: tuple[float, ...]) -> FloatArray:
@@ -97,7 +119,7 @@ def _spans(blackouts_s: tuple[float, ...]) -> FloatArray:
     return spans
 
 
-def _inside(time_ns: IntArray, spans: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _inside(time_ns: IntArray, spans: FloatArray) -> NDArray[np.bool_]:
     seconds = (time_ns - time_ns[0]) * 1e-9
     inside = np.zeros(seconds.shape, dtype=np.bool_)
     for start, end in spans:

@@ -17,7 +17,9 @@ MAY_IMPORT = {
 FILES = sorted(path for room in MAY_IMPORT for path in (REPOSITORY / room).rglob("*.py"))
 
 if not FILES:
-    pytest.skip("the source tree is not here: an installed wheel is tested", allow_module_level=True)
+    pytest.skip(
+        "the source tree is not here: an installed wheel is tested", allow_module_level=True
+    )
 
 
 def imported_rooms(tree: ast.Module) -> set[str]:

@@ -1,0 +1,40 @@
+"""Files that appear whole or not at all, so that no reader and no killed run meets half of one."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+__all__ = ["copy_file", "write_bytes"]
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write `data` over `path`; OSError naming `path` where that fails, which then stays as it was."""
+    with _replacing(path) as building:
+        building.write_bytes(data)
+
+
+def copy_file(source: Path, path: Path) -> None:
+    """Copy a file over `path`; OSError naming `path` where that fails."""
+    with _replacing(path) as building:
+        shutil.copyfile(source, building)
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[Path]:
+    building = path.with_name(f".{path.name}.{secrets.token_hex(6)}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        yield building
+        with building.open("rb") as file:
+            os.fsync(file.fileno())
+        building.replace(path)
+    except OSError as fault:
+        with contextlib.suppress(OSError):
+            building.unlink()
+        raise OSError(fault.errno, f"cannot be written: {fault.strerror}", str(path)) from fault
