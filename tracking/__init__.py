@@ -1,0 +1,64 @@
+"""Cameras, printed boards and their tracking: pictures in, pose measurements out.
+
+Poses are ``world_T_camera``; for a board the world is the board's own frame (origin at its first
+corner, x right and y up as printed, z out of the printed face). Needs OpenCV.
+"""
+
+from __future__ import annotations
+
+from motorcade.tracking.boards import (
+    FAMILIES,
+    Board,
+    BoardCorners,
+    CharucoBoard,
+    Checkerboard,
+    GrayImage,
+    MarkerGrid,
+    Pattern,
+    SingleMarker,
+    detect_markers,
+)
+from motorcade.tracking.camera import Camera, CameraModel
+from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
+from motorcade.tracking.pose import (
+    SIGMA_FLOOR_PX,
+    PlanarCandidates,
+    RefinedPose,
+    TrackingError,
+    planar_candidates,
+    refine,
+    reprojection_px,
+)
+from motorcade.tracking.selection import choose
+from motorcade.tracking.track import FRAME_STATES, BoardTrack, track_board
+from motorcade.tracking.tracker import BoardTracker, TrackedFrame
+
+__all__ = [
+    "FAMILIES",
+    "FRAME_STATES",
+    "SIGMA_FLOOR_PX",
+    "Board",
+    "BoardCorners",
+    "BoardTrack",
+    "BoardTracker",
+    "Camera",
+    "CameraModel",
+    "CharucoBoard",
+    "Checkerboard",
+    "GrayImage",
+    "MarkerGrid",
+    "MarkerObservation",
+    "Pattern",
+    "PlanarCandidates",
+    "PoseMeasurements",
+    "RefinedPose",
+    "SingleMarker",
+    "TrackedFrame",
+    "TrackingError",
+    "choose",
+    "detect_markers",
+    "planar_candidates",
+    "refine",
+    "reprojection_px",
+    "track_board",
+]

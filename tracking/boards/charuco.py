@@ -1,0 +1,165 @@
+"""ChArUco boards: a checkerboard whose white squares hold markers, so part of it is enough.
+
+The board is OpenCV's since 4.6: the printed top-left square is black, markers are numbered row by
+row. Corners are the inner corners of the squares, row by row; the frame's origin is the first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import cast
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, IntArray
+from motorcade.tracking.boards.checks import GrayImage, check_count, check_length, checked_gray
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.boards.families import dictionary, family_size, marker_cells
+from motorcade.tracking.boards.picture import Pattern, draw
+from motorcade.tracking.boards.saddles import sharpen_saddles
+from motorcade.tracking.camera import Camera
+
+__all__ = ["CharucoBoard"]
+
+_LEAST_CORNERS = 4
+
+
+@dataclass(frozen=True)
+class CharucoBoard:
+    """A ChArUco board of `columns` by `rows` squares.
+
+    Args:
+        family: one of `families.FAMILIES`; ids count from 0.
+        columns, rows: squares across and down (inner corners are one fewer each way).
+        square_m: side of a square.
+        marker_m: side of a marker's black square, smaller than `square_m`.
+
+    Raises:
+        ValueError: an unknown family or one with too few markers, fewer than 3 squares either
+            way, lengths not above zero, markers that do not fit into the squares.
+    """
+
+    family: str
+    columns: int
+    rows: int
+    square_m: float
+    marker_m: float
+
+    def __post_init__(self) -> None:
+        check_count(self.columns, "CharucoBoard.columns", 3)
+        check_count(self.rows, "CharucoBoard.rows", 3)
+        check_length(self.square_m, "CharucoBoard.square_m")
+        check_length(self.marker_m, "CharucoBoard.marker_m")
+        if self.marker_m >= self.square_m:
+            raise ValueError(
+                f"CharucoBoard.marker_m: expected less than square_m = {self.square_m}, "
+                f"got {self.marker_m}"
+            )
+        needed, size = self.columns * self.rows // 2, family_size(self.family)
+        if needed > size:
+            raise ValueError(
+                f"CharucoBoard.family: {self.family} has {size} markers, this board needs {needed}"
+            )
+
+    @property
+    def name(self) -> str:
+        """For example ``charuco_aruco_4x4_50_7x5_40mm_30mm``."""
+        return (
+            f"charuco_{self.family}_{self.columns}x{self.rows}"
+            f"_{self.square_m * 1e3:g}mm_{self.marker_m * 1e3:g}mm"
+        )
+
+    @property
+    def size_m(self) -> tuple[float, float]:
+        """Width and height of all squares, metres."""
+        return self.columns * self.square_m, self.rows * self.square_m
+
+    @cached_property
+    def points_m(self) -> FloatArray:
+        """Inner corners ``((columns - 1) * (rows - 1), 3)``, row by row as printed."""
+        across = self.columns - 1
+        row, column = np.divmod(np.arange(across * (self.rows - 1)), across)
+        points = np.stack([column, -row, np.zeros_like(row)], axis=-1) * self.square_m
+        points.setflags(write=False)
+        return points
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """Squares, margins and bits as cells; the quiet zone is half a square wide."""
+        side = len(marker_cells(self.family, 0))
+        cells = side + 2
+        white = np.zeros((self.rows * cells, self.columns * cells), bool)
+        marker = 0
+        for row in range(self.rows):
+            for column in range(self.columns):
+                if (row + column) % 2 == 1:
+                    square = np.pad(marker_cells(self.family, marker), 1, constant_values=True)
+                    top, left = row * cells, column * cells
+                    white[top : top + cells, left : left + cells] = square
+                    marker += 1
+        return Pattern(
+            white, self._edges(self.columns), self._edges(self.rows), 0.5 * self.square_m
+        )
+
+    def detect(self, image: GrayImage, camera: Camera | None = None) -> BoardCorners | None:
+        """Find the inner corners that are seen; None below four. `camera` is not needed.
+
+        Raises:
+            ValueError: not a grey uint8 picture.
+        """
+        places, ids, _, _ = _detector(self).detectBoard(checked_gray(image))
+        if ids is None or len(ids) < _LEAST_CORNERS:
+            return None
+        ids = np.ravel(ids)
+        order = np.argsort(ids)
+        ids, places = ids[order], np.asarray(places, np.float64).reshape(-1, 2)[order]
+        found = BoardCorners(ids, places, self.points_m[ids])
+        sharp = self.sharpen(image, found)
+        return sharp if len(sharp) >= _LEAST_CORNERS else None
+
+    def sharpen(
+        self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
+    ) -> BoardCorners:
+        """Move corners onto the saddles near them; those that do not look like one are left out.
+
+        Needs four corners that span the board. `camera` is not needed.
+        """
+        places, good = sharpen_saddles(
+            image,
+            corners.points_m[:, :2],
+            corners.corners_px,
+            self._black_up_left(corners.ids),
+            min(0.45 * self.square_m, 0.5 * (self.square_m - self.marker_m)),
+        )
+        return corners.moved(places).keep(good)
+
+    def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
+        """The corners as they are: they are numbered by the markers around them."""
+        return corners
+
+    def draw(self, pixels_per_m: float) -> tuple[GrayImage, tuple[float, float]]:
+        """The printed picture with its quiet zone, and the pixel of the first inner corner."""
+        return draw(self.pattern, pixels_per_m)
+
+    def _edges(self, count: int) -> FloatArray:
+        side = len(marker_cells(self.family, 0))
+        margin = 0.5 * (self.square_m - self.marker_m)
+        inner = margin + np.arange(side + 1) * (self.marker_m / side)
+        starts = (np.arange(count)[:, None] - 1) * self.square_m
+        edges = (starts + np.concatenate([[0.0], inner])).ravel()
+        return np.append(edges, (count - 1) * self.square_m)
+
+    def _black_up_left(self, ids: IntArray) -> NDArray[np.bool_]:
+        row, column = np.divmod(ids, self.columns - 1)
+        return cast("NDArray[np.bool_]", (row + column) % 2 == 0)
+
+
+@cache
+def _detector(board: CharucoBoard) -> cv2.aruco.CharucoDetector:
+    printed = cv2.aruco.CharucoBoard(
+        (board.columns, board.rows), board.square_m, board.marker_m, dictionary(board.family)
+    )
+    return cv2.aruco.CharucoDetector(printed)

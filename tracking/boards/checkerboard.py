@@ -1,0 +1,164 @@
+"""Checkerboards: black and white squares, found whole, numbered by their colours.
+
+The printed picture has a black square above and left of its first inner corner. Turned by 180
+degrees a board with an odd sum of inner columns and rows has a white one there, so its numbering
+is unique. With an even sum (and, for as many columns as rows, under quarter turns too) the print
+looks the same turned: then the numbering is the one whose rows run most nearly to the right in
+the picture, and `aligned` keeps it steady over time; no picture can tell which way such a board
+was printed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, IntArray
+from motorcade.tracking.boards.checks import GrayImage, check_count, check_length, checked_gray
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.boards.picture import Pattern, draw
+from motorcade.tracking.boards.saddles import contrast, sharpen_saddles
+from motorcade.tracking.camera import Camera
+
+__all__ = ["Checkerboard"]
+
+_QUICK = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_FAST_CHECK
+_CLEAR_SHARE = 0.45
+
+
+@dataclass(frozen=True)
+class Checkerboard:
+    """A checkerboard of `columns` by `rows` inner corners with squares of `square_m`.
+
+    Raises:
+        ValueError: fewer than 3 columns or rows, or a square that is not above zero.
+    """
+
+    columns: int
+    rows: int
+    square_m: float
+
+    def __post_init__(self) -> None:
+        check_count(self.columns, "Checkerboard.columns", 3)
+        check_count(self.rows, "Checkerboard.rows", 3)
+        check_length(self.square_m, "Checkerboard.square_m")
+
+    @property
+    def name(self) -> str:
+        """For example ``checkerboard_9x6_40mm``."""
+        return f"checkerboard_{self.columns}x{self.rows}_{self.square_m * 1e3:g}mm"
+
+    @property
+    def size_m(self) -> tuple[float, float]:
+        """Width and height of all squares, metres."""
+        return (self.columns + 1) * self.square_m, (self.rows + 1) * self.square_m
+
+    @cached_property
+    def points_m(self) -> FloatArray:
+        """Inner corners ``(columns * rows, 3)``, row by row as printed."""
+        row, column = np.divmod(np.arange(self.columns * self.rows), self.columns)
+        points = np.stack([column, -row, np.zeros_like(row)], axis=-1) * self.square_m
+        points.setflags(write=False)
+        return points
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """The squares as cells; the quiet zone is half a square wide."""
+        white = np.indices((self.rows + 1, self.columns + 1)).sum(axis=0) % 2 == 1
+        x_edges = self.square_m * np.arange(-1.0, self.columns + 1.0)
+        y_edges = self.square_m * np.arange(-1.0, self.rows + 1.0)
+        return Pattern(white, x_edges, y_edges, 0.5 * self.square_m)
+
+    def detect(self, image: GrayImage, camera: Camera | None = None) -> BoardCorners | None:
+        """Find all inner corners; None unless every one is seen.
+
+        A quick search by contours goes first, the slower and more robust sector-based one
+        (Duda & Frese 2018) where it fails. `camera` is not needed.
+
+        Raises:
+            ValueError: not a grey uint8 picture.
+        """
+        size = (self.columns, self.rows)
+        found, raw = cv2.findChessboardCorners(checked_gray(image), size, flags=_QUICK)
+        if not found:
+            found, raw = cv2.findChessboardCornersSB(image, size, flags=0)
+        if not found:
+            return None
+        grid = raw.astype(np.float64).reshape(self.rows, self.columns, 2)
+        numbered = self._numbered(image, grid)
+        return None if numbered is None else self.sharpen(image, numbered)
+
+    def sharpen(
+        self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
+    ) -> BoardCorners:
+        """Move corners onto the saddles near them; those that do not look like one are left out.
+
+        Needs four corners that span the board. `camera` is not needed.
+        """
+        places, good = sharpen_saddles(
+            image,
+            corners.points_m[:, :2],
+            corners.corners_px,
+            self._black_up_left(corners.ids),
+            _CLEAR_SHARE * self.square_m,
+        )
+        return corners.moved(places).keep(good)
+
+    def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
+        """Of the numberings that the colours allow, the one nearest to the expected pixels."""
+        distances = [
+            np.linalg.norm(expected_px[turn[corners.ids]] - corners.corners_px, axis=-1).mean()
+            for turn in self._turns
+        ]
+        turned = self._turns[int(np.argmin(distances))][corners.ids]
+        order = np.argsort(turned)
+        ids = turned[order]
+        return BoardCorners(ids, corners.corners_px[order], self.points_m[ids])
+
+    def draw(self, pixels_per_m: float) -> tuple[GrayImage, tuple[float, float]]:
+        """The printed picture with its quiet zone, and the pixel of the first inner corner."""
+        return draw(self.pattern, pixels_per_m)
+
+    @cached_property
+    def _turns(self) -> list[IntArray]:
+        """Renumberings ``new_id = turn[old_id]`` under which the print looks the same."""
+        grid = np.arange(self.columns * self.rows).reshape(self.rows, self.columns)
+        even_sum = (self.columns + self.rows) % 2 == 0
+        quarter = self.columns == self.rows and self.columns % 2 == 0
+        quarters = [0, 1, 2, 3] if quarter else [0, 2] if even_sum else [0]
+        return [np.rot90(grid, k).ravel() for k in quarters]
+
+    def _black_up_left(self, ids: IntArray) -> NDArray[np.bool_]:
+        row, column = np.divmod(ids, self.columns)
+        return cast("NDArray[np.bool_]", (row + column) % 2 == 0)
+
+    def _numbered(self, image: GrayImage, grid: FloatArray) -> BoardCorners | None:
+        """Number a raw grid ``(rows, columns, 2)`` so that it is unmirrored, coloured as printed,
+        and upright where the colours leave a choice.
+        """
+        across = grid[:, -1].mean(axis=0) - grid[:, 0].mean(axis=0)
+        down = grid[-1].mean(axis=0) - grid[0].mean(axis=0)
+        if across[0] * down[1] - across[1] * down[0] < 0.0:
+            grid = grid[::-1]
+        quarters = range(4) if self.columns == self.rows else (0, 2)
+        ids = np.arange(self.columns * self.rows)
+        best: tuple[float, FloatArray] | None = None
+        for quarter in quarters:
+            turned = np.rot90(grid, quarter)
+            corners = turned.reshape(-1, 2)
+            signal = contrast(
+                image,
+                self.points_m[:, :2],
+                corners,
+                self._black_up_left(ids),
+                0.5 * _CLEAR_SHARE * self.square_m,
+            )
+            rightward = float((turned[:, -1] - turned[:, 0])[:, 0].mean())
+            if np.median(signal) > 0.0 and (best is None or rightward > best[0]):
+                best = (rightward, corners)
+        return None if best is None else BoardCorners(ids, best[1], self.points_m)

@@ -1,0 +1,121 @@
+"""What every board is to the rest of the room, and what a detection of one holds.
+
+Board frame: origin at the board's first (inner) corner, x to the right as printed, y up as printed,
+z out of the printed face; metres. Corners below the first one therefore have negative y. The order
+of corners is the board's own, row by row as printed; marker corners run clockwise from the printed
+top-left one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, IntArray, checked_floats, frozen
+from motorcade.tracking.boards.checks import GrayImage
+from motorcade.tracking.boards.picture import Pattern
+from motorcade.tracking.camera import Camera
+
+__all__ = ["Board", "BoardCorners"]
+
+_FLATTEST = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class BoardCorners:
+    """Corners of a board seen in one picture.
+
+    Args:
+        ids: ``(n,)`` whole numbers, rising; each is the corner's row in its board's ``points_m``.
+        corners_px: ``(n, 2)`` pixels.
+        points_m: ``(n, 3)`` board frame, metres.
+
+    Raises:
+        ValueError: shapes that do not agree, numbers that are not finite, ids that do not rise.
+    """
+
+    ids: IntArray
+    corners_px: FloatArray
+    points_m: FloatArray
+
+    def __post_init__(self) -> None:
+        ids = np.array(self.ids)
+        if ids.ndim != 1 or (ids.size and ids.dtype.kind not in "iu"):
+            raise ValueError(
+                f"BoardCorners.ids: expected (n,) whole numbers, got {ids.dtype} {ids.shape}"
+            )
+        if np.any(np.diff(ids) <= 0):
+            raise ValueError("BoardCorners.ids: expected rising numbers, got some out of order")
+        ids = ids.astype(np.int64)
+        ids.setflags(write=False)
+        object.__setattr__(self, "ids", ids)
+        for name, width in (("corners_px", 2), ("points_m", 3)):
+            field = f"BoardCorners.{name}"
+            array = frozen(checked_floats(getattr(self, name), field, (width,)))
+            if array.shape != (len(ids), width):
+                raise ValueError(f"{field}: expected {(len(ids), width)}, got {array.shape}")
+            object.__setattr__(self, name, array)
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    @property
+    def spanning(self) -> bool:
+        """Whether these are at least four corners that do not all lie on one line."""
+        if len(self) < 4:
+            return False
+        plane = self.points_m[:, :2] - self.points_m[:, :2].mean(axis=0)
+        long_side, short_side = np.linalg.svd(plane, compute_uv=False)
+        return bool(short_side > _FLATTEST * long_side)
+
+    def keep(self, mask: NDArray[np.bool_]) -> BoardCorners:
+        """Only the corners where the mask ``(n,)`` is true."""
+        return BoardCorners(self.ids[mask], self.corners_px[mask], self.points_m[mask])
+
+    def moved(self, corners_px: FloatArray) -> BoardCorners:
+        """The same corners at other places in the picture."""
+        return BoardCorners(self.ids, corners_px, self.points_m)
+
+
+class Board(Protocol):
+    """A printed, flat pattern whose corners can be found, sharpened and drawn."""
+
+    @property
+    def name(self) -> str:
+        """A short description that is unique to the board's numbers."""
+
+    @property
+    def size_m(self) -> tuple[float, float]:
+        """Width and height of the printed area without its quiet zone, metres."""
+
+    @property
+    def points_m(self) -> FloatArray:
+        """All corners ``(n, 3)`` in the board frame, metres; z is 0."""
+
+    @property
+    def pattern(self) -> Pattern:
+        """The printed pattern as black and white cells."""
+
+    def detect(self, image: GrayImage, camera: Camera | None = None) -> BoardCorners | None:
+        """Find the board in a whole grey picture, corners sharpened; None where it is not seen."""
+
+    def sharpen(
+        self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
+    ) -> BoardCorners:
+        """Move corners that are right to a pixel or two onto their sub-pixel places.
+
+        Corners that do not look like the print are left out. With a camera, edges that its lens
+        bends are straightened before lines are fitted to them.
+        """
+
+    def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
+        """Of the numberings that the pattern's symmetry allows, the one nearest to expectation.
+
+        ``expected_px`` is ``(len(points_m), 2)``: where each corner of the board is expected.
+        """
+
+    def draw(self, pixels_per_m: float) -> tuple[GrayImage, tuple[float, float]]:
+        """The printed picture with its quiet zone, and the pixel of the board's origin in it."""

@@ -1,0 +1,288 @@
+"""Boards of square markers, and single markers: ArUco and AprilTag families.
+
+Corners of a marker run clockwise from the printed top-left one. Candidates come from OpenCV's
+`ArucoDetector`; their corners are then put onto the crossings of the fitted sides (see `edges`).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import cv2
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray
+from motorcade.tracking.boards.checks import GrayImage, check_count, check_length, checked_gray
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.boards.edges import sharpen_quads
+from motorcade.tracking.boards.families import dictionary, family_size, marker_cells
+from motorcade.tracking.boards.picture import Pattern, draw
+from motorcade.tracking.camera import Camera
+
+__all__ = ["MarkerGrid", "SingleMarker", "detect_markers"]
+
+# Unit square, clockwise from the printed top-left corner, board frame (y up).
+_SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, -1.0], [0.0, -1.0]])
+
+
+def detect_markers(
+    image: GrayImage, family: str, camera: Camera | None = None
+) -> tuple[IntArray, FloatArray]:
+    """Find every marker of a family in a grey picture.
+
+    Args:
+        image: ``(height, width)`` uint8.
+        family: one of `families.FAMILIES`.
+        camera: straightens the sides before they are fitted; without one they count as straight.
+
+    Returns:
+        ids ``(m,)``, rising, and corners ``(m, 4, 2)`` in pixels, clockwise from the printed
+        top-left one. An id may stand there more than once.
+
+    Raises:
+        ValueError: not a grey uint8 picture, or an unknown family.
+    """
+    found, ids, _ = _detector(family).detectMarkers(checked_gray(image))
+    if ids is None or len(ids) == 0:
+        return np.empty(0, np.int64), np.empty((0, 4, 2))
+    quads = np.asarray(found, np.float64).reshape(-1, 4, 2)
+    order = np.lexsort((quads[:, 0, 1], quads[:, 0, 0], np.ravel(ids)))
+    sharp, good = sharpen_quads(image, quads[order], _clear_share(family), camera)
+    return np.ravel(ids)[order][good].astype(np.int64), sharp[good]
+
+
+class _MarkerBoard(ABC):
+    """What grids and single markers share; markers are numbered from the printed top left."""
+
+    family: str
+
+    @property
+    @abstractmethod
+    def marker_ids(self) -> IntArray:
+        """Ids ``(m,)`` of the markers, in the board's order."""
+
+    @property
+    @abstractmethod
+    def pattern(self) -> Pattern:
+        """The printed pattern as black and white cells."""
+
+    @property
+    @abstractmethod
+    def _first_corners_m(self) -> FloatArray:
+        """Top-left corner ``(m, 2)`` of each marker, board frame."""
+
+    @property
+    @abstractmethod
+    def _side_m(self) -> float: ...
+
+    @property
+    def _clear_share(self) -> float:
+        """Width next to a marker's side where nothing else is printed, over the side."""
+        return _clear_share(self.family)
+
+    @cached_property
+    def points_m(self) -> FloatArray:
+        """Corners ``(4 m, 3)``: four a marker, clockwise from its printed top-left one."""
+        plane = self._first_corners_m[:, None] + self._side_m * _SQUARE
+        points = np.concatenate([plane, np.zeros((*plane.shape[:2], 1))], axis=-1).reshape(-1, 3)
+        points.setflags(write=False)
+        return points
+
+    def detect(self, image: GrayImage, camera: Camera | None = None) -> BoardCorners | None:
+        """Find the board's markers; None where there are none. Other ids are ignored.
+
+        Where an id is seen more than once the larger marker counts.
+
+        Raises:
+            ValueError: not a grey uint8 picture.
+        """
+        ids, quads = detect_markers(image, self.family, camera)
+        sides = np.linalg.norm(np.roll(quads, 1, axis=1) - quads, axis=-1).sum(axis=1)
+        rows = []
+        for marker in self.marker_ids:
+            seen = np.flatnonzero(ids == marker)
+            rows.append(int(seen[np.argmax(sides[seen])]) if seen.size else -1)
+        chosen = np.array(rows)
+        present = np.flatnonzero(chosen >= 0)
+        if present.size == 0:
+            return None
+        corner_ids = (4 * present[:, None] + np.arange(4)).ravel()
+        corners_px = quads[chosen[present]].reshape(-1, 2)
+        return BoardCorners(corner_ids, corners_px, self.points_m[corner_ids])
+
+    def sharpen(
+        self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
+    ) -> BoardCorners:
+        """Put the corners of markers onto the crossings of their sides.
+
+        Markers that have lost a corner, or whose sides do not show, are left out.
+        """
+        marker, count = np.unique(corners.ids // 4, return_counts=True)
+        whole = corners.keep(np.isin(corners.ids // 4, marker[count == 4]))
+        if len(whole) == 0:
+            return whole
+        quads = whole.corners_px.reshape(-1, 4, 2)
+        sharp, good = sharpen_quads(image, quads, self._clear_share, camera)
+        return whole.moved(sharp.reshape(-1, 2)).keep(np.repeat(good, 4))
+
+    def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
+        """The corners as they are: markers are numbered by their ids."""
+        return corners
+
+    def draw(self, pixels_per_m: float) -> tuple[GrayImage, tuple[float, float]]:
+        """The printed picture with its quiet zone, and the pixel of the first corner in it."""
+        return draw(self.pattern, pixels_per_m)
+
+
+@dataclass(frozen=True)
+class MarkerGrid(_MarkerBoard):
+    """Markers in rows and columns, ids rising row by row from the printed top left.
+
+    Args:
+        family: one of `families.FAMILIES`.
+        columns, rows: markers across and down.
+        marker_m: side of a marker's black square.
+        gap_m: white between neighbours.
+        first_id: id of the top-left marker.
+
+    Raises:
+        ValueError: an unknown family, counts below 1, lengths not above zero, or more markers
+            than the family has.
+    """
+
+    family: str
+    columns: int
+    rows: int
+    marker_m: float
+    gap_m: float
+    first_id: int = 0
+
+    def __post_init__(self) -> None:
+        check_count(self.columns, "MarkerGrid.columns", 1)
+        check_count(self.rows, "MarkerGrid.rows", 1)
+        check_length(self.marker_m, "MarkerGrid.marker_m")
+        check_length(self.gap_m, "MarkerGrid.gap_m")
+        check_count(self.first_id, "MarkerGrid.first_id", 0)
+        last, size = self.first_id + self.columns * self.rows - 1, family_size(self.family)
+        if last >= size:
+            raise ValueError(
+                f"MarkerGrid.first_id: {self.family} has ids 0 to {size - 1}, "
+                f"but this grid needs up to {last}"
+            )
+
+    @property
+    def name(self) -> str:
+        """For example ``tag36h11_6x4_30mm_gap_9mm_from_0``."""
+        return (
+            f"{self.family}_{self.columns}x{self.rows}_{self.marker_m * 1e3:g}mm"
+            f"_gap_{self.gap_m * 1e3:g}mm_from_{self.first_id}"
+        )
+
+    @property
+    def size_m(self) -> tuple[float, float]:
+        """Width and height over all markers, metres."""
+        pitch = self.marker_m + self.gap_m
+        return self.columns * pitch - self.gap_m, self.rows * pitch - self.gap_m
+
+    @property
+    def marker_ids(self) -> IntArray:
+        """Ids ``(columns * rows,)``, row by row."""
+        return self.first_id + np.arange(self.columns * self.rows)
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """Bits and gaps as cells; the quiet zone is two bits wide."""
+        side = len(marker_cells(self.family, 0))
+        white = np.ones((self.rows * (side + 1) - 1, self.columns * (side + 1) - 1), bool)
+        for index, marker in enumerate(self.marker_ids):
+            top, left = (part * (side + 1) for part in divmod(index, self.columns))
+            white[top : top + side, left : left + side] = marker_cells(self.family, int(marker))
+        return Pattern(
+            white,
+            self._edges(self.columns, side),
+            self._edges(self.rows, side),
+            2.0 * self.marker_m / side,
+        )
+
+    def _edges(self, count: int, side: int) -> FloatArray:
+        first = np.arange(count)[:, None] * (self.marker_m + self.gap_m)
+        edges: FloatArray = (first + np.arange(side + 1) * (self.marker_m / side)).ravel()
+        return edges
+
+    @property
+    def _first_corners_m(self) -> FloatArray:
+        row, column = np.divmod(np.arange(self.columns * self.rows), self.columns)
+        return np.stack([column, -row], axis=-1) * (self.marker_m + self.gap_m)
+
+    @property
+    def _side_m(self) -> float:
+        return self.marker_m
+
+    @property
+    def _clear_share(self) -> float:
+        return min(_clear_share(self.family), self.gap_m / self.marker_m)
+
+
+@dataclass(frozen=True)
+class SingleMarker(_MarkerBoard):
+    """One marker; its frame's origin is its printed top-left corner.
+
+    Args:
+        family: one of `families.FAMILIES`.
+        marker_id: its id.
+        size_m: side of the black square, metres (the file formats' "tag size").
+
+    Raises:
+        ValueError: an unknown family, an id it does not have, or a side that is not above zero.
+    """
+
+    family: str
+    marker_id: int
+    side_m: float
+
+    def __post_init__(self) -> None:
+        check_count(self.marker_id, "SingleMarker.marker_id", 0)
+        check_length(self.side_m, "SingleMarker.side_m")
+        marker_cells(self.family, self.marker_id)
+
+    @property
+    def name(self) -> str:
+        """For example ``tag36h11_id_7_65mm``."""
+        return f"{self.family}_id_{self.marker_id}_{self.side_m * 1e3:g}mm"
+
+    @property
+    def size_m(self) -> tuple[float, float]:
+        """Width and height of the black square, metres."""
+        return self.side_m, self.side_m
+
+    @property
+    def marker_ids(self) -> IntArray:
+        """The one id, ``(1,)``."""
+        return np.array([self.marker_id])
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """Bits as cells; the quiet zone is two bits wide."""
+        white = marker_cells(self.family, self.marker_id)
+        edges = np.linspace(0.0, self.side_m, len(white) + 1)
+        return Pattern(white, edges, edges, 2.0 * self.side_m / len(white))
+
+    @property
+    def _first_corners_m(self) -> FloatArray:
+        return np.zeros((1, 2))
+
+    @property
+    def _side_m(self) -> float:
+        return self.side_m
+
+
+@cache
+def _detector(family: str) -> cv2.aruco.ArucoDetector:
+    return cv2.aruco.ArucoDetector(dictionary(family))
+
+
+@cache
+def _clear_share(family: str) -> float:
+    return 1.0 / len(marker_cells(family, 0))

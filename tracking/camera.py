@@ -1,0 +1,211 @@
+"""Cameras: intrinsics, lens distortion and size; points to pixels and pixels to rays.
+
+Conventions: OpenCV camera axes (x right, y down, z forward), metres, pixel (0, 0) is the centre of
+the top-left pixel, no skew. Models and their coefficients, in OpenCV's and Kalibr's order:
+
+==============  ====================================================  =============================
+model           coefficients                                          source
+==============  ====================================================  =============================
+``pinhole``     none                                                  Hartley & Zisserman, ch. 6
+``radtan``      k1 k2 | k1 k2 p1 p2 | ... k3 | ... k3 k4 k5 k6        Brown 1966; OpenCV ``calib3d``
+``equidistant`` k1 k2 k3 k4                                           Kannala & Brandt 2006
+==============  ====================================================  =============================
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Literal, cast
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from motorcade.ga import FloatArray, checked_floats
+from motorcade.tracking import lenses
+
+__all__ = ["Camera", "CameraModel"]
+
+CameraModel = Literal["pinhole", "radtan", "equidistant"]
+_COEFFICIENT_COUNTS: dict[str, tuple[int, ...]] = {
+    "pinhole": (0,),
+    "radtan": (2, 4, 5, 8),
+    "equidistant": (4,),
+}
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Intrinsics of one camera.
+
+    Fields:
+        width, height: picture size, pixels.
+        fx, fy: focal lengths, pixels, above zero.
+        cx, cy: principal point, pixels; (0, 0) is the centre of the top-left pixel.
+        model: "pinhole", "radtan" or "equidistant".
+        distortion: the model's coefficients (see the table of this module).
+
+    Raises:
+        ValueError: a size or focal length that is not positive, a number that is not finite, an
+            unknown model, a count of coefficients that the model does not have.
+    """
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    model: CameraModel = "pinhole"
+    distortion: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("width", "height"):
+            size = getattr(self, name)
+            if isinstance(size, bool) or not isinstance(size, (int, np.integer)) or size <= 0:
+                raise ValueError(
+                    f"Camera.{name}: expected a whole number of pixels above 0, got {size!r}"
+                )
+            object.__setattr__(self, name, int(size))
+        for name in ("fx", "fy", "cx", "cy"):
+            object.__setattr__(self, name, _finite(getattr(self, name), f"Camera.{name}"))
+        for name in ("fx", "fy"):
+            if getattr(self, name) <= 0.0:
+                raise ValueError(
+                    f"Camera.{name}: expected pixels above 0, got {getattr(self, name)}"
+                )
+        if self.model not in _COEFFICIENT_COUNTS:
+            raise ValueError(
+                f"Camera.model: expected {' or '.join(_COEFFICIENT_COUNTS)}, got {self.model!r}"
+            )
+        given = tuple(_finite(value, "Camera.distortion") for value in self.distortion)
+        counts = _COEFFICIENT_COUNTS[self.model]
+        if len(given) not in counts:
+            expected = " or ".join(map(str, counts))
+            raise ValueError(
+                f"Camera.distortion: {self.model} expects {expected} coefficients, got {len(given)}"
+            )
+        object.__setattr__(self, "distortion", given)
+
+    @cached_property
+    def matrix(self) -> FloatArray:
+        """The 3 by 3 intrinsic matrix, pixels, read-only."""
+        matrix = np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
+        matrix.setflags(write=False)
+        return matrix
+
+    def project(self, points_camera: ArrayLike) -> FloatArray:
+        """Map points in the camera frame, ``(*, 3)`` metres, to pixels ``(*, 2)``.
+
+        Points that the model gives no image (at or behind the camera's plane; for "equidistant"
+        only the camera centre itself) become NaN. Far outside the calibrated field a radtan
+        polynomial may fold back into the picture; nothing here can know where it was fitted.
+
+        Raises:
+            ValueError: not ``(*, 3)`` or not finite.
+        """
+        points = checked_floats(points_camera, "points_camera", (3,))
+        return self._to_pixels(lenses.distort(self.model, self._coefficients, points))
+
+    def project_jacobian(self, points_camera: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Project, and give the derivative of the pixels by the points.
+
+        Returns:
+            pixels ``(*, 2)`` and their Jacobian ``(*, 2, 3)`` in pixels per metre; NaN where
+            `project` gives NaN.
+
+        Raises:
+            ValueError: not ``(*, 3)`` or not finite.
+        """
+        points = checked_floats(points_camera, "points_camera", (3,))
+        plane, jacobian = lenses.distort_jacobian(self.model, self._coefficients, points)
+        return self._to_pixels(plane), jacobian * np.array([[self.fx], [self.fy]])
+
+    def unproject(self, pixels: ArrayLike) -> FloatArray:
+        """Map pixels ``(*, 2)`` to rays ``(*, 3)`` of unit depth (z = 1) in the camera frame.
+
+        Newton's method on the distortion, to 1e-12 of the image plane's unit. NaN where there is no
+        such ray: outside what a radtan polynomial reaches before it folds back, or at 90 degrees
+        and more from the axis of an equidistant lens.
+
+        Raises:
+            ValueError: not ``(*, 2)`` or not finite.
+        """
+        given = checked_floats(pixels, "pixels", (2,))
+        plane = (given - (self.cx, self.cy)) / (self.fx, self.fy)
+        ideal = lenses.undistort(self.model, self._coefficients, plane)
+        return np.concatenate([ideal, np.ones_like(ideal[..., :1])], axis=-1)
+
+    def straighten(self, pixels: ArrayLike) -> FloatArray:
+        """Where pixels ``(*, 2)`` of this camera lie in the picture of `undistorted`.
+
+        Straight lines of the world are straight there. NaN where `unproject` gives NaN.
+
+        Raises:
+            ValueError: not ``(*, 2)`` or not finite.
+        """
+        return self._to_pixels(self.unproject(pixels)[..., :2])
+
+    def bend(self, pixels: ArrayLike) -> FloatArray:
+        """Where pixels ``(*, 2)`` of `undistorted` lie in this camera's picture.
+
+        Raises:
+            ValueError: not ``(*, 2)`` or not finite.
+        """
+        return self.project(self.undistorted().unproject(pixels))
+
+    def undistorted(self) -> Camera:
+        """The pinhole camera of the same size and matrix: what `undistort_image` shows."""
+        return Camera(self.width, self.height, self.fx, self.fy, self.cx, self.cy)
+
+    def undistort_image(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Resample a picture as `undistorted` would have taken it.
+
+        Grey ``(height, width)`` or colour ``(height, width, channels)``, bilinear.
+        Pixels without a source are black. The maps are computed once a camera.
+
+        Raises:
+            ValueError: not uint8, or not of the camera's size.
+        """
+        if image.dtype != np.uint8 or image.ndim not in (2, 3):
+            raise ValueError(
+                f"image: expected a uint8 picture of 2 or 3 dimensions, "
+                f"got {image.dtype} of shape {image.shape}"
+            )
+        if image.shape[:2] != (self.height, self.width):
+            raise ValueError(
+                f"image: expected {self.width} x {self.height} pixels, "
+                f"got {image.shape[1]} x {image.shape[0]}"
+            )
+        if self.model == "pinhole":
+            return image.copy()
+        resampled = cv2.remap(image, *_undistortion_maps(self), cv2.INTER_LINEAR)
+        return cast("NDArray[np.uint8]", resampled.reshape(image.shape))
+
+    @cached_property
+    def _coefficients(self) -> FloatArray:
+        """Radtan coefficients padded to eight, the others as they are."""
+        padded = self.distortion + (0.0,) * (8 - len(self.distortion))
+        return np.array(padded if self.model == "radtan" else self.distortion)
+
+    def _to_pixels(self, plane: FloatArray) -> FloatArray:
+        return plane * (self.fx, self.fy) + (self.cx, self.cy)
+
+
+@lru_cache(maxsize=8)
+def _undistortion_maps(camera: Camera) -> tuple[NDArray[np.int16], NDArray[np.uint16]]:
+    """Fixed-point maps for `cv2.remap`: faster than floats, to 1/32 of a pixel."""
+    columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+    source = camera.bend(np.stack([columns, rows], axis=-1)).astype(np.float32)
+    whole, fraction = cv2.convertMaps(source, None, cv2.CV_16SC2)
+    return whole, fraction
+
+
+def _finite(value: object, name: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise ValueError(f"{name}: expected a number, got {value!r}")
+    if not math.isfinite(value):
+        raise ValueError(f"{name}: expected a finite number, got {value}")
+    return float(value)

@@ -1,0 +1,208 @@
+"""Pose of a camera from the corners of a flat board: both planar solutions, and the refined one.
+
+Frames: the board frame is called ``world`` (see `boards.corners`), so poses are
+``world_T_camera``. A covariance belongs to the right perturbation
+``world_T_camera @ Motor.from_twist(delta)``, ``delta`` = rotation (rad), then translation (m), both
+in the camera frame. Errors in pixels are root mean squares of the distance of a corner from its
+reprojection through the full lens model.
+
+Sources: IPPE, Collins & Bartoli 2014 (through OpenCV); Levenberg 1944, Marquardt 1963.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from motorcade.ga import FloatArray, Motor
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.camera import Camera
+
+__all__ = [
+    "SIGMA_FLOOR_PX",
+    "PlanarCandidates",
+    "RefinedPose",
+    "TrackingError",
+    "planar_candidates",
+    "refine",
+    "reprojection_px",
+]
+
+# No corner finder is better than this on real pictures, however small the residuals are.
+SIGMA_FLOOR_PX = 0.1
+_ITERATIONS = 50
+_STEP = 1e-10
+
+
+class TrackingError(ValueError):
+    """Corners from which no pose follows, or a recording in which the board is never seen."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarCandidates:
+    """The two poses that explain a flat board's picture locally best, the better one first.
+
+    A flat board seen from afar or nearly head on looks almost the same tilted either way; the
+    pixels then cannot tell, and the second pose may be the true one.
+
+    Args:
+        world_T_camera: Motor ``(2,)``.
+        error_px: ``(2,)`` root mean square reprojection error, rising.
+    """
+
+    world_T_camera: Motor
+    error_px: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class RefinedPose:
+    """A pose that is least squares on all corners.
+
+    Args:
+        world_T_camera: one Motor.
+        covariance: ``(6, 6)`` of the right perturbation, rotation (rad) then translation (m).
+        error_px: root mean square reprojection error.
+        residuals_px: ``(n, 2)`` reprojection minus corner.
+        sigma_px: noise a coordinate that the covariance stands on: estimated from the residuals,
+            at least `SIGMA_FLOOR_PX`.
+    """
+
+    world_T_camera: Motor
+    covariance: FloatArray
+    error_px: float
+    residuals_px: FloatArray
+    sigma_px: float
+
+
+def planar_candidates(corners: BoardCorners, camera: Camera) -> PlanarCandidates:
+    """Both local solutions of the pose of a flat board, by IPPE on undistorted rays.
+
+    Head on and for exact corners the two coincide.
+
+    Raises:
+        TrackingError: fewer than four corners, corners on one line, or corners through which the
+            lens model has no ray.
+    """
+    _check_spread(corners)
+    rays = camera.unproject(corners.corners_px)
+    if not np.isfinite(rays).all():
+        raise TrackingError("corners: expected pixels that the lens model covers, got some outside")
+    count, rotations, translations, _ = cv2.solvePnPGeneric(
+        corners.points_m,
+        np.ascontiguousarray(rays[:, :2]),
+        np.eye(3),
+        None,
+        flags=cv2.SOLVEPNP_IPPE,
+    )
+    if count == 0:
+        raise TrackingError("corners: expected a planar pose, got none that lies before the camera")
+    camera_T_world = np.tile(np.eye(4), (2, 1, 1))
+    for which in range(2):
+        used = min(which, count - 1)
+        camera_T_world[which, :3, :3] = cv2.Rodrigues(rotations[used])[0]
+        camera_T_world[which, :3, 3] = np.ravel(translations[used])
+    poses = Motor.from_matrix(camera_T_world).inverse()
+    errors = np.array([reprojection_px(corners, camera, pose) for pose in poses])
+    order = np.argsort(errors, kind="stable")
+    return PlanarCandidates(poses[order], errors[order])
+
+
+def reprojection_px(corners: BoardCorners, camera: Camera, world_T_camera: Motor) -> float:
+    """Root mean square distance of the corners from the reprojection of their points.
+
+    Infinite where a point has no image from that pose.
+    """
+    projected = camera.project(world_T_camera.inverse().apply(corners.points_m))
+    squared = np.sum((projected - corners.corners_px) ** 2, axis=-1)
+    error = float(np.sqrt(squared.mean()))
+    return error if np.isfinite(error) else float("inf")
+
+
+def refine(corners: BoardCorners, camera: Camera, world_T_camera: Motor) -> RefinedPose:
+    """Minimise the reprojection error of all corners, from a pose that is near.
+
+    Levenberg-Marquardt on the right perturbation with exact derivatives of the full lens model.
+    The covariance is ``sigma^2 (J^T J)^-1``; it takes the corners' noise as independent and equal,
+    and says nothing about the other planar solution.
+
+    Raises:
+        TrackingError: fewer than four corners, corners on one line, or a start from which some
+            corner has no image.
+    """
+    _check_spread(corners)
+    start = world_T_camera.inverse().as_matrix()
+    rotation, translation = start[:3, :3], start[:3, 3]
+    residuals, jacobian = _linearised(corners, camera, rotation, translation)
+    cost, damping = float(residuals @ residuals), 1e-6
+    if not np.isfinite(cost):
+        raise TrackingError(
+            "world_T_camera: expected a pose that sees every corner, got one behind"
+        )
+    for _ in range(_ITERATIONS):
+        normal = jacobian.T @ jacobian
+        damped = normal + damping * np.diag(np.diag(normal))
+        step = np.negative(np.linalg.solve(damped, jacobian.T @ residuals), dtype=np.float64)
+        turned, moved = _perturbed(rotation, translation, step)
+        tried, tried_jacobian = _linearised(corners, camera, turned, moved)
+        tried_cost = float(tried @ tried)
+        if not tried_cost <= cost:
+            damping *= 10.0
+            if damping > 1e6:
+                break
+            continue
+        settled = float(np.abs(step).max()) < _STEP or cost - tried_cost <= 1e-12 * cost
+        rotation, translation, cost = turned, moved, tried_cost
+        residuals, jacobian = tried, tried_jacobian
+        damping = max(damping * 0.1, 1e-12)
+        if settled:
+            break
+    return _described(rotation, translation, residuals, jacobian)
+
+
+def _described(
+    rotation: FloatArray, translation: FloatArray, residuals: FloatArray, jacobian: FloatArray
+) -> RefinedPose:
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = rotation, translation
+    freedom = max(len(residuals) - 6, 1)
+    sigma = max(float(np.sqrt(residuals @ residuals / freedom)), SIGMA_FLOOR_PX)
+    covariance = sigma**2 * np.linalg.inv(jacobian.T @ jacobian)
+    return RefinedPose(
+        world_T_camera=Motor.from_matrix(matrix).inverse(),
+        covariance=0.5 * (covariance + covariance.T),
+        error_px=float(np.sqrt(2.0 * np.mean(residuals**2))),
+        residuals_px=residuals.reshape(-1, 2),
+        sigma_px=sigma,
+    )
+
+
+def _linearised(
+    corners: BoardCorners, camera: Camera, rotation: FloatArray, translation: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Residuals ``(2 n,)`` and their derivative ``(2 n, 6)`` by the right perturbation.
+
+    ``X = exp(-delta) camera_T_world x``, so ``dX = [X]x d(rotation) - d(translation)``.
+    """
+    points = corners.points_m @ rotation.T + translation
+    pixels, by_point = camera.project_jacobian(points)
+    by_twist = np.empty((len(points), 2, 6))
+    by_twist[..., :3] = np.cross(points[:, None], by_point) * -1.0
+    by_twist[..., 3:] = -by_point
+    return (pixels - corners.corners_px).ravel(), by_twist.reshape(-1, 6)
+
+
+def _perturbed(
+    rotation: FloatArray, translation: FloatArray, step: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Apply ``exp(-step)`` on the left of camera_T_world."""
+    change = Motor.from_twist(-step).as_matrix()
+    return change[:3, :3] @ rotation, change[:3, :3] @ translation + change[:3, 3]
+
+
+def _check_spread(corners: BoardCorners) -> None:
+    if not corners.spanning:
+        raise TrackingError(
+            f"corners: expected at least four that do not lie on one line, got {len(corners)}"
+        )

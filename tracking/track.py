@@ -1,0 +1,201 @@
+"""A board tracked through a whole recording, and the file that keeps it.
+
+The board frame is called ``world``; poses are ``world_T_camera``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, IntArray, Motor, Trajectory, checked_floats, frozen
+from motorcade.tracking.boards import Board, GrayImage
+from motorcade.tracking.camera import Camera
+from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
+from motorcade.tracking.pose import TrackingError
+from motorcade.tracking.tracker import BoardTracker, TrackedFrame
+
+__all__ = ["FRAME_STATES", "BoardTrack", "track_board"]
+
+FRAME_STATES = ("lost", "detected", "followed")
+_FORMAT = "motorcade board track 1"
+
+
+@dataclass(frozen=True, eq=False)
+class BoardTrack:
+    """What became of every frame, and what was measured in the frames that show the board.
+
+    Args:
+        time_ns: ``(F,)`` stamps of all frames, rising.
+        states: ``(F,)`` text, each one of `FRAME_STATES`.
+        observations: one for each of the N frames that are not lost, in order: corners, both
+            planar candidates and their errors.
+        measurements: N refined poses with covariances.
+        error_px: ``(N,)`` root mean square reprojection errors of the refined poses.
+
+    Raises:
+        ValueError: lengths or stamps that do not agree, or an unknown state.
+    """
+
+    time_ns: IntArray
+    states: NDArray[np.str_]
+    observations: tuple[MarkerObservation, ...]
+    measurements: PoseMeasurements
+    error_px: FloatArray
+
+    def __post_init__(self) -> None:
+        stamps, states = np.array(self.time_ns, np.int64), np.array(self.states, np.str_)
+        if states.shape != stamps.shape or stamps.ndim != 1:
+            raise ValueError(f"BoardTrack.states: expected {stamps.shape}, got {states.shape}")
+        if not np.isin(states, FRAME_STATES).all():
+            raise ValueError(f"BoardTrack.states: expected {', '.join(FRAME_STATES)} only")
+        errors = frozen(checked_floats(self.error_px, "BoardTrack.error_px", ()))
+        seen = stamps[states != "lost"]
+        observed = np.array([one.time_ns for one in self.observations], np.int64)
+        for name, given in (
+            ("observations", observed),
+            ("measurements", self.measurements.trajectory.time_ns),
+        ):
+            if not np.array_equal(given, seen):
+                raise ValueError(
+                    f"BoardTrack.{name}: expected the {len(seen)} stamps that are not lost, "
+                    f"got {len(given)}"
+                )
+        if errors.shape != seen.shape:
+            raise ValueError(f"BoardTrack.error_px: expected {seen.shape}, got {errors.shape}")
+        for array in (stamps, states):
+            array.setflags(write=False)
+        object.__setattr__(self, "time_ns", stamps)
+        object.__setattr__(self, "states", states)
+        object.__setattr__(self, "error_px", errors)
+
+    def __len__(self) -> int:
+        """Number of all frames."""
+        return len(self.time_ns)
+
+    def count(self, state: str) -> int:
+        """How many frames are in one of the `FRAME_STATES`."""
+        return int(np.count_nonzero(self.states == state))
+
+    def save(self, path: Path) -> None:
+        """Write an ``.npz`` file of plain arrays; the same track gives the same bytes.
+
+        Raises:
+            ValueError: a file name that does not end in ``.npz``.
+            OSError: a file that cannot be written.
+        """
+        if path.suffix != ".npz":
+            raise ValueError(f"BoardTrack.save(path): expected a name ending in .npz, got {path}")
+        trajectory = self.measurements.trajectory
+        np.savez(
+            path,
+            format=np.array(_FORMAT),
+            time_ns=self.time_ns,
+            states=self.states,
+            corner_counts=np.array([len(one.ids) for one in self.observations]),
+            ids=np.concatenate([one.ids for one in self.observations]),
+            corners_px=np.concatenate([one.corners_px for one in self.observations]),
+            candidates=np.stack([one.candidates.coefficients for one in self.observations]),
+            candidate_error_px=np.stack([one.candidate_error_px for one in self.observations]),
+            poses=trajectory.poses.coefficients,
+            frames=np.array([trajectory.parent, trajectory.child]),
+            covariance=self.measurements.covariance,
+            error_px=self.error_px,
+        )
+
+    @classmethod
+    def load(cls, path: Path) -> BoardTrack:
+        """Read what `save` wrote.
+
+        Raises:
+            ValueError: a file that is no board track, or holds values that are refused.
+            OSError: a file that cannot be read.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                arrays = {name: stored[name] for name in stored.files}
+            if str(arrays["format"]) != _FORMAT:
+                raise ValueError(f"expected the format '{_FORMAT}', got '{arrays['format']}'")
+            return cls._from_arrays(arrays)
+        except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as fault:
+            raise ValueError(f"{path}: not a saved board track: {fault}") from fault
+
+    @classmethod
+    def _from_arrays(cls, arrays: dict[str, NDArray[Any]]) -> BoardTrack:
+        seen = arrays["time_ns"][arrays["states"] != "lost"]
+        ends = np.cumsum(arrays["corner_counts"])[:-1]
+        observations = tuple(
+            MarkerObservation(int(stamp), ids, corners, Motor(candidates), errors)
+            for stamp, ids, corners, candidates, errors in zip(
+                seen,
+                np.split(arrays["ids"], ends),
+                np.split(arrays["corners_px"], ends),
+                arrays["candidates"],
+                arrays["candidate_error_px"],
+                strict=True,
+            )
+        )
+        parent, child = map(str, arrays["frames"])
+        trajectory = Trajectory(seen, Motor(arrays["poses"]), parent, child)
+        return cls(
+            arrays["time_ns"],
+            arrays["states"],
+            observations,
+            PoseMeasurements(trajectory, arrays["covariance"]),
+            arrays["error_px"],
+        )
+
+
+def track_board(
+    frames: Iterable[tuple[int, GrayImage]],
+    camera: Camera,
+    board: Board,
+    *,
+    progress: Callable[[int], None] | None = None,
+) -> BoardTrack:
+    """Track a board through a recording.
+
+    Args:
+        frames: stamps in nanoseconds, strictly increasing, and grey uint8 pictures of the
+            camera's size; read one by one.
+        camera: the camera that took them.
+        board: the board to look for.
+        progress: called after each frame with the number of frames done.
+
+    Returns:
+        the track; frames without the board are "lost" and have no measurement.
+
+    Raises:
+        TrackingError: no frames, or none in which the board is seen.
+        ValueError: pictures or stamps that `BoardTracker.update` refuses.
+    """
+    tracker = BoardTracker(camera, board)
+    stamps: list[int] = []
+    tracked: list[TrackedFrame | None] = []
+    for time_ns, image in frames:
+        tracked.append(tracker.update(image, time_ns))
+        stamps.append(int(time_ns))
+        if progress is not None:
+            progress(len(stamps))
+    seen = [frame for frame in tracked if frame is not None]
+    if not seen:
+        raise TrackingError(
+            f"frames: expected some that show {board.name}, got it in none of {len(stamps)}"
+        )
+    trajectory = Trajectory(
+        np.array([frame.observation.time_ns for frame in seen], np.int64),
+        Motor.stack([frame.world_T_camera for frame in seen]),
+    )
+    return BoardTrack(
+        time_ns=np.array(stamps, np.int64),
+        states=np.array(["lost" if frame is None else frame.state for frame in tracked]),
+        observations=tuple(frame.observation for frame in seen),
+        measurements=PoseMeasurements(trajectory, np.stack([frame.covariance for frame in seen])),
+        error_px=np.array([frame.error_px for frame in seen]),
+    )

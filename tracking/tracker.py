@@ -1,0 +1,224 @@
+"""Tracking a board through a recording: detect once, follow cheaply, look again when in doubt.
+
+The board frame is called ``world``; poses are ``world_T_camera``. A frame is ``detected`` where the
+whole picture was searched, ``followed`` where the corners came from the frame before, ``lost``
+where no pose was found. No random numbers: the same pictures give the same bytes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from motorcade.ga import FloatArray, Motor
+from motorcade.tracking.boards import Board, BoardCorners, GrayImage
+from motorcade.tracking.boards.checks import check_count, checked_gray
+from motorcade.tracking.camera import Camera
+from motorcade.tracking.following import follow
+from motorcade.tracking.measurements import MarkerObservation
+from motorcade.tracking.pose import (
+    PlanarCandidates,
+    RefinedPose,
+    TrackingError,
+    planar_candidates,
+)
+from motorcade.tracking.selection import choose, consistent
+
+__all__ = ["BoardTracker", "TrackedFrame"]
+
+# How long an earlier pose still helps to choose between candidates and numberings.
+_CONTINUITY_NS = 500_000_000
+_RETRY_FRAMES = 5
+_GOOD_SHARE = 0.75
+_GOOD_ERROR_PX = 1.0
+_WORSE_FACTOR = 2.0
+_OUTLIER_PX = 1.0
+_OUTLIER_FACTOR = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedFrame:
+    """One frame in which the board was seen.
+
+    Args:
+        observation: corners and both planar candidates.
+        world_T_camera: the chosen candidate, refined on all corners.
+        covariance: ``(6, 6)``, see `pose`.
+        error_px: root mean square reprojection error of the refined pose.
+        state: how the corners were found.
+    """
+
+    observation: MarkerObservation
+    world_T_camera: Motor
+    covariance: FloatArray
+    error_px: float
+    state: Literal["detected", "followed"]
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    corners: BoardCorners
+    candidates: PlanarCandidates
+    pose: RefinedPose
+
+
+class BoardTracker:
+    """Tracks one board through pictures that arrive in order of time.
+
+    Args:
+        camera: the camera that took the pictures.
+        board: the board to look for.
+        redetect_every: frames after which the whole picture is searched even if all is well.
+
+    Raises:
+        ValueError: a `redetect_every` below 1.
+    """
+
+    def __init__(self, camera: Camera, board: Board, *, redetect_every: int = 30) -> None:
+        check_count(redetect_every, "BoardTracker.redetect_every", 1)
+        self.camera = camera
+        self.board = board
+        self.redetect_every = redetect_every
+        self._time_ns: int | None = None
+        self._image: GrayImage | None = None  # of the frame before, if the board was seen there
+        self._fit: _Fit | None = None  # of the last frame in which the board was seen
+        self._fit_ns = 0
+        self._since_search = 0
+        self._search_count = 0
+        self._search_error_px = 0.0
+
+    def update(self, image: GrayImage, time_ns: int) -> TrackedFrame | None:
+        """Take the next picture; None where the board is not seen in it.
+
+        Args:
+            image: ``(height, width)`` uint8 grey, of the camera's size.
+            time_ns: its stamp, later than that of the picture before.
+
+        Raises:
+            ValueError: another type or size of picture, or a stamp that is not later.
+        """
+        self._check(image, time_ns)
+        self._time_ns = int(time_ns)
+        if self._fit is not None and self._time_ns - self._fit_ns > _CONTINUITY_NS:
+            self._fit = self._image = None
+        fit, state = self._located(image)
+        self._image = None if fit is None else image.copy()
+        if fit is None:
+            return None
+        self._fit, self._fit_ns = fit, self._time_ns
+        return TrackedFrame(
+            observation=MarkerObservation(
+                time_ns=self._time_ns,
+                ids=fit.corners.ids,
+                corners_px=fit.corners.corners_px,
+                candidates=fit.candidates.world_T_camera,
+                candidate_error_px=fit.candidates.error_px,
+            ),
+            world_T_camera=fit.pose.world_T_camera,
+            covariance=fit.pose.covariance,
+            error_px=fit.pose.error_px,
+            state=state,
+        )
+
+    def _check(self, image: GrayImage, time_ns: int) -> None:
+        size = (self.camera.height, self.camera.width)
+        if checked_gray(image).shape != size:
+            raise ValueError(
+                f"image: expected {size[1]} x {size[0]} pixels as the camera has, "
+                f"got {image.shape[1]} x {image.shape[0]}"
+            )
+        if isinstance(time_ns, bool) or not isinstance(time_ns, (int, np.integer)):
+            raise ValueError(f"time_ns: expected whole nanoseconds, got {time_ns!r}")
+        if self._time_ns is not None and time_ns <= self._time_ns:
+            raise ValueError(f"time_ns: expected more than {self._time_ns}, got {time_ns}")
+
+    # Where the board is ------------------------------------------------------------------------
+
+    def _located(self, image: GrayImage) -> tuple[_Fit | None, Literal["detected", "followed"]]:
+        """Follow the board, search for it where that fails or is due, and keep the better."""
+        followed = self._followed(image)
+        if followed is not None and followed.pose.error_px > self._worst_error_px():
+            followed = None
+        self._since_search += 1
+        if followed is not None and not self._search_due(followed):
+            return followed, "followed"
+        found = self._detected(image)
+        self._since_search = 0
+        if followed is not None and (found is None or len(found.corners) < len(followed.corners)):
+            return followed, "followed"
+        if found is not None:
+            self._search_count, self._search_error_px = len(found.corners), found.pose.error_px
+        return found, "detected"
+
+    def _search_due(self, followed: _Fit) -> bool:
+        if self._since_search >= self.redetect_every:
+            return True
+        few = len(followed.corners) < _GOOD_SHARE * self._search_count
+        return few and self._since_search >= _RETRY_FRAMES
+
+    def _worst_error_px(self) -> float:
+        return max(_GOOD_ERROR_PX, _WORSE_FACTOR * self._search_error_px)
+
+    def _detected(self, image: GrayImage) -> _Fit | None:
+        corners = self.board.detect(image, self.camera)
+        if corners is None:
+            return None
+        if self._fit is not None:
+            expected = self._expected_px(self._fit.pose.world_T_camera)
+            if np.isfinite(expected).all():
+                corners = self.board.aligned(corners, expected)
+        return self._completed(image, self._solved(corners))
+
+    def _followed(self, image: GrayImage) -> _Fit | None:
+        if self._image is None or self._fit is None:
+            return None
+        corners = follow(self._image, image, self._fit.corners)
+        if not corners.spanning:
+            return None
+        return self._completed(image, self._solved(self.board.sharpen(image, corners, self.camera)))
+
+    def _completed(self, image: GrayImage, fit: _Fit | None) -> _Fit | None:
+        """The fit with corners that were missed, where they stand as the pose has them."""
+        if fit is None or len(fit.corners) == len(self.board.points_m):
+            return fit
+        places = self._expected_px(fit.pose.world_T_camera)
+        limit = (self.camera.width - 1, self.camera.height - 1)
+        seen = np.all((places >= 0.0) & (places <= limit), axis=-1)
+        seen[fit.corners.ids] = True
+        if np.count_nonzero(seen) == len(fit.corners):
+            return fit
+        places[fit.corners.ids] = fit.corners.corners_px
+        ids = np.flatnonzero(seen)
+        tried = BoardCorners(ids, places[ids], self.board.points_m[ids])
+        sharp = self.board.sharpen(image, tried, self.camera)
+        moved = np.linalg.norm(sharp.corners_px - places[sharp.ids], axis=-1)
+        near = sharp.keep(moved <= max(_OUTLIER_PX, _OUTLIER_FACTOR * fit.pose.error_px))
+        return (self._solved(near) or fit) if len(near) > len(fit.corners) else fit
+
+    def _expected_px(self, world_T_camera: Motor) -> FloatArray:
+        return self.camera.project(world_T_camera.inverse().apply(self.board.points_m))
+
+    # The pose ----------------------------------------------------------------------------------
+
+    def _solved(self, corners: BoardCorners) -> _Fit | None:
+        """Pose of the corners, without outliers; None where no pose follows from them."""
+        corners = corners.keep(np.isfinite(self.camera.unproject(corners.corners_px)[:, 0]))
+        if not corners.spanning:
+            return None
+        try:
+            fit = self._posed(corners)
+            distance = np.linalg.norm(fit.pose.residuals_px, axis=-1)
+            limit = max(_OUTLIER_PX, _OUTLIER_FACTOR * float(np.median(distance)))
+            if len(corners) == 4 or not np.any(distance > limit):
+                return fit
+            agreeing = consistent(corners, self.camera, limit)
+            return self._posed(agreeing) if agreeing.spanning else None
+        except TrackingError:
+            return None
+
+    def _posed(self, corners: BoardCorners) -> _Fit:
+        expected = None if self._fit is None else self._fit.pose.world_T_camera
+        candidates = planar_candidates(corners, self.camera)
+        return _Fit(corners, candidates, choose(candidates, corners, self.camera, expected))
