@@ -1,0 +1,90 @@
+"""What goes wrong with a recording, in one line: file, line or field, expected, got, what to do.
+
+Everything that the readers refuse is a `RecordingError`. Messages never span two lines, whatever
+bytes stand in a file or its name, so that a command can print them as they are.
+"""
+
+from __future__ import annotations
+
+import difflib
+import stat
+from collections.abc import Iterable
+from pathlib import Path
+
+__all__ = ["RecordingError", "did_you_mean", "one_line", "read_bounded", "refusal"]
+
+
+class RecordingError(ValueError):
+    """A recording, trajectory file or manifest cannot be used as it is; the message says why."""
+
+
+def refusal(
+    path: Path | str,
+    problem: str,
+    *,
+    line: int | None = None,
+    field: str | None = None,
+    advice: str | None = None,
+) -> RecordingError:
+    """Make the error "path, line 3, field: problem; advice".
+
+    Args:
+        path: the file or folder that is at fault.
+        problem: what was expected and what was got.
+        line: line of the file, counted from 1.
+        field: key, column or frame.
+        advice: what the reader can do about it.
+    """
+    where = str(path)
+    if line is not None:
+        where += f", line {line}"
+    if field is not None:
+        where += f", {field}"
+    message = f"{where}: {problem}" + (f"; {advice}" if advice else "")
+    return RecordingError(_printable(message))
+
+
+def one_line(value: object, limit: int = 60) -> str:
+    """Quote a value from a file for a message: printable, on one line, shortened to `limit`."""
+    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+    text = _printable(text[: limit + 1])
+    return repr(text if len(text) <= limit else text[: limit - 3] + "...")
+
+
+def did_you_mean(name: str, allowed: Iterable[str]) -> str:
+    """Give the nearest valid name, or all of them, as advice for an unknown one."""
+    names = list(allowed)
+    near = difflib.get_close_matches(name[:100], names, n=1, cutoff=0.5)
+    return f"did you mean {near[0]}?" if near else f"known here: {', '.join(names)}"
+
+
+def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> bytes:
+    """Read a whole regular file of at most `limit_bytes`.
+
+    Raises:
+        RecordingError: missing, not a regular file (a pipe would hang), empty, larger than the
+            limit, or unreadable.
+    """
+    try:
+        about = path.stat()
+        if not stat.S_ISREG(about.st_mode):
+            raise refusal(path, "expected a file, got a folder or a device", field=field)
+        if about.st_size > limit_bytes:
+            raise refusal(
+                path, f"expected at most {limit_bytes} bytes, got {about.st_size}", field=field
+            )
+        data = path.read_bytes()
+    except FileNotFoundError as missing:
+        raise refusal(path, "the file is missing", field=field) from missing
+    except (OSError, ValueError) as fault:
+        if isinstance(fault, RecordingError):
+            raise
+        reason = getattr(fault, "strerror", None) or str(fault)
+        raise refusal(path, f"cannot be read: {reason}", field=field) from fault
+    if not data:
+        raise refusal(path, "the file is empty", field=field)
+    return data
+
+
+def _printable(text: str) -> str:
+    return "".join(letter if letter.isprintable() else "?" for letter in text)

@@ -1,0 +1,117 @@
+"""EuRoC MAV layout: `mav0/cam0`, `mav0/imu0`, ground truth of the body; camera 0 is read.
+
+The body frame B is the one that `T_BS` in each `sensor.yaml` refers to; in EuRoC it is the IMU's.
+Truth is `mav0/state_groundtruth_estimate0` or else a TUM or EuRoC trajectory file beside `mav0`;
+both describe the body. Compared with the IMU of V1_01, such files do: the gyroscope's rates agree
+with the body's of `V1_01_easy.txt` within 0.01 degrees of frame, while `V1_01_easy_original.txt`,
+the set's first release, is off by about 1 degree of frame and 1.8 degrees of gravity. So where
+`X.txt` and `X_original.txt` both stand, the former is taken; a manifest can say otherwise.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from motorcade.ga import Motor, Trajectory
+from motorcade.replays.errors import RecordingError, refusal
+from motorcade.replays.readers.calibration import yaml_camera, yaml_transform
+from motorcade.replays.readers.frames import PictureFrames, inside
+from motorcade.replays.readers.inertial import read_imu, read_noise
+from motorcade.replays.readers.tables import read_listing
+from motorcade.replays.recording import Recording
+from motorcade.replays.trajectory_files import read_trajectory, trajectory_format
+
+__all__ = ["read", "recognise"]
+
+
+def recognise(root: Path) -> bool:
+    """Whether this is a sequence folder (with `mav0`) or `mav0` itself."""
+    return any((root / mav / "cam0" / "data.csv").is_file() for mav in ("mav0", "."))
+
+
+def read(root: Path, *, own_truth: bool = True) -> Recording:
+    """Read an EuRoC sequence.
+
+    Pictures may be missing at the end of `data.csv` only (a sequence cut short).
+
+    Raises:
+        RecordingError: whatever is missing in the middle, does not fit or cannot be read.
+    """
+    mav = root / "mav0" if (root / "mav0").is_dir() else root
+    sensor = mav / "cam0" / "sensor.yaml"
+    camera = yaml_camera(sensor)
+    body_T_camera = yaml_transform(sensor)
+    imu, noise, imu_T_camera = None, None, None
+    if (mav / "imu0" / "data.csv").is_file():
+        imu = read_imu(mav / "imu0" / "data.csv")
+        imu_sensor = mav / "imu0" / "sensor.yaml"
+        noise = read_noise(imu_sensor)
+        imu_T_camera = yaml_transform(imu_sensor).inverse() @ body_T_camera
+    return Recording(
+        name=root.resolve().name,
+        root=root,
+        layout="euroc",
+        frames=_frames(mav / "cam0", (camera.width, camera.height)),
+        camera=camera,
+        imu=imu,
+        imu_noise=noise,
+        imu_T_camera=imu_T_camera,
+        truth=_truth(root, mav, body_T_camera) if own_truth else None,
+    )
+
+
+def _frames(folder: Path, size: tuple[int, int]) -> PictureFrames:
+    listing = read_listing(folder / "data.csv", separator=b",", unit="ns")
+    files = [
+        inside(folder / "data", name, listing.path, int(line))
+        for name, line in zip(listing.names, listing.lines, strict=True)
+    ]
+    present = [file.is_file() for file in files]
+    if not any(present):
+        raise refusal(folder / "data", f"expected the pictures that {listing.path} lists, got none")
+    count = len(files) - present[::-1].index(True)
+    if not all(present[:count]):
+        missing = present.index(False)
+        raise refusal(
+            files[missing],
+            f"the picture is missing, but later ones of {listing.path} are there",
+            field=f"frame {missing}",
+            advice="copy it again, or remove its row",
+        )
+    return PictureFrames(tuple(files[:count]), listing.time_ns[:count], size)
+
+
+def _truth(root: Path, mav: Path, body_T_camera: Motor) -> Trajectory | None:
+    estimate = mav / "state_groundtruth_estimate0"
+    body_T_truth = Motor.identity()
+    path: Path | None = estimate / "data.csv"
+    if path is None or not path.is_file():
+        path = _truth_beside(root if mav != root else root.parent)
+    elif (estimate / "sensor.yaml").is_file():
+        body_T_truth = yaml_transform(estimate / "sensor.yaml")
+    if path is None:
+        return None
+    poses = read_trajectory(path, child="body")
+    truth_T_camera = body_T_truth.inverse() @ body_T_camera
+    return poses.transformed_by(right=truth_T_camera, child="camera")
+
+
+def _truth_beside(folder: Path) -> Path | None:
+    """The one trajectory file beside `mav0`; superseded `X_original` files are left out."""
+    found = []
+    for path in sorted([*folder.glob("*.txt"), *folder.glob("*.csv")]):
+        try:
+            if trajectory_format(path) in ("tum", "euroc"):
+                found.append(path)
+        except RecordingError:
+            continue
+    stems = {path.stem for path in found}
+    kept = [p for p in found if p.stem.removesuffix("_original") not in stems - {p.stem}]
+    if len(kept) > 1:
+        names = ", ".join(path.name for path in kept)
+        raise refusal(
+            folder,
+            f"expected one truth file beside mav0, got {names}",
+            advice="choose one in a manifest: [truth] file",
+        )
+    return kept[0] if kept else None

@@ -1,0 +1,196 @@
+"""Frame sequences made of picture files: which files belong to a recording, and reading them.
+
+Pictures are numbered in natural order (img_9 before img_10). Where stamps come from a rate, a gap
+in the numbers is refused: every later stamp would be wrong.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from motorcade.ga import IntArray
+from motorcade.replays.errors import one_line, read_bounded, refusal
+from motorcade.replays.readers import pictures
+from motorcade.replays.recording import Frame
+
+if TYPE_CHECKING:
+    from motorcade.tracking import Camera
+
+__all__ = [
+    "FRAME_LIMIT",
+    "PictureFrames",
+    "inside",
+    "natural",
+    "numbered",
+    "picture_glob",
+    "refuse_gaps",
+]
+
+FRAME_LIMIT = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class PictureFrames:
+    """Pictures in files, one a frame.
+
+    Fields:
+        files: ``N`` picture files.
+        time_ns: ``(N,)`` stamps, strictly increasing.
+        size: (width, height) that every picture must have; None before the camera is known.
+        depth_files: depth picture of each frame, None where it has none.
+        depth_units_per_m: what a metre is in the depth pictures.
+    """
+
+    files: tuple[Path, ...]
+    time_ns: IntArray
+    size: tuple[int, int] | None = None
+    depth_files: tuple[Path | None, ...] = ()
+    depth_units_per_m: float = 1000.0
+
+    def __post_init__(self) -> None:
+        own = np.array(self.time_ns, dtype=np.int64)
+        own.setflags(write=False)
+        object.__setattr__(self, "time_ns", own)
+        if len(own) != len(self.files) or np.any(np.diff(own) <= 0):
+            raise ValueError(
+                f"time_ns: expected {len(self.files)} increasing stamps, got {len(own)}"
+            )
+
+    def __len__(self) -> int:
+        return len(self.files)
+
+    def __getitem__(self, index: int) -> Frame:
+        index = range(len(self))[index]
+        path, field = self.files[index], f"frame {index}"
+        read_image = partial(pictures.read_picture, path, field, self.size)
+        depth = self.depth_files[index] if self.depth_files else None
+        read_depth = None
+        if depth is not None:
+            read_depth = partial(
+                pictures.read_depth, depth, field, self.size, self.depth_units_per_m
+            )
+        return Frame(int(self.time_ns[index]), path.name, read_image, read_depth)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return (self[index] for index in range(len(self)))
+
+    def check(self, camera: Camera | None) -> None:
+        """Read every file and look at its header, end and size, without decoding.
+
+        Raises:
+            RecordingError: the first picture that is missing, truncated or of another size.
+        """
+        size = self.size if camera is None else (camera.width, camera.height)
+        for path, field in self._all_files():
+            pictures.read_picture_bytes(path, field, size)
+
+    def content(self) -> Iterator[bytes]:
+        """The bytes of all pictures, each after its length."""
+        yield f"depth units {self.depth_units_per_m!r}".encode()
+        for path, field in self._all_files():
+            data = read_bounded(path, pictures.FILE_LIMIT, field)
+            yield f"{field} {path.suffix} {len(data)}\n".encode()
+            yield data
+
+    def first_size(self) -> tuple[int, int]:
+        """Width and height of the first picture, for layouts whose calibration leaves them out.
+
+        Raises:
+            RecordingError: the first picture is missing or truncated.
+        """
+        data = pictures.read_picture_bytes(self.files[0], "frame 0", None)
+        return pictures.picture_size(data)
+
+    def _all_files(self) -> Iterator[tuple[Path, str]]:
+        for index, path in enumerate(self.files):
+            yield path, f"frame {index}"
+        for index, depth in enumerate(self.depth_files):
+            if depth is not None:
+                yield depth, f"depth of frame {index}"
+
+
+def inside(root: Path, name: str, source: Path, line: int | None = None) -> Path:
+    """Join a file name that stands in an untrusted file to the folder it must stay in.
+
+    Raises:
+        RecordingError: an absolute name, one with `..`, or no name at all.
+    """
+    relative = PurePosixPath(name)
+    escapes = relative.is_absolute() or ".." in relative.parts or "\\" in name or "\0" in name
+    if escapes or not relative.parts:
+        raise refusal(
+            source,
+            f"expected a file name inside {root}, got {one_line(name)}",
+            line=line,
+        )
+    return root / relative
+
+
+def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
+    """Find picture files by a pattern such as `images/*.jpg`, in natural order.
+
+    Raises:
+        RecordingError: nothing found, a million files or more, files that are no pictures, a
+            pattern that is empty or leads outside.
+    """
+    inside(root, pattern, root)
+    try:
+        found = sorted(root.glob(pattern), key=natural)
+    except (ValueError, OSError, re.error) as fault:
+        raise refusal(root, f"the pattern {one_line(pattern)} cannot be used: {fault}") from fault
+    if not found:
+        raise refusal(root, f"expected pictures {one_line(pattern)}, got none")
+    if len(found) > FRAME_LIMIT:
+        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(found)}")
+    for path in found:
+        if path.suffix.lower() not in pictures.SUFFIXES:
+            known = " ".join(pictures.SUFFIXES)
+            raise refusal(path, f"expected pictures ({known})", advice="narrow the pattern")
+    return tuple(found)
+
+
+def numbered(paths: Sequence[Path]) -> list[int] | None:
+    """The last number in each file name, or None where the names differ in something else."""
+    parts = [re.fullmatch(r"(.*?)(\d{1,18})(\D*)", path.name) for path in paths]
+    if any(part is None for part in parts):
+        return None
+    found = [part for part in parts if part is not None]
+    if len({(part[1], part[3]) for part in found}) != 1:
+        return None
+    return [int(part[2]) for part in found]
+
+
+def refuse_gaps(paths: Sequence[Path], advice: str) -> None:
+    """Refuse numbered pictures of which one is missing: stamps made from a rate would be wrong.
+
+    Raises:
+        RecordingError: the numbers do not run in equal steps; the first missing one is named.
+    """
+    numbers = numbered(paths)
+    if numbers is None or len(numbers) < 2:
+        return
+    steps = np.diff(np.array(numbers, dtype=np.int64))
+    usual = int(np.median(steps))
+    odd = np.flatnonzero(steps != usual)
+    if odd.size:
+        at = int(odd[0])
+        before = paths[at]
+        raise refusal(
+            before.parent,
+            f"expected pictures numbered in steps of {usual}, got {before.name} followed by "
+            f"{paths[at + 1].name}: a picture is missing",
+            advice=advice,
+        )
+
+
+def natural(path: Path) -> tuple[list[tuple[int, int, str]], str]:
+    """Sort key that compares runs of digits as numbers."""
+    parts = re.split(r"(\d+)", path.as_posix())
+    return [(1, int(p[:18]), p) if p.isdigit() else (0, 0, p) for p in parts], path.as_posix()

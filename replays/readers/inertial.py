@@ -1,0 +1,45 @@
+"""IMU streams and noise from files.
+
+A stream is EuRoC's CSV: stamp in ns, angular rate in rad/s, specific force in m/s².
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.replays.errors import refusal
+from motorcade.replays.readers.calibration import read_yaml
+from motorcade.replays.readers.tables import in_order, read_table
+
+__all__ = ["read_imu", "read_noise"]
+
+_COLUMNS = ("w_x", "w_y", "w_z", "a_x", "a_y", "a_z")
+
+
+def read_imu(path: Path) -> ImuStream:
+    """Read an IMU stream as EuRoC writes it; more columns are ignored, a header is optional.
+
+    Raises:
+        RecordingError: no rows, wrong columns, NaN, decreasing stamps, each with its line.
+    """
+    table = read_table(path, _COLUMNS, separator=b",", unit="ns", header=True, more_columns=True)
+    table = table.rows(in_order(path, table.lines, table.time_ns))
+    try:
+        return ImuStream(table.time_ns, table.values[:, :3], table.values[:, 3:])
+    except ValueError as fault:
+        raise refusal(path, str(fault)) from fault
+
+
+def read_noise(path: Path) -> ImuNoise:
+    """Read noise densities from a YAML file of Kalibr's or EuRoC's.
+
+    Raises:
+        RecordingError: missing, not YAML, or a density that is missing or not above 0.
+    """
+    read_yaml(path)  # bounds the size and the nesting before the file is parsed again
+    try:
+        return ImuNoise.load(path)
+    except ValueError as fault:
+        raise refusal(path, str(fault).removeprefix(f"{path}: ")) from fault

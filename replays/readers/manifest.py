@@ -1,0 +1,249 @@
+"""Manifests: a TOML file that describes any folder of pictures or a video, or adds to a layout.
+
+With a `[frames]` table the manifest alone says what the recording is. Without one, the folder's
+own layout (or the video file) is read first, and every other table replaces or adds its part.
+`docs/manifests/every_key.toml` shows all keys. File names are relative to the recording's folder;
+a manifest that the user named may also point elsewhere (absolute, or with `..`), one that was found
+inside a recording may not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from motorcade.ga import Motor
+from motorcade.replays.errors import RecordingError, refusal
+from motorcade.replays.readers.calibration import (
+    make_camera,
+    read_matrix,
+    read_numbers,
+    transform,
+)
+from motorcade.replays.readers.detect import find_layout, read_layout
+from motorcade.replays.readers.frames import (
+    PictureFrames,
+    inside,
+    picture_glob,
+    refuse_gaps,
+)
+from motorcade.replays.readers.inertial import read_imu, read_noise
+from motorcade.replays.readers.manifest_section import Section, load_toml
+from motorcade.replays.readers.manifest_truth import TRUTH_KEYS, read_truth
+from motorcade.replays.readers.tables import UNITS
+from motorcade.replays.readers.video import VideoFrames
+from motorcade.replays.recording import FrameSequence, Recording
+from motorcade.replays.trajectory_files import even_stamps, read_times
+from motorcade.tracking.boards import (
+    FAMILIES,
+    Board,
+    CharucoBoard,
+    Checkerboard,
+    MarkerGrid,
+    SingleMarker,
+)
+from motorcade.tracking.camera import Camera
+
+__all__ = ["LOCAL_NAME", "read"]
+
+LOCAL_NAME = "motorcade.toml"
+_TOP = ("name", "frames", "camera", "board", "truth", "imu")
+_FRAMES = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
+_CAMERA = (
+    "model", "width", "height", "fx", "fy", "cx", "cy", "matrix_file", "distortion",
+    "distortion_file",
+)  # fmt: skip
+_BOARDS = {
+    "checkerboard": ("columns", "rows", "square_m"),
+    "marker_grid": ("family", "columns", "rows", "marker_m", "gap_m", "first_id"),
+    "marker": ("family", "marker_id", "side_m"),
+    "charuco": ("family", "columns", "rows", "square_m", "marker_m"),
+}
+_IMU = ("file", "noise_file", "imu_T_camera")
+
+
+def read(root: Path, manifest: Path, *, trusted: bool) -> Recording:
+    """Read a recording as a manifest describes it.
+
+    Args:
+        root: the recording's folder, or its video file.
+        manifest: the TOML file.
+        trusted: whether it may name files outside the recording's folder.
+
+    Raises:
+        RecordingError: an unknown key, a wrong type, count or range, a file that is missing; each
+            in one line with table and key.
+    """
+    return _Manifest(root, manifest, trusted).recording()
+
+
+class _Manifest:
+    """A manifest on its way to a recording."""
+
+    def __init__(self, root: Path, path: Path, trusted: bool) -> None:
+        self.root, self.path, self.trusted = root, path, trusted
+        self.folder = root if root.is_dir() else root.parent
+        self.table = load_toml(path)
+        self.top = Section(path, "", self.table, _TOP)
+
+    def recording(self) -> Recording:
+        """Read table by table; later ones may need earlier ones."""
+        made = self._base()
+        if "name" in self.top:
+            made = replace(made, name=self.top.text("name"))
+        made = self._with_camera(made)
+        if "board" in self.top:
+            board, world_T_board = self._board()
+            made = replace(made, board=board, world_T_board=world_T_board)
+        if "imu" in self.top:
+            made = self._with_imu(made)
+        if "truth" in self.top:
+            section = self._section("truth", TRUTH_KEYS)
+            made = replace(made, truth=read_truth(section, made, self._file))
+        return made
+
+    def _section(self, name: str, keys: tuple[str, ...]) -> Section:
+        return Section(self.path, name, self.table[name], keys)
+
+    def _file(self, section: Section, key: str) -> Path:
+        """The file that a key names."""
+        name = section.text(key)
+        if not self.trusted:
+            path = inside(self.folder, name, self.path)
+            if not path.resolve().is_relative_to(self.folder.resolve()):
+                problem = f"expected a file inside {self.folder}, got a link out of it"
+                raise section.fault(key, problem)
+            return path
+        return self.folder / name
+
+    def _base(self) -> Recording:
+        """What the frames table or the folder's own layout gives."""
+        if "frames" in self.top:
+            frames = self._frames(self._section("frames", _FRAMES))
+            layout = "video" if isinstance(frames, VideoFrames) else "images"
+            return Recording(self.root.resolve().stem, self.root, layout, frames)
+        if find_layout(self.root) is None:
+            raise self.top.fault(
+                "frames",
+                f"the table is missing, and {self.root} has no layout of its own",
+                'say which pictures to read: [frames] images = "*.png", rate_hz = 30',
+            )
+        return read_layout(self.root, own_truth="truth" not in self.top)
+
+    def _frames(self, section: Section) -> FrameSequence:
+        section.only_one("images", "video")
+        if "video" in section or ("images" not in section and self.root.is_file()):
+            for key in set(_FRAMES) - {"video"}:
+                if key in section:
+                    raise section.fault(key, "not for a video, which brings its own stamps")
+            return VideoFrames(self._file(section, "video") if "video" in section else self.root)
+        files = picture_glob(self.folder, section.text("images"))
+        section.only_one("rate_hz", "stamps")
+        if "stamps" in section:
+            unit = section.text("stamps_unit", tuple(UNITS)) if "stamps_unit" in section else "s"
+            path = self._file(section, "stamps")
+            _, time_ns = read_times(path, unit)
+            if len(time_ns) != len(files):
+                raise refusal(
+                    path, f"expected {len(files)} stamps for as many pictures, got {len(time_ns)}"
+                )
+        else:
+            time_ns = even_stamps(len(files), section.number("rate_hz", 1e-3, 1e5))
+            refuse_gaps(files, "copy it again; pictures taken at uneven times need [frames] stamps")
+        if "depth" not in section:
+            return PictureFrames(files, time_ns)
+        depth = picture_glob(self.folder, section.text("depth"))
+        if len(depth) != len(files):
+            raise section.fault("depth", f"expected {len(files)} pictures, got {len(depth)}")
+        units = section.number("depth_units_per_m", 1e-3, 1e6)
+        return PictureFrames(files, time_ns, None, depth, units)
+
+    def _with_camera(self, made: Recording) -> Recording:
+        """Replace the camera, and ask the frames for its size."""
+        if "camera" not in self.top:
+            return made
+        frames = made.frames
+        section = self._section("camera", _CAMERA)
+        if isinstance(frames, VideoFrames):
+            camera = self._camera(section, frames.size)
+            frames.check(camera)
+            return replace(made, camera=camera)
+        if not isinstance(frames, PictureFrames):
+            raise section.fault("", "this recording's camera cannot be replaced")
+        stated = "width" in section or "height" in section
+        size = None if stated else frames.first_size()
+        camera = self._camera(section, size)
+        frames = replace(frames, size=(camera.width, camera.height))
+        return replace(made, camera=camera, frames=frames)
+
+    def _camera(self, section: Section, size: tuple[int, int] | None) -> Camera:
+        if size is None or "width" in section or "height" in section:
+            size = (section.whole("width", 1), section.whole("height", 1))
+        section.only_one("matrix_file", "fx")
+        if "matrix_file" in section:
+            intrinsics = read_matrix(self._file(section, "matrix_file"))
+        else:
+            fx, fy = (section.number(key, 1e-3, 1e9) for key in ("fx", "fy"))
+            intrinsics = (fx, fy, section.number("cx", -1e9, 1e9), section.number("cy", -1e9, 1e9))
+        section.only_one("distortion", "distortion_file")
+        source, distortion = self.path, tuple[float, ...]()
+        if "distortion" in section:
+            distortion = section.numbers("distortion")
+        elif "distortion_file" in section:
+            source = self._file(section, "distortion_file")
+            distortion = tuple(float(value) for value in read_numbers(source))
+        models = ("pinhole", "radtan", "equidistant")
+        lensless = "model" not in section and not distortion
+        model = "pinhole" if lensless else section.text("model", models)
+        return make_camera(source, size, intrinsics, model, distortion)
+
+    def _board(self) -> tuple[Board, Motor]:
+        every = ("type", "world_T_board", *{key for keys in _BOARDS.values() for key in keys})
+        kind = self._section("board", every).text("type", tuple(_BOARDS))
+        section = self._section("board", ("type", "world_T_board", *_BOARDS[kind]))
+        pose = Motor.identity()
+        if "world_T_board" in section:
+            pose = transform(section["world_T_board"], self.path, "[board] world_T_board")
+        return _make_board(kind, section), pose
+
+    def _with_imu(self, made: Recording) -> Recording:
+        section = self._section("imu", _IMU)
+        if "file" in section:
+            made = replace(made, imu=read_imu(self._file(section, "file")))
+        if made.imu is None:
+            raise section.fault("file", "the key is missing")
+        if "noise_file" in section:
+            path = self._file(section, "noise_file")
+            made = replace(made, imu_noise=read_noise(path))
+        if "imu_T_camera" in section:
+            pose = transform(section["imu_T_camera"], self.path, "[imu] imu_T_camera")
+            made = replace(made, imu_T_camera=pose)
+        if made.imu_T_camera is None:
+            raise section.fault("imu_T_camera", "the key is missing", "give a 4 by 4 matrix")
+        return made
+
+
+def _make_board(kind: str, section: Section) -> Board:
+    """Make the board of a kind; the board's own refusals are said of its table."""
+
+    def count(key: str) -> int:
+        return section.whole(key, 0, 1000)
+
+    def length(key: str) -> float:
+        return section.number(key, 1e-6, 1e3)
+
+    try:
+        if kind == "checkerboard":
+            return Checkerboard(count("columns"), count("rows"), length("square_m"))
+        family = section.text("family", tuple(FAMILIES))
+        if kind == "marker":
+            return SingleMarker(family, section.whole("marker_id"), length("side_m"))
+        columns, rows, marker_m = count("columns"), count("rows"), length("marker_m")
+        if kind == "charuco":
+            return CharucoBoard(family, columns, rows, length("square_m"), marker_m)
+        first_id = section.whole("first_id") if "first_id" in section else 0
+        return MarkerGrid(family, columns, rows, marker_m, length("gap_m"), first_id)
+    except RecordingError:
+        raise
+    except ValueError as fault:
+        raise section.fault(kind, str(fault)) from fault

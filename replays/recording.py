@@ -1,0 +1,223 @@
+"""A recording: lazily read frames, IMU, calibration and truth of one camera, whatever its layout.
+
+Conventions: stamps in integer nanoseconds, OpenCV camera axes, poses named `world_T_camera`,
+images uint8 in RGB order or grey as the file has them, pixels as stored (a rotation noted in EXIF
+or in a video's metadata is not applied: calibrations are given for the sensor's own axes), depth
+in metres with NaN where the sensor saw nothing (stored 0 or 65535).
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import IntArray, Motor, Trajectory
+from motorcade.replays.errors import refusal
+
+if TYPE_CHECKING:
+    from motorcade.fusion.imu.noise import ImuNoise
+    from motorcade.fusion.imu.stream import ImuStream
+    from motorcade.tracking.boards import Board
+    from motorcade.tracking.camera import Camera
+
+__all__ = ["DepthArray", "Frame", "FrameSequence", "ImageArray", "Recording", "open_recording"]
+
+ImageArray = NDArray[np.uint8]
+DepthArray = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One picture of a recording; nothing is read before it is asked for.
+
+    Fields:
+        time_ns: stamp.
+        name: file name, or "frame 12" of a video; opens error messages.
+        read_image, read_depth: what `image` and `depth_m` call.
+    """
+
+    time_ns: int
+    name: str
+    read_image: Callable[[], ImageArray] = field(repr=False)
+    read_depth: Callable[[], DepthArray] | None = field(default=None, repr=False)
+
+    def image(self) -> ImageArray:
+        """Read the picture: uint8 ``(height, width, 3)`` RGB, or ``(height, width)`` if it is grey.
+
+        Raises:
+            RecordingError: missing, truncated, corrupt, or not of the camera's size.
+        """
+        return self.read_image()
+
+    def gray(self) -> ImageArray:
+        """Read the picture as luma (ITU-R BT.601), uint8 ``(height, width)``; raises as `image`."""
+        import cv2
+
+        picture = self.image()
+        if picture.ndim == 2:
+            return picture
+        return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
+
+    def depth_m(self) -> DepthArray | None:
+        """Read the depth, metres ``(height, width)``, NaN where unknown; None without depth."""
+        return None if self.read_depth is None else self.read_depth()
+
+
+class FrameSequence(Protocol):
+    """Pictures in the order of their stamps, read one at a time."""
+
+    @property
+    def time_ns(self) -> IntArray:
+        """Stamps ``(N,)``, strictly increasing, read-only."""
+        ...
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: int) -> Frame: ...
+
+    def __iter__(self) -> Iterator[Frame]: ...
+
+    def check(self, camera: Camera | None) -> None:
+        """Look at every picture without decoding where that is possible.
+
+        Raises:
+            RecordingError: a picture is missing, truncated or not of the camera's size.
+        """
+        ...
+
+    def content(self) -> Iterator[bytes]:
+        """Give all that the pictures depend on, in blocks and a stable order, for a digest."""
+        ...
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What was recorded, with what is known about it. None where the recording lacks something.
+
+    Fields:
+        name: for people; the folder's name unless a manifest says otherwise.
+        root: the folder, or the video file.
+        layout: "euroc", "seven_scenes", "tum_rgbd", "kitti", "images", "video" or "synthetic".
+        frames: the pictures.
+        camera: intrinsics, of the pictures' size.
+        imu, imu_noise: angular rate and specific force; noise densities and bias walks.
+        imu_T_camera: where the camera sits on the IMU (camera coordinates to IMU coordinates).
+        board: a board in view, and where it stands in the world (identity: it is the world).
+        truth: world_T_camera. Its stamps need not be the frames' own, nor cover all of them.
+
+    Raises:
+        RecordingError: no frames, or a pose that is not a single one.
+    """
+
+    name: str
+    root: Path
+    layout: str
+    frames: FrameSequence
+    camera: Camera | None = None
+    imu: ImuStream | None = None
+    imu_noise: ImuNoise | None = None
+    imu_T_camera: Motor | None = None
+    board: Board | None = None
+    world_T_board: Motor = field(default_factory=Motor.identity)
+    truth: Trajectory | None = None
+
+    def __post_init__(self) -> None:
+        if len(self.frames) == 0:
+            raise refusal(self.root, "expected at least one frame, got none")
+        for name in ("imu_T_camera", "world_T_board"):
+            motor = getattr(self, name)
+            if motor is not None and motor.shape != ():
+                raise refusal(self.root, f"expected one motor, got {motor.shape}", field=name)
+
+    @property
+    def duration_s(self) -> float:
+        """Seconds from the first frame's stamp to the last one's."""
+        time_ns = self.frames.time_ns
+        return float(time_ns[-1] - time_ns[0]) * 1e-9
+
+    def check(self) -> None:
+        """Check every picture (existence, size, end markers) and that the streams overlap.
+
+        Raises:
+            RecordingError: the first fault found.
+        """
+        self.frames.check(self.camera)
+        if self.imu is None:
+            return
+        frames, imu = self.frames.time_ns, self.imu.time_ns
+        if imu[-1] < frames[0] or imu[0] > frames[-1]:
+            raise refusal(
+                self.root,
+                f"expected IMU and frames to overlap in time, got IMU {imu[0]} to {imu[-1]} ns "
+                f"and frames {frames[0]} to {frames[-1]} ns",
+                advice="are both stamped by the same clock and in the unit stated?",
+            )
+
+    def digest(self) -> str:
+        """SHA-256 (hex) of everything that a result can depend on, computed anew at each call.
+
+        Covers the bytes of the pictures and the values of all the rest (so a comment in a
+        calibration file changes nothing), and the name, since reports show it; not the place.
+        """
+        digest = hashlib.sha256(b"motorcade recording 1\n")
+        for label, value in self._facts():
+            digest.update(f"{label} {len(value)}\n".encode())
+            digest.update(value)
+        for block in self.frames.content():
+            digest.update(block)
+        return digest.hexdigest()
+
+    def _facts(self) -> Iterator[tuple[str, bytes]]:
+        for label in ("name", "layout", "camera", "board", "imu_noise"):
+            yield label, repr(getattr(self, label)).encode()
+        for label in ("imu_T_camera", "world_T_board"):
+            motor = getattr(self, label)
+            yield label, b"" if motor is None else _bytes(motor.coefficients)
+        yield "frame stamps", _bytes(self.frames.time_ns)
+        if self.imu is not None:
+            yield "imu stamps", _bytes(self.imu.time_ns)
+            yield "angular rate", _bytes(self.imu.angular_rate_rad_s)
+            yield "specific force", _bytes(self.imu.specific_force_m_s2)
+        if self.truth is not None:
+            yield "truth frames", f"{self.truth.parent} {self.truth.child}".encode()
+            yield "truth stamps", _bytes(self.truth.time_ns)
+            yield "truth poses", _bytes(self.truth.poses.coefficients)
+
+
+def open_recording(path: Path | str, manifest: Path | str | None = None) -> Recording:
+    """Open a folder of any known layout, or a video file.
+
+    Args:
+        path: the recording. Known layouts: EuRoC (`mav0/cam0/data.csv`), TUM RGB-D (`rgb.txt`),
+            7-Scenes (`frame-000000.color.png`), KITTI odometry (`calib.txt` beside `image_0`),
+            a video file, and any folder with a manifest.
+        manifest: TOML file that describes the recording or adds to its layout (see
+            `docs/manifests`). It may lie anywhere. Without it, `motorcade.toml` in the folder is
+            used where there is one; since that one came with the recording, it may not point
+            outside the folder.
+
+    Raises:
+        RecordingError: nothing there, no known layout (the message lists what was looked for), or
+            whatever the layout's reader refuses.
+    """
+    from motorcade.replays.readers import manifest as manifests
+    from motorcade.replays.readers.detect import read_layout
+
+    root = Path(path)
+    if not root.exists():
+        raise refusal(root, "no such file or folder")
+    if manifest is not None:
+        return manifests.read(root, Path(manifest), trusted=True)
+    if (root / manifests.LOCAL_NAME).is_file():
+        return manifests.read(root, root / manifests.LOCAL_NAME, trusted=False)
+    return read_layout(root)
+
+
+def _bytes(array: NDArray[np.int64] | NDArray[np.float64]) -> bytes:
+    return np.ascontiguousarray(array).tobytes()
