@@ -184,6 +184,27 @@ class Camera:
         resampled = cv2.remap(image, *_undistortion_maps(self), cv2.INTER_LINEAR)
         return cast("NDArray[np.uint8]", resampled.reshape(image.shape))
 
+    def undistort_depth(self, depth_m: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Resample a depth image ``(height, width)`` likewise, taking the nearest pixel.
+
+        Depths of different surfaces are never mixed; pixels without a source are NaN.
+
+        Raises:
+            ValueError: not of the camera's size.
+        """
+        if depth_m.shape != (self.height, self.width):
+            raise ValueError(
+                f"depth_m: expected shape {(self.height, self.width)}, got {depth_m.shape}"
+            )
+        if self.model == "pinhole":
+            return depth_m.copy()
+        whole, _ = _undistortion_maps(self)
+        resampled = cv2.remap(
+            depth_m, whole, None, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT,
+            borderValue=(float("nan"),),
+        )  # fmt: skip
+        return cast("NDArray[np.float32]", resampled)
+
     @cached_property
     def _coefficients(self) -> FloatArray:
         """Radtan coefficients padded to eight, the others as they are."""

@@ -7,8 +7,10 @@ from typing import Literal
 
 import numpy as np
 
-from motorcade.animation.place import Placement, place_on_plane
+from motorcade.animation import Character, Placement, mannequin, place_on_plane
+from motorcade.ga import Motor
 from motorcade.replays.recording import Recording
+from motorcade.tracking import Board
 
 
 @dataclass(frozen=True)
@@ -42,15 +44,30 @@ def placed(
         raise ValueError(f"{recording.name}: placed.on=board, but no board is known")
     if position_m and len(position_m) != 2:
         raise ValueError(f"placed.position_m: expected x,y, came {len(position_m)} numbers")
+    plane, centre, height = Motor.identity(), (0.0, 0.0), 1.75
     if on_board and board is not None:
-        centre = board.centre_m[:2] if not position_m else np.array(position_m)
-        height = height_m or min(board.size_m)
-        world_T_plane = recording.world_T_board
-    else:
-        centre = np.array(position_m or (0.0, 0.0))
-        height = height_m or 1.75
-        world_T_plane = None
+        plane, centre, height = recording.world_T_board, _middle(board), min(board.size_m)
+    x, y = position_m or centre
+    turn = np.deg2rad(heading_deg)
     placement = place_on_plane(
-        centre, np.deg2rad(heading_deg), height_m=height, world_T_plane=world_T_plane
+        character_named(character),
+        point_m=plane.apply([x, y, 0.0]),
+        normal=plane.rotor.apply([0.0, 0.0, 1.0]),
+        facing=plane.rotor.apply([np.cos(turn), np.sin(turn), 0.0]),
+        height_m=height_m or height,
     )
     return Placed(character, clip, placement)
+
+
+def character_named(name: str) -> Character:
+    """The character that a `Placed` speaks of."""
+    if name != "mannequin":
+        raise ValueError(f"placed.character: expected mannequin, came {name!r}")
+    return mannequin()
+
+
+def _middle(board: Board) -> tuple[float, float]:
+    """Centre of the board's corners in its own plane, metres."""
+    low, high = board.points_m.min(axis=0), board.points_m.max(axis=0)
+    x, y, _ = (low + high) / 2
+    return float(x), float(y)
