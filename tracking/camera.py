@@ -198,10 +198,9 @@ class Camera:
             )
         if self.model == "pinhole":
             return depth_m.copy()
-        whole, _ = _undistortion_maps(self)
         resampled = cv2.remap(
-            depth_m, whole, None, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT,
-            borderValue=(float("nan"),),
+            depth_m, _undistortion_source(self), None, cv2.INTER_NEAREST,
+            borderMode=cv2.BORDER_CONSTANT, borderValue=(float("nan"),),
         )  # fmt: skip
         return cast("NDArray[np.float32]", resampled)
 
@@ -216,11 +215,16 @@ class Camera:
 
 
 @lru_cache(maxsize=8)
-def _undistortion_maps(camera: Camera) -> tuple[NDArray[np.int16], NDArray[np.uint16]]:
-    """Fixed-point maps for `cv2.remap`: faster than floats, to 1/32 of a pixel."""
+def _undistortion_source(camera: Camera) -> NDArray[np.float32]:
+    """Where in the taken picture each undistorted pixel comes from, ``(height, width, 2)``."""
     columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
-    source = camera.bend(np.stack([columns, rows], axis=-1)).astype(np.float32)
-    whole, fraction = cv2.convertMaps(source, None, cv2.CV_16SC2)
+    return camera.bend(np.stack([columns, rows], axis=-1)).astype(np.float32)
+
+
+@lru_cache(maxsize=8)
+def _undistortion_maps(camera: Camera) -> tuple[NDArray[np.int16], NDArray[np.uint16]]:
+    """The same as fixed-point maps for `cv2.remap`: faster than floats, to 1/32 of a pixel."""
+    whole, fraction = cv2.convertMaps(_undistortion_source(camera), None, cv2.CV_16SC2)
     return whole, fraction
 
 
