@@ -18,7 +18,7 @@ SEQUENCES = (
     "xyx", "xzx", "yxy", "yzy", "zxz", "zyz",
 )  # fmt: skip
 # Where the lever arm of the first angle is below this, the angle is noise: gimbal lock.
-_LOCKED = 1e-12
+_LOCKED = 4e-15
 
 
 def _axes(sequence: str) -> tuple[int, int, int, float]:

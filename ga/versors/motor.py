@@ -38,7 +38,7 @@ class Motor(Versor):
     @classmethod
     def _check_unit(cls, coefficients: FloatArray) -> None:
         super()._check_unit(coefficients)
-        length = np.sqrt(np.sum(coefficients[..., 4:] ** 2, axis=-1))
+        length = np.max(np.abs(coefficients[..., 4:]), axis=-1)
         study = np.abs(_study(coefficients)) / np.maximum(1.0, length)
         worst = float(np.max(study, initial=0.0))
         if worst > UNIT_TOLERANCE:

@@ -72,7 +72,8 @@ class Versor(ABC):
 
     @classmethod
     def _check_unit(cls, coefficients: FloatArray) -> None:
-        norm = np.sqrt(np.sum(coefficients[..., :4] ** 2, axis=-1))
+        with np.errstate(over="ignore"):  # an infinite norm is refused like any other
+            norm = np.sqrt(np.sum(coefficients[..., :4] ** 2, axis=-1))
         worst = float(np.max(np.abs(norm - 1.0), initial=0.0))
         if worst > UNIT_TOLERANCE:
             raise ValueError(

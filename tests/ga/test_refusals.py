@@ -1,0 +1,177 @@
+"""What is not a rotor, a motor or a matching batch is refused by name; nothing is repaired."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+from motorcade.ga import Motor, Rotor, Versor, checked_floats, frozen
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (5,), (4, 1), (2, 7), (9,)])
+def test_wrong_last_dimension_is_refused(kind: type[Versor], shape: tuple[int, ...]) -> None:
+    with pytest.raises(ValueError, match=rf"{kind.__name__}.coefficients: expected shape"):
+        kind(np.zeros(shape))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_nan_and_infinity_are_refused(kind: type[Versor], bad: float) -> None:
+    coefficients = np.array(kind.identity((3,)).coefficients)
+    coefficients[1, 2] = bad
+    with pytest.raises(ValueError, match="expected finite numbers, got 1 NaN or infinite"):
+        kind(coefficients)
+    with pytest.raises(ValueError, match="expected finite numbers"):
+        kind.normalize(coefficients)
+    with pytest.raises(ValueError, match="expected finite numbers"):
+        kind.identity().apply([0.0, bad, 0.0])
+    with pytest.raises(ValueError, match="expected finite numbers"):
+        kind.identity().interpolate(kind.identity(), bad)
+    with pytest.raises(ValueError, match="expected finite numbers"):
+        kind.exp(np.full(3 if kind is Rotor else 6, bad))
+
+
+def test_zero_is_refused(kind: type[Versor]) -> None:
+    zero = np.zeros_like(kind.identity((2,)).coefficients)
+    with pytest.raises(ValueError, match="expected unit versors"):
+        kind(zero)
+    with pytest.raises(ValueError, match=r"expected .*non-zero.*, got 2 zero ones"):
+        kind.normalize(zero)
+
+
+def test_a_motor_without_rotation_part_has_no_direction() -> None:
+    with pytest.raises(ValueError, match="non-zero rotor part"):
+        Motor.normalize([0, 0, 0, 0, 1, 2, 3, 4])
+
+
+@pytest.mark.parametrize("factor", [0.5, 1 + 2e-6, -1.1, 1e200])
+def test_versors_that_are_not_unit_are_refused(kind: type[Versor], factor: float) -> None:
+    with pytest.raises(ValueError, match=rf"{kind.__name__}.normalize projects"):
+        kind(factor * kind.identity().coefficients)
+
+
+def test_norms_within_tolerance_are_kept_as_they_are(kind: type[Versor]) -> None:
+    given = (1 + 5e-7) * kind.identity().coefficients
+    np.testing.assert_array_equal(kind(given).coefficients, given)
+
+
+def test_motors_off_the_study_quadric_are_refused() -> None:
+    with pytest.raises(ValueError, match="expected m0 m7 = m1 m4"):
+        Motor([1, 0, 0, 0, 0, 0, 0, 0.1])
+
+
+def test_motors_far_from_the_origin_are_accepted(rng: np.random.Generator) -> None:
+    far = Motor.random(rng, (100,), extent_m=1e9)
+    Motor(far.coefficients)
+
+
+@pytest.mark.parametrize("text", ["abc", ["a", "b"], [[1.0], [1.0, 2.0]], None, 1j, object()])
+def test_what_is_no_number_is_refused(text: object) -> None:
+    with pytest.raises(ValueError, match="field: expected"):
+        checked_floats(text, "field", (2,))  # type: ignore[arg-type]
+
+
+def test_batches_that_do_not_broadcast_are_refused(
+    kind: type[Versor], rng: np.random.Generator
+) -> None:
+    three, four = kind.random(rng, (3,)), kind.random(rng, (4,))
+    message = r"expected batch shapes that broadcast together, got \(3,\) and \(4,\)"
+    with pytest.raises(ValueError, match=message):
+        three @ four
+    with pytest.raises(ValueError, match=message):
+        three.interpolate(four, 0.5)
+    with pytest.raises(ValueError, match=message):
+        three.apply(np.zeros((4, 3)))
+    with pytest.raises(ValueError, match="broadcast together"):
+        three.interpolate(three, np.zeros(2))
+
+
+def test_rotors_and_motors_do_not_mix(rng: np.random.Generator) -> None:
+    with pytest.raises(TypeError):
+        Rotor.random(rng) @ Motor.random(rng)  # type: ignore[operator]
+    with pytest.raises(TypeError):
+        np.eye(4) @ Motor.random(rng)  # type: ignore[operator]
+
+
+def test_points_need_three_coordinates(kind: type[Versor]) -> None:
+    with pytest.raises(ValueError, match=r"apply\(points\): expected shape \(\*, 3\)"):
+        kind.identity().apply([1.0, 2.0])
+
+
+def test_matrices_that_are_no_rotations_are_refused() -> None:
+    with pytest.raises(ValueError, match="expected determinant"):
+        Rotor.from_matrix(np.diag([1.0, 1.0, -1.0]))
+    with pytest.raises(ValueError, match="orthonormalise it first"):
+        Rotor.from_matrix(1.001 * np.eye(3))
+    with pytest.raises(ValueError, match=r"expected shape \(\*, 3, 3\)"):
+        Rotor.from_matrix(np.eye(4))
+    bottom = np.eye(4)
+    bottom[3, 0] = 1e-3
+    with pytest.raises(ValueError, match="expected the last row 0 0 0 1"):
+        Motor.from_matrix(bottom)
+
+
+def test_quaternions_that_are_not_unit_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"from_quaternion\(wxyz\): expected unit quaternions"):
+        Rotor.from_quaternion([0.9, 0.1, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("sequence", ["", "xy", "xxy", "XYZ", "abc", "xyzx"])
+def test_unknown_euler_sequences_are_refused(sequence: str) -> None:
+    with pytest.raises(ValueError, match="sequence: expected one of xyz"):
+        Rotor.from_euler([0.1, 0.2, 0.3], sequence)
+    with pytest.raises(ValueError, match="sequence: expected one of xyz"):
+        Rotor.identity().as_euler(sequence)
+
+
+def test_nothing_can_be_stacked_from_nothing(kind: type[Versor]) -> None:
+    with pytest.raises(ValueError, match="expected at least one versor"):
+        kind.stack([])
+    with pytest.raises(ValueError, match="stack joins single ones"):
+        kind.concatenate([kind.identity()])
+
+
+def test_a_single_versor_has_no_batch(kind: type[Versor]) -> None:
+    with pytest.raises(TypeError, match="has no length"):
+        len(kind.identity())
+    with pytest.raises(IndexError, match="has no batch"):
+        kind.identity()[0]
+
+
+def test_values_are_frozen(kind: type[Versor], rng: np.random.Generator) -> None:
+    versor = kind.random(rng, (3,))
+    made = (versor, versor @ versor, versor[1], versor.reshape(3, 1), versor.inverse(),
+            kind.stack(list(versor)), kind(versor.coefficients),
+            pickle.loads(pickle.dumps(versor)), copy.deepcopy(versor))  # fmt: skip
+    for one in made:
+        with pytest.raises(ValueError, match="read-only"):
+            one.coefficients[..., 0] = 2.0
+    with pytest.raises(AttributeError):
+        versor.coefficients = versor.coefficients  # type: ignore[misc]
+
+
+def test_what_a_caller_passes_in_stays_his(kind: type[Versor], rng: np.random.Generator) -> None:
+    given = np.array(kind.random(rng, (3,)).coefficients)
+    kept = given.copy()
+    versor = kind(given)
+    given[0] = 0.0
+    np.testing.assert_array_equal(versor.coefficients, kept)
+    log = versor.log()
+    before = log.copy()
+    kind.exp(log)
+    log += 1.0
+    np.testing.assert_array_equal(versor.log(), before)
+
+
+def test_strided_and_read_only_inputs_are_read_in_place(
+    kind: type[Versor], rng: np.random.Generator
+) -> None:
+    plain = kind.random(rng, (6,))
+    wide = np.zeros((6, 2 * plain.coefficients.shape[1]))
+    wide[:, ::2] = plain.coefficients
+    strided = frozen(wide)[::-1, ::2]
+    np.testing.assert_array_equal(kind(strided).coefficients, plain.coefficients[::-1])
+    turned = plain[::-1] @ plain
+    np.testing.assert_array_equal(turned.coefficients[::-1], (plain @ plain[::-1]).coefficients)
+    single = np.asarray(plain.coefficients, dtype=np.float32)
+    assert kind.normalize(single).coefficients.dtype == np.float64
