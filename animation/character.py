@@ -1,0 +1,130 @@
+"""Character: a skinned mesh, the skeleton it is bound to, and its clips.
+
+Character space: metres, z up, facing +x, soles at z = 0. Triangles run counter-clockwise seen
+from outside; vertex colours are sRGB from 0 to 1.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from motorcade.animation.clip import Clip
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, IntArray, checked_floats, frozen
+
+WEIGHT_TOLERANCE = 1e-6
+NORMAL_TOLERANCE = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Character:
+    """A mesh of V vertices and T triangles in its rest pose, carried by up to four joints each.
+
+    Args:
+        skeleton: with J joints.
+        vertices: (V, 3) m.
+        normals: (V, 3) unit vectors that point outwards.
+        triangles: (T, 3) vertex numbers.
+        colors: (V, 3) sRGB, 0 to 1.
+        joints: (V, 4) joint numbers.
+        weights: (V, 4) shares of these joints, not negative, summing to 1.
+        clips: motions of this skeleton with different names.
+
+    Raises:
+        ValueError: a shape, an index or a weight out of range, or a clip for another skeleton.
+    """
+
+    skeleton: Skeleton
+    vertices: FloatArray
+    normals: FloatArray
+    triangles: IntArray
+    colors: FloatArray
+    joints: IntArray
+    weights: FloatArray
+    clips: tuple[Clip, ...] = ()
+
+    def __post_init__(self) -> None:
+        count = len(np.asarray(self.vertices))
+        for name, width in (("vertices", 3), ("normals", 3), ("colors", 3), ("weights", 4)):
+            given = checked_floats(getattr(self, name), f"Character.{name}", (width,))
+            if given.shape != (count, width):
+                raise ValueError(
+                    f"Character.{name}: expected shape ({count}, {width}), got {given.shape}"
+                )
+            object.__setattr__(self, name, frozen(given))
+        if not count:
+            raise ValueError("Character.vertices: expected one vertex or more, got none")
+        for name, shape, limit in (
+            ("triangles", (len(np.asarray(self.triangles)), 3), count),
+            ("joints", (count, 4), len(self.skeleton)),
+        ):
+            given_numbers = _numbers(getattr(self, name), f"Character.{name}", shape, limit)
+            object.__setattr__(self, name, given_numbers)
+        self._check_ranges()
+        self._check_clips()
+
+    def _check_ranges(self) -> None:
+        length = np.linalg.norm(self.normals, axis=1)
+        if np.any(np.abs(length - 1.0) > NORMAL_TOLERANCE):
+            raise ValueError(
+                "Character.normals: expected unit vectors, got lengths from "
+                f"{length.min():.4g} to {length.max():.4g}"
+            )
+        if self.colors.min() < 0.0 or self.colors.max() > 1.0:
+            raise ValueError(
+                "Character.colors: expected sRGB from 0 to 1, got "
+                f"{self.colors.min():.4g} to {self.colors.max():.4g}"
+            )
+        total = self.weights.sum(axis=1)
+        worst = int(np.argmax(np.abs(total - 1.0)))
+        if self.weights.min() < 0.0 or abs(total[worst] - 1.0) > WEIGHT_TOLERANCE:
+            raise ValueError(
+                "Character.weights: expected shares of 0 or more that sum to 1, got a sum of "
+                f"{total[worst]:.6g} at vertex {worst} and a smallest share of "
+                f"{self.weights.min():.3g}"
+            )
+
+    def _check_clips(self) -> None:
+        names = [clip.name for clip in self.clips]
+        if len(set(names)) != len(names):
+            raise ValueError(f"Character.clips: expected different names, got {names}")
+        for clip in self.clips:
+            if clip.poses.shape[1] != len(self.skeleton):
+                raise ValueError(
+                    f"Character.clips: expected poses of {len(self.skeleton)} joints, got "
+                    f"{clip.poses.shape[1]} in '{clip.name}'"
+                )
+
+    @cached_property
+    def height_m(self) -> float:
+        """Height of the rest pose above z = 0."""
+        return float(self.vertices[:, 2].max())
+
+    def clip(self, name: str) -> Clip:
+        """The clip of that name.
+
+        Raises:
+            ValueError: no such clip; the message lists those there are.
+        """
+        for clip in self.clips:
+            if clip.name == name:
+                return clip
+        listed = ", ".join(f"'{clip.name}'" for clip in self.clips) or "none"
+        raise ValueError(f"clip: expected one of {listed}, got '{name}'")
+
+
+def _numbers(value: IntArray, name: str, shape: tuple[int, int], limit: int) -> IntArray:
+    """A read-only int64 copy, checked for shape and range."""
+    given = np.asarray(value)
+    if given.shape != shape or given.dtype.kind not in "iu":
+        raise ValueError(
+            f"{name}: expected integers of shape {shape}, got {given.dtype} {given.shape}"
+        )
+    if given.size and (given.min() < 0 or given.max() >= limit):
+        raise ValueError(
+            f"{name}: expected numbers from 0 to {limit - 1}, got {given.min()} to {given.max()}"
+        )
+    own = given.astype(np.int64)
+    own.setflags(write=False)
+    return own

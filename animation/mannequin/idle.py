@@ -1,0 +1,100 @@
+"""The mannequin at ease: it breaths, shifts its weight, looks about; its feet stay where they are.
+
+Every curve is a sum of whole harmonics of one period, so the loop closes in all derivatives.
+"""
+
+import math
+
+import numpy as np
+
+from motorcade.animation.clip import Clip
+from motorcade.animation.mannequin.posing import (
+    assembled,
+    reach,
+    relaxed_hand,
+    turn_x,
+    turn_y,
+    turn_z,
+    wave,
+)
+from motorcade.animation.mannequin.proportions import ANKLE_HEIGHT_M, SIDES
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, Motor, Rotor
+
+PERIOD_S = 7.2
+FRAMES = 145
+BREATHS = 2
+# ankle ahead, aside and toes out (m, m, rad): the left leg carries, the right stands open
+STANCE = {"left": (-0.010, 0.085, math.radians(9.0)), "right": (0.045, 0.110, math.radians(22.0))}
+
+
+def idle(skeleton: Skeleton) -> Clip:
+    """The looped clip "idle", PERIOD_S long, for a figure of the reference height."""
+    phase = np.linspace(0.0, 1.0, FRAMES)
+    hips = Motor.from_rotor_translation(_hips_rotor(phase), _hips_m(phase))
+    rotors: dict[str, Rotor] = {"hips": hips.rotor} | _trunk(phase)
+    for side, sign in SIDES:
+        rotors |= _leg(skeleton, phase, hips, side, sign) | _arm(phase, side, sign)
+    poses = assembled(skeleton, hips.translation_m, rotors, FRAMES)
+    return Clip("idle", phase * PERIOD_S, poses, looped=True)
+
+
+def _hips_m(phase: FloatArray) -> FloatArray:
+    """Hips over the left leg, swaying."""
+    x = 0.004 + 0.006 * wave(phase, 0.15) + 0.002 * wave(phase, 0.4, 3)
+    y = 0.030 + 0.014 * wave(phase, 0.55) + 0.004 * wave(phase, 0.1, 2)
+    z = 0.9235 - 0.0022 * wave(phase, 0.05) + 0.0012 * wave(phase, 0.02, BREATHS)
+    return np.stack([x, y, z], axis=-1)
+
+
+def _hips_rotor(phase: FloatArray) -> Rotor:
+    """Hips raised on the carrying side and turned a little open."""
+    turn = turn_z(math.radians(-5.0) + math.radians(1.6) * wave(phase, 0.3))
+    drop = turn_x(math.radians(3.2) + math.radians(0.8) * wave(phase, 0.55))
+    return turn @ drop @ turn_y(math.radians(1.5) + math.radians(0.5) * wave(phase, 0.7))
+
+
+def _trunk(phase: FloatArray) -> dict[str, Rotor]:
+    """Spine back over the feet, the chest rising with the breath, the head looking about."""
+    breath = wave(phase, 0.12, BREATHS)
+    side = -math.radians(1.9) - math.radians(0.4) * wave(phase, 0.55)
+    twist = math.radians(1.6) - math.radians(0.7) * wave(phase, 0.36)
+    look = math.radians(12.0) * wave(phase, 0.30) + math.radians(6.0) * wave(phase, 0.62, 2)
+    tilt = math.radians(2.4) * wave(phase, 0.18)
+    nod = math.radians(2.0) + math.radians(2.2) * wave(phase, 0.80) + math.radians(0.5) * breath
+    base = turn_z(twist) @ turn_x(side)
+    return {
+        "spine_lower": base @ turn_y(math.radians(-1.4) - math.radians(0.25) * breath),
+        "spine_upper": base @ turn_y(math.radians(0.6) - math.radians(0.55) * breath),
+        "chest": base @ turn_y(math.radians(-0.4) - math.radians(1.1) * breath),
+        "neck": turn_z(0.4 * look) @ turn_y(0.4 * nod + math.radians(0.9) * breath),
+        "head": turn_z(0.6 * look) @ turn_x(tilt) @ turn_y(0.6 * nod + math.radians(0.7) * breath),
+    }
+
+
+def _leg(
+    skeleton: Skeleton, phase: FloatArray, hips: Motor, side: str, sign: float
+) -> dict[str, Rotor]:
+    """One leg with its foot flat on the ground."""
+    ahead, aside, out = STANCE[side]
+    ankle = np.broadcast_to(np.array([ahead, sign * aside, ANKLE_HEIGHT_M]), (len(phase), 3))
+    offset = skeleton.rest[skeleton.index(f"thigh_{side}")].translation_m
+    leg = reach(hips, offset, ankle, turn_z(np.full_like(phase, sign * out)))
+    return {f"thigh_{side}": leg.thigh, f"calf_{side}": leg.calf, f"foot_{side}": leg.foot}
+
+
+def _arm(phase: FloatArray, side: str, sign: float) -> dict[str, Rotor]:
+    """One arm hanging at ease, lifted a little by every breath."""
+    breath = wave(phase, 0.15, BREATHS)
+    later = 0.08 if sign > 0.0 else 0.33
+    hang = math.radians(10.5) + math.radians(0.9) * breath + math.radians(0.8) * wave(phase, later)
+    swing = math.radians(2.0) + math.radians(1.8) * wave(phase, later + 0.2)
+    elbow = math.radians(16.0) + math.radians(2.5) * wave(phase, later + 0.3)
+    return {
+        f"clavicle_{side}": turn_x(sign * (math.radians(0.6) + math.radians(1.3) * breath)),
+        f"upper_arm_{side}": turn_y(-swing)
+        @ turn_x(sign * hang)
+        @ turn_z(np.full_like(phase, -sign * math.radians(14.0))),
+        f"forearm_{side}": turn_y(-elbow) @ turn_z(np.full_like(phase, -sign * 0.22)),
+        f"hand_{side}": turn_x(np.full_like(phase, -sign * 0.08)) @ turn_y(-0.3 * elbow + 0.1),
+    } | relaxed_hand(side, sign, 1.0 + 0.10 * wave(phase, later + 0.1))

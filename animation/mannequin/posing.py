@@ -1,0 +1,147 @@
+"""Tools to write the mannequin's clips: turns about single axes, eased curves, legs that reach.
+
+Curves are functions of the phase, 0 to 1 over one period, evaluated on whole arrays (F,) at once.
+Limb frames have x forward, y to the left, −z along the bone: a positive turn about y swings a
+hanging limb backwards and bends a knee; a positive turn about x lifts it to the left.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.animation.mannequin.proportions import SHIN_M, THIGH_M
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, Motor, Rotor
+
+
+def turn_x(angle_rad: ArrayLike) -> Rotor:
+    """Rotors about x by angles (*)."""
+    return _turn(angle_rad, 0)
+
+
+def turn_y(angle_rad: ArrayLike) -> Rotor:
+    """Rotors about y by angles (*)."""
+    return _turn(angle_rad, 1)
+
+
+def turn_z(angle_rad: ArrayLike) -> Rotor:
+    """Rotors about z by angles (*)."""
+    return _turn(angle_rad, 2)
+
+
+def _turn(angle_rad: ArrayLike, axis: int) -> Rotor:
+    angle = np.asarray(angle_rad, dtype=np.float64)
+    vector = np.zeros((*angle.shape, 3))
+    vector[..., axis] = angle
+    return Rotor.from_rotation_vector(vector)
+
+
+def wave(phase: FloatArray, peak: float, cycles: int = 1) -> FloatArray:
+    """Cosine with its crest at phase `peak`, `cycles` times a period."""
+    return np.asarray(np.cos(2.0 * np.pi * cycles * (phase - peak)))
+
+
+def ease(phase: FloatArray, start: float, end: float) -> FloatArray:
+    """0 before `start`, 1 after `end`, with two continuous derivatives between (a quintic)."""
+    u = np.clip((phase - start) / (end - start), 0.0, 1.0)
+    return np.asarray(u * u * u * (10.0 + u * (6.0 * u - 15.0)))
+
+
+@dataclass(frozen=True)
+class Leg:
+    """Local rotors (F,) of one leg that put its ankle and foot where they were asked."""
+
+    thigh: Rotor
+    calf: Rotor
+    foot: Rotor
+
+
+def reach(
+    world_T_hips: Motor, hip_offset_m: FloatArray, ankle_m: FloatArray, world_R_foot: Rotor
+) -> Leg:
+    """Two-bone inverse kinematics of a leg in closed form, knee bending forward.
+
+    Args:
+        world_T_hips: Motor (F,) of the hips.
+        hip_offset_m: (3,) hip joint in the frame of the hips.
+        ankle_m: (F, 3) where the ankle shall be.
+        world_R_foot: Rotor (F,) of the foot.
+
+    Returns:
+        The local rotors of thigh, calf and foot.
+
+    Raises:
+        ValueError: an ankle farther from the hip than the leg is long.
+    """
+    line = world_T_hips.inverse().apply(ankle_m) - hip_offset_m
+    distance = np.linalg.norm(line, axis=-1)
+    longest = THIGH_M + SHIN_M
+    if distance.max() > longest:
+        raise ValueError(
+            f"reach(ankle_m): expected ankles within {longest:.4g} m of the hip, got "
+            f"{distance.max():.4g} m"
+        )
+    knee = np.pi - np.arccos(_cosine(THIGH_M, SHIN_M, distance))
+    lead = np.arccos(_cosine(THIGH_M, distance, np.asarray(SHIN_M)))
+    aside = np.arctan2(line[..., 1], -line[..., 2])
+    back = np.arctan2(-line[..., 0], np.hypot(line[..., 1], line[..., 2]))
+    thigh = turn_x(aside) @ turn_y(back - lead)
+    calf = turn_y(knee)
+    foot = (world_T_hips.rotor @ thigh @ calf).inverse() @ world_R_foot
+    return Leg(thigh, calf, foot)
+
+
+def _cosine(a: ArrayLike, b: ArrayLike, opposite: ArrayLike) -> FloatArray:
+    """Cosine of a triangle's angle between sides a and b."""
+    a, b, opposite = np.asarray(a), np.asarray(b), np.asarray(opposite)
+    return np.asarray((a**2 + b**2 - opposite**2) / (2.0 * a * b))
+
+
+def assembled(
+    skeleton: Skeleton, hips_m: FloatArray, rotors: Mapping[str, Rotor], frames: int
+) -> Motor:
+    """Local poses (F, J): given rotors at the named joints, rest rotors at the others.
+
+    Args:
+        skeleton: of the mannequin.
+        hips_m: (F, 3) where the hips are.
+        rotors: Rotor (F,) by joint name; each replaces the rest rotor.
+        frames: F.
+
+    Returns:
+        Motor (F, J); joints keep the offsets of the rest pose.
+    """
+    every: list[Motor] = []
+    for joint, name in enumerate(skeleton.names):
+        rest = skeleton.rest[joint]
+        rotor = rotors.get(name, rest.rotor)
+        offset = hips_m if name == "hips" else rest.translation_m
+        spread = np.broadcast_to(rotor.coefficients, (frames, 4))
+        every.append(
+            Motor.from_rotor_translation(Rotor(spread), np.broadcast_to(offset, (frames, 3)))
+        )
+    return Motor(np.stack([motor.coefficients for motor in every], axis=1))
+
+
+def relaxed_hand(side: str, sign: float, curl: ArrayLike = 1.0) -> dict[str, Rotor]:
+    """Finger rotors of a hand at ease, more bent from the index to the little finger.
+
+    Args:
+        side: "left" or "right".
+        sign: +1 for left, −1 for right.
+        curl: how much the fingers bend, (*); 1 is at ease.
+
+    Returns:
+        Rotors by joint name, with the batch shape of `curl`.
+    """
+    amount = np.asarray(curl, dtype=np.float64)
+    bends = {"index": 0.62, "middle": 0.74, "ring": 0.84, "little": 0.92}
+    rotors: dict[str, Rotor] = {}
+    for finger, bend in bends.items():
+        for k, share in ((1, 0.42), (2, 0.62), (3, 0.40)):
+            rotors[f"{finger}_{k}_{side}"] = turn_x(-sign * bend * share * amount)
+    rotors[f"thumb_2_{side}"] = turn_x(-sign * 0.15 * amount)
+    rotors[f"thumb_3_{side}"] = turn_x(-sign * 0.22 * amount)
+    return rotors

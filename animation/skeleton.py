@@ -1,0 +1,101 @@
+"""Skeleton: a tree of joints, each placed in its parent by a motor.
+
+A joint's local pose is `parent_T_joint`, the root's is `character_T_joint`; a pose of the whole
+skeleton is a Motor of shape (*, J). Joints stand in an order in which parents come first.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from motorcade.ga import IntArray, Motor, kernels
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Joint names, parents and the rest pose in which the mesh was bound.
+
+    Args:
+        names: J different names.
+        parents: (J,) number of each joint's parent, smaller than its own; −1 for a root.
+        rest: Motor (J,), local rest pose `parent_T_joint`, metres.
+
+    Raises:
+        ValueError: names that repeat, lengths that differ, or a parent that comes after its child.
+    """
+
+    names: tuple[str, ...]
+    parents: IntArray
+    rest: Motor
+
+    def __post_init__(self) -> None:
+        count = len(self.names)
+        twice = sorted({name for name in self.names if self.names.count(name) > 1})
+        if not count or twice:
+            raise ValueError(f"Skeleton.names: expected one or more different names, got {twice}")
+        parents = np.array(self.parents)
+        if parents.shape != (count,) or parents.dtype.kind != "i":
+            raise ValueError(
+                f"Skeleton.parents: expected {count} integers to match names, got shape "
+                f"{parents.shape} of {parents.dtype}"
+            )
+        wrong = np.flatnonzero((parents >= np.arange(count)) | (parents < -1))
+        if wrong.size:
+            joint = int(wrong[0])
+            raise ValueError(
+                "Skeleton.parents: expected -1 or the number of an earlier joint, got "
+                f"{int(parents[joint])} for joint {joint} '{self.names[joint]}'"
+            )
+        if self.rest.shape != (count,):
+            raise ValueError(f"Skeleton.rest: expected shape ({count},), got {self.rest.shape}")
+        own = parents.astype(np.int64)
+        own.setflags(write=False)
+        object.__setattr__(self, "parents", own)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def index(self, name: str) -> int:
+        """Number of the joint of that name.
+
+        Raises:
+            ValueError: no such joint.
+        """
+        if name not in self.names:
+            raise ValueError(f"Skeleton: expected one of its joints, got '{name}'")
+        return self.names.index(name)
+
+    def world(self, local: Motor) -> Motor:
+        """Poses `character_T_joint` (*, J) from local poses `parent_T_joint` (*, J).
+
+        Raises:
+            ValueError: a last dimension other than the number of joints.
+        """
+        if not local.shape or local.shape[-1] != len(self):
+            raise ValueError(
+                f"Skeleton.world(local): expected shape (*, {len(self)}), got {local.shape}"
+            )
+        poses = np.array(local.coefficients)
+        for joints in self._levels[1:]:
+            above = poses[..., self.parents[joints], :]
+            poses[..., joints, :] = kernels.compose(above, poses[..., joints, :])
+        return Motor(poses)
+
+    @cached_property
+    def rest_world(self) -> Motor:
+        """Rest poses `character_T_joint` (J,)."""
+        return self.world(self.rest)
+
+    @cached_property
+    def rest_world_inverse(self) -> Motor:
+        """`joint_T_character` (J,) in the rest pose: it takes a bound vertex to its joint."""
+        return self.rest_world.inverse()
+
+    @cached_property
+    def _levels(self) -> list[IntArray]:
+        """Joints by their distance from the root."""
+        depth = np.zeros(len(self), dtype=np.int64)
+        for joint, parent in enumerate(self.parents):
+            depth[joint] = 0 if parent < 0 else depth[parent] + 1
+        return [np.flatnonzero(depth == level) for level in range(int(depth.max()) + 1)]
