@@ -1,0 +1,140 @@
+"""Finds a way to draw without a window: EGL, else OSMesa, else one line that says what is missing.
+
+PyOpenGL binds itself to a platform once, when it is first imported, and cannot change it later.
+So the platform is probed here with bare `ctypes`, which leaves no trace in PyOpenGL, and only then
+is `PYOPENGL_PLATFORM` set. A value that the user has set ("egl" or "osmesa") is the only one tried.
+"""
+
+import ctypes
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+VARIABLE = "PYOPENGL_PLATFORM"
+REMEDY = (
+    "install libegl1 and libgl1-mesa-dri, or libosmesa6 (Debian, Ubuntu: "
+    "apt-get install libegl1 libgl1-mesa-dri)"
+)
+
+_EGL_PLATFORM_DEVICE = 0x313F
+_EGL_OPENGL_API = 0x30A2
+_EGL_NONE = 0x3038
+# surface type: pbuffer; renderable type: OpenGL; depth size: 24
+_EGL_CONFIG = (0x3033, 0x0001, 0x3040, 0x0008, 0x3025, 24, _EGL_NONE)
+# version 4.1, core profile: what pyrender asks for
+_EGL_CONTEXT = (0x3098, 4, 0x30FB, 1, 0x30FD, 1, _EGL_NONE)
+_MOST_DEVICES = 16
+_OSMESA_NAMES = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
+
+
+class RenderUnavailable(RuntimeError):
+    """No OpenGL can be used on this machine; the message says what to install."""
+
+
+@dataclass(frozen=True)
+class Platform:
+    """A way to draw offscreen that has been tried.
+
+    Attributes:
+        name: "egl" or "osmesa", the value of PYOPENGL_PLATFORM.
+        device: number of the EGL device; 0 for OSMesa.
+    """
+
+    name: str
+    device: int
+
+
+@cache
+def choose_platform() -> Platform:
+    """The first of EGL and OSMesa that works; it also sets PYOPENGL_PLATFORM for this process.
+
+    Raises:
+        RenderUnavailable: neither works, PyOpenGL is already bound to another platform, or
+            PYOPENGL_PLATFORM names something else.
+    """
+    wanted = os.environ.get(VARIABLE)
+    if wanted is not None and wanted not in ("egl", "osmesa"):
+        raise RenderUnavailable(f"{VARIABLE} is '{wanted}': expected egl, osmesa, or unset")
+    if wanted is None and "OpenGL" in sys.modules:
+        raise RenderUnavailable(
+            f"PyOpenGL was imported before rendering began: set {VARIABLE} to egl or osmesa"
+        )
+    platform = _first_that_works(wanted)
+    if platform is None:
+        tried = wanted or "EGL and OSMesa"
+        raise RenderUnavailable(f"no OpenGL for rendering ({tried} tried): {REMEDY}")
+    os.environ[VARIABLE] = platform.name
+    return platform
+
+
+def _first_that_works(wanted: str | None) -> Platform | None:
+    if wanted in (None, "egl"):
+        device = working_egl_device()
+        if device is not None:
+            return Platform("egl", device)
+    if wanted in (None, "osmesa") and osmesa_library() is not None:
+        return Platform("osmesa", 0)
+    return None
+
+
+def osmesa_library() -> ctypes.CDLL | None:
+    """The OSMesa library with a core profile, or None where it is not installed."""
+    for name in _OSMESA_NAMES:
+        try:
+            library = ctypes.CDLL(name, mode=ctypes.RTLD_GLOBAL)
+        except OSError:
+            continue
+        if hasattr(library, "OSMesaCreateContextAttribs"):
+            return library
+    return None
+
+
+def working_egl_device() -> int | None:
+    """Number of the first EGL device on which an OpenGL context can be made, or None."""
+    try:
+        egl = ctypes.CDLL("libEGL.so.1")
+        egl.eglGetProcAddress.restype = ctypes.c_void_p
+    except (OSError, AttributeError):
+        return None
+    query = _extension(egl, "eglQueryDevicesEXT", ctypes.c_uint)
+    display_of = _extension(egl, "eglGetPlatformDisplayEXT", ctypes.c_void_p)
+    if query is None or display_of is None:
+        return None
+    devices = (ctypes.c_void_p * _MOST_DEVICES)()
+    count = ctypes.c_int(0)
+    if not query(ctypes.c_int(_MOST_DEVICES), devices, ctypes.byref(count)):
+        return None
+    for number in range(count.value):
+        display = display_of(
+            ctypes.c_uint(_EGL_PLATFORM_DEVICE), ctypes.c_void_p(devices[number]), None
+        )
+        if display and _makes_context(egl, ctypes.c_void_p(display)):
+            return number
+    return None
+
+
+def _extension(egl: ctypes.CDLL, name: str, result: type[Any]) -> Callable[..., Any] | None:
+    """An EGL extension function by name, or None."""
+    address = egl.eglGetProcAddress(name.encode())
+    return None if not address else ctypes.CFUNCTYPE(result)(address)
+
+
+def _makes_context(egl: ctypes.CDLL, display: ctypes.c_void_p) -> bool:
+    """Whether an OpenGL 4.1 core context can be created on a display; it is destroyed again."""
+    egl.eglCreateContext.restype = ctypes.c_void_p
+    if not egl.eglInitialize(display, None, None):
+        return False
+    config, count = ctypes.c_void_p(), ctypes.c_int(0)
+    wanted = (ctypes.c_int * len(_EGL_CONFIG))(*_EGL_CONFIG)
+    chosen = egl.eglChooseConfig(display, wanted, ctypes.byref(config), 1, ctypes.byref(count))
+    context = None
+    if chosen and count.value and egl.eglBindAPI(_EGL_OPENGL_API):
+        attributes = (ctypes.c_int * len(_EGL_CONTEXT))(*_EGL_CONTEXT)
+        context = egl.eglCreateContext(display, config, None, attributes)
+        if context:
+            egl.eglDestroyContext(display, ctypes.c_void_p(context))
+    egl.eglTerminate(display)
+    return bool(context)

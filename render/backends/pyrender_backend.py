@@ -1,0 +1,243 @@
+"""Offscreen renderer on pyrender 0.1.45: OpenGL through EGL or OSMesa, no window.
+
+Takes OpenCV cameras: axes x right, y down, z forward, pixel (0, 0) at the centre of the top-left
+pixel. OpenGL counts from the corner of that pixel, hence the half pixel added to the principal
+point, and looks along −z with y up, hence the half turn about x.
+Drawing is multisampled (4 samples a pixel); edges come out premultiplied by their coverage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from motorcade.ga import FloatArray, Motor
+from motorcade.render.backends.contexts import new_context
+from motorcade.render.backends.platform import choose_platform
+from motorcade.render.scene import Layer, Lighting, Surface
+from motorcade.tracking.camera import Camera
+
+NEAR_M, FAR_M = 0.02, 60.0
+# From OpenGL's camera axes to OpenCV's: half a turn about x.
+OPENCV_T_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
+
+
+class OffscreenRenderer:
+    """Draws one scene into pictures of one size. Use it as a context manager, or `close` it.
+
+    Args:
+        width: of the pictures, pixels.
+        height: of the pictures, pixels.
+
+    Raises:
+        RenderUnavailable: this machine has no OpenGL.
+        ValueError: a size that is not positive.
+    """
+
+    def __init__(self, width: int, height: int) -> None:
+        if width <= 0 or height <= 0:
+            raise ValueError(
+                f"OffscreenRenderer: expected a size of 1 pixel or more, got {width} x {height}"
+            )
+        self._pyrender = _import_pyrender()
+        self._context = new_context(choose_platform(), width, height)
+        self._renderer: Any = self._pyrender.renderer.Renderer(width, height)
+        self._size = (width, height)
+        self._open = True
+        self._scene: Any = None
+        self._lit = True
+        self._primitives: list[Any] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the scene and the OpenGL context; closing twice does nothing."""
+        if self._open:
+            self._context.make_current()
+            self._renderer.delete()
+            self._context.destroy()
+            self._open = False
+
+    def show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
+        """Set the scene, in place of any earlier one.
+
+        Args:
+            surfaces: what is drawn.
+            lighting: the light; None draws colours and textures as they are, for surfaces whose
+                light is painted on.
+        """
+        pyrender = self._pyrender
+        ambient = (0.0, 0.0, 0.0) if lighting is None else lighting.ambient
+        self._scene = pyrender.Scene(bg_color=(0.0, 0.0, 0.0, 0.0), ambient_light=ambient)
+        self._lit = lighting is not None
+        self._primitives = [self._primitive(surface) for surface in surfaces]
+        for primitive in self._primitives:
+            self._scene.add(pyrender.Mesh([primitive]))
+        if lighting is not None:
+            self._add_lights(lighting)
+        self._camera: Any = self._scene.add(
+            pyrender.IntrinsicsCamera(1.0, 1.0, 0.0, 0.0, znear=NEAR_M, zfar=FAR_M)
+        )
+
+    def move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:
+        """Give a surface of the scene new vertices and normals, as each pose of a character does.
+
+        Args:
+            surface: its number in the sequence that was shown.
+            vertices: (V, 3) world, metres; V must stay the same.
+            normals: (V, 3) unit.
+
+        Raises:
+            ValueError: another number of vertices.
+        """
+        primitive = self._primitives[surface]
+        if vertices.shape != primitive.positions.shape or normals.shape != vertices.shape:
+            raise ValueError(
+                f"move(vertices): expected shape {primitive.positions.shape} for vertices and "
+                f"normals, got {vertices.shape} and {normals.shape}"
+            )
+        bounds = primitive.bounds
+        primitive.positions = vertices
+        primitive.normals = normals
+        # The shadow camera is set by `Lighting`, so nothing needs the bounds anew every frame.
+        primitive._bounds = bounds
+        if primitive._in_context():
+            self._context.make_current()
+            _upload(primitive)
+
+    def render(self, camera: Camera, world_T_camera: Motor) -> Layer:
+        """Draw the scene.
+
+        Args:
+            camera: pinhole, of the renderer's size.
+            world_T_camera: pose, OpenCV axes, batch shape ().
+
+        Returns:
+            The picture with premultiplied alpha, and depth along the optical axis in metres.
+
+        Raises:
+            ValueError: a camera with distortion or of another size.
+            RuntimeError: no scene was shown, or the renderer is closed.
+        """
+        if self._scene is None or not self._open:
+            raise RuntimeError("render: call show() first, and not after close()")
+        self._check(camera)
+        lens = self._camera.camera
+        lens.fx, lens.fy = camera.fx, camera.fy
+        lens.cx, lens.cy = camera.cx + 0.5, camera.cy + 0.5
+        self._scene.set_pose(self._camera, world_T_camera.as_matrix() @ OPENCV_T_OPENGL)
+        flags = self._pyrender.RenderFlags.OFFSCREEN | self._pyrender.RenderFlags.RGBA
+        if self._lit:
+            flags |= self._pyrender.RenderFlags.SHADOWS_DIRECTIONAL
+        else:
+            flags |= self._pyrender.RenderFlags.FLAT
+        self._context.make_current()
+        rgba, depth = self._renderer.render(self._scene, flags)
+        return Layer(np.ascontiguousarray(rgba), np.ascontiguousarray(depth))
+
+    def _check(self, camera: Camera) -> None:
+        if camera.model != "pinhole" or (camera.width, camera.height) != self._size:
+            raise ValueError(
+                f"render(camera): expected a pinhole camera of {self._size[0]} x {self._size[1]}, "
+                f"got {camera.model} of {camera.width} x {camera.height}"
+            )
+
+    def _primitive(self, surface: Surface) -> Any:
+        """A surface in pyrender's form; vertex colours become linear unless they are shown flat."""
+        pyrender = self._pyrender
+        texture = None
+        if surface.texture is not None:
+            texture = pyrender.Texture(source=surface.texture, source_channels="RGB")
+        colors = None
+        if surface.colors is not None:
+            shown = linear(surface.colors) if self._lit else surface.colors
+            colors = np.concatenate([shown, np.ones((len(shown), 1))], axis=1)
+        material = pyrender.MetallicRoughnessMaterial(
+            baseColorFactor=(1.0, 1.0, 1.0, 1.0),
+            baseColorTexture=texture,
+            metallicFactor=0.0,
+            roughnessFactor=surface.roughness,
+        )
+        return pyrender.Primitive(
+            positions=surface.vertices,
+            normals=surface.normals,
+            texcoord_0=surface.texture_coordinates,
+            color_0=colors,
+            indices=surface.triangles,
+            material=material,
+        )
+
+    def _add_lights(self, lighting: Lighting) -> None:
+        pyrender = self._pyrender
+        sun = pyrender.DirectionalLight(color=lighting.sun.color, intensity=lighting.sun.intensity)
+        radius = lighting.shadow_radius_m
+        # pyrender fits the shadow map to the whole scene; a fixed ball keeps it sharp and still.
+        lens = pyrender.OrthographicCamera(radius, radius, znear=0.1 * radius, zfar=8.0 * radius)
+        aim = _looking_along(np.array(lighting.sun.direction))
+        center = np.array(lighting.shadow_center_m)
+        self._scene.add(sun, pose=aim)
+        self._renderer._get_light_cam_matrices = lambda scene, node, flags: (
+            np.linalg.inv(_moved(aim, center + aim[:3, 2] * 2.0 * radius)),
+            lens.get_projection_matrix(),
+        )
+        for lamp in lighting.lamps:
+            pose = np.eye(4)
+            pose[:3, 3] = lamp.position_m
+            self._scene.add(
+                pyrender.PointLight(color=lamp.color, intensity=lamp.intensity), pose=pose
+            )
+
+
+def linear(color: FloatArray) -> FloatArray:
+    """Linear light of sRGB values from 0 to 1 (IEC 61966-2-1)."""
+    return np.asarray(np.where(color < 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4))
+
+
+def _import_pyrender() -> Any:
+    """pyrender, with the platform chosen first and a name restored that NumPy 2 took away."""
+    choose_platform()
+    vars(np).setdefault("infty", np.inf)
+    import pyrender
+
+    return pyrender
+
+
+def _upload(primitive: Any) -> None:
+    """Write positions and normals into the vertex buffer that pyrender made for a primitive."""
+    from OpenGL import GL
+
+    rows = [primitive.positions, primitive.normals]
+    rows += [part for part in (primitive.texcoord_0, primitive.color_0) if part is not None]
+    data = np.ascontiguousarray(np.hstack(rows), dtype=np.float32)
+    GL.glBindBuffer(GL.GL_ARRAY_BUFFER, primitive._buffers[0])
+    GL.glBufferSubData(GL.GL_ARRAY_BUFFER, 0, data.nbytes, data)
+    GL.glBindBuffer(GL.GL_ARRAY_BUFFER, 0)
+
+
+def _looking_along(direction: FloatArray) -> FloatArray:
+    """A pose (4, 4) whose −z points along a direction, as OpenGL's lights and cameras look."""
+    back = -direction / np.linalg.norm(direction)
+    side = np.cross([0.0, 0.0, 1.0] if abs(back[2]) < 0.9 else [1.0, 0.0, 0.0], back)
+    side /= np.linalg.norm(side)
+    pose = np.eye(4)
+    pose[:3, :3] = np.stack([side, np.cross(back, side), back], axis=1)
+    return pose
+
+
+def _moved(pose: FloatArray, position: FloatArray) -> FloatArray:
+    """The same pose at another place."""
+    moved = pose.copy()
+    moved[:3, 3] = position
+    return moved

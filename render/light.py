@@ -1,0 +1,80 @@
+"""Light for a character that is set into footage: a sun over the viewer's shoulder, fill and rim.
+
+Directions are in the world of the trajectory. Nothing is estimated from the pictures; the
+direction of the sun is the one knob that matters, since it throws the shadow.
+"""
+
+import numpy as np
+
+from motorcade.animation import Placement
+from motorcade.ga import FloatArray, Motor
+from motorcade.render.scene import Lamp, Lighting, Sun
+
+# Share of each direction in where the light comes from: up, towards the viewer, viewer's left.
+SUN_FROM = (1.0, 0.42, 0.55)
+WARM, COOL = (1.0, 0.955, 0.89), (0.86, 0.92, 1.0)
+
+
+def viewer_frame(placement: Placement, world_T_camera: Motor) -> FloatArray:
+    """Up, towards the cameras, and to their left, seen from where the character stands.
+
+    Args:
+        placement: of the character.
+        world_T_camera: Motor (N,), the cameras; their mean position counts.
+
+    Returns:
+        (3, 3) unit rows. Cameras straight above leave the second row to the character's own x.
+    """
+    stand = placement.world_T_character
+    up, own = stand.rotor.apply(np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]))
+    away = np.mean(world_T_camera.translation_m.reshape(-1, 3), axis=0) - stand.translation_m
+    level = away - np.dot(away, up) * up
+    length = np.linalg.norm(level)
+    ahead = own if length < 1e-3 * np.linalg.norm(away) else level / length
+    return np.stack([up, ahead, np.cross(ahead, up)])
+
+
+def sunlight_direction(placement: Placement, world_T_camera: Motor) -> FloatArray:
+    """The way the light travels by default: from high over the viewer's left shoulder.
+
+    Args:
+        placement: of the character.
+        world_T_camera: Motor (N,), the cameras.
+
+    Returns:
+        (3,) unit vector in the world.
+    """
+    source = np.array(SUN_FROM) @ viewer_frame(placement, world_T_camera)
+    return np.asarray(-source / np.linalg.norm(source))
+
+
+def character_lighting(
+    placement: Placement, world_T_camera: Motor, height_m: float, direction: FloatArray
+) -> Lighting:
+    """Sun, fill and rim light for a placed character.
+
+    Args:
+        placement: of the character.
+        world_T_camera: Motor (N,), the cameras; fill and rim are set by where they look from.
+        height_m: of the placed character.
+        direction: (3,) the way the sunlight travels, world.
+
+    Returns:
+        The light, with shadows cast within a ball around the character.
+    """
+    up, viewer, left = viewer_frame(placement, world_T_camera)
+    middle = placement.world_T_character.translation_m + 0.5 * height_m * up
+    reach = 6.0 * height_m
+    fill = middle + reach * (0.35 * up + 0.80 * viewer - 0.70 * left)
+    rim = middle + reach * (0.55 * up - 0.75 * viewer - 0.25 * left)
+    return Lighting(
+        ambient=(0.30, 0.31, 0.33),
+        sun=Sun(_row(direction), 3.1, WARM),
+        lamps=(Lamp(_row(fill), 0.95 * reach**2, COOL), Lamp(_row(rim), 1.10 * reach**2)),
+        shadow_center_m=_row(middle),
+        shadow_radius_m=0.75 * height_m,
+    )
+
+
+def _row(vector: FloatArray) -> tuple[float, float, float]:
+    return float(vector[0]), float(vector[1]), float(vector[2])

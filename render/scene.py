@@ -1,0 +1,121 @@
+"""What is drawn, and in what light, without a word about how: surfaces, lamps, pictures.
+
+World coordinates in metres, right-handed. Colours and textures are sRGB; light is linear.
+Texture coordinate (0, 0) is the lower left corner of the picture, (1, 1) the upper right.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, IntArray
+
+ImageArray = NDArray[np.uint8]
+DepthArray = NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A triangle mesh with one look.
+
+    Attributes:
+        vertices: (V, 3) world, metres.
+        normals: (V, 3) unit, outward.
+        triangles: (T, 3) counter-clockwise seen from outside; the back is not drawn.
+        colors: (V, 3) sRGB 0 to 1, or None for white.
+        texture: (h, w, 3) uint8 sRGB, or None.
+        texture_coordinates: (V, 2), needed with a texture.
+        roughness: 0 mirror-like to 1 chalk.
+
+    Raises:
+        ValueError: shapes that do not fit, or a texture without coordinates.
+    """
+
+    vertices: FloatArray
+    normals: FloatArray
+    triangles: IntArray
+    colors: FloatArray | None = None
+    texture: ImageArray | None = None
+    texture_coordinates: FloatArray | None = None
+    roughness: float = 0.6
+
+    def __post_init__(self) -> None:
+        count = len(self.vertices)
+        for name, width in (
+            ("vertices", 3),
+            ("normals", 3),
+            ("colors", 3),
+            ("texture_coordinates", 2),
+        ):
+            given = getattr(self, name)
+            if given is not None and given.shape != (count, width):
+                raise ValueError(
+                    f"Surface.{name}: expected shape ({count}, {width}), got {given.shape}"
+                )
+        if (self.texture is None) != (self.texture_coordinates is None):
+            raise ValueError("Surface: expected texture and texture_coordinates both or neither")
+        if self.texture is not None and (self.texture.ndim != 3 or self.texture.shape[2] != 3):
+            raise ValueError(f"Surface.texture: expected shape (h, w, 3), got {self.texture.shape}")
+
+
+@dataclass(frozen=True)
+class Sun:
+    """Parallel light that casts shadows.
+
+    Attributes:
+        direction: (3,) the way the light travels.
+        intensity: irradiance in pyrender's units; about 3 lights white paper fully.
+        color: linear RGB.
+    """
+
+    direction: tuple[float, float, float]
+    intensity: float
+    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A point of light without shadow, to lighten what the sun leaves dark.
+
+    Attributes:
+        position_m: (3,) world.
+        intensity: falls off with the square of the distance in metres.
+        color: linear RGB.
+    """
+
+    position_m: tuple[float, float, float]
+    intensity: float
+    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Lighting:
+    """All the light of a scene.
+
+    Attributes:
+        ambient: linear RGB that reaches every surface equally.
+        sun: the light that casts shadows.
+        lamps: lights that cast none.
+        shadow_center_m: (3,) middle of what can throw shadows.
+        shadow_radius_m: radius of the ball around it that holds everything that throws them.
+    """
+
+    ambient: tuple[float, float, float]
+    sun: Sun
+    lamps: tuple[Lamp, ...]
+    shadow_center_m: tuple[float, float, float]
+    shadow_radius_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """A rendered picture that can be laid over another.
+
+    Attributes:
+        rgba: (h, w, 4) uint8, colour premultiplied by alpha; empty pixels are all zero.
+        depth_m: (h, w) float32 along the optical axis, metres; 0 where nothing was drawn.
+    """
+
+    rgba: ImageArray
+    depth_m: DepthArray

@@ -1,0 +1,173 @@
+"""Soft contact shadow of a mesh on the plane it stands on, computed in the plane's own frame.
+
+Every triangle that faces the lamp drops its projected area onto a grid on the ground, blurred by
+as much as the lamp's apparent radius spreads it over the triangle's height: sharp where the figure
+touches the ground, soft where it is far above. A second, vertical pass stands for the sky that
+the body hides close around its feet. The grid is then carried into the picture by the plane's
+homography. Everything is deterministic.
+
+The frame: ground is z = 0, z up, metres, the grid centred on the origin.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.tracking.camera import Camera
+
+GRID = 320
+LAYERS = 6
+# How quickly covering area turns dark; one full layer of surface lets exp(-2.2) = 11 % through.
+DENSITY = 2.2
+
+
+@dataclass(frozen=True)
+class ShadowLook:
+    """How a shadow looks.
+
+    Attributes:
+        strength: share of light that a full shadow takes away, 0 to 1.
+        lamp_radius_rad: apparent radius of the lamp; larger is softer.
+        contact: share that the hidden sky takes away at the feet, 0 to 1.
+        contact_height: height up to which the body hides sky, as a share of the grid's half-width.
+    """
+
+    strength: float = 0.52
+    lamp_radius_rad: float = 0.075
+    contact: float = 0.50
+    contact_height: float = 0.22
+
+
+def ground_shade(
+    vertices: FloatArray,
+    triangles: IntArray,
+    light_direction: FloatArray,
+    half_width_m: float,
+    look: ShadowLook,
+) -> FloatArray:
+    """Share of light that the mesh takes away from each cell of the ground.
+
+    Args:
+        vertices: (V, 3) in the frame of the ground, metres.
+        triangles: (T, 3) counter-clockwise from outside.
+        light_direction: (3,) unit, the way the light travels; z below 0.
+        half_width_m: half the width of the square grid.
+        look: how the shadow looks.
+
+    Returns:
+        (GRID, GRID) from 0 (full light) to 1, row along +y, column along +x.
+
+    Raises:
+        ValueError: light that does not come from above.
+    """
+    if not light_direction[2] < 0.0:
+        raise ValueError(
+            f"ground_shade(light_direction): expected light from above, got {light_direction}"
+        )
+    corners = vertices[triangles]
+    area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    middle = corners.mean(axis=1)
+    height = np.maximum(middle[:, 2], 0.0)
+    cell = 2.0 * half_width_m / GRID
+    slant = light_direction[:2] / light_direction[2]
+    shadow = _spread(
+        middle[:, :2] - height[:, None] * slant,
+        np.maximum(area @ light_direction / light_direction[2], 0.0) / cell**2,
+        1.3 + height * (look.lamp_radius_rad / cell),
+        cell,
+    )
+    top = look.contact_height * half_width_m
+    near = np.clip(1.0 - height / top, 0.0, 1.0) ** 2
+    sky = _spread(
+        middle[:, :2],
+        np.maximum(-area[:, 2], 0.0) / cell**2 * near,
+        0.010 * half_width_m / cell + 0.8 * height / cell,
+        cell,
+    )
+    direct = look.strength * (1.0 - np.exp(-DENSITY * shadow))
+    ambient = look.contact * (1.0 - np.exp(-DENSITY * sky))
+    return np.asarray(1.0 - (1.0 - direct) * (1.0 - ambient))
+
+
+def shade_in_picture(
+    shade: FloatArray, half_width_m: float, camera: Camera, camera_T_ground: Motor
+) -> FloatArray | None:
+    """The ground's shade as a camera sees it.
+
+    Args:
+        shade: (GRID, GRID) as from `ground_shade`.
+        half_width_m: of its grid.
+        camera: pinhole.
+        camera_T_ground: pose of the ground in the camera.
+
+    Returns:
+        (height, width) float32 shade of every pixel, or None where the camera is below the ground.
+    """
+    matrix = camera_T_ground.as_matrix()
+    eye_height_m = camera_T_ground.inverse().translation_m[2]
+    if eye_height_m <= 0.0:
+        return None
+    cell = 2.0 * half_width_m / GRID
+    grid_to_ground = np.array(
+        [[cell, 0.0, 0.5 * cell - half_width_m], [0.0, cell, 0.5 * cell - half_width_m], [0, 0, 1]]
+    )
+    ground_to_picture = camera.matrix @ matrix[:3][:, [0, 1, 3]]
+    picture_to_grid = np.linalg.inv(ground_to_picture @ grid_to_ground)
+    shown = cv2.warpPerspective(
+        shade.astype(np.float32),
+        picture_to_grid,
+        (camera.width, camera.height),
+        flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+        borderMode=cv2.BORDER_CONSTANT,
+        borderValue=0.0,
+    )
+    return np.asarray(np.where(_below_horizon(camera, matrix), shown, 0.0), dtype=np.float64)
+
+
+def _spread(at: FloatArray, amount: FloatArray, sigma: FloatArray, cell: float) -> FloatArray:
+    """Drop amounts onto the grid, each blurred by its own width in cells, in a few layers."""
+    widest = max(float(sigma.max()), 1.5 * float(sigma.min()))
+    widths = np.geomspace(float(sigma.min()), widest, LAYERS)
+    place = np.interp(sigma, widths, np.arange(LAYERS))
+    total = np.zeros((GRID, GRID))
+    for layer, width in enumerate(widths):
+        share = amount * np.maximum(1.0 - np.abs(place - layer), 0.0)
+        held = np.flatnonzero(share)
+        if held.size:
+            total += _blurred(at[held] / cell, share[held], float(width))
+    return total
+
+
+def _blurred(at_cell: FloatArray, amount: FloatArray, width: float) -> FloatArray:
+    """Amounts on the whole grid, blurred; for wide blurs a coarser grid is enough."""
+    coarse = 1 if width < 4.0 else 2 if width < 8.0 else 4
+    size = GRID // coarse
+    dropped = _dropped(at_cell / coarse + 0.5 * size - 0.5, amount / coarse**2, size)
+    soft = cv2.GaussianBlur(
+        dropped.astype(np.float32), (0, 0), width / coarse, borderType=cv2.BORDER_CONSTANT
+    )
+    return np.asarray(cv2.resize(soft, (GRID, GRID), interpolation=cv2.INTER_LINEAR))
+
+
+def _dropped(at_cell: FloatArray, amount: FloatArray, size: int) -> FloatArray:
+    """Bilinear sums of amounts on a square grid; what falls outside is lost."""
+    inside = np.all((at_cell >= 0.0) & (at_cell < size - 1), axis=1)
+    at_cell, amount = at_cell[inside], amount[inside]
+    column, row = np.floor(at_cell).astype(np.int64).T
+    right, up = (at_cell - np.floor(at_cell)).T
+    total = np.zeros(size * size)
+    for dy, wy in ((0, 1.0 - up), (1, up)):
+        for dx, wx in ((0, 1.0 - right), (1, right)):
+            cells = (row + dy) * size + column + dx
+            total += np.bincount(cells, weights=amount * wy * wx, minlength=size * size)
+    return total.reshape(size, size)
+
+
+def _below_horizon(camera: Camera, camera_T_ground: FloatArray) -> np.ndarray:
+    """Which pixels look down onto the ground: (h, w), or broadcastable to it."""
+    up = camera_T_ground[:3, 2]
+    x = (np.arange(camera.width) - camera.cx) / camera.fx
+    y = (np.arange(camera.height) - camera.cy) / camera.fy
+    return np.asarray(up[0] * x[None, :] + up[1] * y[:, None] + up[2] < -1e-6)
