@@ -47,14 +47,12 @@ def placed(
     plane, centre, height = Motor.identity(), (0.0, 0.0), 1.75
     if on_board and board is not None:
         plane, centre, height = recording.world_T_board, _middle(board), min(board.size_m)
-    x, y = position_m or centre
-    turn = np.deg2rad(heading_deg)
     placement = place_on_plane(
         character_named(character),
-        point_m=plane.apply([x, y, 0.0]),
-        normal=plane.rotor.apply([0.0, 0.0, 1.0]),
-        facing=plane.rotor.apply([np.cos(turn), np.sin(turn), 0.0]),
+        position_m or centre,
+        np.deg2rad(heading_deg),
         height_m=height_m or height,
+        world_T_plane=plane,
     )
     return Placed(character, clip, placement)
 
