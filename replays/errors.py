@@ -7,11 +7,15 @@ bytes stand in a file or its name, so that a command can print them as they are.
 from __future__ import annotations
 
 import difflib
+import reprlib
 import stat
 from collections.abc import Iterable
 from pathlib import Path
 
 __all__ = ["RecordingError", "did_you_mean", "one_line", "read_bounded", "refusal"]
+
+
+_PATH_SHOWN = 300
 
 
 class RecordingError(ValueError):
@@ -36,6 +40,8 @@ def refusal(
         advice: what the reader can do about it.
     """
     where = str(path)
+    if len(where) > _PATH_SHOWN:
+        where = "..." + where[3 - _PATH_SHOWN :]
     if line is not None:
         where += f", line {line}"
     if field is not None:
@@ -46,7 +52,12 @@ def refusal(
 
 def one_line(value: object, limit: int = 60) -> str:
     """Quote a value from a file for a message: printable, on one line, shortened to `limit`."""
-    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+    if isinstance(value, bytes):
+        text = value[: 4 * limit].decode("utf-8", "replace")
+    elif isinstance(value, list | tuple | dict):
+        text = reprlib.repr(value)  # bounds the depth and the count of what it shows
+    else:
+        text = str(value)
     text = _printable(text[: limit + 1])
     return repr(text if len(text) <= limit else text[: limit - 3] + "...")
 

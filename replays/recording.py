@@ -96,7 +96,7 @@ class FrameSequence(Protocol):
         ...
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Recording:
     """What was recorded, with what is known about it. None where the recording lacks something.
 
@@ -210,13 +210,17 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
     from motorcade.replays.readers.detect import read_layout
 
     root = Path(path)
-    if not root.exists():
-        raise refusal(root, "no such file or folder")
-    if manifest is not None:
-        return manifests.read(root, Path(manifest), trusted=True)
-    if (root / manifests.LOCAL_NAME).is_file():
-        return manifests.read(root, root / manifests.LOCAL_NAME, trusted=False)
-    return read_layout(root)
+    try:
+        if not root.exists():
+            raise refusal(root, "no such file or folder")
+        if manifest is not None:
+            return manifests.read(root, Path(manifest), trusted=True)
+        if (root / manifests.LOCAL_NAME).is_file():
+            return manifests.read(root, root / manifests.LOCAL_NAME, trusted=False)
+        return read_layout(root)
+    except OSError as fault:
+        where = fault.filename or root
+        raise refusal(where, f"cannot be read: {fault.strerror or fault}") from fault
 
 
 def _bytes(array: NDArray[np.int64] | NDArray[np.float64]) -> bytes:

@@ -11,7 +11,7 @@ import numpy as np
 import yaml
 
 from motorcade.ga import FloatArray, Motor, Rotor
-from motorcade.replays.errors import one_line, read_bounded, refusal
+from motorcade.replays.errors import RecordingError, one_line, read_bounded, refusal
 from motorcade.replays.readers.tables import data_rows
 from motorcade.replays.trajectory_files import UNIT_TOLERANCE
 from motorcade.tracking.camera import Camera, CameraModel
@@ -27,6 +27,7 @@ __all__ = [
 ]
 
 YAML_LIMIT = 2**18
+YAML_NODES = 2000
 _MODELS = {
     "radial-tangential": "radtan",
     "radtan": "radtan",
@@ -48,7 +49,16 @@ def read_yaml(path: Path) -> dict[str, object]:
     if text.startswith("%YAML:"):
         text = text.partition("\n")[2].removeprefix("---")
     try:
-        content = yaml.safe_load(text.replace("!!opencv-matrix", ""))
+        text = text.replace("!!opencv-matrix", "")
+        if sum(map(text.count, "[{-?")) > YAML_NODES:
+            # The parser's time grows with the square of open brackets.
+            raise refusal(path, f"expected a calibration with at most {YAML_NODES} lists")
+        if any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text, yaml.SafeLoader)):
+            # A few lines of aliases and merges can stand for more than the memory holds.
+            raise refusal(path, "expected plain values, got a YAML alias")
+        content = yaml.safe_load(text)
+    except RecordingError:
+        raise
     except (yaml.YAMLError, ValueError, RecursionError) as fault:
         mark = getattr(fault, "problem_mark", None)
         problem = getattr(fault, "problem", None) or type(fault).__name__
@@ -123,12 +133,14 @@ def transform(value: object, path: Path, field: str) -> Motor:
         RecordingError: not sixteen finite numbers, or not a rigid motion.
     """
     expected = "expected 4 rows of 4 numbers"
-    try:
-        matrix = np.array(value, dtype=np.float64).reshape(4, 4)
-    except (TypeError, ValueError, OverflowError, RecursionError) as fault:
-        raise refusal(path, f"{expected}, got {one_line(value)}", field=field) from fault
-    if not np.isfinite(matrix).all() or np.abs(matrix).max() > 1e9:
-        raise refusal(path, f"{expected}, finite and within 1e9, got others", field=field)
+    rows = value.tolist() if isinstance(value, np.ndarray) else value
+    if isinstance(rows, list) and len(rows) == 4:
+        rows = [item for row in rows if isinstance(row, list) for item in row]
+    if not isinstance(rows, list) or len(rows) != 16 or not all(map(_is_number, rows)):
+        raise refusal(path, f"{expected}, got {one_line(value)}", field=field)
+    matrix = np.array([_as_float(item) for item in rows]).reshape(4, 4)
+    if np.abs(matrix).max() > 1e9:
+        raise refusal(path, f"{expected} within 1e9, got {np.abs(matrix).max():g}", field=field)
     rotation = matrix[:3, :3]
     excess = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
     if excess > UNIT_TOLERANCE or np.linalg.det(rotation) < 0.0:
@@ -200,8 +212,21 @@ def _floats(
         raise refusal(path, f"{expected}, got {one_line(value)}", field=key)
     if count is not None and len(value) != count:
         raise refusal(path, f"{expected}, got {len(value)}", field=key)
+    if not all(map(_is_number, value)):
+        raise refusal(path, f"{expected}, got {one_line(value)}", field=key)
+    return tuple(map(_as_float, value))
+
+
+def _is_number(value: object) -> bool:
+    """Whether this is a number, or text that YAML should have read as one."""
+    return math.isfinite(_as_float(value))
+
+
+def _as_float(value: object) -> float:
+    """The number, or NaN. YAML 1.1 reads 1e-05, which has no dot, as text."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return math.nan
     try:
-        # YAML 1.1 reads 1e-05, which has no dot, as text.
-        return tuple(float(item) for item in value)
-    except (TypeError, ValueError, OverflowError) as fault:
-        raise refusal(path, f"{expected}, got {one_line(value)}", field=key) from fault
+        return float(value)
+    except (ValueError, OverflowError):
+        return math.nan

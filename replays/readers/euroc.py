@@ -48,7 +48,7 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
         noise = read_noise(imu_sensor)
         imu_T_camera = yaml_transform(imu_sensor).inverse() @ body_T_camera
     return Recording(
-        name=root.resolve().name,
+        name=(root if mav != root else root.resolve().parent).resolve().name,
         root=root,
         layout="euroc",
         frames=_frames(mav / "cam0", (camera.width, camera.height)),

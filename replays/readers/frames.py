@@ -141,6 +141,8 @@ def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
             pattern that is empty or leads outside.
     """
     inside(root, pattern, root)
+    if pattern.count("**") > 1:
+        raise refusal(root, f"expected at most one ** in the pattern, got {one_line(pattern)}")
     try:
         found = sorted(root.glob(pattern), key=natural)
     except (ValueError, OSError, re.error) as fault:
@@ -158,7 +160,7 @@ def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
 
 def numbered(paths: Sequence[Path]) -> list[int] | None:
     """The last number in each file name, or None where the names differ in something else."""
-    parts = [re.fullmatch(r"(.*?)(\d{1,18})(\D*)", path.name) for path in paths]
+    parts = [re.fullmatch(r"(.*?)([0-9]{1,18})([^0-9]*)", path.name) for path in paths]
     if any(part is None for part in parts):
         return None
     found = [part for part in parts if part is not None]
@@ -192,5 +194,7 @@ def refuse_gaps(paths: Sequence[Path], advice: str) -> None:
 
 def natural(path: Path) -> tuple[list[tuple[int, int, str]], str]:
     """Sort key that compares runs of digits as numbers."""
-    parts = re.split(r"(\d+)", path.as_posix())
-    return [(1, int(p[:18]), p) if p.isdigit() else (0, 0, p) for p in parts], path.as_posix()
+    parts = re.split(r"([0-9]+)", path.as_posix())
+    return [
+        (1, int(part[:18]), part) if index % 2 else (0, 0, part) for index, part in enumerate(parts)
+    ], path.as_posix()

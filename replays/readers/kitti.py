@@ -90,7 +90,7 @@ def _projection(path: Path, camera: int) -> tuple[Path, FloatArray]:
 def _truth(root: Path, time_ns: IntArray, row: FloatArray) -> Trajectory | None:
     """Poses of camera 0, moved to the camera that is read, in a world with z up."""
     beside = root / "poses.txt"
-    official = root.resolve().parents[1] / "poses" / f"{root.resolve().name}.txt"
+    official = root.resolve().parent.parent / "poses" / f"{root.resolve().name}.txt"
     path = beside if beside.is_file() else official
     if not path.is_file():
         return None

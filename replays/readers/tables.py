@@ -8,6 +8,7 @@ decreases is refused. Comments open with `#`; blank lines are skipped.
 
 from __future__ import annotations
 
+import io
 import logging
 from array import array
 from collections.abc import Iterator
@@ -92,7 +93,7 @@ def data_rows(path: Path, separator: bytes | None) -> Iterator[tuple[int, list[b
     data = read_bounded(path, FILE_LIMIT).removeprefix(b"\xef\xbb\xbf")
     if b"\0" in data:
         raise refusal(path, "expected a text file, got binary data")
-    for number, line in enumerate(data.splitlines(), start=1):
+    for number, line in enumerate(io.BytesIO(data), start=1):
         if len(line) > LINE_LIMIT:
             raise refusal(path, f"expected lines of at most {LINE_LIMIT} bytes", line=number)
         row = line.strip()

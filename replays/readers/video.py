@@ -22,7 +22,7 @@ from av.video.frame import VideoFrame
 from av.video.stream import VideoStream
 
 from motorcade.ga import IntArray
-from motorcade.replays.errors import refusal
+from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.readers.frames import FRAME_LIMIT
 from motorcade.replays.readers.pictures import PIXEL_LIMIT
 from motorcade.replays.recording import Frame, ImageArray, Recording
@@ -111,9 +111,12 @@ class VideoFrames:
 
     def content(self) -> Iterator[bytes]:
         """The file's bytes."""
-        with self._path.open("rb") as file:
-            while block := file.read(_BLOCK):
-                yield block
+        try:
+            with self._path.open("rb") as file:
+                while block := file.read(_BLOCK):
+                    yield block
+        except OSError as fault:
+            raise refusal(self._path, f"cannot be read: {fault.strerror or fault}") from fault
 
     def _image(self, index: int) -> ImageArray:
         with self._lock:
@@ -153,7 +156,7 @@ class _Decoder:
 
     def __init__(self, path: Path, pts: IntArray, key: int) -> None:
         self._pts = pts
-        self._container = av.open(str(path))
+        self._container = _open(path)
         stream = self._container.streams.video[0]
         stream.thread_type = "AUTO"
         if key > 0:
@@ -175,10 +178,16 @@ class _Decoder:
         self._container.close()
 
 
+def _open(path: Path) -> InputContainer:
+    """Open a file as a video; a playlist in its place may not reach for the network."""
+    return av.open(str(path.resolve()), options={"protocol_whitelist": "file"})
+
+
 def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
     """Read all packets: pts in the order shown, indices of keyframes, time base, size."""
     try:
-        with av.open(str(path)) as container:
+        _refuse_cut_boxes(path)
+        with _open(path) as container:
             if not container.streams.video:
                 raise refusal(path, "expected a video stream, got none")
             stream = container.streams.video[0]
@@ -201,6 +210,30 @@ def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
     pts = np.array([place for place, _ in shown], dtype=np.int64)
     keys = np.flatnonzero([is_key for _, is_key in shown]).astype(np.int64)
     return pts, keys, time_base, (width, height)
+
+
+def _refuse_cut_boxes(path: Path) -> None:
+    """Walk the outermost boxes of an MP4 or MOV file: each must end inside the file."""
+    end = path.stat().st_size
+    at = 0
+    with path.open("rb") as file:
+        while at + 8 <= end:
+            file.seek(at)
+            header = file.read(16)
+            if at == 0 and header[4:8] != b"ftyp":
+                return
+            size = int.from_bytes(header[:4], "big")
+            if size == 1:
+                size = int.from_bytes(header[8:], "big")
+            elif size == 0:
+                return
+            if size < 8 or at + size > end:
+                box = one_line(header[4:8])
+                problem = (
+                    f"the video is truncated: its box {box} of {size} bytes at {at} is not whole"
+                )
+                raise refusal(path, problem, advice="copy the file again")
+            at += size
 
 
 def _shown_packets(
