@@ -171,7 +171,7 @@ class Trajectory:
             OSError: a file that cannot be read.
         """
         try:
-            with np.load(path, allow_pickle=False) as stored:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
                 if str(stored["format"]) != _FORMAT:
                     raise ValueError(f"expected the format '{_FORMAT}', got '{stored['format']}'")
                 poses = Motor(stored["coefficients"])

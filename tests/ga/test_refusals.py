@@ -68,7 +68,7 @@ def test_motors_far_from_the_origin_are_accepted(rng: np.random.Generator) -> No
 @pytest.mark.parametrize("text", ["abc", ["a", "b"], [[1.0], [1.0, 2.0]], None, 1j, object()])
 def test_what_is_no_number_is_refused(text: object) -> None:
     with pytest.raises(ValueError, match="field: expected"):
-        checked_floats(text, "field", (2,))  # type: ignore[arg-type]
+        checked_floats(text, "field", (2,))
 
 
 def test_batches_that_do_not_broadcast_are_refused(
@@ -88,9 +88,9 @@ def test_batches_that_do_not_broadcast_are_refused(
 
 def test_rotors_and_motors_do_not_mix(rng: np.random.Generator) -> None:
     with pytest.raises(TypeError):
-        Rotor.random(rng) @ Motor.random(rng)  # type: ignore[operator]
+        Rotor.random(rng) @ Motor.random(rng)
     with pytest.raises(TypeError):
-        np.eye(4) @ Motor.random(rng)  # type: ignore[operator]
+        np.eye(4) @ Motor.random(rng)
 
 
 def test_points_need_three_coordinates(kind: type[Versor]) -> None:
@@ -147,7 +147,7 @@ def test_values_are_frozen(kind: type[Versor], rng: np.random.Generator) -> None
         with pytest.raises(ValueError, match="read-only"):
             one.coefficients[..., 0] = 2.0
     with pytest.raises(AttributeError):
-        versor.coefficients = versor.coefficients  # type: ignore[misc]
+        versor.coefficients = versor.coefficients
 
 
 def test_what_a_caller_passes_in_stays_his(kind: type[Versor], rng: np.random.Generator) -> None:
