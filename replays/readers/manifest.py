@@ -44,22 +44,22 @@ from motorcade.tracking.boards import (
 )
 from motorcade.tracking.camera import Camera
 
-__all__ = ["LOCAL_NAME", "read"]
+__all__ = ["BOARD_KEYS", "CAMERA_KEYS", "FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "read"]
 
 LOCAL_NAME = "motorcade.toml"
 _TOP = ("name", "frames", "camera", "board", "truth", "imu")
-_FRAMES = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
-_CAMERA = (
+FRAMES_KEYS = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
+CAMERA_KEYS = (
     "model", "width", "height", "fx", "fy", "cx", "cy", "matrix_file", "distortion",
     "distortion_file",
 )  # fmt: skip
-_BOARDS = {
+BOARD_KEYS = {
     "checkerboard": ("columns", "rows", "square_m"),
     "marker_grid": ("family", "columns", "rows", "marker_m", "gap_m", "first_id"),
     "marker": ("family", "marker_id", "side_m"),
     "charuco": ("family", "columns", "rows", "square_m", "marker_m"),
 }
-_IMU = ("file", "noise_file", "imu_T_camera")
+IMU_KEYS = ("file", "noise_file", "imu_T_camera")
 
 
 def read(root: Path, manifest: Path, *, trusted: bool) -> Recording:
@@ -119,7 +119,7 @@ class _Manifest:
     def _base(self) -> Recording:
         """What the frames table or the folder's own layout gives."""
         if "frames" in self.top:
-            frames = self._frames(self._section("frames", _FRAMES))
+            frames = self._frames(self._section("frames", FRAMES_KEYS))
             layout = "video" if isinstance(frames, VideoFrames) else "images"
             return Recording(self.root.resolve().stem, self.root, layout, frames)
         if find_layout(self.root) is None:
@@ -133,7 +133,7 @@ class _Manifest:
     def _frames(self, section: Section) -> FrameSequence:
         section.only_one("images", "video")
         if "video" in section or ("images" not in section and self.root.is_file()):
-            for key in set(_FRAMES) - {"video"}:
+            for key in set(FRAMES_KEYS) - {"video"}:
                 if key in section:
                     raise section.fault(key, "not for a video, which brings its own stamps")
             return VideoFrames(self._file(section, "video") if "video" in section else self.root)
@@ -163,7 +163,7 @@ class _Manifest:
         if "camera" not in self.top:
             return made
         frames = made.frames
-        section = self._section("camera", _CAMERA)
+        section = self._section("camera", CAMERA_KEYS)
         if isinstance(frames, VideoFrames):
             camera = self._camera(section, frames.size)
             frames.check(camera)
@@ -198,16 +198,16 @@ class _Manifest:
         return make_camera(source, size, intrinsics, model, distortion)
 
     def _board(self) -> tuple[Board, Motor]:
-        every = ("type", "world_T_board", *{key for keys in _BOARDS.values() for key in keys})
-        kind = self._section("board", every).text("type", tuple(_BOARDS))
-        section = self._section("board", ("type", "world_T_board", *_BOARDS[kind]))
+        every = ("type", "world_T_board", *{key for keys in BOARD_KEYS.values() for key in keys})
+        kind = self._section("board", every).text("type", tuple(BOARD_KEYS))
+        section = self._section("board", ("type", "world_T_board", *BOARD_KEYS[kind]))
         pose = Motor.identity()
         if "world_T_board" in section:
             pose = transform(section["world_T_board"], self.path, "[board] world_T_board")
         return _make_board(kind, section), pose
 
     def _with_imu(self, made: Recording) -> Recording:
-        section = self._section("imu", _IMU)
+        section = self._section("imu", IMU_KEYS)
         if "file" in section:
             made = replace(made, imu=read_imu(self._file(section, "file")))
         if made.imu is None:
