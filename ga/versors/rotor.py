@@ -128,13 +128,18 @@ class Rotor(Versor):
 
     def as_matrix(self) -> FloatArray:
         """Rotation matrices ``(*, 3, 3)`` that act on columns."""
-        w, x, y, z = np.moveaxis(self.as_quaternion(), -1, 0)
-        rows = [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-        return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+        w, x, y, z = np.ascontiguousarray(np.moveaxis(self.as_quaternion(), -1, 0))
+        matrix = np.empty((*self.shape, 3, 3))
+        matrix[..., 0, 0] = 1 - 2 * (y * y + z * z)
+        matrix[..., 0, 1] = 2 * (x * y - w * z)
+        matrix[..., 0, 2] = 2 * (x * z + w * y)
+        matrix[..., 1, 0] = 2 * (x * y + w * z)
+        matrix[..., 1, 1] = 1 - 2 * (x * x + z * z)
+        matrix[..., 1, 2] = 2 * (y * z - w * x)
+        matrix[..., 2, 0] = 2 * (x * z - w * y)
+        matrix[..., 2, 1] = 2 * (y * z + w * x)
+        matrix[..., 2, 2] = 1 - 2 * (x * x + y * y)
+        return matrix
 
     @classmethod
     def from_euler(cls, angles_rad: ArrayLike, sequence: str = "xyz") -> Rotor:
