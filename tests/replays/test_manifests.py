@@ -1,6 +1,5 @@
 """Manifests: any folder or video file, every key, and one clear line for every mistake."""
 
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,14 +12,11 @@ from hypothesis import strategies as st
 
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers import manifest
-from motorcade.replays.readers.manifest_truth import TRUTH_KEYS
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.replays.trajectory_files import write_trajectory
 from motorcade.tracking.boards import CharucoBoard, Checkerboard, MarkerGrid, SingleMarker
 
 Make = Callable[..., Any]
-EXAMPLES = sorted((Path(__file__).parents[2] / "docs" / "manifests").glob("*.toml"))
 
 FRAMES = '[frames]\nimages = "images/*.jpg"\nrate_hz = 25\n'
 CAMERA = "[camera]\nfx = 20.0\nfy = 21\ncx = 11.5\ncy = 7.5\n"
@@ -34,15 +30,6 @@ def described(root: Path, *tables: str) -> Recording:
     described_by = root.parent / "manifest.toml"
     described_by.write_text("".join(tables))
     return open_recording(root, described_by)
-
-
-def refusal_of(act: Callable[[], object]) -> str:
-    """What an action is refused with; "" where it is not."""
-    try:
-        act()
-    except RecordingError as refused:
-        return str(refused)
-    return ""
 
 
 def same_poses(a: Motor, b: Motor) -> bool:
@@ -163,7 +150,6 @@ class TestTruth:
             described(made.root, FRAMES, TRUTH + 'board_frame = "opencv"\n')
 
     def test_rotation_vectors_are_opencvs(self, make: Make) -> None:
-        import cv2
 
         made = make("folder")
         rows = np.random.default_rng(3).uniform(-2, 2, (12, 6))
@@ -363,36 +349,6 @@ def test_a_found_manifest_may_not_look_outside(make: Make) -> None:
     (made.root / "motorcade.toml").write_text(FRAMES + TRUTH.replace("poses", "link"))
     with pytest.raises(RecordingError, match=r"\[truth\] file: .* got a link out of it"):
         open_recording(made.root)
-
-
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_every_example_has_known_keys_only(make: Make, path: Path) -> None:
-    made = make("folder")
-    tables = tomllib.loads(path.read_text())
-    assert {"frames", "camera", "truth"} & set(tables)
-    message = refusal_of(lambda: open_recording(made.root, path))
-    assert "unknown key" not in message
-    assert "expected one of" not in message
-
-
-def test_the_example_of_every_key_opens_and_names_every_key(make: Make) -> None:
-    made = make("folder")
-    example = next(path for path in EXAMPLES if path.stem == "every_key")
-    for index in range(12):
-        cv2.imwrite(str(made.root / "images" / f"{index}.png"), np.zeros((480, 752), np.uint8))
-    (made.root / "truth.txt").write_text("1 1 2 3 0 0 0 1\n")
-    (made.root / "imu.csv").write_text("0,1,1,1,1,1,1\n5,1,1,1,1,1,1\n")
-    (made.root / "imu.yaml").write_text(
-        "gyroscope_noise_density: 0.1\ngyroscope_random_walk: 0.1\n"
-        "accelerometer_noise_density: 0.1\naccelerometer_random_walk: 0.1\n"
-    )
-    recording = open_recording(made.root, example)
-    assert recording.truth is not None
-    assert recording.imu_noise is not None
-    text = example.read_text()
-    boards = {key for keys in manifest.BOARD_KEYS.values() for key in keys}
-    known = {*manifest.FRAMES_KEYS, *manifest.CAMERA_KEYS, *manifest.IMU_KEYS, *TRUTH_KEYS, *boards}
-    assert {key for key in known if key not in text} == set()
 
 
 @settings(deadline=None, max_examples=100)
