@@ -1,0 +1,107 @@
+"""IMU noise: white noise and a random walk of the bias, by Kalibr's model.
+
+Densities are continuous: sampled at intervals Δt, white noise has deviation σ / √Δt and the bias
+steps by σ_b √Δt (github.com/ethz-asl/kalibr/wiki/IMU-Noise-Model). Read from Kalibr's ``imu.yaml``
+or EuRoC's ``sensor.yaml``, which name the four numbers alike.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+__all__ = ["ADIS16448", "ImuNoise"]
+
+_YAML_NAMES = {
+    "gyro_density_rad_s_rthz": "gyroscope_noise_density",
+    "gyro_walk_rad_s2_rthz": "gyroscope_random_walk",
+    "accel_density_m_s2_rthz": "accelerometer_noise_density",
+    "accel_walk_m_s3_rthz": "accelerometer_random_walk",
+}
+
+
+@dataclass(frozen=True)
+class ImuNoise:
+    """Continuous noise densities of an IMU, the same on every axis; all above zero.
+
+    Fields:
+        gyro_density_rad_s_rthz: white noise of the angular rate, rad/s/√Hz.
+        gyro_walk_rad_s2_rthz: random walk of its bias, rad/s²/√Hz.
+        accel_density_m_s2_rthz: white noise of the specific force, m/s²/√Hz.
+        accel_walk_m_s3_rthz: random walk of its bias, m/s³/√Hz.
+
+    Raises:
+        ValueError: a number that is not finite or not above zero, named by its field.
+    """
+
+    gyro_density_rad_s_rthz: float
+    gyro_walk_rad_s2_rthz: float
+    accel_density_m_s2_rthz: float
+    accel_walk_m_s3_rthz: float
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not _is_positive(value):
+                raise ValueError(f"ImuNoise.{field.name}: expected a number above 0, got {value!r}")
+            object.__setattr__(self, field.name, float(value))
+
+    @classmethod
+    def load(cls, path: Path) -> ImuNoise:
+        """Read Kalibr's ``imu.yaml`` (with or without its ``imu0:``) or EuRoC's ``sensor.yaml``.
+
+        Raises:
+            ValueError: no YAML mapping, or one of the four numbers missing, no number or not
+                above zero; the message names file and field.
+            OSError: a file that cannot be read.
+        """
+        content = _yaml_mapping(path)
+        nested = [part for part in content.values() if isinstance(part, Mapping)]
+        if "gyroscope_noise_density" not in content and "imu0" in content and nested:
+            content = nested[0]
+        values = {field: _number(content, name, path) for field, name in _YAML_NAMES.items()}
+        return cls(**values)
+
+    def scaled(self, factor: float) -> ImuNoise:
+        """The same sensor with all four densities multiplied, as on a vibrating vehicle."""
+        return ImuNoise(*(factor * getattr(self, field.name) for field in fields(self)))
+
+
+def _yaml_mapping(path: Path) -> Mapping[str, object]:
+    import yaml
+
+    text = path.read_text(encoding="utf-8")
+    # OpenCV opens its files with "%YAML:1.0", which is no YAML directive.
+    body = text.split("\n", 1)[-1] if text.startswith("%YAML:") else text
+    try:
+        content = yaml.safe_load(body)
+    except yaml.YAMLError as fault:
+        raise ValueError(f"{path}: expected YAML, got {' '.join(str(fault).split())}") from fault
+    if not isinstance(content, Mapping):
+        raise ValueError(f"{path}: expected a YAML mapping, got {type(content).__name__}")
+    return content
+
+
+def _number(content: Mapping[str, object], name: str, path: Path) -> float:
+    if name not in content:
+        raise ValueError(f"{path}: expected the field {name}, got {', '.join(map(str, content))}")
+    value = content[name]
+    if isinstance(value, str):  # YAML 1.1 reads 1e-3, without a dot, as text
+        try:
+            value = float(value)
+        except ValueError:
+            value = content[name]
+    if not _is_positive(value):
+        raise ValueError(f"{path}: {name}: expected a number above 0, got {content[name]!r}")
+    return float(str(value))
+
+
+def _is_positive(value: object) -> bool:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return number and math.isfinite(value) and value > 0
+
+
+ADIS16448 = ImuNoise(1.6968e-4, 1.9393e-5, 2.0e-3, 3.0e-3)
+"""The IMU of the EuRoC recordings, with the densities that their ``sensor.yaml`` states."""

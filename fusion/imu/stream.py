@@ -1,0 +1,100 @@
+"""Inertial data: angular rate and specific force of one sensor, stamped in integer nanoseconds.
+
+Both are in the sensor's own axes. Specific force is what an accelerometer reads: at rest it points
+up with the size of gravity (+g), in free fall it is zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray, checked_floats, frozen
+
+__all__ = ["ImuStream"]
+
+
+@dataclass(frozen=True, eq=False)
+class ImuStream:
+    """Samples of a gyroscope and an accelerometer at strictly increasing stamps.
+
+    Args:
+        time_ns: ``(N,)`` integer nanoseconds, N at least 2.
+        angular_rate_rad_s: ``(N, 3)``.
+        specific_force_m_s2: ``(N, 3)``.
+
+    Raises:
+        ValueError: stamps that are no integers or do not increase, lengths that differ, NaN or
+            infinity.
+    """
+
+    time_ns: IntArray
+    angular_rate_rad_s: FloatArray
+    specific_force_m_s2: FloatArray
+
+    def __post_init__(self) -> None:
+        given = np.asarray(self.time_ns)
+        if given.dtype.kind != "i" or given.ndim != 1 or given.size < 2:
+            raise ValueError(
+                "ImuStream.time_ns: expected integer nanoseconds (N,) with N >= 2, "
+                f"got dtype {given.dtype}, shape {given.shape}"
+            )
+        stamps = given.astype(np.int64)
+        backwards = np.flatnonzero(np.diff(stamps) <= 0)
+        if backwards.size:
+            at = int(backwards[0]) + 1
+            raise ValueError(
+                "ImuStream.time_ns: expected strictly increasing stamps, got "
+                f"{int(stamps[at])} at index {at} after {int(stamps[at - 1])}"
+            )
+        stamps.setflags(write=False)
+        object.__setattr__(self, "time_ns", stamps)
+        for name in ("angular_rate_rad_s", "specific_force_m_s2"):
+            values = checked_floats(getattr(self, name), f"ImuStream.{name}", (3,))
+            if values.shape != (stamps.size, 3):
+                raise ValueError(
+                    f"ImuStream.{name}: expected shape {(stamps.size, 3)}, got {values.shape}"
+                )
+            object.__setattr__(self, name, frozen(values))
+
+    def __len__(self) -> int:
+        return int(self.time_ns.size)
+
+    def __repr__(self) -> str:
+        return f"ImuStream({len(self)} samples, {self.rate_hz:.1f} Hz, {self.duration_s:.3f} s)"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Rebuild through the constructor, so copies sent to other processes stay read-only."""
+        arrays = (self.time_ns, self.angular_rate_rad_s, self.specific_force_m_s2)
+        return ImuStream, tuple(np.array(array) for array in arrays)
+
+    @property
+    def duration_s(self) -> float:
+        """Seconds from the first sample to the last."""
+        return float(self.time_ns[-1] - self.time_ns[0]) * 1e-9
+
+    @property
+    def rate_hz(self) -> float:
+        """Sampling rate: one over the median interval."""
+        return float(1e9 / np.median(np.diff(self.time_ns)))
+
+    def at(self, time_ns: IntArray) -> ImuStream:
+        """The samples at other stamps ``(M,)``, interpolated linearly between neighbours.
+
+        Raises:
+            ValueError: stamps outside the stream, or that do not increase.
+        """
+        if time_ns.size and (time_ns[0] < self.time_ns[0] or time_ns[-1] > self.time_ns[-1]):
+            raise ValueError(
+                f"ImuStream.at(time_ns): expected stamps in [{self.time_ns[0]}, "
+                f"{self.time_ns[-1]}], got {time_ns[0]} to {time_ns[-1]}"
+            )
+        wanted = (time_ns - self.time_ns[0]).astype(np.float64)
+        known = (self.time_ns - self.time_ns[0]).astype(np.float64)
+        rate, force = (
+            np.stack([np.interp(wanted, known, column) for column in values.T], axis=-1)
+            for values in (self.angular_rate_rad_s, self.specific_force_m_s2)
+        )
+        return ImuStream(time_ns, rate, force)
