@@ -28,8 +28,8 @@ def simulate_camera_poses(
     Args:
         truth: ``world_T_camera``; between its stamps it follows the screw.
         rate_hz: measurements a second, from the first stamp of the truth to its last.
-        sigma_m, sigma_rad: deviations an axis of position and rotation, above zero; they also
-            make the covariance of the measurements.
+        sigma_m: deviation of the position an axis, above zero.
+        sigma_rad: deviation of the rotation an axis; both also make the measurements' covariance.
         rng: source of the errors. Noise is drawn for blacked-out stamps too, so the other
             measurements do not depend on the blackouts.
         blackouts_s: spans (start, end) in seconds after the first stamp, start included and end

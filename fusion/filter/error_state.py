@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -115,9 +116,7 @@ def filter_forwards(
             # So many in a row are no outliers: the prediction has drifted. Believe the camera.
             predicted = replace(predicted, covariance=predicted.covariance * max(1.0, nis / 6.0))
             rejected, accepted = 0, True
-        estimate = (
-            _update(predicted, innovation, jacobian, camera_noise) if accepted else predicted
-        )
+        estimate = _update(predicted, innovation, jacobian, camera_noise) if accepted else predicted
         nodes.append(Node(time_ns, step.transition, predicted, estimate, nis, accepted))
     return nodes
 
@@ -185,7 +184,7 @@ def _steps(imu: ImuStream, stamps_ns: IntArray) -> Iterator[tuple[int, Samples]]
     rate = 0.5 * (data.angular_rate_rad_s[1:] + data.angular_rate_rad_s[:-1])
     force = 0.5 * (data.specific_force_m_s2[1:] + data.specific_force_m_s2[:-1])
     ends = np.searchsorted(nodes, stamps_ns)
-    for first, last in zip(ends[:-1], ends[1:], strict=True):
+    for first, last in pairwise(ends):
         part = slice(int(first), int(last))
         yield int(nodes[last]), Samples(interval_s[part], rate[part], force[part])
 

@@ -1,8 +1,8 @@
 """From one stamp to the next on inertial data alone: mean, transition matrix, added covariance.
 
-The state is (R, v, p) and the biases of gyroscope and accelerometer; its error (φ, ν, ρ, δb_g, δb_a)
-stands on the left of the estimate, in the world's axes, so that only biases couple it to the
-estimate. Between samples rate and force are taken at their means (trapezoid).
+The state is (R, v, p) and the biases of gyroscope and accelerometer; its error (φ, ν, ρ, δb_g,
+δb_a) stands on the left of the estimate, in the world's axes, so that only biases couple it to
+the estimate. Between samples rate and force are taken at their means (trapezoid).
 """
 
 from __future__ import annotations

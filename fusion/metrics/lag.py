@@ -84,7 +84,7 @@ def _inner(
     if limit_s < _COARSE_STEP_S or count < _FEWEST_STAMPS:
         raise NotObservableError(
             f"lag: expected trajectories that overlap by {4 * _COARSE_STEP_S} s with "
-            f"{_FEWEST_STAMPS} stamps or more, got {max(overlap, 0.0):.3f} s and {count} usable stamps"
+            f"{_FEWEST_STAMPS} stamps or more, got {max(overlap, 0.0):.3f} s with {count}"
         )
     return start_s[kept], kept, limit_s
 
