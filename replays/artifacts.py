@@ -236,4 +236,4 @@ def _publish(building: Path, folder: Path) -> None:
 
 
 def _write_json(path: Path, tree: Any) -> None:
-    path.write_text(json.dumps(tree, indent=1, sort_keys=True) + "\n")
+    path.write_text(json.dumps(tree, indent=1) + "\n")

@@ -20,7 +20,7 @@ def parse_knobs(settings: Iterable[str], graph: Graph) -> dict[str, dict[str, An
         name, equals, text = setting.partition("=")
         stage, dot, knob = name.strip().partition(".")
         if not (equals and dot and stage and knob):
-            raise GraphError(f"--set {setting!r}: expected stage.knob=value")
+            raise GraphError(f"setting {setting!r}: expected stage.knob=value")
         graph.checked_knobs({stage: {knob: text}})
         kind = graph.stages[stage].knobs[knob].annotation
         knobs.setdefault(stage, {})[knob] = _parse(text.strip(), kind, name)

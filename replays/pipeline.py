@@ -60,7 +60,7 @@ def run_job(job: Job) -> dict[str, Any]:
     """
     graph = pipeline()
     recording = open_recording(job.recording, job.manifest)
-    knobs = parse_knobs(job.settings, graph)
+    knobs = parse_knobs((*recording.settings, *job.settings), graph)
     graph.needed(job.until)
     require_writable(job.out)
     recording.check()

@@ -110,6 +110,7 @@ class Recording:
         imu_T_camera: where the camera sits on the IMU (camera coordinates to IMU coordinates).
         board: a board in view, and where it stands in the world (identity: it is the world).
         truth: world_T_camera. Its stamps need not be the frames' own, nor cover all of them.
+        settings: knobs of the pipeline that suit this recording, each "stage.knob=value".
 
     Raises:
         RecordingError: no frames, or a pose that is not a single one.
@@ -126,6 +127,7 @@ class Recording:
     board: Board | None = None
     world_T_board: Motor = field(default_factory=Motor.identity)
     truth: Trajectory | None = None
+    settings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.frames) == 0:

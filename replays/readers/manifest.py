@@ -47,7 +47,7 @@ from motorcade.tracking.camera import Camera
 __all__ = ["BOARD_KEYS", "CAMERA_KEYS", "FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "read"]
 
 LOCAL_NAME = "motorcade.toml"
-_TOP = ("name", "frames", "camera", "board", "truth", "imu")
+_TOP = ("name", "settings", "frames", "camera", "board", "truth", "imu")
 FRAMES_KEYS = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
 CAMERA_KEYS = (
     "model", "width", "height", "fx", "fy", "cx", "cy", "matrix_file", "distortion",
@@ -91,6 +91,8 @@ class _Manifest:
         made = self._base()
         if "name" in self.top:
             made = replace(made, name=self.top.text("name"))
+        if "settings" in self.top:
+            made = replace(made, settings=self.top.texts("settings"))
         made = self._with_camera(made)
         if "board" in self.top:
             board, world_T_board = self._board()

@@ -93,6 +93,14 @@ class Section:
             raise self.fault(key, f"expected a list of numbers, got {one_line(value)}")
         return tuple(self._number(key, item, -1e12, 1e12) for item in value)
 
+    def texts(self, key: str, most: int = 100) -> tuple[str, ...]:
+        """A list of at most `most` strings."""
+        value = self[key]
+        fits = isinstance(value, list) and len(value) <= most
+        if not fits or not all(isinstance(item, str) and len(item) <= 1000 for item in value):
+            raise self.fault(key, f"expected a list of texts, got {one_line(value)}")
+        return tuple(value)
+
     def only_one(self, first: str, second: str) -> None:
         """Refuse two keys that say the same thing."""
         if first in self and second in self:

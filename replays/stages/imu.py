@@ -13,6 +13,7 @@ from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera_poses import CameraPoses
 
 Origin = Literal["recorded", "reference", "tracked"]
+NEAREST_KNOTS_S = 0.02
 
 
 @dataclass(frozen=True)
@@ -31,13 +32,16 @@ def imu(
     *,
     source: Literal["auto", "recorded", "reference", "tracked"] = "auto",
     rate_hz: float = 200.0,
+    knot_spacing_s: float | None = None,
     seed: int = 0,
 ) -> Imu:
     """The recording's own IMU; without one, a simulation along the tracked path.
 
     A stream simulated from the tracked path adds nothing that the images did not know, so it
     flatters no result; `source=reference` simulates from the truth instead and is meant for
-    experiments. Raises ValueError where the source asked for is not there.
+    experiments. `knot_spacing_s` is that of the simulation's spline: by default one knot a pose,
+    but none nearer than 0.02 s, so that the stream moves as the poses do. Raises ValueError where
+    the source asked for is not there.
     """
     imu_T_camera = recording.imu_T_camera or Motor.identity()
     noise = recording.imu_noise or ADIS16448
@@ -51,5 +55,9 @@ def imu(
     if path is None:
         raise ValueError(f"{recording.name}: imu.source=reference, but it has no truth")
     world_T_imu = path.transformed_by(right=imu_T_camera.inverse(), child="imu")
-    simulated = simulate_imu(world_T_imu, rate_hz, noise, np.random.default_rng(seed))
+    if knot_spacing_s is None:
+        knot_spacing_s = max(float(np.median(np.diff(path.time_s))), NEAREST_KNOTS_S)
+    simulated = simulate_imu(
+        world_T_imu, rate_hz, noise, np.random.default_rng(seed), knot_spacing_s=knot_spacing_s
+    )
     return Imu(simulated.stream, noise, imu_T_camera, origin)

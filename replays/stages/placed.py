@@ -26,7 +26,7 @@ def placed(
     recording: Recording,
     *,
     character: Literal["mannequin"] = "mannequin",
-    clip: Literal["idle", "walk"] = "walk",
+    clip: Literal["idle", "walk"] = "idle",
     on: Literal["auto", "board", "floor"] = "auto",
     position_m: tuple[float, ...] = (),
     heading_deg: float = 0.0,
@@ -35,8 +35,8 @@ def placed(
     """Stand the character on the board's plane or on the world's floor, z = 0.
 
     `position_m` (x, y) lies in the plane's own frame; without it the character stands in the
-    middle of the board, or at the world's origin. `height_m` is the character's; without it, the
-    board's shorter side, or 1.75 m on a floor.
+    middle of the board, or at the world's origin. `height_m` is the character's; without it,
+    half the board's shorter side, or 1.75 m on a floor.
     """
     board = recording.board
     on_board = on == "board" or (on == "auto" and board is not None)
@@ -46,7 +46,7 @@ def placed(
         raise ValueError(f"placed.position_m: expected x,y, came {len(position_m)} numbers")
     plane, centre, height = Motor.identity(), (0.0, 0.0), 1.75
     if on_board and board is not None:
-        plane, centre, height = recording.world_T_board, _middle(board), min(board.size_m)
+        plane, centre, height = recording.world_T_board, _middle(board), 0.5 * min(board.size_m)
     placement = place_on_plane(
         character_named(character),
         position_m or centre,

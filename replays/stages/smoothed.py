@@ -20,7 +20,7 @@ def smoothed(
     fused: Fused,
     *,
     representations: tuple[str, ...] = ("motor", "quaternion", "euler"),
-    window_s: float = 0.2,
+    window_s: float = 0.15,
     order: int = 2,
 ) -> Smoothed:
     """Smooth the fused path by local polynomials of `order` over `window_s` seconds."""
