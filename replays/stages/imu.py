@@ -43,7 +43,9 @@ def imu(
     but none nearer than 0.02 s, so that the stream moves as the poses do. Raises ValueError where
     the source asked for is not there.
     """
-    imu_T_camera = recording.imu_T_camera or Motor.identity()
+    imu_T_camera = recording.imu_T_camera
+    if imu_T_camera is None:
+        imu_T_camera = Motor.identity()
     noise = recording.imu_noise or ADIS16448
     origin: Origin = "recorded" if recording.imu is not None else "tracked"
     origin = origin if source == "auto" else source
