@@ -29,7 +29,7 @@ from motorcade.tracking.pose import (
     refine,
     reprojection_px,
 )
-from motorcade.tracking.selection import choose
+from motorcade.tracking.selection import Choice, choose
 from motorcade.tracking.track import FRAME_STATES, BoardTrack, track_board
 from motorcade.tracking.tracker import BoardTracker, TrackedFrame
 
@@ -45,6 +45,7 @@ __all__ = [
     "CameraModel",
     "CharucoBoard",
     "Checkerboard",
+    "Choice",
     "GrayImage",
     "MarkerGrid",
     "MarkerObservation",

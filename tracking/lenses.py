@@ -32,9 +32,10 @@ def distort_jacobian(
     if model == "equidistant":
         return _equidistant_jacobian(coefficients, points)
     ideal = _perspective(points)
-    by_point = np.zeros((*ideal.shape, 3))
+    by_point = np.empty((*ideal.shape, 3))
     inverse_depth = 1.0 / np.where(points[..., 2] > 0.0, points[..., 2], np.nan)
     by_point[..., 0, 0] = by_point[..., 1, 1] = inverse_depth
+    by_point[..., 0, 1] = by_point[..., 1, 0] = 0.0 * inverse_depth
     by_point[..., :, 2] = -ideal * inverse_depth[..., None]
     if model == "pinhole":
         return ideal, by_point

@@ -137,9 +137,7 @@ def refine(corners: BoardCorners, camera: Camera, world_T_camera: Motor) -> Refi
     residuals, jacobian = _linearised(corners, camera, rotation, translation)
     cost, damping = float(residuals @ residuals), 1e-6
     if not np.isfinite(cost):
-        raise TrackingError(
-            "world_T_camera: expected a pose that sees every corner, got one behind"
-        )
+        raise TrackingError("world_T_camera: expected a pose with every corner before the camera")
     for _ in range(_ITERATIONS):
         normal = jacobian.T @ jacobian
         damped = normal + damping * np.diag(np.diag(normal))

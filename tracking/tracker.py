@@ -24,7 +24,7 @@ from motorcade.tracking.pose import (
     TrackingError,
     planar_candidates,
 )
-from motorcade.tracking.selection import choose, consistent
+from motorcade.tracking.selection import Choice, choose, consistent
 
 __all__ = ["BoardTracker", "TrackedFrame"]
 
@@ -34,7 +34,9 @@ _RETRY_FRAMES = 5
 _GOOD_SHARE = 0.75
 _GOOD_ERROR_PX = 1.0
 _WORSE_FACTOR = 2.0
-_OUTLIER_PX = 1.0
+_OUTLIER_PX = 0.5
+_RANSAC_PX = 1.5
+_NEAR_PX = 1.0
 _OUTLIER_FACTOR = 5.0
 
 
@@ -61,7 +63,11 @@ class TrackedFrame:
 class _Fit:
     corners: BoardCorners
     candidates: PlanarCandidates
-    pose: RefinedPose
+    choice: Choice
+
+    @property
+    def pose(self) -> RefinedPose:
+        return self.choice.pose
 
 
 class BoardTracker:
@@ -81,7 +87,8 @@ class BoardTracker:
         self.camera = camera
         self.board = board
         self.redetect_every = redetect_every
-        self._time_ns: int | None = None
+        self._time_ns = 0
+        self._started = False
         self._image: GrayImage | None = None  # of the frame before, if the board was seen there
         self._fit: _Fit | None = None  # of the last frame in which the board was seen
         self._fit_ns = 0
@@ -100,7 +107,7 @@ class BoardTracker:
             ValueError: another type or size of picture, or a stamp that is not later.
         """
         self._check(image, time_ns)
-        self._time_ns = int(time_ns)
+        self._time_ns, self._started = int(time_ns), True
         if self._fit is not None and self._time_ns - self._fit_ns > _CONTINUITY_NS:
             self._fit = self._image = None
         fit, state = self._located(image)
@@ -131,7 +138,7 @@ class BoardTracker:
             )
         if isinstance(time_ns, bool) or not isinstance(time_ns, (int, np.integer)):
             raise ValueError(f"time_ns: expected whole nanoseconds, got {time_ns!r}")
-        if self._time_ns is not None and time_ns <= self._time_ns:
+        if self._started and time_ns <= self._time_ns:
             raise ValueError(f"time_ns: expected more than {self._time_ns}, got {time_ns}")
 
     # Where the board is ------------------------------------------------------------------------
@@ -194,7 +201,7 @@ class BoardTracker:
         tried = BoardCorners(ids, places[ids], self.board.points_m[ids])
         sharp = self.board.sharpen(image, tried, self.camera)
         moved = np.linalg.norm(sharp.corners_px - places[sharp.ids], axis=-1)
-        near = sharp.keep(moved <= max(_OUTLIER_PX, _OUTLIER_FACTOR * fit.pose.error_px))
+        near = sharp.keep(moved <= max(_NEAR_PX, _OUTLIER_FACTOR * fit.pose.error_px))
         return (self._solved(near) or fit) if len(near) > len(fit.corners) else fit
 
     def _expected_px(self, world_T_camera: Motor) -> FloatArray:
@@ -209,16 +216,32 @@ class BoardTracker:
             return None
         try:
             fit = self._posed(corners)
-            distance = np.linalg.norm(fit.pose.residuals_px, axis=-1)
-            limit = max(_OUTLIER_PX, _OUTLIER_FACTOR * float(np.median(distance)))
-            if len(corners) == 4 or not np.any(distance > limit):
+            errors = self._errors_px(corners, fit)
+            limit = _outlier_px(errors)
+            if len(corners) == 4 or not np.any(errors > limit):
                 return fit
-            agreeing = consistent(corners, self.camera, limit)
-            return self._posed(agreeing) if agreeing.spanning else None
+            agreeing = consistent(corners, self.camera, max(limit, _RANSAC_PX))
+            errors = self._errors_px(corners, self._posed(agreeing))
+            return self._posed(corners.keep(errors <= _outlier_px(errors)))
         except TrackingError:
             return None
 
+    def _errors_px(self, corners: BoardCorners, fit: _Fit) -> FloatArray:
+        """Distance ``(n,)`` of each corner from where the fitted pose has it."""
+        expected = self._expected_px(fit.pose.world_T_camera)[corners.ids]
+        errors: FloatArray = np.linalg.norm(corners.corners_px - expected, axis=-1)
+        return np.nan_to_num(errors, nan=np.inf)
+
     def _posed(self, corners: BoardCorners) -> _Fit:
-        expected = None if self._fit is None else self._fit.pose.world_T_camera
         candidates = planar_candidates(corners, self.camera)
-        return _Fit(corners, candidates, choose(candidates, corners, self.camera, expected))
+        if self._fit is None:
+            return _Fit(corners, candidates, choose(candidates, corners, self.camera))
+        elapsed_s = 1e-9 * (self._time_ns - self._fit_ns)
+        before = self._fit.choice
+        choice = choose(candidates, corners, self.camera, before, elapsed_s)
+        return _Fit(corners, candidates, choice)
+
+
+def _outlier_px(errors_px: FloatArray) -> float:
+    """Beyond this distance from its reprojection a corner is not believed."""
+    return max(_OUTLIER_PX, _OUTLIER_FACTOR * float(np.median(errors_px)))

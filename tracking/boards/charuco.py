@@ -159,7 +159,14 @@ class CharucoBoard:
 
 @cache
 def _detector(board: CharucoBoard) -> cv2.aruco.CharucoDetector:
+    family = dictionary(board.family)
+    # only the markers on the board: with a large family the search is several times faster
+    used = cv2.aruco.Dictionary(
+        family.bytesList[: board.columns * board.rows // 2],
+        family.markerSize,
+        family.maxCorrectionBits,
+    )
     printed = cv2.aruco.CharucoBoard(
-        (board.columns, board.rows), board.square_m, board.marker_m, dictionary(board.family)
+        (board.columns, board.rows), board.square_m, board.marker_m, used
     )
     return cv2.aruco.CharucoDetector(printed)
