@@ -37,5 +37,6 @@ def plot_series(
         axes.set_xlabel("time (s)")
         axes.set_ylabel(unit)
         axes.margins(x=0.01)
-        axes.legend(loc="upper right", ncols=len(series), fontsize=8)
+        # Above the axes, beside the title, where it hides no line.
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(series), fontsize=8)
         return as_svg(figure)

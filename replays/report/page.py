@@ -110,21 +110,18 @@ def _errors_caption(findings: Findings) -> str:
 
 
 def _rows(figures: dict[str, dict[str, float | None]], keys: list[str]) -> list[dict[str, Any]]:
-    best = {}
-    for key in keys:
-        sizes = {
-            name: abs(row[key] or 0.0) for name, row in figures.items() if row.get(key) is not None
-        }
-        best[key] = min(sizes, key=lambda name: sizes[name])
-    return [
-        {
-            "name": name,
-            "cells": [
-                {"text": shown_value(key, row.get(key)), "best": best[key] == name} for key in keys
-            ],
-        }
-        for name, row in figures.items()
-    ]
+    best = {key: _best_shown(key, [row.get(key) for row in figures.values()]) for key in keys}
+    rows = []
+    for name, row in figures.items():
+        shown = {key: shown_value(key, row.get(key)) for key in keys}
+        cells = [{"text": shown[key], "best": shown[key].lstrip("-") == best[key]} for key in keys]
+        rows.append({"name": name, "cells": cells})
+    return rows
+
+
+def _best_shown(key: str, values: list[float | None]) -> str:
+    """The smallest size of a column as it is shown, so that equal figures share the honour."""
+    return shown_value(key, min(abs(value) for value in values if value is not None))
 
 
 def _provenance() -> list[tuple[str, str]]:

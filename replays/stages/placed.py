@@ -10,7 +10,12 @@ import numpy as np
 from motorcade.animation import Character, Placement, mannequin, place_on_plane
 from motorcade.ga import Motor
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.tracking import Board
+
+FLOOR_HEIGHT_M = 1.75
+FARTHEST_M = 4.0
+"""On a floor the character stands at most this far in front of the first camera."""
 
 
 @dataclass(frozen=True)
@@ -24,33 +29,40 @@ class Placed:
 
 def placed(
     recording: Recording,
+    smoothed: Smoothed,
     *,
     character: Literal["mannequin"] = "mannequin",
     clip: Literal["idle", "walk"] = "idle",
     on: Literal["auto", "board", "floor"] = "auto",
     position_m: tuple[float, ...] = (),
-    heading_deg: float = 0.0,
+    heading_deg: float | None = None,
     height_m: float | None = None,
 ) -> Placed:
     """Stand the character on the board's plane or on the world's floor, z = 0.
 
     `position_m` (x, y) lies in the plane's own frame; without it the character stands in the
-    middle of the board, or at the world's origin. `height_m` is the character's; without it,
-    half the board's shorter side, or 1.75 m on a floor.
+    middle of the board, or on the floor where the first camera looks. `heading_deg` turns from
+    the plane's x towards its y; without it the character looks at the first camera. `height_m` is
+    the character's; without it, half the board's shorter side, or 1.75 m on a floor.
     """
     board = recording.board
-    on_board = on == "board" or (on == "auto" and board is not None)
-    if on_board and board is None:
+    if on == "board" and board is None:
         raise ValueError(f"{recording.name}: placed.on=board, but no board is known")
     if position_m and len(position_m) != 2:
         raise ValueError(f"placed.position_m: expected x,y, came {len(position_m)} numbers")
-    plane, centre, height = Motor.identity(), (0.0, 0.0), 1.75
-    if on_board and board is not None:
-        plane, centre, height = recording.world_T_board, _middle(board), 0.5 * min(board.size_m)
+    first_camera = next(iter(smoothed.trajectories.values())).poses[0]
+    if board is not None and on != "floor":
+        plane, height = recording.world_T_board, 0.5 * min(board.size_m)
+        position = position_m or _middle(board)
+    else:
+        plane, height = Motor.identity(), FLOOR_HEIGHT_M
+        position = position_m or _where_it_looks(first_camera)
+    towards = (plane.inverse() @ first_camera).translation_m[:2] - position
+    heading = np.arctan2(towards[1], towards[0]) if heading_deg is None else np.deg2rad(heading_deg)
     placement = place_on_plane(
         character_named(character),
-        position_m or centre,
-        np.deg2rad(heading_deg),
+        position,
+        heading,
         height_m=height_m or height,
         world_T_plane=plane,
     )
@@ -68,4 +80,15 @@ def _middle(board: Board) -> tuple[float, float]:
     """Centre of the board's corners in its own plane, metres."""
     low, high = board.points_m.min(axis=0), board.points_m.max(axis=0)
     x, y, _ = (low + high) / 2
+    return float(x), float(y)
+
+
+def _where_it_looks(world_T_camera: Motor) -> tuple[float, float]:
+    """Where the optical axis meets the floor, or a few paces ahead if that is far or never."""
+    centre = world_T_camera.translation_m
+    gaze = world_T_camera.rotor.apply([0.0, 0.0, 1.0])
+    reach_m = -centre[2] / gaze[2] if gaze[2] < 0.0 < centre[2] else np.inf
+    along = float(np.hypot(gaze[0], gaze[1]))
+    ahead_m = min(reach_m * along, FARTHEST_M) if along > 0.0 else 0.0
+    x, y = centre[:2] + (ahead_m / along * gaze[:2] if along > 0.0 else 0.0)
     return float(x), float(y)
