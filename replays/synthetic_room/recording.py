@@ -1,0 +1,189 @@
+"""Writes the synthetic room as a recording: pictures, truth, IMU and a manifest, like any user's.
+
+The world has z up and its origin on the table top, z = 0, where a character may stand. Pictures
+are 640 x 480 from a pinhole camera at 30 Hz, with vignetting and sensor noise; the truth is exact,
+four poses a frame. The same seed writes the same bytes on the same machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.imu.noise import ADIS16448, ImuNoise
+from motorcade.fusion.imu.simulate import simulate_imu
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.render import OffscreenRenderer
+from motorcade.replays.imu_files import write_imu
+from motorcade.replays.synthetic_room.furniture import BOARD, CHARACTER_HEIGHT_M, world_T_board
+from motorcade.replays.synthetic_room.path import LEVEL, HandheldPath
+from motorcade.replays.synthetic_room.scene import room
+from motorcade.replays.trajectory_files import even_stamps, write_trajectory
+from motorcade.tracking.camera import Camera
+
+CAMERA = Camera(640, 480, 510.0, 510.0, 319.5, 239.5)
+FRAMES, RATE_HZ = 204, 30.0
+TRUTH_A_FRAME = 4
+IMU_RATE_HZ, IMU_KNOTS_S = 200.0, 0.03
+# The IMU's x points forward, y to the left, z up; the camera sits a little ahead of it.
+IMU_T_CAMERA = Motor.from_rotor_translation(Rotor.from_matrix(LEVEL), np.array([0.03, 0.01, 0.005]))
+VIGNETTING, NOISE_FLOOR, NOISE_SLOPE = 0.20, 1.1, 0.006
+JPEG_QUALITY = 94
+
+Track = Callable[[Iterable[int], str, int], Iterable[int]]
+
+
+def write_recording(
+    folder: Path, *, frames: int = FRAMES, seed: int = 0, progress: Track | None = None
+) -> None:
+    """Render the room along its path and write everything a reader needs into a folder.
+
+    Args:
+        folder: made where it is missing; it must be empty.
+        frames: pictures to write, 2 or more.
+        seed: of the hand's tremor, the sensor's noise and the IMU's.
+        progress: wraps the loop over frames: (numbers, what is done, how many) -> numbers.
+
+    Raises:
+        RenderUnavailable: this machine has no OpenGL.
+        ValueError: fewer than two frames.
+        OSError: the folder is not empty, or cannot be written.
+    """
+    if frames < 2:
+        raise ValueError(f"write_recording(frames): expected 2 or more, got {frames}")
+    hand, sensor, inertial = (
+        np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3)
+    )
+    path = HandheldPath.of(hand)
+    with OffscreenRenderer(CAMERA.width, CAMERA.height) as renderer:
+        folder.mkdir(parents=True, exist_ok=True)
+        if any(folder.iterdir()):
+            raise FileExistsError(f"{folder}: expected an empty folder for the recording")
+        numbers: Iterable[int] = range(frames)
+        if progress is not None:
+            numbers = progress(numbers, "rendering the room", frames)
+        _write_pictures(folder / "images", renderer, path, numbers, sensor)
+    write_trajectory(truth(path, frames), folder / "truth.tum")
+    _write_inertial(folder, path, frames, inertial)
+    (folder / "motorcade.toml").write_text(manifest(), encoding="utf-8")
+
+
+def truth(path: HandheldPath, frames: int) -> Trajectory:
+    """The exact path, at every frame's stamp and three times between."""
+    count = (frames - 1) * TRUTH_A_FRAME + 1
+    return path.trajectory(even_stamps(count, TRUTH_A_FRAME * RATE_HZ))
+
+
+def _write_pictures(
+    folder: Path,
+    renderer: OffscreenRenderer,
+    path: HandheldPath,
+    numbers: Iterable[int],
+    rng: np.random.Generator,
+) -> None:
+    """Render, expose and save every frame."""
+    folder.mkdir()
+    renderer.show(room(), None)
+    for number in numbers:
+        stamp_ns = even_stamps(number + 1, RATE_HZ)[-1]
+        layer = renderer.render(CAMERA, path.at(stamp_ns * 1e-9))
+        picture = exposed(layer.rgba[..., :3], rng)
+        file = folder / f"{number:06d}.jpg"
+        if not cv2.imwrite(str(file), picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]):
+            raise OSError(f"{file}: cannot be written")
+
+
+def exposed(picture: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.uint8]:
+    """What the sensor makes of a rendered picture: darker corners and noise.
+
+    Args:
+        picture: (h, w, 3) uint8.
+        rng: of the noise.
+
+    Returns:
+        (h, w, 3) uint8.
+    """
+    height, width = picture.shape[:2]
+    x = (np.arange(width, dtype=np.float32) - 0.5 * (width - 1)) / (0.5 * width)
+    y = (np.arange(height, dtype=np.float32) - 0.5 * (height - 1)) / (0.5 * width)
+    gain = 1.0 - VIGNETTING * (x[None, :] ** 2 + y[:, None] ** 2) / (1.0 + (height / width) ** 2)
+    seen = picture * gain[..., None]
+    noise = rng.standard_normal((height, width), dtype=np.float32)[..., None]
+    noisy = seen + noise * (NOISE_FLOOR + NOISE_SLOPE * seen)
+    return np.asarray(np.clip(np.rint(noisy), 0, 255), dtype=np.uint8)
+
+
+def _write_inertial(
+    folder: Path, path: HandheldPath, frames: int, rng: np.random.Generator
+) -> None:
+    """The simulated IMU along the path, and what its noise is."""
+    last_s = (frames - 1) / RATE_HZ
+    stamps = even_stamps(int(last_s * IMU_RATE_HZ * 2) + 1, IMU_RATE_HZ * 2)
+    world_T_imu = path.trajectory(stamps).transformed_by(right=IMU_T_CAMERA.inverse(), child="imu")
+    simulated = simulate_imu(world_T_imu, IMU_RATE_HZ, ADIS16448, rng, knot_spacing_s=IMU_KNOTS_S)
+    write_imu(simulated.stream, folder / "imu.csv")
+    (folder / "imu.yaml").write_text(_noise_yaml(ADIS16448), encoding="utf-8")
+
+
+def _noise_yaml(noise: ImuNoise) -> str:
+    """Noise densities under the names that Kalibr and EuRoC use."""
+    return (
+        f"gyroscope_noise_density: {noise.gyro_density_rad_s_rthz!r}\n"
+        f"gyroscope_random_walk: {noise.gyro_walk_rad_s2_rthz!r}\n"
+        f"accelerometer_noise_density: {noise.accel_density_m_s2_rthz!r}\n"
+        f"accelerometer_random_walk: {noise.accel_walk_m_s3_rthz!r}\n"
+    )
+
+
+def manifest() -> str:
+    """The recording's manifest."""
+    settings = ["placed.on=floor", "placed.position_m=0,0", f"placed.height_m={CHARACTER_HEIGHT_M}"]
+    listed = ", ".join(f'"{setting}"' for setting in settings)
+    return f"""\
+# A synthetic room. World: metres, z up, origin on the table top.
+name = "synthetic room"
+settings = [{listed}]
+
+[frames]
+images = "images/*.jpg"
+rate_hz = {RATE_HZ}
+
+[camera]
+model = "pinhole"
+width = {CAMERA.width}
+height = {CAMERA.height}
+fx = {CAMERA.fx}
+fy = {CAMERA.fy}
+cx = {CAMERA.cx}
+cy = {CAMERA.cy}
+
+[board]
+type = "marker_grid"
+family = "{BOARD.family}"
+columns = {BOARD.columns}
+rows = {BOARD.rows}
+marker_m = {BOARD.marker_m}
+gap_m = {BOARD.gap_m}
+first_id = {BOARD.first_id}
+world_T_board = {_rows(world_T_board())}
+
+[truth]
+file = "truth.tum"
+format = "tum"
+convention = "world_T_camera"
+
+[imu]
+file = "imu.csv"
+noise_file = "imu.yaml"
+imu_T_camera = {_rows(IMU_T_CAMERA)}
+"""
+
+
+def _rows(pose: Motor) -> str:
+    """A pose as the four rows of its matrix, in TOML."""
+    rows = ",\n".join("    " + repr([float(x) for x in row]) for row in pose.as_matrix())
+    return f"[\n{rows},\n]"
