@@ -9,6 +9,7 @@ World: metres, z up, origin on the table top where a character would stand; the 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
 
@@ -57,7 +58,7 @@ class HandheldPath:
         phase = rng.uniform(0.0, 2.0 * np.pi, (4, len(TREMOR_HZ)))
         return cls(gaze, np.stack([amplitude, phase], axis=-1))
 
-    def at(self, time_s: FloatArray) -> Motor:
+    def at(self, time_s: ArrayLike) -> Motor:
         """Poses `world_T_camera` (*) at times (*) in seconds, OpenCV camera axes."""
         time = np.asarray(time_s, dtype=np.float64)
         gaze = np.zeros((*time.shape, 3))

@@ -31,7 +31,7 @@ from motorcade.replays.synthetic_room.lighting import Occluders, irradiance
 from motorcade.replays.synthetic_room.materials import PAINTS, linear, material
 
 SKY = np.array([0.86, 0.93, 1.0])
-EXPOSURE = 1.30
+EXPOSURE = 1.50
 # How far inside its panel the outermost light is taken, so that it is not inside a neighbour.
 INSET_M = 0.003
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
@@ -78,8 +78,9 @@ class Panel:
         """World points (rows + 1, columns + 1, 3) at the corners of cells, lowest row first."""
         rows, columns = self.cells()
         wide, tall = self.size_m
-        u = np.clip(np.linspace(0.0, 1.0, columns + 1), inset_m / wide, 1.0 - inset_m / wide)
-        v = np.clip(np.linspace(0.0, 1.0, rows + 1), inset_m / tall, 1.0 - inset_m / tall)
+        aside, below = min(0.4, inset_m / wide), min(0.4, inset_m / tall)
+        u = np.clip(np.linspace(0.0, 1.0, columns + 1), aside, 1.0 - aside)
+        v = np.clip(np.linspace(0.0, 1.0, rows + 1), below, 1.0 - below)
         return np.asarray(
             self.corner_m + u[None, :, None] * self.across_m + v[:, None, None] * self.up_m
         )
