@@ -146,6 +146,12 @@ def test_sharpening_leaves_out_covered_corners(straight_camera, render, look_at)
         assert error[clear].max() < 0.15
 
 
+def test_corners_on_one_spot_are_left_out_of_a_sharpening() -> None:
+    picture = np.full((100, 100), 90, np.uint8)
+    spot = BoardCorners(np.arange(54), np.full((54, 2), 50.0), CHECKERS.points_m)
+    assert len(CHECKERS.sharpen(picture, spot)) == 0
+
+
 def test_the_picture_and_the_corners_given_stay_as_they_were(
     straight_camera, render, look_at
 ) -> None:

@@ -24,8 +24,6 @@ from motorcade.tracking.camera import Camera
 
 __all__ = ["CharucoBoard"]
 
-_LEAST_CORNERS = 4
-
 
 @dataclass(frozen=True)
 class CharucoBoard:
@@ -105,20 +103,24 @@ class CharucoBoard:
         )
 
     def detect(self, image: GrayImage, camera: Camera | None = None) -> BoardCorners | None:
-        """Find the inner corners that are seen; None below four. `camera` is not needed.
+        """Find the inner corners that are seen; None unless four of them span the board.
+
+        `camera` is not needed.
 
         Raises:
             ValueError: not a grey uint8 picture.
         """
         places, ids, _, _ = _detector(self).detectBoard(checked_gray(image))
-        if ids is None or len(ids) < _LEAST_CORNERS:
+        if ids is None or len(ids) == 0:
             return None
         ids = np.ravel(ids)
         order = np.argsort(ids)
         ids, places = ids[order], np.asarray(places, np.float64).reshape(-1, 2)[order]
         found = BoardCorners(ids, places, self.points_m[ids])
+        if not found.spanning:
+            return None
         sharp = self.sharpen(image, found)
-        return sharp if len(sharp) >= _LEAST_CORNERS else None
+        return sharp if sharp.spanning else None
 
     def sharpen(
         self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None

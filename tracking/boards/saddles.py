@@ -48,6 +48,8 @@ def sharpen_saddles(
         drawn away from where they were expected by more than the window.
     """
     homography = _homography(points_m, corners_px)
+    if homography is None:
+        return corners_px, np.zeros(len(corners_px), bool)
     reach = _lengths_px(homography, points_m, clear_m)
     window = int(np.clip(0.7 * np.median(reach), *_WINDOW_PX))
     inside = _inside(image, corners_px, window + 1)
@@ -82,6 +84,8 @@ def contrast(
     """
     if homography is None:
         homography = _homography(points_m, corners_px)
+    if homography is None:
+        return np.zeros(len(corners_px))
     around = points_m[:, None] + offset_m * _DIAGONALS
     probes = corners_px[:, None] + _map(homography, around) - _map(homography, points_m)[:, None]
     levels = _sample(image, probes)
@@ -94,9 +98,10 @@ def contrast(
     return signed
 
 
-def _homography(points_m: FloatArray, corners_px: FloatArray) -> FloatArray:
+def _homography(points_m: FloatArray, corners_px: FloatArray) -> FloatArray | None:
+    """Board to pixels; None where the corners lie on one line or on one spot."""
     found, _ = cv2.findHomography(points_m, corners_px, 0)
-    return cast("FloatArray", found)
+    return cast("FloatArray | None", found)
 
 
 def _map(homography: FloatArray, points: FloatArray) -> FloatArray:
