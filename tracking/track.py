@@ -188,13 +188,18 @@ def track_board(
         raise TrackingError(
             f"frames: expected some that show {board.name}, got it in none of {len(stamps)}"
         )
+    states = ["lost" if frame is None else frame.state for frame in tracked]
+    return _collected(stamps, states, seen)
+
+
+def _collected(stamps: list[int], states: list[str], seen: list[TrackedFrame]) -> BoardTrack:
     trajectory = Trajectory(
         np.array([frame.observation.time_ns for frame in seen], np.int64),
         Motor.stack([frame.world_T_camera for frame in seen]),
     )
     return BoardTrack(
         time_ns=np.array(stamps, np.int64),
-        states=np.array(["lost" if frame is None else frame.state for frame in tracked]),
+        states=np.array(states),
         observations=tuple(frame.observation for frame in seen),
         measurements=PoseMeasurements(trajectory, np.stack([frame.covariance for frame in seen])),
         error_px=np.array([frame.error_px for frame in seen]),
