@@ -141,7 +141,12 @@ def _noise_yaml(noise: ImuNoise) -> str:
 
 def manifest() -> str:
     """The recording's manifest."""
-    settings = ["placed.on=floor", "placed.position_m=0,0", f"placed.height_m={CHARACTER_HEIGHT_M}"]
+    settings = [
+        "placed.on=floor",
+        "placed.position_m=0,0",
+        f"placed.height_m={CHARACTER_HEIGHT_M}",
+        "errors.align=none",
+    ]
     listed = ", ".join(f'"{setting}"' for setting in settings)
     return f"""\
 # A synthetic room. World: metres, z up, origin on the table top.

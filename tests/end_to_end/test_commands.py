@@ -161,7 +161,7 @@ def test_bad_recordings_end_in_one_line_and_leave_earlier_results(
     (broken / "012.png").write_bytes(whole[: len(whole) // 2])
     assert "012.png" in refused(capsys, "run", broken, "--out", out)
     (broken / "012.png").unlink()
-    assert "12" in refused(capsys, "run", broken, "--out", out)
+    assert "a picture is missing" in refused(capsys, "run", broken, "--out", out)
     (broken / "012.png").write_bytes(whole)
     manifest = (broken / "motorcade.toml").read_text()
     for wrong, named in (
@@ -188,10 +188,10 @@ def test_an_output_folder_that_cannot_be_written_is_named(
     assert "--out" in refused(capsys, "run", board_recording, "--out", tmp_path / "file" / "out")
 
 
-def test_an_empty_folder_says_what_was_looked_for(
+def test_an_empty_folder_is_called_empty(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert "manifest" in refused(capsys, "run", tmp_path, "--out", tmp_path / "out")
+    assert "empty folder" in refused(capsys, "run", tmp_path, "--out", tmp_path / "out")
 
 
 @pytest.mark.parametrize(

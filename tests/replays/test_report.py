@@ -1,0 +1,63 @@
+"""The report's numbers are shown as they are: units, digits, dashes, and what JSON cannot say."""
+
+import json
+
+import numpy as np
+import pytest
+
+from motorcade.render.plots import plot_series
+from motorcade.replays.report.page import _rows
+from motorcade.replays.report.summary import as_table, shown_columns, shown_value, without_nan
+
+FIGURES = {
+    "measured": {"ape_rmse_m": 0.0173, "rotation_rmse_deg": 0.8629, "lag_ms": -0.05},
+    "motor": {"ape_rmse_m": 0.003871, "rotation_rmse_deg": 0.145, "lag_ms": None},
+    "euler": {"ape_rmse_m": 0.003872, "rotation_rmse_deg": 12.0, "lag_ms": 0.7},
+}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "shown"),
+    [
+        ("ape_rmse_m", 0.0173, "17.3"),
+        ("ape_rmse_m", 1.5, "1500"),
+        ("rotation_rmse_deg", 0.0067, "0.0067"),
+        ("lag_ms", 0.0, "0.00"),
+        ("lag_ms", None, "–"),
+        ("lag_ms", float("nan"), "–"),
+    ],
+)
+def test_figures_are_shown_in_their_unit(key: str, value: float | None, shown: str) -> None:
+    assert shown_value(key, value) == shown
+
+
+def test_only_columns_with_figures_are_shown() -> None:
+    assert shown_columns(FIGURES) == ["ape_rmse_m", "rotation_rmse_deg", "lag_ms"]
+
+
+def test_the_table_lines_up() -> None:
+    lines = as_table({"errors": FIGURES}).splitlines()
+    assert len({len(line) for line in lines}) == 1
+    assert lines[2].split() == ["motor", "3.87", "0.145", "–"]
+
+
+def test_equal_figures_share_the_honour() -> None:
+    rows = _rows(FIGURES, ["ape_rmse_m", "lag_ms"])
+    best = {row["name"]: [cell["best"] for cell in row["cells"]] for row in rows}
+    assert best == {"measured": [False, True], "motor": [True, False], "euler": [True, False]}
+
+
+def test_what_json_cannot_say_becomes_null() -> None:
+    tree = without_nan({"a": [1.0, float("nan")], "b": (float("inf"), "text", None)})
+    assert json.dumps(tree, allow_nan=False) == '{"a": [1.0, null], "b": [null, "text", null]}'
+
+
+def test_plots_take_their_ink_from_the_page_and_are_reproducible() -> None:
+    time_s = np.linspace(0.0, 1.0, 50)
+    series = {"motor": (time_s, np.exp(-time_s)), "truth": (time_s, np.ones(50))}
+    plot = plot_series(series, "error", "m", log_scale=True, shaded_s=((0.2, 0.4),))
+    assert plot.startswith("<svg")
+    assert "var(--ink)" in plot
+    assert "#123456" not in plot
+    assert "<metadata" not in plot
+    assert plot == plot_series(series, "error", "m", log_scale=True, shaded_s=((0.2, 0.4),))
