@@ -16,6 +16,7 @@ BOARD = Checkerboard(columns=7, rows=5, square_m=0.03)
 
 MANIFEST = """
 name = "small board"
+settings = ["errors.align=none"]
 [frames]
 images = "*.png"
 rate_hz = 20.0
