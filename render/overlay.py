@@ -14,11 +14,18 @@ from motorcade.render.backends.pyrender_backend import OffscreenRenderer
 from motorcade.render.composite import as_rgb, darken, over
 from motorcade.render.light import character_lighting, sunlight_direction
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Surface
-from motorcade.render.shadow import ShadowLook, ground_shade, shade_in_picture
+from motorcade.render.shadow import (
+    ShadowLook,
+    ground_depth,
+    ground_shade,
+    shade_in_picture,
+)
 from motorcade.tracking.camera import Camera
 
 # Half-width of the ground that can take a shadow, in heights of the character.
 SHADOW_REACH = 1.6
+# What stands higher than this above the ground, in heights of the character, takes no shadow.
+LOW = 0.1
 
 StampedFrame = tuple[int, ImageArray] | tuple[int, ImageArray, DepthArray | None]
 
@@ -91,7 +98,7 @@ class _Stage:
         light_direction: ArrayLike | None,
     ) -> None:
         self.camera, self.character, self.placement = camera, character, placement
-        height_m = placement.scale * character.height_m
+        self.height_m = height_m = placement.scale * character.height_m
         if light_direction is None:
             direction = sunlight_direction(placement, cameras)
         else:
@@ -131,10 +138,14 @@ class _Stage:
         )
         camera_T_ground = world_T_camera.inverse() @ stand
         seen = shade_in_picture(shade, self.half_width_m, self.camera, camera_T_ground)
-        if seen is not None:
-            frame = darken(frame, seen)
         if depth_m is not None:
             layer = Layer(layer.rgba, _depth_to_the_rim(layer))
+            if seen is not None:
+                ground = ground_depth(self.camera, camera_T_ground)
+                above = (depth_m > 0.0) & (depth_m < ground - LOW * self.height_m)
+                seen = np.where(above, 0.0, seen)
+        if seen is not None:
+            frame = darken(frame, seen)
         return over(frame, layer, depth_m)
 
 

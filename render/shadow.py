@@ -123,7 +123,9 @@ def shade_in_picture(
         borderMode=cv2.BORDER_CONSTANT,
         borderValue=0.0,
     )
-    return np.asarray(np.where(_below_horizon(camera, matrix), shown, 0.0), dtype=np.float64)
+    return np.asarray(
+        np.where(np.isfinite(ground_depth(camera, camera_T_ground)), shown, 0.0), dtype=np.float64
+    )
 
 
 def _spread(at: FloatArray, amount: FloatArray, sigma: FloatArray, cell: float) -> FloatArray:
@@ -165,9 +167,20 @@ def _dropped(at_cell: FloatArray, amount: FloatArray, size: int) -> FloatArray:
     return total.reshape(size, size)
 
 
-def _below_horizon(camera: Camera, camera_T_ground: FloatArray) -> np.ndarray:
-    """Which pixels look down onto the ground: (h, w), or broadcastable to it."""
-    up = camera_T_ground[:3, 2]
+def ground_depth(camera: Camera, camera_T_ground: Motor) -> FloatArray:
+    """Depth of the ground along the optical axis, for every pixel.
+
+    Args:
+        camera: pinhole.
+        camera_T_ground: pose of the ground in the camera.
+
+    Returns:
+        (height, width) metres; infinite at and above the horizon.
+    """
+    up = camera_T_ground.rotor.apply(np.array([0.0, 0.0, 1.0]))
     x = (np.arange(camera.width) - camera.cx) / camera.fx
     y = (np.arange(camera.height) - camera.cy) / camera.fy
-    return np.asarray(up[0] * x[None, :] + up[1] * y[:, None] + up[2] < -1e-6)
+    fall = up[0] * x[None, :] + up[1] * y[:, None] + up[2]
+    offset = float(np.dot(up, camera_T_ground.translation_m))
+    meets = offset * fall > 1e-9
+    return np.asarray(np.where(meets, offset / np.where(meets, fall, 1.0), np.inf))

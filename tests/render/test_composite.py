@@ -1,0 +1,267 @@
+"""Compositing: the law of "over", shadows on the ground, and the overlay as a whole."""
+
+import numpy as np
+import pytest
+
+from motorcade.animation import Character, Placement, mannequin, place_on_plane
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.render import Layer, over, render_overlay
+from motorcade.render.composite import as_rgb, darken
+from motorcade.render.light import sunlight_direction
+from motorcade.render.shadow import GRID, ShadowLook, ground_shade, shade_in_picture
+from motorcade.tracking.camera import Camera
+
+CAMERA = Camera(200, 150, 180.0, 180.0, 99.5, 74.5)
+
+
+def random_layer(rng: np.random.Generator) -> Layer:
+    """A layer with all alphas and colours that do not exceed them."""
+    alpha = rng.integers(0, 256, (20, 30, 1))
+    color = rng.integers(0, alpha + 1, (20, 30, 3))
+    depth = rng.uniform(1.0, 2.0, (20, 30)) * (alpha[..., 0] > 0)
+    rgba = np.concatenate([color, alpha], axis=-1).astype(np.uint8)
+    return Layer(rgba, depth.astype(np.float32))
+
+
+def test_over_keeps_the_frame_at_zero_alpha_and_the_layer_at_full(
+    rng: np.random.Generator,
+) -> None:
+    frame = rng.integers(0, 256, (20, 30, 3), dtype=np.uint8)
+    layer = random_layer(rng)
+    layer.rgba[:5] = 0
+    layer.rgba[5:10, :, 3] = 255
+    result = over(frame, layer)
+    np.testing.assert_array_equal(result[:5], frame[:5])
+    np.testing.assert_array_equal(result[5:10], layer.rgba[5:10, :, :3])
+
+
+def test_over_is_the_premultiplied_formula_to_half_a_step(rng: np.random.Generator) -> None:
+    frame = rng.integers(0, 256, (20, 30, 3), dtype=np.uint8)
+    layer = random_layer(rng)
+    expected = layer.rgba[..., :3] + (1.0 - layer.rgba[..., 3:] / 255.0) * frame
+    assert np.abs(over(frame, layer) - expected).max() <= 0.5 + 1e-9
+
+
+def test_nearer_scene_hides_the_layer_and_unknown_depth_does_not(
+    rng: np.random.Generator,
+) -> None:
+    frame = rng.integers(0, 256, (20, 30, 3), dtype=np.uint8)
+    layer = random_layer(rng)
+    depth = np.full((20, 30), 9.0, dtype=np.float32)
+    depth[:4], depth[4:8], depth[8:12] = 0.5, np.nan, 0.0
+    result = over(frame, layer, depth)
+    np.testing.assert_array_equal(result[:4], frame[:4])
+    np.testing.assert_array_equal(result[4:], over(frame, layer)[4:])
+
+
+def test_over_changes_neither_input(rng: np.random.Generator) -> None:
+    frame = rng.integers(0, 256, (20, 30, 3), dtype=np.uint8)
+    layer = random_layer(rng)
+    copies = frame.copy(), layer.rgba.copy()
+    over(frame, layer, np.full((20, 30), 1.5, dtype=np.float32))
+    np.testing.assert_array_equal(frame, copies[0])
+    np.testing.assert_array_equal(layer.rgba, copies[1])
+
+
+def test_over_refuses_other_sizes(rng: np.random.Generator) -> None:
+    layer = random_layer(rng)
+    with pytest.raises(ValueError, match=r"over\(layer\)"):
+        over(np.zeros((21, 30, 3), dtype=np.uint8), layer)
+    with pytest.raises(ValueError, match="depth_m"):
+        over(np.zeros((20, 30, 3), dtype=np.uint8), layer, np.ones((3, 3), dtype=np.float32))
+
+
+def test_darken_by_nothing_and_by_all() -> None:
+    frame = np.full((4, 4, 3), 200, dtype=np.uint8)
+    np.testing.assert_array_equal(darken(frame, np.zeros((4, 4))), frame)
+    assert not darken(frame, np.ones((4, 4))).any()
+
+
+@pytest.mark.parametrize("shape", [(4, 4, 4), (4,), (4, 4, 1)])
+def test_frames_of_other_shapes_are_refused(shape: tuple[int, ...]) -> None:
+    with pytest.raises(ValueError, match="frame: expected uint8"):
+        as_rgb(np.zeros(shape, dtype=np.uint8))
+
+
+def cube(half_m: float, bottom_m: float) -> tuple[np.ndarray, np.ndarray]:
+    """A cube in small triangles, its centre above the origin."""
+    steps = np.linspace(-1.0, 1.0, 25)
+    u, v = np.meshgrid(steps, steps)
+    grid = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3)
+    k = (np.arange(24)[:, None] * 25 + np.arange(24)).reshape(-1, 1)
+    face = np.concatenate([np.hstack([k, k + 1, k + 26]), np.hstack([k, k + 26, k + 25])])
+    turns = [np.roll(np.eye(3), s, axis=1) for s in range(3)]
+    turns += [turn @ np.diag([-1.0, 1.0, -1.0]) for turn in turns]
+    vertices = np.concatenate([grid @ turn.T for turn in turns]) * half_m
+    triangles = np.concatenate([face + 625 * n for n in range(6)])
+    vertices[:, 2] += bottom_m + half_m
+    return vertices, triangles
+
+
+def test_shadow_of_a_cube_lies_where_the_light_carries_it() -> None:
+    vertices, triangles = cube(0.1, 0.4)
+    light = np.array([0.6, 0.0, -0.8])
+    look = ShadowLook(strength=1.0, lamp_radius_rad=0.01, contact=0.0)
+    shade = ground_shade(vertices, triangles, light, 1.0, look)
+    # centre height 0.5 m, slope 0.75: the middle of the shadow is 0.375 m along +x
+    y, x = np.mgrid[:GRID, :GRID]
+    middle = np.array([np.sum(shade * x), np.sum(shade * y)]) / shade.sum()
+    metres = (middle + 0.5) * (2.0 / GRID) - 1.0
+    np.testing.assert_allclose(metres, [0.375, 0.0], atol=0.01)
+    assert shade[GRID // 2, int((0.375 + 1.0) / 2.0 * GRID)] > 0.85
+    assert shade[GRID // 2, GRID // 10] == 0.0
+
+
+def test_a_shadow_softens_with_height() -> None:
+    light = np.array([0.0, 0.0, -1.0])
+    look = ShadowLook(strength=1.0, lamp_radius_rad=0.1, contact=0.0)
+    widths = []
+    for bottom in (0.0, 0.3, 0.8):
+        vertices, triangles = cube(0.1, bottom)
+        row = ground_shade(vertices, triangles, light, 1.0, look)[GRID // 2]
+        widths.append(np.count_nonzero((row > 0.1) & (row < 0.8)))
+    assert widths[0] < widths[1] < widths[2]
+
+
+def test_light_from_below_the_ground_is_refused() -> None:
+    vertices, triangles = cube(0.1, 0.0)
+    with pytest.raises(ValueError, match="light from above"):
+        ground_shade(vertices, triangles, np.array([0.0, 0.0, 1.0]), 1.0, ShadowLook())
+
+
+def looking_at_origin(azimuth_rad: float, height_m: float = 0.4) -> Motor:
+    """A camera 0.8 m from the z axis that looks at a point a little above the origin."""
+    eye = np.array([0.8 * np.cos(azimuth_rad), 0.8 * np.sin(azimuth_rad), height_m])
+    ahead = np.array([0.0, 0.0, 0.1]) - eye
+    ahead /= np.linalg.norm(ahead)
+    right = np.cross(ahead, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    axes = np.stack([right, np.cross(ahead, right), ahead], axis=-1)
+    return Motor.from_rotor_translation(Rotor.from_matrix(axes), eye)
+
+
+def test_ground_shade_lands_where_the_camera_projects_it() -> None:
+    shade = np.zeros((GRID, GRID))
+    shade[200:206, 90:96] = 1.0
+    cell = 2.0 * 0.5 / GRID
+    center = np.array([93.0 * cell - 0.5, 203.0 * cell - 0.5, 0.0])
+    for azimuth in (0.3, 2.0, 4.0):
+        pose = looking_at_origin(azimuth)
+        seen = shade_in_picture(shade, 0.5, CAMERA, pose.inverse())
+        assert seen is not None
+        y, x = np.mgrid[: CAMERA.height, : CAMERA.width]
+        middle = np.array([np.sum(seen * x), np.sum(seen * y)]) / seen.sum()
+        expected = CAMERA.project(pose.inverse().apply(center))
+        np.testing.assert_allclose(middle, expected, atol=0.15)
+
+
+def test_ground_is_not_shaded_from_below_nor_above_the_horizon() -> None:
+    shade = np.ones((GRID, GRID))
+    below = Motor.from_rotor_translation(Rotor.identity(), np.array([0.0, 0.0, -1.0]))
+    assert shade_in_picture(shade, 0.5, CAMERA, below.inverse()) is None
+    level = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    pose = Motor.from_rotor_translation(Rotor.from_matrix(level), np.array([-2.0, 0.0, 0.5]))
+    seen = shade_in_picture(shade, 50.0, CAMERA, pose.inverse())
+    assert seen is not None
+    assert not seen[:74].any()
+    assert seen[80:, 100].min() > 0.9
+
+
+def test_default_sun_comes_from_above_and_from_the_viewers_side() -> None:
+    figure = mannequin()
+    placement = place_on_plane(figure, (0.0, 0.0), 1.0, height_m=0.25)
+    for azimuth in (0.0, 1.5, 4.0):
+        pose = looking_at_origin(azimuth)
+        direction = sunlight_direction(placement, Motor.stack([pose]))
+        assert direction[2] < -0.5
+        assert np.dot(direction[:2], pose.translation_m[:2]) < 0.0
+        left_of_viewer = -pose.rotor.apply([1.0, 0.0, 0.0])
+        assert np.dot(direction, left_of_viewer) < 0.0
+
+
+@pytest.fixture(scope="module")
+def figure() -> Character:
+    return mannequin()
+
+
+@pytest.fixture(scope="module")
+def placement(figure: Character) -> Placement:
+    return place_on_plane(figure, (0.0, 0.0), 0.5, height_m=0.25)
+
+
+def path(count: int) -> Trajectory:
+    poses = Motor.stack([looking_at_origin(0.3 + 0.02 * k) for k in range(count)])
+    return Trajectory(np.arange(count) * 33_333_333, poses)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_overlay_draws_the_character_where_the_camera_sees_it(
+    figure: Character, placement: Placement
+) -> None:
+    frame = np.full((150, 200), 90, dtype=np.uint8)
+    trajectory = path(2)
+    drawn = list(
+        render_overlay(
+            [(0, frame), (33_333_333, frame)], CAMERA, trajectory, figure,
+            figure.clip("idle"), placement,
+        )
+    )  # fmt: skip
+    assert [picture.shape for picture in drawn] == [(150, 200, 3)] * 2
+    changed = np.argwhere(np.any(drawn[0] > 110, axis=-1))
+    corners = placement.apply(figure.vertices)
+    expected = CAMERA.project(trajectory.poses[0].inverse().apply(corners))
+    assert abs(changed[:, 0].min() - expected[:, 1].min()) < 4.0
+    assert changed[:, 0].max() <= expected[:, 1].max() + 2.0
+    assert np.any(drawn[0] < 60)  # the shadow
+
+
+@pytest.mark.usefixtures("opengl")
+def test_frames_without_a_pose_come_back_as_they_are(
+    figure: Character, placement: Placement, rng: np.random.Generator
+) -> None:
+    frame = rng.integers(0, 256, (150, 200, 3), dtype=np.uint8)
+    stamps = [-5, 0, 33_333_333, 33_333_334]
+    drawn = list(
+        render_overlay(
+            ((t, frame) for t in stamps), CAMERA, path(2), figure, figure.clip("walk"), placement
+        )
+    )
+    np.testing.assert_array_equal(drawn[0], frame)
+    np.testing.assert_array_equal(drawn[3], frame)
+    assert not np.array_equal(drawn[1], frame)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_the_same_overlay_has_the_same_bytes(figure: Character, placement: Placement) -> None:
+    frame = np.full((150, 200, 3), 120, dtype=np.uint8)
+    runs = [
+        list(
+            render_overlay(
+                ((k * 33_333_333, frame) for k in range(4)), CAMERA, path(4), figure,
+                figure.clip("walk"), placement,
+            )
+        )
+        for _ in range(2)
+    ]  # fmt: skip
+    for one, two in zip(*runs, strict=True):
+        np.testing.assert_array_equal(one, two)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_depth_in_front_hides_the_character(figure: Character, placement: Placement) -> None:
+    frame = np.full((150, 200, 3), 120, dtype=np.uint8)
+    near = np.full((150, 200), 0.2, dtype=np.float32)
+    far = np.full((150, 200), 5.0, dtype=np.float32)
+    arguments = (CAMERA, path(2), figure, figure.clip("idle"), placement)
+    hidden = next(render_overlay([(0, frame, near)], *arguments))
+    shown = next(render_overlay([(0, frame, far)], *arguments))
+    plain = next(render_overlay([(0, frame, None)], *arguments))
+    np.testing.assert_array_equal(hidden, frame)
+    np.testing.assert_array_equal(shown, plain)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_frame_of_another_size_is_refused(figure: Character, placement: Placement) -> None:
+    frame = np.zeros((10, 10), dtype=np.uint8)
+    with pytest.raises(ValueError, match="expected 200 x 150"):
+        next(render_overlay([(0, frame)], CAMERA, path(2), figure, figure.clip("idle"), placement))

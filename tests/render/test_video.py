@@ -1,0 +1,122 @@
+"""Video files, with ffprobe and PyAV as witnesses."""
+
+import json
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.render import read_frames, write_video
+from motorcade.render.scene import ImageArray
+
+UNEVEN_NS = np.array([0, 33_333_333, 66_666_667, 166_666_667, 200_000_000, 233_333_333])
+
+
+def pictures(count: int, height: int = 120, width: int = 160) -> Iterator[ImageArray]:
+    """Smooth moving gradients, which H.264 keeps well."""
+    y, x = np.mgrid[:height, :width]
+    for k in range(count):
+        wave = 128 + 100 * np.sin((x + 4 * k) / 25.0) * np.cos(y / 30.0)
+        yield np.stack([wave, 255 - wave, 0.5 * wave + 40], axis=-1).astype(np.uint8)
+
+
+def test_frames_and_stamps_come_back(tmp_path: Path) -> None:
+    write_video(tmp_path / "v.mp4", pictures(6), UNEVEN_NS)
+    back = list(read_frames(tmp_path / "v.mp4"))
+    stamps = np.array([stamp for stamp, _ in back])
+    assert np.abs(stamps - UNEVEN_NS).max() <= 1e9 / 90_000 / 2 + 1
+    for (_, seen), given in zip(back, pictures(6), strict=True):
+        assert seen.shape == given.shape
+        assert np.abs(seen.astype(int) - given).mean() < 3.0
+
+
+def test_stamps_start_at_the_first(tmp_path: Path) -> None:
+    write_video(tmp_path / "v.mp4", pictures(6), UNEVEN_NS + 1_403_715_273_262_142_976)
+    assert next(iter(read_frames(tmp_path / "v.mp4")))[0] == 0
+
+
+@pytest.mark.skipif(shutil.which("ffprobe") is None, reason="ffprobe is not installed")
+def test_ffprobe_finds_h264_of_the_right_length(tmp_path: Path) -> None:
+    file = tmp_path / "v.mp4"
+    write_video(file, pictures(6), UNEVEN_NS)
+    told = subprocess.run(
+        ["ffprobe", "-v", "error", "-of", "json", "-show_streams", "-show_format", "-count_frames",
+         str(file)],
+        check=True, capture_output=True, text=True,
+    )  # fmt: skip
+    report = json.loads(told.stdout)
+    stream = report["streams"][0]
+    assert (stream["codec_name"], stream["pix_fmt"]) == ("h264", "yuv420p")
+    assert (stream["width"], stream["height"]) == (160, 120)
+    assert int(stream["nb_read_frames"]) == 6
+    assert stream["color_space"] == "bt709"
+    assert "encoder" not in report["format"].get("tags", {})
+    assert float(stream["duration"]) == pytest.approx(0.2667, abs=1e-3)
+
+
+def test_the_index_comes_before_the_pictures(tmp_path: Path) -> None:
+    write_video(tmp_path / "v.mp4", pictures(6), UNEVEN_NS)
+    data = (tmp_path / "v.mp4").read_bytes()
+    assert 0 < data.find(b"moov") < data.find(b"mdat")
+
+
+def test_the_same_frames_give_the_same_bytes(tmp_path: Path) -> None:
+    stamps = np.arange(40) * 33_333_333
+    for name in ("one.mp4", "two.mp4"):
+        write_video(tmp_path / name, pictures(40, 241, 321), stamps)
+    assert (tmp_path / "one.mp4").read_bytes() == (tmp_path / "two.mp4").read_bytes()
+
+
+def test_odd_sizes_gain_one_row_and_column(tmp_path: Path) -> None:
+    write_video(tmp_path / "v.mp4", pictures(3, 121, 161), UNEVEN_NS[:3])
+    _, seen = next(iter(read_frames(tmp_path / "v.mp4")))
+    assert seen.shape == (122, 162, 3)
+
+
+@pytest.mark.parametrize(
+    ("count", "stamps", "message"),
+    [
+        (5, UNEVEN_NS, "expected 6 frames, got 5"),
+        (7, UNEVEN_NS, "expected 6 frames, got more"),
+        (2, np.array([0, 0]), "increasing"),
+        (2, np.array([0, 5]), "apart and increasing"),
+        (2, np.array([5, 0]), "increasing"),
+        (2, np.array([0.0, 1.0]), "integers"),
+        (0, np.array([], dtype=np.int64), "integers of shape"),
+    ],
+)
+def test_frames_and_stamps_that_do_not_fit_are_refused(
+    tmp_path: Path, count: int, stamps: np.ndarray, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        write_video(tmp_path / "v.mp4", pictures(count), stamps)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_failed_write_leaves_the_earlier_file_alone(tmp_path: Path) -> None:
+    file = tmp_path / "v.mp4"
+    write_video(file, pictures(2), UNEVEN_NS[:2])
+    before = file.read_bytes()
+
+    def broken() -> Iterator[ImageArray]:
+        yield from pictures(1)
+        raise OSError("the disk is gone")
+
+    with pytest.raises(OSError, match="the disk is gone"):
+        write_video(file, broken(), UNEVEN_NS[:2])
+    assert file.read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir()] == ["v.mp4"]
+
+
+def test_other_endings_and_shapes_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"\.mp4"):
+        write_video(tmp_path / "v.avi", pictures(2), UNEVEN_NS[:2])
+    grey = [np.zeros((8, 8), dtype=np.uint8)] * 2
+    with pytest.raises(ValueError, match="RGB pictures"):
+        write_video(tmp_path / "v.mp4", grey, UNEVEN_NS[:2])
+    mixed = [np.zeros((8, 8, 3), dtype=np.uint8), np.zeros((8, 10, 3), dtype=np.uint8)]
+    with pytest.raises(ValueError, match=r"shape \(8, 8, 3\)"):
+        write_video(tmp_path / "v.mp4", mixed, UNEVEN_NS[:2])
