@@ -14,7 +14,7 @@ __all__ = ["copy_file", "write_bytes"]
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write `data` over `path`; OSError naming `path` where that fails, which then stays as it was."""
+    """Write `data` over `path`; OSError naming `path`, which then stays as it was."""
     with _replacing(path) as building:
         building.write_bytes(data)
 

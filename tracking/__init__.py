@@ -29,6 +29,7 @@ from motorcade.tracking.pose import (
     refine,
     reprojection_px,
 )
+from motorcade.tracking.registration import registration_px
 from motorcade.tracking.selection import Choice, choose
 from motorcade.tracking.track import FRAME_STATES, BoardTrack, track_board
 from motorcade.tracking.tracker import BoardTracker, TrackedFrame
@@ -60,6 +61,7 @@ __all__ = [
     "detect_markers",
     "planar_candidates",
     "refine",
+    "registration_px",
     "reprojection_px",
     "track_board",
 ]

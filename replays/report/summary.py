@@ -18,6 +18,7 @@ COLUMNS = {
     "angular_jitter_rad_s2": ("ang. jitter", "rad/s²", 1.0),
     "linear_jitter_m_s2": ("lin. jitter", "m/s²", 1.0),
     "lag_ms": ("lag", "ms", 1.0),
+    "registration_rmse_px": ("registration", "px", 1.0),
 }
 """Figures shown side by side: key, heading, shown unit, factor into it."""
 

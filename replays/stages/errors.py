@@ -22,6 +22,7 @@ from motorcade.ga import FloatArray, Trajectory
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera_poses import CameraPoses
 from motorcade.replays.stages.smoothed import Smoothed
+from motorcade.tracking import BoardTrack, registration_px
 
 
 @dataclass(frozen=True)
@@ -72,17 +73,18 @@ def errors(
     paths = {"measured": camera_poses.measurements.trajectory, "fused": fused.trajectory}
     paths |= smoothed.trajectories
     start_ns = int(paths["measured"].time_ns[0])
+    stuck = {name: _registration(path, recording, camera_poses) for name, path in paths.items()}
     shake = {name: _shake(path, start_ns) for name, path in paths.items()}
     truth = recording.truth
     if truth is None:
         figures = {
             name: _figures_without_truth(path, jitter_above_hz) for name, path in paths.items()
         }
-        return Errors("none", figures, {}, shake)
+        return Errors("none", _joined(figures, stuck), {}, shake)
     how: Align = ("se3" if camera_poses.origin == "board" else "none") if align == "auto" else align
     figures = {name: _figures(path, truth, how) for name, path in paths.items()}
     series = {name: _series(path, truth, how, start_ns) for name, path in paths.items()}
-    return Errors(how, figures, series, shake)
+    return Errors(how, _joined(figures, stuck), series, shake)
 
 
 def _figures(path: Trajectory, truth: Trajectory, align: Align) -> dict[str, float | None]:
@@ -97,6 +99,28 @@ def _figures_without_truth(path: Trajectory, frequency_hz: float) -> dict[str, f
         "linear_jitter_m_s2": jitter.linear_m_s2,
         "jitter_above_hz": frequency_hz,
     }
+
+
+def _registration(
+    path: Trajectory, recording: Recording, camera_poses: CameraPoses
+) -> dict[str, float | None]:
+    """How far what is drawn along the path moves against the footage; nothing without corners."""
+    if camera_poses.board_track is None or recording.board is None or recording.camera is None:
+        return {}
+    found = registration_px(
+        path,
+        BoardTrack.load(camera_poses.board_track),
+        recording.board,
+        recording.camera,
+        recording.world_T_board,
+    )
+    return {"registration_rmse_px": float(np.sqrt(np.mean(found**2)))}
+
+
+def _joined(
+    first: dict[str, dict[str, float | None]], second: dict[str, dict[str, float | None]]
+) -> dict[str, dict[str, float | None]]:
+    return {name: first[name] | second[name] for name in first}
 
 
 def _series(path: Trajectory, truth: Trajectory, align: Align, start_ns: int) -> ErrorSeries:
