@@ -80,11 +80,11 @@ class OffscreenRenderer:
         """
         pyrender = self._pyrender
         ambient = (0.0, 0.0, 0.0) if lighting is None else lighting.ambient
-        self._scene = pyrender.Scene(bg_color=(0.0, 0.0, 0.0, 0.0), ambient_light=ambient)
+        self._scene = _ordered_scene(pyrender, ambient)
         self._lit = lighting is not None
         self._primitives = [self._primitive(surface) for surface in surfaces]
-        for primitive in self._primitives:
-            self._scene.add(pyrender.Mesh([primitive]))
+        nodes = [self._scene.add(pyrender.Mesh([one])) for one in self._primitives]
+        self._renderer._sorted_mesh_nodes = lambda scene: nodes
         if lighting is not None:
             self._add_lights(lighting)
         self._camera: Any = self._scene.add(
@@ -187,7 +187,7 @@ class OffscreenRenderer:
         lens = pyrender.OrthographicCamera(radius, radius, znear=0.1 * radius, zfar=8.0 * radius)
         aim = _looking_along(np.array(lighting.sun.direction))
         center = np.array(lighting.shadow_center_m)
-        self._scene.add(sun, pose=aim)
+        lights = [self._scene.add(sun, pose=aim)]
         self._renderer._get_light_cam_matrices = lambda scene, node, flags: (
             np.linalg.inv(_moved(aim, center + aim[:3, 2] * 2.0 * radius)),
             lens.get_projection_matrix(),
@@ -195,9 +195,9 @@ class OffscreenRenderer:
         for lamp in lighting.lamps:
             pose = np.eye(4)
             pose[:3, 3] = lamp.position_m
-            self._scene.add(
-                pyrender.PointLight(color=lamp.color, intensity=lamp.intensity), pose=pose
-            )
+            point = pyrender.PointLight(color=lamp.color, intensity=lamp.intensity)
+            lights.append(self._scene.add(point, pose=pose))
+        self._scene.light_order = lights
 
 
 def linear(color: FloatArray) -> FloatArray:
@@ -212,6 +212,20 @@ def _import_pyrender() -> Any:
     import pyrender
 
     return pyrender
+
+
+def _ordered_scene(pyrender: Any, ambient: tuple[float, float, float]) -> Any:
+    """A pyrender scene whose lights keep their order.
+
+    pyrender holds meshes and lights in sets, whose order changes from run to run: what lies at
+    the same depth, and the last bit of summed light, would change with it.
+    """
+    ordered = type(
+        "OrderedScene",
+        (pyrender.Scene,),
+        {"light_order": [], "light_nodes": property(lambda scene: scene.light_order)},
+    )
+    return ordered(bg_color=(0.0, 0.0, 0.0, 0.0), ambient_light=ambient)
 
 
 def _upload(primitive: Any) -> None:

@@ -33,9 +33,9 @@ FROM_BEHIND = np.array([0.90, 0.95, 1.00]) * 1.05
 AROUND = np.array([0.185, 0.19, 0.205])
 FROM_BELOW = np.array([0.12, 0.105, 0.085])
 LAMP_M, LAMPLIGHT = np.array([2.30, -0.22, 0.52]), np.array([1.0, 0.72, 0.40]) * 0.10
-WINDOW_GRID, OPENING_GRID, AROUND_SAMPLES = (6, 5), (3, 3), 28
+WINDOW_GRID, OPENING_GRID, AROUND_SAMPLES = (6, 4), (3, 2), 28
 REACH_M = 0.7
-CHUNK = 3000
+CHUNK = 2000
 
 
 @dataclass(frozen=True)
@@ -141,13 +141,15 @@ def _from_area(
     """Share (N, 1) of a bright rectangle's light that arrives; `axis` is its normal's."""
     light = np.zeros(len(at))
     points, area = source
+    every = np.concatenate([at, points])
+    between = occluders.near(every.min(axis=0), every.max(axis=0))
     for target in points:
         step = target - at
         square = np.sum(step * step, axis=1)
         cosines = np.maximum(np.sum(step * facing, axis=1), 0.0) * np.abs(step[:, axis])
         value = area * cosines / np.maximum(square * square, 1e-3)
         lit = np.flatnonzero(value > 1e-6)
-        value[lit[occluders.hide(at[lit], step[lit])]] = 0.0
+        value[lit[between.hide(at[lit], step[lit])]] = 0.0
         light += value
     return np.asarray(light[:, None] * (2.0 / np.pi))
 

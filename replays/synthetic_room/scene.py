@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
@@ -86,8 +87,9 @@ class Panel:
         )
 
 
-def room() -> list[Surface]:
-    """All surfaces of the room, their light painted on."""
+@cache
+def room() -> tuple[Surface, ...]:
+    """All surfaces of the room, their light painted on; computed once in a process."""
     things, bodies = boxes(), turned_bodies()
     occluders = Occluders.of([*things, *(_slim_box(body) for body in bodies)])
     panels = _shell() + [panel for box in things for panel in _faces(box)]
@@ -98,7 +100,7 @@ def room() -> list[Surface]:
         if panel.material not in PAINTS:
             surfaces.append(_textured(panel, own))
     behind = Occluders.of(things)
-    return [*surfaces, _window(), *(_turned(body, behind) for body in bodies)]
+    return (*surfaces, _window(), *(_turned(body, behind) for body in bodies))
 
 
 def developed(light: NDArray[np.floating]) -> NDArray[np.uint8]:
@@ -130,7 +132,7 @@ def _shell() -> list[Panel]:
 def _faces(box: Box) -> list[Panel]:
     """The faces of a box that can be seen; what is near is drawn and lit finer."""
     near = box.base_m[0] < 0.8
-    pixels, cells = (900.0, 90.0) if near else (330.0, 20.0)
+    pixels, cells = (900.0, 75.0) if near else (330.0, 20.0)
     (sx, sy, sz), turn = box.size_m, box.turn_rad
     ex = np.array([np.cos(turn), np.sin(turn), 0.0])
     ey = np.array([-np.sin(turn), np.cos(turn), 0.0])

@@ -197,7 +197,7 @@ def test_heading_turns_the_face_from_x_towards_y() -> None:
 )
 def test_place_refuses(arguments: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        place_on_plane(mannequin(), **arguments)  # type: ignore[arg-type]
+        place_on_plane(mannequin(), **arguments)
 
 
 @pytest.mark.parametrize("scale", [0.0, -1.0, np.inf, np.nan])

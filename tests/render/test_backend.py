@@ -1,5 +1,8 @@
 """The renderer against the camera model: where points land, how deep they are, what edges weigh."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -220,11 +223,11 @@ def test_without_any_opengl_one_line_says_what_to_install(
     monkeypatch.delenv(platform.VARIABLE, raising=False)
     monkeypatch.setattr(platform, "working_egl_device", lambda: None)
     monkeypatch.setattr(platform, "osmesa_library", lambda: None)
-    monkeypatch.delitem(__import__("sys").modules, "OpenGL", raising=False)
+    monkeypatch.delitem(sys.modules, "OpenGL", raising=False)
     with pytest.raises(RenderUnavailable, match="install libegl1") as caught:
         platform.choose_platform.__wrapped__()
     assert "\n" not in str(caught.value)
-    assert platform.VARIABLE not in __import__("os").environ
+    assert platform.VARIABLE not in os.environ
 
 
 def test_osmesa_is_taken_where_egl_is_absent(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -243,9 +246,6 @@ def test_an_unknown_platform_in_the_environment_is_named(monkeypatch: pytest.Mon
 @pytest.mark.usefixtures("opengl")
 @pytest.mark.slow
 def test_osmesa_draws_what_egl_draws(tmp_path: Path) -> None:
-    import subprocess
-    import sys
-
     if platform.osmesa_library() is None or platform.working_egl_device() is None:
         pytest.skip("both EGL and OSMesa are needed to compare them")
     script = (
@@ -265,7 +265,7 @@ def test_osmesa_draws_what_egl_draws(tmp_path: Path) -> None:
     pictures = []
     for name in ("egl", "osmesa"):
         file = tmp_path / f"{name}.npy"
-        environment = __import__("os").environ | {platform.VARIABLE: name}
+        environment = os.environ | {platform.VARIABLE: name}
         subprocess.run([sys.executable, "-c", script, str(file)], check=True, env=environment)
         pictures.append(np.load(file).astype(int))
     assert pictures[0][..., 3].max() == 255
