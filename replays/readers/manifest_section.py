@@ -96,9 +96,11 @@ class Section:
     def texts(self, key: str, most: int = 100) -> tuple[str, ...]:
         """A list of at most `most` strings."""
         value = self[key]
-        fits = isinstance(value, list) and len(value) <= most
-        if not fits or not all(isinstance(item, str) and len(item) <= 1000 for item in value):
+        if not isinstance(value, list) or len(value) > most:
             raise self.fault(key, f"expected a list of texts, got {one_line(value)}")
+        for item in value:
+            if not isinstance(item, str) or len(item) > 1000:
+                raise self.fault(key, f"expected texts, got {one_line(item)}")
         return tuple(value)
 
     def only_one(self, first: str, second: str) -> None:

@@ -311,6 +311,8 @@ MISTAKES = {
     "imu mounting": (FRAMES + '[imu]\nfile = "imu.csv"\n', r"imu_T_camera: the key is missing"),
     "no imu": (FRAMES + f"[imu]\nimu_T_camera = {IDENTITY}\n", r"\[imu\] file: the key is missing"),
     "name": (FRAMES.replace("[frames]", "name = 3\n[frames]"), "name: expected text, got '3'"),
+    "settings": ("settings = 'a.b=1'\n" + FRAMES, "settings: expected a list of texts"),
+    "a setting": ("settings = ['a.b=1', 2]\n" + FRAMES, "settings: expected texts, got '2'"),
 }
 
 
