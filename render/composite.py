@@ -8,6 +8,7 @@ values, which is how the renderer averages its own multisampled edges.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray
 from motorcade.render.scene import DepthArray, ImageArray, Layer
@@ -50,20 +51,20 @@ def over(frame: ImageArray, layer: Layer, depth_m: DepthArray | None = None) -> 
             f"over(layer): expected the size of the frame {frame.shape[:2]}, got "
             f"{layer.rgba.shape[:2]}"
         )
-    color = layer.rgba[..., :3].astype(np.uint16)
-    alpha = layer.rgba[..., 3:].astype(np.uint16)
+    if depth_m is not None and depth_m.shape != frame.shape[:2]:
+        raise ValueError(
+            f"over(depth_m): expected the size of the frame {frame.shape[:2]}, got {depth_m.shape}"
+        )
+    result = frame.copy()
+    part = _extent(layer.rgba[..., 3] > 0)
+    rgba = layer.rgba[part].astype(np.uint16)
     if depth_m is not None:
-        if depth_m.shape != frame.shape[:2]:
-            raise ValueError(
-                f"over(depth_m): expected the size of the frame {frame.shape[:2]}, got "
-                f"{depth_m.shape}"
-            )
-        known = np.isfinite(depth_m) & (depth_m > 0.0)
-        hidden = known & (layer.depth_m > 0.0) & (depth_m < layer.depth_m)
-        color[hidden] = 0
-        alpha[hidden] = 0
-    kept = (frame.astype(np.uint16) * (255 - alpha) + 127) // 255
-    return np.asarray(np.minimum(color + kept, 255), dtype=np.uint8)
+        depth = depth_m[part]
+        known = np.isfinite(depth) & (depth > 0.0)
+        rgba[known & (layer.depth_m[part] > 0.0) & (depth < layer.depth_m[part])] = 0
+    kept = (frame[part].astype(np.uint16) * (255 - rgba[..., 3:]) + 127) // 255
+    result[part] = np.minimum(rgba[..., :3] + kept, 255)
+    return result
 
 
 def darken(frame: ImageArray, shade: FloatArray) -> ImageArray:
@@ -76,5 +77,17 @@ def darken(frame: ImageArray, shade: FloatArray) -> ImageArray:
     Returns:
         (h, w, 3) uint8, a new array.
     """
-    kept = np.rint((1.0 - shade) * 256.0).astype(np.uint16)[..., None]
-    return np.asarray((frame * kept + 128) >> 8, dtype=np.uint8)
+    result = frame.copy()
+    part = _extent(shade > 0.0)
+    kept = np.rint((1.0 - shade[part]) * 256.0).astype(np.uint16)[..., None]
+    result[part] = (frame[part] * kept + 128) >> 8
+    return result
+
+
+def _extent(touched: NDArray[np.bool_]) -> tuple[slice, slice]:
+    """The smallest rectangle, rows and columns, that holds every touched pixel."""
+    rows = np.flatnonzero(touched.any(axis=1))
+    columns = np.flatnonzero(touched.any(axis=0))
+    if not rows.size:
+        return slice(0, 0), slice(0, 0)
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
