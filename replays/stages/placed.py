@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from motorcade.animation import Character, Placement, mannequin, place_on_plane
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Rotor
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.tracking import Board
@@ -34,11 +34,12 @@ def placed(
     character: Literal["mannequin"] = "mannequin",
     clip: Literal["idle", "walk"] = "idle",
     on: Literal["auto", "board", "floor"] = "auto",
+    floor_m: float = 0.0,
     position_m: tuple[float, ...] = (),
     heading_deg: float | None = None,
     height_m: float | None = None,
 ) -> Placed:
-    """Stand the character on the board's plane or on the world's floor, z = 0.
+    """Stand the character on the board's plane or on the world's floor, z = `floor_m`.
 
     `position_m` (x, y) lies in the plane's own frame; without it the character stands in the
     middle of the board, or on the floor where the first camera looks. `heading_deg` turns from
@@ -55,8 +56,9 @@ def placed(
         plane, height = recording.world_T_board, 0.5 * min(board.size_m)
         position = position_m or _middle(board)
     else:
-        plane, height = Motor.identity(), FLOOR_HEIGHT_M
-        position = position_m or _where_it_looks(first_camera)
+        plane = Motor.from_rotor_translation(Rotor.identity(), [0.0, 0.0, floor_m])
+        height = FLOOR_HEIGHT_M
+        position = position_m or _where_it_looks(plane.inverse() @ first_camera)
     towards = (plane.inverse() @ first_camera).translation_m[:2] - position
     heading = np.arctan2(towards[1], towards[0]) if heading_deg is None else np.deg2rad(heading_deg)
     placement = place_on_plane(
@@ -83,10 +85,10 @@ def _middle(board: Board) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def _where_it_looks(world_T_camera: Motor) -> tuple[float, float]:
+def _where_it_looks(floor_T_camera: Motor) -> tuple[float, float]:
     """Where the optical axis meets the floor, or a few paces ahead if that is far or never."""
-    centre = world_T_camera.translation_m
-    gaze = world_T_camera.rotor.apply([0.0, 0.0, 1.0])
+    centre = floor_T_camera.translation_m
+    gaze = floor_T_camera.rotor.apply([0.0, 0.0, 1.0])
     reach_m = -centre[2] / gaze[2] if gaze[2] < 0.0 < centre[2] else np.inf
     along = float(np.hypot(gaze[0], gaze[1]))
     ahead_m = min(reach_m * along, FARTHEST_M) if along > 0.0 else 0.0
