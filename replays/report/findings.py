@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from motorcade.fusion.filter import Fused
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera_poses import CameraPoses
@@ -12,6 +14,8 @@ from motorcade.replays.stages.errors import Errors
 from motorcade.replays.stages.imu import Imu
 from motorcade.replays.stages.overlay import Overlay
 from motorcade.replays.stages.smoothed import Smoothed
+
+Spans = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
@@ -37,3 +41,27 @@ class Findings:
     def tracked_share(self) -> float:
         """Measured poses over stamps at which one was sought."""
         return len(self.camera_poses.measurements.trajectory) / len(self.camera_poses.sought_ns)
+
+    def unmeasured_spans_s(self) -> Spans:
+        """Where poses were sought and none was found: from the last one before to the next one.
+
+        Seconds after the first measured pose.
+        """
+        sought = self.camera_poses.sought_ns
+        stamps = self.camera_poses.measurements.trajectory.time_ns
+        missing = ~np.isin(sought, stamps)
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], missing, [False]]).astype(np.int8)))
+        seconds = (sought - stamps[0]) * 1e-9
+        last = len(sought) - 1
+        return tuple(
+            (float(seconds[max(first - 1, 0)]), float(seconds[min(end, last)]))
+            for first, end in zip(edges[::2], edges[1::2], strict=True)
+        )
+
+    def worst_m(self, path: str, span_s: tuple[float, float]) -> float | None:
+        """Largest position error of a path within a span; None without a truth there."""
+        series = self.errors.against_truth.get(path)
+        if series is None:
+            return None
+        inside = (series.time_s >= span_s[0]) & (series.time_s <= span_s[1])
+        return float(series.position_m[inside].max()) if np.any(inside) else None

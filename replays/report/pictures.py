@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from motorcade.render.plots import plot_plan_and_elevation, plot_series
-from motorcade.replays.report.findings import Findings
-
-Spans = tuple[tuple[float, float], ...]
+from motorcade.replays.report.findings import Findings, Spans
 
 
 @dataclass(frozen=True)
@@ -23,7 +19,7 @@ class Picture:
 
 def plots(findings: Findings) -> list[Picture]:
     """Every plot that this run's data allows."""
-    lost = unmeasured_spans_s(findings)
+    lost = findings.unmeasured_spans_s()
     return [_path(findings), *_errors(findings, lost), _shake(findings, lost), _tilt(findings)]
 
 
@@ -88,18 +84,4 @@ def _tilt(findings: Findings) -> Picture:
         plot_series(
             {"fused": (found.time_s, found.tilt_error_deg)}, "tilt error", "degrees", log_scale=True
         ),
-    )
-
-
-def unmeasured_spans_s(findings: Findings) -> Spans:
-    """Runs of stamps at which a pose was sought and none was found, as seconds."""
-    sought = findings.camera_poses.sought_ns
-    missing = ~np.isin(sought, findings.camera_poses.measurements.trajectory.time_ns)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], missing, [False]]).astype(np.int8)))
-    start_ns = findings.camera_poses.measurements.trajectory.time_ns[0]
-    seconds = (sought - start_ns) * 1e-9
-    last = len(sought) - 1
-    return tuple(
-        (float(seconds[max(first - 1, 0)]), float(seconds[min(end, last)]))
-        for first, end in zip(edges[::2], edges[1::2], strict=True)
     )

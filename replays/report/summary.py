@@ -44,6 +44,10 @@ def summarise(findings: Findings) -> dict[str, Any]:
             "settled_s": start.settled_s,
             "judged_by": start.judged_by,
         },
+        "unmeasured_spans": [
+            {"start_s": span[0], "end_s": span[1], "fused_worst_m": findings.worst_m("fused", span)}
+            for span in findings.unmeasured_spans_s()
+        ],
         "overlay": film
         and {
             "frames": film.frames,
