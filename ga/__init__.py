@@ -1,4 +1,4 @@
-"""Geometric algebra room: rotors, motors, trajectories, and the kernels under them.
+"""Geometric algebra room: rotors, motors, similarities, trajectories, and the kernels under them.
 
 Needs NumPy only. Values are frozen and validated, batch in the leading dimensions. Poses are
 named ``world_T_camera`` (maps camera coordinates to world), versors act by ``X' = M X ~M``.
@@ -12,6 +12,7 @@ from motorcade.ga.splines import CumulativeBSpline, SplineSample
 from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.rotor import Rotor
+from motorcade.ga.versors.similarity import Similarity
 from motorcade.ga.versors.versor import Versor
 
 __all__ = [
@@ -20,6 +21,7 @@ __all__ = [
     "IntArray",
     "Motor",
     "Rotor",
+    "Similarity",
     "SplineSample",
     "Trajectory",
     "Versor",

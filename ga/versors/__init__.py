@@ -1,1 +1,1 @@
-"""Versor types: rotations and rigid motions with one set of verbs."""
+"""Versor types: rotations, rigid motions, motions with dilation; one set of verbs."""

@@ -1,8 +1,9 @@
 """Hard samples that every law of this room is run on, and how far apart two motions are.
 
 Each sample is a batch: near zero, near π, exactly π, opposite signs, pure translations, far from
-the origin, one versor without a batch, several batch dimensions. Quaternions and translations are
-made here with sines and cosines, not with the code under test.
+the origin, one versor without a batch, several batch dimensions; similarities grow and shrink by
+up to four besides. Quaternions and translations are made here with sines and cosines, not with the
+code under test.
 """
 
 from collections.abc import Callable
@@ -10,9 +11,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor, Rotor, Versor
+from motorcade.ga import Motor, Rotor, Similarity, Versor
 
 COUNT = 24
+SCALES = (1.0, 1 + 1e-12, 1 - 1e-7, 0.25, 0.999, 1.5, 4.0)
 ANGLES = (0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.1, 0.2838, 1.0, 3.0, np.pi - 1e-3, np.pi - 1e-9, np.pi)
 
 
@@ -46,7 +48,16 @@ SAMPLES: dict[str, Callable[[np.random.Generator], Motor]] = {
 }
 
 
-@pytest.fixture(params=[Rotor, Motor])
+def of_kind(kind: type[Versor], motors: Motor) -> Versor:
+    """The rotation, the motion, or the motion after growth by `SCALES` in turn."""
+    if kind is Rotor:
+        return motors.rotor
+    if kind is Motor:
+        return motors
+    return Similarity.from_motor_scale(motors, np.resize(SCALES, motors.shape))
+
+
+@pytest.fixture(params=[Rotor, Motor, Similarity])
 def kind(request: pytest.FixtureRequest) -> type[Versor]:
     return request.param
 
@@ -58,18 +69,17 @@ def motors(request: pytest.FixtureRequest, rng: np.random.Generator) -> Motor:
 
 @pytest.fixture
 def versors(kind: type[Versor], motors: Motor) -> Versor:
-    return motors if kind is Motor else motors.rotor
+    return of_kind(kind, motors)
 
 
 @pytest.fixture
 def others(versors: Versor, rng: np.random.Generator) -> Versor:
     """As many versors as the sample has, anywhere."""
-    more = anywhere(rng, versors.shape)
-    return more if isinstance(versors, Motor) else more.rotor
+    return of_kind(type(versors), anywhere(rng, versors.shape))
 
 
 def as_matrix(versor: Versor) -> np.ndarray:
-    assert isinstance(versor, Motor | Rotor)
+    assert isinstance(versor, Motor | Rotor | Similarity)
     return versor.as_matrix()
 
 

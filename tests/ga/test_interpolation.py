@@ -1,4 +1,4 @@
-"""Interpolation of rotors and motors is the screw between them, whatever the frame and the sign."""
+"""Interpolation of versors is the screw between them, whatever the frame and the sign."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What is not a rotor, a motor or a matching batch is refused by name; nothing is repaired."""
+"""What is not a versor or a matching batch is refused by name; nothing is repaired."""
 
 import copy
 import pickle
@@ -28,7 +28,7 @@ def test_nan_and_infinity_are_refused(kind: type[Versor], bad: float) -> None:
     with pytest.raises(ValueError, match="expected finite numbers"):
         kind.identity().interpolate(kind.identity(), bad)
     with pytest.raises(ValueError, match="expected finite numbers"):
-        kind.exp(np.full(3 if kind is Rotor else 6, bad))
+        kind.exp(np.full_like(kind.identity().log(), bad))
 
 
 def test_zero_is_refused(kind: type[Versor]) -> None:

@@ -1,4 +1,4 @@
-"""Group laws of rotors and motors, each on every hard sample."""
+"""Group laws of rotors, motors and similarities, each on every hard sample."""
 
 from collections.abc import Callable
 
@@ -20,7 +20,7 @@ def test_exp_undoes_log(versors: Versor, distance: Distance) -> None:
 
 
 def test_log_undoes_exp_up_to_half_a_turn(kind: type[Versor], rng: np.random.Generator) -> None:
-    size = 3 if kind is Rotor else 6
+    size = kind.identity().log().size
     log = rng.standard_normal((9, 50, size))
     angles = np.array([0, 1e-12, 1e-9, 1e-6, 1e-3, 0.1, 1, 3, np.pi - 1e-6])
     log[..., :3] *= 0.5 * angles[:, None, None] / np.linalg.norm(log[..., :3], axis=-1)[..., None]
@@ -28,7 +28,7 @@ def test_log_undoes_exp_up_to_half_a_turn(kind: type[Versor], rng: np.random.Gen
 
 
 def test_log_keeps_relative_precision_of_tiny_rotations(kind: type[Versor]) -> None:
-    log = np.zeros(3 if kind is Rotor else 6)
+    log = np.zeros_like(kind.identity().log())
     log[:3] = 1e-12, -2e-13, 3e-150
     np.testing.assert_allclose(kind.exp(log).log(), log, rtol=1e-15, atol=0)
 
@@ -150,7 +150,7 @@ def test_points_broadcast_against_versors(kind: type[Versor], rng: np.random.Gen
 
 def test_empty_batches_pass_through_every_verb(kind: type[Versor]) -> None:
     none = kind.identity((0, 4))
-    assert none.log().shape == (0, 4, 3 if kind is Rotor else 6)
+    assert none.log().shape == (0, 4, *kind.identity().log().shape)
     assert kind.exp(none.log()).shape == (0, 4)
     assert (none @ none.inverse()).interpolate(none, 0.5).shape == (0, 4)
     assert none.apply(np.zeros((0, 4, 3))).shape == (0, 4, 3)

@@ -1,0 +1,253 @@
+"""Similarity: rigid motions with dilation, ``(*, 12)`` on ``1, e23, e31, e12, E, e23E, e31E, e12E,
+e1∞, e2∞, e3∞, e123∞`` with ``E = e0∧e∞``.
+
+``S = T R D`` with ``T = 1 - ½ t∞`` and ``D = exp(½ ln ρ E)``: first everything grows by the scale
+``ρ > 0`` about the origin, then the rotor turns, then the translator moves by ``t`` (m), so that
+``x' = ρ R x ~R + t``; ``X' = S X ~S`` on conformal points. The logarithm is ``(*, 7)`` on ``e23,
+e31, e12, E, e1∞, e2∞, e3∞``: with rotation vector ``θ l`` it is ``-½ θ I₃ l + ½ ln ρ E - ½ u∞``,
+where translation, rotation and growth are coupled: ``t = ((e^z - 1) / z) u`` across the axis, with
+``z = ln ρ + iθ``. Accuracy is that of the numbers stored: a large or small scale leaves the
+difference of the first two quadruples with a relative error of ``max(ρ, 1/ρ)`` roundings.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.versors import similarity_kernels as kernels
+from motorcade.ga.versors.motor import Motor
+from motorcade.ga.versors.rotor import Rotor
+from motorcade.ga.versors.versor import UNIT_TOLERANCE, Versor, VersorKernels, broadcast_batch
+
+__all__ = ["Similarity"]
+
+_BOTTOM_ROW = np.array([0.0, 0.0, 0.0, 1.0])
+# However large the scale, S ~S must be told from zero.
+_LOOSEST = 0.1
+# Less than this and an even element is as near to one versor as to another far from it.
+_UNDEFINED = 1e-8
+
+
+class Similarity(Versor):
+    """Rigid motions with dilation, ``coefficients (*, 12)`` in the order of the module.
+
+    Raises:
+        ValueError: wrong last dimension, NaN or infinity, or not unit: ``S ~S`` differs from 1 by
+            more than 1e-6 of the squares in it.
+    """
+
+    _size = 12
+    _log_size = 7
+    _kernels = VersorKernels(
+        kernels.compose, kernels.inverse, kernels.exp, kernels.log, kernels.interpolate
+    )
+
+    @classmethod
+    def _check_unit(cls, coefficients: FloatArray) -> None:
+        a, b, last = coefficients[..., :4], coefficients[..., 4:8], coefficients[..., 8:]
+        with np.errstate(over="ignore", invalid="ignore"):  # not finite is refused like any other
+            squares = np.sum(a * a + b * b, axis=-1)
+            norm = np.sum(a * a - b * b, axis=-1) - 1.0
+            skew = (
+                a[..., :1] * b[..., 1:] - b[..., :1] * a[..., 1:] + np.cross(a[..., 1:], b[..., 1:])
+            )
+            p = a + b
+            study = p[..., 0] * last[..., 3] - np.sum(p[..., 1:] * last[..., :3], axis=-1)
+            allowed = np.minimum(UNIT_TOLERANCE * np.maximum(squares, 1.0), _LOOSEST)
+            longest = np.maximum(1.0, np.max(np.abs(last), axis=-1))
+            off = np.maximum(np.abs(norm), 2.0 * np.max(np.abs(skew), axis=-1))
+            off = np.maximum(off, np.abs(study) / longest)
+        bad = ~(off <= allowed)
+        if np.any(bad):
+            raise ValueError(
+                f"{cls._field('coefficients')}: expected unit versors (S ~S within "
+                f"{UNIT_TOLERANCE:g} of 1), got {int(np.count_nonzero(bad))} off by up to "
+                f"{float(np.max(off)):.3g}; {cls.__name__}.normalize projects other even elements"
+            )
+
+    @classmethod
+    def exp(cls, log: ArrayLike) -> Similarity:
+        """Similarities from bivectors ``(*, 7)``, the mirror of `log`.
+
+        Raises:
+            ValueError: wrong last dimension, NaN or infinity, or a scale too large or too small
+                for float64.
+        """
+        given = checked_floats(log, "Similarity.exp(log)", (7,))
+        with np.errstate(over="ignore", invalid="ignore"):
+            made = kernels.exp(given)
+        if not np.isfinite(made).all():
+            raise ValueError(
+                "Similarity.exp(log): expected scales that float64 can hold, got E up to "
+                f"{float(np.max(np.abs(given[..., 3]))):.3g}"
+            )
+        return cls._trusted(made)
+
+    @classmethod
+    def normalize(cls, coefficients: ArrayLike) -> Similarity:
+        """Project even elements ``(*, 12)`` onto similarities, as after a linear blend.
+
+        Raises:
+            ValueError: wrong last dimension, NaN or infinity, or an element that is near no
+                similarity: zero, or without a scale, or turned inside out (``S ~S`` a negative
+                number).
+        """
+        given = checked_floats(coefficients, "Similarity.normalize(coefficients)", (12,))
+        size = np.max(np.abs(given[..., :8]), axis=-1, keepdims=True)
+        if not np.all(size > 0.0):
+            raise ValueError(
+                "Similarity.normalize(coefficients): expected non-zero elements with a rotor part, "
+                f"got {int(np.count_nonzero(size == 0.0))} zero ones"
+            )
+        made, defined = kernels.projected(given / size)
+        lost = int(np.count_nonzero(defined < _UNDEFINED))
+        if lost:
+            raise ValueError(
+                "Similarity.normalize(coefficients): expected elements near a similarity, got "
+                f"{lost} without a scale or turned inside out"
+            )
+        return cls._trusted(made)
+
+    @classmethod
+    def random(
+        cls,
+        rng: np.random.Generator,
+        shape: tuple[int, ...] = (),
+        extent_m: float = 1.0,
+        log_scale: float = 0.5,
+    ) -> Similarity:
+        """Uniform orientations, normal translations and logarithms of scales, with deviations
+        `extent_m` an axis and `log_scale`.
+        """
+        motor = Motor.random(rng, shape, extent_m)
+        return cls.from_motor_scale(motor, np.exp(log_scale * rng.standard_normal(shape)))
+
+    @property
+    def rotor(self) -> Rotor:
+        """The rotation, ``R`` of ``S = T R D``."""
+        rotor, _, _ = kernels.parts(self.coefficients)
+        return Rotor._trusted(np.ascontiguousarray(np.moveaxis(rotor, 0, -1)))
+
+    @property
+    def scale(self) -> FloatArray:
+        """How much lengths grow, ``ρ (*)``."""
+        _, half_log_scale, _ = kernels.parts(self.coefficients)
+        grown: FloatArray = np.exp(2.0 * half_log_scale)
+        return grown
+
+    @property
+    def translation_m(self) -> FloatArray:
+        """The translation ``(*, 3)`` in metres, ``t`` of ``S = T R D``: where the origin goes."""
+        _, _, translation = kernels.parts(self.coefficients)
+        return np.ascontiguousarray(np.moveaxis(translation, 0, -1))
+
+    def apply(self, points: ArrayLike) -> FloatArray:
+        """Move points ``(*, 3)`` in metres to ``ρ R x ~R + t``; batch shapes broadcast.
+
+        Raises:
+            ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
+        """
+        x = checked_floats(points, "Similarity.apply(points)", (3,))
+        broadcast_batch("Similarity.apply", self.shape, x.shape[:-1])
+        return self.scale[..., None] * self.rotor.apply(x) + self.translation_m
+
+    # Conversions -------------------------------------------------------------------------------
+
+    @classmethod
+    def from_rotor_translation_scale(
+        cls, rotor: Rotor, translation_m: ArrayLike, scale: ArrayLike
+    ) -> Similarity:
+        """Grow by `scale` ``(*)``, turn by `rotor`, move by `translation_m` ``(*, 3)``.
+
+        Raises:
+            ValueError: wrong last dimension, NaN or infinity, a scale that is not positive, shapes
+                that do not broadcast.
+        """
+        return cls.from_motor_scale(Motor.from_rotor_translation(rotor, translation_m), scale)
+
+    def as_rotor_translation_scale(self) -> tuple[Rotor, FloatArray, FloatArray]:
+        """Rotor, translation ``(*, 3)`` in metres and scale ``(*)``."""
+        return self.rotor, self.translation_m, self.scale
+
+    @classmethod
+    def from_motor_scale(cls, motor: Motor, scale: ArrayLike = 1.0) -> Similarity:
+        """``M D``: grow by `scale` ``(*)`` about the origin, then move by `motor`.
+
+        Raises:
+            ValueError: NaN or infinity, a scale that is not positive, shapes that do not
+                broadcast.
+        """
+        rho = checked_floats(scale, "Similarity scale", ())
+        if not np.all(rho > 0.0):
+            raise ValueError(
+                f"Similarity scale: expected positive numbers, got {float(np.min(rho)):g}"
+            )
+        shape = broadcast_batch("Similarity motor and scale", motor.shape, rho.shape)
+        half = 0.5 * np.log(rho)[..., None]
+        m = motor.coefficients
+        made = np.empty((*shape, 12))
+        made[..., :4] = np.cosh(half) * m[..., :4]
+        made[..., 4:8] = np.sinh(half) * m[..., :4]
+        made[..., 8:] = m[..., 4:] / np.sqrt(rho)[..., None]
+        return cls._trusted(made)
+
+    def as_motor_scale(self) -> tuple[Motor, FloatArray]:
+        """The rigid motion ``T R`` and the scale ``(*)`` of ``S = T R D``."""
+        return Motor.from_rotor_translation(self.rotor, self.translation_m), self.scale
+
+    @classmethod
+    def from_matrix(cls, matrix: ArrayLike) -> Similarity:
+        """Similarities from homogeneous matrices ``(*, 4, 4)`` that act on columns.
+
+        Raises:
+            ValueError: wrong shape, NaN or infinity, a last row that is not 0 0 0 1, or an upper
+                left block that is no positive multiple of a rotation (see `Rotor.from_matrix`).
+        """
+        given = checked_floats(matrix, "Similarity.from_matrix(matrix)", (4, 4))
+        worst = float(np.max(np.abs(given[..., 3, :] - _BOTTOM_ROW), initial=0.0))
+        if worst > UNIT_TOLERANCE:
+            raise ValueError(
+                "Similarity.from_matrix(matrix): expected the last row 0 0 0 1, got a difference "
+                f"of {worst:.3g}"
+            )
+        block = given[..., :3, :3]
+        scale = np.cbrt(np.linalg.det(block))
+        if not np.all(scale > 0.0):
+            raise ValueError(
+                "Similarity.from_matrix(matrix): expected a positive determinant, got a scale of "
+                f"{float(np.min(scale)):.3g}"
+            )
+        rotor = Rotor.from_matrix(block / scale[..., None, None])
+        return cls.from_rotor_translation_scale(rotor, given[..., :3, 3], scale)
+
+    def as_matrix(self) -> FloatArray:
+        """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
+        matrix = np.zeros((*self.shape, 4, 4))
+        matrix[..., :3, :3] = self.scale[..., None, None] * self.rotor.as_matrix()
+        matrix[..., :3, 3] = self.translation_m
+        matrix[..., 3, 3] = 1.0
+        return matrix
+
+    @classmethod
+    def from_twist(cls, twist: ArrayLike) -> Similarity:
+        """Similarities from sim(3) coordinates ``(*, 7)``: rotation vector (rad), translational
+        part (m), logarithm of the scale.
+
+        Raises:
+            ValueError: wrong last dimension, NaN or infinity, a scale beyond float64.
+        """
+        given = checked_floats(twist, "Similarity.from_twist(twist)", (7,))
+        return cls.exp(np.concatenate(
+            [-0.5 * given[..., :3], 0.5 * given[..., 6:], -0.5 * given[..., 3:6]], axis=-1
+        ))  # fmt: skip
+
+    def as_twist(self) -> FloatArray:
+        """sim(3) coordinates ``(*, 7)``: rotation vector (rad), translational part (m), log scale.
+
+        With ``Ω`` the cross product matrix of the first three, it is the logarithm of `as_matrix`:
+        ``Ω + λ`` in the upper left block, the translational part beside it.
+        """
+        log = self.log()
+        return np.concatenate([-2.0 * log[..., :3], -2.0 * log[..., 4:], 2.0 * log[..., 3:4]], -1)
