@@ -10,6 +10,8 @@ from motorcade.ga import kernels
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.ga.splines import CumulativeBSpline, SplineSample
 from motorcade.ga.trajectory import Trajectory
+from motorcade.ga.versors.blend import blend
+from motorcade.ga.versors.mean import mean
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.similarity import Similarity
@@ -25,7 +27,9 @@ __all__ = [
     "SplineSample",
     "Trajectory",
     "Versor",
+    "blend",
     "checked_floats",
     "frozen",
     "kernels",
+    "mean",
 ]
