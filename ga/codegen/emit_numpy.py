@@ -1,0 +1,121 @@
+"""NumPy from tapes: the same operations on whole batches, the fallback and witness of the C.
+
+Each kernel becomes one function a precision that takes arrays ``(*, n)`` whose batches broadcast
+and returns a tuple of components, each an array over the batch.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+
+from motorcade.ga.codegen.expressions import Dialect, component_name, statements
+from motorcade.ga.codegen.kernel import PRECISIONS, Kernel, Precision
+from motorcade.ga.codegen.tape import Operand, Tape
+
+__all__ = ["numpy_function", "numpy_source", "numpy_table"]
+
+_NOTE = "Written by ``python -m motorcade.ga.codegen`` from ga/kernels/definitions; edit those."
+_COMPARISON = {"lt": "<", "le": "<=", "eq": "==", "ne": "!=", "and": "&", "or": "|"}
+_FUNCTIONS = {
+    "sqrt": "np.sqrt", "abs": "np.abs", "floor": "np.floor", "min": "np.minimum",
+    "max": "np.maximum",
+}  # fmt: skip
+_WIDTH = 100
+
+
+class _NumPy(Dialect):
+    def __init__(self, precision: Precision) -> None:
+        self._type = np.dtype(precision.numpy).type
+        self._cast = f"np.{precision.numpy}"
+
+    def constant(self, value: float) -> str:
+        return str(self._type(value))
+
+    def call(self, op: str, args: list[str]) -> str:
+        if op in _COMPARISON:
+            return f"({args[0]} {_COMPARISON[op]} {args[1]})"
+        if op == "not":
+            return f"np.logical_not({args[0]})"
+        if op in ("select", "keep"):
+            branches = [*args[1:], "0.0"][:2]
+            return f"np.where({args[0]}, {', '.join(map(self._typed, branches))})"
+        return f"{_FUNCTIONS[op]}({', '.join(args)})"
+
+    def _typed(self, branch: str) -> str:
+        """Two plain numbers would come out of `np.where` as float64."""
+        number = branch.lstrip("-").replace(".", "", 1)
+        return f"{self._cast}({branch})" if number[:1].isdigit() else branch
+
+
+def numpy_source(group: str, kernels: Sequence[Kernel]) -> str:
+    """The Python module of a group of kernels, both precisions."""
+    listed = ", ".join(kernel.name for kernel in kernels)
+    opening = "\n".join(textwrap.wrap(f"Kernels of the group {group}: {listed}.", _WIDTH - 3))
+    functions = [numpy_function(k, p) for k in kernels for p in PRECISIONS]
+    return (
+        f'"""{opening}\n\n{_NOTE}\n"""\n\nfrom __future__ import annotations\n\n'
+        "from typing import Any\n\nimport numpy as np\n"
+        + "".join(f"\n\n{function}\n" for function in functions)
+    )
+
+
+def numpy_table(kernels: Sequence[Kernel]) -> str:
+    """The module that lists all kernels: by name, the widths of inputs and outputs."""
+    rows = [
+        f'    "{k.name}": ("{k.group}", {tuple(o.width for o in k.inputs)}, {k.outputs[0].width}),'
+        for k in kernels
+    ]
+    return (
+        f'"""All kernels: the module that holds them, widths of the inputs, width of the output.'
+        f'\n\n{_NOTE}\n"""\n\nfrom __future__ import annotations\n\n'
+        "KERNELS: dict[str, tuple[str, tuple[int, ...], int]] = {\n" + "\n".join(rows) + "\n}\n"
+    )
+
+
+def numpy_function(kernel: Kernel, precision: Precision) -> str:
+    """One kernel in one precision."""
+    tape = kernel.tape(precision)
+    written = statements(tape, _NumPy(precision))
+    arguments = ", ".join(f"{operand.name}: Any" for operand in kernel.inputs)
+    results = [value for row in written.results for value in row]
+    lines = [
+        f"def {kernel.name}_{precision.suffix}({arguments}) -> tuple[Any, ...]:",
+        *_indented(f'"""{kernel.summary}"""'),
+        *(line for operand in kernel.inputs for line in _load(operand, tape)),
+    ]
+    for statement in written.body:
+        lines += _assigned(statement.name, statement.expression)
+    lines.append("    return (")
+    for value in results:
+        lines += [f"    {line}" for line in _wrapped(f"{value},")]
+    lines.append("    )")
+    return "\n".join(lines)
+
+
+def _load(operand: Operand, tape: Tape) -> list[str]:
+    read = tape.components_read(operand.name)
+    names = [component_name(operand.name, i, operand.width) for i in read]
+    if len(read) == 1:
+        return [f"    {names[0]} = {operand.name}[..., {read[0]}]"]
+    chosen = f"range({len(read)})" if read == list(range(len(read))) else str(tuple(read))
+    return _indented(f"{', '.join(names)} = ({operand.name}[..., i] for i in {chosen})")
+
+
+def _assigned(name: str, expression: str) -> list[str]:
+    if len(name) + len(expression) + 7 <= _WIDTH:
+        return [f"    {name} = {expression}"]
+    return [f"    {name} = (", *(f"    {line}" for line in _wrapped(expression)), "    )"]
+
+
+def _indented(text: str) -> list[str]:
+    return _wrapped(text)
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(
+        text, _WIDTH - 4, initial_indent="    ", subsequent_indent="        ",
+        break_long_words=False, break_on_hyphens=False,
+    )  # fmt: skip

@@ -1,0 +1,62 @@
+"""What a kernel is to the generator: its name, what it takes and gives, and its definition."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from motorcade.ga.codegen.tape import Operand, Tape
+from motorcade.ga.codegen.trace import casadi_function, trace
+
+__all__ = ["DOUBLE", "PRECISIONS", "SINGLE", "Kernel", "Precision"]
+
+
+@dataclass(frozen=True)
+class Precision:
+    """A floating-point type: NumPy's and C's name, the suffix of functions, and its bits.
+
+    Definitions ask it for `digits`, the size of error below which nothing more is gained.
+    """
+
+    numpy: str
+    c: str
+    suffix: str
+    bits: int
+
+    @property
+    def epsilon(self) -> float:
+        """Spacing of the numbers at 1."""
+        return 2.0 ** (1 - self.bits)
+
+
+SINGLE = Precision("float32", "float", "f32", 24)
+DOUBLE = Precision("float64", "double", "f64", 53)
+PRECISIONS = (SINGLE, DOUBLE)
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A function of one row, applied to batches by the code that is written from it.
+
+    `define` takes the precision and a list of scalars for each input, and returns a list of
+    scalars for each output. `group` names the file that its code goes to.
+    """
+
+    name: str
+    group: str
+    summary: str
+    inputs: tuple[Operand, ...]
+    outputs: tuple[Operand, ...]
+    define: Callable[..., Sequence[Sequence[Any]]]
+
+    def tape(self, precision: Precision) -> Tape:
+        """The operations of the kernel in a precision."""
+        return trace(self.name, self.inputs, self.outputs, self._bound(precision))
+
+    def casadi(self, precision: Precision) -> Any:
+        """The kernel as a CasADi function, for derivatives and as a witness."""
+        return casadi_function(self.name, self.inputs, self.outputs, self._bound(precision))
+
+    def _bound(self, precision: Precision) -> Callable[..., Sequence[Sequence[Any]]]:
+        return lambda *inputs: self.define(precision, *inputs)

@@ -1,0 +1,208 @@
+"""A tape: the straight line of scalar operations that a kernel's definition comes down to.
+
+Nodes name their arguments by position and come in an order in which they can be computed. Equal
+nodes are one, terms and factors stand in a fixed order, signs are moved out of products, so that
+a negated term becomes a subtraction. Constants are Python floats; the emitters print them in the
+type that they write for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+__all__ = ["BOOLEANS", "Node", "Operand", "Tape", "TapeBuilder"]
+
+_COMMUTATIVE = frozenset({"add", "mul", "min", "max", "and", "or", "eq", "ne"})
+# Operations whose result is true or false.
+BOOLEANS = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})
+
+
+@dataclass(frozen=True)
+class Operand:
+    """A named array argument: one number a row and component, components named by their blades."""
+
+    name: str
+    components: tuple[str, ...]
+
+    @property
+    def width(self) -> int:
+        """How many components it has."""
+        return len(self.components)
+
+
+@dataclass(frozen=True)
+class Node:
+    """One operation; ``input`` nodes carry operand and component, ``const`` nodes a value."""
+
+    op: str
+    args: tuple[int, ...] = ()
+    value: float = 0.0
+    source: tuple[str, int] = ("", 0)
+
+
+@dataclass(frozen=True)
+class Tape:
+    """The operations of one kernel; `results` gives the node of each component of each output."""
+
+    inputs: tuple[Operand, ...]
+    outputs: tuple[Operand, ...]
+    nodes: tuple[Node, ...]
+    results: tuple[tuple[int, ...], ...]
+
+    def components_read(self, operand: str) -> list[int]:
+        """Which components of an input the operations use."""
+        sources = (node.source for node in self.nodes if node.op == "input")
+        return sorted(component for name, component in sources if name == operand)
+
+    def uses(self) -> list[int]:
+        """How often each node is an argument or a result."""
+        counts = [0] * len(self.nodes)
+        for node in self.nodes:
+            for argument in node.args:
+                counts[argument] += 1
+        for row in self.results:
+            for index in row:
+                counts[index] += 1
+        return counts
+
+    def operations(self) -> dict[str, int]:
+        """How many nodes there are of each operation, inputs and constants left out."""
+        counts: dict[str, int] = {}
+        for node in self.nodes:
+            if node.op not in ("input", "const"):
+                counts[node.op] = counts.get(node.op, 0) + 1
+        return dict(sorted(counts.items()))
+
+
+class TapeBuilder:
+    """Adds nodes to a tape, each in its simplest form and only once."""
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self._known: dict[Node, int] = {}
+
+    def constant(self, value: float) -> int:
+        """The node of a number."""
+        return self._node(Node("const", value=value))
+
+    def input(self, operand: str, component: int) -> int:
+        """The node of one component of an input."""
+        return self._node(Node("input", source=(operand, component)))
+
+    def operation(self, op: str, *args: int) -> int:
+        """The node of an operation on earlier nodes, simplified."""
+        simplified = self._simplified(op, args)
+        if simplified is not None:
+            return simplified
+        ordered = tuple(sorted(args)) if op in _COMMUTATIVE else args
+        return self._node(Node(op, ordered))
+
+    def finished(
+        self,
+        inputs: tuple[Operand, ...],
+        outputs: tuple[Operand, ...],
+        results: Sequence[Sequence[int]],
+    ) -> Tape:
+        """The tape of what the results need; everything else is left out."""
+        results = self._quotients_once(results)
+        needed: set[int] = set()
+        waiting = [index for row in results for index in row]
+        while waiting:
+            index = waiting.pop()
+            if index not in needed:
+                needed.add(index)
+                waiting.extend(self.nodes[index].args)
+        kept = sorted(needed)
+        place = {old: new for new, old in enumerate(kept)}
+        nodes = tuple(self._moved(self.nodes[old], place) for old in kept)
+        return Tape(inputs, outputs, nodes, tuple(tuple(place[i] for i in row) for row in results))
+
+    def _quotients_once(self, results: Sequence[Sequence[int]]) -> list[list[int]]:
+        """Several quotients by one number become products with its reciprocal."""
+        divisors = [node.args[1] for node in self.nodes if node.op == "div"]
+        shared = {index for index in divisors if divisors.count(index) > 1}
+        known = tuple(self.nodes)
+        self.nodes, self._known = [], {}
+        place: dict[int, int] = {}
+        for old, node in enumerate(known):
+            moved = self._moved(node, place)
+            if node.op == "div" and node.args[1] in shared:
+                reciprocal = self.operation("div", self.constant(1.0), moved.args[1])
+                place[old] = self.operation("mul", moved.args[0], reciprocal)
+            elif node.args:
+                place[old] = self.operation(node.op, *moved.args)
+            else:
+                place[old] = self._node(moved)
+        return [[place[index] for index in row] for row in results]
+
+    @staticmethod
+    def _moved(node: Node, place: dict[int, int]) -> Node:
+        return Node(node.op, tuple(place[i] for i in node.args), node.value, node.source)
+
+    def _node(self, node: Node) -> int:
+        found = self._known.get(node)
+        if found is None:
+            found = self._known[node] = len(self.nodes)
+            self.nodes.append(node)
+        return found
+
+    def _simplified(self, op: str, args: tuple[int, ...]) -> int | None:
+        if op == "neg":
+            return self._negated(args[0])
+        if op == "add":
+            return self._sum(*args)
+        if op == "sub" and self.nodes[args[1]].op == "neg":
+            return self.operation("add", args[0], self._inside(args[1]))
+        if op in ("mul", "div"):
+            return self._scaled(op, *args)
+        return None
+
+    def _inside(self, index: int) -> int:
+        return self.nodes[index].args[0]
+
+    def _is(self, index: int, value: float) -> bool:
+        node = self.nodes[index]
+        return node.op == "const" and node.value == value
+
+    def _negated(self, index: int) -> int | None:
+        node = self.nodes[index]
+        if node.op == "neg":
+            return node.args[0]
+        if node.op == "const":
+            return self.constant(-node.value)
+        if node.op == "sub":
+            return self.operation("sub", node.args[1], node.args[0])
+        return None
+
+    def _sum(self, first: int, second: int) -> int | None:
+        chosen = self._chosen(first, second) or self._chosen(second, first)
+        if chosen is not None:
+            return chosen
+        if self.nodes[second].op == "neg":
+            return self.operation("sub", first, self._inside(second))
+        if self.nodes[first].op == "neg":
+            return self.operation("sub", second, self._inside(first))
+        return None
+
+    def _chosen(self, kept: int, otherwise: int) -> int | None:
+        """CasADi writes a choice as the sum of two terms of which one is zero."""
+        one, other = self.nodes[kept], self.nodes[otherwise]
+        if one.op != "keep" or other.op != "keep":
+            return None
+        negation = self.nodes[other.args[0]]
+        if negation.op != "not" or negation.args[0] != one.args[0]:
+            return None
+        return self.operation("select", one.args[0], one.args[1], other.args[1])
+
+    def _scaled(self, op: str, first: int, second: int) -> int | None:
+        for factor, rest in ((second, first), (first, second))[: 2 if op == "mul" else 1]:
+            if self._is(factor, 1.0):
+                return rest
+            if self._is(factor, -1.0):
+                return self.operation("neg", rest)
+        if self.nodes[first].op == "neg":
+            return self.operation("neg", self.operation(op, self._inside(first), second))
+        if self.nodes[second].op == "neg":
+            return self.operation("neg", self.operation(op, first, self._inside(second)))
+        return None
