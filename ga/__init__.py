@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from motorcade.ga import kernels
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.rivals import DualQuaternion, EulerPose, QuaternionPose
 from motorcade.ga.splines import CumulativeBSpline, SplineSample
 from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.blend import blend
@@ -19,9 +20,12 @@ from motorcade.ga.versors.versor import Versor
 
 __all__ = [
     "CumulativeBSpline",
+    "DualQuaternion",
+    "EulerPose",
     "FloatArray",
     "IntArray",
     "Motor",
+    "QuaternionPose",
     "Rotor",
     "Similarity",
     "SplineSample",

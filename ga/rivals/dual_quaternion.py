@@ -18,7 +18,8 @@ from motorcade.ga.rivals.quaternion import (
 
 __all__ = [
     "dual_quaternion_apply", "dual_quaternion_as_quaternion_translation", "dual_quaternion_blend",
-    "dual_quaternion_conjugate", "dual_quaternion_from_quaternion_translation",
+    "dual_quaternion_conjugate", "dual_quaternion_exp",
+    "dual_quaternion_from_quaternion_translation", "dual_quaternion_log",
     "dual_quaternion_multiply", "dual_quaternion_normalize", "dual_quaternion_screw",
 ]  # fmt: skip
 
@@ -105,6 +106,47 @@ def dual_quaternion_blend(q: ArrayLike, weights: ArrayLike) -> FloatArray:
     against = np.sum(given[..., :1, :4] * given[..., :4], axis=-1) < 0.0
     signed = np.where(against, -1.0, 1.0) * share
     return dual_quaternion_normalize(np.sum(signed[..., None] * given, axis=-2))
+
+
+def dual_quaternion_exp(log: ArrayLike) -> FloatArray:
+    """Dual quaternions ``(*, 8)`` from pure ones ``(*, 6)``: real x, y, z, then dual x, y, z.
+
+    The real part is half the angle times the screw's axis ``l``; the dual part is half the slide
+    times ``l`` and half the angle times the moment. Half-angles below 1e-12 count as none.
+    """
+    given = checked_floats(log, "log", (6,))
+    real, dual = given[..., :3], given[..., 3:]
+    half = np.linalg.norm(real, axis=-1, keepdims=True)
+    turns = half > _NO_AXIS
+    safe = np.where(turns, half, 1.0)
+    axis = real / safe
+    push = np.sum(axis * dual, axis=-1, keepdims=True)
+    moment = (dual - push * axis) / safe
+    screw = np.concatenate([
+        np.cos(half), np.sin(half) * axis,
+        -push * np.sin(half), np.sin(half) * moment + push * np.cos(half) * axis,
+    ], axis=-1)  # fmt: skip
+    one = np.ones_like(half)
+    slide = np.concatenate([one, real, -np.sum(real * dual, -1, keepdims=True), dual], axis=-1)
+    return np.where(turns, screw, slide)
+
+
+def dual_quaternion_log(q: ArrayLike) -> FloatArray:
+    """Pure dual quaternions ``(*, 6)`` of unit ones, the mirror of `dual_quaternion_exp`.
+
+    The sign that turns by at most π is taken.
+    """
+    given = checked_floats(q, "q", (8,))
+    given = np.where(given[..., :1] < 0.0, -given, given)
+    cosine, vector, dual = given[..., :1], given[..., 1:4], given[..., 5:]
+    sine = np.linalg.norm(vector, axis=-1, keepdims=True)
+    turns = sine > _NO_AXIS
+    safe = np.where(turns, sine, 1.0)
+    axis, half = vector / safe, np.arctan2(sine, cosine)
+    push = -given[..., 4:5] / safe
+    moment = (dual - push * cosine * axis) / safe
+    screw = np.concatenate([half * axis, push * axis + half * moment], axis=-1)
+    return np.where(turns, screw, np.concatenate([vector, dual], axis=-1))
 
 
 def dual_quaternion_screw(

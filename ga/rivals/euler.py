@@ -1,7 +1,10 @@
 """Euler angles as practitioners write them: three angles about x, y, z, interpolated one by one.
 
-A sequence is three lower-case letters, intrinsic: ``"xyz"`` is x-y′-z″, ``R = R_x(a) R_y(b)
-R_z(c)`` acting on columns. All twelve sequences work. Angles in radians, batch in front.
+A sequence is three lower-case letters in the order of the angles, and intrinsic: ``"xyz"`` is
+x-y′-z″, ``R = R_x(a) R_y(b) R_z(c)`` acting on columns. With ``extrinsic`` the axes stay fixed, and
+the same letters mean ``R_z(c) R_y(b) R_x(a)``. All twelve sequences work. Capitals are refused:
+scipy writes intrinsic sequences with them, and others extrinsic ones. Angles in radians, batch in
+front.
 """
 
 from __future__ import annotations
@@ -39,14 +42,18 @@ def _turn(axis: int, angle: FloatArray) -> FloatArray:
     return matrix
 
 
-def matrix_from_euler(angles_rad: ArrayLike, sequence: str = "xyz") -> FloatArray:
-    """Rotation matrices ``(*, 3, 3)`` from intrinsic angles ``(*, 3)``.
+def matrix_from_euler(
+    angles_rad: ArrayLike, sequence: str = "xyz", extrinsic: bool = False
+) -> FloatArray:
+    """Rotation matrices ``(*, 3, 3)`` from angles ``(*, 3)``.
 
     Raises:
         ValueError: an unknown sequence, wrong last dimension, NaN or infinity.
     """
     i, j, _, _ = _axes(sequence)
     angles = checked_floats(angles_rad, "angles_rad", (3,))
+    if extrinsic:
+        return matrix_from_euler(angles[..., ::-1], sequence[::-1])
     last = "xyz".index(sequence[2])
     product: FloatArray = (
         _turn(i, angles[..., 0]) @ _turn(j, angles[..., 1]) @ _turn(last, angles[..., 2])
@@ -54,16 +61,22 @@ def matrix_from_euler(angles_rad: ArrayLike, sequence: str = "xyz") -> FloatArra
     return product
 
 
-def euler_from_matrix(matrix: ArrayLike, sequence: str = "xyz") -> FloatArray:
-    """Intrinsic angles ``(*, 3)`` of rotation matrices ``(*, 3, 3)``.
+def euler_from_matrix(
+    matrix: ArrayLike, sequence: str = "xyz", extrinsic: bool = False
+) -> FloatArray:
+    """Angles ``(*, 3)`` of rotation matrices ``(*, 3, 3)``.
 
     The third angle is read from what the first leaves over, so the angles give back the matrix to
-    rounding even at gimbal lock, where the first is set to 0. First and third are in [-π, π], the
-    middle one in [-π/2, π/2], or in [0, π] where the sequence ends as it began.
+    rounding even at gimbal lock, where the first (extrinsic: the third) is set to 0. First and
+    third are in [-π, π], the middle one in [-π/2, π/2], or in [0, π] where the sequence ends as it
+    began.
 
     Raises:
         ValueError: an unknown sequence, wrong shape, NaN or infinity.
     """
+    if extrinsic:
+        _axes(sequence)
+        return euler_from_matrix(matrix, sequence[::-1])[..., ::-1]
     i, j, k, cyclic = _axes(sequence)
     m = checked_floats(matrix, "matrix", (3, 3))
     if sequence[0] == sequence[2]:

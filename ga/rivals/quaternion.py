@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = [
-    "quaternion_apply", "quaternion_as_matrix", "quaternion_conjugate", "quaternion_from_matrix",
-    "quaternion_from_rotation_vector", "quaternion_multiply", "quaternion_nlerp",
-    "quaternion_normalize", "quaternion_slerp",
+    "quaternion_apply", "quaternion_as_matrix", "quaternion_as_rotation_vector",
+    "quaternion_conjugate", "quaternion_from_matrix", "quaternion_from_rotation_vector",
+    "quaternion_multiply", "quaternion_nlerp", "quaternion_normalize", "quaternion_slerp",
 ]  # fmt: skip
 
 # Below this angle between two quaternions the sines of slerp cancel, and the chord is the arc.
@@ -70,6 +70,15 @@ def quaternion_from_rotation_vector(vector_rad: ArrayLike) -> FloatArray:
     vector = checked_floats(vector_rad, "vector_rad", (3,))
     angle = np.linalg.norm(vector, axis=-1, keepdims=True)
     return np.concatenate([np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * vector], axis=-1)
+
+
+def quaternion_as_rotation_vector(q: ArrayLike) -> FloatArray:
+    """Axis times angle ``(*, 3)`` in radians, of length at most π."""
+    given = checked_floats(q, "q", (4,))
+    given = np.where(given[..., :1] < 0.0, -given, given)
+    sine = np.linalg.norm(given[..., 1:], axis=-1, keepdims=True)
+    ratio = np.arctan2(sine, given[..., :1]) / np.where(sine > 0.0, sine, 1.0)
+    return np.where(sine > 0.0, 2.0 * ratio, 2.0) * given[..., 1:]
 
 
 def quaternion_as_matrix(q: ArrayLike) -> FloatArray:
