@@ -1,0 +1,116 @@
+"""Which terms a product of two sparse multivectors has: found once for each pair of blade sets.
+
+A plan lists for every blade of the result the terms ``factor · left[i] · right[j]``. Terms whose
+factor is zero are left out, and so are blades without terms: structural zeros are never stored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from motorcade.ga.algebra.basis import Basis, Terms, grade_of, order_of
+
+__all__ = ["PRODUCTS", "Masks", "Plan", "apply_plan", "plan_product", "symmetric"]
+
+Masks = tuple[int, ...]
+
+
+class Plan(NamedTuple):
+    """Blades of a product, and for each the terms (factor, index left, index right)."""
+
+    masks: Masks
+    terms: tuple[tuple[tuple[float, int, int], ...], ...]
+
+
+def _geometric(basis: Basis, a: int, b: int) -> Terms:
+    return basis.product(a, b)
+
+
+def _outer(basis: Basis, a: int, b: int) -> Terms:
+    whole = grade_of(a) + grade_of(b)
+    return tuple(term for term in basis.product(a, b) if grade_of(term[0]) == whole)
+
+
+def _inner(basis: Basis, a: int, b: int) -> Terms:
+    """Hestenes' inner product: the grade ``|r - s|`` of blades, zero where either is a scalar."""
+    r, s = grade_of(a), grade_of(b)
+    if r == 0 or s == 0:
+        return ()
+    return tuple(term for term in basis.product(a, b) if grade_of(term[0]) == abs(r - s))
+
+
+def _commutator(basis: Basis, a: int, b: int) -> Terms:
+    other = dict(basis.product(b, a))
+    one = dict(basis.product(a, b))
+    halves = {m: 0.5 * (one.get(m, 0.0) - other.get(m, 0.0)) for m in {**one, **other}}
+    return tuple((m, halves[m]) for m in sorted(halves, key=order_of) if halves[m] != 0.0)
+
+
+PRODUCTS: dict[str, Callable[[Basis, int, int], Terms]] = {
+    "geometric": _geometric,
+    "outer": _outer,
+    "inner": _inner,
+    "commutator": _commutator,
+}
+
+
+def plan_product(
+    basis: Basis, kind: str, left: Masks, right: Masks, grades: frozenset[int] | None = None
+) -> Plan:
+    """The terms of a product; `grades` keeps only these of the result."""
+    multiply = PRODUCTS[kind]
+    found: dict[int, list[tuple[float, int, int]]] = {}
+    for i, a in enumerate(left):
+        for j, b in enumerate(right):
+            for mask, factor in multiply(basis, a, b):
+                if grades is None or grade_of(mask) in grades:
+                    found.setdefault(mask, []).append((factor, i, j))
+    return _ordered(found)
+
+
+def symmetric(plan: Plan, signs: Sequence[int]) -> Plan:
+    """The plan of ``x`` times ``x`` with signed coefficients: equal terms joined, zeros left out.
+
+    The right operand of `plan` has the same blades as the left; `signs` are its signs.
+    """
+    found: dict[int, list[tuple[float, int, int]]] = {}
+    for mask, terms in zip(plan.masks, plan.terms, strict=True):
+        joined: dict[tuple[int, int], float] = {}
+        for factor, i, j in terms:
+            pair = (min(i, j), max(i, j))
+            joined[pair] = joined.get(pair, 0.0) + factor * signs[j]
+        kept = [(factor, i, j) for (i, j), factor in joined.items() if factor != 0.0]
+        if kept:
+            found[mask] = kept
+    return _ordered(found)
+
+
+def _ordered(found: dict[int, list[tuple[float, int, int]]]) -> Plan:
+    """Blades in their order; positive terms first, so that sums need no sign in front."""
+    masks = tuple(sorted(found, key=order_of))
+    return Plan(masks, tuple(tuple(sorted(found[m], key=lambda t: t[0] < 0)) for m in masks))
+
+
+def apply_plan(plan: Plan, left: Sequence[Any], right: Sequence[Any]) -> tuple[Any, ...]:
+    """The coefficients of a product, over any scalars that add and multiply."""
+    made = []
+    for terms in plan.terms:
+        factor, i, j = terms[0]
+        total = _scaled(factor, left[i] * right[j])
+        for factor, i, j in terms[1:]:
+            product = left[i] * right[j]
+            if factor == 1.0:
+                total = total + product
+            elif factor == -1.0:
+                total = total - product
+            else:
+                total = total + _scaled(factor, product)
+        made.append(total)
+    return tuple(made)
+
+
+def _scaled(factor: float, value: Any) -> Any:
+    if factor == 1.0:
+        return value
+    return -value if factor == -1.0 else value * (int(factor) if factor.is_integer() else factor)
