@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from motorcade.ga import kernels
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.motion import TwistSample
 from motorcade.ga.rivals import DualQuaternion, EulerPose, QuaternionPose
-from motorcade.ga.splines import CumulativeBSpline, SplineSample
+from motorcade.ga.screw_path import ScrewPath
+from motorcade.ga.splines import CumulativeBSpline, SimilaritySpline, SplineSample
 from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.blend import blend
 from motorcade.ga.versors.mean import mean
@@ -27,9 +29,12 @@ __all__ = [
     "Motor",
     "QuaternionPose",
     "Rotor",
+    "ScrewPath",
     "Similarity",
+    "SimilaritySpline",
     "SplineSample",
     "Trajectory",
+    "TwistSample",
     "Versor",
     "blend",
     "checked_floats",

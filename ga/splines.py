@@ -1,7 +1,7 @@
-"""Smooth motion through poses: a cumulative B-spline on motors, with exact derivatives.
+"""Smooth motion through poses: cumulative B-splines on versors, with exact derivatives.
 
-With uniform knots and control motors ``C_j`` the pose is ``C_s exp(λ_1 d_1) … exp(λ_5 d_5)``, where
-``d_j`` is the screw from one control motor to the next and ``λ_j(u)`` sums the basis functions from
+With uniform knots and controls ``C_j`` the pose is ``C_s exp(λ_1 d_1) … exp(λ_5 d_5)``, where
+``d_j`` is the screw from one control to the next and ``λ_j(u)`` sums the basis functions from
 ``j`` on. The order is 6 (quintic): acceleration is then twice continuously differentiable, so an
 inertial sensor simulated at any rate sees no kinks at the knots, and smooth motion is reproduced to
 the sixth power of the knot spacing; the cubic spline's acceleration is a polyline.
@@ -14,16 +14,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import ceil, comb, factorial
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.motion import (
+    SplineSample,
+    TwistSample,
+    carried_twist,
+    sampled_motion,
+    twist_bracket,
+)
 from motorcade.ga.spline_fit import fit_controls
 from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.motor import Motor
+from motorcade.ga.versors.similarity import Similarity
 
-__all__ = ["CumulativeBSpline", "SplineSample"]
+__all__ = ["CumulativeBSpline", "SimilaritySpline", "SplineSample"]
+
+V = TypeVar("V", Motor, Similarity)
 
 ORDER = 6
 # An interval between poses longer than both of these is a gap: nothing tells how to curve there.
@@ -50,22 +61,109 @@ _CUMULATIVE = frozen(np.cumsum(_basis_polynomials()[::-1], axis=0)[::-1])
 
 
 @dataclass(frozen=True, eq=False)
-class SplineSample:
-    """Pose and exact derivatives at the evaluated times, batch ``(*)`` in front.
+class _CumulativeBSpline(Generic[V]):
+    """What splines through motors and through similarities share."""
 
-    ``pose`` is ``parent_T_child``. Rates are in the child's (body) frame, velocity and
-    acceleration are of the child's origin in the parent's (world) frame, without gravity.
-    """
+    start_ns: int
+    knot_spacing_s: float
+    controls: V
+    parent: str = "world"
+    child: str = "camera"
 
-    pose: Motor
-    body_angular_rate_rad_s: FloatArray
-    body_angular_acceleration_rad_s2: FloatArray
-    world_velocity_m_s: FloatArray
-    world_acceleration_m_s2: FloatArray
+    def __post_init__(self) -> None:
+        _check_spacing(self.knot_spacing_s)
+        if len(self.controls.shape) != 1 or len(self.controls) < ORDER:
+            raise ValueError(
+                f"{type(self).__name__}.controls: expected shape (n,) with n >= {ORDER}, "
+                f"got {self.controls.shape}"
+            )
+
+    @property
+    def duration_s(self) -> float:
+        """Seconds from the first knot to the last."""
+        return (len(self.controls) - ORDER + 1) * self.knot_spacing_s
+
+    def at(self, time_ns: ArrayLike) -> V:
+        """Poses at stamps ``(*)`` in nanoseconds.
+
+        Raises:
+            ValueError: stamps that are no integers, or outside the span.
+        """
+        stamps = np.asarray(time_ns)
+        if stamps.dtype.kind != "i":
+            raise ValueError(
+                f"{type(self).__name__}.at(time_ns): expected integer nanoseconds, "
+                f"got dtype {stamps.dtype}"
+            )
+        segment, fraction = self._locate((stamps - self.start_ns) * 1e-9)
+        screws = self._screws()
+        pose = self.controls[segment]
+        for j, weight in enumerate(cumulative_weights(fraction, 0)[1:]):
+            pose = pose @ self.controls.from_twist(weight[..., None] * screws[segment + j])
+        return pose
+
+    def twists(self, time_s: ArrayLike) -> TwistSample[V]:
+        """Poses, body twists and their derivatives at times ``(*)`` in seconds from the start.
+
+        Raises:
+            ValueError: NaN or infinity, or times outside the span.
+        """
+        checked = checked_floats(time_s, f"{type(self).__name__}.twists(time_s)", ())
+        segment, fraction = self._locate(checked)
+        h = self.knot_spacing_s
+        weights = zip(
+            cumulative_weights(fraction, 0)[1:], cumulative_weights(fraction, 1)[1:] / h,
+            cumulative_weights(fraction, 2)[1:] / h**2, strict=True,
+        )  # fmt: skip
+        screws = self._screws()
+        pose = self.controls[segment]
+        twist: FloatArray = np.zeros_like(screws[segment])
+        twist_rate = np.zeros_like(twist)
+        for j, (value, slope, bend) in enumerate(weights):
+            screw = screws[segment + j]
+            factor = self.controls.from_twist(value[..., None] * screw)
+            back = factor.inverse()
+            push = slope[..., None] * screw
+            pose = pose @ factor
+            twist, twist_rate = carried_twist(back, twist), carried_twist(back, twist_rate)
+            twist_rate += twist_bracket(twist, push) + bend[..., None] * screw
+            twist += push
+        return TwistSample(pose, twist, twist_rate)
+
+    def _screws(self) -> FloatArray:
+        """Twists ``(n - 1, 6)`` or ``(n - 1, 7)`` from each control to the next."""
+        return (self.controls[:-1].inverse() @ self.controls[1:]).as_twist()
+
+    def _locate(self, time_s: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Segment and place in it, in [0, 1], of times after the first knot."""
+        slack = 1e-9 * max(1.0, self.duration_s)
+        outside = (time_s < -slack) | (time_s > self.duration_s + slack)
+        if np.any(outside):
+            raise ValueError(
+                f"{type(self).__name__}: expected times in [0, {self.duration_s:.9f}] s after "
+                f"{self.start_ns} ns, got {float(np.asarray(time_s)[outside][0]):.9f} s"
+            )
+        return _located(time_s, self.knot_spacing_s, len(self.controls) - ORDER + 1)
 
 
 @dataclass(frozen=True, eq=False)
-class CumulativeBSpline:
+class SimilaritySpline(_CumulativeBSpline[Similarity]):
+    """Quintic cumulative B-spline through similarities; `CumulativeBSpline` with a scale besides.
+
+    Args:
+        start_ns: stamp of the first knot.
+        knot_spacing_s: seconds from knot to knot, positive.
+        controls: Similarity ``(n,)``, n at least 6; n - 5 segments, each shaped by six controls.
+        parent: name of the frame that poses map to.
+        child: name of the frame that moves.
+
+    Raises:
+        ValueError: a spacing that is not positive, or fewer than six controls.
+    """
+
+
+@dataclass(frozen=True, eq=False)
+class CumulativeBSpline(_CumulativeBSpline[Motor]):
     """Quintic cumulative B-spline over uniform knots.
 
     Args:
@@ -78,25 +176,6 @@ class CumulativeBSpline:
     Raises:
         ValueError: a spacing that is not positive, or fewer than six control motors.
     """
-
-    start_ns: int
-    knot_spacing_s: float
-    controls: Motor
-    parent: str = "world"
-    child: str = "camera"
-
-    def __post_init__(self) -> None:
-        _check_spacing(self.knot_spacing_s)
-        if len(self.controls.shape) != 1 or len(self.controls) < ORDER:
-            raise ValueError(
-                f"CumulativeBSpline.controls: expected shape (n,) with n >= {ORDER}, "
-                f"got {self.controls.shape}"
-            )
-
-    @property
-    def duration_s(self) -> float:
-        """Seconds from the first knot to the last."""
-        return (len(self.controls) - ORDER + 1) * self.knot_spacing_s
 
     @classmethod
     def fit(cls, trajectory: Trajectory, knot_spacing_s: float) -> CumulativeBSpline:
@@ -134,73 +213,13 @@ class CumulativeBSpline:
         start = int(trajectory.time_ns[0])
         return cls(start, spacing, fitted, trajectory.parent, trajectory.child)
 
-    def at(self, time_ns: ArrayLike) -> Motor:
-        """Poses at stamps ``(*)`` in nanoseconds.
-
-        Raises:
-            ValueError: stamps that are no integers, or outside the span.
-        """
-        stamps = np.asarray(time_ns)
-        if stamps.dtype.kind != "i":
-            raise ValueError(
-                "CumulativeBSpline.at(time_ns): expected integer nanoseconds, "
-                f"got dtype {stamps.dtype}"
-            )
-        segment, fraction = self._locate((stamps - self.start_ns) * 1e-9)
-        screws = self._screws()
-        pose = self.controls[segment]
-        for j, weight in enumerate(cumulative_weights(fraction, 0)[1:]):
-            pose = pose @ Motor.from_twist(weight[..., None] * screws[segment + j])
-        return pose
-
     def evaluate(self, time_s: ArrayLike) -> SplineSample:
         """Poses and derivatives at times ``(*)`` in seconds after the first knot.
 
         Raises:
             ValueError: NaN or infinity, or times outside the span.
         """
-        segment, fraction = self._locate(
-            checked_floats(time_s, "CumulativeBSpline.evaluate(time_s)", ())
-        )
-        h = self.knot_spacing_s
-        weights = zip(
-            cumulative_weights(fraction, 0)[1:], cumulative_weights(fraction, 1)[1:] / h,
-            cumulative_weights(fraction, 2)[1:] / h**2, strict=True,
-        )  # fmt: skip
-        screws = self._screws()
-        pose = self.controls[segment]
-        twist = np.zeros((*fraction.shape, 6))
-        twist_rate = np.zeros_like(twist)
-        for j, (value, slope, bend) in enumerate(weights):
-            screw = screws[segment + j]
-            factor = Motor.from_twist(value[..., None] * screw)
-            back = factor.inverse()
-            push = slope[..., None] * screw
-            pose = pose @ factor
-            twist, twist_rate = _carried(back, twist), _carried(back, twist_rate)
-            twist_rate += _bracket(twist, push) + bend[..., None] * screw
-            twist += push
-        rotation = pose.rotor
-        body_acceleration = twist_rate[..., 3:] + np.cross(twist[..., :3], twist[..., 3:])
-        return SplineSample(
-            pose, twist[..., :3], twist_rate[..., :3],
-            rotation.apply(twist[..., 3:]), rotation.apply(body_acceleration),
-        )  # fmt: skip
-
-    def _screws(self) -> FloatArray:
-        """Twists ``(n - 1, 6)`` from each control motor to the next."""
-        return (self.controls[:-1].inverse() @ self.controls[1:]).as_twist()
-
-    def _locate(self, time_s: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Segment and place in it, in [0, 1], of times after the first knot."""
-        slack = 1e-9 * max(1.0, self.duration_s)
-        outside = (time_s < -slack) | (time_s > self.duration_s + slack)
-        if np.any(outside):
-            raise ValueError(
-                f"CumulativeBSpline: expected times in [0, {self.duration_s:.9f}] s after "
-                f"{self.start_ns} ns, got {float(np.asarray(time_s)[outside][0]):.9f} s"
-            )
-        return _located(time_s, self.knot_spacing_s, len(self.controls) - ORDER + 1)
+        return sampled_motion(self.twists(time_s))
 
 
 def _check_spacing(knot_spacing_s: float) -> None:
@@ -242,17 +261,3 @@ def cumulative_weights(fraction: FloatArray, derivative: int) -> FloatArray:
         falling = factorial(power) // factorial(power - derivative)
         powers[power] = falling * fraction ** (power - derivative)
     return np.tensordot(_CUMULATIVE, powers, axes=1)
-
-
-def _carried(motor: Motor, twist: FloatArray) -> FloatArray:
-    """Twist seen from the other side of a motor: the adjoint, ``(*, 6)``."""
-    turn = motor.rotor.apply(twist[..., :3])
-    shift = motor.rotor.apply(twist[..., 3:]) + np.cross(motor.translation_m, turn)
-    return np.concatenate([turn, shift], axis=-1)
-
-
-def _bracket(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Commutator of twists, ``(*, 6)``."""
-    turn = np.cross(a[..., :3], b[..., :3])
-    shift = np.cross(a[..., :3], b[..., 3:]) + np.cross(a[..., 3:], b[..., :3])
-    return np.concatenate([turn, shift], axis=-1)
