@@ -6,15 +6,24 @@ angular rate follow from the closed forms, not from differences.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
 
+from motorcade.fusion.filter import Fused, fuse
+from motorcade.fusion.imu import ImuNoise, ImuStream, simulate_imu
+from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
+from motorcade.tracking.measurements import PoseMeasurements
 
 START_NS = 1_403_715_273_262_142_976
+
+NOISE = ImuNoise(2e-3, 2e-4, 2e-2, 3e-3)
+MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
+SIGMA_M, SIGMA_RAD = 0.01, np.deg2rad(0.5)
 
 
 @dataclass(frozen=True)
@@ -73,3 +82,50 @@ def shaken() -> Callable[[Trajectory, float, float, np.random.Generator], Trajec
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(20240229)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One simulated recording: the true state at the IMU's stamps, and what was measured."""
+
+    truth: Trajectory
+    velocity_m_s: FloatArray
+    gyro_bias: FloatArray
+    accel_bias: FloatArray
+    imu: ImuStream
+    measurements: PoseMeasurements
+    noise: ImuNoise = NOISE
+    mount: Motor = MOUNT
+
+    @property
+    def camera(self) -> Trajectory:
+        return self.truth.transformed_by(right=self.mount, child="camera")
+
+    def fuse(self, **options: Any) -> Fused:
+        return fuse(self.measurements, self.imu, self.noise, self.mount, **options)
+
+
+@pytest.fixture
+def record(handheld: Handheld) -> Callable[..., Run]:
+    """Simulate a recording; its biases start where the filter's prior says they may."""
+
+    def make(
+        rng: np.random.Generator,
+        duration_s: float = 8.0,
+        rate_hz: float = 100.0,
+        blackouts_s: Sequence[tuple[float, float]] = (),
+    ) -> Run:
+        path = handheld.trajectory(100.0, duration_s, "imu")
+        simulated = simulate_imu(path, rate_hz, NOISE, rng)
+        gyro, accel = 0.05 * rng.standard_normal(3), 0.25 * rng.standard_normal(3)
+        imu = ImuStream(
+            simulated.stream.time_ns,
+            simulated.stream.angular_rate_rad_s + gyro,
+            simulated.stream.specific_force_m_s2 + accel,
+        )
+        camera = simulated.path.transformed_by(right=MOUNT)
+        measured = simulate_camera_poses(camera, 20.0, SIGMA_M, SIGMA_RAD, rng, blackouts_s)
+        biases = simulated.gyro_bias_rad_s + gyro, simulated.accel_bias_m_s2 + accel
+        return Run(simulated.path, simulated.velocity_m_s, *biases, imu, measured)
+
+    return make

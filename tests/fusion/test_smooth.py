@@ -1,5 +1,7 @@
 """Laws of the zero-lag smoother, on every representation where they hold."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -120,8 +122,8 @@ def test_the_input_is_left_as_it_was(rng: np.random.Generator) -> None:
     ],
 )
 def test_bad_settings_are_refused(
-    arguments: dict[str, object], message: str, rng: np.random.Generator
+    arguments: dict[str, Any], message: str, rng: np.random.Generator
 ) -> None:
     path = Trajectory(uneven_stamps(rng, 20), Motor.random(rng, (20,)))
     with pytest.raises(ValueError, match=message):
-        smooth(path, **arguments)  # type: ignore[arg-type]
+        smooth(path, **arguments)
