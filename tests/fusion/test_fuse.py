@@ -1,0 +1,283 @@
+"""What the fused path is good for: less error, blackouts, wrong starts, outliers, real flights."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.filter import FilterSettings, Fused, fuse
+from motorcade.fusion.imu import ImuStream
+from motorcade.fusion.metrics import absolute_translation_m, associate, rotation_rad, tilt_rad
+from motorcade.fusion.simulate_poses import simulate_camera_poses
+from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.replays.readers.euroc import read as read_euroc
+from motorcade.replays.recording import Recording
+from motorcade.replays.trajectory_files import read_trajectory
+from motorcade.tracking.measurements import PoseMeasurements
+
+
+def errors_of(path: Trajectory, truth: Trajectory) -> tuple[FloatArray, FloatArray]:
+    """Errors of position (m) and rotation (deg) at every stamp of the path."""
+    true = truth.at(path.time_ns)
+    return absolute_translation_m(path.poses, true), np.rad2deg(rotation_rad(path.poses, true))
+
+
+def rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def spoilt(measurements: PoseMeasurements, which: np.ndarray, twist: list[float]):
+    """The measurements with some of them off by a twist."""
+    off = Motor.from_twist(np.where(which[:, None], np.array(twist), 0.0))
+    return PoseMeasurements(
+        measurements.trajectory.transformed_by(right=off), measurements.covariance
+    )
+
+
+def test_fusion_more_than_halves_the_measurements_errors(record, rng):
+    run = record(rng)
+    for measured, fused in zip(
+        errors_of(run.measurements.trajectory, run.camera),
+        errors_of(run.fuse().trajectory, run.camera),
+        strict=True,
+    ):
+        assert rms(fused) < 0.5 * rms(measured)
+
+
+def test_it_answers_at_any_stamps_and_agrees_with_itself(record, rng):
+    run = record(rng, 3.0)
+    coarse, fine = run.fuse(), run.fuse(stamps_ns=run.imu.time_ns)
+    assert len(fine.trajectory) == len(run.imu)
+    shared = np.isin(fine.trajectory.time_ns, coarse.trajectory.time_ns)
+    apart = (fine.trajectory.poses[shared].inverse() @ coarse.trajectory.poses).as_twist()
+    assert np.max(np.abs(apart)) < 1e-9
+    assert np.all(np.isnan(fine.nis[~shared]))
+    assert np.all(np.isfinite(fine.nis[shared][1:]))
+    between = run.imu.time_ns[:-1:7] + 3_141_593
+    odd = run.fuse(stamps_ns=between).trajectory
+    np.testing.assert_array_equal(odd.time_ns, between)
+    assert rms(errors_of(odd, run.camera)[0]) < 0.006
+
+
+def test_a_blackout_is_bridged_and_looking_ahead_helps(record, rng):
+    run = record(rng, 8.0, 200.0, blackouts_s=[(4.0, 5.0), (6.0, 7.5)])
+    dark = run.imu.time_ns[(np.diff(run.imu.time_ns, prepend=0) > 0)]
+    dark = dark[(dark > dark[0] + 4_000_000_000) & (dark < dark[0] + 5_000_000_000)]
+    online, offline = (
+        errors_of(run.fuse(stamps_ns=dark, smoothed=smoothed).trajectory, run.camera)[0]
+        for smoothed in (False, True)
+    )
+    assert np.max(offline) < 0.02
+    assert np.max(offline) < 0.5 * np.max(online)
+
+
+def test_uncertainty_grows_through_a_blackout_and_matches_the_error(record, rng):
+    run = record(rng, 8.0, 100.0, blackouts_s=[(4.0, 5.5)])
+    fused = run.fuse(stamps_ns=run.imu.time_ns, smoothed=False)
+    sigma = np.sqrt(np.trace(fused.covariance[:, 3:, 3:], axis1=1, axis2=2))
+    assert sigma[545] > 3.0 * sigma[395]
+    error = errors_of(fused.trajectory, run.camera)[0]
+    assert np.max(error[400:550] / sigma[400:550]) < 3.0
+
+
+@pytest.mark.parametrize("tilt_deg", [5.0, 40.0, 120.0])
+def test_a_wrong_start_converges_with_biases_unknown(record, rng, tilt_deg):
+    run = record(rng, 6.0)
+    settings = FilterSettings(initial_tilt_error_rad=np.deg2rad(tilt_deg))
+    fused = run.fuse(settings=settings, smoothed=False)
+    pairs = associate(fused.trajectory, run.camera)
+    tilt = np.rad2deg(tilt_rad(pairs.estimate, pairs.reference))
+    assert tilt[0] == pytest.approx(tilt_deg, abs=1.5)
+    assert np.max(tilt[40:]) < 0.5
+    biases = fused.gyro_bias_rad_s[-1] - run.gyro_bias[-1]
+    assert np.max(np.abs(biases)) < 5e-3
+
+
+def test_gross_outliers_leave_no_trace(record, rng):
+    """Every tenth pose flipped by 40° or a metre off: as good as without those poses."""
+    run = record(rng, 6.0)
+    bad = np.arange(len(run.measurements)) % 10 == 7
+    rest = PoseMeasurements(run.measurements.trajectory[~bad], run.measurements.covariance[~bad])
+    stamps = run.measurements.trajectory.time_ns
+    clean = fuse(rest, run.imu, run.noise, run.mount, stamps)
+    for twist in ([0.7, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 1.0, 0.0]):
+        found = fuse(spoilt(run.measurements, bad, twist), run.imu, run.noise, run.mount, stamps)
+        np.testing.assert_array_equal(found.accepted, ~bad)
+        apart = (clean.trajectory.poses.inverse() @ found.trajectory.poses).as_twist()
+        assert np.max(np.abs(apart)) < 1e-9
+
+
+def test_moderate_outliers_are_weighed_down(record, rng):
+    run = record(rng, 6.0)
+    bad = np.arange(len(run.measurements)) % 10 == 7
+    off = spoilt(run.measurements, bad, [0.0, 0.0, 0.0, 0.08, 0.0, 0.0])
+    gated, open_to_all = (
+        fuse(off, run.imu, run.noise, run.mount, settings=FilterSettings(gate=gate))
+        for gate in (0.9999, 1.0)
+    )
+    assert np.all(gated.accepted)
+    assert rms(errors_of(gated.trajectory, run.camera)[0]) < 0.8 * rms(
+        errors_of(open_to_all.trajectory, run.camera)[0]
+    )
+
+
+def test_when_the_world_has_moved_the_camera_is_believed_again(record, rng):
+    """A tracker that restarts elsewhere: after some poses left out the filter follows."""
+    run = record(rng, 8.0)
+    stamps = run.measurements.trajectory.time_ns
+    later = stamps > stamps[0] + 4_000_000_000
+    jump = Motor.from_euler_translation(np.array([0.0, 0.0, 0.9]), np.array([2.0, -1.0, 0.5]))
+    poses = run.measurements.trajectory.poses
+    moved = Motor.concatenate([poses[~later], jump @ poses[later]])
+    jumped = PoseMeasurements(Trajectory(stamps, moved), run.measurements.covariance)
+    true = Motor.concatenate([run.camera.at(stamps[~later]), jump @ run.camera.at(stamps[later])])
+    for smoothed in (False, True):
+        found = fuse(jumped, run.imu, run.noise, run.mount, smoothed=smoothed)
+        assert 3 <= np.count_nonzero(~found.accepted) <= 7
+        settled = np.abs(stamps - stamps[0] - 4_000_000_000) > 500_000_000
+        error = absolute_translation_m(found.trajectory.poses, true)
+        assert np.max(error[settled]) < 0.06
+
+
+def test_the_path_does_not_depend_on_heading_or_place_of_the_world(record, rng):
+    """Gravity fixes the vertical only: turn and shift the world, and the path turns with it."""
+    run = record(rng, 4.0)
+    turn = Rotor.from_rotation_vector([0.0, 0.0, 2.1])
+    left = Motor.from_rotor_translation(turn, np.array([300.0, -50.0, 7.0]))
+    moved = PoseMeasurements(
+        run.measurements.trajectory.transformed_by(left), run.measurements.covariance
+    )
+    here = run.fuse()
+    there = fuse(moved, run.imu, run.noise, run.mount)
+    apart = ((left @ here.trajectory.poses).inverse() @ there.trajectory.poses).as_twist()
+    assert np.max(np.abs(apart)) < 1e-8
+    np.testing.assert_allclose(there.covariance, here.covariance, atol=1e-10)
+
+
+def test_inputs_stay_as_they_were_and_results_repeat(record, rng):
+    run = record(rng, 2.0)
+    before = run.imu.angular_rate_rad_s.tobytes(), run.measurements.covariance.tobytes()
+    first, second = run.fuse(), run.fuse()
+    assert (
+        first.trajectory.poses.coefficients.tobytes()
+        == second.trajectory.poses.coefficients.tobytes()
+    )
+    assert before == (run.imu.angular_rate_rad_s.tobytes(), run.measurements.covariance.tobytes())
+
+
+def test_refusals(record, rng):
+    run = record(rng, 2.0)
+    far = ImuStream(
+        run.imu.time_ns + 10**12, run.imu.angular_rate_rad_s, run.imu.specific_force_m_s2
+    )
+    with pytest.raises(ValueError, match="measurements and imu: expected spans that overlap"):
+        fuse(run.measurements, far, run.noise, run.mount)
+    with pytest.raises(ValueError, match="stamps_ns: expected rising integer nanoseconds"):
+        run.fuse(stamps_ns=run.imu.time_ns[::-1])
+    with pytest.raises(ValueError, match="stamps_ns: expected rising integer nanoseconds"):
+        run.fuse(stamps_ns=run.imu.time_ns * 1.0)
+    with pytest.raises(ValueError, match="stamps_ns: expected some within"):
+        run.fuse(stamps_ns=far.time_ns)
+    with pytest.raises(ValueError, match=r"FilterSettings.gate: expected a probability .* got 1.5"):
+        FilterSettings(gate=1.5)
+    with pytest.raises(ValueError, match=r"FilterSettings.gravity_m_s2: expected a number above 0"):
+        FilterSettings(gravity_m_s2=float("nan"))
+
+
+# Simulated camera poses -------------------------------------------------------------------------
+
+
+def test_simulated_poses_have_their_noise_rate_and_blackouts(handheld):
+    truth = handheld.trajectory(200.0, 100.0)
+    rng, dark = np.random.default_rng, [(10.0, 11.0), (50.0, 52.0)]
+    whole = simulate_camera_poses(truth, 20.0, 0.01, 0.02, rng(3))
+    holed = simulate_camera_poses(truth, 20.0, 0.01, 0.02, rng(3), dark)
+    assert len(whole) == 2001
+    assert len(holed) == 2001 - 20 - 40
+    kept = np.isin(whole.trajectory.time_ns, holed.trajectory.time_ns)
+    np.testing.assert_array_equal(
+        whole.trajectory.poses[kept].coefficients, holed.trajectory.poses.coefficients
+    )
+    error = (truth.at(whole.trajectory.time_ns).inverse() @ whole.trajectory.poses).as_twist()
+    sigma = np.repeat([0.02, 0.01], 3)
+    np.testing.assert_allclose(np.std(error, axis=0), sigma, rtol=0.06)
+    np.testing.assert_allclose(whole.covariance[0], np.diag(sigma**2))
+    for arguments, message in [
+        ((0.0, 0.01, 0.02, rng(0)), "rate_hz: expected a number above 0, got 0.0"),
+        ((20.0, 0.0, 0.02, rng(0)), "sigma_m: expected"),
+        ((20.0, 0.01, 0.02, rng(0), [(3.0, 2.0)]), "blackouts_s: expected start < end"),
+        ((20.0, 0.01, 0.02, rng(0), [(-1.0, 200.0)]), "blackouts_s: expected some"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            simulate_camera_poses(truth, *arguments)
+
+
+# A real flight ----------------------------------------------------------------------------------
+
+FLIGHT_NOISE_FACTOR = 5.0  # where the mean NIS is 6, as it should be with six degrees of freedom
+
+
+@pytest.fixture(scope="module")
+def flight(data_dir: Path) -> Recording:
+    return read_euroc(data_dir / "replays" / "euroc_V1_01")
+
+
+def flown(flight, truth_file: str, rng, blackouts_s=()):
+    mount, noise = flight.imu_T_camera, flight.imu_noise.scaled(FLIGHT_NOISE_FACTOR)
+    truth = read_trajectory(flight.root / truth_file).transformed_by(right=mount, child="camera")
+    measured = simulate_camera_poses(truth, 20.0, 0.01, np.deg2rad(0.5), rng, blackouts_s)
+    return truth, measured, (flight.imu, noise, mount)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("truth_file", ["V1_01_easy.txt", "V1_01_easy_original.txt"])
+def test_a_recorded_imu_more_than_halves_the_errors_and_bridges_blackouts(flight, rng, truth_file):
+    spans = [(start, start + 1.0) for start in range(12, 140, 16)]
+    truth, measured, sensor = flown(flight, truth_file, rng, spans)
+    stamps = truth.time_ns[:: round(0.05 / np.median(np.diff(truth.time_s)))]
+    fused = fuse(measured, *sensor, stamps)
+    position, rotation = errors_of(fused.trajectory, truth)
+    noisy_position, noisy_rotation = errors_of(measured.trajectory, truth)
+    assert rms(position) < 0.5 * rms(noisy_position)
+    assert rms(rotation) < 0.5 * rms(noisy_rotation)
+    seconds = (fused.trajectory.time_ns - truth.time_ns[0]) * 1e-9
+    for start, end in spans:
+        assert np.max(position[(seconds >= start) & (seconds <= end)]) < 0.05
+
+
+def test_a_recorded_imu_converges_from_a_wrong_tilt_with_no_bias_known(flight, rng):
+    truth, measured, sensor = flown(flight, "V1_01_easy.txt", rng)
+    first = PoseMeasurements(measured.trajectory[:500], measured.covariance[:500])
+    settings = FilterSettings(initial_tilt_error_rad=np.deg2rad(5.0))
+    fused: Fused = fuse(first, *sensor, settings=settings, smoothed=False)
+    tilt = np.rad2deg(tilt_rad(fused.trajectory.poses, truth.at(fused.trajectory.time_ns)))
+    assert tilt[0] > 4.0
+    assert np.max(tilt[60:]) < 0.5
+    assert np.mean(fused.nis[1:]) == pytest.approx(6.0, abs=0.6)
+    _, bias = gyroscope_against_truth(flight)
+    assert np.linalg.norm(bias) > np.deg2rad(4.0)
+    np.testing.assert_allclose(fused.gyro_bias_rad_s[-1], bias, atol=3e-3)
+
+
+def test_the_flights_truth_is_that_of_the_imu(flight):
+    """The truth turns as the gyroscope says, axis by axis: its moving frame is the IMU's."""
+    fitted, _ = gyroscope_against_truth(flight)
+    np.testing.assert_allclose(fitted, np.eye(3), atol=2e-3)
+
+
+def gyroscope_against_truth(flight) -> tuple[FloatArray, FloatArray]:
+    """Least-squares matrix (3, 3) from measured to true turns, and the gyroscope's bias."""
+    imu, truth = flight.imu, read_trajectory(flight.root / "V1_01_easy.txt")
+    truth = truth[(truth.time_ns >= imu.time_ns[0]) & (truth.time_ns <= imu.time_ns[-1])]
+    seconds = (imu.time_ns - imu.time_ns[0]) * 1e-9
+    mean = 0.5 * (imu.angular_rate_rad_s[1:] + imu.angular_rate_rad_s[:-1])
+    total = np.vstack([np.zeros(3), np.cumsum(mean * np.diff(seconds)[:, None], axis=0)])
+    stamps = (truth.time_ns - imu.time_ns[0]) * 1e-9
+    turned = np.stack([np.interp(stamps, seconds, column) for column in total.T], axis=-1)
+    rotors, steps = truth.poses.rotor, np.diff(stamps)[:, None]
+    seen = (rotors[:-1].inverse() @ rotors[1:]).as_rotation_vector() / steps
+    felt = np.hstack([np.diff(turned, axis=0) / steps, np.ones_like(steps)])
+    fitted = np.linalg.lstsq(felt, seen, rcond=None)[0]
+    return fitted[:3], -fitted[3]
