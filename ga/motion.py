@@ -61,11 +61,12 @@ def sampled_motion(sample: TwistSample[Motor]) -> SplineSample:
 
 def carried_twist(versor: V, twist: FloatArray) -> FloatArray:
     """Twist seen from the other side of a versor, the adjoint: ``S exp(x) ~S = exp(Ad x)``."""
-    turn = versor.rotor.apply(twist[..., :3])
-    shift = versor.rotor.apply(twist[..., 3:6])
+    rotor, translation_m = versor.rotor, versor.translation_m
+    turn = rotor.apply(twist[..., :3])
+    shift = rotor.apply(twist[..., 3:6])
     if isinstance(versor, Similarity):
-        shift = versor.scale[..., None] * shift - twist[..., 6:] * versor.translation_m
-    shift = shift + np.cross(versor.translation_m, turn)
+        shift = versor.scale[..., None] * shift - twist[..., 6:] * translation_m
+    shift = shift + np.cross(translation_m, turn)
     return np.concatenate([turn, shift, twist[..., 6:]], axis=-1)
 
 

@@ -124,24 +124,26 @@ class Similarity(Versor):
         motor = Motor.random(rng, shape, extent_m)
         return cls.from_motor_scale(motor, np.exp(log_scale * rng.standard_normal(shape)))
 
+    def _parts(self) -> tuple[Rotor, FloatArray, FloatArray]:
+        rotor, half_log_scale, translation = kernels.parts(self.coefficients)
+        turned = Rotor._trusted(np.ascontiguousarray(np.moveaxis(rotor, 0, -1)))
+        moved = np.ascontiguousarray(np.moveaxis(translation, 0, -1))
+        return turned, moved, np.exp(2.0 * half_log_scale)
+
     @property
     def rotor(self) -> Rotor:
         """The rotation, ``R`` of ``S = T R D``."""
-        rotor, _, _ = kernels.parts(self.coefficients)
-        return Rotor._trusted(np.ascontiguousarray(np.moveaxis(rotor, 0, -1)))
-
-    @property
-    def scale(self) -> FloatArray:
-        """How much lengths grow, ``ρ (*)``."""
-        _, half_log_scale, _ = kernels.parts(self.coefficients)
-        grown: FloatArray = np.exp(2.0 * half_log_scale)
-        return grown
+        return self._parts()[0]
 
     @property
     def translation_m(self) -> FloatArray:
         """The translation ``(*, 3)`` in metres, ``t`` of ``S = T R D``: where the origin goes."""
-        _, _, translation = kernels.parts(self.coefficients)
-        return np.ascontiguousarray(np.moveaxis(translation, 0, -1))
+        return self._parts()[1]
+
+    @property
+    def scale(self) -> FloatArray:
+        """How much lengths grow, ``ρ (*)``."""
+        return self._parts()[2]
 
     def apply(self, points: ArrayLike) -> FloatArray:
         """Move points ``(*, 3)`` in metres to ``ρ R x ~R + t``; batch shapes broadcast.
@@ -151,7 +153,26 @@ class Similarity(Versor):
         """
         x = checked_floats(points, "Similarity.apply(points)", (3,))
         broadcast_batch("Similarity.apply", self.shape, x.shape[:-1])
-        return self.scale[..., None] * self.rotor.apply(x) + self.translation_m
+        rotor, translation_m, scale = self._parts()
+        return scale[..., None] * rotor.apply(x) + translation_m
+
+    def interpolate(
+        self, other: Similarity, fraction: ArrayLike, short_way: bool = True
+    ) -> Similarity:
+        """Constant-speed path ``self exp(fraction log(~self other))``; see `Versor.interpolate`.
+
+        Its points run along logarithmic spirals: lengths grow by equal factors in equal steps.
+
+        Raises:
+            TypeError: another type of versor.
+            ValueError: NaN or infinite fraction, batches that do not broadcast, or the long way
+                between two equal orientations of opposite sign.
+        """
+        if type(other) is not type(self):
+            raise TypeError(
+                f"Similarity.interpolate(other): expected a Similarity, got {type(other).__name__}"
+            )
+        return super().interpolate(other, fraction, short_way)
 
     # Conversions -------------------------------------------------------------------------------
 
@@ -169,7 +190,7 @@ class Similarity(Versor):
 
     def as_rotor_translation_scale(self) -> tuple[Rotor, FloatArray, FloatArray]:
         """Rotor, translation ``(*, 3)`` in metres and scale ``(*)``."""
-        return self.rotor, self.translation_m, self.scale
+        return self._parts()
 
     @classmethod
     def from_motor_scale(cls, motor: Motor, scale: ArrayLike = 1.0) -> Similarity:
@@ -195,7 +216,8 @@ class Similarity(Versor):
 
     def as_motor_scale(self) -> tuple[Motor, FloatArray]:
         """The rigid motion ``T R`` and the scale ``(*)`` of ``S = T R D``."""
-        return Motor.from_rotor_translation(self.rotor, self.translation_m), self.scale
+        rotor, translation_m, scale = self._parts()
+        return Motor.from_rotor_translation(rotor, translation_m), scale
 
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Similarity:
@@ -224,9 +246,10 @@ class Similarity(Versor):
 
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
+        rotor, translation_m, scale = self._parts()
         matrix = np.zeros((*self.shape, 4, 4))
-        matrix[..., :3, :3] = self.scale[..., None, None] * self.rotor.as_matrix()
-        matrix[..., :3, 3] = self.translation_m
+        matrix[..., :3, :3] = scale[..., None, None] * rotor.as_matrix()
+        matrix[..., :3, 3] = translation_m
         matrix[..., 3, 3] = 1.0
         return matrix
 

@@ -55,6 +55,26 @@ def test_moving_the_body_frame_moves_the_path(
     assert distance((a @ mount).interpolate(b @ mount, fraction), path @ mount) < ROUNDING
 
 
+def test_the_path_moves_with_both_frames_on_hard_samples(
+    versors: Versor, others: Versor, distance: Distance, rng: np.random.Generator
+) -> None:
+    left, right = (type(versors).random(rng) for _ in range(2))
+    path = left @ others.interpolate(versors, 0.3) @ right
+    again = (left @ others @ right).interpolate(left @ versors @ right, 0.3)
+    assert distance(again, path) < 10 * ROUNDING
+
+
+def test_near_neighbours_keep_their_distance_from_each_other(
+    versors: Versor, distance: Distance
+) -> None:
+    # From a versor to itself moved by next to nothing, seen from either side.
+    size = versors.log().shape[-1]
+    for step in (1e-12, 1e-9, 1e-5):
+        nudge = type(versors).exp(np.full(size, step))
+        path = versors.interpolate(versors @ nudge, 0.25)
+        assert distance(path, versors @ type(versors).exp(np.full(size, 0.25 * step))) < ROUNDING
+
+
 def test_back_and_forth_are_one_path(
     kind: type[Versor], rng: np.random.Generator, distance: Distance
 ) -> None:

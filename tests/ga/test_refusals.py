@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor, Rotor, Versor, checked_floats, frozen
+from motorcade.ga import Motor, Rotor, Similarity, Versor, checked_floats, frozen
 
 
 @pytest.mark.parametrize("shape", [(), (3,), (5,), (4, 1), (2, 7), (9,)])
@@ -91,6 +91,36 @@ def test_rotors_and_motors_do_not_mix(rng: np.random.Generator) -> None:
         Rotor.random(rng) @ Motor.random(rng)
     with pytest.raises(TypeError):
         np.eye(4) @ Motor.random(rng)
+
+
+def test_two_types_of_versor_have_nothing_between(
+    kind: type[Versor], rng: np.random.Generator
+) -> None:
+    for other in {Rotor, Motor, Similarity} - {kind}:
+        for shape in ((), (3,)):
+            one, two = kind.random(rng, shape), other.random(rng, shape)
+            with pytest.raises(TypeError):
+                one @ two
+            with pytest.raises((TypeError, ValueError), match="expected"):
+                one.interpolate(two, 0.5)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float16, np.int64, np.uint8, np.bool_])
+def test_other_real_numbers_are_read_as_they_are(kind: type[Versor], dtype: type) -> None:
+    given = np.asarray(kind.identity((2,)).coefficients, dtype=dtype)
+    np.testing.assert_array_equal(kind(given).coefficients, kind.identity((2,)).coefficients)
+    assert kind(given).coefficients.dtype == np.float64
+    points = kind.identity().apply(np.array([1, 0, 1], dtype=dtype))
+    np.testing.assert_array_equal(points, [1.0, 0.0, 1.0])
+
+
+@pytest.mark.parametrize("dtype", [np.complex128, object, "datetime64[ns]", str])
+def test_what_is_not_real_is_refused(kind: type[Versor], dtype: object) -> None:
+    given = np.zeros(kind.identity().coefficients.shape, dtype=np.int64).astype(dtype)
+    with pytest.raises(ValueError, match="expected real numbers"):
+        kind(given)
+    with pytest.raises(ValueError, match="expected real numbers"):
+        kind.normalize(given)
 
 
 def test_points_need_three_coordinates(kind: type[Versor]) -> None:

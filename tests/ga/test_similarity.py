@@ -82,6 +82,26 @@ def test_tiny_growth_keeps_its_relative_precision() -> None:
         assert made.log()[3] == pytest.approx(0.5 * log_scale, rel=1e-15, abs=0.0)
 
 
+def test_products_are_associative_at_every_scale(
+    scale: float, motors: Motor, rng: np.random.Generator
+) -> None:
+    a = Similarity.from_motor_scale(motors, scale)
+    b, c = (Similarity.random(rng, motors.shape) for _ in range(2))
+    assert off(((a @ b) @ c).as_matrix(), (a @ (b @ c)).as_matrix()) < 32 * bound(scale)
+
+
+def test_paths_have_even_speed_and_meet_their_ends_at_every_scale(
+    scale: float, motors: Motor
+) -> None:
+    start, end = Similarity.identity(motors.shape), Similarity.from_motor_scale(motors, scale)
+    fractions = np.linspace(0, 1, 9).reshape(9, *(1 for _ in motors.shape))
+    path = start.interpolate(end, fractions)
+    assert off(path[0].as_matrix(), start.as_matrix()) < bound(4)
+    assert off(path[-1].as_matrix(), end.as_matrix()) < 8 * bound(scale)
+    steps = (path[:-1].inverse() @ path[1:]).log()
+    assert off(8.0 * steps, np.broadcast_to(end.log(), steps.shape)) < 8 * bound(scale)
+
+
 def test_growth_along_the_path_is_even(rng: np.random.Generator) -> None:
     start, end = Similarity.random(rng, (20,)), Similarity.random(rng, (20,))
     path = start.interpolate(end, np.linspace(0, 1, 6)[:, None])

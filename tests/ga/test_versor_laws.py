@@ -81,6 +81,32 @@ def test_acting_twice_is_acting_by_the_product(
     )
 
 
+def test_action_is_the_matrix(versors: Versor, rng: np.random.Generator) -> None:
+    points = rng.standard_normal((*versors.shape, 3))
+    matrix = np.asarray(versors.as_matrix())
+    witness = (matrix[..., :3, :3] @ points[..., None])[..., 0]
+    if matrix.shape[-1] == 4:
+        witness += matrix[..., :3, 3]
+    scale = max(1.0, float(np.max(np.abs(witness))))
+    np.testing.assert_allclose(versors.apply(points), witness, rtol=0, atol=ROUNDING * scale)
+
+
+def test_matrix_of_the_product_is_the_product_of_matrices(versors: Versor, others: Versor) -> None:
+    product = versors.as_matrix() @ others.as_matrix()
+    scale = max(1.0, float(np.max(np.abs(product))))
+    np.testing.assert_allclose(
+        (versors @ others).as_matrix(), product, rtol=0, atol=ROUNDING * scale
+    )
+
+
+def test_matrices_come_back(versors: Versor, distance: Distance) -> None:
+    again = type(versors).from_matrix(versors.as_matrix())
+    assert distance(again, versors) < ROUNDING
+    same = np.minimum(*(np.max(np.abs(again.coefficients - sign * versors.coefficients), axis=-1)
+                        for sign in (1, -1)))  # fmt: skip
+    assert np.all(same < ROUNDING * max(1.0, float(np.max(np.abs(versors.coefficients)))))
+
+
 def test_inverse_takes_points_back(versors: Versor, rng: np.random.Generator) -> None:
     points = rng.standard_normal((*versors.shape, 3))
     moved = versors.apply(points)
