@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from motorcade.ga.algebra.basis import grade_of, order_of, reorder_sign
-from motorcade.ga.algebra.products import Masks, apply_plan
+from motorcade.ga.algebra.basis import Terms, grade_of, order_of, reorder_sign
+from motorcade.ga.algebra.products import Masks, Plan, apply_plan
 from motorcade.ga.algebra.scalars import checked_scalar, is_zero_somewhere, magnitude, square_root
 
 if TYPE_CHECKING:
@@ -222,10 +222,14 @@ class Multivector:
         self._same_algebra(other)
         return (self * other)._product("geometric", ~self, frozenset(other.grades))
 
-    def reverse_product(self) -> Multivector:
-        """``x ~x``, without the terms that cancel by symmetry: a scalar for a versor's blades."""
+    def reverse_plan(self) -> Plan:
+        """The terms of ``x ~x`` on the blades of `self`."""
         signs = tuple(_reverse_sign(grade_of(mask)) for mask in self.masks)
-        plan = self.algebra.symmetric_plan(self.masks, signs)
+        return self.algebra.symmetric_plan(self.masks, signs)
+
+    def reverse_product(self) -> Multivector:
+        """``x ~x``, without the terms that cancel by symmetry."""
+        plan = self.reverse_plan()
         return Multivector._trusted(
             self.algebra, plan.masks, apply_plan(plan, self.values, self.values)
         )
@@ -310,6 +314,32 @@ class Multivector:
             made[rest] = value if sign * orientation > 0 else -value
         masks = tuple(sorted(made, key=order_of))
         return Multivector._trusted(self.algebra, masks, (made[mask] for mask in masks))
+
+    def as_orthogonal(self) -> Multivector:
+        """The same multivector on the orthogonal basis, in `Algebra.orthogonal`."""
+        return self._exchanged(self.algebra.orthogonal, self.algebra.basis.to_orthogonal)
+
+    def from_orthogonal(self, algebra: Algebra) -> Multivector:
+        """The mirror of `as_orthogonal`: the same multivector on the basis of `algebra`.
+
+        Raises:
+            ValueError: `algebra` is not on this basis when written orthogonally.
+        """
+        if algebra.orthogonal != self.algebra:
+            raise ValueError(
+                f"from_orthogonal: expected a multivector of {algebra.orthogonal}, "
+                f"got one of {self.algebra}"
+            )
+        return self._exchanged(algebra, algebra.basis.from_orthogonal)
+
+    def _exchanged(self, algebra: Algebra, written: Callable[[int], Terms]) -> Multivector:
+        total: dict[int, Any] = {}
+        for mask, value in zip(self.masks, self.values, strict=True):
+            for other, factor in written(mask):
+                part = value * factor
+                total[other] = total[other] + part if other in total else part
+        masks = tuple(sorted(total, key=order_of))
+        return Multivector._trusted(algebra, masks, (total[mask] for mask in masks))
 
     # Size and inverse --------------------------------------------------------------------------
 

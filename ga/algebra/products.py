@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from motorcade.ga.algebra.basis import Basis, Terms, grade_of, order_of
 
-__all__ = ["PRODUCTS", "Masks", "Plan", "apply_plan", "plan_product", "symmetric"]
+__all__ = ["PRODUCTS", "Masks", "Plan", "apply_plan", "majorant", "plan_product", "symmetric"]
 
 Masks = tuple[int, ...]
 
@@ -90,6 +90,13 @@ def _ordered(found: dict[int, list[tuple[float, int, int]]]) -> Plan:
     """Blades in their order; positive terms first, so that sums need no sign in front."""
     masks = tuple(sorted(found, key=order_of))
     return Plan(masks, tuple(tuple(sorted(found[m], key=lambda t: t[0] < 0)) for m in masks))
+
+
+def majorant(plan: Plan) -> Plan:
+    """The plan with positive factors: on absolute values it bounds the sizes of all terms."""
+    return Plan(
+        plan.masks, tuple(tuple((abs(f), i, j) for f, i, j in terms) for terms in plan.terms)
+    )
 
 
 def apply_plan(plan: Plan, left: Sequence[Any], right: Sequence[Any]) -> tuple[Any, ...]:

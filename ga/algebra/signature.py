@@ -28,13 +28,13 @@ class Algebra:
     Args:
         p: how many basis vectors square to 1; likewise `q` and `r`. At most 10 in all.
         names: of the basis vectors in this order; e1, e2, … if none are given.
-        null_pair: let the last positive and the last negative vector, ep and em, be written as
-            ``e0 = ½ (em - ep)`` and ``einf = ep + em``. They come last in `names`; ``ep`` and
-            ``em`` are understood wherever a blade is named.
+        null_pair: let the last positive vector ep and the one negative vector em be written as
+            ``e0 = ½ (em - ep)`` and ``einf = ep + em``, as in conformal algebras. They come last
+            in `names`; ``ep`` and ``em`` are understood wherever a blade is named.
 
     Raises:
         ValueError: counts that are negative or too large, names that are no distinct identifiers,
-            a null pair without a positive and a negative vector.
+            a null pair in a signature that is not (p, 1, 0).
     """
 
     __slots__ = ("_bits", "_plans", "basis", "names", "null_pair", "signature")
@@ -51,8 +51,7 @@ class Algebra:
         _check_counts(p, q, r, null_pair)
         given = tuple(names) if names is not None else _default_names(p + q + r, null_pair)
         _check_names(given, p + q + r, null_pair)
-        taken = 1 if null_pair else 0
-        squares = (1,) * (p - taken) + (-1,) * (q - taken) + (0,) * r + (1, -1) * taken
+        squares = (1,) * p + (-1,) * q + (0,) * r
         self.signature = (p, q, r)
         self.names = given
         self.null_pair = null_pair
@@ -114,6 +113,13 @@ class Algebra:
                 NaN or infinity.
         """
         return Multivector(self, coefficients)
+
+    @property
+    def orthogonal(self) -> Algebra:
+        """The same algebra on its orthogonal basis: itself, or the one that ends in ep, em."""
+        if not self.null_pair:
+            return self
+        return Algebra(*self.signature, (*self.names[:-2], "ep", "em"))
 
     @property
     def pseudoscalar(self) -> Multivector:
@@ -208,10 +214,9 @@ def _check_counts(p: int, q: int, r: int, null_pair: bool) -> None:
         raise ValueError(
             f"Algebra(p, q, r): expected 1 to {MAX_DIMENSION} basis vectors, got {p + q + r}"
         )
-    if null_pair and (p == 0 or q == 0):
+    if null_pair and (p == 0 or (q, r) != (1, 0)):
         raise ValueError(
-            "Algebra.null_pair: expected a positive and a negative vector to pair, "
-            f"got signature {(p, q, r)}"
+            f"Algebra.null_pair: expected a signature (p, 1, 0) with p >= 1, got {(p, q, r)}"
         )
 
 

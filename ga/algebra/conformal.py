@@ -1,0 +1,252 @@
+"""Points, planes, spheres, lines, circles and point pairs of space as multivectors of CGA3.
+
+Convention: every object is written in its inner form (IPNS), ``x`` with ``P·x = 0`` for the points
+P on it: spheres and planes are vectors, circles and lines bivectors, point pairs and flat points
+trivectors. The outer form (OPNS), ``X`` with ``P∧X = 0``, is ``x.undual()``, and ``X.dual()`` leads
+back. A point is a sphere of radius zero; it is also its own outer form.
+
+    point   x + ½ x² ∞ + e0        sphere  c + ½ (c² - r²) ∞ + e0        plane  n + d ∞  (n·x = d)
+
+Planes, lines and circles are oriented: a line by its direction, a plane and a circle by their
+normal. Coordinates are arrays ``(*, 3)``, batch in front, or three scalars of any kind. Numbers are
+checked and degenerate cases refused; symbols cannot be looked at and pass.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga.algebra.multivector import Multivector
+from motorcade.ga.algebra.scalars import is_numeric, magnitude
+from motorcade.ga.algebra.signature import CGA3
+from motorcade.ga.algebra.triples import (
+    Triple,
+    add,
+    cross,
+    dot,
+    length,
+    normalized,
+    number,
+    size_of,
+    subtract,
+    triple,
+    unit_triple,
+)
+
+__all__ = [
+    "circle",
+    "circle_through",
+    "infinity",
+    "join",
+    "line",
+    "line_through",
+    "meet",
+    "plane",
+    "plane_through",
+    "point",
+    "point_pair",
+    "sphere",
+    "sphere_through",
+]
+
+# What is smaller than this beside the terms that it is made of, counts as zero.
+_DEGENERATE = 1e-12
+
+_AXES = ("e1", "e2", "e3")
+
+
+def point(position: Any) -> Multivector:
+    """The point at `position` ``(*, 3)`` in metres, of weight 1."""
+    x = triple(position, "point(position)")
+    return _vector(x, 0.5 * dot(x, x), origin=1.0)
+
+
+def infinity() -> Multivector:
+    """The point at infinity, ``∞``, on every plane and line."""
+    return CGA3.blade("einf")
+
+
+def sphere(center: Any, radius_m: Any) -> Multivector:
+    """The sphere around `center` ``(*, 3)`` with `radius_m` ``(*)``, of weight 1.
+
+    Raises:
+        ValueError: a negative radius. Imaginary spheres (r² < 0) only arise from meets and joins.
+    """
+    c = triple(center, "sphere(center)")
+    r = length(radius_m, "sphere(radius_m)")
+    return _vector(c, 0.5 * (dot(c, c) - r * r), origin=1.0)
+
+
+def plane(normal: Any, distance_m: Any) -> Multivector:
+    """The plane ``normal · x = distance_m``; `normal` ``(*, 3)`` is a unit vector.
+
+    Raises:
+        ValueError: a normal whose length is more than 1e-6 from 1.
+    """
+    n = unit_triple(normal, "plane(normal)")
+    return _vector(n, number(distance_m, "plane(distance_m)"))
+
+
+def line(position: Any, direction: Any) -> Multivector:
+    """The line through `position` ``(*, 3)`` along the unit vector `direction` ``(*, 3)``.
+
+    Raises:
+        ValueError: a direction whose length is more than 1e-6 from 1.
+    """
+    p = triple(position, "line(position)")
+    d = unit_triple(direction, "line(direction)")
+    m = cross(p, d)
+    return CGA3.multivector(
+        {"e2^e3": d[0], "e3^e1": d[1], "e1^e2": d[2], "e1^einf": m[0], "e2^einf": m[1],
+         "e3^einf": m[2]}
+    )  # fmt: skip
+
+
+def circle(center: Any, normal: Any, radius_m: Any) -> Multivector:
+    """The circle around `center` ``(*, 3)`` across the unit vector `normal`, with `radius_m`.
+
+    Raises:
+        ValueError: a negative radius, a normal whose length is more than 1e-6 from 1.
+    """
+    c = triple(center, "circle(center)")
+    n = unit_triple(normal, "circle(normal)")
+    return sphere(c, length(radius_m, "circle(radius_m)")) ^ _vector(n, dot(n, c))
+
+
+def point_pair(first: Any, second: Any) -> Multivector:
+    """The two points at ``(*, 3)``, in this order.
+
+    Raises:
+        ValueError: equal points.
+    """
+    a, b = triple(first, "point_pair(first)"), triple(second, "point_pair(second)")
+    way = subtract(b, a)
+    _independent("point_pair", (way,), "two points apart")
+    return (point(a) ^ point(b)).dual()._divided(size_of(way))
+
+
+def line_through(first: Any, second: Any) -> Multivector:
+    """The line from the point at `first` ``(*, 3)`` to the one at `second`, of unit weight.
+
+    Raises:
+        ValueError: equal points.
+    """
+    a, b = triple(first, "line_through(first)"), triple(second, "line_through(second)")
+    way = subtract(b, a)
+    _independent("line_through", (way,), "two points apart")
+    return line(a, normalized(way))
+
+
+def plane_through(first: Any, second: Any, third: Any) -> Multivector:
+    """The plane of three points ``(*, 3)``, its normal on the side where they run anticlockwise.
+
+    Raises:
+        ValueError: points on one line.
+    """
+    a, ab, ac = _spread("plane_through", first, second, third)
+    n = normalized(cross(ab, ac))
+    return _vector(n, dot(n, a))
+
+
+def circle_through(first: Any, second: Any, third: Any) -> Multivector:
+    """The circle through three points ``(*, 3)``, its normal as in `plane_through`.
+
+    Raises:
+        ValueError: points on one line: `line_through` is meant for these.
+    """
+    a, ab, ac = _spread("circle_through", first, second, third)
+    made = -(point(a) ^ point(add(a, ab)) ^ point(add(a, ac))).dual()
+    return made._divided(size_of(cross(ab, ac)))
+
+
+def sphere_through(first: Any, second: Any, third: Any, fourth: Any) -> Multivector:
+    """The sphere through four points ``(*, 3)``, of weight 1.
+
+    Raises:
+        ValueError: points on one plane or circle.
+    """
+    given = (first, second, third, fourth)
+    a, b, c, d = (triple(x, "sphere_through(points)") for x in given)
+    edges = (subtract(b, a), subtract(c, a), subtract(d, a))
+    _independent("sphere_through", edges, "four points that lie on no plane")
+    made = (point(a) ^ point(b) ^ point(c) ^ point(d)).dual()
+    return made._divided(made.coefficient("e0"))
+
+
+def meet(first: Multivector, *others: Multivector) -> Multivector:
+    """What the objects have in common: the outer product of inner forms.
+
+    Two spheres meet in a circle, a line and a plane in a flat point, a line and a sphere in a
+    point pair. Where they miss each other the circle or pair is imaginary (`radius_squared` is
+    negative), where they touch its radius is zero; parallel flats meet at infinity.
+
+    Raises:
+        ValueError: multivectors that are no objects of CGA3 in inner form.
+    """
+    met = _checked_object(first, "meet")
+    for other in others:
+        met = met ^ _checked_object(other, "meet")
+    return met
+
+
+def join(first: Multivector, *points: Multivector) -> Multivector:
+    """The smallest object that holds an object and further points: the outer form's product.
+
+    A line and a point span a plane, a circle and a point a sphere, a point pair and `infinity` a
+    line. Its orientation follows the outer product's order, and it is zero where a point lies on
+    the object already.
+
+    Raises:
+        ValueError: multivectors that are no objects of CGA3 in inner form, or further ones that
+            are no points.
+    """
+    grown = _checked_object(first, "join").undual()
+    for other in points:
+        if _checked_object(other, "join").grades != (1,):
+            raise ValueError(f"join(points): expected points, got grades {other.grades}")
+        grown = grown ^ other
+    return grown.dual()
+
+
+def _vector(space: Triple, infinite: Any, origin: Any = None) -> Multivector:
+    named = dict(zip(_AXES, space, strict=True))
+    if origin is not None:
+        named["e0"] = origin
+    return CGA3.multivector({**named, "einf": infinite})
+
+
+def _spread(name: str, first: Any, second: Any, third: Any) -> tuple[Triple, Triple, Triple]:
+    """A corner of a triangle and the edges from it, refused where they are on one line."""
+    a, b, c = (triple(x, f"{name}(points)") for x in (first, second, third))
+    edges = subtract(b, a), subtract(c, a)
+    _independent(name, edges, "three points that lie on no line")
+    return a, *edges
+
+
+def _independent(name: str, edges: tuple[Triple, ...], expected: str) -> None:
+    """Refuse edges that span nothing: their volume beside the product of their lengths."""
+    lengths = [size_of(edge) for edge in edges]
+    if len(edges) == 1:
+        volume, size = lengths[0], 1.0
+        smallest = 0.0
+    elif len(edges) == 2:
+        volume, size = size_of(cross(edges[0], edges[1])), lengths[0] * lengths[1]
+        smallest = _DEGENERATE
+    else:
+        volume = magnitude(dot(cross(edges[0], edges[1]), edges[2]))
+        size = lengths[0] * lengths[1] * lengths[2]
+        smallest = _DEGENERATE
+    if is_numeric(volume):
+        lost = int(np.count_nonzero(np.asarray(volume) <= smallest * size))
+        if lost:
+            raise ValueError(f"{name}: expected {expected}, got {lost} sets that do not")
+
+
+def _checked_object(x: Multivector, name: str) -> Multivector:
+    if not isinstance(x, Multivector) or x.algebra != CGA3:
+        raise ValueError(f"{name}: expected multivectors of {CGA3}, got {x!r}")
+    if len(x.grades) != 1 or x.grades[0] not in (1, 2, 3, 4):
+        raise ValueError(f"{name}: expected objects of one grade from 1 to 4, got {x.grades}")
+    return x
