@@ -72,7 +72,10 @@ class ImuNoise:
 def _yaml_mapping(path: Path) -> Mapping[str, object]:
     import yaml
 
-    text = path.read_text(encoding="utf-8")
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as fault:
+        raise ValueError(f"{path}: expected YAML in UTF-8, got other bytes") from fault
     # OpenCV opens its files with "%YAML:1.0", which is no YAML directive.
     body = text.split("\n", 1)[-1] if text.startswith("%YAML:") else text
     try:

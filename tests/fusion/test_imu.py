@@ -173,6 +173,13 @@ def test_noise_files_are_refused_by_file_and_field(tmp_path, change, message):
         ImuNoise.load(file)
 
 
+def test_noise_files_that_are_no_text_are_refused(tmp_path):
+    file = tmp_path / "imu.yaml"
+    file.write_bytes(b"\xff\xfe\x00gyro")
+    with pytest.raises(ValueError, match="imu.yaml: expected YAML in UTF-8"):
+        ImuNoise.load(file)
+
+
 def test_noise_must_be_positive_and_scales_as_one():
     with pytest.raises(ValueError, match=r"accel_walk_m_s3_rthz: expected a number above 0"):
         ImuNoise(1e-4, 1e-5, 1e-3, 0.0)
