@@ -101,8 +101,11 @@ class Similarity(Versor):
                 "Similarity.normalize(coefficients): expected non-zero elements with a rotor part, "
                 f"got {int(np.count_nonzero(size == 0.0))} zero ones"
             )
-        made, defined = kernels.projected(given / size)
-        lost = int(np.count_nonzero(defined < _UNDEFINED))
+        # By powers of two, so that nothing is rounded before A and B are subtracted.
+        with np.errstate(over="ignore", invalid="ignore"):
+            made, defined = kernels.projected(np.ldexp(given, -np.frexp(size)[1]))
+        vague = (defined < _UNDEFINED) | ~np.isfinite(made).all(axis=-1)
+        lost = int(np.count_nonzero(vague))
         if lost:
             raise ValueError(
                 "Similarity.normalize(coefficients): expected elements near a similarity, got "

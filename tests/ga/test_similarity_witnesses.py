@@ -1,5 +1,6 @@
 """Similarities against clifford, scipy's matrix exponential, and mpmath at 50 digits."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import clifford
@@ -163,9 +164,13 @@ def across(axis: list[Any], vector: list[Any], along: Any, z_factor: Any) -> lis
     ]
 
 
-def exact_exp(log: np.ndarray) -> np.ndarray:
+def digits(numbers: Iterable[Any]) -> list[Any]:
+    return [mpmath.mpf(c) for c in numbers]
+
+
+def exact_exp(log: Iterable[Any]) -> list[Any]:
     """Dilation, rotation and translation from ``(e^z - 1) / z`` in 50 digits."""
-    a1, a2, a3, e, n1, n2, n3 = (mpmath.mpf(float(c)) for c in log)
+    a1, a2, a3, e, n1, n2, n3 = digits(log)
     half = mpmath.sqrt(a1**2 + a2**2 + a3**2)
     axis = [-a / half for a in (a1, a2, a3)] if half else [mpmath.mpf(0)] * 3
     z = mpmath.mpc(2 * e, 2 * half)
@@ -178,17 +183,16 @@ def exact_exp(log: np.ndarray) -> np.ndarray:
     rotor = [q[0], -q[1], -q[2], -q[3]]
     shrink = mpmath.exp(-e)
     exact = [mpmath.cosh(e) * r for r in rotor] + [mpmath.sinh(e) * r for r in rotor]
-    exact += [-shrink * c for c in (dual[1], dual[2], dual[3], dual[0])]
-    return np.array([float(c) for c in exact])
+    return exact + [-shrink * c for c in (dual[1], dual[2], dual[3], dual[0])]
 
 
-def exact_log(coefficients: np.ndarray) -> np.ndarray:
+def exact_log(coefficients: Iterable[Any]) -> list[Any]:
     """Rotor, scale and translation of the rounded coefficients, then ``z / (e^z - 1)``.
 
     The scale is the quotient of the lengths of ``A + B`` and ``A - B``, as projection has it, the
     rotor is half-way between them.
     """
-    m = [mpmath.mpf(float(c)) for c in coefficients]
+    m = digits(coefficients)
     if m[0] < 0:
         m = [-c for c in m]
     grown = [a + b for a, b in zip(m[:4], m[4:8], strict=True)]
@@ -207,23 +211,99 @@ def exact_log(coefficients: np.ndarray) -> np.ndarray:
     along = 2 * e / mpmath.expm1(2 * e) if e else mpmath.mpf(1)
     factor = z / mpmath.expm1(z) if z else mpmath.mpc(1)
     u = across(axis, t, along, factor)
-    return np.array([float(c) for c in [*(-half * a for a in axis), e, *(-c / 2 for c in u)]])
+    return [*(-half * a for a in axis), e, *(-c / 2 for c in u)]
 
 
-def error(found: np.ndarray, exact: np.ndarray) -> float:
+def blocks(given: Iterable[Any]) -> tuple[list[Any], list[Any], list[Any]]:
+    """Hamilton quaternions ``P = A + B``, ``N = A - B`` and ``d`` of ``A + B E + d J``."""
+    m = digits(given)
+    signs = (1, -1, -1, -1)
+    grown = [s * (x + y) for s, x, y in zip(signs, m[:4], m[4:8], strict=True)]
+    shrunk = [s * (x - y) for s, x, y in zip(signs, m[:4], m[4:8], strict=True)]
+    return grown, shrunk, [-m[11], -m[8], -m[9], -m[10]]
+
+
+def joined(p: list[Any], n: list[Any], d: list[Any]) -> list[Any]:
+    signs = (1, -1, -1, -1)
+    even = [s * (x + y) / 2 for s, x, y in zip(signs, p, n, strict=True)]
+    odd = [s * (x - y) / 2 for s, x, y in zip(signs, p, n, strict=True)]
+    return [*even, *odd, -d[1], -d[2], -d[3], -d[0]]
+
+
+def exact_product(a: Iterable[Any], b: Iterable[Any]) -> list[Any]:
+    """The geometric product: blocks multiply as the matrices ``[[P, d], [0, N]]``."""
+    (p1, n1, d1), (p2, n2, d2) = blocks(a), blocks(b)
+    left, right = quaternion_product(p1, d2), quaternion_product(d1, n2)
+    return joined(
+        quaternion_product(p1, p2), quaternion_product(n1, n2),
+        [x + y for x, y in zip(left, right, strict=True)],
+    )  # fmt: skip
+
+
+def exact_projection(element: Iterable[Any]) -> list[Any]:
+    """``((s + ν) - F) m / (ν √(2 (s + ν)))``, block by block."""
+    p, n, d = blocks(element)
+    s, *g = quaternion_product(p, [n[0], -n[1], -n[2], -n[3]])
+    nu = mpmath.sqrt(s**2 + sum(c**2 for c in g))
+    size = nu * mpmath.sqrt(2 * (s + nu))
+    minus, plus = (
+        [(s + nu) / size, *(-c / size for c in g)],
+        [(s + nu) / size, *(c / size for c in g)],
+    )
+    skew = 2 * sum(x * y for x, y in zip(p, d, strict=True)) / size
+    moved = quaternion_product(minus, d)
+    return joined(
+        quaternion_product(minus, p), quaternion_product(plus, n),
+        [x - skew * y for x, y in zip(moved, n, strict=True)],
+    )  # fmt: skip
+
+
+def exact_interpolation(a: np.ndarray, b: np.ndarray, fraction: float) -> list[Any]:
+    back = [s * c for s, c in zip((1, -1, -1, -1, -1, 1, 1, 1, -1, -1, -1, 1), a, strict=True)]
+    step = [mpmath.mpf(fraction) * c for c in exact_log(exact_product(back, b))]
+    return exact_product(a, exact_exp(step))
+
+
+def error(found: np.ndarray, exact: Iterable[Any]) -> float:
     """Normwise: the largest difference over the largest number, or over 1."""
-    return float(np.max(np.abs(found - exact)) / max(1.0, float(np.max(np.abs(exact)))))
+    rounded = np.array([float(c) for c in exact])
+    return float(np.max(np.abs(found - rounded)) / max(1.0, float(np.max(np.abs(rounded)))))
+
+
+def test_products_are_exact_to_rounding(scale: float, motors: Motor) -> None:
+    flat = Similarity.from_motor_scale(motors, scale).reshape(-1)[:2]
+    other = Similarity.random(np.random.default_rng(1), flat.shape)
+    for one, two in ((flat, other), (other, flat), (flat, flat)):
+        with mpmath.workdps(50):
+            product = (one @ two).coefficients
+            worst = max(
+                error(found, exact_product(x, y))
+                for found, x, y in zip(product, one.coefficients, two.coefficients, strict=True)
+            )
+        assert worst <= 1e-14
+
+
+def test_interpolation_is_exact_to_rounding(scale: float, motors: Motor) -> None:
+    end = Similarity.from_motor_scale(motors, scale).reshape(-1)[:2]
+    start = Similarity.from_motor_scale(Motor.random(np.random.default_rng(1), end.shape), 0.5)
+    with mpmath.workdps(50):
+        path = start.interpolate(end, 0.3).coefficients
+        worst = max(
+            error(found, exact_interpolation(x, y, 0.3))
+            for found, x, y in zip(path, start.coefficients, end.coefficients, strict=True)
+        )
+    assert worst <= bound(max(2 * scale, 0.5 / scale))
 
 
 def test_logarithm_is_exact_to_rounding(scale: float, motors: Motor) -> None:
-    flat = Similarity.from_motor_scale(motors, scale).reshape(-1)[:3]
+    flat = Similarity.from_motor_scale(motors, scale).reshape(-1)[:2]
     with mpmath.workdps(50):
         worst = max(error(one.log(), exact_log(one.coefficients)) for one in flat)
     assert worst <= bound(scale)
 
 
 def test_exponential_is_exact_to_rounding(scale: float, motors: Motor) -> None:
-    logs = Similarity.from_motor_scale(motors, scale).log().reshape(-1, 7)[:3]
+    logs = Similarity.from_motor_scale(motors, scale).log().reshape(-1, 7)[:2]
     with mpmath.workdps(50):
         worst = max(error(Similarity.exp(log).coefficients, exact_exp(log)) for log in logs)
     assert worst <= bound(scale)
@@ -241,3 +321,16 @@ def test_series_and_closed_form_meet(
         assert error(Similarity.exp(log).coefficients, exact_exp(log)) <= 1e-15
         made = Similarity.exp(log)
         assert error(made.log(), exact_log(made.coefficients)) <= 1e-15
+
+
+def test_projection_is_exact_to_rounding(
+    scale: float, motors: Motor, rng: np.random.Generator
+) -> None:
+    flat = Similarity.from_motor_scale(motors, scale).reshape(-1)[:2].coefficients
+    for noise in (0.0, 1e-9, 1e-2):
+        size = min(1.0, scale, 1 / scale) * noise
+        elements = flat * (1 + size * rng.standard_normal(flat.shape))
+        with mpmath.workdps(50):
+            found = Similarity.normalize(elements).coefficients
+            worst = max(error(x, exact_projection(y)) for x, y in zip(found, elements, strict=True))
+        assert worst <= 1e-14
