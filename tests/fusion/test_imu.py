@@ -176,7 +176,7 @@ def test_noise_files_are_refused_by_file_and_field(tmp_path, change, message):
 def test_noise_files_that_are_no_text_are_refused(tmp_path):
     file = tmp_path / "imu.yaml"
     file.write_bytes(b"\xff\xfe\x00gyro")
-    with pytest.raises(ValueError, match="imu.yaml: expected YAML in UTF-8"):
+    with pytest.raises(ValueError, match=r"imu\.yaml: expected YAML in UTF-8"):
         ImuNoise.load(file)
 
 
