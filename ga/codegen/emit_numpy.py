@@ -55,10 +55,10 @@ def numpy_source(group: str, kernels: Sequence[Kernel]) -> str:
     listed = ", ".join(kernel.name for kernel in kernels)
     opening = "\n".join(textwrap.wrap(f"Kernels of the group {group}: {listed}.", _WIDTH - 3))
     functions = [numpy_function(k, p) for k in kernels for p in PRECISIONS]
+    body = "".join(f"\n\n{function}\n" for function in functions)
     return (
-        f'"""{opening}\n\n{_NOTE}\n"""\n\nfrom __future__ import annotations\n\n'
-        "from typing import Any\n\nimport numpy as np\n"
-        + "".join(f"\n\n{function}\n" for function in functions)
+        f'"""{opening}\n\n{_NOTE}\n"""\n# fmt: off\n\nfrom __future__ import annotations\n\n'
+        "from typing import Any\n" + ("\nimport numpy as np\n" if "np." in body else "") + body
     )
 
 
@@ -70,7 +70,7 @@ def numpy_table(kernels: Sequence[Kernel]) -> str:
     ]
     return (
         f'"""All kernels: the module that holds them, widths of the inputs, width of the output.'
-        f'\n\n{_NOTE}\n"""\n\nfrom __future__ import annotations\n\n'
+        f'\n\n{_NOTE}\n"""\n# fmt: off\n\nfrom __future__ import annotations\n\n'
         "KERNELS: dict[str, tuple[str, tuple[int, ...], int]] = {\n" + "\n".join(rows) + "\n}\n"
     )
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from motorcade.ga.codegen.optimize import collected
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.trace import casadi_function, trace
 
@@ -52,7 +53,8 @@ class Kernel:
 
     def tape(self, precision: Precision) -> Tape:
         """The operations of the kernel in a precision."""
-        return trace(self.name, self.inputs, self.outputs, self._bound(precision))
+        traced = trace(self.name, self.inputs, self.outputs, self._bound(precision))
+        return collected(traced)
 
     def casadi(self, precision: Precision) -> Any:
         """The kernel as a CasADi function, for derivatives and as a witness."""

@@ -14,7 +14,7 @@ GENERATED = Path(__file__).resolve().parents[1] / "kernels" / "generated"
 
 
 def library_files() -> dict[str, str]:
-    """Name and text of each generated file.
+    """Path inside the folder, and text, of each generated file.
 
     Raises:
         ModuleNotFoundError: without CasADi or mpmath, which only this needs.
@@ -24,21 +24,21 @@ def library_files() -> dict[str, str]:
     groups: dict[str, list[Kernel]] = {}
     for kernel in KERNELS:
         groups.setdefault(kernel.group, []).append(kernel)
-    files = {"table.c": c_table(KERNELS), "__init__.py": numpy_table(KERNELS)}
+    files = {"c/table.c": c_table(KERNELS), "python/__init__.py": numpy_table(KERNELS)}
     for group, kernels in groups.items():
-        files[f"{group}.c"] = c_source(group, kernels)
-        files[f"{group}.py"] = numpy_source(group, kernels)
+        files[f"c/{group}.c"] = c_source(group, kernels)
+        files[f"python/{group}.py"] = numpy_source(group, kernels)
     return files
 
 
 def write_library(folder: Path) -> list[Path]:
     """Write the generated files into a folder; files of kernels that are gone are removed."""
     files = library_files()
-    folder.mkdir(exist_ok=True)
-    for old in (*folder.glob("*.c"), *folder.glob("*.py")):
-        if old.name not in files:
+    for old in (*folder.glob("c/*.c"), *folder.glob("python/*.py")):
+        if old.relative_to(folder).as_posix() not in files:
             old.unlink()
-    paths = [folder / name for name in files]
-    for path in paths:
-        path.write_text(files[path.name], encoding="utf-8")
-    return paths
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return [folder / name for name in files]

@@ -1,41 +1,42 @@
-"""Motor kernels over batches: the compiled module where it is present, NumPy otherwise.
+"""Versor kernels over batches, float32 and float64, written by the project's own generator.
 
-`backend` says which is in use, "compiled" or "numpy"; the environment variable MOTORCADE_KERNELS
-set to "numpy" forces the latter. All functions take float64 arrays whose last dimension holds
-coefficients and whose leading dimensions broadcast; nothing is validated here. Rotors have NumPy
-kernels only.
+`backend` says which code runs, "compiled" or "numpy" (see `motorcade.ga.kernels.backend`). The
+functions here take arrays ``(*, n)`` whose batches broadcast; nothing is validated: versors are
+taken for unit, numbers for finite. For repeated calls on the same storage `Block` holds operands
+as the kernels want them and `function` gives the kernel itself: ``function("compose")(a, b, out)``.
+Batches of more than 65536 rows are shared among `threads()` threads; `set_threads` says how many.
 """
 
 from __future__ import annotations
 
-import os
-from importlib.util import find_spec
-
-from motorcade.ga.kernels.numpy_kernels import (
+from motorcade.ga.kernels.backend import Block, backend, function, set_threads, threads
+from motorcade.ga.kernels.batches import (
+    apply,
+    blend,
+    blend_many,
+    blend_many_matrix,
+    blend_matrix,
+    compose,
+    dual_quaternion,
+    exp,
+    interpolate,
+    inverse,
+    log,
+    matrix34,
+    matrix44,
+    normalize,
     rotor_compose,
     rotor_exp,
     rotor_interpolate,
     rotor_inverse,
     rotor_log,
+    screw_blend,
+    screw_blend_matrix,
 )
 
 __all__ = [
-    "backend", "compose", "exp", "interpolate", "inverse", "log",
-    "rotor_compose", "rotor_exp", "rotor_interpolate", "rotor_inverse", "rotor_log",
+    "Block", "apply", "backend", "blend", "blend_many", "blend_many_matrix", "blend_matrix",
+    "compose", "dual_quaternion", "exp", "function", "interpolate", "inverse", "log", "matrix34",
+    "matrix44", "normalize", "rotor_compose", "rotor_exp", "rotor_interpolate", "rotor_inverse",
+    "rotor_log", "screw_blend", "screw_blend_matrix", "set_threads", "threads",
 ]  # fmt: skip
-
-
-def _backend() -> str:
-    wanted = os.environ.get("MOTORCADE_KERNELS", "")
-    if wanted not in ("", "numpy"):
-        raise ValueError(f"MOTORCADE_KERNELS: expected 'numpy' or nothing, got {wanted!r}")
-    present = find_spec("motorcade.ga.kernels._compiled") is not None
-    return "compiled" if present and not wanted else "numpy"
-
-
-backend = _backend()
-
-if backend == "compiled":
-    from motorcade.ga.kernels.compiled_kernels import compose, exp, interpolate, inverse, log
-else:
-    from motorcade.ga.kernels.numpy_kernels import compose, exp, interpolate, inverse, log

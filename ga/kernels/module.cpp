@@ -1,68 +1,241 @@
-// Binds the motor kernels to NumPy arrays: float64, C order, rows of coefficients. An input has as
-// many rows as the output, or one row that serves them all. Nothing is copied and the interpreter
-// lock is released while a kernel runs. Broadcasting and allocation are done in Python.
+// Binds the generated kernels to Python: each is a function of its inputs and an output that is
+// written into, Blocks or arrays, without copies. The interpreter lock is released for all but the
+// smallest batches. Broadcasting and allocation are done in Python.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <new>
 #include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
 
-#include "motor_kernels.h"
+#include "dispatch.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace {
 
-template <int Width>
-using In = nb::ndarray<const double, nb::shape<-1, Width>, nb::c_contig, nb::device::cpu>;
-template <int Width>
-using Out = nb::ndarray<double, nb::shape<-1, Width>, nb::c_contig, nb::device::cpu>;
+constexpr std::size_t LANES = MOTORCADE_LANES;
+constexpr std::size_t LINE = 64;
+constexpr std::size_t HOLD_LOCK_BELOW = 512;  // rows: shorter than handing the lock over and back
 
-template <int Width>
-motorcade::Rows rows(const In<Width>& array, std::size_t count) {
-    if (array.shape(0) == count) return {array.data(), Width};
-    if (array.shape(0) == 1) return {array.data(), 0};
-    throw std::invalid_argument("expected inputs with one row or as many rows as the output");
+std::atomic<unsigned> thread_count{1};
+
+struct Release {
+    void operator()(void *memory) const { std::free(memory); }
+};
+
+// Structure-of-arrays storage: one contiguous array a component, padded to whole blocks.
+class Block {
+public:
+    Block(std::size_t width, std::size_t count, bool single)
+        : width_(width), count_(count), size_(single ? sizeof(float) : sizeof(double)) {
+        if (width == 0 || width > 64 || count > (std::size_t{1} << 40))
+            throw std::invalid_argument("Block: expected a width from 1 to 64 and a count that fits in memory");
+        // An odd number of cache lines keeps the components apart in the cache.
+        std::size_t lines = std::max<std::size_t>(1, (count + LANES - 1) / LANES) * LANES * size_ / LINE;
+        if (count > 1024) lines |= 1;
+        padded_ = lines * LINE / size_;
+        memory_.reset(std::aligned_alloc(LINE, width * padded_ * size_));
+        if (!memory_) throw std::bad_alloc();
+        std::memset(memory_.get(), 0, width * padded_ * size_);
+    }
+
+    std::size_t width() const { return width_; }
+    std::size_t count() const { return count_; }
+    bool single() const { return size_ == sizeof(float); }
+    motorcade::Rows rows() const {
+        return {static_cast<char *>(memory_.get()), count_, static_cast<std::ptrdiff_t>(size_),
+                static_cast<std::ptrdiff_t>(padded_ * size_), padded_};
+    }
+    std::size_t padded() const { return padded_; }
+    void *data() const { return memory_.get(); }
+
+private:
+    std::size_t width_, count_, size_, padded_ = 0;
+    std::unique_ptr<void, Release> memory_;
+};
+
+PyTypeObject *block_type = nullptr;
+
+// What a Python argument is to a kernel; holds on to the array's buffer while it is in use.
+class Operand {
+public:
+    Operand() = default;
+    Operand(const Operand &) = delete;
+    Operand &operator=(const Operand &) = delete;
+    ~Operand() {
+        if (held_) PyBuffer_Release(&view_);
+    }
+
+    // False with a Python error set where the argument does not fit.
+    bool take(PyObject *given, std::size_t width, bool written) {
+        if (Py_TYPE(given) == block_type) {
+            const Block &block = *nb::inst_ptr<Block>(nb::handle(given));
+            rows = block.rows();
+            single = block.single();
+            if (block.width() == width) return true;
+            PyErr_Format(PyExc_ValueError, "expected a Block of %zu components, got one of %zu",
+                         width, block.width());
+            return false;
+        }
+        if (PyFloat_CheckExact(given) && width == 1 && !written) {
+            number_ = PyFloat_AS_DOUBLE(given);
+            any = true;
+            rows = {nullptr, 1, 0, 0, 1};
+            return true;
+        }
+        const int flags = PyBUF_STRIDES | PyBUF_FORMAT | (written ? PyBUF_WRITABLE : 0);
+        if (PyObject_GetBuffer(given, &view_, flags) != 0) return false;
+        held_ = true;
+        return read_view(width);
+    }
+
+    // A plain number takes the type of the others.
+    void settle(bool as_single) {
+        if (!any) return;
+        small_ = static_cast<float>(number_);
+        rows.first = as_single ? reinterpret_cast<char *>(&small_) : reinterpret_cast<char *>(&number_);
+    }
+
+    motorcade::Rows rows{};
+    bool single = false;
+    bool any = false;
+
+private:
+    bool read_view(std::size_t width) {
+        const std::string format = view_.format ? view_.format : "B";
+        if (format != "f" && format != "d") {
+            PyErr_SetString(PyExc_TypeError, "expected arrays of float32 or float64");
+            return false;
+        }
+        single = format == "f";
+        // Of numbers, one a row, the dimension of components may be left out.
+        const bool spread = width > 1;
+        const int batch = view_.ndim - (spread ? 1 : 0);
+        if (batch < 0 || (spread && static_cast<std::size_t>(view_.shape[batch]) != width)) {
+            PyErr_Format(PyExc_ValueError, "expected arrays (*, %zu)", width);
+            return false;
+        }
+        rows = {static_cast<char *>(view_.buf), 1, view_.itemsize,
+                spread ? view_.strides[batch] : view_.itemsize, 0};
+        for (int k = batch - 1; k >= 0; --k) {
+            const std::size_t length = static_cast<std::size_t>(view_.shape[k]);
+            if (length == 1) continue;
+            if (rows.count == 1)
+                rows.row_stride = view_.strides[k];
+            else if (view_.strides[k] != rows.row_stride * static_cast<Py_ssize_t>(rows.count)) {
+                PyErr_SetString(PyExc_ValueError,
+                                "expected batch dimensions that follow each other at one stride");
+                return false;
+            }
+            rows.count *= length;
+        }
+        rows.readable = rows.count;
+        return true;
+    }
+
+    Py_buffer view_{};
+    bool held_ = false;
+    double number_ = 0.0;
+    float small_ = 0.0F;
+};
+
+bool check_alike(const Operand *operands, int inputs, int all, bool &single) {
+    const Operand &out = operands[inputs];
+    single = out.single;
+    for (int k = 0; k < all; ++k) {
+        if (!operands[k].any && operands[k].single != single) {
+            PyErr_SetString(PyExc_TypeError,
+                            "expected one precision, got float32 and float64; convert one of them");
+            return false;
+        }
+        const std::size_t count = operands[k].rows.count;
+        if (count != out.rows.count && (k >= inputs || count != 1)) {
+            PyErr_Format(PyExc_ValueError,
+                         "expected inputs with one row or as many rows as the output (%zu), got %zu",
+                         out.rows.count, count);
+            return false;
+        }
+        if (k < inputs && operands[k].rows.first == out.rows.first && out.rows.count > 0) {
+            PyErr_SetString(PyExc_ValueError, "expected an output apart from the inputs: they overlap");
+            return false;
+        }
+    }
+    return true;
 }
 
-void compose_rows(const In<8>& a, const In<8>& b, const Out<8>& out) {
-    const std::size_t count = out.shape(0);
-    motorcade::compose(rows<8>(a, count), rows<8>(b, count), out.data(), count);
+PyObject *call(PyObject *self, PyObject *const *given, Py_ssize_t count) {
+    const auto &kernel = *static_cast<const motorcade_kernel *>(PyCapsule_GetPointer(self, nullptr));
+    const int all = kernel.inputs + kernel.outputs;
+    if (count != all) {
+        PyErr_Format(PyExc_TypeError, "%s: expected %d arguments, inputs and output, got %zd",
+                     kernel.name, all, count);
+        return nullptr;
+    }
+    Operand operands[MOTORCADE_OPERANDS];
+    for (int k = 0; k < all; ++k)
+        if (!operands[k].take(given[k], static_cast<std::size_t>(kernel.widths[k]), k >= kernel.inputs))
+            return nullptr;
+    bool single = false;
+    if (!check_alike(operands, kernel.inputs, all, single)) return nullptr;
+    motorcade::Rows rows[MOTORCADE_OPERANDS];
+    for (int k = 0; k < all; ++k) {
+        operands[k].settle(single);
+        rows[k] = operands[k].rows;
+    }
+    if (rows[kernel.inputs].count < HOLD_LOCK_BELOW) {
+        motorcade::run(kernel, rows, single, 1);
+    } else {
+        nb::gil_scoped_release unlocked;
+        motorcade::run(kernel, rows, single, thread_count.load());
+    }
+    Py_RETURN_NONE;
 }
 
-void inverse_rows(const In<8>& motor, const Out<8>& out) {
-    const std::size_t count = out.shape(0);
-    motorcade::inverse(rows<8>(motor, count), out.data(), count);
-}
-
-void exp_rows(const In<6>& bivector, const Out<8>& out) {
-    const std::size_t count = out.shape(0);
-    motorcade::exp(rows<6>(bivector, count), out.data(), count);
-}
-
-void log_rows(const In<8>& motor, const Out<6>& out, bool short_way) {
-    const std::size_t count = out.shape(0);
-    motorcade::log(rows<8>(motor, count), out.data(), count, short_way);
-}
-
-void interpolate_rows(const In<8>& a, const In<8>& b, const In<1>& fraction, const Out<8>& out,
-                 bool short_way) {
-    const std::size_t count = out.shape(0);
-    motorcade::interpolate(rows<8>(a, count), rows<8>(b, count), rows<1>(fraction, count),
-                           out.data(), count, short_way);
+nb::object array_of(nb::handle self) {
+    const Block &block = nb::cast<const Block &>(self);
+    const std::size_t shape[2] = {block.count(), block.width()};
+    const std::int64_t strides[2] = {1, static_cast<std::int64_t>(block.padded())};
+    const nb::dlpack::dtype type = block.single() ? nb::dtype<float>() : nb::dtype<double>();
+    return nb::cast(nb::ndarray<nb::numpy>(block.data(), 2, shape, self, strides, type));
 }
 
 }  // namespace
 
 NB_MODULE(_compiled, module) {
-    using Unlocked = nb::call_guard<nb::gil_scoped_release>;
-    module.doc() = "Motor kernels over rows of coefficients; see motorcade.ga.kernels.";
-    module.def("compose", &compose_rows, "a"_a.noconvert(), "b"_a.noconvert(), "out"_a.noconvert(),
-               Unlocked());
-    module.def("inverse", &inverse_rows, "motor"_a.noconvert(), "out"_a.noconvert(), Unlocked());
-    module.def("exp", &exp_rows, "bivector"_a.noconvert(), "out"_a.noconvert(), Unlocked());
-    module.def("log", &log_rows, "motor"_a.noconvert(), "out"_a.noconvert(), "short_way"_a, Unlocked());
-    module.def("interpolate", &interpolate_rows, "a"_a.noconvert(), "b"_a.noconvert(),
-               "fraction"_a.noconvert(), "out"_a.noconvert(), "short_way"_a, Unlocked());
+    module.doc() = "The generated kernels; see motorcade.ga.kernels.";
+    block_type = reinterpret_cast<PyTypeObject *>(
+        nb::class_<Block>(module, "Block")
+            .def("__init__",
+                 [](Block *self, std::size_t width, std::size_t count, const std::string &dtype) {
+                     if (dtype != "float32" && dtype != "float64")
+                         throw std::invalid_argument("Block: expected dtype 'float32' or 'float64', got '" + dtype + "'");
+                     new (self) Block(width, count, dtype == "float32");
+                 },
+                 "width"_a, "count"_a, "dtype"_a = "float64")
+            .def("__len__", &Block::count)
+            .def_prop_ro("width", &Block::width)
+            .def_prop_ro("array", &array_of)
+            .release()
+            .ptr());
+    module.def("set_threads", [](unsigned threads) { thread_count = std::max(1U, threads); }, "threads"_a);
+    module.def("threads", [] { return thread_count.load(); });
+    static std::vector<PyMethodDef> methods(motorcade_kernel_count);
+    for (std::size_t k = 0; k < motorcade_kernel_count; ++k) {
+        const motorcade_kernel &kernel = motorcade_kernels[k];
+        methods[k] = {kernel.name, reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(call)),
+                      METH_FASTCALL, nullptr};
+        nb::object self = nb::steal(PyCapsule_New(const_cast<motorcade_kernel *>(&kernel), nullptr, nullptr));
+        module.attr(kernel.name) = nb::steal(PyCFunction_NewEx(&methods[k], self.ptr(), nullptr));
+    }
 }

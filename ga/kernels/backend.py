@@ -1,0 +1,48 @@
+"""Which kernels run: the compiled ones where they are present, the NumPy ones otherwise.
+
+The environment variable MOTORCADE_KERNELS set to "numpy" forces the latter. MOTORCADE_THREADS says
+how many threads large batches are shared among at first.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+__all__ = ["Block", "backend", "function", "set_threads", "threads"]
+
+
+def _backend() -> str:
+    wanted = os.environ.get("MOTORCADE_KERNELS", "")
+    if wanted not in ("", "numpy"):
+        raise ValueError(f"MOTORCADE_KERNELS: expected 'numpy' or nothing, got {wanted!r}")
+    present = find_spec("motorcade.ga.kernels._compiled") is not None
+    return "compiled" if present and not wanted else "numpy"
+
+
+backend = _backend()
+
+if TYPE_CHECKING or backend == "numpy":
+    from motorcade.ga.kernels.numpy_backend import Block, function, set_threads, threads
+else:
+    from motorcade.ga.kernels import _compiled
+    from motorcade.ga.kernels._compiled import Block, set_threads, threads
+
+    def function(name: str) -> Callable[..., None]:
+        """The kernel of that name, called with its inputs and the operand that it writes into."""
+        kernel: Callable[..., None] = getattr(_compiled, name)
+        return kernel
+
+
+def _threads_at_first() -> int:
+    given = os.environ.get("MOTORCADE_THREADS", "")
+    if not given:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+    if not given.isdecimal() or int(given) < 1:
+        raise ValueError(f"MOTORCADE_THREADS: expected a count of at least 1, got {given!r}")
+    return int(given)
+
+
+set_threads(_threads_at_first())

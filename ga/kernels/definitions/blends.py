@@ -1,0 +1,121 @@
+"""Blends of motors: along the screw, linear, and n-way; also straight to matrices."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from motorcade.ga.codegen.kernel import Kernel, Precision
+from motorcade.ga.kernels.definitions import elements as on
+from motorcade.ga.kernels.definitions.conversions import matrix_rows
+from motorcade.ga.kernels.definitions.functions import angle_over_sine, select, sinc_of_square
+from motorcade.ga.multivector import Multivector
+
+__all__ = ["KERNELS", "linear", "screw"]
+
+Numbers = list[Any]
+
+
+def linear(a: Numbers, b: Numbers, fraction: Any) -> Numbers:
+    """``(1 - f) a ± f b`` with the sign that goes the short way round; not unit."""
+    scalar = sum(x * y for x, y in zip(a[:4], b[:4], strict=True))
+    signed = select(scalar < 0, -fraction, fraction)
+    return [(1 - fraction) * x + signed * y for x, y in zip(a, b, strict=True)]
+
+
+def screw(precision: Precision, a: Numbers, b: Numbers, fraction: Any) -> Multivector:
+    """``(sin (1 - f)Θ a ± sin fΘ b) / sin Θ`` with the dual angle Θ between a and b.
+
+    The same motor as ``a exp(f log(~a b))`` for fractions in [0, 1], in half the operations.
+    With ``Θ² = y`` and ``Θ / sin Θ = p`` the weight of b is ``f p sin(√(f² y)) / √(f² y)``.
+    """
+    first, second = on.motor_of(a), on.motor_of(b)
+    c, d = on.dual_numbers(~first * second)
+    sign = select(c < 0, -1, 1)
+    c, d = sign * c, sign * d
+    p, slope = angle_over_sine(precision, c)
+    square = p * p * (1 - c * c)
+    weights = []
+    for part in (1 - fraction, fraction):
+        sinc, sinc_slope = sinc_of_square(precision, part * part * square)
+        # By x = 1 - c: the derivative of y is 2 p, and d enters with the opposite sign.
+        derivative = sinc * slope + 2 * part * part * sinc_slope * p * p
+        weights.append((part * sinc * p, -part * derivative * d))
+    (u, du), (v, dv) = weights
+    return on.dual_of((u, du)) * first + on.dual_of((sign * v, sign * dv)) * second
+
+
+def _blend(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
+    return [on.motor_numbers(projected(on.motor_of(linear(a, b, fraction[0]))))]
+
+
+def _blend_matrix(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
+    return [matrix_rows(linear(a, b, fraction[0]), unit=False)]
+
+
+def _screw(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
+    return [on.motor_numbers(screw(precision, a, b, fraction[0]))]
+
+
+def _screw_matrix(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
+    return [matrix_rows(on.motor_numbers(screw(precision, a, b, fraction[0])), unit=True)]
+
+
+def projected(m: Multivector) -> Multivector:
+    """The motor nearest to an even element: ``m α^(-½) (1 - β J / 2α)`` of ``m ~m = α + β J``."""
+    import casadi as ca
+
+    alpha, beta = on.dual_numbers(m * ~m)
+    root = 1 / ca.sqrt(alpha)
+    return on.dual_of((root, -0.5 * beta / alpha * root)) * m
+
+
+def _normalize(precision: Precision, m: Numbers) -> list[Numbers]:
+    return [on.motor_numbers(projected(on.motor_of(m)))]
+
+
+def _normalize_matrix(precision: Precision, m: Numbers) -> list[Numbers]:
+    return [matrix_rows(m, unit=False)]
+
+
+def _accumulate(
+    precision: Precision, total: Numbers, pivot: Numbers, m: Numbers, weight: Numbers
+) -> list[Numbers]:
+    scalar = sum(x * y for x, y in zip(pivot[:4], m[:4], strict=True))
+    signed = select(scalar < 0, -weight[0], weight[0])
+    return [[x + signed * y for x, y in zip(total, m, strict=True)]]
+
+
+_A, _B, _M, _OUT = on.motor("a"), on.motor("b"), on.motor("m"), on.motor("out")
+_F, _ROWS = on.numbers("fraction"), on.components("out", 3, 4)
+
+KERNELS = (
+    Kernel(
+        "blend", "linear_blends", "Linear blend of two motors, the short way round, made unit",
+        (_A, _B, _F), (_OUT,), _blend,
+    ),
+    Kernel(
+        "blend_matrix", "linear_blends", "Linear blend of two motors as a 3×4 matrix",
+        (_A, _B, _F), (_ROWS,), _blend_matrix,
+    ),
+    Kernel(
+        "screw_blend", "screw_blends", "Screw interpolation for fractions in [0, 1]",
+        (_A, _B, _F), (_OUT,), _screw,
+    ),
+    Kernel(
+        "screw_blend_matrix", "screw_blends",
+        "Screw interpolation for fractions in [0, 1] as a 3×4 matrix",
+        (_A, _B, _F), (_ROWS,), _screw_matrix,
+    ),
+    Kernel(
+        "accumulate", "linear_blends", "Sum total ± weight m, signed as m beside the pivot",
+        (on.motor("total"), on.motor("pivot"), _M, on.numbers("weight")), (_OUT,), _accumulate,
+    ),
+    Kernel(
+        "normalize", "linear_blends", "The motor nearest to an even element",
+        (_M,), (_OUT,), _normalize,
+    ),
+    Kernel(
+        "normalize_matrix", "linear_blends", "3×4 matrix of the motor nearest to an even element",
+        (_M,), (_ROWS,), _normalize_matrix,
+    ),
+)  # fmt: skip

@@ -1,0 +1,66 @@
+"""Motors applied to points, and motors as matrices and dual quaternions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from motorcade.ga.codegen.kernel import Kernel, Precision
+from motorcade.ga.kernels.definitions import elements as on
+
+__all__ = ["KERNELS", "matrix_rows"]
+
+Numbers = list[Any]
+
+
+def matrix_rows(m: Numbers, unit: bool) -> Numbers:
+    """The 3×4 matrix by rows: images of e1, e2, e3, and the translation.
+
+    Columns are ``R e ~R``; ``M ~R`` is the translator ``1 - ½ t∞``. Of an element that is not
+    unit they come out ``R ~R`` times as long, and what is off the motors falls away with the
+    scalar part of the dual half, so dividing is all the projection that a matrix needs.
+    """
+    rotor, motor = on.rotor_of(m[:4]), on.motor_of(m)
+    axes = [on.vector([float(i == k) for i in range(3)]) for k in range(3)]
+    columns = [on.vector_numbers(rotor * axis * ~rotor) for axis in axes]
+    columns.append(on.translation_numbers(motor * ~rotor))
+    if not unit:
+        scale = 1 / (rotor * ~rotor).coefficient("1")
+        columns = [[scale * value for value in column] for column in columns]
+    return [columns[j][i] for i in range(3) for j in range(4)]
+
+
+def _apply(precision: Precision, m: Numbers, x: Numbers) -> list[Numbers]:
+    rotor, motor = on.rotor_of(m[:4]), on.motor_of(m)
+    turned = on.vector_numbers(rotor * on.vector(x) * ~rotor)
+    moved = on.translation_numbers(motor * ~rotor)
+    return [[a + b for a, b in zip(turned, moved, strict=True)]]
+
+
+def _matrix34(precision: Precision, m: Numbers) -> list[Numbers]:
+    return [matrix_rows(m, unit=True)]
+
+
+def _matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
+    return [[*matrix_rows(m, unit=True), 0.0, 0.0, 0.0, 1.0]]
+
+
+def _dual_quaternion(precision: Precision, m: Numbers) -> list[Numbers]:
+    # Hamilton's i, j, k are -e23, -e31, -e12, and his ε times them e1∞ ...: see DESIGN's order.
+    return [[m[0], -m[1], -m[2], -m[3], -m[7], -m[4], -m[5], -m[6]]]
+
+
+_M, _ROWS = on.motor("m"), on.components("out", 3, 4)
+_POINTS, _MOVED = on.points("x"), on.points("out")
+
+KERNELS = (
+    Kernel("apply", "products", "Points moved by motors", (_M, _POINTS), (_MOVED,), _apply),
+    Kernel("matrix34", "conversions", "3×4 matrix of a motor, by rows", (_M,), (_ROWS,), _matrix34),
+    Kernel(
+        "matrix44", "conversions", "4×4 matrix of a motor, by rows",
+        (_M,), (on.components("out", 4, 4),), _matrix44,
+    ),
+    Kernel(
+        "dual_quaternion", "conversions", "Unit Hamilton dual quaternion: real wxyz, dual wxyz",
+        (_M,), (on.dual_quaternion("out"),), _dual_quaternion,
+    ),
+)  # fmt: skip

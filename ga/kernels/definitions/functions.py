@@ -1,0 +1,147 @@
+"""Functions of dual numbers ``c + d J``, ``J = e123∞``, ``J² = 0``, without special cases.
+
+A smooth function goes over to dual numbers by its derivative, ``f(c + d J) = f(c) + d f'(c) J``.
+With ``θ`` the angle of a motor's rotor (half of what it turns by) and ``w = cos θ``, these are
+smooth in ``x = 1 - w`` for ``θ ≤ π/2`` and free of roots, quotients and special cases there:
+
+    ``θ / sin θ``  angle_over_sine,      its derivative by x        (at x = 1 it is π/2)
+    ``θ²``         ``(θ / sin θ)² x (2 - x)``
+
+and ``sin √y / √y`` and its derivative are smooth in ``y`` everywhere.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+from motorcade.ga.codegen.fit import fitted, horner
+from motorcade.ga.codegen.kernel import Precision
+
+__all__ = [
+    "Dual", "angle_over_sine", "angle_over_sine_beyond", "cosine_sinc", "select", "sinc_of_square",
+]  # fmt: skip
+
+Dual = tuple[Any, Any]
+
+# A fit may be off by this part of the spacing of numbers, so that rounding decides.
+_SHARE = 1 / 16
+_QUARTER_TURN_SQUARED = (pi / 2) ** 2 + 1e-3
+
+
+def select(condition: Any, chosen: Any, otherwise: Any) -> Any:
+    """One of two values, both computed."""
+    import casadi as ca
+
+    return ca.if_else(condition, chosen, otherwise)
+
+
+def angle_over_sine(precision: Precision, w: Any) -> Dual:
+    """``θ / sin θ`` and its derivative by ``1 - w``, for ``w = cos θ`` in [0, 1]."""
+    error = precision.epsilon * _SHARE
+    x = 1 - w
+    value = horner(fitted(_angle_over_sine, 0, 1, error), x)
+    return value, horner(fitted(_angle_over_sine_slope, 0, 1, error), x)
+
+
+def angle_over_sine_beyond(precision: Precision, w: Any, sine_squared: Any) -> Dual:
+    """``θ / sin θ`` and its derivative by ``1 - w`` for ``w`` in [-1, 1], the angle up to π.
+
+    Beyond a quarter turn ``θ`` is ``π`` less the angle of ``-w``. At ``w = -1`` the axis is lost;
+    the value there is large and finite.
+    """
+    import casadi as ca
+
+    value, slope = angle_over_sine(precision, ca.fabs(w))
+    square = ca.fmax(sine_squared, precision.epsilon**3)
+    from_pi = pi / ca.sqrt(square)
+    beyond = w < 0
+    return select(beyond, from_pi - value, value), select(
+        beyond, slope - w / square * from_pi, slope
+    )
+
+
+def sinc_of_square(precision: Precision, y: Any) -> Dual:
+    """``sin √y / √y`` and its derivative by ``y``, for ``√y`` in [0, π/2]."""
+    error = precision.epsilon * _SHARE
+    value = horner(fitted(_sinc, 0, _QUARTER_TURN_SQUARED, error), y)
+    return value, horner(fitted(_sinc_slope, 0, _QUARTER_TURN_SQUARED, error), y)
+
+
+def cosine_sinc(precision: Precision, y: Any) -> tuple[Any, Any, Any]:
+    """``cos √y``, ``sin √y / √y`` and the derivative of the latter by ``y``, for any ``y ≥ 0``.
+
+    The angle is brought to [-π/2, π/2] by a multiple of π that is subtracted in parts. Up to
+    2^26 turns in float64 and 2^11 in float32 nothing is lost beyond the angle's own rounding.
+    """
+    import casadi as ca
+
+    error = precision.epsilon * _SHARE
+    h = ca.sqrt(y)
+    turns = ca.floor(h * (1 / pi) + 0.5)
+    for part in _parts_of_pi(precision):
+        h = h - turns * part
+    sign = 1 - 2 * (turns - 2 * ca.floor(0.5 * turns))
+    z = h * h
+    cosine = sign * horner(fitted(_cosine, 0, _QUARTER_TURN_SQUARED, error), z)
+    near = horner(fitted(_sinc, 0, _QUARTER_TURN_SQUARED, error), z)
+    near_slope = horner(fitted(_sinc_slope, 0, _QUARTER_TURN_SQUARED, error), z)
+    # From a quarter turn on nothing cancels in the closed forms.
+    reduced = turns < 0.5
+    sinc = select(reduced, near, sign * h * near / ca.fmax(ca.sqrt(y), 1))
+    slope = select(reduced, near_slope, (cosine - sinc) / (2 * ca.fmax(y, 1)))
+    return cosine, sinc, slope
+
+
+def _parts_of_pi(precision: Precision) -> list[float]:
+    """π in four parts, all but the last with half the bits, so that their products are exact."""
+    import mpmath as mp
+
+    bits = precision.bits // 2
+    parts: list[float] = []
+    with mp.workdps(60):
+        rest = +mp.pi
+        for k in range(3):
+            scale = mp.mpf(2) ** (bits * (k + 1) - 2)
+            part = mp.floor(rest * scale) / scale
+            parts.append(float(part))
+            rest -= part
+        parts.append(float(rest))
+    return parts
+
+
+def _angle_over_sine(x: Any) -> Any:
+    import mpmath as mp
+
+    angle = mp.acos(1 - x)
+    return angle / mp.sin(angle)
+
+
+def _angle_over_sine_slope(x: Any) -> Any:
+    import mpmath as mp
+
+    with mp.extradps(30):
+        angle = mp.acos(1 - x)
+        sine = mp.sin(angle)
+        return (1 - angle * (1 - x) / sine) / sine**2
+
+
+def _cosine(y: Any) -> Any:
+    import mpmath as mp
+
+    return mp.cos(mp.sqrt(y))
+
+
+def _sinc(y: Any) -> Any:
+    import mpmath as mp
+
+    root = mp.sqrt(y)
+    return mp.sin(root) / root
+
+
+def _sinc_slope(y: Any) -> Any:
+    import mpmath as mp
+
+    with mp.extradps(30):
+        root = mp.sqrt(y)
+        return (mp.cos(root) - mp.sin(root) / root) / (2 * y)

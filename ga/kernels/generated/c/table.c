@@ -1,0 +1,109 @@
+/* All kernels, in the order of their definitions.
+ * Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions; edit those. */
+#include "support.h"
+
+void motorcade_compose_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_compose_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_inverse_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_inverse_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_exp_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_exp_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_log_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_log_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_log_long_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_log_long_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_interpolate_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_interpolate_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_interpolate_long_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_interpolate_long_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_apply_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_apply_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_matrix34_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_matrix34_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_matrix44_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_matrix44_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_dual_quaternion_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_dual_quaternion_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_blend_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_blend_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_blend_matrix_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_blend_matrix_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_screw_blend_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_screw_blend_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_screw_blend_matrix_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_screw_blend_matrix_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_accumulate_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_accumulate_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_normalize_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_normalize_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_normalize_matrix_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_normalize_matrix_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_compose_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_compose_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_inverse_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_inverse_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_exp_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_exp_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_log_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_log_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_log_long_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_log_long_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_interpolate_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_interpolate_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_interpolate_long_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_interpolate_long_f64(MOTORCADE_ARGUMENTS(double));
+
+const struct motorcade_kernel motorcade_kernels[] = {
+    {"compose", 2, 1, {8, 8, 8},
+     motorcade_compose_f32, motorcade_compose_f64},
+    {"inverse", 1, 1, {8, 8},
+     motorcade_inverse_f32, motorcade_inverse_f64},
+    {"exp", 1, 1, {6, 8},
+     motorcade_exp_f32, motorcade_exp_f64},
+    {"log", 1, 1, {8, 6},
+     motorcade_log_f32, motorcade_log_f64},
+    {"log_long", 1, 1, {8, 6},
+     motorcade_log_long_f32, motorcade_log_long_f64},
+    {"interpolate", 3, 1, {8, 8, 1, 8},
+     motorcade_interpolate_f32, motorcade_interpolate_f64},
+    {"interpolate_long", 3, 1, {8, 8, 1, 8},
+     motorcade_interpolate_long_f32, motorcade_interpolate_long_f64},
+    {"apply", 2, 1, {8, 3, 3},
+     motorcade_apply_f32, motorcade_apply_f64},
+    {"matrix34", 1, 1, {8, 12},
+     motorcade_matrix34_f32, motorcade_matrix34_f64},
+    {"matrix44", 1, 1, {8, 16},
+     motorcade_matrix44_f32, motorcade_matrix44_f64},
+    {"dual_quaternion", 1, 1, {8, 8},
+     motorcade_dual_quaternion_f32, motorcade_dual_quaternion_f64},
+    {"blend", 3, 1, {8, 8, 1, 8},
+     motorcade_blend_f32, motorcade_blend_f64},
+    {"blend_matrix", 3, 1, {8, 8, 1, 12},
+     motorcade_blend_matrix_f32, motorcade_blend_matrix_f64},
+    {"screw_blend", 3, 1, {8, 8, 1, 8},
+     motorcade_screw_blend_f32, motorcade_screw_blend_f64},
+    {"screw_blend_matrix", 3, 1, {8, 8, 1, 12},
+     motorcade_screw_blend_matrix_f32, motorcade_screw_blend_matrix_f64},
+    {"accumulate", 4, 1, {8, 8, 8, 1, 8},
+     motorcade_accumulate_f32, motorcade_accumulate_f64},
+    {"normalize", 1, 1, {8, 8},
+     motorcade_normalize_f32, motorcade_normalize_f64},
+    {"normalize_matrix", 1, 1, {8, 12},
+     motorcade_normalize_matrix_f32, motorcade_normalize_matrix_f64},
+    {"rotor_compose", 2, 1, {4, 4, 4},
+     motorcade_rotor_compose_f32, motorcade_rotor_compose_f64},
+    {"rotor_inverse", 1, 1, {4, 4},
+     motorcade_rotor_inverse_f32, motorcade_rotor_inverse_f64},
+    {"rotor_exp", 1, 1, {3, 4},
+     motorcade_rotor_exp_f32, motorcade_rotor_exp_f64},
+    {"rotor_log", 1, 1, {4, 3},
+     motorcade_rotor_log_f32, motorcade_rotor_log_f64},
+    {"rotor_log_long", 1, 1, {4, 3},
+     motorcade_rotor_log_long_f32, motorcade_rotor_log_long_f64},
+    {"rotor_interpolate", 3, 1, {4, 4, 1, 4},
+     motorcade_rotor_interpolate_f32, motorcade_rotor_interpolate_f64},
+    {"rotor_interpolate_long", 3, 1, {4, 4, 1, 4},
+     motorcade_rotor_interpolate_long_f32, motorcade_rotor_interpolate_long_f64},
+};
+const size_t motorcade_kernel_count =
+    sizeof motorcade_kernels / sizeof motorcade_kernels[0];

@@ -1,0 +1,35 @@
+"""All kernels: the module that holds them, widths of the inputs, width of the output.
+
+Written by ``python -m motorcade.ga.codegen`` from ga/kernels/definitions; edit those.
+"""
+# fmt: off
+
+from __future__ import annotations
+
+KERNELS: dict[str, tuple[str, tuple[int, ...], int]] = {
+    "compose": ("products", (8, 8), 8),
+    "inverse": ("products", (8,), 8),
+    "exp": ("exponentials", (6,), 8),
+    "log": ("exponentials", (8,), 6),
+    "log_long": ("exponentials", (8,), 6),
+    "interpolate": ("screws", (8, 8, 1), 8),
+    "interpolate_long": ("screws", (8, 8, 1), 8),
+    "apply": ("products", (8, 3), 3),
+    "matrix34": ("conversions", (8,), 12),
+    "matrix44": ("conversions", (8,), 16),
+    "dual_quaternion": ("conversions", (8,), 8),
+    "blend": ("linear_blends", (8, 8, 1), 8),
+    "blend_matrix": ("linear_blends", (8, 8, 1), 12),
+    "screw_blend": ("screw_blends", (8, 8, 1), 8),
+    "screw_blend_matrix": ("screw_blends", (8, 8, 1), 12),
+    "accumulate": ("linear_blends", (8, 8, 8, 1), 8),
+    "normalize": ("linear_blends", (8,), 8),
+    "normalize_matrix": ("linear_blends", (8,), 12),
+    "rotor_compose": ("rotors", (4, 4), 4),
+    "rotor_inverse": ("rotors", (4,), 4),
+    "rotor_exp": ("rotors", (3,), 4),
+    "rotor_log": ("rotors", (4,), 3),
+    "rotor_log_long": ("rotors", (4,), 3),
+    "rotor_interpolate": ("rotors", (4, 4, 1), 4),
+    "rotor_interpolate_long": ("rotors", (4, 4, 1), 4),
+}

@@ -1,0 +1,62 @@
+/* What the generated kernels stand on: their signature, and how to have them compiled for SIMD.
+ *
+ * A kernel works on components: inputs[k] points to the first component of operand k,
+ * input_steps[k] is the distance to the next component; a component has one number a row. Rows come in blocks of MOTORCADE_LANES; reading
+ * and writing whole blocks must be allowed. Outputs overlap no input. Nothing is validated here:
+ * versors are taken for unit, numbers for finite.
+ *
+ * On x86 with gcc each kernel is compiled for AVX-512, AVX2 and plain x86-64, and the loader picks
+ * the one that the processor runs. */
+#ifndef MOTORCADE_SUPPORT_H
+#define MOTORCADE_SUPPORT_H
+
+#include <stddef.h>
+
+#define MOTORCADE_LANES 16
+#define MOTORCADE_OPERANDS 6
+
+#if defined(__cplusplus)
+extern "C" {
+#else
+#include <math.h>
+
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
+#define MOTORCADE_SIMD __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define MOTORCADE_SIMD
+#endif
+
+#if defined(__clang__)
+#define MOTORCADE_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__)
+#define MOTORCADE_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define MOTORCADE_INDEPENDENT
+#endif
+
+/* Without the rules for NaN and signed zero that keep fmin and fmax from being one instruction. */
+#define smallerf(a, b) ((a) < (b) ? (a) : (b))
+#define largerf(a, b) ((a) > (b) ? (a) : (b))
+#define smaller(a, b) ((a) < (b) ? (a) : (b))
+#define larger(a, b) ((a) > (b) ? (a) : (b))
+#endif
+
+#define MOTORCADE_ARGUMENTS(real)                                                           \
+    const real *const *inputs, const ptrdiff_t *input_steps, real *const *outputs,          \
+        const ptrdiff_t *output_steps, size_t blocks
+
+struct motorcade_kernel {
+    const char *name;
+    int inputs, outputs;
+    int widths[MOTORCADE_OPERANDS]; /* of the inputs, then of the outputs */
+    void (*single)(MOTORCADE_ARGUMENTS(float));
+    void (*real)(MOTORCADE_ARGUMENTS(double));
+};
+
+extern const struct motorcade_kernel motorcade_kernels[];
+extern const size_t motorcade_kernel_count;
+
+#if defined(__cplusplus)
+}
+#endif
+#endif
