@@ -1,4 +1,4 @@
-"""What the objects of `conformal` look like: positions, normals, radii, distances, back as numbers.
+"""What the objects of `conformal.objects` look like: positions, normals, radii and distances.
 
 Every function takes objects in inner form, of any weight, over any scalars, and gives lengths in
 metres, batch in front; coordinates are arrays ``(*, 3)``, or tuples of three where the scalars are
@@ -14,11 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga.algebra.inverse import norm_squared_with_bound
-from motorcade.ga.algebra.multivector import Multivector
-from motorcade.ga.algebra.scalars import is_numeric, square_root
-from motorcade.ga.algebra.signature import CGA3
-from motorcade.ga.algebra.triples import (
+from motorcade.ga.algebra.conformal.triples import (
     Triple,
     add,
     cross,
@@ -28,6 +24,10 @@ from motorcade.ga.algebra.triples import (
     size_of,
     subtract,
 )
+from motorcade.ga.algebra.inverse import norm_squared_with_bound
+from motorcade.ga.algebra.multivector import Multivector
+from motorcade.ga.algebra.scalars import is_numeric, square_root
+from motorcade.ga.algebra.signature import CGA3
 
 __all__ = [
     "carrier",

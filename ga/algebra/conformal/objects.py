@@ -18,10 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga.algebra.multivector import Multivector
-from motorcade.ga.algebra.scalars import is_numeric, magnitude
-from motorcade.ga.algebra.signature import CGA3
-from motorcade.ga.algebra.triples import (
+from motorcade.ga.algebra.conformal.triples import (
     Triple,
     add,
     cross,
@@ -34,6 +31,9 @@ from motorcade.ga.algebra.triples import (
     triple,
     unit_triple,
 )
+from motorcade.ga.algebra.multivector import Multivector
+from motorcade.ga.algebra.scalars import is_numeric, magnitude
+from motorcade.ga.algebra.signature import CGA3
 
 __all__ = [
     "circle",
@@ -59,8 +59,7 @@ _AXES = ("e1", "e2", "e3")
 
 def point(position: Any) -> Multivector:
     """The point at `position` ``(*, 3)`` in metres, of weight 1."""
-    x = triple(position, "point(position)")
-    return _vector(x, 0.5 * dot(x, x), origin=1.0)
+    return _point(triple(position, "point(position)"))
 
 
 def infinity() -> Multivector:
@@ -76,7 +75,7 @@ def sphere(center: Any, radius_m: Any) -> Multivector:
     """
     c = triple(center, "sphere(center)")
     r = length(radius_m, "sphere(radius_m)")
-    return _vector(c, 0.5 * (dot(c, c) - r * r), origin=1.0)
+    return _sphere(c, r)
 
 
 def plane(normal: Any, distance_m: Any) -> Multivector:
@@ -96,12 +95,7 @@ def line(position: Any, direction: Any) -> Multivector:
         ValueError: a direction whose length is more than 1e-6 from 1.
     """
     p = triple(position, "line(position)")
-    d = unit_triple(direction, "line(direction)")
-    m = cross(p, d)
-    return CGA3.multivector(
-        {"e2^e3": d[0], "e3^e1": d[1], "e1^e2": d[2], "e1^einf": m[0], "e2^einf": m[1],
-         "e3^einf": m[2]}
-    )  # fmt: skip
+    return _line(p, unit_triple(direction, "line(direction)"))
 
 
 def circle(center: Any, normal: Any, radius_m: Any) -> Multivector:
@@ -112,7 +106,7 @@ def circle(center: Any, normal: Any, radius_m: Any) -> Multivector:
     """
     c = triple(center, "circle(center)")
     n = unit_triple(normal, "circle(normal)")
-    return sphere(c, length(radius_m, "circle(radius_m)")) ^ _vector(n, dot(n, c))
+    return _sphere(c, length(radius_m, "circle(radius_m)")) ^ _vector(n, dot(n, c))
 
 
 def point_pair(first: Any, second: Any) -> Multivector:
@@ -124,7 +118,7 @@ def point_pair(first: Any, second: Any) -> Multivector:
     a, b = triple(first, "point_pair(first)"), triple(second, "point_pair(second)")
     way = subtract(b, a)
     _independent("point_pair", (way,), "two points apart")
-    return (point(a) ^ point(b)).dual()._divided(size_of(way))
+    return (_point(a) ^ _point(b)).dual()._divided(size_of(way))
 
 
 def line_through(first: Any, second: Any) -> Multivector:
@@ -136,7 +130,7 @@ def line_through(first: Any, second: Any) -> Multivector:
     a, b = triple(first, "line_through(first)"), triple(second, "line_through(second)")
     way = subtract(b, a)
     _independent("line_through", (way,), "two points apart")
-    return line(a, normalized(way))
+    return _line(a, normalized(way))
 
 
 def plane_through(first: Any, second: Any, third: Any) -> Multivector:
@@ -157,7 +151,7 @@ def circle_through(first: Any, second: Any, third: Any) -> Multivector:
         ValueError: points on one line: `line_through` is meant for these.
     """
     a, ab, ac = _spread("circle_through", first, second, third)
-    made = -(point(a) ^ point(add(a, ab)) ^ point(add(a, ac))).dual()
+    made = -(_point(a) ^ _point(add(a, ab)) ^ _point(add(a, ac))).dual()
     return made._divided(size_of(cross(ab, ac)))
 
 
@@ -171,7 +165,7 @@ def sphere_through(first: Any, second: Any, third: Any, fourth: Any) -> Multivec
     a, b, c, d = (triple(x, "sphere_through(points)") for x in given)
     edges = (subtract(b, a), subtract(c, a), subtract(d, a))
     _independent("sphere_through", edges, "four points that lie on no plane")
-    made = (point(a) ^ point(b) ^ point(c) ^ point(d)).dual()
+    made = (_point(a) ^ _point(b) ^ _point(c) ^ _point(d)).dual()
     return made._divided(made.coefficient("e0"))
 
 
@@ -215,6 +209,19 @@ def _vector(space: Triple, infinite: Any, origin: Any = None) -> Multivector:
     if origin is not None:
         named["e0"] = origin
     return CGA3.multivector({**named, "einf": infinite})
+
+
+def _point(x: Triple) -> Multivector:
+    return _vector(x, 0.5 * dot(x, x), origin=1.0)
+
+
+def _sphere(c: Triple, r: Any) -> Multivector:
+    return _vector(c, 0.5 * (dot(c, c) - r * r), origin=1.0)
+
+
+def _line(p: Triple, d: Triple) -> Multivector:
+    names = ("e2^e3", "e3^e1", "e1^e2", "e1^einf", "e2^einf", "e3^einf")
+    return CGA3.multivector(dict(zip(names, (*d, *cross(p, d)), strict=True)))
 
 
 def _spread(name: str, first: Any, second: Any, third: Any) -> tuple[Triple, Triple, Triple]:

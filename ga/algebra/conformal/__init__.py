@@ -1,0 +1,81 @@
+"""Conformal geometry of space in CGA3: objects, their meets, joins and measures, versors.
+
+`objects` states the conventions (inner form, orientation, degenerate cases); `measure` reads
+positions, radii and distances back; `versors` leads to Rotor, Motor and Similarity and back.
+"""
+
+from __future__ import annotations
+
+from motorcade.ga.algebra.conformal.measure import (
+    carrier,
+    center,
+    coordinates,
+    direction,
+    distance_to_line,
+    distance_to_plane,
+    distance_to_point,
+    distance_to_sphere,
+    flat_position,
+    nearest_to_origin,
+    normal,
+    plane_distance,
+    radius,
+    radius_squared,
+    two_points,
+)
+from motorcade.ga.algebra.conformal.objects import (
+    circle,
+    circle_through,
+    infinity,
+    join,
+    line,
+    line_through,
+    meet,
+    plane,
+    plane_through,
+    point,
+    point_pair,
+    sphere,
+    sphere_through,
+)
+from motorcade.ga.algebra.conformal.versors import (
+    as_motor,
+    as_rotor,
+    as_similarity,
+    of_versor,
+)
+
+__all__ = [
+    "as_motor",
+    "as_rotor",
+    "as_similarity",
+    "carrier",
+    "center",
+    "circle",
+    "circle_through",
+    "coordinates",
+    "direction",
+    "distance_to_line",
+    "distance_to_plane",
+    "distance_to_point",
+    "distance_to_sphere",
+    "flat_position",
+    "infinity",
+    "join",
+    "line",
+    "line_through",
+    "meet",
+    "nearest_to_origin",
+    "normal",
+    "of_versor",
+    "plane",
+    "plane_distance",
+    "plane_through",
+    "point",
+    "point_pair",
+    "radius",
+    "radius_squared",
+    "sphere",
+    "sphere_through",
+    "two_points",
+]
