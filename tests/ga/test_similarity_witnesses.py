@@ -1,9 +1,10 @@
-"""Similarities against clifford, scipy's matrix exponential, and mpmath at 50 digits."""
+"""Similarities against clifford, gtsam, scipy's matrix exponential, and mpmath at 50 digits."""
 
 from collections.abc import Iterable
 from typing import Any
 
 import clifford
+import gtsam
 import mpmath
 import numpy as np
 import pytest
@@ -139,6 +140,15 @@ def test_twist_is_the_logarithm_of_the_matrix(rng: np.random.Generator) -> None:
         np.testing.assert_allclose(made.as_matrix(), witness, rtol=0, atol=1e-13 * size)
         if np.linalg.norm(twist[:3]) < np.pi:
             np.testing.assert_allclose(made.as_twist(), twist, rtol=0, atol=1e-14)
+
+
+def test_gtsam_has_the_same_exponential_logarithm_and_action(rng: np.random.Generator) -> None:
+    points = rng.standard_normal((50, 3))
+    for twist, x in zip(rng.standard_normal((50, 7)), points, strict=True):
+        witness, made = gtsam.Similarity3.Expmap(twist), Similarity.from_twist(twist)
+        np.testing.assert_allclose(made.apply(x), witness.transformFrom(x), rtol=0, atol=1e-12)
+        found = gtsam.Similarity3.Logmap(witness)
+        np.testing.assert_allclose(made.as_twist(), found, rtol=0, atol=1e-12)
 
 
 # Fifty digits ----------------------------------------------------------------------------------
