@@ -97,7 +97,7 @@ def norm_squared_with_bound(x: Multivector) -> tuple[Any, Any]:
 
 
 def _reverse_product(x: _Bounded) -> _Bounded:
-    return x.made_by(x.exact.reverse_plan(), x)
+    return x.made_by(x.exact._reverse_plan(), x)
 
 
 def _mirrored_product(size: _Bounded, mirrored: _Bounded) -> _Bounded:

@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+
 from motorcade.ga.algebra.basis import Terms, grade_of, order_of, reorder_sign
 from motorcade.ga.algebra.products import Masks, Plan, apply_plan
 from motorcade.ga.algebra.scalars import checked_scalar, is_zero_somewhere, magnitude, square_root
@@ -42,23 +44,30 @@ class Multivector:
         total: dict[int, Any] = {}
         for name, given in coefficients.items():
             terms = algebra.masks_of(name)
+            if isinstance(given, Multivector):
+                raise ValueError(f"coefficient of {name}: expected a real scalar, got {given!r}")
             value = checked_scalar(given, f"coefficient of {name}")
             for mask, factor in terms:
                 part = value if factor == 1.0 else -value if factor == -1.0 else value * factor
                 total[mask] = total[mask] + part if mask in total else part
         masks = tuple(sorted(total, key=order_of))
-        object.__setattr__(self, "algebra", algebra)
-        object.__setattr__(self, "masks", masks)
-        object.__setattr__(self, "values", tuple(total[mask] for mask in masks))
+        self._set(algebra, masks, (total[mask] for mask in masks))
 
     @classmethod
     def _trusted(cls, algebra: Algebra, masks: Masks, values: Iterable[Any]) -> Multivector:
         """Wrap coefficients that a product has just made, blades in their order."""
         made = object.__new__(cls)
-        object.__setattr__(made, "algebra", algebra)
-        object.__setattr__(made, "masks", masks)
-        object.__setattr__(made, "values", tuple(values))
+        made._set(algebra, masks, values)
         return made
+
+    def _set(self, algebra: Algebra, masks: Masks, values: Iterable[Any]) -> None:
+        frozen = tuple(values)
+        for value in frozen:
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+        object.__setattr__(self, "algebra", algebra)
+        object.__setattr__(self, "masks", masks)
+        object.__setattr__(self, "values", frozen)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a multivector is frozen: {name} cannot be set")
@@ -92,7 +101,7 @@ class Multivector:
             ValueError: a name that is not in the algebra or stands for no single basis blade.
         """
         terms = self.algebra.masks_of(blade)
-        if len(terms) != 1:
+        if len(terms) != 1 or abs(terms[0][1]) != 1.0:
             raise ValueError(
                 f"{self.algebra}: expected a blade of {' '.join(self.algebra.names)}, "
                 f"got {blade!r}; as_orthogonal gives coefficients on ep and em"
@@ -222,14 +231,14 @@ class Multivector:
         self._same_algebra(other)
         return (self * other)._product("geometric", ~self, frozenset(other.grades))
 
-    def reverse_plan(self) -> Plan:
+    def _reverse_plan(self) -> Plan:
         """The terms of ``x ~x`` on the blades of `self`."""
         signs = tuple(_reverse_sign(grade_of(mask)) for mask in self.masks)
         return self.algebra.symmetric_plan(self.masks, signs)
 
     def reverse_product(self) -> Multivector:
         """``x ~x``, without the terms that cancel by symmetry."""
-        plan = self.reverse_plan()
+        plan = self._reverse_plan()
         return Multivector._trusted(
             self.algebra, plan.masks, apply_plan(plan, self.values, self.values)
         )

@@ -45,13 +45,14 @@ def test_blades_that_are_zero_or_several() -> None:
     refused(lambda: EGA3.blade("e1^e1"), "not zero")
     refused(lambda: EGA3.blade(3), "name of a blade")  # type: ignore[arg-type]
     refused(lambda: CGA3.blade("e0").coefficient("ep"), "as_orthogonal")
+    refused(lambda: CGA3.blade("e0").coefficient("ep^e0"), "as_orthogonal")
     refused(lambda: EGA3.vector([1.0, 2.0]), "expected 3, got 2")
 
 
 @pytest.mark.parametrize(
     "value",
     [np.nan, np.inf, np.array([1.0, np.nan]), "1", None, True, 1j, np.array([1j]), [1.0],
-     np.array(["a"]), np.array([True])],
+     np.array(["a"]), np.array([True]), EGA3.blade("e1")],
 )  # fmt: skip
 def test_coefficients_that_are_no_real_numbers(value: Any) -> None:
     refused(lambda: EGA3.multivector({"e1": value}), "coefficient of e1: expected")

@@ -77,6 +77,9 @@ def test_values_are_frozen() -> None:
     assert x.coefficient("e1")[0] == 1.0
     with pytest.raises(ValueError, match="read-only"):
         x.coefficient("e1")[0] = 2.0
+    for made in (-x, x * x, x + x, x | x, x.dual(), EGA3.multivector({"e3^e1": given})):
+        assert not any(value.flags.writeable for value in made.values)
+    assert given.flags.writeable
     with pytest.raises(AttributeError, match="frozen"):
         x.values = ()  # type: ignore[misc]
     with pytest.raises(AttributeError, match="frozen"):
