@@ -7,6 +7,7 @@ named ``world_T_camera`` (maps camera coordinates to world), versors act by ``X'
 from __future__ import annotations
 
 from motorcade.ga import kernels
+from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.ga.motion import TwistSample
 from motorcade.ga.rivals import DualQuaternion, EulerPose, QuaternionPose
@@ -21,12 +22,17 @@ from motorcade.ga.versors.similarity import Similarity
 from motorcade.ga.versors.versor import Versor
 
 __all__ = [
+    "CGA3",
+    "EGA3",
+    "PGA3",
+    "Algebra",
     "CumulativeBSpline",
     "DualQuaternion",
     "EulerPose",
     "FloatArray",
     "IntArray",
     "Motor",
+    "Multivector",
     "QuaternionPose",
     "Rotor",
     "ScrewPath",
