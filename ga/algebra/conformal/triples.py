@@ -44,12 +44,20 @@ def triple(value: Any, name: str) -> Triple:
         plain = all(is_numeric(part) for part in value)
         if not plain and not any(isinstance(part, list | tuple) for part in value):
             return value[0], value[1], value[2]
-    if hasattr(value, "nnz"):  # a CasADi column has no batch
-        return value[0], value[1], value[2]
     if hasattr(value, "numel"):
-        return value[..., 0], value[..., 1], value[..., 2]
+        return _unpacked(value, name)
     array = checked_floats(value, name, (3,))
     return array[..., 0], array[..., 1], array[..., 2]
+
+
+def _unpacked(value: Any, name: str) -> Triple:
+    """A CasADi column of three, or a tensor ``(*, 3)``."""
+    shape = tuple(value.shape)
+    if hasattr(value, "nnz") and shape in ((3, 1), (1, 3)):
+        return value[0], value[1], value[2]
+    if hasattr(value, "nnz") or shape[-1:] != (3,):
+        raise ValueError(f"{name}: expected shape (*, 3), got {shape}")
+    return value[..., 0], value[..., 1], value[..., 2]
 
 
 def unit_triple(value: Any, name: str) -> Triple:

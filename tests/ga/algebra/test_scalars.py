@@ -93,6 +93,25 @@ def test_casadi_objects_evaluate_to_the_numbers() -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
+def test_casadi_columns_of_another_length_are_refused() -> None:
+    ca = pytest.importorskip("casadi")
+    with pytest.raises(ValueError, match=r"point\(position\): expected shape"):
+        cga.point(ca.SX.sym("x", 2))
+
+
+def test_torch_objects_are_the_numbers_and_differentiate(rng: np.random.Generator) -> None:
+    torch = pytest.importorskip("torch", reason="torch is not installed")
+    given = rng.standard_normal((3, 5, 3))
+    corners = torch.tensor(given, requires_grad=True)
+    radius = cga.radius(cga.circle_through(*corners))
+    expected = cga.radius(cga.circle_through(*given))
+    np.testing.assert_allclose(radius.detach().numpy(), expected, rtol=1e-12)
+    radius.sum().backward()
+    assert torch.isfinite(corners.grad).all()
+    with pytest.raises(ValueError, match=r"expected shape \(\*, 3\)"):
+        cga.point(corners[..., :2])
+
+
 def test_torch_tensors_compute_and_differentiate(
     operation: Any, rng: np.random.Generator, close: Close
 ) -> None:

@@ -1,6 +1,8 @@
 """Names, order, structural zeros, frozen values."""
 
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -106,3 +108,13 @@ def test_written_out() -> None:
     assert repr(EGA3.multivector({})) == "0"
     assert repr(CGA3) == "Algebra(4, 1, 0)[e1 e2 e3 e0 einf]"
     assert dict(EGA3.vector([1.0, 2.0, 3.0]).items()) == {"e1": 1.0, "e2": 2.0, "e3": 3.0}
+
+
+def test_import_brings_numpy_only_and_tabulates_nothing() -> None:
+    script = (
+        "import sys, motorcade.ga.algebra.conformal, motorcade.ga as ga\n"
+        "heavy = {'casadi', 'torch', 'scipy', 'clifford', 'mpmath', 'cv2'} & set(sys.modules)\n"
+        "assert not heavy, heavy\n"
+        "assert not ga.CGA3._plans and not ga.CGA3.basis._products\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
