@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from motorcade.ga import kernels
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.ga.kernels import compose, exp, interpolate, inverse, log
 from motorcade.ga.versors.rotor import Rotor
@@ -33,6 +34,7 @@ class Motor(Versor):
 
     _size = 8
     _log_size = 6
+    _keeps_single = True
     _kernels = VersorKernels(compose, inverse, exp, log, interpolate)
 
     @classmethod
@@ -41,10 +43,11 @@ class Motor(Versor):
         length = np.max(np.abs(coefficients[..., 4:]), axis=-1)
         study = np.abs(_study(coefficients)) / np.maximum(1.0, length)
         worst = float(np.max(study, initial=0.0))
-        if worst > UNIT_TOLERANCE:
+        tolerance = cls._tolerance(coefficients)
+        if worst > tolerance:
             raise ValueError(
                 f"{cls._field('coefficients')}: expected m0 m7 = m1 m4 + m2 m5 + m3 m6 within "
-                f"{UNIT_TOLERANCE:g}, got a difference of {worst:.3g}; "
+                f"{tolerance:g}, got a difference of {worst:.3g}; "
                 "Motor.normalize projects other even elements"
             )
 
@@ -58,7 +61,7 @@ class Motor(Versor):
             ValueError: wrong last dimension, NaN or infinity, or a zero rotor part, which stands
                 for no motion.
         """
-        given = checked_floats(coefficients, "Motor.normalize(coefficients)", (8,))
+        given = cls._checked(coefficients, "Motor.normalize(coefficients)", (8,))
         size = np.max(np.abs(given[..., :4]), axis=-1, keepdims=True)
         if not np.all(size > 0.0):
             raise ValueError(
@@ -101,9 +104,9 @@ class Motor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
         """
-        x = checked_floats(points, "Motor.apply(points)", (3,))
+        x = checked_floats(points, "Motor.apply(points)", (3,)).astype(self.dtype, copy=False)
         broadcast_batch("Motor.apply", self.shape, x.shape[:-1])
-        return self.rotor.apply(x) + self.translation_m
+        return kernels.apply(self.coefficients, x)
 
     # Conversions -------------------------------------------------------------------------------
 
@@ -142,11 +145,7 @@ class Motor(Versor):
 
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
-        matrix = np.zeros((*self.shape, 4, 4))
-        matrix[..., :3, :3] = self.rotor.as_matrix()
-        matrix[..., :3, 3] = self.translation_m
-        matrix[..., 3, 3] = 1.0
-        return matrix
+        return kernels.matrix44(self.coefficients)
 
     @classmethod
     def from_quaternion_translation(cls, wxyz: ArrayLike, translation_m: ArrayLike) -> Motor:
@@ -174,8 +173,7 @@ class Motor(Versor):
 
     def as_dual_quaternion(self) -> FloatArray:
         """Unit Hamilton dual quaternions ``(*, 8)``: real wxyz, then dual wxyz."""
-        signed: FloatArray = self.coefficients * _TO_DUAL_QUATERNION
-        return signed[..., [0, 1, 2, 3, 7, 4, 5, 6]]
+        return kernels.dual_quaternion(self.coefficients)
 
     @classmethod
     def from_euler_translation(

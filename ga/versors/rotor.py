@@ -37,6 +37,7 @@ class Rotor(Versor):
 
     _size = 4
     _log_size = 3
+    _keeps_single = True
     _kernels = VersorKernels(rotor_compose, rotor_inverse, rotor_exp, rotor_log, rotor_interpolate)
 
     @classmethod
@@ -46,7 +47,7 @@ class Rotor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, or a zero element.
         """
-        given = checked_floats(coefficients, "Rotor.normalize(coefficients)", (4,))
+        given = cls._checked(coefficients, "Rotor.normalize(coefficients)", (4,))
         size = np.max(np.abs(given), axis=-1, keepdims=True)
         if not np.all(size > 0.0):
             raise ValueError(
@@ -67,7 +68,7 @@ class Rotor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
         """
-        x = checked_floats(points, "Rotor.apply(points)", (3,))
+        x = checked_floats(points, "Rotor.apply(points)", (3,)).astype(self.dtype, copy=False)
         broadcast_batch("Rotor.apply", self.shape, x.shape[:-1])
         w, v = self.coefficients[..., :1], self.coefficients[..., 1:]
         turned = np.cross(v, x)
@@ -101,7 +102,7 @@ class Rotor(Versor):
 
     def as_quaternion(self) -> FloatArray:
         """Unit quaternions ``(*, 4)`` in the order w, x, y, z, with the rotor's own sign."""
-        quaternion: FloatArray = self.coefficients * _CONJUGATE
+        quaternion: FloatArray = self.coefficients * _CONJUGATE.astype(self.dtype)
         return quaternion
 
     @classmethod
@@ -129,7 +130,7 @@ class Rotor(Versor):
     def as_matrix(self) -> FloatArray:
         """Rotation matrices ``(*, 3, 3)`` that act on columns."""
         w, x, y, z = np.ascontiguousarray(np.moveaxis(self.as_quaternion(), -1, 0))
-        matrix = np.empty((*self.shape, 3, 3))
+        matrix = np.empty((*self.shape, 3, 3), self.dtype)
         matrix[..., 0, 0] = 1 - 2 * (y * y + z * z)
         matrix[..., 0, 1] = 2 * (x * y - w * z)
         matrix[..., 0, 2] = 2 * (x * z + w * y)

@@ -2,6 +2,9 @@
 
 A versor acts by ``X' = S X ~S``; ``a @ b`` applies ``b`` first. ``S`` and ``-S`` are one motion.
 Leading dimensions are batch and broadcast as NumPy arrays do; values are frozen.
+
+Coefficients are float64; rotors and motors made of a float32 array are and stay float32, and so is
+all that they compute. Versors of different precision do not mix; `astype` converts.
 """
 
 from __future__ import annotations
@@ -9,23 +12,28 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any, ClassVar, NamedTuple, Self, SupportsIndex
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
-from motorcade.ga.arrays import FloatArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = ["UNIT_TOLERANCE", "Versor", "VersorKernels", "broadcast_batch"]
 
 # How far from 1 the norm of given coefficients may be before they are refused.
 UNIT_TOLERANCE = 1e-6
+_UNIT_TOLERANCE_SINGLE = 1e-5
 # Below this sine of half the angle the long way round has lost its axis.
 _LONG_WAY_SINE = 1e-7
 
 
 def broadcast_batch(what: str, *shapes: tuple[int, ...]) -> tuple[int, ...]:
     """Return the common batch shape, or raise ValueError that names `what` and the shapes."""
+    first = shapes[0]
+    if all(shape == first or not shape for shape in shapes):  # NumPy takes longer to find out
+        return first
     try:
         return np.broadcast_shapes(*shapes)
     except ValueError:
@@ -57,28 +65,45 @@ class Versor(ABC):
 
     # NumPy arrays must not try to broadcast over a versor: array @ versor is a TypeError.
     __array_ufunc__: ClassVar[None] = None
+    # Whether float32 arrays are kept as they are; otherwise they become float64.
+    _keeps_single: ClassVar[bool] = False
     _size: ClassVar[int]
     _log_size: ClassVar[int]
     _kernels: ClassVar[VersorKernels]
 
     def __post_init__(self) -> None:
-        given = checked_floats(self.coefficients, self._field("coefficients"), (self._size,))
+        given = self._checked(self.coefficients, self._field("coefficients"), (self._size,))
         self._check_unit(given)
-        object.__setattr__(self, "coefficients", frozen(given))
+        own = np.array(given, order="C", copy=True)
+        own.setflags(write=False)
+        object.__setattr__(self, "coefficients", own)
 
     @classmethod
     def _field(cls, name: str) -> str:
         return f"{cls.__name__}.{name}"
 
     @classmethod
+    def _checked(cls, value: ArrayLike, name: str, trailing: tuple[int, ...]) -> FloatArray:
+        """Checked numbers, in float32 where an array of that type was given and is kept."""
+        checked = checked_floats(value, name, trailing)
+        single = cls._keeps_single and getattr(value, "dtype", None) == np.float32
+        return np.asarray(value) if single else checked
+
+    @classmethod
+    def _tolerance(cls, coefficients: FloatArray) -> float:
+        """How far from unit given coefficients may be in their precision."""
+        return UNIT_TOLERANCE if coefficients.dtype == np.float64 else _UNIT_TOLERANCE_SINGLE
+
+    @classmethod
     def _check_unit(cls, coefficients: FloatArray) -> None:
         with np.errstate(over="ignore"):  # an infinite norm is refused like any other
             norm = np.sqrt(np.sum(coefficients[..., :4] ** 2, axis=-1))
         worst = float(np.max(np.abs(norm - 1.0), initial=0.0))
-        if worst > UNIT_TOLERANCE:
+        tolerance = cls._tolerance(coefficients)
+        if worst > tolerance:
             raise ValueError(
                 f"{cls._field('coefficients')}: expected unit versors (norm within "
-                f"{UNIT_TOLERANCE:g} of 1), got a norm off by {worst:.3g}; "
+                f"{tolerance:g} of 1), got a norm off by {worst:.3g}; "
                 f"{cls.__name__}.normalize projects other even elements"
             )
 
@@ -106,7 +131,7 @@ class Versor(ABC):
         Raises:
             ValueError: wrong last dimension, NaN or infinity.
         """
-        given = checked_floats(log, cls._field("exp(log)"), (cls._log_size,))
+        given = cls._checked(log, cls._field("exp(log)"), (cls._log_size,))
         return cls._trusted(cls._kernels.exp(given))
 
     @classmethod
@@ -119,6 +144,7 @@ class Versor(ABC):
         """Join versors of equal shape along a new leading dimension."""
         if not versors:
             raise ValueError(f"{cls._field('stack')}: expected at least one versor, got none")
+        cls._check_precision(cls._field("stack"), *versors)
         return cls._trusted(np.stack([one.coefficients for one in versors]))
 
     @classmethod
@@ -129,6 +155,7 @@ class Versor(ABC):
                 f"{cls._field('concatenate')}: expected one or more batches with a leading "
                 f"dimension, got shapes {[one.shape for one in versors]}; stack joins single ones"
             )
+        cls._check_precision(cls._field("concatenate"), *versors)
         return cls._trusted(np.concatenate([one.coefficients for one in versors]))
 
     # Batch -------------------------------------------------------------------------------------
@@ -137,6 +164,33 @@ class Versor(ABC):
     def shape(self) -> tuple[int, ...]:
         """Batch shape, without the dimension of coefficients."""
         return self.coefficients.shape[:-1]
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The precision of the coefficients, float32 or float64."""
+        precision: np.dtype[Any] = self.coefficients.dtype
+        return precision
+
+    def astype(self, dtype: DTypeLike) -> Self:
+        """The same versors in float32 or float64.
+
+        Raises:
+            ValueError: another type, or float32 for versors that are computed in float64 only.
+        """
+        wanted = np.dtype(dtype)
+        if wanted != np.float64 and not (wanted == np.float32 and self._keeps_single):
+            known = "float32 or float64" if self._keeps_single else "float64"
+            raise ValueError(f"{self._field('astype')}: expected {known}, got {wanted}")
+        return self._trusted(self.coefficients.astype(wanted))
+
+    @classmethod
+    def _check_precision(cls, what: str, *versors: Self) -> None:
+        names = {one.coefficients.dtype.name for one in versors}
+        if len(names) > 1:
+            raise TypeError(
+                f"{what}: expected versors of one precision, got {' and '.join(sorted(names))}; "
+                "astype converts"
+            )
 
     def reshape(self, *shape: int) -> Self:
         """The same versors in another batch shape; one dimension may be -1."""
@@ -173,7 +227,10 @@ class Versor(ABC):
         """Compose: ``(a @ b).apply(x) == a.apply(b.apply(x))``. Batches broadcast."""
         if type(other) is not type(self):
             return NotImplemented
-        broadcast_batch(f"{type(self).__name__} @ {type(self).__name__}", self.shape, other.shape)
+        name = f"{type(self).__name__} @ {type(self).__name__}"
+        broadcast_batch(name, self.shape, other.shape)
+        if other.coefficients.dtype != self.coefficients.dtype:
+            self._check_precision(name, self, other)
         return self._trusted(self._kernels.compose(self.coefficients, other.coefficients))
 
     def inverse(self) -> Self:
@@ -207,13 +264,21 @@ class Versor(ABC):
                 between two equal orientations of opposite sign, which has no axis.
         """
         name = f"{type(self).__name__}.interpolate"
-        steps = checked_floats(fraction, f"{name}(fraction)", ())
+        steps = self._fractions(fraction, f"{name}(fraction)")
         broadcast_batch(name, self.shape, other.shape, steps.shape)
+        if other.coefficients.dtype != self.coefficients.dtype:
+            self._check_precision(name, self, other)
         if not short_way:
             self._check_long_way(other, name)
         return self._trusted(
             self._kernels.interpolate(self.coefficients, other.coefficients, steps, short_way)
         )
+
+    def _fractions(self, fraction: Any, name: str) -> FloatArray:
+        """Checked fractions in this precision."""
+        if isinstance(fraction, float) and isfinite(fraction):  # most often, and much faster
+            return np.asarray(fraction, dtype=self.coefficients.dtype)
+        return checked_floats(fraction, name, ()).astype(self.coefficients.dtype, copy=False)
 
     def _check_long_way(self, other: Self, name: str) -> None:
         between = (self.inverse() @ other).coefficients
