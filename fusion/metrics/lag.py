@@ -1,9 +1,10 @@
 """Lag: how much later than the truth an estimate moves, from the peak of their cross-correlation.
 
 Positive lag is late; poses ahead of the truth have negative lag. The truth is read at the
-estimate's stamps minus the lag tried, so uneven stamps and holes do no harm, and the peak is found
-between samples by fitting parabolas. Position and angular rate are correlated apart: one shows
-what smoothing did to translations, the other what it did to rotations.
+estimate's stamps minus the lag tried, so uneven stamps and holes do no harm, and both sides are
+differenced over the same steps, so an estimate equal to the truth has no lag at all. Position and
+angular rate are correlated apart: one shows what smoothing did to translations, the other what it
+did to rotations.
 """
 
 from __future__ import annotations
@@ -14,12 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import FloatArray, Rotor, Trajectory
 
 __all__ = ["angular_rate_lag_s", "position_lag_s"]
 
 _COARSE_STEP_S = 0.01
-_REFINEMENTS = 4
+_PEAK_TOLERANCE_S = 1e-5
+_ROOT_TOLERANCE_S = 1e-12
+_BATCHES = 20
+# Changes smaller than this part of the values may be rounding.
+_EVEN = 1e-9
 _GAP_INTERVALS = 3.0
 # Over longer steps a mean rate in the moving frame says little about the moment.
 _LONGEST_STEP_S = 0.25
@@ -33,13 +38,14 @@ def position_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float = 0
 
     Raises:
         NotObservableError: trajectories that overlap too little, that do not move, or whose
-            correlation still rises at the edge of ``±max_lag_s``.
+            correlation still rises at the edge of ``±max_lag_s`` or has a peak too flat to place:
+            a standard error above half the estimate's median interval.
     """
     path = SmoothPath(truth)
     time_s = path.seconds(estimate.time_ns)
     time_s, kept, limit_s = _inner(path, time_s, time_s, max_lag_s)
     ours = estimate.poses.translation_m[kept]
-    return _peak(lambda lag: _similarity(ours, path.positions_m(time_s - lag)), limit_s)
+    return _peak(ours, lambda lag: path.positions_m(time_s - lag), limit_s, _half_step(estimate))
 
 
 def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float = 0.5) -> float:
@@ -50,22 +56,33 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
     """
     path = SmoothPath(truth)
     time_s = path.seconds(estimate.time_ns)
-    start_s, end_s = time_s[:-1], time_s[1:]
-    steps = end_s - start_s
-    rotors = estimate.poses.rotor
-    rates = (rotors[:-1].inverse() @ rotors[1:]).as_rotation_vector() / steps[:, None]
-    start_s, kept, limit_s = _inner(path, start_s, end_s, max_lag_s)
-    end_s = end_s[kept]
-    near = end_s - start_s <= min(_GAP_INTERVALS * float(np.median(steps)), _LONGEST_STEP_S)
-    if np.count_nonzero(near) < _FEWEST_STAMPS:
+    steps = np.diff(time_s)
+    _, kept, limit_s = _inner(path, time_s[:-1], time_s[1:], max_lag_s)
+    near = steps <= min(_GAP_INTERVALS * float(np.median(steps)), _LONGEST_STEP_S)
+    chosen = np.flatnonzero(kept & near)
+    if chosen.size < _FEWEST_STAMPS:
         raise NotObservableError(
             f"lag: expected {_FEWEST_STAMPS} steps of at most {_LONGEST_STEP_S} s between poses, "
-            f"got {np.count_nonzero(near)}"
+            f"got {chosen.size}"
         )
-    start_s, end_s, ours = start_s[near], end_s[near], rates[kept][near]
+    steps = steps[chosen, None]
+    ends, index = np.unique([chosen, chosen + 1], return_inverse=True)
+    first, second = index.reshape(2, -1)
+
+    def rates(rotors: Rotor) -> FloatArray:
+        turns = rotors[first].inverse() @ rotors[second]
+        return np.asarray(turns.as_rotation_vector() / steps, dtype=np.float64)
+
     return _peak(
-        lambda lag: _similarity(ours, path.mean_rates_rad_s(start_s - lag, end_s - lag)), limit_s
+        rates(estimate.poses.rotor[ends]),
+        lambda lag: rates(path.poses(time_s[ends] - lag).rotor),
+        limit_s,
+        _half_step(estimate),
     )
+
+
+def _half_step(estimate: Trajectory) -> float:
+    return 0.5 * float(np.median(np.diff(estimate.time_s)))
 
 
 def _inner(
@@ -90,28 +107,93 @@ def _inner(
 
 
 def _similarity(ours: FloatArray, true: FloatArray) -> float:
-    ours, true = ours - ours.mean(axis=0), true - true.mean(axis=0)
-    size = float(np.linalg.norm(ours) * np.linalg.norm(true))
-    if size == 0.0:
-        raise NotObservableError("lag: expected trajectories that move, got one that stands still")
-    return float(np.sum(ours * true)) / size
+    ours, true = _changing(ours), _changing(true)
+    return float(np.sum(ours * true) / (np.linalg.norm(ours) * np.linalg.norm(true)))
 
 
-def _peak(correlation: Callable[[float], float], limit_s: float) -> float:
+def _changing(values: FloatArray) -> FloatArray:
+    centred: FloatArray = values - values.mean(axis=0)
+    if np.linalg.norm(centred) <= _EVEN * np.linalg.norm(values):
+        raise NotObservableError(
+            "lag: expected trajectories that move, got one that stands still or turns evenly"
+        )
+    return centred
+
+
+def _peak(
+    ours: FloatArray, true: Callable[[float], FloatArray], limit_s: float, largest_error_s: float
+) -> float:
+    """Lag in ``±limit_s`` at which `true` (N, 3) correlates best with `ours`."""
     count = int(limit_s / _COARSE_STEP_S)
     lags = _COARSE_STEP_S * np.arange(-count, count + 1)
-    values = [correlation(float(lag)) for lag in lags]
-    best = int(np.argmax(values))
-    if best in (0, len(values) - 1):
+    best = int(np.argmax([_similarity(ours, true(float(lag))) for lag in lags]))
+    if best in (0, len(lags) - 1):
         raise NotObservableError(
             f"lag: expected a peak of the correlation within ±{limit_s:.3f} s, got one at the edge"
         )
-    peak, step = float(lags[best]), _COARSE_STEP_S
-    for _ in range(_REFINEMENTS):
-        left, middle, right = (correlation(peak + k * step) for k in (-1, 0, 1))
-        curvature = left - 2.0 * middle + right
-        if curvature >= 0.0:
-            break
-        peak += float(np.clip(0.5 * (left - right) / curvature, -1.0, 1.0)) * step
-        step *= 0.3
+    peak = _refined(ours, true, float(lags[best]))
+    error_s = _standard_error_s(ours, *_scores(ours, true, peak))
+    if not error_s <= largest_error_s:
+        raise NotObservableError(
+            f"lag: expected a peak of the correlation known to {1e3 * largest_error_s:.3g} ms, "
+            f"got a standard error of {1e3 * error_s:.3g} ms"
+        )
     return peak
+
+
+def _refined(ours: FloatArray, true: Callable[[float], FloatArray], peak: float) -> float:
+    """The peak within a coarse step of `peak`.
+
+    Brent's search finds it to 0.01 ms; closer, the correlation is level to rounding (for slow
+    motion farther out), and the zero of its slope is sought instead.
+    """
+    from scipy.optimize import brentq, minimize_scalar
+
+    def slope(lag: float) -> float:
+        return float(np.sum(_scores(ours, true, lag)[0]))
+
+    found = minimize_scalar(
+        lambda lag: -_similarity(ours, true(lag)),
+        bounds=(peak - _COARSE_STEP_S, peak + _COARSE_STEP_S),
+        method="bounded",
+        options={"xatol": _PEAK_TOLERANCE_S},
+    )
+    peak = float(found.x)
+    for reach in (10.0 * _PEAK_TOLERANCE_S, 100.0 * _PEAK_TOLERANCE_S, _COARSE_STEP_S):
+        if slope(peak - reach) > 0.0 > slope(peak + reach):
+            return float(brentq(slope, peak - reach, peak + reach, xtol=_ROOT_TOLERANCE_S))
+    return peak
+
+
+def _scores(
+    ours: FloatArray, true: Callable[[float], FloatArray], lag: float
+) -> tuple[FloatArray, float]:
+    """Each stamp's share (N,) in the slope of the fit of `true` to `ours`, and its curvature.
+
+    The fit is ``ours ≈ scale · true(lag) + offset``, whose best lag is the correlation's peak; the
+    part of the derivative that scale and offset could take is left out. Where `true` runs against
+    `ours`, nothing fits and both are zero.
+    """
+    step = _PEAK_TOLERANCE_S
+    derivative = (true(lag + step) - true(lag - step)) / (2.0 * step)
+    a, b, change = (x - x.mean(axis=0) for x in (ours, true(lag), derivative))
+    size = float(np.sum(b * b))
+    scale = max(float(np.sum(a * b)) / size, 0.0)
+    change = scale * (change - b * (float(np.sum(b * change)) / size))
+    return np.sum((a - scale * b) * change, axis=1), float(np.sum(change * change))
+
+
+def _standard_error_s(ours: FloatArray, scores: FloatArray, curvature: float) -> float:
+    """Standard error of the peak, by batch means: errors of neighbouring stamps go together.
+
+    It holds for slow errors of positions as for white ones; for rates, whose errors cancel from
+    step to step, it is a few times too large. What rounding could shift the peak by is added:
+    motion straight ahead at one speed looks the same at every lag.
+    """
+    if curvature <= 0.0:
+        return np.inf
+    count = min(_BATCHES, scores.size)
+    batches = np.array([batch.sum() for batch in np.array_split(scores, count)])
+    variance = count / (count - 1) * float(np.sum(batches**2))
+    level = np.finfo(np.float64).eps * float(np.sum((ours - ours.mean(axis=0)) ** 2))
+    return float(np.sqrt(variance + level * curvature)) / curvature

@@ -32,6 +32,7 @@ from motorcade.replays.trajectory_files import read_trajectory
 
 EVO_OPTIONS = {"none": [], "se3": ["-a"], "sim3": ["-as"]}
 FREIBURG, DESK = "freiburg1_xyz-groundtruth.txt", "fr2_desk_groundtruth.txt"
+REAL_ESTIMATES = "freiburg1_xyz-rgbdslam.txt", "freiburg1_xyz-ORB_kf_mono.txt", "fr2_desk_ORB.txt"
 
 
 def evo(program, reference, estimate, home: Path, *options: str) -> dict[str, float]:
@@ -190,6 +191,64 @@ def test_lag_is_found_to_a_tenth_of_a_millisecond(handheld, lag_ms):
     late = Trajectory(stamps, handheld.poses(stamps - round(lag_ms * 1e6)))
     assert 1e3 * position_lag_s(late, truth) == pytest.approx(lag_ms, abs=0.1)
     assert 1e3 * angular_rate_lag_s(late, truth) == pytest.approx(lag_ms, abs=0.1)
+
+
+@pytest.mark.parametrize("file", [FREIBURG, *REAL_ESTIMATES])
+def test_a_real_trajectory_has_no_lag_behind_itself(data_dir, file):
+    path = read_trajectory(data_dir / "trajectories" / file)
+    assert abs(position_lag_s(path, path)) < 1e-9
+    assert abs(angular_rate_lag_s(path, path)) < 1e-9
+
+
+@pytest.mark.parametrize("longest_step_ms", [12, 60, 240])
+def test_uneven_stamps_alone_make_no_lag(handheld, shaken, rng, longest_step_ms):
+    steps = rng.integers(2_000_000, longest_step_ms * 1_000_000, 600)
+    stamps = handheld.time_ns(100.0, 0.0)[0] + np.cumsum(steps)
+    path = shaken(Trajectory(stamps, handheld.poses(stamps)), 0.01, 0.02, rng)
+    found = evaluate(path, path)
+    assert abs(found.lag_ms) < 1e-6
+    assert abs(found.angular_rate_lag_ms) < 1e-6
+
+
+def test_a_known_shift_is_found_on_real_motion(data_dir):
+    """Read between the truth's stamps on screws, so not by the interpolant of the metric."""
+    truth = read_trajectory(data_dir / "trajectories" / FREIBURG)
+    stamps = read_trajectory(data_dir / "trajectories" / REAL_ESTIMATES[0]).time_ns[5:-5]
+    late = Trajectory(stamps, truth.at(stamps - 3_700_000))
+    assert 1e3 * position_lag_s(late, truth) == pytest.approx(3.7, abs=0.2)
+    assert 1e3 * angular_rate_lag_s(late, truth) == pytest.approx(3.7, abs=0.2)
+
+
+def test_a_known_shift_is_found_under_noise(handheld, shaken, rng):
+    truth = handheld.trajectory(100.0, 40.0)
+    stamps = handheld.time_ns(30.0, 38.0) + 1_000_000_000
+    stamps = stamps + rng.integers(-8_000_000, 8_000_000, stamps.size)
+    late = Trajectory(stamps, handheld.poses(stamps - 3_700_000))
+    found = shaken(late, 5e-4, 2e-5, rng)
+    assert 1e3 * position_lag_s(found, truth) == pytest.approx(3.7, abs=0.2)
+    assert 1e3 * angular_rate_lag_s(found, truth) == pytest.approx(3.7, abs=0.2)
+
+
+def test_a_peak_that_noise_could_have_made_is_no_lag(handheld, shaken, rng):
+    truth = handheld.trajectory(100.0, 20.0)
+    drowned = shaken(handheld.trajectory(50.0, 20.0), 10.0, 1.0, rng)
+    for lag_s in (position_lag_s, angular_rate_lag_s):
+        with pytest.raises(NotObservableError, match="known to 10 ms, got a standard error of"):
+            lag_s(drowned, truth)
+    found = evaluate(drowned, truth)
+    assert found.lag_ms is None
+    assert found.angular_rate_lag_ms is None
+
+
+def test_motion_straight_ahead_and_even_turns_have_no_lag_to_tell(handheld, rng):
+    stamps = handheld.time_ns(100.0, 0.0)[0] + np.cumsum(rng.integers(10**7, 10**8, 300))
+    seconds = (stamps - stamps[0])[:, None] * 1e-9
+    poses = Motor.from_euler_translation(
+        seconds * np.array([0.0, 0.0, 0.3]), seconds * np.array([8.0, 1.0, 0.0])
+    )
+    found = evaluate(Trajectory(stamps, poses), Trajectory(stamps, poses))
+    assert found.lag_ms is None
+    assert found.angular_rate_lag_ms is None
 
 
 def test_metrics_do_not_depend_on_the_world_of_both(handheld, shaken, rng):
