@@ -13,7 +13,9 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import logging
 import os
+import re
 import shutil
 import tempfile
 import types
@@ -24,10 +26,15 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
+log = logging.getLogger("motorcade.artifacts")
+
 FORMAT_VERSION = 1
+UNFINISHED = re.compile(r"\.(workspace|[a-z_]+-[0-9a-f]{24})\.(?P<pid>[0-9]+)")
+"""Names of what is still being built; nothing else is ever swept."""
 ASIDE = {"aside": True}
 """Metadata for `dataclasses.field`: the field is stored, but is not part of the value's content."""
 
@@ -62,19 +69,26 @@ def write_artifact(value: object, folder: Path, seconds: float) -> Stored:
     digest = _content_digest(building)
     about = {"version": FORMAT_VERSION, "digest": digest, "seconds": seconds}
     _write_json(building / "artifact.json", about)
-    _publish(building, folder)
-    return Stored(folder, digest, seconds)
+    return _publish(building, folder) or Stored(folder, digest, seconds)
 
 
 def find_artifact(folder: Path) -> Stored | None:
-    """The artifact in `folder`, or None where there is none of this format version."""
+    """The artifact in `folder`; None where there is none, or it is not what was once written."""
+    if not folder.exists():
+        return None
     try:
-        about = json.loads((folder / "artifact.json").read_text())
-    except (FileNotFoundError, NotADirectoryError, json.JSONDecodeError):
+        about = json.loads((folder / "artifact.json").read_bytes())
+        if about["version"] != FORMAT_VERSION:
+            return None
+        stored = Stored(folder, str(about["digest"]), float(about["seconds"]))
+        whole = _content_digest(folder) == stored.digest
+    except (OSError, ValueError, KeyError, TypeError):
+        whole = False
+    if not whole:
+        log.warning("%s: damaged, so it is computed again", folder)
+        shutil.rmtree(folder, ignore_errors=True)
         return None
-    if not isinstance(about, dict) or about.get("version") != FORMAT_VERSION:
-        return None
-    return Stored(folder, str(about["digest"]), float(about["seconds"]))
+    return stored
 
 
 def read_artifact(stored: Stored, kind: Any) -> Any:
@@ -88,7 +102,7 @@ def read_artifact(stored: Stored, kind: Any) -> Any:
         with np.load(stored.folder / "arrays.npz", allow_pickle=False) as arrays:
             decoder = _Decoder(stored.folder / "files", dict(arrays), aside)
         return decoder.decode(tree, kind, "value")
-    except (OSError, KeyError, TypeError, ValueError) as error:
+    except (OSError, KeyError, TypeError, ValueError, BadZipFile) as error:
         raise ArtifactError(
             f"{stored.folder}: cannot be read as {kind}: {error}; delete the folder to recompute it"
         ) from error
@@ -117,10 +131,20 @@ def new_file(name: str) -> Path:
 
 def sweep_unfinished(cache: Path) -> None:
     """Remove what killed runs left half-built in `cache`; runs that still live keep theirs."""
-    for building in cache.glob(".*.*"):
-        owner = building.name.rpartition(".")[2]
-        if owner.isdigit() and not Path(f"/proc/{owner}").exists():
+    for building in cache.iterdir():
+        ours = UNFINISHED.fullmatch(building.name)
+        if ours is not None and not _is_alive(int(ours["pid"])):
             shutil.rmtree(building, ignore_errors=True)
+
+
+def _is_alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True
 
 
 class _Encoder:
@@ -219,8 +243,8 @@ def _content_digest(folder: Path) -> str:
     return content.hexdigest()
 
 
-def _publish(building: Path, folder: Path) -> None:
-    """Rename into place; where another run was faster with the same key, keep its result."""
+def _publish(building: Path, folder: Path) -> Stored | None:
+    """Rename into place; where another run was faster with the same key, give its result."""
     for path in building.rglob("*"):
         if path.is_file():
             with path.open("rb") as file:
@@ -228,11 +252,13 @@ def _publish(building: Path, folder: Path) -> None:
     try:
         building.rename(folder)
     except OSError:
-        if find_artifact(folder) is None:
-            shutil.rmtree(folder)
+        earlier = find_artifact(folder)
+        if earlier is None:
             building.rename(folder)
         else:
             shutil.rmtree(building)
+        return earlier
+    return None
 
 
 def _write_json(path: Path, tree: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 from pathlib import Path
@@ -16,12 +17,19 @@ MARKER = ".rendered"
 def ensure_demo_recording(folder: Path, seed: int) -> Path:
     """Render the synthetic room into `folder` unless this code has done so with this seed.
 
-    The folder appears complete or not at all. Raises `render.RenderUnavailable` without OpenGL.
+    The folder appears complete or not at all. Raises `render.RenderUnavailable` without OpenGL,
+    and FileExistsError where `folder` holds something else.
     """
     made_from = f"{code_digest(write_recording)} seed {seed}\n"
     marker = folder / MARKER
     if marker.is_file() and marker.read_text(encoding="utf-8") == made_from:
         return folder
+    if folder.exists() and not marker.is_file():
+        raise FileExistsError(
+            errno.EEXIST,
+            "is not a recording that this demo made; choose another --out",
+            str(folder),
+        )
     folder.parent.mkdir(parents=True, exist_ok=True)
     building = folder.with_name(f".{folder.name}.{os.getpid()}")
     shutil.rmtree(building, ignore_errors=True)

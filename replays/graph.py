@@ -33,6 +33,10 @@ class GraphError(ValueError):
     """The graph is wired wrongly, or asked for something it does not have."""
 
 
+class StageError(ValueError):
+    """A stage cannot work with what it was given; the message names the stage."""
+
+
 class Unavailable(RuntimeError):
     """Raised by a stage that this machine cannot run; the message says what to install."""
 
@@ -231,7 +235,10 @@ def _compute(
     log.info("%s ...", stage.name)
     start = time.perf_counter()
     with artifacts.workspace(folder.parent):
-        value = stage.function(*(outputs[name] for name in stage.inputs), **settings)
+        try:
+            value = stage.function(*(outputs[name] for name in stage.inputs), **settings)
+        except (ValueError, OverflowError, MemoryError) as error:
+            raise StageError(f"{stage.name}: {error}") from error
         seconds = time.perf_counter() - start
         stored = artifacts.write_artifact(value, folder, seconds)
     log.info("%s: %.1f s", stage.name, seconds)

@@ -9,6 +9,9 @@ from typing import Any
 
 from motorcade.replays.graph import Graph, GraphError
 
+LARGEST = 1e9
+"""No knob's number is larger than this in any unit that it could have."""
+
 
 def parse_knobs(settings: Iterable[str], graph: Graph) -> dict[str, dict[str, Any]]:
     """`["fused.gate=0.99", ...]` as {stage: {knob: value}}.
@@ -45,6 +48,9 @@ def _parse(text: str, kind: Any, name: str) -> Any:
             raise GraphError(f"{name}: expected true or false, came {text!r}")
         return text.lower() == "true"
     try:
-        return kind(text)
+        value = kind(text)
     except ValueError:
         raise GraphError(f"{name}: expected {kind.__name__}, came {text!r}") from None
+    if isinstance(value, float) and not abs(value) <= LARGEST:
+        raise GraphError(f"{name}: expected a number within ±{LARGEST:g}, came {text!r}")
+    return value

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import json
 import os
+import platform
+import re
 import tempfile
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
+from importlib.metadata import version
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -32,6 +35,7 @@ from motorcade.replays.stages.report import report
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.trajectory_files import write_trajectory
 
+OUR_TRAJECTORY = re.compile(r"(camera_poses|fused|smoothed)_[a-z_]+\.tum")
 STAGES = (camera_poses, imu, fused, smoothed, convergence, errors, placed, overlay, report)
 
 
@@ -65,7 +69,7 @@ def run_job(job: Job) -> dict[str, Any]:
     require_writable(job.out)
     recording.check()
     run = graph.run(job.until, {"recording": recording}, job.cache or job.out / ".cache", knobs)
-    return export(run, job.out)
+    return export(run, job.out, about(job, recording))
 
 
 def run_jobs(
@@ -80,7 +84,7 @@ def run_jobs(
         for job in jobs:
             try:
                 yield job, run_job(job)
-            except (ValueError, OSError, RuntimeError) as error:
+            except Exception as error:  # one job's failure never ends the others
                 yield job, error
         return
     # A fresh interpreter each: OpenGL contexts and threads do not survive a fork.
@@ -109,27 +113,46 @@ def require_writable(folder: Path) -> None:
         ) from error
 
 
-def export(run: Run, out: Path) -> dict[str, Any]:
-    """Copy what a run computed into `out`, each file at once or not at all."""
+def about(job: Job, recording: Recording) -> dict[str, Any]:
+    """What was run: enough to run it again."""
+    return {
+        "recording": str(job.recording),
+        "manifest": None if job.manifest is None else str(job.manifest),
+        "content": recording.digest(),
+        "until": job.until,
+        "settings": [*recording.settings, *job.settings],
+        "motorcade": version("motorcade"),
+        "python": platform.python_version(),
+    }
+
+
+def export(run: Run, out: Path, about_it: dict[str, Any]) -> dict[str, Any]:
+    """Copy what a run computed into `out`, each file at once or not at all.
+
+    Files of an earlier run that this one did not make are removed, so that what lies in `out`
+    belongs together. Returns the report, or the account of a run that stopped before it.
+    """
+    account = about_it | {
+        "stages": {record.stage: asdict(record) for record in run.records},
+        "unavailable": dict(run.unavailable),
+    }
+    film, pages = run.outputs.get("overlay"), run.outputs.get("report")
+    summary = account if pages is None else json.loads(pages.summary.read_text(encoding="utf-8"))
+    written = set()
     for name, trajectory in trajectories(run).items():
+        written.add(out / "trajectories" / f"{name}.tum")
         write_trajectory(trajectory, out / "trajectories" / f"{name}.tum")
-    write_bytes(out / "run.json", (json.dumps(account(run), indent=2) + "\n").encode())
-    film = run.outputs.get("overlay")
-    if film is not None:
-        copy_file(film.path, out / "overlay.mp4")
-    pages = run.outputs.get("report")
-    if pages is None:
-        return account(run)
-    copy_file(pages.page, out / "report.html")
-    copy_file(pages.summary, out / "report.json")
-    summary: dict[str, Any] = json.loads(pages.summary.read_text(encoding="utf-8"))
-    return summary
-
-
-def account(run: Run) -> dict[str, Any]:
-    """How every stage came to its output: key, knobs, seconds, and what could not run here."""
-    stages = {record.stage: asdict(record) for record in run.records}
-    return {"stages": stages, "unavailable": dict(run.unavailable)}
+    sources = {"overlay.mp4": film and film.path}
+    sources |= {"report.html": pages and pages.page, "report.json": pages and pages.summary}
+    for name, source in sources.items():
+        if source is not None:
+            written.add(out / name)
+            copy_file(source, out / name)
+    write_bytes(out / "run.json", (json.dumps(account, indent=2) + "\n").encode())
+    for path in [out / name for name in sources] + sorted((out / "trajectories").glob("*.tum")):
+        if path not in written and (path.name in sources or OUR_TRAJECTORY.fullmatch(path.name)):
+            path.unlink(missing_ok=True)
+    return dict(summary)
 
 
 def trajectories(run: Run) -> dict[str, Trajectory]:

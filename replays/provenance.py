@@ -43,6 +43,8 @@ def _reachable(start: str) -> tuple[frozenset[str], frozenset[str]]:
         name = waiting.pop()
         if name in ours:
             continue
+        if _find(name) is None:
+            continue  # a bare folder on the way to a module holds no code of its own
         ours.add(name)
         for imported in _imports(name):
             if imported.partition(".")[0] != OURS:

@@ -24,6 +24,7 @@ COLOURS = {
     "fused": "#56b4e9",
     "motor": "#009e73",
     "quaternion": "#e69f00",
+    "euler_unwrapped": "#cc79a7",
     "euler": "#d55e00",
 }
 """One colour a name, the same in every plot of every report."""

@@ -38,3 +38,18 @@ def new_command(
 def print_json(values: Mapping[str, Any]) -> None:
     """Machine-readable results on standard output; keys carry units."""
     print(json.dumps(values, indent=2))
+
+
+def one_line(error: BaseException) -> str:
+    """What went wrong as one line: what, where, and what to do."""
+    if isinstance(error, ModuleNotFoundError) and error.name is not None:
+        return (
+            f"this command needs the Python package {error.name!r}, which is not installed; "
+            'pip install "motorcade[pipeline]" brings it'
+        )
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    text = " ".join(str(error).split())
+    if isinstance(error, (ValueError, OSError, RuntimeError)) and text:
+        return text
+    return f"unexpected {type(error).__name__}: {text or 'no message'}; -vv shows where"

@@ -8,9 +8,10 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from motorcade.replays.cli import demo, evaluate, graph, inspect, run, simulate_imu, smooth
+from motorcade.replays.cli import bench, demo, evaluate, graph, inspect, run, simulate_imu, smooth
+from motorcade.replays.cli.arguments import one_line
 
-COMMANDS = (demo, run, inspect, smooth, evaluate, simulate_imu, graph)
+COMMANDS = (demo, run, inspect, smooth, evaluate, simulate_imu, graph, bench)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -25,13 +26,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()  # the reader of our output has gone; nothing is left to say
         return 0
-    except ModuleNotFoundError as error:
+    except Exception as error:  # whatever fails, a user is told in one line
         logging.getLogger("motorcade").debug("traceback", exc_info=True)
-        print(f"motorcade: {_missing_module(error)}", file=sys.stderr)
-        return 1
-    except (ValueError, OSError, RuntimeError) as error:
-        logging.getLogger("motorcade").debug("traceback", exc_info=True)
-        print(f"motorcade: {_one_line(error)}", file=sys.stderr)
+        print(f"motorcade: {one_line(error)}", file=sys.stderr)
         return 1
     return 0
 
@@ -57,16 +54,3 @@ def _set_up_logging(verbose: int) -> None:
     level = (logging.WARNING, logging.INFO, logging.DEBUG)[min(verbose, 2)]
     logging.basicConfig(level=logging.WARNING, format="%(message)s", stream=sys.stderr)
     logging.getLogger("motorcade").setLevel(level)
-
-
-def _missing_module(error: ModuleNotFoundError) -> str:
-    return (
-        f"this command needs the Python package {error.name!r}, which is not installed; "
-        'pip install "motorcade[pipeline]" brings it'
-    )
-
-
-def _one_line(error: BaseException) -> str:
-    if isinstance(error, OSError) and error.filename is not None:
-        return f"{error.filename}: {error.strerror}"
-    return " ".join(str(error).split()) or type(error).__name__

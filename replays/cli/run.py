@@ -7,7 +7,7 @@ import json
 import sys
 from pathlib import Path
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, new_command, one_line
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -48,6 +48,7 @@ def run_recordings(arguments: argparse.Namespace) -> None:
     """Run one recording here, or several by the executor asked for."""
     from motorcade.replays.pipeline import Job, run_job, run_jobs
 
+    _refuse_equal_names(arguments.recordings)
     jobs = [
         Job(
             recording=path,
@@ -64,16 +65,31 @@ def run_recordings(arguments: argparse.Namespace) -> None:
     if len(jobs) == 1:
         print_summary(run_job(jobs[0]), jobs[0].out, as_json=arguments.json)
         return
-    failed = 0
+    done: dict[str, object] = {}
     for job, outcome in run_jobs(jobs, arguments.executor):
         if isinstance(outcome, BaseException):
-            failed += 1
-            print(f"motorcade: {job.recording}: {outcome}", file=sys.stderr)
-        else:
+            print(f"motorcade: {job.recording}: {one_line(outcome)}", file=sys.stderr)
+            continue
+        done[str(job.recording)] = outcome
+        if not arguments.json:
             print(f"{job.recording}:")
-            print_summary(outcome, job.out, as_json=arguments.json)
-    if failed:
+            print_summary(outcome, job.out, as_json=False)
+    if arguments.json:
+        print(json.dumps(done, indent=2))
+    if len(done) < len(jobs):
+        failed = len(jobs) - len(done)
         raise RuntimeError(f"{failed} of {len(jobs)} recordings failed; the others are done")
+
+
+def _refuse_equal_names(recordings: list[Path]) -> None:
+    """Several recordings write into folders of their names, which must differ."""
+    names = [path.resolve().name for path in recordings]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(
+                f"run: {names.count(name)} recordings are called {name!r} and would write into "
+                "one folder; run them one at a time, each with its own --out"
+            )
 
 
 def print_summary(summary: dict[str, object], out: Path, *, as_json: bool) -> None:

@@ -133,6 +133,21 @@ def inside(root: Path, name: str, source: Path, line: int | None = None) -> Path
     return root / relative
 
 
+def pictures_in(root: Path) -> tuple[Path, ...]:
+    """Find every picture that lies in a folder itself, in natural order.
+
+    Raises:
+        RecordingError: nothing found, or a million files or more.
+    """
+    found = [path for path in root.iterdir() if path.suffix.lower() in pictures.SUFFIXES]
+    if not found:
+        known = " ".join(pictures.SUFFIXES)
+        raise refusal(root, f"expected pictures ({known}), got none", advice="say [frames] images")
+    if len(found) > FRAME_LIMIT:
+        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(found)}")
+    return tuple(sorted(found, key=natural))
+
+
 def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
     """Find picture files by a pattern such as `images/*.jpg`, in natural order.
 

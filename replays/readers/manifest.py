@@ -25,6 +25,7 @@ from motorcade.replays.readers.frames import (
     PictureFrames,
     inside,
     picture_glob,
+    pictures_in,
     refuse_gaps,
 )
 from motorcade.replays.readers.inertial import read_imu, read_noise
@@ -139,7 +140,10 @@ class _Manifest:
                 if key in section:
                     raise section.fault(key, "not for a video, which brings its own stamps")
             return VideoFrames(self._file(section, "video") if "video" in section else self.root)
-        files = picture_glob(self.folder, section.text("images"))
+        if "images" in section:
+            files = picture_glob(self.folder, section.text("images"))
+        else:
+            files = pictures_in(self.folder)
         section.only_one("rate_hz", "stamps")
         if "stamps" in section:
             unit = section.text("stamps_unit", tuple(UNITS)) if "stamps_unit" in section else "s"

@@ -38,9 +38,10 @@ class Findings:
         return len(poses.sought_ns) / poses.seconds if poses.seconds > 0 else None
 
     @property
-    def tracked_share(self) -> float:
-        """Measured poses over stamps at which one was sought."""
-        return len(self.camera_poses.measurements.trajectory) / len(self.camera_poses.sought_ns)
+    def nis_per_dimension(self) -> float | None:
+        """Mean normalised innovation squared over its 6 dimensions: 1 where the noise fits."""
+        nis = self.fused.nis[np.isfinite(self.fused.nis)]
+        return float(np.mean(nis)) / 6 if nis.size else None
 
     def unmeasured_spans_s(self) -> Spans:
         """Where poses were sought and none was found: from the last one before to the next one.

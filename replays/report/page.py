@@ -70,8 +70,8 @@ def _video_caption(findings: Findings) -> str:
         return ""
     film = findings.overlay
     return (
-        f"{film.frames} undistorted frames, the character drawn from the motor-smoothed path "
-        f"in {film.frames_with_character} of them."
+        f"{film.frames} undistorted frames, the character drawn from the smoothed path; it or its "
+        f"shadow is in view in {film.frames_with_character} of them."
     )
 
 
@@ -91,7 +91,9 @@ def _facts(findings: Findings) -> list[dict[str, str]]:
         )
         turn = shown_value("rotation_rmse_deg", motor["rotation_rmse_deg"])
         facts.append(("rotation error, motor-smoothed", f"{turn}°"))
-    facts.append(("IMU samples", f"{len(findings.imu.stream.time_ns):,}"))
+    if findings.nis_per_dimension is not None:
+        fact = f"{findings.nis_per_dimension:.2f}"
+        facts.append(("mean NIS a dimension (1: the noise model fits)", fact))
     return [{"label": label, "value": value} for label, value in facts]
 
 
@@ -105,8 +107,19 @@ def _errors_caption(findings: Findings) -> str:
         "sim3": "after alignment with scale (Sim3)",
     }[errors.align]
     return (
-        f"Against the recording's truth, {how}; root mean squares. The best of a column is green."
+        f"Against the recording's truth, {how}; root mean squares. The best of a column is green. "
+        + _smoothing(findings)
     )
+
+
+def _smoothing(findings: Findings) -> str:
+    window_s = findings.smoothed.window_s
+    if window_s is None:
+        return (
+            "The fused path was left as it is: any smoothing would move it by more than its own "
+            "uncertainty, so the representations do not differ here."
+        )
+    return f"Smoothed over windows of {window_s:.2f} s."
 
 
 def _rows(figures: dict[str, dict[str, float | None]], keys: list[str]) -> list[dict[str, Any]]:
@@ -127,7 +140,6 @@ def _best_shown(key: str, values: list[float | None]) -> str:
 def _provenance() -> list[tuple[str, str]]:
     return [
         ("motorcade", f"{version('motorcade')}, {kernels.backend} kernels"),
-        ("Python, NumPy, OpenCV", f"{platform.python_version()}, {np.__version__}, "
-         f"{version('opencv-contrib-python-headless')}"),
+        ("Python, NumPy", f"{platform.python_version()}, {np.__version__}"),
         ("settings", "run.json beside this page holds every knob, key and time"),
     ]  # fmt: skip

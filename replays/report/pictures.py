@@ -63,9 +63,8 @@ def _shake(findings: Findings, lost: Spans) -> Picture:
     }
     return Picture(
         "Jitter over time",
-        "Length of the angular acceleration, logarithmic: shaking shows as height. Where Euler "
-        "angles pass gimbal lock their line leaps, since the smoothed angles no longer describe "
-        "the motion.",
+        "Length of the angular acceleration, logarithmic: shaking shows as height. Euler angles "
+        "leap where one of them wraps or the pitch passes ±90°; unwrapping heals only the former.",
         plot_series(series, "angular acceleration", "rad/s²", log_scale=True, shaded_s=lost),
     )
 
@@ -80,7 +79,7 @@ def _tilt(findings: Findings) -> Picture:
     return Picture(
         "Convergence from a wrong start",
         f"The filter once more, forwards only, started {found.initial_tilt_deg:g}° wrong in tilt "
-        f"with zero biases and judged by the {found.judged_by}: {settled}.",
+        f"with zero biases, judged by the {found.judged_by}: {settled}.",
         plot_series(
             {"fused": (found.time_s, found.tilt_error_deg)}, "tilt error", "degrees", log_scale=True
         ),

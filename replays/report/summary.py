@@ -37,6 +37,11 @@ def summarise(findings: Findings) -> dict[str, Any]:
             "frames_per_s": findings.frames_per_second,
         },
         "imu": {"origin": findings.imu.origin, "samples": len(findings.imu.stream.time_ns)},
+        "fused": {
+            "nis_per_dimension": findings.nis_per_dimension,
+            "left_out": int(np.count_nonzero(~findings.fused.accepted)),
+        },
+        "smoothed": {"window_s": findings.smoothed.window_s},
         "align": findings.errors.align,
         "errors": findings.errors.figures,
         "convergence": {

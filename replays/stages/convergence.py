@@ -61,9 +61,14 @@ def convergence(
     pairs = associate(again.trajectory, reference)
     time_s = (pairs.time_ns - stamps[0]) * 1e-9
     error_deg = np.rad2deg(tilt_rad(pairs.estimate, pairs.reference))
+    judge = "truth" if simulated else "fused path, which knows the same data"
     above = np.flatnonzero(error_deg > initial_tilt_deg / 10)
     after = int(above[-1]) + 1 if above.size else 0
     settled = float(time_s[after]) if after < len(time_s) else None
     return Convergence(
-        initial_tilt_deg, time_s, error_deg, settled, "truth" if simulated else "fused path"
+        initial_tilt_deg,
+        time_s,
+        error_deg,
+        settled,
+        judge,
     )

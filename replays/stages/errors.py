@@ -10,6 +10,7 @@ import numpy as np
 from motorcade.fusion.filter import Fused
 from motorcade.fusion.metrics import (
     Align,
+    NotObservableError,
     absolute_translation_m,
     accelerations,
     alignment_of,
@@ -93,7 +94,14 @@ def _figures(path: Trajectory, truth: Trajectory, align: Align) -> dict[str, flo
 
 
 def _figures_without_truth(path: Trajectory, frequency_hz: float) -> dict[str, float | None]:
-    jitter = jitter_above(path, frequency_hz)
+    """Jitter above `frequency_hz`, or above a quarter of the rate of slow recordings."""
+    if len(path) < 2:
+        return {}
+    frequency_hz = min(frequency_hz, 0.25 / float(np.median(np.diff(path.time_s))))
+    try:
+        jitter = jitter_above(path, frequency_hz)
+    except NotObservableError:
+        return {"angular_jitter_rad_s2": None, "linear_jitter_m_s2": None}
     return {
         "angular_jitter_rad_s2": jitter.angular_rad_s2,
         "linear_jitter_m_s2": jitter.linear_m_s2,
@@ -114,7 +122,8 @@ def _registration(
         recording.camera,
         recording.world_T_board,
     )
-    return {"registration_rmse_px": float(np.sqrt(np.mean(found**2)))}
+    seen = found[np.isfinite(found)]  # a corner behind the camera has no distance
+    return {"registration_rmse_px": float(np.sqrt(np.mean(seen**2))) if seen.size else None}
 
 
 def _joined(

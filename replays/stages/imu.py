@@ -14,6 +14,7 @@ from motorcade.replays.stages.camera_poses import CameraPoses
 
 Origin = Literal["recorded", "reference", "tracked"]
 NEAREST_KNOTS_S = 0.02
+FEWEST_POSES = 4
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,11 @@ def imu(
     if path is None:
         raise ValueError(f"{recording.name}: imu.source=reference, but it has no truth")
     world_T_imu = path.transformed_by(right=imu_T_camera.inverse(), child="imu")
+    if len(path) < FEWEST_POSES:
+        raise ValueError(
+            f"{recording.name}: expected at least {FEWEST_POSES} poses to simulate an IMU along, "
+            f"got {len(path)}"
+        )
     if knot_spacing_s is None:
         knot_spacing_s = max(float(np.median(np.diff(path.time_s))), NEAREST_KNOTS_S)
     simulated = simulate_imu(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,11 +22,11 @@ from motorcade.replays.stages.smoothed import Smoothed
 
 @dataclass(frozen=True)
 class Overlay:
-    """A video file, how many of its frames show the character, and what making it took."""
+    """A video file, how many of its frames show something drawn, and what making it took."""
 
     path: Path
-    frames: int
     frames_with_character: int
+    frames: int
     seconds: float = field(metadata=ASIDE)
 
 
@@ -35,10 +35,11 @@ def overlay(
     smoothed: Smoothed,
     placed: Placed,
     *,
-    representation: str = "motor",
+    representation: str | None = None,
 ) -> Overlay:
     """Draw the placed character into every frame that has a smoothed pose.
 
+    `representation` says along which of the smoothed paths; without it, the first of them.
     Frames without a pose (before the first, after the last) are shown as they are. Where the
     recording has depth, what is nearer hides the character. Raises `Unavailable` without OpenGL,
     and ValueError without a camera or for a representation that was not smoothed.
@@ -48,8 +49,9 @@ def overlay(
     path = _chosen(smoothed, representation)
     character = character_named(placed.character)
     start = time.perf_counter()
+    footage = _Footage(recording)
     pictures = render_overlay(
-        _undistorted(recording),
+        footage.undistorted(),
         recording.camera.undistorted(),
         path,
         character,
@@ -57,27 +59,45 @@ def overlay(
         placed.placement,
     )
     file = new_file("overlay.mp4")
-    stamps = recording.frames.time_ns
     try:
-        write_video(file, pictures, stamps)
+        write_video(file, footage.counted(pictures), recording.frames.time_ns)
     except RenderUnavailable as missing:
         raise Unavailable(str(missing)) from missing
-    covered = np.count_nonzero((stamps >= path.time_ns[0]) & (stamps <= path.time_ns[-1]))
-    return Overlay(file, len(stamps), int(covered), time.perf_counter() - start)
+    return Overlay(file, footage.drawn_into, len(recording.frames), time.perf_counter() - start)
 
 
-def _undistorted(recording: Recording) -> Iterator[tuple[int, ImageArray, DepthArray | None]]:
-    """Stamp, picture and depth of every frame, as a camera without distortion would have it."""
-    camera = recording.camera
-    assert camera is not None  # checked by the stage
-    for frame in track(recording.frames, "drawing", len(recording.frames)):
-        depth_m = frame.depth_m()
-        if depth_m is not None:
-            depth_m = camera.undistort_depth(depth_m)
-        yield frame.time_ns, camera.undistort_image(frame.image()), depth_m
+class _Footage:
+    """The frames on their way to the renderer and back, and how many of them came back changed."""
+
+    def __init__(self, recording: Recording) -> None:
+        self.recording = recording
+        self.drawn_into = 0
+        self._given: ImageArray | None = None
+
+    def undistorted(self) -> Iterator[tuple[int, ImageArray, DepthArray | None]]:
+        """Stamp, picture and depth of every frame, as a camera without distortion has them."""
+        camera = self.recording.camera
+        assert camera is not None  # checked by the stage
+        for frame in track(self.recording.frames, "drawing", len(self.recording.frames)):
+            depth_m = frame.depth_m()
+            if depth_m is not None:
+                depth_m = camera.undistort_depth(depth_m)
+            self._given = camera.undistort_image(frame.image())
+            yield frame.time_ns, self._given, depth_m
+
+    def counted(self, pictures: Iterable[ImageArray]) -> Iterator[ImageArray]:
+        """The drawn frames as they are."""
+        for picture in pictures:
+            given = self._given
+            if given is not None:
+                before = given if given.ndim == 3 else given[..., None]
+                self.drawn_into += bool(np.any(picture != before))
+            yield picture
 
 
-def _chosen(smoothed: Smoothed, representation: str) -> Trajectory:
+def _chosen(smoothed: Smoothed, representation: str | None) -> Trajectory:
+    if representation is None:
+        return next(iter(smoothed.trajectories.values()))
     if representation not in smoothed.trajectories:
         known = ", ".join(smoothed.trajectories)
         raise ValueError(

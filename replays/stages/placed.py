@@ -65,7 +65,7 @@ def placed(
         character_named(character),
         position,
         heading,
-        height_m=height_m or height,
+        height_m=height if height_m is None else height_m,
         world_T_plane=plane,
     )
     return Placed(character, clip, placement)

@@ -137,6 +137,56 @@ def test_knobs_reach_their_stage(board_recording: Path, tmp_path: Path) -> None:
     assert record["knobs"]["window_s"] == "0.4"
 
 
+def test_results_of_an_earlier_run_do_not_stay_beside_new_ones(
+    board_recording: Path, tmp_path: Path
+) -> None:
+    assert run("run", board_recording, "--out", tmp_path) == 0
+    (tmp_path / "trajectories" / "mine.tum").write_text("a user's own")
+    settings = ["--until", "smoothed", "--set", "smoothed.representations=motor"]
+    assert run("run", board_recording, "--out", tmp_path, *settings) == 0
+    left = {path.name for path in tmp_path.iterdir()} - {".cache"}
+    assert left == {"run.json", "trajectories"}
+    kept = {path.name for path in (tmp_path / "trajectories").iterdir()}
+    assert kept == {
+        "camera_poses_motor.tum", "fused_motor.tum", "smoothed_motor.tum", "mine.tum",
+    }  # fmt: skip
+
+
+def test_the_demo_never_touches_a_folder_that_it_did_not_make(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    own = tmp_path / "recording" / "raw.bin"
+    own.parent.mkdir()
+    own.write_text("mine")
+    assert "choose another --out" in refused(capsys, "demo", "--out", tmp_path)
+    assert own.read_text() == "mine"
+
+
+def test_recordings_of_one_name_are_refused_before_anything_runs(
+    board_recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    error = refused(capsys, "run", board_recording, board_recording, "--out", tmp_path / "out")
+    assert "2 recordings are called 'small_board'" in error
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("count", [1, 3, 6])
+def test_short_recordings_without_truth_run_or_are_refused_by_name(
+    count: int, board_recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    short = tmp_path / "short"
+    short.mkdir()
+    for path in sorted(board_recording.glob("*.png"))[:count]:
+        shutil.copy(path, short)
+    manifest = (board_recording / "motorcade.toml").read_text().partition("[truth]")[0]
+    manifest = manifest.replace('images = "*.png"\n', "").replace("20.0", "8.0")
+    (short / "motorcade.toml").write_text(manifest)
+    if count < 4:
+        assert "small board" in refused(capsys, "run", short, "--out", tmp_path / "out")
+        return
+    assert run("run", short, "--out", tmp_path / "out", "--until", "errors") == 0
+
+
 def test_several_recordings_fan_out_and_one_failure_ends_only_itself(
     board_recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -202,6 +252,11 @@ def test_an_empty_folder_is_called_empty(
         ("smoothed.windw=1", "no knob 'windw'"),
         ("smoothed.window_s=wide", "expected float, came 'wide'"),
         ("placed.on=ceiling", "expected one of auto, board, floor"),
+        ("camera_poses.sigma_m=nan", "expected a number within"),
+        ("smoothed.window_s=1e300", "expected a number within"),
+        ("smoothed.representations=", "smoothed: representations: expected at least one"),
+        ("fused.noise_factor=0", "fused: "),
+        ("placed.height_m=0", "placed: "),
     ],
 )
 def test_bad_settings_are_named(

@@ -24,10 +24,10 @@ def test_a_handheld_checkerboard_is_tracked_throughout(data_dir: Path, tmp_path:
         tmp_path, data_dir / "replays" / "vamr_board", "--manifest", MANIFESTS / "vamr_board.toml"
     )
     assert found["camera_poses"]["measured"] == found["camera_poses"]["sought"] == 250
-    motor = found["errors"]["motor"]
+    motor, measured = found["errors"]["motor"], found["errors"]["measured"]
     assert motor["ape_rmse_m"] <= 0.8e-3
     assert motor["rotation_rmse_deg"] <= 0.25
-    assert motor["registration_rmse_px"] < 0.5
+    assert motor["registration_rmse_px"] < 1.2 * measured["registration_rmse_px"]
 
 
 @pytest.mark.parametrize("look_ahead", ["true", "false"])

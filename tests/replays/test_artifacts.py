@@ -1,5 +1,6 @@
 """Artifacts: what is written is read back, all or nothing, and only as the type asked for."""
 
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -49,11 +50,29 @@ def test_the_digest_is_that_of_the_content_alone(tmp_path: Path) -> None:
 
 
 def test_half_written_artifacts_are_not_found_and_swept(tmp_path: Path) -> None:
-    half = tmp_path / ".kept.999999999"
-    (half / "files").mkdir(parents=True)
-    assert artifacts.find_artifact(tmp_path / "kept") is None
+    name = f"fused-{'a' * 24}"
+    dead, alive = tmp_path / f".{name}.999999999", tmp_path / f".{name}.{os.getpid()}"
+    foreign = [tmp_path / ".mydata.999999999", tmp_path / f"{name}.999999999"]
+    for folder in (dead, alive, *foreign):
+        folder.mkdir()
+    assert artifacts.find_artifact(tmp_path / name) is None
     artifacts.sweep_unfinished(tmp_path)
-    assert not half.exists()
+    assert not dead.exists()
+    assert alive.exists()
+    assert all(folder.exists() for folder in foreign)
+
+
+@pytest.mark.parametrize("name", ["arrays.npz", "value.json", "artifact.json", "files/0.bin"])
+def test_a_damaged_artifact_is_found_out_and_dropped(
+    name: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    stored = artifacts.write_artifact(outer(tmp_path), tmp_path / "kept", 0.5)
+    assert artifacts.find_artifact(stored.folder) == stored
+    whole = (stored.folder / name).read_bytes()
+    (stored.folder / name).write_bytes(whole[: len(whole) // 2])
+    assert artifacts.find_artifact(stored.folder) is None
+    assert "damaged, so it is computed again" in caplog.text
+    assert not stored.folder.exists()
 
 
 def test_content_that_does_not_fit_the_type_is_refused(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from motorcade.replays import drawing
-from motorcade.replays.graph import Graph, GraphError, Unavailable
+from motorcade.replays.graph import Graph, GraphError, StageError, Unavailable
 
 calls: list[str] = []
 
@@ -198,3 +198,11 @@ def test_a_killed_run_resumes_and_new_code_recomputes(tmp_path: Path) -> None:
     assert run().stdout == "3.0\n"
     (tmp_path / "stages_on_disk.py").write_text(STAGES.replace("1.5", "2.5"))
     assert run().stdout == "first second 5.0\n"
+
+
+def test_what_a_stage_refuses_names_the_stage(tmp_path: Path) -> None:
+    def picky(text: Text) -> Number:
+        raise ValueError(f"text: expected another, came {text.content}")
+
+    with pytest.raises(StageError, match=r"^picky: text: expected another, came four$"):
+        Graph([picky], {"text": Text}).run("picky", {"text": Text("four")}, tmp_path)

@@ -1,0 +1,1 @@
+"""Every performance figure the project quotes, measured side by side in one run."""

@@ -1,0 +1,49 @@
+"""The suites of `motorcade bench` and how their figures are printed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from motorcade.replays.bench.blend import SIZES, bench_blend
+
+__all__ = ["SUITES", "blend_table"]
+
+
+def blend_table(found: Mapping[str, Any]) -> str:
+    """Nanoseconds a joint, a row a method and precision; floors, Python calls, what is missing."""
+    sizes = "".join(f"{size:>10}" for size in SIZES)
+    lines = [f"{'ns a joint, one core, to 3x4 matrices':<38}{sizes}"]
+    for scalar in ("float32", "float64"):
+        methods = dict.fromkeys(row["method"] for row in found["rows"])
+        for method in methods:
+            ns = {
+                row["joints"]: row["ns"]
+                for row in found["rows"]
+                if (row["method"], row["scalar"]) == (method, scalar)
+            }
+            cells = "".join(f"{ns[size]:>10.2f}" for size in SIZES)
+            lines.append(f"{method + ', ' + scalar:<38}{cells}")
+        floors = {row["joints"]: row for row in found["floors"] if row["scalar"] == scalar}
+        if floors:
+            cells = "".join(f"{floors[size]['memory_ns']:>10.2f}" for size in SIZES)
+            lines.append(f"{'memory floor, ' + scalar:<38}{cells}")
+            gflops = max(row["gflops"] for row in floors.values())
+            lines.append(f"{'arithmetic, ' + scalar:<38}{gflops:>10.0f} GFLOP/s")
+    lines += ["", "times as fast as GLM (the linear blend: nlerp + mix; the screw: slerp + mix)"]
+    rivals = {"motor linear": "over_nlerp_mix", "motor screw": "over_slerp_mix"}
+    for row in found["rows"]:
+        factor = row.get(rivals.get(row["method"], ""))
+        if factor is not None:
+            name = f"{row['method']}, {row['scalar']}, {row['joints']} joints"
+            lines.append(f"{name:<38}{factor:>10.2f}")
+    lines += ["", "called from Python, 54 joints where no other number stands: µs a call"]
+    lines += [f"{name:<38}{us:>10.2f}" for name, us in found["python"].items()]
+    lines += [f"left out: {reason}" for reason in found["left_out"]]
+    return "\n".join(lines)
+
+
+SUITES: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
+    "blend": (bench_blend, blend_table),
+}
+"""Every suite by name: what measures it, and what prints it."""
