@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -174,32 +175,59 @@ bool check_alike(const Operand *operands, int inputs, int all, bool &single) {
     return true;
 }
 
+// A kernel with its operands, checked.
+struct Call {
+    Operand operands[MOTORCADE_OPERANDS];
+    motorcade::Rows rows[MOTORCADE_OPERANDS];
+    bool single = false;
+
+    bool take(const motorcade_kernel &kernel, PyObject *const *given, Py_ssize_t count) {
+        const int all = kernel.inputs + kernel.outputs;
+        if (count != all) {
+            PyErr_Format(PyExc_TypeError, "%s: expected %d arguments, inputs and output, got %zd",
+                         kernel.name, all, count);
+            return false;
+        }
+        for (int k = 0; k < all; ++k)
+            if (!operands[k].take(given[k], static_cast<std::size_t>(kernel.widths[k]), k >= kernel.inputs))
+                return false;
+        if (!check_alike(operands, kernel.inputs, all, single)) return false;
+        for (int k = 0; k < all; ++k) {
+            operands[k].settle(single);
+            rows[k] = operands[k].rows;
+        }
+        return true;
+    }
+};
+
 PyObject *call(PyObject *self, PyObject *const *given, Py_ssize_t count) {
     const auto &kernel = *static_cast<const motorcade_kernel *>(PyCapsule_GetPointer(self, nullptr));
-    const int all = kernel.inputs + kernel.outputs;
-    if (count != all) {
-        PyErr_Format(PyExc_TypeError, "%s: expected %d arguments, inputs and output, got %zd",
-                     kernel.name, all, count);
-        return nullptr;
-    }
-    Operand operands[MOTORCADE_OPERANDS];
-    for (int k = 0; k < all; ++k)
-        if (!operands[k].take(given[k], static_cast<std::size_t>(kernel.widths[k]), k >= kernel.inputs))
-            return nullptr;
-    bool single = false;
-    if (!check_alike(operands, kernel.inputs, all, single)) return nullptr;
-    motorcade::Rows rows[MOTORCADE_OPERANDS];
-    for (int k = 0; k < all; ++k) {
-        operands[k].settle(single);
-        rows[k] = operands[k].rows;
-    }
-    if (rows[kernel.inputs].count < HOLD_LOCK_BELOW) {
-        motorcade::run(kernel, rows, single, 1);
+    Call one;
+    if (!one.take(kernel, given, count)) return nullptr;
+    if (one.rows[kernel.inputs].count < HOLD_LOCK_BELOW) {
+        motorcade::run(kernel, one.rows, one.single, 1);
     } else {
         nb::gil_scoped_release unlocked;
-        motorcade::run(kernel, rows, single, thread_count.load());
+        motorcade::run(kernel, one.rows, one.single, thread_count.load());
     }
     Py_RETURN_NONE;
+}
+
+// Seconds that `times` calls take without Python's share, for measurements.
+double repeat(const std::string &name, std::size_t times, nb::args given) {
+    const auto end = motorcade_kernels + motorcade_kernel_count;
+    const auto kernel = std::find_if(motorcade_kernels, end, [&](const auto &k) { return name == k.name; });
+    if (kernel == end) throw std::invalid_argument("repeat: expected the name of a kernel, got " + name);
+    std::vector<PyObject *> operands;
+    for (nb::handle one : given) operands.push_back(one.ptr());
+    Call all;
+    if (!all.take(*kernel, operands.data(), static_cast<Py_ssize_t>(operands.size())))
+        throw nb::python_error();
+    nb::gil_scoped_release unlocked;
+    const auto start = std::chrono::steady_clock::now();
+    for (std::size_t k = 0; k < times; ++k)
+        motorcade::run(*kernel, all.rows, all.single, thread_count.load());
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 nb::object array_of(nb::handle self) {
@@ -229,6 +257,7 @@ NB_MODULE(_compiled, module) {
             .release()
             .ptr());
     module.def("set_threads", [](unsigned threads) { thread_count = std::max(1U, threads); }, "threads"_a);
+    module.def("repeat", &repeat);
     module.def("threads", [] { return thread_count.load(); });
     static std::vector<PyMethodDef> methods(motorcade_kernel_count);
     for (std::size_t k = 0; k < motorcade_kernel_count; ++k) {

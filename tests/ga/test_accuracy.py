@@ -1,0 +1,14 @@
+"""Kernels against fifty digits: what an error may be over the hard samples."""
+
+import pytest
+
+from motorcade.ga.kernels.accuracy import largest_errors
+
+pytest.importorskip("mpmath", reason="mpmath is not installed")
+
+
+@pytest.mark.parametrize(("dtype", "bound"), [("float32", 5e-7), ("float64", 1e-14)])
+@pytest.mark.parametrize("seed", range(5))
+def test_normwise_errors_stay_small_over_hard_samples(dtype: str, bound: float, seed: int) -> None:
+    errors = largest_errors(dtype, seed)
+    assert max(errors.values()) <= bound, errors
