@@ -1,9 +1,13 @@
-"""Poses as numbers that a linear smoother can average: motors, quaternions, Euler angles.
+"""Poses as numbers that a linear smoother can average: motors, quaternions, Euler angles (twice).
 
 Each representation says how a trajectory is written down once (`chart`), which numbers are averaged
 around a pose (`around`), and how an average becomes a pose again (`back`). Quaternions and Euler
 angles are averaged the way practitioners do it, component by component beside the translation;
 motors in the tangent space at the pose itself, where rotation and translation stay one screw.
+Euler angles come twice: as they are ("euler"), and made continuous over time first, as a careful
+practitioner does ("euler_unwrapped"). Gimbal lock harms both: the pitch folds back at ±90° while
+the other two leap by half a turn. Naive averages are off by radians there; unwrapped ones lose the
+tip of the fold, a few degrees in turns of some radians a second.
 """
 
 from __future__ import annotations
@@ -65,7 +69,7 @@ class _Quaternions:
 
 
 class _EulerAngles:
-    """Intrinsic x-y′-z″ angles as they come, each averaged for itself; they leap at ±π and ±90°."""
+    """Intrinsic x-y′-z″ angles as they come, each averaged for itself: at ±π they leap."""
 
     def chart(self, poses: Motor) -> FloatArray:
         angles, translation = poses.as_euler_translation("xyz")
@@ -78,9 +82,18 @@ class _EulerAngles:
         return Motor.from_euler_translation(average[..., :3], average[..., 3:], "xyz")
 
 
+class _UnwrappedEulerAngles(_EulerAngles):
+    """The same angles, each made continuous over time first; the pitch still folds at ±90°."""
+
+    def chart(self, poses: Motor) -> FloatArray:
+        angles, translation = np.split(super().chart(poses), 2, axis=-1)
+        return np.concatenate([np.unwrap(angles, axis=0), translation], axis=-1)
+
+
 REPRESENTATIONS: dict[str, Representation] = {
     "motor": _Motors(),
     "quaternion": _Quaternions(),
+    "euler_unwrapped": _UnwrappedEulerAngles(),
     "euler": _EulerAngles(),
 }
 """Every representation that `smooth` runs on, by name."""

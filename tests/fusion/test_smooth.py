@@ -34,7 +34,7 @@ def test_a_constant_screw_is_left_as_it_is(rng: np.random.Generator) -> None:
         assert distance(smooth(path, "motor", 0.3, order).poses, path.poses).max() < 1e-12
 
 
-@pytest.mark.parametrize("representation", ["motor", "quaternion"])
+@pytest.mark.parametrize("representation", ["motor", "quaternion", "euler_unwrapped"])
 def test_noise_shrinks_and_nothing_lags(representation: str, rng: np.random.Generator) -> None:
     time_ns = np.arange(600, dtype=np.int64) * 10_000_000
     seconds = time_ns * 1e-9
@@ -69,14 +69,33 @@ def test_quaternions_do_not_care_about_signs(rng: np.random.Generator) -> None:
     )
 
 
-def test_euler_angles_break_at_gimbal_lock_where_motors_do_not(rng: np.random.Generator) -> None:
-    time_ns = np.arange(100, dtype=np.int64) * 33_333_333
-    swing = np.deg2rad(90.0 + 3.0 * np.sin(np.linspace(0, 6, 100)))
-    angles = np.stack([0.02 * rng.standard_normal(100), swing, np.zeros(100)], axis=-1)
+def test_only_naive_euler_angles_break_where_the_yaw_leaps(rng: np.random.Generator) -> None:
+    """On the flat, unwrapped yaw is smoothed like any number: as well as a motor."""
+    time_ns = np.arange(200, dtype=np.int64) * 33_333_333
+    yaw = np.pi + np.sin(np.linspace(0, 12, 200))
+    angles = np.stack([np.zeros(200), np.zeros(200), yaw], axis=-1)
     truth = Motor.from_rotor_translation(Rotor.from_euler(angles), np.zeros(3))
-    path = Trajectory(time_ns, truth)
-    assert distance(smooth(path, "euler", 0.2).poses, truth).max() > 0.5
-    assert distance(smooth(path, "motor", 0.2).poses, truth).max() < 0.1
+    path = Trajectory(time_ns, shaken(truth, rng, 0.01))
+    worst = {name: distance(smooth(path, name, 0.3).poses, truth).max() for name in REPRESENTATIONS}
+    assert worst["euler"] > 1.0
+    assert worst["euler_unwrapped"] < 1.1 * worst["motor"] < 0.05
+
+
+@pytest.mark.parametrize(("representation", "worse"), [("euler", 30.0), ("euler_unwrapped", 2.0)])
+def test_euler_angles_break_at_gimbal_lock_where_motors_do_not(
+    representation: str, worse: float, rng: np.random.Generator
+) -> None:
+    """Loops at 4 rad/s, exactly through ±90° of pitch: unwrapping helps, but does not cure."""
+    time_ns = np.arange(150, dtype=np.int64) * 33_333_333
+    pitch = 4.0 * time_ns[:, None] * 1e-9 * np.array([0.0, 1.0, 0.0])
+    loops = Rotor.from_rotation_vector(pitch) @ Rotor.from_euler(np.array([0.0, 0.0, 0.4]))
+    truth = Motor.from_rotor_translation(loops, np.zeros(3))
+    path = Trajectory(time_ns, shaken(truth, rng, 0.01))
+    ours = distance(smooth(path, "motor", 0.3).poses, truth)
+    theirs = distance(smooth(path, representation, 0.3).poses, truth)
+    assert ours.max() < 0.05
+    assert theirs.max() > worse * ours.max()
+    assert theirs.mean() > 1.5 * ours.mean()
 
 
 @pytest.mark.parametrize("representation", REPRESENTATIONS)
