@@ -7,7 +7,7 @@ or EuRoC's ``sensor.yaml``, which name the four numbers alike.
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -53,9 +53,8 @@ class ImuNoise:
         """Read Kalibr's ``imu.yaml`` (with or without its ``imu0:``) or EuRoC's ``sensor.yaml``.
 
         Raises:
-            ValueError: no YAML mapping, or one of the four numbers missing, no number or not
-                above zero; the message names file and field.
-            OSError: a file that cannot be read.
+            ValueError: a file that cannot be read, is no UTF-8 or no YAML mapping, or one of the
+                four numbers missing, no number or not above zero; one line names file and field.
         """
         content = _yaml_mapping(path)
         nested = [part for part in content.values() if isinstance(part, Mapping)]
@@ -76,11 +75,13 @@ def _yaml_mapping(path: Path) -> Mapping[str, object]:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as fault:
         raise ValueError(f"{path}: expected YAML in UTF-8, got other bytes") from fault
+    except OSError as fault:
+        raise ValueError(f"{path}: cannot be read: {fault.strerror}") from fault
     # OpenCV opens its files with "%YAML:1.0", which is no YAML directive.
     body = text.split("\n", 1)[-1] if text.startswith("%YAML:") else text
     try:
         content = yaml.safe_load(body)
-    except yaml.YAMLError as fault:
+    except (yaml.YAMLError, ValueError, RecursionError) as fault:  # bad dates, bottomless brackets
         raise ValueError(f"{path}: expected YAML, got {' '.join(str(fault).split())}") from fault
     if not isinstance(content, Mapping):
         raise ValueError(f"{path}: expected a YAML mapping, got {type(content).__name__}")
@@ -104,7 +105,7 @@ def _number(content: Mapping[str, object], name: str, path: Path) -> float:
 def _is_positive(value: object) -> bool:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
-    return math.isfinite(value) and value > 0
+    return 0 < value <= sys.float_info.max
 
 
 ADIS16448 = ImuNoise(1.6968e-4, 1.9393e-5, 2.0e-3, 3.0e-3)

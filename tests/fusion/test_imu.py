@@ -173,11 +173,29 @@ def test_noise_files_are_refused_by_file_and_field(tmp_path, change, message):
         ImuNoise.load(file)
 
 
-def test_noise_files_that_are_no_text_are_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"\xff\xfe\x00gyro", "expected YAML in UTF-8, got other bytes"),
+        (bytes(range(128)), "expected YAML, got"),
+        (b"gyroscope_noise_density: 1\x00", "expected YAML, got"),
+        (b"stamp: 2024-99-99", "expected YAML, got month"),
+        (b"[" * 5000, "expected YAML, got"),
+        (KALIBR.replace("2e-5", "1" + 400 * "0").encode(), "gyroscope_random_walk: expected"),
+    ],
+)
+def test_files_that_hold_no_noise_are_refused_in_one_line(tmp_path, content, message):
     file = tmp_path / "imu.yaml"
-    file.write_bytes(b"\xff\xfe\x00gyro")
-    with pytest.raises(ValueError, match=r"imu\.yaml: expected YAML in UTF-8"):
+    file.write_bytes(content)
+    with pytest.raises(ValueError, match=f"^{file}: {message}.*$") as refusal:
         ImuNoise.load(file)
+    assert "\n" not in str(refusal.value)
+
+
+def test_noise_files_that_cannot_be_read_are_refused(tmp_path):
+    for path in (tmp_path, tmp_path / "none.yaml"):
+        with pytest.raises(ValueError, match=f"^{path}: cannot be read: "):
+            ImuNoise.load(path)
 
 
 def test_noise_must_be_positive_and_scales_as_one():
