@@ -6,7 +6,7 @@ angular rate follow from the closed forms, not from differences.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -109,12 +109,7 @@ class Run:
 def record(handheld: Handheld) -> Callable[..., Run]:
     """Simulate a recording; its biases start where the filter's prior says they may."""
 
-    def make(
-        rng: np.random.Generator,
-        duration_s: float = 8.0,
-        rate_hz: float = 100.0,
-        blackouts_s: Sequence[tuple[float, float]] = (),
-    ) -> Run:
+    def make(rng: np.random.Generator, duration_s: float = 8.0, rate_hz: float = 100.0) -> Run:
         path = handheld.trajectory(100.0, duration_s, "imu")
         simulated = simulate_imu(path, rate_hz, NOISE, rng)
         gyro, accel = 0.05 * rng.standard_normal(3), 0.25 * rng.standard_normal(3)
@@ -124,7 +119,7 @@ def record(handheld: Handheld) -> Callable[..., Run]:
             simulated.stream.specific_force_m_s2 + accel,
         )
         camera = simulated.path.transformed_by(right=MOUNT)
-        measured = simulate_camera_poses(camera, 20.0, SIGMA_M, SIGMA_RAD, rng, blackouts_s)
+        measured = simulate_camera_poses(camera, 20.0, SIGMA_M, SIGMA_RAD, rng)
         biases = simulated.gyro_bias_rad_s + gyro, simulated.accel_bias_m_s2 + accel
         return Run(simulated.path, simulated.velocity_m_s, *biases, imu, measured)
 
