@@ -2,5 +2,6 @@
 
 from motorcade.fusion.smooth.local_polynomial import smooth
 from motorcade.fusion.smooth.representations import REPRESENTATIONS, Representation
+from motorcade.fusion.smooth.windows import automatic_window_s
 
-__all__ = ["REPRESENTATIONS", "Representation", "smooth"]
+__all__ = ["REPRESENTATIONS", "Representation", "automatic_window_s", "smooth"]

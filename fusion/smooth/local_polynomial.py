@@ -13,7 +13,7 @@ import numpy as np
 from motorcade.fusion.smooth.representations import REPRESENTATIONS, Representation
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
 
-__all__ = ["smooth"]
+__all__ = ["smooth", "white_noise_removed"]
 
 _LARGEST_ORDER = 5
 # Neighbours handled at once; bounds memory to a few hundred megabytes whatever the length.
@@ -65,6 +65,17 @@ def smooth(
     return Trajectory(
         trajectory.time_ns, Motor.concatenate(parts), trajectory.parent, trajectory.child
     )
+
+
+def white_noise_removed(neighbours: int, order: int) -> float:
+    """Share of white noise's variance that a window of 2 `neighbours` + 1 even stamps takes away.
+
+    The window reaches half an interval beyond the last neighbour; 0 where the polynomial meets
+    every pose exactly, towards 1 in wide windows.
+    """
+    u = np.arange(-neighbours, neighbours + 1)[None] / (neighbours + 0.5)
+    kernel = _kernel(u, np.ones(u.shape, dtype=np.bool_), order)[0]
+    return float(1.0 - 2.0 * kernel[neighbours] + np.sum(kernel**2))
 
 
 def _smooth_part(

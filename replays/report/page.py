@@ -116,8 +116,8 @@ def _smoothing(findings: Findings) -> str:
     window_s = findings.smoothed.window_s
     if window_s is None:
         return (
-            "The fused path was left as it is: any smoothing would move it by more than its own "
-            "uncertainty, so the representations do not differ here."
+            "The fused path was left as it is: any smoothing would take away motion, not noise, so "
+            "the representations do not differ here."
         )
     return f"Smoothed over windows of {window_s:.2f} s."
 

@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from motorcade.fusion.filter import Fused
-from motorcade.fusion.smooth import smooth
+from motorcade.fusion.smooth import automatic_window_s, smooth
 from motorcade.ga import Trajectory
-
-FEWEST, MOST = 2, 10
-"""Neighbours on either side of a pose that an automatic window may hold."""
 
 
 @dataclass(frozen=True)
@@ -19,7 +14,7 @@ class Smoothed:
     """The smoothed path `world_T_camera`, a trajectory a representation.
 
     `window_s` is the width of the window used; None where the path was left as it was, because
-    any smoothing would have moved it by more than it is uncertain.
+    any smoothing would have taken away motion.
     """
 
     trajectories: dict[str, Trajectory]
@@ -35,13 +30,15 @@ def smoothed(
 ) -> Smoothed:
     """Smooth the fused path by local polynomials of `order` over `window_s` seconds.
 
-    Without `window_s` the widest window is taken that moves the path, as motors, by no more than
-    its own uncertainty (Morozov's discrepancy principle: what is removed must be noise).
+    Without `window_s` the widest window is taken that removes noise alone, judged by the path's
+    own uncertainty (see `fusion.smooth.windows`).
     """
     if not representations:
         raise ValueError("representations: expected at least one, came none")
     path = fused.trajectory
-    chosen = widest_window_s(fused, order) if window_s is None else window_s
+    chosen = window_s
+    if window_s is None:
+        chosen = automatic_window_s(path, fused.covariance, order)
     if chosen is None:
         return Smoothed(dict.fromkeys(representations, path), None)
     return Smoothed(
@@ -51,20 +48,3 @@ def smoothed(
         },
         chosen,
     )
-
-
-def widest_window_s(fused: Fused, order: int) -> float | None:
-    """The widest window whose result stays within the path's uncertainty; None if none does."""
-    path = fused.trajectory
-    if len(path) < 2 * FEWEST + 1:
-        return None
-    interval_s = float(np.median(np.diff(path.time_s)))
-    widest = None
-    for neighbours in range(FEWEST, MOST + 1):
-        window_s = (2 * neighbours + 1) * interval_s
-        moved = (path.poses.inverse() @ smooth(path, "motor", window_s, order).poses).as_twist()
-        size = np.linalg.solve(fused.covariance, moved[..., None])[..., 0]
-        if float(np.mean(np.sum(moved * size, axis=-1))) > moved.shape[-1]:
-            break
-        widest = window_s
-    return widest
