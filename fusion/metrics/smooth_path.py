@@ -8,9 +8,6 @@ continuous velocity, acceleration and angular rate (cubic splines; scipy's `Cubi
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -73,17 +70,3 @@ class SmoothPath:
         return Motor.from_rotor_translation(
             Rotor.from_quaternion(quaternions), self.positions_m(time_s)
         )
-
-    @cached_property
-    def _turn(self) -> Callable[[FloatArray], FloatArray]:
-        from scipy.interpolate import CubicSpline
-
-        rates = self._rotation(self._time_s, 1)
-        turn: Callable[[FloatArray], FloatArray] = CubicSpline(self._time_s, rates).antiderivative()
-        return turn
-
-    def mean_rates_rad_s(self, start_s: FloatArray, end_s: FloatArray) -> FloatArray:
-        """Mean angular rates ``(N, 3)`` in the moving frame from `start_s` to `end_s` ``(N,)``."""
-        turn = self._turn
-        rates: FloatArray = (turn(end_s) - turn(start_s)) / (end_s - start_s)[:, None]
-        return rates
