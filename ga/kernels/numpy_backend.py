@@ -49,8 +49,10 @@ def function(name: str) -> Callable[..., None]:
             raise TypeError(f"{name}: expected {len(widths) + 1} arguments, got {len(operands)}")
         out = _array(operands[-1])
         given = [_input(x, width, out) for x, width in zip(operands, widths, strict=False)]
+        shape = out.shape[:-1]
         for k, component in enumerate(made[out.dtype.name](*given)):
-            out[..., k] = component
+            every = np.size(component) == out.size // out.shape[-1]
+            out[..., k] = np.reshape(component, shape) if every else component
 
     return kernel
 
@@ -60,15 +62,15 @@ def _array(operand: Any) -> Any:
 
 
 def _input(operand: Any, width: int, out: NDArray[Any]) -> NDArray[Any]:
-    """An input with its dimension of components, in the output's precision."""
+    """An input as rows, in the output's precision."""
     if isinstance(operand, float):
-        return np.full(1, operand, dtype=out.dtype)
+        return np.full((1, 1), operand, dtype=out.dtype)
     array: NDArray[Any] = _array(operand)
     if array.dtype != out.dtype:
         raise TypeError("expected one precision, got float32 and float64; convert one of them")
-    if width == 1 and not isinstance(operand, Block):
-        return array[..., None]
-    return array
+    if width > 1 and array.shape[-1:] != (width,):
+        raise ValueError(f"expected arrays (*, {width}), got {array.shape}")
+    return array.reshape(-1, width)
 
 
 def set_threads(threads: int) -> None:

@@ -260,10 +260,15 @@ class Versor(ABC):
                 as they stand and may turn by up to 2π.
 
         Raises:
+            TypeError: another type of versor, or of another precision.
             ValueError: NaN or infinite fraction, batches that do not broadcast, or the long way
                 between two equal orientations of opposite sign, which has no axis.
         """
         name = f"{type(self).__name__}.interpolate"
+        if type(other) is not type(self):
+            raise TypeError(
+                f"{name}(other): expected a {type(self).__name__}, got {type(other).__name__}"
+            )
         steps = self._fractions(fraction, f"{name}(fraction)")
         broadcast_batch(name, self.shape, other.shape, steps.shape)
         if other.coefficients.dtype != self.coefficients.dtype:

@@ -208,6 +208,8 @@ def test_operands_that_do_not_fit_are_refused(module: Any) -> None:
         module.Block(8, 3, "int32")
     with pytest.raises(TypeError, match="expected one precision"):
         compose(motors, motors.astype(np.float32), np.zeros((3, 8)))
+    with pytest.raises(ValueError, match=r"expected arrays \(\*, 8\)"):
+        compose(motors, np.zeros((6, 4)), np.zeros((3, 8)))
     with pytest.raises(TypeError, match="expected 3 arguments"):
         compose(motors, motors)
     with pytest.raises(ValueError, match=r"as many rows|broadcast|\(2,\)"):
