@@ -103,7 +103,7 @@ def _pytransform3d(fraction: float) -> Callable[[], object]:
 
 def _clifford(fraction: float) -> Callable[[], object]:
     from clifford.g3c import blades, einf
-    from clifford.tools.g3c import interpolate_rotors
+    from clifford.tools.g3c.rotor_parameterisation import ga_exp, ga_log
 
     e23, e13, e12 = blades["e23"], blades["e13"], blades["e12"]
     basis = [1.0, e23, -e13, e12, blades["e1"] ^ einf, blades["e2"] ^ einf, blades["e3"] ^ einf]
@@ -115,6 +115,6 @@ def _clifford(fraction: float) -> Callable[[], object]:
 
     def blend() -> None:
         for start, end in zip(*pairs, strict=True):
-            interpolate_rotors(end, start, fraction)
+            start * ga_exp(fraction * ga_log(~start * end))
 
     return blend

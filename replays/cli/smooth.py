@@ -21,7 +21,9 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument("input", type=Path, metavar="IN", help="trajectory file")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT")
     parser.add_argument(
-        "--representation", choices=("motor", "quaternion", "euler_unwrapped", "euler"), default="motor"
+        "--representation",
+        choices=("motor", "quaternion", "euler_unwrapped", "euler"),
+        default="motor",
     )
     parser.add_argument("--window-s", type=float, default=0.3, help="width of the window (0.3 s)")
     parser.add_argument("--order", type=int, default=2, help="order of the local polynomial (2)")
