@@ -1,5 +1,6 @@
 # make demo   the whole pipeline on an embedded synthetic recording, into out/demo
 # make test   the test suite        make lint   ruff and mypy        make wheel   build and check the wheel
+# make kernels   generate the kernels from their definitions
 # Each prepares what it needs by itself: environment, dependencies, compiled kernels.
 
 PYTHON  ?= python3
@@ -7,9 +8,9 @@ VENV    := .venv
 BIN     := $(VENV)/bin
 ROOMS   := ga tracking fusion animation render replays
 READY   := $(VENV)/.ready
-NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/*.cpp ga/kernels/*.h)
+NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/*.cpp ga/kernels/*.h ga/kernels/generated/c/*)
 
-.PHONY: demo test test-quick lint wheel names system clean
+.PHONY: demo test test-quick lint wheel kernels names system clean
 .DEFAULT_GOAL := demo
 
 demo: $(READY) system
@@ -25,6 +26,10 @@ lint: $(READY) names
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	MYPYPATH=build/names $(BIN)/mypy $(addprefix -p motorcade.,$(ROOMS))
+
+# Writes the kernels' C and NumPy code anew from their definitions; `make` then compiles it.
+kernels: $(READY)
+	$(BIN)/python -m motorcade.ga.codegen
 
 wheel: $(READY)
 	bash .ci/check_wheel

@@ -7,7 +7,7 @@ from typing import Any
 
 from motorcade.replays.bench.blend import SIZES, bench_blend
 
-__all__ = ["SUITES", "blend_table"]
+__all__ = ["SUITES", "accuracy_table", "blend_table", "measure_accuracy"]
 
 
 def blend_table(found: Mapping[str, Any]) -> str:
@@ -43,7 +43,26 @@ def blend_table(found: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
+def measure_accuracy() -> dict[str, dict[str, float]]:
+    """Largest normwise error of every kernel over hard samples, by precision."""
+    from motorcade.ga.kernels.accuracy import largest_errors
+
+    return {dtype: largest_errors(dtype) for dtype in ("float32", "float64")}
+
+
+def accuracy_table(found: Mapping[str, Mapping[str, float]]) -> str:
+    """The largest errors, a row a kernel."""
+    precisions = list(found)
+    lines = [
+        f"{'largest normwise error to 50 digits':<38}" + "".join(f"{p:>12}" for p in precisions)
+    ]
+    for name in found[precisions[0]]:
+        lines.append(f"{name:<38}" + "".join(f"{found[p][name]:>12.2g}" for p in precisions))
+    return "\n".join(lines)
+
+
 SUITES: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "blend": (bench_blend, blend_table),
+    "accuracy": (measure_accuracy, accuracy_table),
 }
 """Every suite by name: what measures it, and what prints it."""
