@@ -1,0 +1,73 @@
+"""What the README shows a newcomer works as it stands there."""
+
+import re
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.replays.cli import main
+from motorcade.replays.recording import open_recording
+from motorcade.replays.trajectory_files import write_trajectory
+
+README = Path(__file__).resolve().parents[2] / "README.md"
+
+if not README.exists():
+    pytest.skip("no README here: an installed wheel is tested", allow_module_level=True)
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The README's camera.toml beside a few pictures of its board, and a trajectory to smooth."""
+    (tmp_path / "camera.toml").write_text(blocks("toml")[0])
+    (tmp_path / "images").mkdir()
+    cv2.imwrite(str(tmp_path / "images" / "0.png"), np.zeros((480, 752), np.uint8))
+    recording = open_recording(tmp_path / "images", tmp_path / "camera.toml")
+    camera, board = recording.camera, recording.board
+    assert camera is not None
+    assert board is not None
+    scale = 2000.0
+    drawing, origin = board.draw(scale)
+    to_board = np.array([[1, 0, -origin[0]], [0, -1, origin[1]], [0, 0, scale]]) / scale
+    pixels = np.stack(np.meshgrid(np.arange(752), np.arange(480)), axis=-1)
+    straight = camera.straighten(pixels.astype(float)).astype(np.float32)
+    poses = []
+    for i in range(8):
+        rotor = Rotor.from_rotation_vector([np.pi - 0.05 * i, 0.02 * i, 0.1])
+        behind = -0.5 * rotor.apply([0.0, 0.0, 1.0])
+        poses.append(Motor.from_rotor_translation(rotor, board.points_m.mean(axis=0) + behind))
+        view = poses[-1].inverse().as_matrix()[:3][:, [0, 1, 3]]
+        flat = cv2.warpPerspective(drawing, camera.matrix @ view @ to_board, (752, 480))
+        picture = cv2.remap(flat, straight, None, cv2.INTER_LINEAR)
+        cv2.imwrite(str(tmp_path / "images" / f"{i}.png"), picture)
+    stamps = np.arange(8, dtype=np.int64) * 33_333_333
+    write_trajectory(Trajectory(stamps, Motor.stack(poses)), tmp_path / "poses.tum")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("number", range(len(blocks("python"))))
+def test_python_blocks_run(number: int, folder: Path) -> None:
+    exec(compile(blocks("python")[number], f"README block {number}", "exec"), {})
+
+
+def test_the_commands_for_ones_own_recording_work(folder: Path) -> None:
+    commands = [line for line in blocks("sh")[1].splitlines() if line.startswith("motorcade")]
+    assert len(commands) == 2
+    for command in commands:
+        words = [*command.split()[1:]]
+        if words[0] == "run":
+            words += ["--until", "errors"]
+        assert main(words) == 0
+    assert (folder / "out" / "kitchen" / "trajectories" / "smoothed_motor.tum").exists()
+
+
+def test_every_link_leads_somewhere() -> None:
+    for target in re.findall(r"\]\(([^)#:]+)\)", README.read_text(encoding="utf-8")):
+        assert (README.parent / target).exists(), target
