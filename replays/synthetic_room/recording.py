@@ -121,7 +121,8 @@ def _write_inertial(
     folder: Path, path: HandheldPath, frames: int, rng: np.random.Generator
 ) -> None:
     """The simulated IMU along the path, and what its noise is."""
-    last_s = (frames - 1) / RATE_HZ
+    # A little longer than the pictures, so that the last one lies between two samples.
+    last_s = (frames - 1) / RATE_HZ + 0.05
     stamps = even_stamps(int(last_s * IMU_RATE_HZ * 2) + 1, IMU_RATE_HZ * 2)
     world_T_imu = path.trajectory(stamps).transformed_by(right=IMU_T_CAMERA.inverse(), child="imu")
     simulated = simulate_imu(world_T_imu, IMU_RATE_HZ, ADIS16448, rng, knot_spacing_s=IMU_KNOTS_S)
