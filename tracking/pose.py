@@ -34,6 +34,9 @@ __all__ = [
 SIGMA_FLOOR_PX = 0.1
 _ITERATIONS = 50
 _STEP = 1e-10
+# Beyond this reprojection error IPPE is asked again, with rays moved by so much of themselves.
+_DOUBTFUL_PX = 1.0
+_NUDGES = (1e-9, 1e-8, 1e-7)
 
 
 class TrackingError(ValueError):
@@ -89,9 +92,23 @@ def planar_candidates(corners: BoardCorners, camera: Camera) -> PlanarCandidates
     rays = camera.unproject(corners.corners_px)
     if not np.isfinite(rays).all():
         raise TrackingError("corners: expected pixels that the lens model covers, got some outside")
+    found = _ippe(corners, camera, rays[:, :2])
+    for nudge in _NUDGES:
+        if found.error_px[0] <= _DOUBTFUL_PX:
+            break
+        # Exactly head on, rounding alone decides whether OpenCV's IPPE finds the rotation; corners
+        # moved by far less than any noise lead it past that point.
+        moved = rays[:, :2] * (1.0 + nudge * np.linspace(-1.0, 1.0, len(rays))[:, None])
+        again = _ippe(corners, camera, moved)
+        found = min(found, again, key=lambda one: float(one.error_px[0]))
+    return found
+
+
+def _ippe(corners: BoardCorners, camera: Camera, rays: FloatArray) -> PlanarCandidates:
+    """IPPE's two poses, the one that reprojects better first."""
     count, rotations, translations, _ = cv2.solvePnPGeneric(
         corners.points_m,
-        np.ascontiguousarray(rays[:, :2]),
+        np.ascontiguousarray(rays),
         np.eye(3),
         None,
         flags=cv2.SOLVEPNP_IPPE,

@@ -191,3 +191,10 @@ def test_corners_that_carry_no_pose_are_refused(look_at) -> None:
     folding = Camera(752, 480, 100.0, 100.0, 376.0, 240.0, "radtan", (-0.4, 0.0))
     with pytest.raises(TrackingError, match="that the lens model covers"):
         planar_candidates(corners.moved(corners.corners_px + 300.0), folding)
+
+
+def test_head_on_views_are_found_whatever_the_last_bits_are(look_at) -> None:
+    for distance_m in np.linspace(0.3, 0.6, 40):
+        pose = look_at(CHECKERS, distance_m, 0.0, 70.0, 0.0)
+        found = planar_candidates(seen(CHECKERS, CAMERAS[0], pose), CAMERAS[0])
+        assert found.error_px[0] < 1e-2
