@@ -1,5 +1,6 @@
 """The compiled kernels and their binding run clean under AddressSanitizer and UBSan."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -16,13 +17,13 @@ SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "
 
 # Every kernel on every layout, with buffers that end where the data ends.
 PROGRAM = """
-import importlib.util, sys
+import importlib.util, json, sys
 spec = importlib.util.spec_from_file_location("_compiled", sys.argv[1])
 compiled = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(compiled)
 import numpy as np
 rng = np.random.default_rng(0)
-kernels = eval(sys.argv[2])
+kernels = json.loads(sys.argv[2])
 for dtype in ("float32", "float64"):
     for name, (_, widths, width) in kernels.items():
         kernel = getattr(compiled, name)
@@ -75,7 +76,7 @@ def test_kernels_run_clean_under_sanitizers(tmp_path: Path) -> None:
 
     preload = " ".join(runtime(gcc, name) for name in ("libasan.so", "libubsan.so"))
     done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, str(module), repr(KERNELS)],
+        [sys.executable, "-c", PROGRAM, str(module), json.dumps(KERNELS)],
         env={**os.environ, "LD_PRELOAD": preload, "ASAN_OPTIONS": "detect_leaks=0"},
         capture_output=True, text=True, check=False,
     )  # fmt: skip
