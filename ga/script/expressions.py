@@ -1,0 +1,235 @@
+"""Expressions of CLUScript by operator precedence, on a stack of its own.
+
+Tightest first: brackets and calls, the prefixes ``*`` dual, ``~`` reverse and ``-``, then ``^``,
+``.``, ``/``, ``*``, and last ``-`` and ``+`` together. All binary operators group to the left, so
+``a - b + c`` is ``(a - b) + c``. Nesting is limited, and never costs the caller's own stack.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from motorcade.ga.script.errors import Place, ScriptError, Source
+from motorcade.ga.script.lexer import Token
+from motorcade.ga.script.syntax import Argument, Binary, Call, Expression, Name, Number, Unary
+
+__all__ = ["MAX_ARGUMENTS", "MAX_NESTING", "MAX_OPERATIONS", "Cursor", "parse_expression"]
+
+MAX_NESTING = 200
+MAX_ARGUMENTS = 100
+MAX_OPERATIONS = 20_000
+
+_BINDING = {"^": 5, ".": 4, "/": 3, "*": 2, "-": 1, "+": 1}
+_PREFIXES = frozenset("*~-")
+_PREFIX_BINDING = 6
+
+
+class Cursor:
+    """The tokens of a script and how far they are read."""
+
+    def __init__(self, source: Source, tokens: list[Token]) -> None:
+        self.source = source
+        self.operations = 0
+        self._tokens = tokens
+        self._next = 0
+
+    @property
+    def token(self) -> Token:
+        """The next token."""
+        return self._tokens[self._next]
+
+    @property
+    def following(self) -> Token:
+        """The token after the next one."""
+        return self._tokens[min(self._next + 1, len(self._tokens) - 1)]
+
+    def take(self) -> Token:
+        """Read one token; the end is never passed."""
+        token = self.token
+        self._next = min(self._next + 1, len(self._tokens) - 1)
+        return token
+
+    def at(self, symbol: str) -> bool:
+        """Whether the next token is this symbol."""
+        return self.token.kind == "symbol" and self.token.text == symbol
+
+    def expect(self, symbol: str, hint: str = "") -> Token:
+        """Read this symbol.
+
+        Raises:
+            ScriptError: another token.
+        """
+        if not self.at(symbol):
+            raise self.unexpected(f"'{symbol}'", hint)
+        return self.take()
+
+    def unexpected(self, expected: str, hint: str = "") -> ScriptError:
+        """The error of a token that cannot come next."""
+        return self.source.error(
+            self.token.place, f"expected {expected}, got {_named(self.token)}", hint
+        )
+
+    def count_operation(self, place: Place) -> None:
+        """Count one operation of the script.
+
+        Raises:
+            ScriptError: too many.
+        """
+        self.operations += 1
+        if self.operations > MAX_OPERATIONS:
+            raise self.source.error(
+                place, f"expected at most {MAX_OPERATIONS} operations", "split the script"
+            )
+
+
+def _named(token: Token) -> str:
+    if token.kind == "end":
+        return "the end of the script"
+    shown = token.text if len(token.text) <= 40 else f"{token.text[:37]}..."
+    return f"'{shown}'"
+
+
+@dataclass(frozen=True, slots=True)
+class _Pending:
+    """What waits for its right side: an operator, or an open bracket (`binding` 0)."""
+
+    place: Place
+    text: str
+    binding: int
+    operands_below: int
+
+
+class _Reader:
+    """Reads one expression: operands and what waits for them, on two stacks."""
+
+    def __init__(self, cursor: Cursor) -> None:
+        self._cursor = cursor
+        self._operands: list[Expression] = []
+        self._pending: list[_Pending] = []
+        self._nesting = 0
+
+    def read(self) -> Expression:
+        while True:
+            self._read_operand()
+            if not self._read_operator():
+                break
+        self._reduce(1)
+        if self._pending:
+            opened = self._pending[-1].place
+            raise self._cursor.unexpected(
+                "an operator or ')'", f"the bracket at {opened.line}:{opened.column} is open"
+            )
+        return self._operands.pop()
+
+    def _read_operand(self) -> None:
+        """Prefixes and opening brackets up to and with the next operand."""
+        cursor = self._cursor
+        while True:
+            token = cursor.token
+            if token.kind == "symbol" and token.text in _PREFIXES:
+                self._push(cursor.take(), _PREFIX_BINDING)
+            elif cursor.at("("):
+                self._push(cursor.take(), 0)
+            elif token.kind == "name" and cursor.following.text == "(" and token.text != "_P":
+                self._push(cursor.take(), 0)
+                cursor.take()
+                if cursor.at(")"):
+                    self._close(cursor.take(), empty=True)
+                    return
+            else:
+                self._operands.append(self._leaf())
+                return
+
+    def _leaf(self) -> Expression:
+        cursor = self._cursor
+        token = cursor.token
+        if token.kind == "number":
+            return Number(cursor.take().place, float(token.text))
+        if token.kind != "name":
+            hint = "" if token.kind != "symbol" else "an operand is a name, a number or a bracket"
+            raise cursor.unexpected("an expression", hint)
+        cursor.take()
+        return _argument(cursor, token) if token.text == "_P" else Name(token.place, token.text)
+
+    def _read_operator(self) -> bool:
+        """Closing brackets up to and with the next operator or comma; False at the end."""
+        cursor = self._cursor
+        while True:
+            token = cursor.token
+            binding = _BINDING.get(token.text) if token.kind == "symbol" else None
+            if binding is not None:
+                self._reduce(binding)
+                self._pending.append(_Pending(cursor.take().place, token.text, binding, 0))
+                return True
+            if not (cursor.at(",") or cursor.at(")")):
+                return False
+            self._reduce(1)
+            if not self._pending:
+                raise cursor.unexpected("an operator or ';'", "no bracket is open here")
+            if cursor.at(","):
+                self._next_argument()
+                return True
+            self._close(cursor.take())
+
+    def _next_argument(self) -> None:
+        opened = self._pending[-1]
+        if opened.text == "(":
+            raise self._cursor.unexpected("')'", "only a call has several arguments")
+        if len(self._operands) - opened.operands_below >= MAX_ARGUMENTS:
+            raise self._cursor.unexpected(f"at most {MAX_ARGUMENTS} arguments")
+        self._cursor.take()
+
+    def _push(self, token: Token, binding: int) -> None:
+        self._nesting += 1
+        if self._nesting > MAX_NESTING:
+            raise self._cursor.source.error(
+                token.place,
+                f"expected at most {MAX_NESTING} levels of nesting",
+                "give parts of the expression names of their own",
+            )
+        self._pending.append(_Pending(token.place, token.text, binding, len(self._operands)))
+
+    def _close(self, bracket: Token, *, empty: bool = False) -> None:
+        opened = self._pending.pop()
+        self._nesting -= 1
+        if opened.text == "(":
+            return
+        arguments = () if empty else tuple(self._operands[opened.operands_below :])
+        del self._operands[opened.operands_below :]
+        self._cursor.count_operation(bracket.place)
+        self._operands.append(Call(opened.place, opened.text, arguments))
+
+    def _reduce(self, binding: int) -> None:
+        """Build what binds at least as tightly, down to the last open bracket."""
+        while self._pending and self._pending[-1].binding >= binding:
+            waiting = self._pending.pop()
+            self._cursor.count_operation(waiting.place)
+            right = self._operands.pop()
+            if waiting.binding == _PREFIX_BINDING:
+                self._nesting -= 1
+                self._operands.append(Unary(waiting.place, waiting.text, right))
+            else:
+                left = self._operands.pop()
+                self._operands.append(Binary(waiting.place, waiting.text, left, right))
+
+
+def parse_expression(cursor: Cursor) -> Expression:
+    """Read one expression and stop before the token that ends it.
+
+    Raises:
+        ScriptError: no expression, a bracket left open, too deep or too long a one.
+    """
+    return _Reader(cursor).read()
+
+
+def _argument(cursor: Cursor, name: Token) -> Argument:
+    """The rest of ``_P(1)``."""
+    hint = "a macro's arguments are _P(1), _P(2), …"
+    cursor.expect("(", hint)
+    token = cursor.token
+    whole = token.kind == "number" and token.text.isdigit() and len(token.text) <= 4
+    if not whole or not 1 <= int(token.text) <= MAX_ARGUMENTS:
+        raise cursor.unexpected(f"a whole number from 1 to {MAX_ARGUMENTS}", hint)
+    cursor.take()
+    cursor.expect(")", hint)
+    return Argument(name.place, int(token.text))

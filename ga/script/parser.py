@@ -1,0 +1,112 @@
+"""Parser of CLUScript: statements, macros and pragmas around `expressions`.
+
+A statement is ``name = expression;`` or, with a mark, ``?name = expression;`` or ``?name;``:
+``?`` output, ``!`` evaluate, ``:`` draw. A macro is ``name = { statements; expression }``; its
+arguments are ``_P(1)``, ``_P(2)``, … Macros do not nest.
+"""
+
+from __future__ import annotations
+
+from motorcade.ga.script.errors import Source
+from motorcade.ga.script.expressions import Cursor, parse_expression
+from motorcade.ga.script.lexer import Token, tokenize
+from motorcade.ga.script.pragmas import parse_pragma
+from motorcade.ga.script.syntax import (
+    Argument,
+    Assignment,
+    Expression,
+    Macro,
+    Mark,
+    Pragma,
+    Script,
+    Statement,
+    postorder,
+)
+
+__all__ = ["parse"]
+
+_MARKS = ("?", "!", ":")
+
+
+def parse(text: str, file: str = "<script>") -> Script:
+    """Read a script; `file` is how errors name it.
+
+    Raises:
+        ScriptError: what is wrong and where.
+    """
+    source = Source(text, file)
+    tokens = tokenize(source)
+    pragmas: list[Pragma] = []
+    for token in tokens:
+        if token.kind == "pragma":
+            pragmas.extend(parse_pragma(source, token))
+    cursor = Cursor(source, [token for token in tokens if token.kind != "pragma"])
+    statements: list[Statement] = []
+    while cursor.token.kind != "end":
+        if cursor.at(";"):
+            cursor.take()
+        else:
+            statements.append(_statement(cursor))
+    return Script(source, tuple(statements), tuple(pragmas))
+
+
+def _statement(cursor: Cursor) -> Statement:
+    mark = _mark(cursor)
+    name = _name(cursor)
+    if mark and cursor.at(";"):
+        cursor.take()
+        return Mark(name.place, mark, name.text)
+    cursor.expect("=", "a statement is name = expression; or ?name;")
+    if not mark and cursor.at("{"):
+        return _macro(cursor, name)
+    return _assigned(cursor, mark, name)
+
+
+def _mark(cursor: Cursor) -> str:
+    return cursor.take().text if any(map(cursor.at, _MARKS)) else ""
+
+
+def _name(cursor: Cursor) -> Token:
+    if cursor.token.kind != "name" or cursor.token.text == "_P":
+        raise cursor.unexpected("a name", "a statement is name = expression; or ?name;")
+    return cursor.take()
+
+
+def _assigned(cursor: Cursor, mark: str, name: Token) -> Assignment:
+    if cursor.at("{"):
+        raise cursor.unexpected("an expression", "a macro stands by itself and has no mark")
+    value = _outside_macro(cursor, parse_expression(cursor))
+    cursor.expect(";", "every statement ends in ';'")
+    return Assignment(name.place, mark, name.text, value)
+
+
+def _outside_macro(cursor: Cursor, value: Expression) -> Expression:
+    for node in postorder(value):
+        if isinstance(node, Argument):
+            raise cursor.source.error(
+                node.place, f"_P({node.index}) stands outside a macro", "give it a name"
+            )
+    return value
+
+
+def _macro(cursor: Cursor, name: Token) -> Macro:
+    cursor.expect("{")
+    body: list[Assignment] = []
+    while cursor.token.kind == "name" and cursor.following.text == "=":
+        local = cursor.take()
+        cursor.take()
+        if cursor.at("{"):
+            raise cursor.unexpected("an expression", "a macro holds no other macro")
+        body.append(Assignment(local.place, "", local.text, parse_expression(cursor)))
+        cursor.expect(";", "every statement of a macro ends in ';'")
+    if cursor.at("}"):
+        raise cursor.unexpected(
+            "an expression", "a macro ends in the expression that it stands for"
+        )
+    value = parse_expression(cursor)
+    if cursor.at(";"):
+        cursor.take()
+    cursor.expect("}", "a macro is name = { statements; expression }")
+    parts = [statement.value for statement in body] + [value]
+    indices = [n.index for part in parts for n in postorder(part) if isinstance(n, Argument)]
+    return Macro(name.place, name.text, tuple(body), value, max(indices, default=0))
