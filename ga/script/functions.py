@@ -1,0 +1,130 @@
+"""The functions that every script may call, over any scalars, and the macros written in CLUScript.
+
+All take a scalar but ``abs``, which is ``√|⟨x ~x⟩₀|`` of any multivector, and ``invert``, which is
+the inverse of any invertible one. Blades that are zero, or that rounding left beside a scalar,
+do not stop it from being one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga.algebra import Multivector
+from motorcade.ga.algebra.scalars import is_numeric, is_zero_somewhere, magnitude
+
+__all__ = ["COMMON_MACROS", "CONFORMAL_MACROS", "FUNCTIONS", "Function", "is_finite"]
+
+Function = Callable[[Multivector], Multivector]
+
+# How large, beside the scalar, what rounding leaves of cancelled blades may be.
+_ROUNDING = 1e-12
+_LARGEST_FACTORIAL = 170
+
+COMMON_MACROS = """
+Dual = { *_P(1) }
+Normalize = { _P(1) / abs(_P(1)) }
+"""
+CONFORMAL_MACROS = """
+VecN3 = {
+    x = _P(1)*e1 + _P(2)*e2 + _P(3)*e3;
+    x + 0.5*(_P(1)*_P(1) + _P(2)*_P(2) + _P(3)*_P(3))*einf + e0
+}
+createPoint = { VecN3(_P(1), _P(2), _P(3)) }
+SphereN3 = { *(_P(1) - 0.5*_P(2)*_P(2)*einf) }
+SphereN3 = { SphereN3(VecN3(_P(1), _P(2), _P(3)), _P(4)) }
+RotorN3 = {
+    length = sqrt(_P(1)*_P(1) + _P(2)*_P(2) + _P(3)*_P(3));
+    plane = (_P(1)*e2^e3 + _P(2)*e3^e1 + _P(3)*e1^e2) / length;
+    cos(_P(4)/2) - sin(_P(4)/2)*plane
+}
+TranslatorN3 = { 1 - 0.5*(_P(1)*e1^einf + _P(2)*e2^einf + _P(3)*e3^einf) }
+"""
+
+
+def is_finite(value: Any) -> bool:
+    """Whether a number, or all of a batch, is finite; symbols count as finite."""
+    return bool(np.isfinite(value).all()) if is_numeric(value) else True
+
+
+def _scalar(x: Multivector) -> Any:
+    value = x.scalar_part()
+    beside = [name for name, part in x.items() if name != "1" and not _vanishes(part, value)]
+    if beside:
+        shown = " ".join(beside[:4]) + (" …" if len(beside) > 4 else "")
+        raise ValueError(f"expected a scalar, got a multivector with {shown}")
+    return value
+
+
+def _vanishes(part: Any, beside: Any) -> bool:
+    """Whether a coefficient is zero, exactly or to rounding beside a scalar."""
+    if is_numeric(part):
+        size = np.abs(beside) if is_numeric(beside) else 0.0
+        return bool(np.all(np.abs(part) <= _ROUNDING * size))
+    return is_zero_somewhere(part)
+
+
+def _elementary(name: str, numpy_name: str) -> Function:
+    """A function that NumPy has, and that symbols have as a method of either name."""
+    numeric: Callable[[Any], Any] = getattr(np, numpy_name)
+
+    def applied(x: Multivector) -> Multivector:
+        value = _scalar(x)
+        if is_numeric(value):
+            return x.algebra.scalar(_finite(_like(value, numeric(value))))
+        method = getattr(value, name, getattr(value, numpy_name, None))
+        if method is None:
+            raise ValueError(f"expected a scalar that has {name}, got {type(value).__name__}")
+        return x.algebra.scalar(method())
+
+    return applied
+
+
+def _like(given: Any, made: Any) -> Any:
+    """A plain float where one was given: NumPy's would turn float32 batches into float64."""
+    return float(made) if type(given) in (int, float) else made
+
+
+def _finite(value: Any) -> Any:
+    if not is_finite(value):
+        raise ValueError("has no finite real value here")
+    return value
+
+
+def _absolute(x: Multivector) -> Multivector:
+    if all(name == "1" for name in x.blades):
+        return x.algebra.scalar(magnitude(x.scalar_part()))
+    plain = all(type(value) in (int, float) for value in x.values)
+    return x.algebra.scalar(_like(0.0, x.norm()) if plain else x.norm())
+
+
+def _factorial(x: Multivector) -> Multivector:
+    value = _scalar(x)
+    if not is_numeric(value):
+        raise ValueError(f"expected a number, got {type(value).__name__}")
+    given = np.asarray(value, dtype=np.float64)
+    if np.any((given != np.floor(given)) | (given < 0) | (given > _LARGEST_FACTORIAL)):
+        raise ValueError(f"expected whole numbers from 0 to {_LARGEST_FACTORIAL}")
+    made = np.array([float(math.factorial(int(n))) for n in given.ravel()])
+    return x.algebra.scalar(made.reshape(given.shape) if given.ndim else float(made[0]))
+
+
+FUNCTIONS: dict[str, Function] = {
+    "abs": _absolute,
+    "acos": _elementary("acos", "arccos"),
+    "asin": _elementary("asin", "arcsin"),
+    "atan": _elementary("atan", "arctan"),
+    "ceil": _elementary("ceil", "ceil"),
+    "cos": _elementary("cos", "cos"),
+    "exp": _elementary("exp", "exp"),
+    "fact": _factorial,
+    "floor": _elementary("floor", "floor"),
+    "invert": lambda x: x.inverse(),
+    "log": _elementary("log", "log"),
+    "sin": _elementary("sin", "sin"),
+    "sqrt": _elementary("sqrt", "sqrt"),
+    "tan": _elementary("tan", "tan"),
+}
