@@ -142,13 +142,18 @@ def _built_in(algebra: Algebra) -> dict[tuple[str, int], tuple[Script, Macro]]:
 
 
 class _Scope:
-    """What one body sees: its own names, its arguments, and its script for errors."""
+    """What one body sees: its own names, its arguments, and the macros above itself."""
 
     def __init__(
-        self, script: Script, names: dict[str, Multivector], arguments: tuple[Multivector, ...]
+        self,
+        script: Script,
+        names: dict[str, Multivector],
+        arguments: tuple[Multivector, ...] = (),
+        macro: Macro | None = None,
     ) -> None:
         self.script = script
         self.names = names
+        self.macro = macro
         self.arguments = arguments
 
     def error(self, place: Place, message: str, hint: str = "") -> ScriptError:
@@ -163,7 +168,7 @@ class _Run:
         self._algebra = algebra
         self._constants = {name: algebra.blade(name) for name in _constants(algebra)}
         self._values = dict(given)
-        self._scope = _Scope(script, self._values, ())
+        self._scope = _Scope(script, self._values)
         self._macros = dict(_built_in(algebra))
         self._own: set[tuple[str, int]] = set()
         self._steps = 0
@@ -285,7 +290,7 @@ class _Run:
                 node.place, f"expected at most {MAX_MACRO_DEPTH} macros that call each other"
             )
         script, macro = found
-        inner = _Scope(script, {}, arguments)
+        inner = _Scope(script, {}, arguments, macro)
         self._depth += 1
         try:
             for statement in macro.body:
@@ -304,7 +309,8 @@ class _Run:
         key = (node.name, len(node.arguments))
         macros = self._macros if scope.script is self._script else _built_in(self._algebra)
         found = macros.get(key)
-        if found and found[0] is self._script and found[1].place > node.place:
+        own = found is not None and found[0] is self._script
+        if own and found and scope.macro is not None and found[1].place >= scope.macro.place:
             return _built_in(self._algebra).get(key)
         return found
 
@@ -316,6 +322,7 @@ class _Run:
                 node.place, f"{node.name}: expected {wanted} arguments, got {len(node.arguments)}"
             )
         known = [*FUNCTIONS, *dict.fromkeys(name for name, _ in self._macros)]
+        known = [name for name in known if name != node.name]
         near = difflib.get_close_matches(node.name[:40], known, n=1, cutoff=0.75)
         hint = f"did you mean {near[0]}?" if near else "a macro is defined above its first use"
         if any(name == node.name for name, _ in _built_in(CGA3)):
