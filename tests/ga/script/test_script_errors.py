@@ -1,0 +1,232 @@
+"""What is wrong with a script is said where it is wrong, and nothing but ScriptError comes out."""
+
+import pickle
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from motorcade.ga.script import ScriptError, evaluate, parse
+
+# Text, column, part of the message, part of the hint.
+REFUSED = [
+    ("?x = ;", 6, "expected an expression, got ';'", "operand"),
+    ("?x = (1 + 2;", 12, "expected an operator or '\\)'", "bracket at 1:6"),
+    ("?x = 1 + 2);", 11, "expected an operator or ';'", "no bracket is open"),
+    ("?x = (1, 2);", 8, "expected '\\)', got ','", "several arguments"),
+    ("?x = 1 2;", 8, "expected ';', got '2'", "ends in ';'"),
+    ("?x = 2e1b;", 9, "expected an operator after the number 2e1", "product"),
+    ("?x = 1e999;", 6, "below 1.8e308", ""),
+    ("x = 1", 6, "expected ';', got the end of the script", "ends in"),
+    ("1 = 2;", 1, "expected a name, got '1'", "name = expression"),
+    ("f(3);", 2, "expected '=', got '\\('", "name = expression"),
+    ("?x = a[1];", 7, "expected a token, got '\\['", "_P(1)"),
+    ("?x = 1/*e1;", 7, "this comment has no end", "space between"),
+    ("?x = sinn(1);", 6, "no function or macro sinn", "did you mean sin"),
+    ("?x = VecN3(1, 2);", 6, "VecN3: expected 3 arguments, got 2", ""),
+    ("?x = sin(1, 2);", 6, "sin: expected one argument, got 2", ""),
+    ("?x = sqrt(e1);", 6, "sqrt: expected a scalar, got a multivector with e1", ""),
+    ("?x = 2*log(0 - 1);", 8, "log: has no finite real value", ""),
+    ("?x = fact(1.5);", 6, "fact: expected whole numbers", ""),
+    ("?x = e1 / (e0 - e0);", 9, "expected an invertible multivector", ""),
+    ("?x = e1 / einf;", 9, "expected an invertible multivector", ""),
+    ("?x = Normalize(e0);", 6, "Normalize: ", ""),
+    ("?x = 1e308 * 10;", 12, "got an overflow", ""),
+    ("?x = y + z;", 6, "free variables y, z", "y="),
+    ("?x;", 2, "free variables x", ""),
+    ("e1 = 2;", 1, "e1 is a basis vector", "another name"),
+    ("?x = _P(1);", 6, "_P\\(1\\) stands outside a macro", ""),
+    ("f = { _P(0) }", 10, "a whole number from 1", ""),
+    ("f = { x = 1; }", 14, "expected an expression, got '}'", "ends in"),
+    ("f = { g = { 1 } }", 11, "expected an expression", "no other macro"),
+    ("?f = { 1 }", 6, "expected an expression", "no mark"),
+    ("f = { 1 } f = { 2 }", 11, "f is already defined", ""),
+    ("f = { f() } ?x = f();", 7, "no function or macro f", "above"),
+    ("?x = f(); f = { 1 }", 6, "no function or macro f", "above"),
+    ("sin = { 1 }", 1, "sin is already defined", ""),
+    ("?x = algebra;", 6, "can be named algebra", "another name"),
+    ("//#pragma bogus x", 1, "expected a pragma output", ""),
+    ("//#pragma range 2 <= x <= 1", 1, "cannot be read", "LOW <= NAME"),
+    ("//#pragma output", 1, "cannot be read", "BLADE"),
+    ("x = 1; //#pragma output x e1^e9", 8, "expected a blade", ""),
+    ("//#pragma algebra sta", 1, "expected an algebra ega2", "P Q R"),
+    ("//#pragma algebra 9 9 9", 1, "basis vectors", ""),
+    ("?x = \u00b2;", 6, "expected a token", ""),
+]
+
+
+@pytest.mark.parametrize(("text", "column", "message", "hint"), REFUSED)
+def test_an_error_has_its_place_and_hint(text: str, column: int, message: str, hint: str) -> None:
+    with pytest.raises(ScriptError, match=message) as caught:
+        evaluate(parse(text, "my.clu"))
+    error = caught.value
+    assert (error.file, error.line, error.column) == ("my.clu", 1, column)
+    assert error.source_line == text
+    assert hint in error.hint
+
+
+def test_an_error_shows_its_line_with_a_caret() -> None:
+    with pytest.raises(ScriptError) as caught:
+        parse("a = 1;\n/* two\nlines */\tb = ) 2;\r\n", "arm.clu")
+    assert str(caught.value) == (
+        "arm.clu:3:14: expected an expression, got ')'\n"
+        "    lines */\tb = ) 2;\n"
+        "            \t    ^\n"
+        "hint: an operand is a name, a number or a bracket"
+    )
+
+
+def test_an_error_in_a_long_line_shows_its_part() -> None:
+    with pytest.raises(ScriptError) as caught:
+        parse("?x = " + "1 + " * 500 + "];")
+    _, shown, caret = str(caught.value).split("\n")
+    assert len(shown) < 120
+    assert shown[caret.index("^")] == "]"
+
+
+def test_an_error_survives_pickling() -> None:
+    with pytest.raises(ScriptError) as caught:
+        parse("?x = (;")
+    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+
+
+def test_variables_are_checked_by_name() -> None:
+    script = parse("?x = t;")
+    for value in (float("nan"), 1j, "one", 10**400, np.array([1.0, np.inf])):
+        with pytest.raises(ValueError, match="variable t"):
+            evaluate(script, t=value)
+    with pytest.raises(ValueError, match="expected t, got also u"):
+        evaluate(script, t=1.0, u=2.0)
+
+
+@pytest.mark.parametrize("opening", ["(", "-", "~", "* ", "sin(", "f(1+(2-", "~(", "e1^("])
+def test_deep_nesting_is_refused(opening: str) -> None:
+    with pytest.raises(ScriptError, match="levels of nesting"):
+        parse("?x = " + opening * 20_000)
+    with pytest.raises(ScriptError, match="levels of nesting"):
+        parse("?x = " + opening * 201 + "1;")
+
+
+def test_nesting_up_to_the_limit_costs_no_stack_of_the_caller() -> None:
+    text = "?x = " + "(1 + 2*" * 200 + "3" + ")" * 200 + ";?y = " + "1 + " * 5000 + "1;"
+    limit = sys.getrecursionlimit()
+    try:
+        sys.setrecursionlimit(len_of_stack() + 60)
+        made = evaluate(parse(text))
+    finally:
+        sys.setrecursionlimit(limit)
+    assert made["y"].scalar_part() == 5001.0
+
+
+def len_of_stack() -> int:
+    depth, frame = 0, sys._getframe()
+    while frame.f_back is not None:
+        depth, frame = depth + 1, frame.f_back
+    return depth
+
+
+def doubling(levels: int) -> str:
+    first = "m0 = { _P(1) + _P(1) }\n"
+    return first + "\n".join(
+        f"m{k} = {{ m{k - 1}(_P(1)) + m{k - 1}(_P(1)) }}" for k in range(1, levels)
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("/" * 1_000_001, "at most 1000000 characters"),
+        (";" * 300_000, "at most 200000 tokens"),
+        ("?x = " + "1 + " * 30_000 + "1;", "at most 20000 operations"),
+        ("?x = f(" + "1," * 300 + "1);", "at most 100 arguments"),
+        (doubling(25) + "?x = m24(1);", "at most 100000 steps"),
+        (
+            "m0 = { 1 }"
+            + "".join(f"m{k} = {{ m{k - 1}() }}" for k in range(1, 60))
+            + "?x = m59();",
+            "at most 32 macros",
+        ),
+    ],
+    ids=["characters", "tokens", "operations", "arguments", "steps", "macros"],
+)
+def test_enormous_scripts_are_refused(text: str, message: str) -> None:
+    with pytest.raises(ScriptError, match=message):
+        evaluate(parse(text))
+
+
+PIECES = [
+    *"()+-*/^.~=?!:;,{} \n\t0123456789",
+    *(
+        "e1",
+        "e2",
+        "e0",
+        "einf",
+        "x",
+        "y = ",
+        "?x = ",
+        "m = {",
+        "m(",
+        "_P(1)",
+        "_P(",
+        "sqrt(",
+        "abs(",
+    ),
+    *("invert(", "fact(", "log(", "VecN3(", "//", "/*", "*/", "//#pragma ", "output x", "e1^e2"),
+    *(
+        "range 0 <= x <= 1",
+        "algebra 3 0 1",
+        "algebra ",
+        "1e300",
+        "1e-320",
+        "\u00e9",
+        "\x00",
+        "\ud800",
+    ),
+    *("?y = e1*e2;", "x = 2;", "m = { _P(1) + e1 }", "?z = m(x)/x;", "return x", "Normalize("),
+]
+FUZZ = settings(max_examples=2000, deadline=None, suppress_health_check=list(HealthCheck))
+
+
+def only_script_errors(text: str) -> None:
+    error = refusal(text)
+    if error is not None:
+        lines = text.split("\n")
+        assert 1 <= error.line <= len(lines)
+        assert 1 <= error.column <= len(lines[error.line - 1]) + 1
+        assert "^" in str(error)
+
+
+def refusal(text: str) -> ScriptError | None:
+    try:
+        evaluate(parse(text))
+    except ScriptError as error:
+        return error
+    return None
+
+
+@FUZZ
+@given(st.lists(st.sampled_from(PIECES), max_size=40).map("".join))
+def test_no_text_brings_anything_but_script_errors(text: str) -> None:
+    only_script_errors(text)
+
+
+@FUZZ
+@given(st.text(max_size=60))
+def test_no_unicode_brings_anything_but_script_errors(text: str) -> None:
+    only_script_errors(text)
+
+
+WHOLE = """//#pragma range 0 <= t <= 1
+m = { y = _P(1)^e1; y / 2 } x = 3; ?x = x*m(e2) . -~*e3 + VecN3(1,2,3)/(e1 - 2);
+//#pragma output x e1
+"""
+
+
+@FUZZ
+@given(st.integers(0, len(WHOLE)), st.integers(0, 6), st.lists(st.sampled_from(PIECES), max_size=3))
+def test_no_change_of_a_script_brings_anything_but_script_errors(
+    start: int, dropped: int, pieces: list[str]
+) -> None:
+    only_script_errors(WHOLE[:start] + "".join(pieces) + WHOLE[start + dropped :])
