@@ -38,7 +38,7 @@ wheel: $(READY)
 $(READY): $(NATIVE)
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "motorcade needs Python 3.11 or newer; say PYTHON=python3.x")'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install -q -c constraints.txt pip scikit-build-core nanobind
+	$(BIN)/python -m pip install -q -c constraints.txt pip setuptools wheel scikit-build-core nanobind
 	$(BIN)/python -m pip install -q -c constraints.txt --no-build-isolation -e ".[dev]"
 	touch $@
 
