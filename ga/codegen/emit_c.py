@@ -22,6 +22,7 @@ _NOTE = "Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions
 _COMPARISON = {"lt": "<", "le": "<=", "eq": "==", "ne": "!=", "and": "&&", "or": "||"}
 _FUNCTIONS = {
     "sqrt": "sqrt{}", "abs": "fabs{}", "floor": "floor{}", "min": "smaller{}", "max": "larger{}",
+    "exp2_of_integer": "exp2_of_integer{}", "exponent": "exponent{}",
 }  # fmt: skip
 _WIDTH = 100
 

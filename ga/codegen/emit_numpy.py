@@ -21,8 +21,9 @@ _NOTE = "Written by ``python -m motorcade.ga.codegen`` from ga/kernels/definitio
 _COMPARISON = {"lt": "<", "le": "<=", "eq": "==", "ne": "!=", "and": "&", "or": "|"}
 _FUNCTIONS = {
     "sqrt": "np.sqrt", "abs": "np.abs", "floor": "np.floor", "min": "np.minimum",
-    "max": "np.maximum",
+    "max": "np.maximum", "exp2_of_integer": "exp2_of_integer", "exponent": "exponent",
 }  # fmt: skip
+_POWERS_OF_TWO = ("exp2_of_integer", "exponent")
 _WIDTH = 100
 
 
@@ -56,9 +57,14 @@ def numpy_source(group: str, kernels: Sequence[Kernel]) -> str:
     opening = "\n".join(textwrap.wrap(f"Kernels of the group {group}: {listed}.", _WIDTH - 3))
     functions = [numpy_function(k, p) for k in kernels for p in PRECISIONS]
     body = "".join(f"\n\n{function}\n" for function in functions)
+    called = [name for name in _POWERS_OF_TWO if f"{name}(" in body]
+    imports = "\nimport numpy as np\n" if "np." in body else ""
+    if called:
+        listed = ", ".join(called)
+        imports += f"\nfrom motorcade.ga.kernels.powers_of_two import {listed}\n"
     return (
         f'"""{opening}\n\n{_NOTE}\n"""\n# fmt: off\n\nfrom __future__ import annotations\n\n'
-        "from typing import Any\n" + ("\nimport numpy as np\n" if "np." in body else "") + body
+        "from typing import Any\n" + imports + body
     )
 
 

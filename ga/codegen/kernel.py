@@ -53,7 +53,8 @@ class Kernel:
 
     def tape(self, precision: Precision) -> Tape:
         """The operations of the kernel in a precision."""
-        traced = trace(self.name, self.inputs, self.outputs, self._bound(precision))
+        define = self._bound(precision)
+        traced = trace(self.name, self.inputs, self.outputs, define, powers_of_two=True)
         return collected(traced)
 
     def casadi(self, precision: Precision) -> Any:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
+from motorcade.ga.codegen.powers_of_two import power_of_two_node
 from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
 
 __all__ = ["casadi_function", "trace"]
@@ -17,7 +18,7 @@ _SAME = {
     "OP_ADD": "add", "OP_SUB": "sub", "OP_MUL": "mul", "OP_DIV": "div", "OP_NEG": "neg",
     "OP_SQRT": "sqrt", "OP_FABS": "abs", "OP_FLOOR": "floor", "OP_FMIN": "min", "OP_FMAX": "max",
     "OP_LT": "lt", "OP_LE": "le", "OP_EQ": "eq", "OP_NE": "ne", "OP_AND": "and", "OP_OR": "or",
-    "OP_NOT": "not", "OP_IF_ELSE_ZERO": "keep",
+    "OP_NOT": "not", "OP_IF_ELSE_ZERO": "keep", "OP_LOG": "log",
 }  # fmt: skip
 
 
@@ -46,9 +47,17 @@ def casadi_function(
 
 
 def trace(
-    name: str, inputs: Sequence[Operand], outputs: Sequence[Operand], define: Definition
+    name: str,
+    inputs: Sequence[Operand],
+    outputs: Sequence[Operand],
+    define: Definition,
+    *,
+    powers_of_two: bool = False,
 ) -> Tape:
     """The tape of a definition.
+
+    With `powers_of_two`, ``2^n`` and ``floor(log x / log 2)`` become the operations on bits that
+    only the library's own kernels know.
 
     Raises:
         ValueError: an operation without a counterpart in the emitters, or outputs that do not
@@ -73,7 +82,9 @@ def trace(
         elif op == ca.OP_CONST:
             slots[target[0]] = builder.constant(float(function.instruction_constant(k)))
         else:
-            slots[target[0]] = _operation(builder, name, op, [slots[i] for i in given])
+            args = [slots[i] for i in given]
+            made = power_of_two_node(builder, _names().get(op, ""), args) if powers_of_two else None
+            slots[target[0]] = _operation(builder, name, op, args) if made is None else made
     return builder.finished(tuple(inputs), tuple(outputs), results)
 
 
