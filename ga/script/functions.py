@@ -1,6 +1,6 @@
 """The functions that every script may call, over any scalars, and the macros written in CLUScript.
 
-All take a scalar but ``abs``, which is ``√|⟨x ~x⟩₀|`` of any multivector, and ``invert``, which is
+All take scalars but ``abs``, which is ``√|⟨x ~x⟩₀|`` of any multivector, and ``invert``, which is
 the inverse of any invertible one. Blades that are zero, or that rounding left beside a scalar,
 do not stop it from being one.
 """
@@ -9,16 +9,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from motorcade.ga.algebra import Multivector
+from motorcade.ga.algebra import Multivector, elementary
 from motorcade.ga.algebra.scalars import is_numeric, is_zero_somewhere, magnitude
 
 __all__ = ["COMMON_MACROS", "CONFORMAL_MACROS", "FUNCTIONS", "Function", "is_finite"]
 
-Function = Callable[[Multivector], Multivector]
+
+class Function(NamedTuple):
+    """A function of scripts and how many arguments it takes."""
+
+    arity: int
+    apply: Callable[..., Multivector]
+
 
 # How large, beside the scalar, what rounding leaves of cancelled blades may be.
 _ROUNDING = 1e-12
@@ -67,20 +73,16 @@ def _vanishes(part: Any, beside: Any) -> bool:
     return is_zero_somewhere(part)
 
 
-def _elementary(name: str, numpy_name: str) -> Function:
-    """A function that NumPy has, and that symbols have as a method of either name."""
-    numeric: Callable[[Any], Any] = getattr(np, numpy_name)
+def _elementary(numpy_name: str, arity: int = 1) -> Function:
+    """A function of scalars that NumPy has, and symbols by the same name."""
+    return _of_scalars(lambda *values: elementary.apply(numpy_name, *values), arity)
 
-    def applied(x: Multivector) -> Multivector:
-        value = _scalar(x)
-        if is_numeric(value):
-            return x.algebra.scalar(_finite(_like(value, numeric(value))))
-        method = getattr(value, name, getattr(value, numpy_name, None))
-        if method is None:
-            raise ValueError(f"expected a scalar that has {name}, got {type(value).__name__}")
-        return x.algebra.scalar(method())
 
-    return applied
+def _of_scalars(function: Callable[..., Any], arity: int = 1) -> Function:
+    def applied(*operands: Multivector) -> Multivector:
+        return operands[0].algebra.scalar(_finite(function(*map(_scalar, operands))))
+
+    return Function(arity, applied)
 
 
 def _like(given: Any, made: Any) -> Any:
@@ -113,18 +115,23 @@ def _factorial(x: Multivector) -> Multivector:
 
 
 FUNCTIONS: dict[str, Function] = {
-    "abs": _absolute,
-    "acos": _elementary("acos", "arccos"),
-    "asin": _elementary("asin", "arcsin"),
-    "atan": _elementary("atan", "arctan"),
-    "ceil": _elementary("ceil", "ceil"),
-    "cos": _elementary("cos", "cos"),
-    "exp": _elementary("exp", "exp"),
-    "fact": _factorial,
-    "floor": _elementary("floor", "floor"),
-    "invert": lambda x: x.inverse(),
-    "log": _elementary("log", "log"),
-    "sin": _elementary("sin", "sin"),
-    "sqrt": _elementary("sqrt", "sqrt"),
-    "tan": _elementary("tan", "tan"),
+    "abs": Function(1, _absolute),
+    "acos": _elementary("arccos"),
+    "asin": _elementary("arcsin"),
+    "atan": _elementary("arctan"),
+    "atan2": _elementary("arctan2", 2),
+    "ceil": _elementary("ceil"),
+    "cos": _elementary("cos"),
+    "exp": _elementary("exp"),
+    "fact": Function(1, _factorial),
+    "floor": _elementary("floor"),
+    "invert": Function(1, Multivector.inverse),
+    "log": _elementary("log"),
+    "max": _elementary("fmax", 2),
+    "min": _elementary("fmin", 2),
+    "sign": _of_scalars(elementary.sign),
+    "sin": _elementary("sin"),
+    "sqrt": _elementary("sqrt"),
+    "step": _of_scalars(elementary.step),
+    "tan": _elementary("tan"),
 }

@@ -36,7 +36,7 @@ from motorcade.ga.script.syntax import (
     postorder,
 )
 
-__all__ = ["MAX_MACRO_DEPTH", "MAX_STEPS", "evaluate"]
+__all__ = ["MAX_MACRO_DEPTH", "MAX_STEPS", "algebra_of", "evaluate", "free_variables"]
 
 MAX_STEPS = 100_000
 MAX_MACRO_DEPTH = 32
@@ -66,13 +66,18 @@ def evaluate(
             a divisor without inverse, too many steps.
         ValueError: variables that the script does not have, or that are no finite real scalars.
     """
-    chosen = _chosen_algebra(script, algebra)
+    chosen = algebra_of(script, algebra)
     given = _given_variables(script, chosen, variables)
     with np.errstate(all="ignore"):
         return _Run(script, chosen, given).outputs()
 
 
-def _chosen_algebra(script: Script, given: Algebra | None) -> Algebra:
+def algebra_of(script: Script, given: Algebra | None = None) -> Algebra:
+    """The algebra of a script: the one given or that of its pragma, CGA3 where there is neither.
+
+    Raises:
+        ScriptError: an algebra that is not known, or two that differ.
+    """
     chosen = given
     for pragma in script.pragmas:
         if isinstance(pragma, AlgebraPragma):
@@ -104,14 +109,24 @@ def _constants(algebra: Algebra) -> frozenset[str]:
     return frozenset(algebra.names) | (frozenset({"ep", "em"}) if algebra.null_pair else set())
 
 
-def _given_variables(
-    script: Script, algebra: Algebra, variables: dict[str, Any]
-) -> dict[str, Multivector]:
+def free_variables(script: Script, algebra: Algebra) -> dict[str, Place]:
+    """Variables that a script needs from outside, in the order of first use, and where that is.
+
+    Raises:
+        ScriptError: one is named ``algebra``, which `evaluate` could not be given.
+    """
     free = free_names(script, _constants(algebra))
     if "algebra" in free:
         raise script.source.error(
             free["algebra"], "no free variable can be named algebra", "choose another name"
         )
+    return free
+
+
+def _given_variables(
+    script: Script, algebra: Algebra, variables: dict[str, Any]
+) -> dict[str, Multivector]:
+    free = free_variables(script, algebra)
     missing = [name for name in free if name not in variables]
     if missing:
         raise script.source.error(
@@ -338,9 +353,11 @@ def _operand_count(node: Expression) -> int:
 
 def _operated(node: Expression, operands: list[Multivector]) -> Multivector:
     if isinstance(node, Call):
-        if len(operands) != 1:
-            raise ValueError(f"expected one argument, got {len(operands)}")
-        return FUNCTIONS[node.name](operands[0])
+        function = FUNCTIONS[node.name]
+        if len(operands) != function.arity:
+            wanted = "one argument" if function.arity == 1 else f"{function.arity} arguments"
+            raise ValueError(f"expected {wanted}, got {len(operands)}")
+        return function.apply(*operands)
     if isinstance(node, Unary):
         return _prefixed(node.operator, operands[0])
     left, right = operands

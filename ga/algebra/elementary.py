@@ -1,0 +1,90 @@
+"""Elementary functions of any scalar: plain numbers, NumPy batches and CasADi symbols.
+
+Plain numbers give plain floats, so that they never turn float32 batches into float64. Of symbols
+only those functions are used that every target of the code generator has.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga.algebra.scalars import is_numeric
+
+__all__ = [
+    "apply",
+    "arctangent",
+    "larger",
+    "power_series",
+    "sign",
+    "smaller",
+    "step",
+    "where",
+]
+
+
+def apply(name: str, *values: Any) -> Any:
+    """The function that NumPy calls `name`, of scalars of any kind.
+
+    Raises:
+        ValueError: scalars that no such function is known for.
+    """
+    if all(map(is_numeric, values)):
+        made = getattr(np, name)(*values)
+        plain = all(type(value) in (int, float) for value in values)
+        return float(made) if plain else made
+    function = getattr(_library(values), name, None)
+    if function is None:
+        kinds = ", ".join(sorted({type(value).__name__ for value in values}))
+        raise ValueError(f"expected scalars that have {name}, got {kinds}")
+    return function(*values)
+
+
+def where(condition: Any, chosen: Any, otherwise: Any) -> Any:
+    """`chosen` where a comparison holds, else `otherwise`; both are computed."""
+    if isinstance(condition, bool | np.bool_):
+        return chosen if condition else otherwise
+    if isinstance(condition, np.ndarray) and is_numeric(chosen) and is_numeric(otherwise):
+        return np.where(condition, chosen, otherwise)
+    return _library((condition, chosen, otherwise)).if_else(condition, chosen, otherwise)
+
+
+def arctangent(y: Any, x: Any) -> Any:
+    """The angle of the point ``(x, y)``, from -π to π."""
+    return apply("arctan2", y, x)
+
+
+def larger(a: Any, b: Any) -> Any:
+    """The larger of two."""
+    return apply("fmax", a, b)
+
+
+def smaller(a: Any, b: Any) -> Any:
+    """The smaller of two."""
+    return apply("fmin", a, b)
+
+
+def step(x: Any) -> Any:
+    """1 where ``x >= 0``, otherwise 0."""
+    return where(x >= 0, 1.0, 0.0)
+
+
+def sign(x: Any) -> Any:
+    """1, 0 or -1."""
+    return where(x > 0, 1.0, where(x < 0, -1.0, 0.0))
+
+
+def power_series(x: Any, coefficients: tuple[float, ...]) -> Any:
+    """``c₀ + c₁ x + c₂ x² + …`` by Horner's rule."""
+    total: Any = coefficients[-1]
+    for coefficient in reversed(coefficients[:-1]):
+        total = total * x + coefficient
+    return total
+
+
+def _library(values: tuple[Any, ...]) -> Any:
+    """The module that made the first scalar that is no number: it knows its functions."""
+    made = next(type(value) for value in values if not is_numeric(value))
+    return sys.modules[made.__module__.partition(".")[0]]
