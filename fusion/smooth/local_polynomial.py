@@ -10,8 +10,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.fusion.smooth.representations import REPRESENTATIONS, Representation
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.fusion.smooth.representations import (
+    Representation,
+    representation_named,
+    restored,
+)
+from motorcade.ga import FloatArray, IntArray, Trajectory
 
 __all__ = ["smooth", "white_noise_removed"]
 
@@ -42,15 +46,12 @@ def smooth(
             0 to 5. With "motor", poses in one window must be less than half a turn from its centre
             for the result to mean anything; "quaternion" likewise for consecutive poses.
     """
-    if representation not in REPRESENTATIONS:
-        known = ", ".join(REPRESENTATIONS)
-        raise ValueError(f"representation: expected one of {known}, got {representation!r}")
+    chosen = representation_named(representation)
     if not (np.isfinite(window_s) and window_s > 0.0):
         raise ValueError(f"window_s: expected a positive number of seconds, got {window_s}")
     if not 0 <= order <= _LARGEST_ORDER:
         raise ValueError(f"order: expected 0 to {_LARGEST_ORDER}, got {order}")
-    chosen = REPRESENTATIONS[representation]
-    chart = chosen.chart(trajectory.poses)
+    chart = chosen.coordinates(trajectory.poses)
     half_ns = round(window_s * 0.5e9)
     first = np.searchsorted(trajectory.time_ns, trajectory.time_ns - half_ns, side="right")
     last = np.searchsorted(trajectory.time_ns, trajectory.time_ns + half_ns, side="left")
@@ -62,9 +63,7 @@ def smooth(
         )
         for part in np.split(centres, range(size, len(trajectory), size))
     ]
-    return Trajectory(
-        trajectory.time_ns, Motor.concatenate(parts), trajectory.parent, trajectory.child
-    )
+    return restored(chosen, np.concatenate(parts), trajectory)
 
 
 def white_noise_removed(neighbours: int, order: int) -> float:
@@ -87,8 +86,8 @@ def _smooth_part(
     last: IntArray,
     half_ns: int,
     order: int,
-) -> Motor:
-    """Smoothed poses at `centres` (M,), whose windows are rows `first` to `last` of the chart."""
+) -> FloatArray:
+    """Smoothed coordinates at `centres` (M,), whose windows are rows `first` to `last` of the chart."""
     widest = int(np.max(last - first))
     neighbours = first[:, None] + np.arange(widest)
     inside = neighbours < last[:, None]
@@ -96,8 +95,8 @@ def _smooth_part(
     u = (time_ns[neighbours] - time_ns[centres][:, None]) / half_ns
     kernel = _kernel(u, inside, order)
     centre = chart[centres]
-    values = representation.around(chart[neighbours], centre[:, None])
-    return representation.back(np.einsum("mk,mkd->md", kernel, values), centre)
+    values = representation.difference(chart[neighbours], centre[:, None])
+    return representation.moved(centre, np.einsum("mk,mkd->md", kernel, values))
 
 
 def _kernel(

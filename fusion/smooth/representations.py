@@ -1,99 +1,312 @@
-"""Poses as numbers that a linear smoother can average: motors, quaternions, Euler angles (twice).
+"""Poses as numbers that every smoother runs on: seven ways to write a path down and to average it.
 
-Each representation says how a trajectory is written down once (`chart`), which numbers are averaged
-around a pose (`around`), and how an average becomes a pose again (`back`). Quaternions and Euler
-angles are averaged the way practitioners do it, component by component beside the translation;
-motors in the tangent space at the pose itself, where rotation and translation stay one screw.
-Euler angles come twice: as they are ("euler"), and made continuous over time first, as a careful
-practitioner does ("euler_unwrapped"). Gimbal lock harms both: the pitch folds back at ±90° while
-the other two leap by half a turn. Naive averages are off by radians there; unwrapped ones lose the
-tip of the fold, a few degrees in turns of some radians a second.
+A method sees coordinates ``(*, D)`` and two verbs. ``difference(x, base)`` is the vector ``(*, d)``
+from a base to `x` and ``moved(base, vector)`` its mirror; whatever a method averages, filters or
+fits are such vectors, so that it is written once. What is a straight line in them is what tells the
+representations apart:
+
+=====================  ===  ===  ==============================================================
+name                    D    d   difference
+=====================  ===  ===  ==============================================================
+``motor``                8    6  twist from base to pose, in the base's body frame: one screw
+``similarity``          12    7  the same with the logarithm of the scale behind it
+``rotor``                7    6  rotation vector in the base's body, translation in the world
+``dual_quaternion``      8    8  components (signs follow), projected after every step
+``quaternion``           7    7  components (signs follow), renormalised; translation apart
+``euler_unwrapped``      6    6  angles made continuous over time; translation apart
+``euler``                6    6  angles as they come, which leap at ±π; translation apart
+=====================  ===  ===  ==============================================================
+
+The last four are subtraction and addition, as practitioners do it. Euler angles are intrinsic
+x-y′-z″; the pitch folds back at ±90° while the other two leap by half a turn, which unwrapping does
+not cure. Of a path of similarities all but `similarity` carry the scale beside the rest as one more
+number, last of both D and d. Rotations come first, then translations.
 """
 
 from __future__ import annotations
 
-from typing import Protocol
+from abc import ABC, abstractmethod
+from typing import ClassVar
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import FloatArray, Motor, Similarity, Trajectory, kernels
 
-__all__ = ["REPRESENTATIONS", "Representation"]
+__all__ = ["REPRESENTATIONS", "Representation", "representation_named", "restored"]
 
+Poses = Motor | Similarity
 
-class Representation(Protocol):
-    """How poses turn into averaged numbers and back; D numbers written down, d averaged."""
-
-    def chart(self, poses: Motor) -> FloatArray:
-        """Write down a trajectory's poses (N,) as (N, D)."""
-        ...
-
-    def around(self, chart: FloatArray, centre: FloatArray) -> FloatArray:
-        """Numbers (*, K, d) to average for K neighbours (*, K, D) of a centre (*, 1, D)."""
-        ...
-
-    def back(self, average: FloatArray, centre: FloatArray) -> Motor:
-        """Poses (*,) from averages (*, d) around centres (*, D)."""
-        ...
+# Which component of a Hamilton dual quaternion a motor's is, and with which sign.
+_TO_MOTOR = np.array([0, 1, 2, 3, 5, 6, 7, 4])
+_REVERSED = np.array([1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0])
 
 
-class _Motors:
-    """Twists from the centre pose to its neighbours: independent of world and sensor frame."""
+class Representation(ABC):
+    """A way to write poses down; see the top of this module. All methods are batched in front."""
 
-    def chart(self, poses: Motor) -> FloatArray:
-        return poses.coefficients
+    name: ClassVar[str]
+    rotation: ClassVar[slice]
+    """The components of a difference that turn; they have no unit where they are quaternions."""
+    _rigid_size: ClassVar[int]
+    _scale_beside: ClassVar[bool] = True
 
-    def around(self, chart: FloatArray, centre: FloatArray) -> FloatArray:
-        return (Motor(centre).inverse() @ Motor(chart)).as_twist()
+    def coordinates(self, poses: Poses) -> FloatArray:
+        """Write down a path of poses ``(N,)`` as ``(N, D)``, continuous where the practice is."""
+        if not isinstance(poses, Similarity):
+            return self._rigid_coordinates(poses)
+        motor, scale = poses.as_motor_scale()
+        return np.concatenate([self._rigid_coordinates(motor), scale[..., None]], axis=-1)
 
-    def back(self, average: FloatArray, centre: FloatArray) -> Motor:
-        return Motor(centre) @ Motor.from_twist(average)
+    def poses(self, coordinates: FloatArray) -> Poses:
+        """Poses ``(*)`` of coordinates ``(*, D)``; similarities where there is a scale.
+
+        Raises:
+            ValueError: coordinates of no pose, such as a scale that is not positive.
+        """
+        if coordinates.shape[-1] == self._rigid_size:
+            return self._rigid_poses(coordinates)
+        rigid = self._rigid_poses(coordinates[..., :-1])
+        return Similarity.from_motor_scale(rigid, coordinates[..., -1])
+
+    def difference(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
+        """Vectors ``(*, d)`` from bases ``(*, D)`` to poses ``(*, D)``; batches broadcast."""
+        if coordinates.shape[-1] == self._rigid_size:
+            return self._rigid_difference(coordinates, base)
+        rigid = self._rigid_difference(coordinates[..., :-1], base[..., :-1])
+        scale = coordinates[..., -1:] - base[..., -1:]
+        return np.concatenate([rigid, scale], axis=-1)
+
+    def moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
+        """Coordinates ``(*, D)`` that lie a vector ``(*, d)`` from a base: mirrors `difference`."""
+        if base.shape[-1] == self._rigid_size:
+            return self._rigid_moved(base, difference)
+        rigid = self._rigid_moved(base[..., :-1], difference[..., :-1])
+        return np.concatenate([rigid, base[..., -1:] + difference[..., -1:]], axis=-1)
+
+    def following(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
+        """The same pose ``(D,)`` written as near as may be to the one before it ``(D,)``.
+
+        Scanned over a path it gives what `coordinates` gives. Signs and turns follow where the
+        practice has them followed; the others return what they are given.
+        """
+        return coordinates
+
+    @abstractmethod
+    def _rigid_coordinates(self, poses: Motor) -> FloatArray: ...
+
+    @abstractmethod
+    def _rigid_poses(self, coordinates: FloatArray) -> Motor: ...
+
+    def _rigid_difference(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
+        return coordinates - base
+
+    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
+        return base + difference
 
 
-class _Quaternions:
-    """Components of quaternions whose signs follow each other, averaged and renormalised."""
+class MotorTwists(Representation):
+    """Motors, averaged as twists in the base's body frame: no choice of world or body matters."""
 
-    def chart(self, poses: Motor) -> FloatArray:
-        wxyz, translation = poses.as_quaternion_translation()
-        turns = np.sum(wxyz[1:] * wxyz[:-1], axis=-1) < 0.0
-        signs = np.where(np.concatenate([[False], np.cumsum(turns) % 2 == 1]), -1.0, 1.0)
-        return np.concatenate([signs[:, None] * wxyz, translation], axis=-1)
+    name = "motor"
+    rotation = slice(0, 3)
+    _rigid_size = 8
 
-    def around(self, chart: FloatArray, centre: FloatArray) -> FloatArray:
-        return chart
+    def _rigid_coordinates(self, poses: Motor) -> FloatArray:
+        return poses.astype(np.float64).coefficients
 
-    def back(self, average: FloatArray, centre: FloatArray) -> Motor:
-        wxyz = average[..., :4]
-        unit = wxyz / np.linalg.norm(wxyz, axis=-1, keepdims=True)
-        return Motor.from_quaternion_translation(unit, average[..., 4:])
+    def _rigid_poses(self, coordinates: FloatArray) -> Motor:
+        return Motor(coordinates)
+
+    def _rigid_difference(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
+        return -2.0 * kernels.log(kernels.compose(kernels.inverse(base), coordinates))
+
+    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
+        return kernels.compose(base, kernels.exp(-0.5 * difference))
 
 
-class _EulerAngles:
+class SimilarityTwists(Representation):
+    """Similarities, averaged as twists with the logarithm of the scale; rigid paths keep scale 1."""
+
+    name = "similarity"
+    rotation = slice(0, 3)
+    _rigid_size = 12
+
+    def coordinates(self, poses: Poses) -> FloatArray:
+        """Coefficients ``(N, 12)``."""
+        if isinstance(poses, Motor):
+            poses = Similarity.from_motor_scale(poses.astype(np.float64))
+        return poses.coefficients.astype(np.float64, copy=False)
+
+    def poses(self, coordinates: FloatArray) -> Similarity:
+        """Similarities, of rigid paths too: see `restored`."""
+        return Similarity(coordinates)
+
+    def _rigid_coordinates(self, poses: Motor) -> FloatArray:
+        return self.coordinates(poses)
+
+    def _rigid_poses(self, coordinates: FloatArray) -> Motor:
+        return self.poses(coordinates).as_motor_scale()[0]
+
+    def _rigid_difference(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
+        return (Similarity(base).inverse() @ Similarity(coordinates)).as_twist()
+
+    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
+        return (Similarity(base) @ Similarity.from_twist(difference)).coefficients
+
+
+class Rotors(Representation):
+    """Rotors beside translations: the body turns about its own origin, which goes straight."""
+
+    name = "rotor"
+    rotation = slice(0, 3)
+    _rigid_size = 7
+
+    def _rigid_coordinates(self, poses: Motor) -> FloatArray:
+        double = poses.astype(np.float64)
+        return np.concatenate([double.rotor.coefficients, double.translation_m], axis=-1)
+
+    def _rigid_poses(self, coordinates: FloatArray) -> Motor:
+        signed = coordinates[..., :4] * _REVERSED[:4]
+        return Motor.from_quaternion_translation(signed, coordinates[..., 4:])
+
+    def _rigid_difference(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
+        back = kernels.rotor_inverse(base[..., :4])
+        turn = -2.0 * kernels.rotor_log(kernels.rotor_compose(back, coordinates[..., :4]))
+        return np.concatenate([turn, coordinates[..., 4:] - base[..., 4:]], axis=-1)
+
+    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
+        turn = kernels.rotor_exp(-0.5 * difference[..., :3])
+        turned = kernels.rotor_compose(base[..., :4], turn)
+        return np.concatenate([turned, base[..., 4:] + difference[..., 3:]], axis=-1)
+
+
+class _SignedComponents(Representation):
+    """Components of which the first four are a quaternion whose sign follows its predecessor."""
+
+    rotation = slice(0, 4)
+
+    def following(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
+        """The sign nearest to the quaternion before."""
+        if np.sum(coordinates[:4] * previous[:4]) >= 0.0:
+            return coordinates
+        return np.where(np.arange(len(coordinates)) < self._signed, -coordinates, coordinates)
+
+    _signed: ClassVar[int]
+
+    def _with_signs(self, components: FloatArray) -> FloatArray:
+        flips = np.sum(components[1:, :4] * components[:-1, :4], axis=-1) < 0.0
+        signs = np.where(np.concatenate([[False], np.cumsum(flips) % 2 == 1]), -1.0, 1.0)
+        made = components.copy()
+        made[:, : self._signed] *= signs[:, None]
+        return made
+
+
+class Quaternions(_SignedComponents):
+    """Quaternion components, renormalised, beside translations."""
+
+    name = "quaternion"
+    _rigid_size = 7
+    _signed = 4
+
+    def _rigid_coordinates(self, poses: Motor) -> FloatArray:
+        wxyz, translation = poses.astype(np.float64).as_quaternion_translation()
+        return self._with_signs(np.concatenate([wxyz, translation], axis=-1))
+
+    def _rigid_poses(self, coordinates: FloatArray) -> Motor:
+        unit = self._unit(coordinates)
+        return Motor.from_quaternion_translation(unit[..., :4], unit[..., 4:])
+
+    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
+        return self._unit(base + difference)
+
+    def _unit(self, coordinates: FloatArray) -> FloatArray:
+        norm = np.linalg.norm(coordinates[..., :4], axis=-1, keepdims=True)
+        if not np.all(norm > 0.0):
+            raise ValueError("quaternion: expected averages of non-zero length, got 0")
+        return np.concatenate([coordinates[..., :4] / norm, coordinates[..., 4:]], axis=-1)
+
+
+class DualQuaternions(_SignedComponents):
+    """The eight components of dual quaternions, projected onto unit ones."""
+
+    name = "dual_quaternion"
+    _rigid_size = 8
+    _signed = 8
+
+    def _rigid_coordinates(self, poses: Motor) -> FloatArray:
+        return self._with_signs(poses.astype(np.float64).as_dual_quaternion())
+
+    def _rigid_poses(self, coordinates: FloatArray) -> Motor:
+        return Motor.normalize(coordinates[..., _TO_MOTOR] * _REVERSED)
+
+    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
+        return self._rigid_poses(base + difference).as_dual_quaternion()
+
+
+class EulerAngles(Representation):
     """Intrinsic x-y′-z″ angles as they come, each averaged for itself: at ±π they leap."""
 
-    def chart(self, poses: Motor) -> FloatArray:
-        angles, translation = poses.as_euler_translation("xyz")
+    name = "euler"
+    rotation = slice(0, 3)
+    _rigid_size = 6
+
+    def _rigid_coordinates(self, poses: Motor) -> FloatArray:
+        angles, translation = poses.astype(np.float64).as_euler_translation("xyz")
         return np.concatenate([angles, translation], axis=-1)
 
-    def around(self, chart: FloatArray, centre: FloatArray) -> FloatArray:
-        return chart
-
-    def back(self, average: FloatArray, centre: FloatArray) -> Motor:
-        return Motor.from_euler_translation(average[..., :3], average[..., 3:], "xyz")
+    def _rigid_poses(self, coordinates: FloatArray) -> Motor:
+        return Motor.from_euler_translation(coordinates[..., :3], coordinates[..., 3:], "xyz")
 
 
-class _UnwrappedEulerAngles(_EulerAngles):
-    """The same angles, each made continuous over time first; the pitch still folds at ±90°."""
+class UnwrappedEulerAngles(EulerAngles):
+    """The same angles, each made continuous over time; the pitch still folds at ±90°."""
 
-    def chart(self, poses: Motor) -> FloatArray:
-        angles, translation = np.split(super().chart(poses), 2, axis=-1)
-        return np.concatenate([np.unwrap(angles, axis=0), translation], axis=-1)
+    name = "euler_unwrapped"
+
+    def following(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
+        """Each angle on the branch nearest to the one before."""
+        made = coordinates.copy()
+        turns = np.round((previous[:3] - coordinates[:3]) / (2.0 * np.pi))
+        made[:3] = coordinates[:3] + 2.0 * np.pi * turns
+        return made
+
+    def _rigid_coordinates(self, poses: Motor) -> FloatArray:
+        made = super()._rigid_coordinates(poses)
+        turns = np.cumsum(np.round(np.diff(made[:, :3], axis=0) / (2.0 * np.pi)), axis=0)
+        made[1:, :3] = made[1:, :3] - 2.0 * np.pi * turns
+        return made
 
 
 REPRESENTATIONS: dict[str, Representation] = {
-    "motor": _Motors(),
-    "quaternion": _Quaternions(),
-    "euler_unwrapped": _UnwrappedEulerAngles(),
-    "euler": _EulerAngles(),
-}
-"""Every representation that `smooth` runs on, by name."""
+    one.name: one
+    for one in (
+        MotorTwists(), SimilarityTwists(), Rotors(), DualQuaternions(), Quaternions(),
+        UnwrappedEulerAngles(), EulerAngles(),
+    )
+}  # fmt: skip
+"""Every representation that smoothers run on, by name."""
+
+
+def representation_named(name: str) -> Representation:
+    """The representation of that name.
+
+    Raises:
+        ValueError: a name that is not in `REPRESENTATIONS`; the message lists those that are.
+    """
+    if name not in REPRESENTATIONS:
+        known = ", ".join(REPRESENTATIONS)
+        raise ValueError(f"representation: expected one of {known}, got {name!r}")
+    return REPRESENTATIONS[name]
+
+
+def restored(
+    representation: Representation, coordinates: FloatArray, like: Trajectory
+) -> Trajectory:
+    """A trajectory of coordinates ``(N, D)`` with the stamps and frames of another.
+
+    Where that one is rigid so is the result, whatever it was averaged as.
+    """
+    poses = representation.poses(coordinates)
+    if isinstance(like.poses, Motor) and isinstance(poses, Similarity):
+        poses = poses.as_motor_scale()[0]
+    return Trajectory(like.time_ns, poses, like.parent, like.child)  # type: ignore[arg-type]
