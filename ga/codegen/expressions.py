@@ -8,7 +8,9 @@ but for products that a compiler fuses with sums.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import count
 
 from motorcade.ga.codegen.tape import BOOLEANS, Node, Tape
 
@@ -53,9 +55,13 @@ def component_name(operand: str, component: int, width: int) -> str:
     return operand if width == 1 else f"{operand}{component}"
 
 
-def statements(tape: Tape, dialect: Dialect) -> Statements:
-    """Write a tape's operations in a language."""
+def statements(tape: Tape, dialect: Dialect, reserved: frozenset[str] = frozenset()) -> Statements:
+    """Write a tape's operations in a language.
+
+    Intermediate values are named t0, t1, …, but for names of operands and for those `reserved`.
+    """
     widths = {operand.name: operand.width for operand in tape.inputs}
+    names = _free_names(tape, reserved)
     uses = tape.uses()
     written: list[tuple[str, int]] = []
     body: list[Statement] = []
@@ -63,12 +69,19 @@ def statements(tape: Tape, dialect: Dialect) -> Statements:
         text, level = _expression(node, written, widths, dialect)
         inlined = uses[index] <= 1 and len(text) <= _LONGEST_EXPRESSION
         if node.op not in ("input", "const") and not inlined:
-            body.append(Statement(f"t{len(body)}", text, node.op in BOOLEANS))
+            body.append(Statement(next(names), text, node.op in BOOLEANS))
             text, level = body[-1].name, _ATOM
         written.append((text, level))
     return Statements(
         tuple(body), tuple(tuple(written[index][0] for index in row) for row in tape.results)
     )
+
+
+def _free_names(tape: Tape, reserved: frozenset[str]) -> Iterator[str]:
+    taken = reserved | {operand.name for operand in (*tape.inputs, *tape.outputs)}
+    for operand in tape.inputs:
+        taken |= {component_name(operand.name, i, operand.width) for i in range(operand.width)}
+    return (name for k in count() if (name := f"t{k}") not in taken)
 
 
 def _expression(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 from motorcade.ga.codegen.powers_of_two import power_of_two_node
 from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
 
-__all__ = ["casadi_function", "trace"]
+__all__ = ["casadi_function", "tape_of", "trace"]
 
 Definition = Callable[..., Sequence[Sequence[Any]]]
 
@@ -18,8 +19,11 @@ _SAME = {
     "OP_ADD": "add", "OP_SUB": "sub", "OP_MUL": "mul", "OP_DIV": "div", "OP_NEG": "neg",
     "OP_SQRT": "sqrt", "OP_FABS": "abs", "OP_FLOOR": "floor", "OP_FMIN": "min", "OP_FMAX": "max",
     "OP_LT": "lt", "OP_LE": "le", "OP_EQ": "eq", "OP_NE": "ne", "OP_AND": "and", "OP_OR": "or",
-    "OP_NOT": "not", "OP_IF_ELSE_ZERO": "keep", "OP_LOG": "log",
+    "OP_NOT": "not", "OP_IF_ELSE_ZERO": "keep", "OP_EXP": "exp", "OP_LOG": "log", "OP_SIN": "sin",
+    "OP_COS": "cos", "OP_TAN": "tan", "OP_ASIN": "asin", "OP_ACOS": "acos", "OP_ATAN": "atan",
+    "OP_ATAN2": "atan2", "OP_CEIL": "ceil",
 }  # fmt: skip
+_HIGHEST_POWER = 64
 
 
 def casadi_function(
@@ -63,9 +67,42 @@ def trace(
         ValueError: an operation without a counterpart in the emitters, or outputs that do not
             have the declared widths.
     """
+    function = casadi_function(name, inputs, outputs, define)
+    return _read(name, function, inputs, outputs, powers_of_two=powers_of_two)
+
+
+def tape_of(
+    name: str,
+    inputs: Sequence[Operand],
+    outputs: Sequence[Operand],
+    symbols: Sequence[Any],
+    rows: Sequence[Sequence[Any]],
+) -> Tape:
+    """The tape of values that are there already.
+
+    `symbols` are CasADi SX vectors, one of its width for each of `inputs`; `rows` hold SX scalars
+    or numbers, one row for each of `outputs`. `name` is for messages.
+
+    Raises:
+        ValueError: an operation without a counterpart in the emitters.
+    """
     import casadi as ca
 
-    function = casadi_function(name, inputs, outputs, define)
+    columns = [ca.densify(ca.vertcat(ca.SX(0, 1), *map(ca.SX, row))) for row in rows]
+    # CasADi has reserved names, so the function does not get that of the program.
+    return _read(name, ca.Function("traced", list(symbols), columns), inputs, outputs)
+
+
+def _read(
+    name: str,
+    function: Any,
+    inputs: Sequence[Operand],
+    outputs: Sequence[Operand],
+    *,
+    powers_of_two: bool = False,
+) -> Tape:
+    import casadi as ca
+
     builder = TapeBuilder()
     slots: dict[int, int] = {}
     results = [[0] * operand.width for operand in outputs]
@@ -96,9 +133,30 @@ def _operation(builder: TapeBuilder, name: str, code: int, args: list[int]) -> i
         return builder.operation("mul", builder.constant(2.0), args[0])
     if spelled == "OP_INV":
         return builder.operation("div", builder.constant(1.0), args[0])
+    if spelled in ("OP_POW", "OP_CONSTPOW"):
+        return _power(builder, *args)
     if spelled not in _SAME:
         raise ValueError(f"{name}: expected operations that the emitters know, got {spelled}")
     return builder.operation(_SAME[spelled], *args)
+
+
+def _power(builder: TapeBuilder, base: int, exponent: int) -> int:
+    """A power by products and a square root where the exponent allows, otherwise by logarithms.
+
+    The latter is NaN for negative bases, as it must be for exponents that are not whole.
+    """
+    node = builder.nodes[exponent]
+    doubled = 2.0 * node.value if node.op == "const" else math.nan
+    if not (abs(doubled) <= 2 * _HIGHEST_POWER and doubled.is_integer()):
+        logarithm = builder.operation("log", base)
+        return builder.operation("exp", builder.operation("mul", exponent, logarithm))
+    whole, half = divmod(abs(int(doubled)), 2)
+    made = builder.operation("sqrt", base) if half else builder.constant(1.0)
+    while whole:
+        if whole & 1:
+            made = builder.operation("mul", made, base)
+        base, whole = builder.operation("mul", base, base), whole >> 1
+    return made if doubled >= 0 else builder.operation("div", builder.constant(1.0), made)
 
 
 @cache

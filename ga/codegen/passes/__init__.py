@@ -1,0 +1,1 @@
+"""Passes over tapes: fewer operations, the same values."""
