@@ -1,0 +1,42 @@
+"""Motions: analytic trajectories with exact derivatives, and what measuring does to them."""
+
+from __future__ import annotations
+
+from motorcade.fusion.motions.motion import Factor, Motion, even_stamps
+from motorcade.fusion.motions.signals import Polynomial, Signal, Sines, Stops
+from motorcade.fusion.motions.standard import (
+    MOTIONS,
+    antipodal_crossing,
+    distant_circle,
+    fast_spin,
+    gimbal_crossing,
+    gimbal_hover,
+    handheld,
+    screw,
+    stop_and_go,
+    tumble,
+    walk_and_look,
+    zoom,
+)
+
+__all__ = [
+    "MOTIONS",
+    "Factor",
+    "Motion",
+    "Polynomial",
+    "Signal",
+    "Sines",
+    "Stops",
+    "antipodal_crossing",
+    "distant_circle",
+    "even_stamps",
+    "fast_spin",
+    "gimbal_crossing",
+    "gimbal_hover",
+    "handheld",
+    "screw",
+    "stop_and_go",
+    "tumble",
+    "walk_and_look",
+    "zoom",
+]

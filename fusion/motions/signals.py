@@ -1,0 +1,160 @@
+"""Scalar functions of time with exact derivatives: what the factors of a motion run on.
+
+Each gives its value and its first three derivatives, so that the motions made of them have exact
+velocities, accelerations and jerks. Time is in seconds and may be any real number.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.ga import FloatArray, checked_floats
+
+__all__ = ["Polynomial", "Signal", "Sines", "Stops"]
+
+# The step that starts and ends at rest with no acceleration and no jerk: 35u⁴ - 84u⁵ + 70u⁶ - 20u⁷.
+_STEP = np.polynomial.Polynomial((0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0))
+
+
+class Signal(ABC):
+    """A scalar function of time."""
+
+    @abstractmethod
+    def derivatives(self, time_s: FloatArray) -> FloatArray:
+        """Value and first three derivatives ``(4, *)`` at times ``(*)``."""
+
+
+@dataclass(frozen=True)
+class Polynomial(Signal):
+    """``c0 + c1 t + c2 t² + …``, lowest power first; one number is a constant."""
+
+    coefficients: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        _as_tuple(self, "coefficients")
+
+    def derivatives(self, time_s: FloatArray) -> FloatArray:
+        """Value and first three derivatives ``(4, *)``."""
+        whole = np.polynomial.Polynomial(self.coefficients)
+        return np.stack([np.broadcast_to(whole.deriv(k)(time_s), time_s.shape) for k in range(4)])
+
+
+@dataclass(frozen=True)
+class Sines(Signal):
+    """``Σ a sin(2π f t + φ)``: band-limited, of equal power at all times.
+
+    Args:
+        amplitudes: in the unit of the signal.
+        frequencies_hz: above zero.
+        phases_rad: at time zero.
+    """
+
+    amplitudes: tuple[float, ...]
+    frequencies_hz: tuple[float, ...]
+    phases_rad: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("amplitudes", "frequencies_hz", "phases_rad"):
+            _as_tuple(self, name)
+        count = len(self.amplitudes)
+        if not len(self.frequencies_hz) == len(self.phases_rad) == count:
+            raise ValueError(
+                f"Sines: expected one frequency and one phase for each of {count} amplitudes, got "
+                f"{len(self.frequencies_hz)} and {len(self.phases_rad)}"
+            )
+        if not min(self.frequencies_hz) > 0.0:
+            raise ValueError(
+                f"Sines.frequencies_hz: expected above 0, got {min(self.frequencies_hz)}"
+            )
+
+    @classmethod
+    def single(cls, amplitude: float, frequency_hz: float, phase_rad: float = 0.0) -> Sines:
+        """One sine."""
+        return cls((amplitude,), (frequency_hz,), (phase_rad,))
+
+    @classmethod
+    def random(
+        cls, rng: np.random.Generator, rms: float, band_hz: tuple[float, float], count: int = 12
+    ) -> Sines:
+        """Sines spread over a band, amplitudes falling as 1/f, random phases.
+
+        Frequencies divide the band in equal ratios, each moved within its own part, so they have
+        no common period.
+
+        Raises:
+            ValueError: a negative `rms`, a band that is not 0 < low < high, or no sines.
+        """
+        low, high = band_hz
+        if not (0.0 < low < high < np.inf) or count < 1 or not 0.0 <= rms < np.inf:
+            raise ValueError(
+                "Sines.random: expected rms >= 0, 0 < low < high and count >= 1, got "
+                f"rms {rms}, band_hz {band_hz}, count {count}"
+            )
+        places = (np.arange(count) + rng.random(count)) / count
+        frequencies = low * (high / low) ** places
+        shape = 1.0 / frequencies
+        amplitudes = rms * shape * np.sqrt(2.0 / np.sum(shape**2))
+        phases = rng.uniform(-np.pi, np.pi, count)
+        return cls(tuple(amplitudes), tuple(frequencies), tuple(phases))
+
+    def derivatives(self, time_s: FloatArray) -> FloatArray:
+        """Value and first three derivatives ``(4, *)``."""
+        amplitude, phase = np.array(self.amplitudes), np.array(self.phases_rad)
+        rate = 2.0 * np.pi * np.array(self.frequencies_hz)
+        angle = time_s[..., None] * rate + phase
+        wave = np.sin(angle), np.cos(angle), -np.sin(angle), -np.cos(angle)
+        return np.stack([w @ (amplitude * rate**k) for k, w in enumerate(wave)])
+
+
+@dataclass(frozen=True)
+class Stops(Signal):
+    """Move from level to level and rest at each, round and round.
+
+    Each move takes `move_s` and is a polynomial of degree 7 whose velocity, acceleration and jerk
+    vanish at both ends; each rest takes `rest_s`. At time zero the first move starts.
+
+    Args:
+        levels: two or more, in the unit of the signal; after the last comes the first again.
+        move_s, rest_s: durations, above zero.
+    """
+
+    levels: tuple[float, ...]
+    move_s: float
+    rest_s: float
+
+    def __post_init__(self) -> None:
+        _as_tuple(self, "levels")
+        if len(self.levels) < 2:
+            raise ValueError(f"Stops.levels: expected 2 or more, got {len(self.levels)}")
+        for name in ("move_s", "rest_s"):
+            value = getattr(self, name)
+            if not 0.0 < value < np.inf:
+                raise ValueError(f"Stops.{name}: expected above 0, got {value}")
+
+    def derivatives(self, time_s: FloatArray) -> FloatArray:
+        """Value and first three derivatives ``(4, *)``."""
+        stage = self.move_s + self.rest_s
+        index = np.floor(time_s / stage)
+        fraction = np.clip((time_s - index * stage) / self.move_s, 0.0, 1.0)
+        levels = np.array(self.levels)
+        which = index.astype(np.int64) % levels.size
+        change = (np.roll(levels, -1) - levels)[which]
+        made = np.stack([change * _STEP.deriv(k)(fraction) / self.move_s**k for k in range(4)])
+        made[0] += levels[which]
+        return made
+
+
+def _as_tuple(signal: Signal, name: str) -> None:
+    """Keep finite numbers as a tuple of floats, so that signals stay hashable values."""
+    given: ArrayLike = getattr(signal, name)
+    checked = checked_floats(given, f"{type(signal).__name__}.{name}", ())
+    if checked.ndim != 1 or checked.size == 0:
+        raise ValueError(
+            f"{type(signal).__name__}.{name}: expected one or more numbers, got shape "
+            f"{checked.shape}"
+        )
+    object.__setattr__(signal, name, tuple(map(float, checked)))

@@ -1,0 +1,259 @@
+"""The named motions of the comparison: hard for some representation, or plain camera work.
+
+All are ``world_T_camera``, worlds with z up, metres and radians. Gimbal lock is meant for intrinsic
+x-y′-z″ angles: it lies where the camera looks along the world's ±x axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from motorcade.fusion.motions.motion import Factor, Motion
+from motorcade.fusion.motions.signals import Polynomial, Signal, Sines, Stops
+from motorcade.ga import Motor, Rotor, Similarity
+
+__all__ = [
+    "MOTIONS",
+    "antipodal_crossing",
+    "distant_circle",
+    "fast_spin",
+    "gimbal_crossing",
+    "gimbal_hover",
+    "handheld",
+    "screw",
+    "stop_and_go",
+    "tumble",
+    "walk_and_look",
+    "zoom",
+]
+
+_ONCE = Polynomial((1.0,))
+_FORWARD = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+
+
+def _turn(axis: str, signal: Signal) -> Factor:
+    return Factor(np.eye(6)["xyz".index(axis)], signal)
+
+
+def _shift(axis: str, signal: Signal) -> Factor:
+    return Factor(np.eye(6)[3 + "xyz".index(axis)], signal)
+
+
+def _drift(size_m: float = 0.3) -> tuple[Factor, ...]:
+    """Slow wandering in a ball of about `size_m`, for motions that are about rotation."""
+    return (
+        _shift("x", Sines.single(size_m, 0.21)),
+        _shift("y", Sines.single(0.8 * size_m, 0.17, 0.9)),
+        _shift("z", Sines.single(0.5 * size_m, 0.29, 2.1)),
+    )
+
+
+def _mounted() -> Factor:
+    """Camera axes (x right, y down, z ahead) on a body that looks along x with z up."""
+    level = Motor.from_rotor_translation(Rotor.from_matrix(_FORWARD), np.zeros(3))
+    return Factor(level.as_twist(), _ONCE)
+
+
+def gimbal_crossing(
+    peak_rate_rad_s: float = 2.0,
+    miss_rad: float = np.deg2rad(1.0),
+    reach_rad: float = np.deg2rad(80.0),
+) -> Motion[Motor]:
+    """Swing through gimbal lock and back, passing it at `miss_rad`, fastest there.
+
+    The pitch swings by `reach_rad` to either side of 90°; Euler angles turn about
+    ``peak_rate / miss`` fast in the passage.
+    """
+    frequency_hz = peak_rate_rad_s / (2.0 * np.pi * reach_rad)
+    return Motion(
+        (
+            *_drift(),
+            _turn("z", Polynomial((miss_rad,))),
+            _turn("y", Polynomial((0.5 * np.pi,))),
+            _turn("y", Sines.single(reach_rad, frequency_hz, -0.5 * np.pi)),
+            _turn("z", Sines.single(0.3, 0.13)),
+        ),
+        Motor,
+    )
+
+
+def gimbal_hover(radius_rad: float = np.deg2rad(5.0)) -> Motion[Motor]:
+    """Look about within some `radius_rad` of gimbal lock, and turn about the line of sight."""
+    return Motion(
+        (
+            *_drift(),
+            _turn("y", Polynomial((0.5 * np.pi,))),
+            _turn("x", Sines((0.7 * radius_rad, 0.3 * radius_rad), (0.31, 0.83), (0.0, 1.1))),
+            _turn("y", Sines((0.7 * radius_rad, 0.3 * radius_rad), (0.37, 0.71), (0.8, 2.3))),
+            _turn("z", Sines.single(0.4, 0.23)),
+        ),
+        Motor,
+    )
+
+
+def tumble(
+    precession_rad_s: float = 1.3, nutation_rad: float = 1.1, spin_rad_s: float = 2.1
+) -> Motion[Motor]:
+    """A free symmetric top: precession about a fixed axis, spin about its own, at one angle."""
+    return Motion(
+        (
+            *_drift(),
+            _turn("x", Polynomial((0.0, precession_rad_s))),
+            _turn("y", Polynomial((nutation_rad,))),
+            _turn("x", Polynomial((0.0, spin_rad_s))),
+        ),
+        Motor,
+    )
+
+
+def screw(rate_rad_s: float = 1.0, pitch_m: float = 0.5, radius_m: float = 0.7) -> Motion[Motor]:
+    """Turn about the vertical and rise by `pitch_m` a turn, `radius_m` away, looking ahead.
+
+    The twist is constant, so motors follow it without error at any spacing.
+    """
+    along = np.array([0.0, 0.0, 1.0, 0.0, 0.0, pitch_m / (2.0 * np.pi)])
+    return Motion(
+        (
+            Factor(along, Polynomial((0.0, rate_rad_s))),
+            _shift("y", Polynomial((-radius_m,))),
+            _mounted(),
+        ),
+        Motor,
+    )
+
+
+def distant_circle(
+    radius_m: float = 20.0, rate_rad_s: float = 0.15, sway_rad: float = 0.1
+) -> Motion[Motor]:
+    """Swing about a vertical axis `radius_m` away: small turns belong to large shifts."""
+    return Motion(
+        (
+            _turn("z", Polynomial((0.0, rate_rad_s))),
+            _turn("z", Sines.single(sway_rad, 0.11)),
+            _shift("x", Polynomial((radius_m,))),
+            _turn("y", Sines.single(0.5 * sway_rad, 0.27)),
+            _mounted(),
+        ),
+        Motor,
+    )
+
+
+def handheld(
+    rng: np.random.Generator,
+    rms_m: float = 0.15,
+    rms_rad: float = 0.2,
+    band_hz: tuple[float, float] = (0.1, 2.0),
+) -> Motion[Motor]:
+    """A camera in the hand: every axis random in a band, amplitudes falling as 1/f.
+
+    `rms_m` and `rms_rad` hold for each axis.
+    """
+    axes = "xyz"
+    shifts = [_shift(axis, Sines.random(rng, rms_m, band_hz)) for axis in axes]
+    turns = [_turn(axis, Sines.random(rng, rms_rad, band_hz)) for axis in axes]
+    return Motion((*shifts, *turns, _mounted()), Motor)
+
+
+def walk_and_look(
+    speed_m_s: float = 1.3, step_hz: float = 1.8, look_rad: float = 0.8
+) -> Motion[Motor]:
+    """Walk ahead, bob at every step and sway at every second, look left, ahead, right and down."""
+    return Motion(
+        (
+            _shift("x", Polynomial((0.0, speed_m_s))),
+            _shift("x", Sines.single(0.015, step_hz, 0.6)),
+            _shift("y", Sines.single(0.025, 0.5 * step_hz)),
+            _shift("z", Sines.single(0.02, step_hz, 1.0)),
+            _turn("z", Stops((0.0, look_rad, 0.1, -look_rad, 0.0, 0.3), 1.0, 0.7)),
+            _turn("y", Stops((0.0, 0.3, -0.1, 0.2), 1.1, 1.3)),
+            _turn("x", Sines.single(0.02, 0.5 * step_hz, 0.4)),
+            _turn("y", Sines.single(0.012, step_hz, 2.0)),
+            _mounted(),
+        ),
+        Motor,
+    )
+
+
+def stop_and_go(move_s: float = 1.2, rest_s: float = 0.8) -> Motion[Motor]:
+    """Go from place to place and stand still at each; turns start and end with the shifts."""
+    return Motion(
+        (
+            _shift("x", Stops((0.0, 0.6, 1.2, 0.5, -0.3), move_s, rest_s)),
+            _shift("y", Stops((0.0, 0.5, -0.4), move_s, rest_s)),
+            _shift("z", Stops((0.0, 0.2, 0.1, -0.1), move_s, rest_s)),
+            _turn("z", Stops((0.0, 0.7, -0.2, 0.4, 1.2, 0.3), move_s, rest_s)),
+            _turn("y", Stops((0.0, 0.3, -0.2), move_s, rest_s)),
+            _mounted(),
+        ),
+        Motor,
+    )
+
+
+def fast_spin(rate_rad_s: float = 20.0, swing_rad: float = 0.8) -> Motion[Motor]:
+    """Spin about a tilted axis, so fast that a stream at 5 Hz sees more than half a turn a step.
+
+    At 30 Hz a step is 0.61 to 0.73 rad; at 5 Hz it is 3.6 to 4.4 rad, and the short way is wrong.
+    """
+    swing_hz = 0.35
+    return Motion(
+        (
+            *_drift(),
+            _turn("x", Polynomial((0.5,))),
+            _turn("z", Polynomial((0.0, rate_rad_s))),
+            _turn("z", Sines.single(swing_rad, swing_hz)),
+            _mounted(),
+        ),
+        Motor,
+    )
+
+
+def antipodal_crossing(period_s: float = 8.0) -> Motion[Motor]:
+    """Turn from the start to 270° from it and back, through half a turn each time.
+
+    There quaternions of positive real part change sign, and rotation vectors fold.
+    """
+    axis = np.array([0.36, 0.48, 0.8, 0.0, 0.0, 0.0])
+    half = 0.75 * np.pi
+    return Motion(
+        (
+            *_drift(),
+            Factor(axis, Polynomial((half,))),
+            Factor(axis, Sines.single(half, 1.0 / period_s, -0.5 * np.pi)),
+        ),
+        Motor,
+    )
+
+
+def zoom(log_scale: float = 0.7, period_s: float = 5.0) -> Motion[Similarity]:
+    """Grow and shrink by ``exp(±log_scale)`` while turning and wandering: a similarity."""
+    grow = np.eye(7)[6]
+    widened = tuple(
+        Factor(np.append(factor.twist, 0.0), factor.signal)
+        for factor in (
+            *_drift(),
+            _turn("z", Sines.single(0.6, 0.19)),
+            _turn("x", Sines.single(0.4, 0.26, 1.0)),
+        )
+    )
+    return Motion((*widened, Factor(grow, Sines.single(log_scale, 1.0 / period_s))), Similarity)
+
+
+MOTIONS: Mapping[str, Motion[Motor] | Motion[Similarity]] = MappingProxyType({
+    "gimbal_crossing_slow": gimbal_crossing(0.5),
+    "gimbal_crossing": gimbal_crossing(2.0),
+    "gimbal_crossing_fast": gimbal_crossing(4.0),
+    "gimbal_hover": gimbal_hover(),
+    "tumble": tumble(),
+    "screw": screw(),
+    "distant_circle": distant_circle(),
+    "handheld": handheld(np.random.default_rng(20240229)),
+    "walk_and_look": walk_and_look(),
+    "stop_and_go": stop_and_go(),
+    "fast_spin": fast_spin(),
+    "antipodal_crossing": antipodal_crossing(),
+    "zoom": zoom(),
+})  # fmt: skip
+"""The standard motions with their default parameters; rigid but for "zoom"."""
