@@ -125,7 +125,7 @@ FUNCTIONS: dict[str, Function] = {
     "exp": _elementary("exp"),
     "fact": Function(1, _factorial),
     "floor": _elementary("floor"),
-    "invert": Function(1, Multivector.inverse),
+    "invert": Function(1, lambda x: x.inverse()),
     "log": _elementary("log"),
     "max": _elementary("fmax", 2),
     "min": _elementary("fmin", 2),

@@ -86,7 +86,7 @@ def algebra_of(script: Script, given: Algebra | None = None) -> Algebra:
                 raise script.source.error(
                     pragma.place, f"expected one algebra, got {chosen} and {named}"
                 )
-            chosen = named
+            chosen = chosen or named
     return CGA3 if chosen is None else chosen
 
 
