@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from motorcade.ga.algebra import Multivector
 from motorcade.ga.codegen.kernel import Kernel, Precision
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.conversions import matrix_rows
 from motorcade.ga.kernels.definitions.functions import angle_over_sine, select, sinc_of_square
-from motorcade.ga.multivector import Multivector
 
 __all__ = ["KERNELS", "linear", "screw"]
 

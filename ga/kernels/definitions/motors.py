@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from motorcade.ga.algebra import Multivector
 from motorcade.ga.codegen.kernel import Kernel, Precision
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.functions import (
@@ -12,7 +13,6 @@ from motorcade.ga.kernels.definitions.functions import (
     cosine_sinc,
     select,
 )
-from motorcade.ga.multivector import Multivector
 
 __all__ = ["KERNELS", "exponential", "flipped", "logarithm"]
 
