@@ -33,10 +33,27 @@ from motorcade.ga.kernels.batches import (
     screw_blend,
     screw_blend_matrix,
 )
+from motorcade.ga.kernels.similarity_batches import (
+    rotor_translation_scale,
+    similarity_apply,
+    similarity_blend,
+    similarity_compose,
+    similarity_exp,
+    similarity_interpolate,
+    similarity_inverse,
+    similarity_log,
+    similarity_matrix34,
+    similarity_matrix44,
+    similarity_normalize,
+    similarity_of_motor,
+)
 
 __all__ = [
     "Block", "apply", "backend", "blend", "blend_many", "blend_many_matrix", "blend_matrix",
     "compose", "dual_quaternion", "exp", "function", "interpolate", "inverse", "log", "matrix34",
     "matrix44", "normalize", "rotor_compose", "rotor_exp", "rotor_interpolate", "rotor_inverse",
-    "rotor_log", "screw_blend", "screw_blend_matrix", "set_threads", "threads",
+    "rotor_log", "rotor_translation_scale", "screw_blend", "screw_blend_matrix", "set_threads",
+    "similarity_apply", "similarity_blend", "similarity_compose", "similarity_exp",
+    "similarity_interpolate", "similarity_inverse", "similarity_log", "similarity_matrix34",
+    "similarity_matrix44", "similarity_normalize", "similarity_of_motor", "threads",
 ]  # fmt: skip

@@ -71,7 +71,7 @@ def _rows(array: Array, shape: tuple[int, ...], rest: tuple[int, ...]) -> Array:
     return array.reshape(prod(shape), *rest)
 
 
-def _one(kernel: Callable[..., None], given: Array, width: int) -> Array:
+def of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
     """Apply a kernel of one input ``(*, n)``."""
     shape = given.shape[:-1]
     made = empty(shape, width, given.dtype)
@@ -79,7 +79,7 @@ def _one(kernel: Callable[..., None], given: Array, width: int) -> Array:
     return made
 
 
-def _two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
+def of_two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
     """Apply a kernel of two inputs ``(*, n)`` whose batches broadcast."""
     shape = a.shape[:-1]
     if b.shape[:-1] != shape:
@@ -89,7 +89,7 @@ def _two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
     return made
 
 
-def _part(
+def of_fraction(
     kernel: Callable[..., None], a: Array, b: Array, fraction: Array | float, width: int
 ) -> Array:
     """Apply a kernel of two inputs ``(*, n)`` and a fraction ``(*)``."""
@@ -109,17 +109,17 @@ def _part(
 
 def compose(a: Array, b: Array) -> Array:
     """Geometric product ``a b`` of motors, ``(*, 8)``."""
-    return _two(_compose, a, b, 8)
+    return of_two(_compose, a, b, 8)
 
 
 def inverse(m: Array) -> Array:
     """Reverse of motors, ``(*, 8)``: the inverse where they are unit."""
-    return _one(_inverse, m, 8)
+    return of_one(_inverse, m, 8)
 
 
 def apply(m: Array, points: Array) -> Array:
     """Points ``(*, 3)`` moved by motors ``(*, 8)``."""
-    return _two(_apply, m, points, 3)
+    return of_two(_apply, m, points, 3)
 
 
 def exp(log: Array) -> Array:
@@ -127,7 +127,7 @@ def exp(log: Array) -> Array:
 
     Of half angles up to 2e8 (float64) or 6e3 (float32) nothing is lost beyond their own rounding.
     """
-    return _one(_exp, log, 8)
+    return of_one(_exp, log, 8)
 
 
 def log(m: Array, short_way: bool = True) -> Array:
@@ -136,32 +136,32 @@ def log(m: Array, short_way: bool = True) -> Array:
     With ``short_way`` the sign is flipped first where ``m0 < 0``, so half the rotation angle is at
     most π/2; without, it runs up to π, where the axis is lost.
     """
-    return _one(_log if short_way else _log_long, m, 6)
+    return of_one(_log if short_way else _log_long, m, 6)
 
 
 def interpolate(a: Array, b: Array, fraction: Array | float, short_way: bool = True) -> Array:
     """Screw interpolation ``a exp(fraction log(~a b))``; ``fraction`` is any number."""
-    return _part(_interpolate if short_way else _interpolate_long, a, b, fraction, 8)
+    return of_fraction(_interpolate if short_way else _interpolate_long, a, b, fraction, 8)
 
 
 def blend(a: Array, b: Array, fraction: Array | float) -> Array:
     """Linear blend of motors the short way round, projected to motors ``(*, 8)``."""
-    return _part(_blend, a, b, fraction, 8)
+    return of_fraction(_blend, a, b, fraction, 8)
 
 
 def blend_matrix(a: Array, b: Array, fraction: Array | float) -> Array:
     """`blend` as matrices ``(*, 3, 4)``."""
-    return _matrices(_part(_blend_matrix, a, b, fraction, 12), 3)
+    return matrices(of_fraction(_blend_matrix, a, b, fraction, 12), 3)
 
 
 def screw_blend(a: Array, b: Array, fraction: Array | float) -> Array:
     """`interpolate` for fractions in [0, 1], faster; outside it loses accuracy."""
-    return _part(_screw_blend, a, b, fraction, 8)
+    return of_fraction(_screw_blend, a, b, fraction, 8)
 
 
 def screw_blend_matrix(a: Array, b: Array, fraction: Array | float) -> Array:
     """`screw_blend` as matrices ``(*, 3, 4)``."""
-    return _matrices(_part(_screw_blend_matrix, a, b, fraction, 12), 3)
+    return matrices(of_fraction(_screw_blend_matrix, a, b, fraction, 12), 3)
 
 
 def blend_many(motors: Array, weights: Array) -> Array:
@@ -170,12 +170,12 @@ def blend_many(motors: Array, weights: Array) -> Array:
     Signs follow the first motor, the pivot. Weights need not add up to 1; where everything
     cancels there is no blend and the result is not finite.
     """
-    return _one(_normalize, _accumulated(motors, weights), 8)
+    return of_one(_normalize, _accumulated(motors, weights), 8)
 
 
 def blend_many_matrix(motors: Array, weights: Array) -> Array:
     """`blend_many` as matrices ``(*, 3, 4)``."""
-    return _matrices(_one(_normalize_matrix, _accumulated(motors, weights), 12), 3)
+    return matrices(of_one(_normalize_matrix, _accumulated(motors, weights), 12), 3)
 
 
 def _accumulated(motors: Array, weights: Array) -> Array:
@@ -193,48 +193,50 @@ def _accumulated(motors: Array, weights: Array) -> Array:
 
 def normalize(m: Array) -> Array:
     """The motors nearest to even elements ``(*, 8)``, which must not have a zero rotor part."""
-    return _one(_normalize, m, 8)
+    return of_one(_normalize, m, 8)
 
 
 def matrix34(m: Array) -> Array:
     """Matrices ``(*, 3, 4)`` of motors."""
-    return _matrices(_one(_matrix34, m, 12), 3)
+    return matrices(of_one(_matrix34, m, 12), 3)
 
 
 def matrix44(m: Array) -> Array:
     """Homogeneous matrices ``(*, 4, 4)`` of motors."""
-    return _matrices(_one(_matrix44, m, 16), 4)
+    return matrices(of_one(_matrix44, m, 16), 4)
 
 
-def _matrices(rows: Array, height: int) -> Array:
+def matrices(rows: Array, height: int) -> Array:
     return rows.reshape(*rows.shape[:-1], height, 4)
 
 
 def dual_quaternion(m: Array) -> Array:
     """Hamilton dual quaternions ``(*, 8)``, real wxyz then dual wxyz."""
-    return _one(_dual_quaternion, m, 8)
+    return of_one(_dual_quaternion, m, 8)
 
 
 def rotor_compose(a: Array, b: Array) -> Array:
     """Geometric product ``a b`` of rotors, ``(*, 4)``."""
-    return _two(_rotor_compose, a, b, 4)
+    return of_two(_rotor_compose, a, b, 4)
 
 
 def rotor_inverse(r: Array) -> Array:
     """Reverse of rotors, ``(*, 4)``: the inverse where they are unit."""
-    return _one(_rotor_inverse, r, 4)
+    return of_one(_rotor_inverse, r, 4)
 
 
 def rotor_exp(log: Array) -> Array:
     """Rotors ``(*, 4)`` from bivectors ``(*, 3)`` on ``e23, e31, e12``."""
-    return _one(_rotor_exp, log, 4)
+    return of_one(_rotor_exp, log, 4)
 
 
 def rotor_log(r: Array, short_way: bool = True) -> Array:
     """Bivectors ``(*, 3)`` of unit rotors ``(*, 4)``; the sign rule of `log`."""
-    return _one(_rotor_log if short_way else _rotor_log_long, r, 3)
+    return of_one(_rotor_log if short_way else _rotor_log_long, r, 3)
 
 
 def rotor_interpolate(a: Array, b: Array, fraction: Array | float, short_way: bool = True) -> Array:
     """Great-circle interpolation ``a exp(fraction log(~a b))``."""
-    return _part(_rotor_interpolate if short_way else _rotor_interpolate_long, a, b, fraction, 4)
+    return of_fraction(
+        _rotor_interpolate if short_way else _rotor_interpolate_long, a, b, fraction, 4
+    )

@@ -6,8 +6,18 @@ CasADi and mpmath; using the kernels does not.
 
 from __future__ import annotations
 
-from motorcade.ga.kernels.definitions import blends, conversions, motors, rotors
+from motorcade.ga.kernels.definitions import (
+    blends,
+    conversions,
+    motors,
+    rotors,
+    similarities,
+    similarity_conversions,
+)
 
 __all__ = ["KERNELS"]
 
-KERNELS = (*motors.KERNELS, *conversions.KERNELS, *blends.KERNELS, *rotors.KERNELS)
+KERNELS = (
+    *motors.KERNELS, *conversions.KERNELS, *blends.KERNELS, *rotors.KERNELS,
+    *similarities.KERNELS, *similarity_conversions.KERNELS,
+)  # fmt: skip

@@ -1,13 +1,12 @@
-"""Rotors, motors, bivectors and points of CGA from scalars and back, in the library's order."""
+"""Versors, bivectors and points of CGA from scalars and back, in the library's order."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from motorcade.ga.algebra import CGA3
+from motorcade.ga.algebra import CGA3, Multivector
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.kernels.definitions.functions import Dual
-from motorcade.ga.multivector import Multivector
 
 # Basis blades in the order of the stored coefficients; e31 is stored, e1^e3 is the basis blade.
 _MOTOR = (
@@ -19,7 +18,9 @@ _BIVECTOR = _MOTOR[1:7]
 _ANGLES = _MOTOR[1:4]
 _VECTOR = (("e1", 1), ("e2", 1), ("e3", 1))
 _DUAL = (("1", 1), ("e1^e2^e3^einf", 1))
+_MOVED = _MOTOR[4:]
 _NAMES = ("1", "e23", "e31", "e12", "e1∞", "e2∞", "e3∞", "e123∞")
+_GROWN = ("E", "e23E", "e31E", "e12E")
 
 
 def _element(signed: tuple[tuple[str, int], ...], given: Any) -> Multivector:
@@ -44,6 +45,26 @@ def motor(name: str) -> Operand:
 def rotor(name: str) -> Operand:
     """An operand of four coefficients."""
     return Operand(name, _NAMES[:4])
+
+
+def similarity(name: str) -> Operand:
+    """An operand of twelve coefficients."""
+    return Operand(name, (*_NAMES[:4], *_GROWN, *_NAMES[4:]))
+
+
+def defined_similarity(name: str) -> Operand:
+    """An operand of twelve coefficients, and from 0 to 1 how well they are defined."""
+    return Operand(name, (*similarity(name).components, "defined"))
+
+
+def rotor_translation_scale(name: str) -> Operand:
+    """An operand of a rotor, a translation and a scale."""
+    return Operand(name, (*_NAMES[:4], "x", "y", "z", "scale"))
+
+
+def growing_bivector(name: str) -> Operand:
+    """An operand of seven coefficients, a similarity's logarithm."""
+    return Operand(name, (*_NAMES[1:4], "E", *_NAMES[4:7]))
 
 
 def bivector(name: str) -> Operand:
@@ -96,6 +117,11 @@ def angles_of(given: Any) -> Multivector:
     return _element(_ANGLES, given)
 
 
+def moved_of(given: Any) -> Multivector:
+    """The multivector of coefficients on e1∞, e2∞, e3∞ and, where there are four, e123∞."""
+    return _element(_MOVED[: len(given)], given)
+
+
 def dual_of(number: Dual) -> Multivector:
     """``c + d e123∞``, which commutes with motors."""
     return _element(_DUAL, number)
@@ -124,6 +150,11 @@ def bivector_numbers(element: Multivector) -> list[Any]:
 def angle_numbers(element: Multivector) -> list[Any]:
     """The three coefficients on e23, e31, e12."""
     return _read(_ANGLES, element)
+
+
+def moved_numbers(element: Multivector) -> list[Any]:
+    """The four coefficients on e1∞, e2∞, e3∞, e123∞."""
+    return _read(_MOVED, element)
 
 
 def dual_numbers(element: Multivector) -> Dual:

@@ -52,6 +52,34 @@ void motorcade_rotor_interpolate_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_interpolate_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_rotor_interpolate_long_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_interpolate_long_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_compose_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_compose_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_inverse_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_inverse_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_exp_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_exp_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_log_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_log_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_log_long_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_log_long_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_interpolate_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_interpolate_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_interpolate_long_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_interpolate_long_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_normalize_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_normalize_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_blend_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_blend_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_apply_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_apply_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_matrix34_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_matrix34_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_matrix44_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_matrix44_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_translation_scale_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_translation_scale_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_of_motor_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_of_motor_f64(MOTORCADE_ARGUMENTS(double));
 
 const struct motorcade_kernel motorcade_kernels[] = {
     {"compose", 2, 1, {8, 8, 8},
@@ -104,6 +132,34 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_rotor_interpolate_f32, motorcade_rotor_interpolate_f64},
     {"rotor_interpolate_long", 3, 1, {4, 4, 1, 4},
      motorcade_rotor_interpolate_long_f32, motorcade_rotor_interpolate_long_f64},
+    {"similarity_compose", 2, 1, {12, 12, 12},
+     motorcade_similarity_compose_f32, motorcade_similarity_compose_f64},
+    {"similarity_inverse", 1, 1, {12, 12},
+     motorcade_similarity_inverse_f32, motorcade_similarity_inverse_f64},
+    {"similarity_exp", 1, 1, {7, 12},
+     motorcade_similarity_exp_f32, motorcade_similarity_exp_f64},
+    {"similarity_log", 1, 1, {12, 7},
+     motorcade_similarity_log_f32, motorcade_similarity_log_f64},
+    {"similarity_log_long", 1, 1, {12, 7},
+     motorcade_similarity_log_long_f32, motorcade_similarity_log_long_f64},
+    {"similarity_interpolate", 3, 1, {12, 12, 1, 12},
+     motorcade_similarity_interpolate_f32, motorcade_similarity_interpolate_f64},
+    {"similarity_interpolate_long", 3, 1, {12, 12, 1, 12},
+     motorcade_similarity_interpolate_long_f32, motorcade_similarity_interpolate_long_f64},
+    {"similarity_normalize", 1, 1, {12, 13},
+     motorcade_similarity_normalize_f32, motorcade_similarity_normalize_f64},
+    {"similarity_blend", 3, 1, {12, 12, 1, 12},
+     motorcade_similarity_blend_f32, motorcade_similarity_blend_f64},
+    {"similarity_apply", 2, 1, {12, 3, 3},
+     motorcade_similarity_apply_f32, motorcade_similarity_apply_f64},
+    {"similarity_matrix34", 1, 1, {12, 12},
+     motorcade_similarity_matrix34_f32, motorcade_similarity_matrix34_f64},
+    {"similarity_matrix44", 1, 1, {12, 16},
+     motorcade_similarity_matrix44_f32, motorcade_similarity_matrix44_f64},
+    {"rotor_translation_scale", 1, 1, {12, 8},
+     motorcade_rotor_translation_scale_f32, motorcade_rotor_translation_scale_f64},
+    {"similarity_of_motor", 2, 1, {8, 1, 12},
+     motorcade_similarity_of_motor_f32, motorcade_similarity_of_motor_f64},
 };
 const size_t motorcade_kernel_count =
     sizeof motorcade_kernels / sizeof motorcade_kernels[0];

@@ -1,0 +1,91 @@
+"""Hyperbolic functions of the logarithm of a scale and back, without a library's functions.
+
+A number ``h`` is ``n ln 2 + r`` with a whole n and ``|r| ≤ ½ ln 2``. Polynomials give functions of
+``r``; what a dilator by ``2^n`` needs besides, ``½ (2^n ± 2^-n)``, is exact. For n = 0 everything
+is as exact relative to ``h`` as ``h`` is, however small.
+"""
+
+from __future__ import annotations
+
+from math import log
+from typing import Any
+
+from motorcade.ga.codegen.fit import fitted, horner
+from motorcade.ga.codegen.kernel import Precision
+from motorcade.ga.codegen.powers_of_two import exponent, power_of_two
+from motorcade.ga.kernels.definitions.functions import select
+
+__all__ = ["hyperbolic", "inverse_hyperbolic"]
+
+_SHARE = 1 / 16
+# Where the polynomials end, with room for rounding: squares of ½ ln 2 and of sinh ½ ln 2 = √⅛.
+_LOG_SQUARED = (0.5 * log(2)) ** 2 + 1e-3
+_SINE_SQUARED = 0.125 + 1e-3
+
+
+def hyperbolic(precision: Precision, h: Any) -> tuple[Any, Any, Any]:
+    """``cosh h``, ``sinh h`` and ``sinh h / h``; infinite or NaN where ``e^|h|`` is too large."""
+    import casadi as ca
+
+    error = precision.epsilon * _SHARE
+    n = ca.floor(h * (1 / log(2)) + 0.5)
+    high, low = _parts_of_log_two(precision)
+    r = h - n * high - n * low
+    square = r * r
+    near = horner(fitted(_sinh_over, 0, _LOG_SQUARED, error), square)
+    cosine, sine = horner(fitted(_cosh, 0, _LOG_SQUARED, error), square), r * near
+    grown, shrunk = power_of_two(n), power_of_two(-n)
+    even, odd = 0.5 * (grown + shrunk), 0.5 * (grown - shrunk)
+    cosh, sinh = even * cosine + odd * sine, odd * cosine + even * sine
+    size = ca.fmax(ca.fabs(h), 0.25)
+    return cosh, sinh, select(ca.eq(n, 0), near, ca.fabs(sinh) / size)
+
+
+def inverse_hyperbolic(precision: Precision, cosh: Any, sinh: Any) -> tuple[Any, Any]:
+    """``h`` and ``h / sinh h`` of ``cosh h`` and ``sinh h``.
+
+    ``e^|h|`` is ``2^n e^r``, and ``r`` has the hyperbolic sine ``½ (e^r - e^-r)``.
+    """
+    import casadi as ca
+
+    size = ca.fabs(sinh)
+    whole = cosh + size
+    n = exponent(2**0.5 * whole)
+    rest = whole * power_of_two(-n)
+    still = ca.eq(n, 0)
+    sine = select(still, size, 0.5 * (rest - 1 / rest))
+    near = horner(fitted(_asinh_over, 0, _SINE_SQUARED, precision.epsilon * _SHARE), sine * sine)
+    high, low = _parts_of_log_two(precision)
+    h = n * high + (n * low + sine * near)
+    quotient = select(still, near, h / ca.fmax(size, 0.25))
+    return quotient * sinh, quotient
+
+
+def _parts_of_log_two(precision: Precision) -> tuple[float, float]:
+    """ln 2 in two parts, the first with so few bits that multiples of it are exact."""
+    import mpmath as mp
+
+    with mp.workdps(60):
+        scale = mp.mpf(2) ** (precision.bits // 2)
+        high = mp.floor(mp.log(2) * scale) / scale
+        return float(high), float(mp.log(2) - high)
+
+
+def _sinh_over(y: Any) -> Any:
+    import mpmath as mp
+
+    root = mp.sqrt(y)
+    return mp.sinh(root) / root
+
+
+def _cosh(y: Any) -> Any:
+    import mpmath as mp
+
+    return mp.cosh(mp.sqrt(y))
+
+
+def _asinh_over(y: Any) -> Any:
+    import mpmath as mp
+
+    root = mp.sqrt(y)
+    return mp.asinh(root) / root

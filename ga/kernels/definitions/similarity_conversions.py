@@ -1,0 +1,99 @@
+"""Similarities applied to points, as matrices, and as rotor, translation and scale."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from motorcade.ga.algebra import Multivector
+from motorcade.ga.codegen.kernel import Kernel, Precision
+from motorcade.ga.kernels.definitions import elements as on
+from motorcade.ga.kernels.definitions.functions import select
+from motorcade.ga.kernels.definitions.similarities import Parts, joined, scalar, split
+
+__all__ = ["KERNELS"]
+
+Numbers = list[Any]
+
+
+def _grown_rotor(s: Parts) -> Multivector:
+    """``√ρ R``: A + B or, where these cancel, the inverse of ``~(A - B)``."""
+    shrunk = s.turned - s.grown
+    small = scalar(s.turned * ~s.grown) < 0
+    inverse = shrunk * (1 / scalar(shrunk * ~shrunk))
+    pairs = zip(on.rotor_numbers(inverse), on.rotor_numbers(s.turned + s.grown), strict=True)
+    return on.rotor_of([select(small, one, other) for one, other in pairs])
+
+
+def _translation(s: Parts, grown_rotor: Multivector) -> Numbers:
+    return on.translation_numbers(s.moved * ~grown_rotor)
+
+
+def _matrix_rows(m: Numbers) -> Numbers:
+    """The 3×4 matrix by rows: images of e1, e2, e3, and the translation."""
+    s = split(m)
+    rotor = _grown_rotor(s)
+    axes = [on.vector([float(i == k) for i in range(3)]) for k in range(3)]
+    columns = [on.vector_numbers(rotor * axis * ~rotor) for axis in axes]
+    columns.append(_translation(s, rotor))
+    return [columns[j][i] for i in range(3) for j in range(4)]
+
+
+def _apply(precision: Precision, m: Numbers, x: Numbers) -> list[Numbers]:
+    s = split(m)
+    rotor = _grown_rotor(s)
+    turned = on.vector_numbers(rotor * on.vector(x) * ~rotor)
+    return [[a + b for a, b in zip(turned, _translation(s, rotor), strict=True)]]
+
+
+def _matrix34(precision: Precision, m: Numbers) -> list[Numbers]:
+    return [_matrix_rows(m)]
+
+
+def _matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
+    return [[*_matrix_rows(m), 0.0, 0.0, 0.0, 1.0]]
+
+
+def _rotor_translation_scale(precision: Precision, m: Numbers) -> list[Numbers]:
+    import casadi as ca
+
+    s = split(m)
+    grown = _grown_rotor(s)
+    rotor = s.turned * (1 / ca.sqrt(scalar(s.turned * ~s.turned)))
+    scale = scalar(grown * ~grown)
+    return [[*on.rotor_numbers(rotor), *_translation(s, grown), scale]]
+
+
+def _of_motor(precision: Precision, m: Numbers, scale: Numbers) -> list[Numbers]:
+    import casadi as ca
+
+    root = 1 / ca.sqrt(scale[0])
+    cosh, sinh = 0.5 * (scale[0] + 1) * root, 0.5 * (scale[0] - 1) * root
+    rotor = on.rotor_of(m[:4])
+    return [joined(Parts(cosh * rotor, sinh * rotor, root * on.moved_of(m[4:])))]
+
+
+_M, _OUT = on.similarity("m"), on.similarity("out")
+_PRODUCTS, _CONVERSIONS = "similarity_products", "similarity_conversions"
+
+KERNELS = (
+    Kernel(
+        "similarity_apply", _PRODUCTS, "Points moved by similarities",
+        (_M, on.points("x")), (on.points("out"),), _apply,
+    ),
+    Kernel(
+        "similarity_matrix34", _CONVERSIONS, "3×4 matrix of a similarity, by rows",
+        (_M,), (on.components("out", 3, 4),), _matrix34,
+    ),
+    Kernel(
+        "similarity_matrix44", _CONVERSIONS, "4×4 matrix of a similarity, by rows",
+        (_M,), (on.components("out", 4, 4),), _matrix44,
+    ),
+    Kernel(
+        "rotor_translation_scale", _CONVERSIONS, "Rotor, translation and scale of a similarity",
+        (_M,), (on.rotor_translation_scale("out"),), _rotor_translation_scale,
+    ),
+    Kernel(
+        "similarity_of_motor", _CONVERSIONS, "Motor after growth about the origin by a scale",
+        (on.motor("m"), on.numbers("scale")), (_OUT,), _of_motor,
+    ),
+)  # fmt: skip
