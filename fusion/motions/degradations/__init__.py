@@ -1,0 +1,26 @@
+"""Degradations: what measuring does to true poses and stamps, in physical units and seeded."""
+
+from __future__ import annotations
+
+from motorcade.fusion.motions.degradations.base import Degradation, InTurn
+from motorcade.fusion.motions.degradations.poses import (
+    Gaussian,
+    Outliers,
+    PlanarFlips,
+    Quantised,
+    wrong_planar_pose,
+)
+from motorcade.fusion.motions.degradations.stamps import DroppedFrames, Latency, StampJitter
+
+__all__ = [
+    "Degradation",
+    "DroppedFrames",
+    "Gaussian",
+    "InTurn",
+    "Latency",
+    "Outliers",
+    "PlanarFlips",
+    "Quantised",
+    "StampJitter",
+    "wrong_planar_pose",
+]

@@ -1,0 +1,239 @@
+"""Errors of the poses: noise, outliers, wrong planar candidates, rounding. Stamps stay.
+
+Rotations are perturbed in the moving frame, positions in the world; scales of similarities stay
+unless a size for them is given.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.fusion.motions.degradations.base import (
+    Degradation,
+    check_number,
+    check_runs,
+    runs,
+)
+from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory, checked_floats
+
+__all__ = ["Gaussian", "Outliers", "PlanarFlips", "Quantised", "wrong_planar_pose"]
+
+
+@dataclass(frozen=True)
+class Gaussian(Degradation):
+    """White Gaussian noise, independent from pose to pose.
+
+    Args:
+        sigma_m: deviation of the position an axis.
+        sigma_rad: deviation of the rotation vector an axis.
+        sigma_log_scale: deviation of the logarithm of the scale; trajectories of similarities only.
+    """
+
+    sigma_m: float
+    sigma_rad: float
+    sigma_log_scale: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("sigma_m", "sigma_rad", "sigma_log_scale"):
+            check_number(self, name)
+
+    def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
+        """Add the noise.
+
+        Raises:
+            ValueError: noise of the scale for rigid poses.
+        """
+        draws = rng.standard_normal((len(trajectory), 7))
+        moved = _perturbed(trajectory, self.sigma_m * draws[:, :3], self.sigma_rad * draws[:, 3:6])
+        if self.sigma_log_scale == 0.0:
+            return moved
+        if not isinstance(moved.poses, Similarity):
+            raise ValueError(
+                "Gaussian.sigma_log_scale: expected 0 for rigid poses, which have no scale, got "
+                f"{self.sigma_log_scale}"
+            )
+        motor, scale = moved.poses.as_motor_scale()
+        grown = scale * np.exp(self.sigma_log_scale * draws[:, 6])
+        return _with_poses(trajectory, Similarity.from_motor_scale(motor, grown))
+
+
+@dataclass(frozen=True)
+class Outliers(Degradation):
+    """A share of the poses, each for itself, is far off by a heavy-tailed error.
+
+    The error is a multivariate Student t in position and another in rotation: normal, divided by
+    ``sqrt(chi² / degrees_of_freedom)``. Few degrees of freedom have heavy tails (1 is Cauchy's, 2
+    and below have no variance); infinity is the normal, and the whole then Tukey's contaminated
+    normal. A `share` of 1 makes all noise Student's.
+
+    Args:
+        share: of the poses, 0 to 1.
+        scale_m: scale of the position's error an axis.
+        scale_rad: scale of the rotation vector's error an axis; turns beyond π come round.
+        degrees_of_freedom: above zero.
+    """
+
+    share: float
+    scale_m: float
+    scale_rad: float
+    degrees_of_freedom: float = 3.0
+
+    def __post_init__(self) -> None:
+        check_number(self, "share", 0.0, 1.0)
+        check_number(self, "scale_m")
+        check_number(self, "scale_rad")
+        if not self.degrees_of_freedom > 0.0:
+            raise ValueError(
+                f"Outliers.degrees_of_freedom: expected above 0, got {self.degrees_of_freedom}"
+            )
+
+    def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
+        """Throw the share of poses off."""
+        count = len(trajectory)
+        struck = rng.random(count) < self.share
+        draws = rng.standard_normal((count, 2, 3)) * struck[:, None, None]
+        if np.isfinite(self.degrees_of_freedom):
+            freedom = self.degrees_of_freedom
+            draws /= np.sqrt(rng.chisquare(freedom, (count, 2, 1)) / freedom)
+        return _perturbed(trajectory, self.scale_m * draws[:, 0], self.scale_rad * draws[:, 1])
+
+
+@dataclass(frozen=True)
+class PlanarFlips(Degradation):
+    """A share of the poses is the wrong one of the two that a flat marker allows, in runs.
+
+    In each run the camera tracks a marker that stood straight ahead when the run began, at rest in
+    the world, its normal tilted by `tilt_rad` against the line of sight towards a random side; see
+    `wrong_planar_pose`. At the start of a run the error is a turn by twice the tilt, and of the
+    position ``2 distance sin(tilt)``. "Ahead" is the moving frame's z axis.
+
+    Args:
+        share: of the poses, 0 to below 1.
+        mean_run: mean length of a run in poses, 1 or more; lengths are geometric.
+        distance_m: from the camera to the marker, above zero.
+        tilt_rad: 0 to below π/2.
+    """
+
+    share: float
+    mean_run: float = 10.0
+    distance_m: float = 1.0
+    tilt_rad: float = float(np.deg2rad(25.0))
+
+    def __post_init__(self) -> None:
+        check_runs(self, self.share, self.mean_run)
+        check_number(self, "distance_m", 1e-9)
+        check_number(self, "tilt_rad", 0.0, 0.5 * np.pi - 1e-9)
+
+    def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
+        """Put the wrong candidate in the place of the true pose."""
+        struck = runs(rng, len(trajectory), self.share, self.mean_run)
+        side_rad = rng.uniform(-np.pi, np.pi, len(trajectory))
+        starts = np.flatnonzero(struck & ~np.concatenate([[False], struck[:-1]]))
+        if starts.size == 0:
+            return trajectory
+        at = np.flatnonzero(struck)
+        first = starts[np.searchsorted(starts, at, side="right") - 1]
+        rigid = _rigid(trajectory)
+        sine = np.sin(self.tilt_rad)
+        side = side_rad[first]
+        normal = np.stack(
+            [sine * np.cos(side), sine * np.sin(side), np.full(at.size, -np.cos(self.tilt_rad))], -1
+        )
+        centre_m = rigid[first].apply(np.array([0.0, 0.0, self.distance_m]))
+        coefficients = np.array(rigid.coefficients)
+        wrong = wrong_planar_pose(rigid[at], centre_m, rigid[first].rotor.apply(normal))
+        coefficients[at] = wrong.coefficients
+        return _with_rigid(trajectory, Motor(coefficients))
+
+
+@dataclass(frozen=True)
+class Quantised(Degradation):
+    """Positions and quaternions rounded to multiples of a step, as logs with few digits keep them.
+
+    Args:
+        step_m: of each coordinate; 0 leaves positions as they are.
+        step_rad: turns come in steps of about this size: quaternion components are rounded to
+            multiples of half of it and renormalised; below 0.5, and 0 leaves rotations.
+    """
+
+    step_m: float
+    step_rad: float
+
+    def __post_init__(self) -> None:
+        check_number(self, "step_m")
+        check_number(self, "step_rad", 0.0, 0.5)
+
+    def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
+        """Round; nothing is drawn."""
+        rigid = _rigid(trajectory)
+        rotor, position_m = rigid.rotor, rigid.translation_m
+        if self.step_m > 0.0:
+            position_m = self.step_m * np.round(position_m / self.step_m)
+        if self.step_rad > 0.0:
+            step = 0.5 * self.step_rad
+            rotor = Rotor.normalize(step * np.round(rotor.coefficients / step))
+        return _with_rigid(trajectory, Motor.from_rotor_translation(rotor, position_m))
+
+
+def wrong_planar_pose(
+    world_T_camera: Motor, marker_m: ArrayLike, marker_normal: ArrayLike
+) -> Motor:
+    """The other pose that a small flat marker's picture allows.
+
+    Seen from afar a marker keeps its picture when the depths of its points change sign: its normal
+    ``n`` is mirrored about the line of sight ``v`` to ``2 (v·n) v - n``, the centre stays. In the
+    camera's frame that is the turn with the rotor ``v n``, by twice the angle between the two,
+    about the marker's centre; here the camera moves instead of the marker. Head on both agree.
+
+    Source: Schweighofer, Pinz, Robust pose estimation from a planar target, IEEE PAMI 28(12), 2006;
+    Collins, Bartoli, Infinitesimal plane-based pose estimation, IJCV 109, 2014. Close up, and for
+    large markers, the second minimum of the reprojection error lies elsewhere, by about the
+    marker's size over its distance in radians.
+
+    Args:
+        world_T_camera: true poses ``(*)``.
+        marker_m: the marker's centre ``(*, 3)`` in the world.
+        marker_normal: its unit normal ``(*, 3)`` in the world, either side.
+
+    Raises:
+        ValueError: a normal of another length, or a marker at the camera's centre.
+    """
+    centre = world_T_camera.inverse().apply(checked_floats(marker_m, "marker_m", (3,)))
+    normal = checked_floats(marker_normal, "marker_normal", (3,))
+    if np.any(np.abs(np.linalg.norm(normal, axis=-1) - 1.0) > 1e-6):
+        raise ValueError("marker_normal: expected vectors of length 1")
+    distance = np.linalg.norm(centre, axis=-1, keepdims=True)
+    if not np.all(distance > 0.0):
+        raise ValueError("marker_m: expected points away from the camera's centre")
+    sight, n = centre / distance, world_T_camera.rotor.inverse().apply(normal)
+    inner, outer = np.sum(sight * n, axis=-1, keepdims=True), np.cross(sight, n)
+    turn = Rotor.normalize(np.concatenate([inner, outer], axis=-1))
+    about_marker = Motor.from_rotor_translation(turn, centre - turn.apply(centre))
+    return world_T_camera @ about_marker.inverse()
+
+
+def _rigid(trajectory: Trajectory) -> Motor:
+    poses = trajectory.poses
+    return poses.as_motor_scale()[0] if isinstance(poses, Similarity) else poses
+
+
+def _with_rigid(trajectory: Trajectory, rigid: Motor) -> Trajectory:
+    """The trajectory with other orientations and positions, and its own scales."""
+    poses = trajectory.poses
+    if isinstance(poses, Similarity):
+        return _with_poses(trajectory, Similarity.from_motor_scale(rigid, poses.scale))
+    return _with_poses(trajectory, rigid)
+
+
+def _with_poses(trajectory: Trajectory, poses: Motor | Similarity) -> Trajectory:
+    return Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
+
+
+def _perturbed(trajectory: Trajectory, shift_m: FloatArray, turn_rad: FloatArray) -> Trajectory:
+    rigid = _rigid(trajectory)
+    rotor = rigid.rotor @ Rotor.from_rotation_vector(turn_rad)
+    moved = Motor.from_rotor_translation(rotor, rigid.translation_m + shift_m)
+    return _with_rigid(trajectory, moved)

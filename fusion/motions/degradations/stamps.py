@@ -1,0 +1,112 @@
+"""Errors of time: stamps that tremble, frames that are missing, poses that come late.
+
+The poses themselves stay; what changes is when they are said to have been, and whether at all.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.fusion.motions.degradations.base import (
+    Degradation,
+    check_number,
+    check_runs,
+    runs,
+)
+from motorcade.ga import IntArray, Trajectory
+
+__all__ = ["DroppedFrames", "Latency", "StampJitter"]
+
+# Neighbours that move towards each other by this part of the gap between them stay in order.
+_REACH = 0.49
+
+
+@dataclass(frozen=True)
+class StampJitter(Degradation):
+    """Stamps off by independent Gaussian errors of deviation `sigma_s`; poses stay.
+
+    So that the order stays, no stamp moves by more than 0.49 of the gap to its neighbour: from a
+    deviation of a fifth of the interval on, the errors are smaller than asked for.
+    """
+
+    sigma_s: float
+
+    def __post_init__(self) -> None:
+        check_number(self, "sigma_s")
+
+    def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
+        """Move the stamps."""
+        time_ns = trajectory.time_ns
+        offset = 1e9 * self.sigma_s * rng.standard_normal(time_ns.size)
+        gaps = np.concatenate([[np.inf], _REACH * np.diff(time_ns), [np.inf]])
+        held = np.clip(offset, -gaps[:-1], gaps[1:])
+        return _stamped(trajectory, time_ns + np.trunc(held).astype(np.int64))
+
+
+@dataclass(frozen=True)
+class DroppedFrames(Degradation):
+    """A share of the poses is missing, in bursts of a mean length; the first one always stays.
+
+    Args:
+        share: of the poses, 0 to below 1.
+        mean_run: mean length of a burst in poses, geometric; None drops each pose for itself.
+    """
+
+    share: float
+    mean_run: float | None = None
+
+    def __post_init__(self) -> None:
+        check_runs(self, self.share, self._mean_run())
+
+    def _mean_run(self) -> float:
+        alone = 1.0 / (1.0 - self.share) if self.share < 1.0 else np.inf
+        return alone if self.mean_run is None else self.mean_run
+
+    def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
+        """Leave the rest."""
+        lost = runs(rng, len(trajectory), self.share, self._mean_run())
+        lost[0] = False
+        return trajectory[~lost]
+
+
+@dataclass(frozen=True)
+class Latency(Degradation):
+    """Poses are stamped when they arrive, `delay_s` late on average.
+
+    Delays are gamma distributed with deviation `spread_s`, and no pose overtakes another. Where the
+    mean is `known` it is taken off the stamps again: a constant known delay then harms nothing
+    after the fact, a varying one leaves its variation.
+
+    Args:
+        delay_s: mean delay, above zero.
+        spread_s: deviation of the delay from pose to pose; 0 is a constant delay.
+        known: whether the mean is taken off.
+    """
+
+    delay_s: float
+    spread_s: float = 0.0
+    known: bool = False
+
+    def __post_init__(self) -> None:
+        check_number(self, "delay_s", 1e-9)
+        check_number(self, "spread_s")
+
+    def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
+        """Stamp the poses with their arrival, or what is thought to be their time."""
+        count = len(trajectory)
+        delay_s = np.full(count, self.delay_s)
+        if self.spread_s > 0.0:
+            shape = (self.delay_s / self.spread_s) ** 2
+            delay_s = rng.gamma(shape, self.delay_s / shape, count)
+        if self.known:
+            delay_s = delay_s - self.delay_s
+        arrival_ns = trajectory.time_ns + np.round(1e9 * delay_s).astype(np.int64)
+        # One nanosecond each, so that poses that arrive together stay in order.
+        places = np.arange(count)
+        return _stamped(trajectory, np.maximum.accumulate(arrival_ns - places) + places)
+
+
+def _stamped(trajectory: Trajectory, time_ns: IntArray) -> Trajectory:
+    return Trajectory(time_ns, trajectory.poses, trajectory.parent, trajectory.child)
