@@ -34,7 +34,6 @@ class Motor(Versor):
 
     _size = 8
     _log_size = 6
-    _keeps_single = True
     _kernels = VersorKernels(compose, inverse, exp, log, interpolate)
 
     @classmethod

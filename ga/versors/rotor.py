@@ -37,7 +37,6 @@ class Rotor(Versor):
 
     _size = 4
     _log_size = 3
-    _keeps_single = True
     _kernels = VersorKernels(rotor_compose, rotor_inverse, rotor_exp, rotor_log, rotor_interpolate)
 
     @classmethod

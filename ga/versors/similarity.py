@@ -7,7 +7,9 @@ e1∞, e2∞, e3∞, e123∞`` with ``E = e0∧e∞``.
 e31, e12, E, e1∞, e2∞, e3∞``: with rotation vector ``θ l`` it is ``-½ θ I₃ l + ½ ln ρ E - ½ u∞``,
 where translation, rotation and growth are coupled: ``t = ((e^z - 1) / z) u`` across the axis, with
 ``z = ln ρ + iθ``. Accuracy is that of the numbers stored: a large or small scale leaves the
-difference of the first two quadruples with a relative error of ``max(ρ, 1/ρ)`` roundings.
+difference of the first two quadruples with a relative error of ``max(ρ, 1/ρ)`` roundings. Scales
+are meant to lie in 1e-12 … 1e12, in float32 in 1e-5 … 1e5; `exp` and `log` keep their precision
+beyond, products and paths do not.
 """
 
 from __future__ import annotations
@@ -15,8 +17,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from motorcade.ga import kernels
 from motorcade.ga.arrays import FloatArray, checked_floats
-from motorcade.ga.versors import similarity_kernels as kernels
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.versor import UNIT_TOLERANCE, Versor, VersorKernels, broadcast_batch
@@ -26,8 +28,6 @@ __all__ = ["Similarity"]
 _BOTTOM_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 # However large the scale, S ~S must be told from zero.
 _LOOSEST = 0.1
-# Less than this and an even element is as near to one versor as to another far from it.
-_UNDEFINED = 1e-8
 
 
 class Similarity(Versor):
@@ -41,8 +41,9 @@ class Similarity(Versor):
     _size = 12
     _log_size = 7
     _kernels = VersorKernels(
-        kernels.compose, kernels.inverse, kernels.exp, kernels.log, kernels.interpolate
-    )
+        kernels.similarity_compose, kernels.similarity_inverse, kernels.similarity_exp,
+        kernels.similarity_log, kernels.similarity_interpolate,
+    )  # fmt: skip
 
     @classmethod
     def _check_unit(cls, coefficients: FloatArray) -> None:
@@ -55,7 +56,8 @@ class Similarity(Versor):
             )
             p = a + b
             study = p[..., 0] * last[..., 3] - np.sum(p[..., 1:] * last[..., :3], axis=-1)
-            allowed = np.minimum(UNIT_TOLERANCE * np.maximum(squares, 1.0), _LOOSEST)
+            tolerance = cls._tolerance(coefficients)
+            allowed = np.minimum(tolerance * np.maximum(squares, 1.0), _LOOSEST)
             longest = np.maximum(1.0, np.max(np.abs(last), axis=-1))
             off = np.maximum(np.abs(norm), 2.0 * np.max(np.abs(skew), axis=-1))
             off = np.maximum(off, np.abs(study) / longest)
@@ -63,7 +65,7 @@ class Similarity(Versor):
         if np.any(bad):
             raise ValueError(
                 f"{cls._field('coefficients')}: expected unit versors (S ~S within "
-                f"{UNIT_TOLERANCE:g} of 1), got {int(np.count_nonzero(bad))} off by up to "
+                f"{tolerance:g} of 1), got {int(np.count_nonzero(bad))} off by up to "
                 f"{float(np.max(off)):.3g}; {cls.__name__}.normalize projects other even elements"
             )
 
@@ -73,14 +75,14 @@ class Similarity(Versor):
 
         Raises:
             ValueError: wrong last dimension, NaN or infinity, or a scale too large or too small
-                for float64.
+                for the precision.
         """
-        given = checked_floats(log, "Similarity.exp(log)", (7,))
-        with np.errstate(over="ignore", invalid="ignore"):
-            made = kernels.exp(given)
+        given = cls._checked(log, "Similarity.exp(log)", (7,))
+        with np.errstate(over="ignore", invalid="ignore"):  # as the NumPy kernels would warn
+            made = kernels.similarity_exp(given)
         if not np.isfinite(made).all():
             raise ValueError(
-                "Similarity.exp(log): expected scales that float64 can hold, got E up to "
+                f"Similarity.exp(log): expected scales that {given.dtype} can hold, got E up to "
                 f"{float(np.max(np.abs(given[..., 3]))):.3g}"
             )
         return cls._trusted(made)
@@ -94,17 +96,18 @@ class Similarity(Versor):
                 similarity: zero, or without a scale, or turned inside out (``S ~S`` a negative
                 number).
         """
-        given = checked_floats(coefficients, "Similarity.normalize(coefficients)", (12,))
+        given = cls._checked(coefficients, "Similarity.normalize(coefficients)", (12,))
         size = np.max(np.abs(given[..., :8]), axis=-1, keepdims=True)
         if not np.all(size > 0.0):
             raise ValueError(
                 "Similarity.normalize(coefficients): expected non-zero elements with a rotor part, "
                 f"got {int(np.count_nonzero(size == 0.0))} zero ones"
             )
-        # By powers of two, so that nothing is rounded before A and B are subtracted.
         with np.errstate(over="ignore", invalid="ignore"):
-            made, defined = kernels.projected(np.ldexp(given, -np.frexp(size)[1]))
-        vague = (defined < _UNDEFINED) | ~np.isfinite(made).all(axis=-1)
+            made, defined = kernels.similarity_normalize(given)
+        # Less than this and an element is as near to one versor as to another far from it.
+        least = np.sqrt(np.finfo(given.dtype).eps)
+        vague = (defined < least) | ~np.isfinite(made).all(axis=-1)
         lost = int(np.count_nonzero(vague))
         if lost:
             raise ValueError(
@@ -128,10 +131,8 @@ class Similarity(Versor):
         return cls.from_motor_scale(motor, np.exp(log_scale * rng.standard_normal(shape)))
 
     def _parts(self) -> tuple[Rotor, FloatArray, FloatArray]:
-        rotor, half_log_scale, translation = kernels.parts(self.coefficients)
-        turned = Rotor._trusted(np.ascontiguousarray(np.moveaxis(rotor, 0, -1)))
-        moved = np.ascontiguousarray(np.moveaxis(translation, 0, -1))
-        return turned, moved, np.exp(2.0 * half_log_scale)
+        rotor, translation_m, scale = kernels.rotor_translation_scale(self.coefficients)
+        return Rotor._trusted(rotor), translation_m, scale
 
     @property
     def rotor(self) -> Rotor:
@@ -154,28 +155,9 @@ class Similarity(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, shapes that do not broadcast.
         """
-        x = checked_floats(points, "Similarity.apply(points)", (3,))
+        x = checked_floats(points, "Similarity.apply(points)", (3,)).astype(self.dtype, copy=False)
         broadcast_batch("Similarity.apply", self.shape, x.shape[:-1])
-        rotor, translation_m, scale = self._parts()
-        return scale[..., None] * rotor.apply(x) + translation_m
-
-    def interpolate(
-        self, other: Similarity, fraction: ArrayLike, short_way: bool = True
-    ) -> Similarity:
-        """Constant-speed path ``self exp(fraction log(~self other))``; see `Versor.interpolate`.
-
-        Its points run along logarithmic spirals: lengths grow by equal factors in equal steps.
-
-        Raises:
-            TypeError: another type of versor.
-            ValueError: NaN or infinite fraction, batches that do not broadcast, or the long way
-                between two equal orientations of opposite sign.
-        """
-        if type(other) is not type(self):
-            raise TypeError(
-                f"Similarity.interpolate(other): expected a Similarity, got {type(other).__name__}"
-            )
-        return super().interpolate(other, fraction, short_way)
+        return kernels.similarity_apply(self.coefficients, x)
 
     # Conversions -------------------------------------------------------------------------------
 
@@ -208,19 +190,14 @@ class Similarity(Versor):
             raise ValueError(
                 f"Similarity scale: expected positive numbers, got {float(np.min(rho)):g}"
             )
-        shape = broadcast_batch("Similarity motor and scale", motor.shape, rho.shape)
-        half = 0.5 * np.log(rho)[..., None]
-        m = motor.coefficients
-        made = np.empty((*shape, 12))
-        made[..., :4] = np.cosh(half) * m[..., :4]
-        made[..., 4:8] = np.sinh(half) * m[..., :4]
-        made[..., 8:] = m[..., 4:] / np.sqrt(rho)[..., None]
-        return cls._trusted(made)
+        broadcast_batch("Similarity motor and scale", motor.shape, rho.shape)
+        growth = rho.astype(motor.dtype, copy=False)
+        return cls._trusted(kernels.similarity_of_motor(motor.coefficients, growth))
 
     def as_motor_scale(self) -> tuple[Motor, FloatArray]:
         """The rigid motion ``T R`` and the scale ``(*)`` of ``S = T R D``."""
         rotor, translation_m, scale = self._parts()
-        return Motor.from_rotor_translation(rotor, translation_m), scale
+        return Motor.from_rotor_translation(rotor, translation_m).astype(self.dtype), scale
 
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Similarity:
@@ -249,12 +226,7 @@ class Similarity(Versor):
 
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
-        rotor, translation_m, scale = self._parts()
-        matrix = np.zeros((*self.shape, 4, 4))
-        matrix[..., :3, :3] = scale[..., None, None] * rotor.as_matrix()
-        matrix[..., :3, 3] = translation_m
-        matrix[..., 3, 3] = 1.0
-        return matrix
+        return kernels.similarity_matrix44(self.coefficients)
 
     @classmethod
     def from_twist(cls, twist: ArrayLike) -> Similarity:

@@ -3,8 +3,8 @@
 A versor acts by ``X' = S X ~S``; ``a @ b`` applies ``b`` first. ``S`` and ``-S`` are one motion.
 Leading dimensions are batch and broadcast as NumPy arrays do; values are frozen.
 
-Coefficients are float64; rotors and motors made of a float32 array are and stay float32, and so is
-all that they compute. Versors of different precision do not mix; `astype` converts.
+Coefficients are float64; versors made of a float32 array are and stay float32, and so is all that
+they compute. Versors of different precision do not mix; `astype` converts.
 """
 
 from __future__ import annotations
@@ -65,8 +65,6 @@ class Versor(ABC):
 
     # NumPy arrays must not try to broadcast over a versor: array @ versor is a TypeError.
     __array_ufunc__: ClassVar[None] = None
-    # Whether float32 arrays are kept as they are; otherwise they become float64.
-    _keeps_single: ClassVar[bool] = False
     _size: ClassVar[int]
     _log_size: ClassVar[int]
     _kernels: ClassVar[VersorKernels]
@@ -84,10 +82,9 @@ class Versor(ABC):
 
     @classmethod
     def _checked(cls, value: ArrayLike, name: str, trailing: tuple[int, ...]) -> FloatArray:
-        """Checked numbers, in float32 where an array of that type was given and is kept."""
+        """Checked numbers, in float32 where an array of that type was given."""
         checked = checked_floats(value, name, trailing)
-        single = cls._keeps_single and getattr(value, "dtype", None) == np.float32
-        return np.asarray(value) if single else checked
+        return np.asarray(value) if getattr(value, "dtype", None) == np.float32 else checked
 
     @classmethod
     def _tolerance(cls, coefficients: FloatArray) -> float:
@@ -175,12 +172,11 @@ class Versor(ABC):
         """The same versors in float32 or float64.
 
         Raises:
-            ValueError: another type, or float32 for versors that are computed in float64 only.
+            ValueError: another type.
         """
         wanted = np.dtype(dtype)
-        if wanted != np.float64 and not (wanted == np.float32 and self._keeps_single):
-            known = "float32 or float64" if self._keeps_single else "float64"
-            raise ValueError(f"{self._field('astype')}: expected {known}, got {wanted}")
+        if wanted not in (np.float32, np.float64):
+            raise ValueError(f"{self._field('astype')}: expected float32 or float64, got {wanted}")
         return self._trusted(self.coefficients.astype(wanted))
 
     @classmethod

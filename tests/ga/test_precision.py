@@ -1,4 +1,4 @@
-"""Rotors and motors of float32 stay float32, compute to its rounding, and mix with no other."""
+"""Versors of float32 stay float32, compute to its rounding, and mix with no other."""
 
 import pickle
 from collections.abc import Callable
@@ -16,8 +16,6 @@ def single(versor: Versor) -> Versor:
 
 
 def test_every_verb_keeps_float32(kind: type[Versor], rng: np.random.Generator) -> None:
-    if kind is Similarity:
-        pytest.skip("similarities are float64")
     m = kind.random(rng, (20,)).astype(np.float32)
     results = [
         m.coefficients, (m @ m).coefficients, m.inverse().coefficients, m.log(),
@@ -26,15 +24,13 @@ def test_every_verb_keeps_float32(kind: type[Versor], rng: np.random.Generator) 
         kind.normalize(m.coefficients).coefficients, kind.stack([m, m]).coefficients,
         m[3].coefficients, m.reshape(4, 5).coefficients, pickle.loads(pickle.dumps(m)).coefficients,
     ]  # fmt: skip
-    assert isinstance(m, Rotor | Motor)
+    assert isinstance(m, Rotor | Motor | Similarity)
     assert {array.dtype for array in [*results, m.as_matrix()]} == {np.dtype(np.float32)}
 
 
 def test_float32_computes_to_its_rounding(
     versors: Versor, others: Versor, distance: Callable[[Versor, Versor], float]
 ) -> None:
-    if isinstance(versors, Similarity):
-        pytest.skip("similarities are float64")
     a, b = single(versors), single(others)
     size = 1.0 + max(float(np.max(np.abs(x.coefficients))) for x in (a, b))
     for ours, witness in (
@@ -49,10 +45,6 @@ def test_versors_of_different_precision_do_not_mix(
     kind: type[Versor], rng: np.random.Generator
 ) -> None:
     double = kind.random(rng, (3,))
-    if kind is Similarity:
-        with pytest.raises(ValueError, match=r"Similarity.astype: expected float64, got float32"):
-            double.astype("float32")
-        return
     half = double.astype("float32")
     for mixed in (
         lambda: double @ half, lambda: half.interpolate(double, 0.5),

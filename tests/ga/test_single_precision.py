@@ -1,17 +1,17 @@
-"""The laws of rotors and motors hold in float32 too, to its own rounding, and stay in float32."""
+"""The laws of versors hold in float32 too, to its own rounding, and stay in float32."""
 
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor, Rotor, Versor
+from motorcade.ga import Motor, Rotor, Similarity, Versor
 
 Distance = Callable[[Versor, Versor], float]
 ROUNDING = 3e-6
 
 
-@pytest.fixture(params=[Rotor, Motor])
+@pytest.fixture(params=[Rotor, Motor, Similarity])
 def kind(request: pytest.FixtureRequest) -> type[Versor]:
     return request.param
 

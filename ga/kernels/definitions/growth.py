@@ -38,7 +38,7 @@ def hyperbolic(precision: Precision, h: Any) -> tuple[Any, Any, Any]:
     even, odd = 0.5 * (grown + shrunk), 0.5 * (grown - shrunk)
     cosh, sinh = even * cosine + odd * sine, odd * cosine + even * sine
     size = ca.fmax(ca.fabs(h), 0.25)
-    return cosh, sinh, select(ca.eq(n, 0), near, ca.fabs(sinh) / size)
+    return cosh, sinh, select(ca.fabs(n) < 0.5, near, ca.fabs(sinh) / size)
 
 
 def inverse_hyperbolic(precision: Precision, cosh: Any, sinh: Any) -> tuple[Any, Any]:
@@ -52,7 +52,7 @@ def inverse_hyperbolic(precision: Precision, cosh: Any, sinh: Any) -> tuple[Any,
     whole = cosh + size
     n = exponent(2**0.5 * whole)
     rest = whole * power_of_two(-n)
-    still = ca.eq(n, 0)
+    still = n < 0.5
     sine = select(still, size, 0.5 * (rest - 1 / rest))
     near = horner(fitted(_asinh_over, 0, _SINE_SQUARED, precision.epsilon * _SHARE), sine * sine)
     high, low = _parts_of_log_two(precision)
@@ -62,7 +62,7 @@ def inverse_hyperbolic(precision: Precision, cosh: Any, sinh: Any) -> tuple[Any,
 
 
 def _parts_of_log_two(precision: Precision) -> tuple[float, float]:
-    """ln 2 in two parts, the first with so few bits that multiples of it are exact."""
+    """Two parts of ln 2, the first with so few bits that multiples of it are exact."""
     import mpmath as mp
 
     with mp.workdps(60):

@@ -49,7 +49,7 @@ void motorcade_similarity_exp_f32(MOTORCADE_ARGUMENTS(float))
         const float t23 = log1 * t21;
         const float t24 = log2 * t21;
         const float t25 = t14 * t15 + t11 * t17;
-        const float t26 = ((t8 == 0.0f) ? t16 : fabsf(t25) / largerf(fabsf(log3), 0.25f));
+        const float t26 = ((fabsf(t8) < 0.5f) ? t16 : fabsf(t25) / largerf(fabsf(log3), 0.25f));
         const float t27 = t7 * t26;
         const float t28 = log2 * log5 - log1 * log6;
         const float t29 = log0 * log6 - log2 * log4;
@@ -123,7 +123,7 @@ void motorcade_similarity_exp_f64(MOTORCADE_ARGUMENTS(double))
         const double t28 = log1 * t26;
         const double t29 = log2 * t26;
         const double t30 = t17 * t18 + t13 * t21;
-        const double t31 = ((t10 == 0.0) ? t20 : fabs(t30) / larger(fabs(log3), 0.25));
+        const double t31 = ((fabs(t10) < 0.5) ? t20 : fabs(t30) / larger(fabs(log3), 0.25));
         const double t32 = t9 * t31;
         const double t33 = log2 * log5 - log1 * log6;
         const double t34 = log0 * log6 - log2 * log4;
@@ -182,7 +182,7 @@ void motorcade_similarity_log_f32(MOTORCADE_ARGUMENTS(float))
         const float t16 = fabsf(t15);
         const float t17 = t5 + t16;
         const float t18 = exponentf(1.4142135f * t17);
-        const _Bool t19 = (0.0f == t18);
+        const _Bool t19 = (t18 < 0.5f);
         const float t20 = t17 * exp2_of_integerf(-t18);
         const float t21 = (t19 ? t16 : 0.5f * (t20 - 1.0f / t20));
         const float t22 = t21 * t21;
@@ -259,7 +259,7 @@ void motorcade_similarity_log_f64(MOTORCADE_ARGUMENTS(double))
         const double t21 = fabs(t20);
         const double t22 = t5 + t21;
         const double t23 = exponent(1.4142135623730951 * t22);
-        const _Bool t24 = (0.0 == t23);
+        const _Bool t24 = (t23 < 0.5);
         const double t25 = t22 * exp2_of_integer(-t23);
         const double t26 = (t24 ? t21 : 0.5 * (t25 - 1.0 / t25));
         const double t27 = t26 * t26;
@@ -333,7 +333,7 @@ void motorcade_similarity_log_long_f32(MOTORCADE_ARGUMENTS(float))
         const float t13 = fabsf(t12);
         const float t14 = t0 + t13;
         const float t15 = exponentf(1.4142135f * t14);
-        const _Bool t16 = (0.0f == t15);
+        const _Bool t16 = (t15 < 0.5f);
         const float t17 = t14 * exp2_of_integerf(-t15);
         const float t18 = (t16 ? t13 : 0.5f * (t17 - 1.0f / t17));
         const float t19 = t18 * t18;
@@ -403,7 +403,7 @@ void motorcade_similarity_log_long_f64(MOTORCADE_ARGUMENTS(double))
         const double t18 = fabs(t17);
         const double t19 = t0 + t18;
         const double t20 = exponent(1.4142135623730951 * t19);
-        const _Bool t21 = (0.0 == t20);
+        const _Bool t21 = (t20 < 0.5);
         const double t22 = t19 * exp2_of_integer(-t20);
         const double t23 = (t21 ? t18 : 0.5 * (t22 - 1.0 / t22));
         const double t24 = t23 * t23;

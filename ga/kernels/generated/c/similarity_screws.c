@@ -77,7 +77,7 @@ void motorcade_similarity_interpolate_f32(MOTORCADE_ARGUMENTS(float))
         const float t32 = fabsf(t31);
         const float t33 = t6 + t32;
         const float t34 = exponentf(1.4142135f * t33);
-        const _Bool t35 = (0.0f == t34);
+        const _Bool t35 = (t34 < 0.5f);
         const float t36 = t33 * exp2_of_integerf(-t34);
         const float t37 = (t35 ? t32 : 0.5f * (t36 - 1.0f / t36));
         const float t38 = t37 * t37;
@@ -160,7 +160,7 @@ void motorcade_similarity_interpolate_f32(MOTORCADE_ARGUMENTS(float))
         const float t99 = t96 * (t31 * (t8 * t12 - t6 * t41));
         const float t100 = fraction * (t41 * (t8 * t87 + t13 * t89) + (t17 * t92 - t15 * t95) * t97
             + t98 * t99);
-        const float t101 = ((0.0f == t43) ? t51 : fabsf(t64) / largerf(0.25f, fabsf(t42)));
+        const float t101 = ((fabsf(t43) < 0.5f) ? t51 : fabsf(t64) / largerf(0.25f, fabsf(t42)));
         const float t102 = t26 * t101;
         const float t103 = fraction * (t41 * (t8 * t94 - t15 * t89) - t97 * (t13 * t95 + t17 * t98)
             + t92 * t99);
@@ -286,7 +286,7 @@ void motorcade_similarity_interpolate_f64(MOTORCADE_ARGUMENTS(double))
         const double t39 = fabs(t38);
         const double t40 = t6 + t39;
         const double t41 = exponent(1.4142135623730951 * t40);
-        const _Bool t42 = (0.0 == t41);
+        const _Bool t42 = (t41 < 0.5);
         const double t43 = t40 * exp2_of_integer(-t41);
         const double t44 = (t42 ? t39 : 0.5 * (t43 - 1.0 / t43));
         const double t45 = t44 * t44;
@@ -382,7 +382,7 @@ void motorcade_similarity_interpolate_f64(MOTORCADE_ARGUMENTS(double))
         const double t112 = t109 * (t38 * (t8 * t17 - t6 * t51));
         const double t113 = fraction * (t51 * (t8 * t100 + t18 * t102) + (t22 * t105 - t20 * t108) *
             t110 + t111 * t112);
-        const double t114 = ((0.0 == t53) ? t63 : fabs(t77) / larger(0.25, fabs(t52)));
+        const double t114 = ((fabs(t53) < 0.5) ? t63 : fabs(t77) / larger(0.25, fabs(t52)));
         const double t115 = t33 * t114;
         const double t116 = fraction * (t51 * (t8 * t107 - t20 * t102) - t110 * (t18 * t108 + t22 *
             t111) + t105 * t112);
@@ -501,7 +501,7 @@ void motorcade_similarity_interpolate_long_f32(MOTORCADE_ARGUMENTS(float))
         const float t32 = fabsf(t31);
         const float t33 = t4 + t32;
         const float t34 = exponentf(1.4142135f * t33);
-        const _Bool t35 = (0.0f == t34);
+        const _Bool t35 = (t34 < 0.5f);
         const float t36 = t33 * exp2_of_integerf(-t34);
         const float t37 = (t35 ? t32 : 0.5f * (t36 - 1.0f / t36));
         const float t38 = t37 * t37;
@@ -579,7 +579,7 @@ void motorcade_similarity_interpolate_long_f32(MOTORCADE_ARGUMENTS(float))
         const float t95 = t92 * (t31 * (t6 * t15 - t4 * t41));
         const float t96 = fraction * (t41 * (t6 * t86 + t7 * t87) + (t9 * t89 - t8 * t91) * t93 +
             t94 * t95);
-        const float t97 = ((0.0f == t43) ? t51 : fabsf(t64) / largerf(0.25f, fabsf(t42)));
+        const float t97 = ((fabsf(t43) < 0.5f) ? t51 : fabsf(t64) / largerf(0.25f, fabsf(t42)));
         const float t98 = t26 * t97;
         const float t99 = fraction * (t41 * (t6 * t90 - t8 * t87) - t93 * (t7 * t91 + t9 * t94) +
             t89 * t95);
@@ -706,7 +706,7 @@ void motorcade_similarity_interpolate_long_f64(MOTORCADE_ARGUMENTS(double))
         const double t39 = fabs(t38);
         const double t40 = t4 + t39;
         const double t41 = exponent(1.4142135623730951 * t40);
-        const _Bool t42 = (0.0 == t41);
+        const _Bool t42 = (t41 < 0.5);
         const double t43 = t40 * exp2_of_integer(-t41);
         const double t44 = (t42 ? t39 : 0.5 * (t43 - 1.0 / t43));
         const double t45 = t44 * t44;
@@ -797,7 +797,7 @@ void motorcade_similarity_interpolate_long_f64(MOTORCADE_ARGUMENTS(double))
         const double t108 = t105 * (t38 * (t6 * t20 - t4 * t51));
         const double t109 = fraction * (t51 * (t6 * t99 + t7 * t100) + (t9 * t102 - t8 * t104) *
             t106 + t107 * t108);
-        const double t110 = ((0.0 == t53) ? t63 : fabs(t77) / larger(0.25, fabs(t52)));
+        const double t110 = ((fabs(t53) < 0.5) ? t63 : fabs(t77) / larger(0.25, fabs(t52)));
         const double t111 = t33 * t110;
         const double t112 = fraction * (t51 * (t6 * t103 - t8 * t100) - t106 * (t7 * t104 + t9 *
             t107) + t102 * t108);

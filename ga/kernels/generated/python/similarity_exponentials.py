@@ -42,7 +42,7 @@ def similarity_exp_f32(log: Any) -> tuple[Any, ...]:
     t22 = log1 * t20
     t23 = log2 * t20
     t24 = t14 * t15 + t11 * t17
-    t25 = np.where((t8 == 0.0), t16, np.abs(t24) / np.maximum(np.abs(log3), 0.25))
+    t25 = np.where((np.abs(t8) < 0.5), t16, np.abs(t24) / np.maximum(np.abs(log3), 0.25))
     t26 = t7 * t25
     t27 = log2 * log5 - log1 * log6
     t28 = log0 * log6 - log2 * log4
@@ -102,7 +102,7 @@ def similarity_exp_f64(log: Any) -> tuple[Any, ...]:
     t28 = log1 * t26
     t29 = log2 * t26
     t30 = t17 * t18 + t13 * t21
-    t31 = np.where((t10 == 0.0), t20, np.abs(t30) / np.maximum(np.abs(log3), 0.25))
+    t31 = np.where((np.abs(t10) < 0.5), t20, np.abs(t30) / np.maximum(np.abs(log3), 0.25))
     t32 = t9 * t31
     t33 = log2 * log5 - log1 * log6
     t34 = log0 * log6 - log2 * log4
@@ -149,7 +149,7 @@ def similarity_log_f32(m: Any) -> tuple[Any, ...]:
     t16 = np.abs(t15)
     t17 = t5 + t16
     t18 = exponent(1.4142135 * t17)
-    t19 = (0.0 == t18)
+    t19 = (t18 < 0.5)
     t20 = t17 * exp2_of_integer(-t18)
     t21 = np.where(t19, t16, np.float32(0.5 * (t20 - 1.0 / t20)))
     t22 = t21 * t21
@@ -214,7 +214,7 @@ def similarity_log_f64(m: Any) -> tuple[Any, ...]:
     t21 = np.abs(t20)
     t22 = t5 + t21
     t23 = exponent(1.4142135623730951 * t22)
-    t24 = (0.0 == t23)
+    t24 = (t23 < 0.5)
     t25 = t22 * exp2_of_integer(-t23)
     t26 = np.where(t24, t21, np.float64(0.5 * (t25 - 1.0 / t25)))
     t27 = t26 * t26
@@ -276,7 +276,7 @@ def similarity_log_long_f32(m: Any) -> tuple[Any, ...]:
     t13 = np.abs(t12)
     t14 = t0 + t13
     t15 = exponent(1.4142135 * t14)
-    t16 = (0.0 == t15)
+    t16 = (t15 < 0.5)
     t17 = t14 * exp2_of_integer(-t15)
     t18 = np.where(t16, t13, np.float32(0.5 * (t17 - 1.0 / t17)))
     t19 = t18 * t18
@@ -335,7 +335,7 @@ def similarity_log_long_f64(m: Any) -> tuple[Any, ...]:
     t18 = np.abs(t17)
     t19 = t0 + t18
     t20 = exponent(1.4142135623730951 * t19)
-    t21 = (0.0 == t20)
+    t21 = (t20 < 0.5)
     t22 = t19 * exp2_of_integer(-t20)
     t23 = np.where(t21, t18, np.float64(0.5 * (t22 - 1.0 / t22)))
     t24 = t23 * t23

@@ -56,7 +56,7 @@ def similarity_interpolate_f32(a: Any, b: Any, fraction: Any) -> tuple[Any, ...]
     t32 = np.abs(t31)
     t33 = t6 + t32
     t34 = exponent(1.4142135 * t33)
-    t35 = (0.0 == t34)
+    t35 = (t34 < 0.5)
     t36 = t33 * exp2_of_integer(-t34)
     t37 = np.where(t35, t32, np.float32(0.5 * (t36 - 1.0 / t36)))
     t38 = t37 * t37
@@ -134,7 +134,7 @@ def similarity_interpolate_f32(a: Any, b: Any, fraction: Any) -> tuple[Any, ...]
     t97 = t17 * t93 + t15 * t90
     t98 = t95 * (t31 * (t8 * t12 - t6 * t40))
     t99 = fraction * (t40 * (t8 * t86 + t13 * t88) + (t17 * t91 - t15 * t94) * t96 + t97 * t98)
-    t100 = np.where((0.0 == t42), t50, np.abs(t63) / np.maximum(0.25, np.abs(t41)))
+    t100 = np.where((np.abs(t42) < 0.5), t50, np.abs(t63) / np.maximum(0.25, np.abs(t41)))
     t101 = t26 * t100
     t102 = fraction * (t40 * (t8 * t93 - t15 * t88) - t96 * (t13 * t94 + t17 * t97) + t91 * t98)
     t103 = fraction * (t40 * (t8 * t90 + t17 * t88) - t96 * (t15 * t97 + t13 * t91) - t94 * t98)
@@ -245,7 +245,7 @@ def similarity_interpolate_f64(a: Any, b: Any, fraction: Any) -> tuple[Any, ...]
     t39 = np.abs(t38)
     t40 = t6 + t39
     t41 = exponent(1.4142135623730951 * t40)
-    t42 = (0.0 == t41)
+    t42 = (t41 < 0.5)
     t43 = t40 * exp2_of_integer(-t41)
     t44 = np.where(t42, t39, np.float64(0.5 * (t43 - 1.0 / t43)))
     t45 = t44 * t44
@@ -338,7 +338,7 @@ def similarity_interpolate_f64(a: Any, b: Any, fraction: Any) -> tuple[Any, ...]
     t113 = (
         fraction * (t51 * (t8 * t100 + t18 * t102) + (t22 * t105 - t20 * t108) * t110 + t111 * t112)
     )
-    t114 = np.where((0.0 == t53), t63, np.abs(t77) / np.maximum(0.25, np.abs(t52)))
+    t114 = np.where((np.abs(t53) < 0.5), t63, np.abs(t77) / np.maximum(0.25, np.abs(t52)))
     t115 = t33 * t114
     t116 = (
         fraction * (t51 * (t8 * t107 - t20 * t102) - t110 * (t18 * t108 + t22 * t111) + t105 * t112)
@@ -439,7 +439,7 @@ def similarity_interpolate_long_f32(a: Any, b: Any, fraction: Any) -> tuple[Any,
     t32 = np.abs(t31)
     t33 = t4 + t32
     t34 = exponent(1.4142135 * t33)
-    t35 = (0.0 == t34)
+    t35 = (t34 < 0.5)
     t36 = t33 * exp2_of_integer(-t34)
     t37 = np.where(t35, t32, np.float32(0.5 * (t36 - 1.0 / t36)))
     t38 = t37 * t37
@@ -513,7 +513,7 @@ def similarity_interpolate_long_f32(a: Any, b: Any, fraction: Any) -> tuple[Any,
     t93 = t9 * t89 + t8 * t87
     t94 = t91 * (t31 * (t6 * t15 - t4 * t40))
     t95 = fraction * (t40 * (t6 * t85 + t7 * t86) + (t9 * t88 - t8 * t90) * t92 + t93 * t94)
-    t96 = np.where((0.0 == t42), t50, np.abs(t63) / np.maximum(0.25, np.abs(t41)))
+    t96 = np.where((np.abs(t42) < 0.5), t50, np.abs(t63) / np.maximum(0.25, np.abs(t41)))
     t97 = t26 * t96
     t98 = fraction * (t40 * (t6 * t89 - t8 * t86) - t92 * (t7 * t90 + t9 * t93) + t88 * t94)
     t99 = fraction * (t40 * (t6 * t87 + t9 * t86) - t92 * (t8 * t93 + t7 * t88) - t90 * t94)
@@ -633,7 +633,7 @@ def similarity_interpolate_long_f64(a: Any, b: Any, fraction: Any) -> tuple[Any,
     t39 = np.abs(t38)
     t40 = t4 + t39
     t41 = exponent(1.4142135623730951 * t40)
-    t42 = (0.0 == t41)
+    t42 = (t41 < 0.5)
     t43 = t40 * exp2_of_integer(-t41)
     t44 = np.where(t42, t39, np.float64(0.5 * (t43 - 1.0 / t43)))
     t45 = t44 * t44
@@ -720,7 +720,7 @@ def similarity_interpolate_long_f64(a: Any, b: Any, fraction: Any) -> tuple[Any,
     t107 = t9 * t103 + t8 * t101
     t108 = t105 * (t38 * (t6 * t20 - t4 * t51))
     t109 = fraction * (t51 * (t6 * t99 + t7 * t100) + (t9 * t102 - t8 * t104) * t106 + t107 * t108)
-    t110 = np.where((0.0 == t53), t63, np.abs(t77) / np.maximum(0.25, np.abs(t52)))
+    t110 = np.where((np.abs(t53) < 0.5), t63, np.abs(t77) / np.maximum(0.25, np.abs(t52)))
     t111 = t33 * t110
     t112 = fraction * (t51 * (t6 * t103 - t8 * t100) - t106 * (t7 * t104 + t9 * t107) + t102 * t108)
     t113 = fraction * (t51 * (t6 * t101 + t9 * t100) - t106 * (t8 * t107 + t7 * t102) - t104 * t108)
