@@ -1,7 +1,16 @@
-"""Smoothing of trajectories: one method, run on any representation of the poses."""
+"""Smoothing of trajectories: every method, run on any representation of the poses."""
 
-from motorcade.fusion.smooth.local_polynomial import smooth
+from __future__ import annotations
+
 from motorcade.fusion.smooth.representations import REPRESENTATIONS, Representation
-from motorcade.fusion.smooth.windows import automatic_window_s
+from motorcade.fusion.smooth.smooth import METHODS, method_parameters, smooth
+from motorcade.fusion.smooth.window import automatic_window_s
 
-__all__ = ["REPRESENTATIONS", "Representation", "automatic_window_s", "smooth"]
+__all__ = [
+    "METHODS",
+    "REPRESENTATIONS",
+    "Representation",
+    "automatic_window_s",
+    "method_parameters",
+    "smooth",
+]

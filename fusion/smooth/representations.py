@@ -125,7 +125,7 @@ class MotorTwists(Representation):
 
 
 class SimilarityTwists(Representation):
-    """Similarities, averaged as twists with the logarithm of the scale; rigid paths keep scale 1."""
+    """Similarities, averaged as twists with the logarithm of the scale; rigid paths keep 1."""
 
     name = "similarity"
     rotation = slice(0, 3)
@@ -309,4 +309,4 @@ def restored(
     poses = representation.poses(coordinates)
     if isinstance(like.poses, Motor) and isinstance(poses, Similarity):
         poses = poses.as_motor_scale()[0]
-    return Trajectory(like.time_ns, poses, like.parent, like.child)  # type: ignore[arg-type]
+    return Trajectory(like.time_ns, poses, like.parent, like.child)

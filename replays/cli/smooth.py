@@ -39,6 +39,7 @@ def smooth_file(arguments: argparse.Namespace) -> None:
     trajectory = read_trajectory(arguments.input, arguments.format, rate_hz=arguments.rate_hz)
     smoothed = smooth(
         trajectory,
+        "local_polynomial",
         representation=arguments.representation,
         window_s=arguments.window_s,
         order=arguments.order,

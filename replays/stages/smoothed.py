@@ -31,7 +31,7 @@ def smoothed(
     """Smooth the fused path by local polynomials of `order` over `window_s` seconds.
 
     Without `window_s` the widest window is taken that removes noise alone, judged by the path's
-    own uncertainty (see `fusion.smooth.windows`).
+    own uncertainty (see `fusion.smooth.automatic_window_s`).
     """
     if not representations:
         raise ValueError("representations: expected at least one, came none")
@@ -43,7 +43,7 @@ def smoothed(
         return Smoothed(dict.fromkeys(representations, path), None)
     return Smoothed(
         {
-            name: smooth(path, representation=name, window_s=chosen, order=order)
+            name: smooth(path, "local_polynomial", name, window_s=chosen, order=order)
             for name in representations
         },
         chosen,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.smooth import automatic_window_s, smooth
-from motorcade.fusion.smooth.local_polynomial import white_noise_removed
+from motorcade.fusion.smooth.window import white_noise_removed
 from motorcade.ga import FloatArray, Motor, Trajectory
 
 Shake = Callable[[Trajectory, float, float, np.random.Generator], Trajectory]
@@ -34,7 +34,8 @@ def test_the_share_of_white_noise_removed_is_what_a_simulation_loses(
     moves = np.zeros((count, 6))
     moves[:, 3:] = rng.standard_normal((count, 3))
     path = Trajectory(np.arange(count) * 1_000_000, Motor.from_twist(moves))
-    found = smooth(path, "motor", (2 * neighbours + 1) * 1e-3, order)
+    window_s = (2 * neighbours + 1) * 1e-3
+    found = smooth(path, "local_polynomial", window_s=window_s, order=order)
     lost = np.mean((path.poses.translation_m - found.poses.translation_m) ** 2)
     assert lost == pytest.approx(white_noise_removed(neighbours, order), rel=0.05)
 
@@ -47,7 +48,7 @@ def test_noise_on_slow_motion_is_given_a_wide_window_that_helps(
     window_s = automatic_window_s(noisy, covariances(300))
     assert window_s is not None
     assert window_s > 0.4
-    found = smooth(noisy, "motor", window_s)
+    found = smooth(noisy, "local_polynomial", window_s=window_s)
     before = np.linalg.norm((truth.poses.inverse() @ noisy.poses).as_twist(), axis=-1)
     after = np.linalg.norm((truth.poses.inverse() @ found.poses).as_twist(), axis=-1)
     assert after.mean() < 0.5 * before.mean()

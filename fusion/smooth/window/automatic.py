@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.fusion.smooth.local_polynomial import smooth, white_noise_removed
+from motorcade.fusion.smooth.representations import REPRESENTATIONS
+from motorcade.fusion.smooth.window.local_polynomial import local_polynomial, white_noise_removed
 from motorcade.ga import FloatArray, Trajectory
 
 __all__ = ["automatic_window_s"]
@@ -27,10 +28,10 @@ def automatic_window_s(
     Args:
         trajectory: N poses; the window is counted in their median interval.
         covariance: ``(N, 6, 6)`` of the right perturbation, rotation (rad) then translation (m).
-        order: of the local polynomials, see `smooth`.
+        order: of the local polynomials, see `local_polynomial`.
 
     Raises:
-        ValueError: covariances that do not fit the trajectory, or as `smooth`.
+        ValueError: covariances that do not fit the trajectory, or as `local_polynomial`.
     """
     if covariance.shape != (len(trajectory), 6, 6):
         raise ValueError(f"covariance: expected {(len(trajectory), 6, 6)}, got {covariance.shape}")
@@ -53,7 +54,8 @@ def automatic_window_s(
 
 def _moved(trajectory: Trajectory, covariance: FloatArray, window_s: float, order: int) -> float:
     """Mean square of how far smoothing moves the poses, in their own standard deviations."""
-    smoothed = smooth(trajectory, "motor", window_s, order)
+    motors = REPRESENTATIONS["motor"]
+    smoothed = local_polynomial(trajectory, motors, window_s=window_s, order=order)
     moved = (trajectory.poses.inverse() @ smoothed.poses).as_twist()
     weighed = np.linalg.solve(covariance, moved[..., None])[..., 0]
     return float(np.mean(moved * weighed))

@@ -1,0 +1,47 @@
+"""Refusals that several smoothers share; naming the parameter, what it may be, what came."""
+
+from __future__ import annotations
+
+from math import inf, isfinite
+
+import numpy as np
+
+from motorcade.ga import Trajectory
+
+__all__ = ["checked_cutoff", "checked_length", "checked_order", "checked_positive"]
+
+LARGEST_ORDER = 5
+
+
+def checked_positive(value: float, name: str, unit: str) -> float:
+    """A finite number above 0, or ValueError."""
+    if not (isfinite(value) and value > 0.0):
+        raise ValueError(f"{name}: expected a positive number of {unit}, got {value}")
+    return float(value)
+
+
+def checked_order(order: int) -> int:
+    """The order of a polynomial, 0 to 5, or ValueError."""
+    if int(order) != order or not 0 <= order <= LARGEST_ORDER:
+        raise ValueError(f"order: expected 0 to {LARGEST_ORDER}, got {order}")
+    return int(order)
+
+
+def checked_length(trajectory: Trajectory, fewest: int, method: str) -> None:
+    """Raise ValueError where a trajectory has fewer poses than a method needs."""
+    if len(trajectory) < fewest:
+        raise ValueError(
+            f"trajectory: {method} expected at least {fewest} poses, got {len(trajectory)}"
+        )
+
+
+def checked_cutoff(cutoff_hz: float, trajectory: Trajectory, name: str = "cutoff_hz") -> float:
+    """A cut-off below half the sampling rate (of the median interval), or ValueError."""
+    cutoff = checked_positive(cutoff_hz, name, "Hz")
+    intervals = np.diff(trajectory.time_s)
+    nyquist = 0.5 / float(np.median(intervals)) if intervals.size else inf
+    if cutoff >= nyquist:
+        raise ValueError(
+            f"{name}: expected below half the sampling rate, {nyquist:.6g} Hz, got {cutoff_hz}"
+        )
+    return cutoff
