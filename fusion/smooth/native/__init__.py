@@ -1,0 +1,1 @@
+"""The sequential scans of the causal filters, compiled from the C++ headers beside this file."""
