@@ -1,0 +1,234 @@
+"""The strategy ``table``: multiplication tables interpreted at run time, one call a product.
+
+A multivector is an array of all coefficients of the algebra and a bit for each grade in use, as in
+Gaigen. A product runs over the grades that both sides use and over the table's terms of each such
+pair of grades; nothing is known in advance about which coefficients are zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from motorcade.ga.algebra import Algebra
+from motorcade.ga.algebra.basis import grade_of
+from motorcade.ga.algebra.products import PRODUCTS, Masks
+from motorcade.ga.codegen.kernel import Precision
+from motorcade.ga.codegen.strategies.calls import SIGNS, CallWriter
+from motorcade.ga.codegen.strategies.files import files
+from motorcade.ga.codegen.strategies.record import Step
+from motorcade.ga.codegen.targets.shared.c_family import indented
+from motorcade.ga.script import Script
+
+__all__ = ["write"]
+
+
+def write(
+    script: Script, name: str, algebra: Algebra | None, precision: Precision | None
+) -> dict[str, str]:
+    """Names and texts of the source and the header of a script; see `compile_script`.
+
+    Raises:
+        ScriptError: what `evaluate` refuses.
+        ValueError: names that C or C++ keeps for itself, numbers too large for the precision.
+    """
+    return files(_TableWriter, "table", script, name, algebra, precision)
+
+
+_STRUCTS = """\
+/* All coefficients, by grade and then in the order of the basis; bit g: grade g is in use. */
+typedef struct {{ unsigned grades; {real} c[{size}]; }} {name}_mv;"""
+
+_TABLE = """\
+/* A term of a product: c[result] gains factor * a.c[left] * b.c[right]. */
+struct {name}_term {{ unsigned short left, right, result; {real} factor; }};
+
+/* Grades r and s have the terms from first[{grades} r + s] on; into has a bit for each grade they
+ * lead to. */
+struct {name}_table {{
+    const struct {name}_term *terms;
+    const unsigned *first, *into;
+}};"""
+
+_PRODUCT = """\
+static {name}_mv {name}_product(const struct {name}_table *table, const {name}_mv *a,
+                                const {name}_mv *b)
+{{
+    {name}_mv made = {{0, {{0}}}};
+    for (unsigned r = 0; r < {grades}; ++r) {{
+        if (!(a->grades >> r & 1)) continue;
+        for (unsigned s = 0; s < {grades}; ++s) {{
+            const unsigned pair = {grades} * r + s;
+            if (!(b->grades >> s & 1)) continue;
+            for (unsigned k = table->first[pair]; k < table->first[pair + 1]; ++k) {{
+                const struct {name}_term *t = &table->terms[k];
+                made.c[t->result] += t->factor * a->c[t->left] * b->c[t->right];
+            }}
+            made.grades |= table->into[pair];
+        }}
+    }}
+    return made;
+}}"""
+
+_SUM = """\
+static {name}_mv {name}_sum(const {name}_mv *a, {real} factor, const {name}_mv *b)
+{{
+    {name}_mv made = {{a->grades | b->grades, {{0}}}};
+    for (unsigned k = 0; k < {size}; ++k) made.c[k] = a->c[k] + factor * b->c[k];
+    return made;
+}}"""
+
+_SIGNED = """\
+static {name}_mv {name}_signed(const signed char *signs, const {name}_mv *a)
+{{
+    {name}_mv made = {{a->grades, {{0}}}};
+    for (unsigned k = 0; k < {size}; ++k) made.c[k] = signs[k] * a->c[k];
+    return made;
+}}"""
+
+_PART = """\
+static {name}_mv {name}_part(unsigned grades, unsigned count, const unsigned short *kept,
+                             {name}_mv a)
+{{
+    {name}_mv made = {{grades, {{0}}}};
+    for (unsigned k = 0; k < count; ++k) made.c[kept[k]] = a.c[kept[k]];
+    return made;
+}}"""
+
+
+class _TableWriter(CallWriter):
+    """Writes calls that take their operands by address and interpret a table."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        masks = (self.algebra.masks_of(blade)[0][0] for blade in self.algebra.blades)
+        self._place = {mask: k for k, mask in enumerate(masks)}
+        # Pairs of grades that a product meets, by its kind; kinds of sign; functions beside them.
+        self._tables: dict[str, set[tuple[int, int]]] = {}
+        self._signs: set[str] = set()
+        self._functions: set[str] = set()
+
+    def type_of(self, masks: Masks) -> str:
+        """One type for all."""
+        return f"{self.name}_mv"
+
+    def coefficient(self, number: int, mask: int) -> str:
+        """By its place among all coefficients."""
+        return f"v{number}.c[{self._place[mask]}]"
+
+    def given(self, masks: Masks, values: list[str]) -> str:
+        """All coefficients, those not given being zero."""
+        at = ", ".join(
+            f"[{self._place[mask]}] = {value}" for mask, value in zip(masks, values, strict=True)
+        )
+        return f"{{{_bits(masks)}, {{{at}}}}}"
+
+    def call(self, step: Step) -> str:
+        """A call; grades that are known to vanish are cut off its result."""
+        operands = [self._operand(number) for number in step.args]
+        if step.op in SIGNS:
+            self._signs.add(step.op)
+            made = f"{self.name}_signed({self.name}_{step.op}, {operands[0]})"
+        elif step.op == "part":
+            return self._part(step, f"v{step.args[0]}")
+        elif step.op in PRODUCTS:
+            self._meet(step)
+            made = f"{self.name}_product(&{self.name}_{step.op}, {', '.join(operands)})"
+        else:
+            self._functions.add("sum")
+            factor = self.dialect.constant(1.0 if step.op == "add" else -1.0)
+            made = f"{self.name}_sum({operands[0]}, {factor}, {operands[1]})"
+        if step.is_scalar:
+            return f"{made}.c[0]"
+        return (
+            made if self._grades(step) <= {*map(grade_of, step.masks)} else self._part(step, made)
+        )
+
+    def definitions(self) -> list[str]:
+        """The type, the tables of the grades that meet, and the functions."""
+        named = {
+            "name": self.name, "real": self.real, "size": len(self._place),
+            "grades": self.algebra.dimension + 1,
+        }  # fmt: skip
+        made = [_STRUCTS.format(**named)]
+        if self._tables:
+            made += [_TABLE.format(**named), *map(self._table, sorted(self._tables))]
+            made.append(_PRODUCT.format(**named))
+        if "sum" in self._functions:
+            made.append(_SUM.format(**named))
+        if self._signs:
+            made += [*map(self._sign_list, sorted(self._signs)), _SIGNED.format(**named)]
+        if "part" in self._functions:
+            made.append(_PART.format(**named))
+        return made
+
+    def _operand(self, number: int) -> str:
+        if self.record.steps[number].is_scalar:
+            return f"&(const {self.name}_mv){{1u, {{s{number}}}}}"
+        return f"&v{number}"
+
+    def _part(self, step: Step, operand: str) -> str:
+        self._functions.add("part")
+        places = ", ".join(str(self._place[mask]) for mask in step.masks)
+        kept = f"(const unsigned short[]){{{places}}}"
+        made = f"{self.name}_part({_bits(step.masks)}, {len(step.masks)}, {kept}, {operand})"
+        return f"{made}.c[0]" if step.is_scalar else made
+
+    def _grades(self, step: Step) -> set[int]:
+        """The grades that the operation leaves in use."""
+        sides = [self.record.steps[number].masks for number in step.args]
+        if step.op in PRODUCTS:
+            return {*map(grade_of, self.algebra.plan(step.op, sides[0], sides[1]).masks)}
+        return {grade_of(mask) for side in sides for mask in side}
+
+    def _meet(self, step: Step) -> None:
+        left, right = ({*map(grade_of, self.record.steps[k].masks)} for k in step.args)
+        self._tables.setdefault(step.op, set()).update((r, s) for r in left for s in right)
+
+    def _table(self, kind: str) -> str:
+        """The terms of a product, the first one of each pair of grades, and where they lead."""
+        count = self.algebra.dimension + 1
+        of_grade = [[m for m in self._place if grade_of(m) == grade] for grade in range(count)]
+        rows, first, into = [], [0], []
+        for pair in range(count * count):
+            grades = divmod(pair, count)
+            met = grades in self._tables[kind]
+            terms = self._terms(kind, of_grade[grades[0]], of_grade[grades[1]]) if met else []
+            rows += [self._row(*term) for term in terms]
+            into.append(sum(1 << g for g in {grade_of(term[2]) for term in terms}))
+            first.append(len(rows))
+        name = f"{self.name}_{kind}"
+        return "\n".join([
+            f"static const struct {self.name}_term {name}_terms[] = {{", *_lines(rows), "};",
+            f"static const unsigned {name}_first[] = {{", *_lines(map(str, first)), "};",
+            f"static const unsigned {name}_into[] = {{", *_lines(map(str, into)), "};",
+            f"static const struct {self.name}_table {name} = {{",
+            f"    {name}_terms, {name}_first, {name}_into", "};",
+        ])  # fmt: skip
+
+    def _terms(
+        self, kind: str, left: list[int], right: list[int]
+    ) -> list[tuple[int, int, int, float]]:
+        multiply = PRODUCTS[kind]
+        return [
+            (a, b, mask, factor)
+            for a in left for b in right for mask, factor in multiply(self.algebra.basis, a, b)
+        ]  # fmt: skip
+
+    def _row(self, left: int, right: int, result: int, factor: float) -> str:
+        places = ", ".join(str(self._place[mask]) for mask in (left, right, result))
+        return f"{{{places}, {self.dialect.constant(factor)}}}"
+
+    def _sign_list(self, kind: str) -> str:
+        signs = [str(SIGNS[kind](grade_of(mask))) for mask in self._place]
+        return "\n".join(
+            [f"static const signed char {self.name}_{kind}[] = {{", *_lines(signs), "};"]
+        )
+
+
+def _bits(masks: Masks) -> str:
+    return f"{sum(1 << grade for grade in {*map(grade_of, masks)})}u"
+
+
+def _lines(items: Iterable[str]) -> list[str]:
+    return indented([", ".join(items)])
