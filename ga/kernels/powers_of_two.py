@@ -13,9 +13,9 @@ __all__ = ["exp2_of_integer", "exponent"]
 def exp2_of_integer(n: NDArray[Any]) -> NDArray[Any]:
     """``2^n`` of whole numbers; 0 and infinity where that is no normal number."""
     limits = np.finfo(n.dtype)
-    kept = np.clip(n, limits.minexp - 1, limits.maxexp)
-    power = np.ldexp(n.dtype.type(1), kept.astype(np.int32))
-    return np.where(kept < limits.minexp, n.dtype.type(0), power)
+    least = limits.minexp - 1
+    biased = (np.clip(n, least, limits.maxexp) - least).astype(f"i{n.dtype.itemsize}")
+    return np.left_shift(biased, limits.nmant).view(n.dtype)
 
 
 def exponent(x: NDArray[Any]) -> NDArray[Any]:

@@ -13,6 +13,9 @@ from motorcade.ga import Motor, kernels
 from motorcade.ga.kernels import numpy_backend
 from motorcade.ga.kernels.generated.python import KERNELS
 
+# Where the blades of a similarity's logarithm stand in it.
+LOG_PLACES = (1, 2, 3, 4, 8, 9, 10)
+SCALES = (1.0, 1 + 1e-12, 1 - 1e-3, 0.25, 1.5, 4.0)
 pytestmark = pytest.mark.usefixtures("one_thread")
 DTYPES = (np.float32, np.float64)
 # Roundings differ where products are fused with sums, and grow with the number of operations.
@@ -35,17 +38,24 @@ def compiled() -> Callable[[str], Callable[..., None]]:
 
 
 def inputs_of(name: str, motors: np.ndarray, rng: np.random.Generator) -> list[np.ndarray]:
-    """Hard motors as a kernel's inputs, whatever their width; numbers are fractions in [0, 1]."""
+    """Hard motors as a kernel's inputs, whatever their width; numbers are fractions in (0, 1].
+
+    As similarities they grow and shrink by up to four.
+    """
     rows = motors.reshape(-1, 8)
     others = np.asarray(Motor.random(rng, (len(rows),)).coefficients, dtype=rows.dtype)
     made: list[np.ndarray] = []
     for width in KERNELS[name][1]:
         source = others if made else rows
-        made.append(rng.uniform(size=len(rows)).astype(rows.dtype) if width == 1 else source)
-        if width in (3, 6):
-            made[-1] = np.ascontiguousarray(source[:, 1 : 1 + width])
-        if width == 4:
-            made[-1] = np.ascontiguousarray(source[:, :4])
+        if width == 1:
+            made.append(1 - rng.uniform(size=len(rows)).astype(rows.dtype))
+        elif width in (7, 12):
+            scale = np.resize(SCALES[:: -1 if made else 1], len(rows)).astype(rows.dtype)
+            grown = kernels.similarity_of_motor(source, scale)
+            made.append(np.ascontiguousarray(grown[:, LOG_PLACES] if width == 7 else grown))
+        else:
+            first = 1 if width in (3, 6) else 0
+            made.append(np.ascontiguousarray(source[:, first : first + width]))
     return made
 
 
