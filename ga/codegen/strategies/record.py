@@ -251,7 +251,7 @@ class _Recorded(Multivector):
             return (~self)._divided(size.scalar_part())
         rest = tuple(mask for mask in size.masks if mask)
         if not any(self.algebra.symmetric_plan(rest, (1,) * len(rest)).masks):
-            mirrored = 2.0 * size.scalar_part() - size
+            mirrored: Multivector = 2.0 * size.scalar_part() - size
             divisor = size._product("geometric", mirrored, frozenset({0}))
             return (~self * mirrored)._divided(divisor.scalar_part())
         degree = 2 ** ((self.algebra.dimension + 1) // 2)
