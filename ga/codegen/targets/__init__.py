@@ -1,0 +1,26 @@
+"""Programs as source code: one module a target, each with ``write(program, precision)``.
+
+``write`` returns the text of each file by its name. Names from scripts are checked by `names`; no
+other text of a script gets into the code. `shared` holds what several targets need.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from motorcade.ga.codegen.kernel import Precision
+from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.targets import c, c_batch, casadi, glsl, numpy, torch
+
+__all__ = ["TARGETS", "Write"]
+
+Write = Callable[[Program, Precision | None], dict[str, str]]
+
+TARGETS: dict[str, Write] = {
+    "c": c.write,
+    "c-batch": c_batch.write,
+    "numpy": numpy.write,
+    "glsl": glsl.write,
+    "casadi": casadi.write,
+    "torch": torch.write,
+}

@@ -1,0 +1,91 @@
+"""C: one function of a row of scalars, C99, in double or single precision.
+
+``void name(double x, …, double out_A[nA], …)`` takes the variables in the order of first use and
+fills one array for each output that has components. The source needs no header; the header is for
+callers in C and C++. Outside a function's domain the results are NaN or infinite.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from motorcade.ga.codegen.expressions import statements
+from motorcade.ga.codegen.kernel import DOUBLE, Precision
+from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.targets.names import C_FUNCTIONS, C_NAMES, check_names
+from motorcade.ga.codegen.targets.shared.c_family import (
+    array_parameters,
+    array_slots,
+    array_stores,
+    comment,
+    declarations,
+    function,
+    indented,
+)
+from motorcade.ga.codegen.targets.shared.templates import C_LOGIC, Templates
+from motorcade.ga.codegen.targets.shared.text import description
+
+__all__ = ["c_dialect", "c_files", "write"]
+
+_TOLD = (
+    "",
+    "Variables are parameters of their own name; output A fills out_A, one number a blade, and",
+    "one without blades has no parameter.",
+)
+
+
+def write(program: Program, precision: Precision | None) -> dict[str, str]:
+    """Source and header, in double precision unless another is given.
+
+    Raises:
+        ValueError: names that C or C++ keeps for itself, numbers too large for the precision.
+    """
+    real = precision or DOUBLE
+    slots = array_slots(program)
+    check_names(program, C_NAMES, slots)
+    parameters = [f"{real.c} {operand.name}" for operand in program.tape.inputs]
+    parameters += array_parameters(program, real.c)
+    reserved = C_NAMES.words | {slot for _, slot in slots}
+    written = statements(program.tape, c_dialect(real), reserved)
+    unused = [o.name for o in program.tape.inputs if not program.tape.components_read(o.name)]
+    body = [
+        *(f"(void){name};" for name in unused),
+        *declarations(written.body, f"const {real.c}", "const _Bool"),
+        *array_stores(program, written.results),
+    ]
+    told = [*description(program, f"c --precision {real.numpy}"), *_TOLD]
+    head = function(program.name, parameters, "void")
+    return c_files(program.name, told, head, head, indented(body))
+
+
+def c_dialect(precision: Precision) -> Templates:
+    """C's operations, with the functions of ``math.h`` for the precision."""
+    suffix = "f" if precision.c == "float" else ""
+    return Templates(C_LOGIC, C_FUNCTIONS, precision, suffix=suffix)
+
+
+def c_files(
+    name: str, told: Sequence[str], declared: str, defined: str, body: Sequence[str]
+) -> dict[str, str]:
+    """Source and header of one function; the source declares it too and needs no header."""
+    guard = f"MOTORCADE_{name}_H"
+    include = ["#include <stddef.h>", ""] if "size_t " in declared else []
+    source = [
+        comment(told),
+        "#include <math.h>",
+        *(include or [""]),
+        f"{declared};",
+        "",
+        defined,
+        "{",
+    ]
+    header = [
+        *[comment(told), f"#ifndef {guard}", f"#define {guard}", "", *include],
+        *["#ifdef __cplusplus", 'extern "C" {', "#endif", ""],
+        *[f"{declared};", ""],
+        *["#ifdef __cplusplus", "}", "#endif", "", f"#endif /* {guard} */"],
+    ]
+    return {
+        f"{name}.c": "\n".join([*source, *body, "}"]) + "\n",
+        f"{name}.h": "\n".join(header) + "\n",
+    }

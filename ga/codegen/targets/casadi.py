@@ -1,0 +1,67 @@
+"""CasADi: a module with one function that returns a ``casadi.Function``, to differentiate further.
+
+The function's inputs are the variables and its outputs those of the script, all by name. An output
+is a column of its components; one without components is an empty column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from motorcade.ga.codegen.expressions import statements
+from motorcade.ga.codegen.kernel import DOUBLE, Precision
+from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.targets.names import check_names, python_names
+from motorcade.ga.codegen.targets.shared.python_module import assignments, listed, module
+from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, SAME_NAMES, Templates
+from motorcade.ga.codegen.targets.shared.text import WIDTH, description, wrapped
+
+__all__ = ["write"]
+
+_FUNCTIONS = SAME_NAMES | {
+    "abs": "fabs", "min": "fmin", "max": "fmax", "and": "logic_and", "or": "logic_or",
+    "not": "logic_not", "select": "if_else",
+}  # fmt: skip
+_NAMES = python_names("ca", modules=["casadi", "null", "jac", "hess"], underscores=True)
+
+
+def write(program: Program, precision: Precision | None) -> dict[str, str]:
+    """The module, in double precision, which is the only one that CasADi has.
+
+    Raises:
+        ValueError: another precision, names that Python, CasADi or the module keeps for itself.
+    """
+    if precision not in (None, DOUBLE):
+        raise ValueError(f"target casadi: expected precision float64, got {precision.numpy}")
+    check_names(program, _NAMES)
+    written = statements(
+        program.tape, Templates(COMPARISONS, _FUNCTIONS, prefix="ca."), _NAMES.words
+    )
+    variables = [operand.name for operand in program.tape.inputs]
+    outputs = [operand.name for operand in program.tape.outputs]
+    # CasADi wants to be told that an input and an output may have one name.
+    shared = ', {"allow_duplicate_io_names": True}' if {*variables} & {*outputs} else ""
+    body = [
+        *(f'{name} = ca.SX.sym("{name}")' for name in variables),
+        *assignments(written.body),
+        "_columns = [",
+        *(f"    {line}" for row in written.results for line in _column(row)),
+        "]",
+        *listed(f"_inputs = [{', '.join(variables)}]"),
+        *listed(f"_names = [{', '.join(map(_quoted, variables))}]"),
+        *listed(f"_results = [{', '.join(map(_quoted, outputs))}]"),
+        f'return ca.Function("{program.name}", _inputs, _columns, _names, _results{shared})',
+    ]
+    told = description(program, "casadi")
+    text = module(program, told, "import casadi as ca", [], "The program, by named inputs.", body)
+    return {f"{program.name}.py": text}
+
+
+def _column(row: Sequence[str]) -> list[str]:
+    """A dense column of these components; the empty one in front makes it SX whatever they are."""
+    rows = [line for value in row for line in wrapped(f"    {value},", WIDTH - 12, " " * 8)]
+    return ["ca.densify(ca.vertcat(", "    ca.SX(0, 1),", *rows, ")),"]
+
+
+def _quoted(name: str) -> str:
+    return f'"{name}"'

@@ -1,0 +1,54 @@
+"""GLSL: one function for shaders of GLSL 3.30 or later, or GLSL ES 3.00 or later.
+
+``void name(float x, …, out float out_A[nA], …)`` takes the variables in the order of first use and
+fills one array for each output that has components. ES shaders say ``precision highp float;``
+first. How exact sin, exp and the like are, GLSL leaves to the driver.
+"""
+
+from __future__ import annotations
+
+from motorcade.ga.codegen.expressions import statements
+from motorcade.ga.codegen.kernel import SINGLE, Precision
+from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.targets.names import GLSL_NAMES, check_names
+from motorcade.ga.codegen.targets.shared.c_family import (
+    array_parameters,
+    array_slots,
+    array_stores,
+    comment,
+    declarations,
+    function,
+    indented,
+)
+from motorcade.ga.codegen.targets.shared.templates import C_LOGIC, SAME_NAMES, Templates
+from motorcade.ga.codegen.targets.shared.text import description
+
+__all__ = ["write"]
+
+_FUNCTIONS = SAME_NAMES | {"abs": "abs", "min": "min", "max": "max", "atan2": "atan"}
+_TOLD = ("", "Output A fills out_A, one number a blade; one without blades has no parameter.")
+
+
+def write(program: Program, precision: Precision | None) -> dict[str, str]:
+    """The function, in single precision.
+
+    Raises:
+        ValueError: another precision, names that GLSL keeps for itself, numbers too large.
+    """
+    if precision not in (None, SINGLE):
+        raise ValueError(f"target glsl: expected precision float32, got {precision.numpy}")
+    slots = array_slots(program)
+    check_names(program, GLSL_NAMES, slots)
+    parameters = [f"float {operand.name}" for operand in program.tape.inputs]
+    parameters += array_parameters(program, "out float")
+    dialect = Templates(C_LOGIC, _FUNCTIONS, SINGLE)
+    written = statements(program.tape, dialect, GLSL_NAMES.words | {slot for _, slot in slots})
+    lines = [
+        comment([*description(program, "glsl"), *_TOLD]),
+        function(program.name, parameters, ""),
+        "{",
+        *indented(declarations(written.body, "float", "bool")),
+        *indented(array_stores(program, written.results)),
+        "}",
+    ]
+    return {f"{program.name}.glsl": "\n".join(lines) + "\n"}

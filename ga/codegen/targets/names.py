@@ -1,0 +1,106 @@
+"""Names from scripts in generated code: those that a language needs for itself are refused.
+
+A variable becomes a parameter of its own name, the script's file name becomes the function's.
+Outputs get names of their own making (``out_A``), or are text in dictionaries.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.targets.shared.templates import SAME_NAMES
+from motorcade.ga.codegen.targets.shared.words import (
+    C_LIBRARY,
+    C_WORDS,
+    GLSL_WORDS,
+    PYTHON_WORDS,
+)
+
+__all__ = ["C_FUNCTIONS", "C_NAMES", "GLSL_NAMES", "Reserved", "check_names", "file_identifier",
+           "python_names"]  # fmt: skip
+
+C_FUNCTIONS = SAME_NAMES | {"abs": "fabs", "min": "fmin", "max": "fmax"}
+
+
+@dataclass(frozen=True)
+class Reserved:
+    """What a language keeps: `words` altogether, `functions` as names of functions only.
+
+    Where it keeps `underscores`, names that begin with one or hold two in a row are its own, and
+    so are those that begin with ``gl_``.
+    """
+
+    language: str
+    words: frozenset[str]
+    functions: frozenset[str] = frozenset()
+    underscores: bool = False
+
+    def keeps(self, name: str) -> bool:
+        """Whether no variable can have the name."""
+        return name in self.words or self.keeps_form(name)
+
+    def keeps_form(self, name: str) -> bool:
+        """Whether nothing can have the name, nor one made of it."""
+        return self.underscores and (name.startswith(("_", "gl_")) or "__" in name)
+
+
+C_NAMES = Reserved(
+    "C or C++",
+    C_WORDS | {f"{name}{kind}" for name in C_FUNCTIONS.values() for kind in ("", "f")},
+    C_LIBRARY,
+    underscores=True,
+)
+GLSL_NAMES = Reserved("GLSL", GLSL_WORDS, underscores=True)
+
+
+def python_names(*used: str, modules: Sequence[str] = (), underscores: bool = False) -> Reserved:
+    """What Python keeps and a module uses; no file is named as one of `modules`."""
+    return Reserved("Python code", PYTHON_WORDS | set(used), frozenset(modules), underscores)
+
+
+def check_names(
+    program: Program, reserved: Reserved, slots: Sequence[tuple[str, str]] = ()
+) -> None:
+    """Refuse what a language keeps, and names that the generated code needs twice.
+
+    `slots` are parameters with names of their own: the output or variable that each belongs to,
+    and its name.
+
+    Raises:
+        ValueError: naming the name to use instead.
+    """
+    variables = {operand.name for operand in program.tape.inputs}
+    taken = variables | {slot for _, slot in slots}
+    why = f"is reserved in {reserved.language}"
+    if reserved.keeps(program.name) or program.name in reserved.functions:
+        raise _refused(program.name, why, reserved, reserved.functions)
+    for name in sorted(variables):
+        if reserved.keeps(name):
+            raise _refused(name, why, reserved, taken)
+        if any(slot == name for _, slot in slots):
+            raise _refused(name, "is a name that the generated code uses", reserved, taken)
+    owners: dict[str, str] = {}
+    for owner, slot in slots:
+        if reserved.keeps_form(owner):
+            raise _refused(owner, why, reserved, taken)
+        if owners.setdefault(slot, owner) != owner:
+            why = f"and {owners[slot]} have one parameter, {slot}, in the generated code"
+            raise _refused(owner, why, reserved, taken)
+
+
+def file_identifier(name: str) -> str:
+    """An identifier like the name of a file, to propose where that is none."""
+    made = re.sub("[^A-Za-z0-9_]+", "_", name).strip("_") or "script"
+    return made if not made[0].isdigit() else f"script_{made}"
+
+
+def _refused(name: str, why: str, reserved: Reserved, taken: Collection[str]) -> ValueError:
+    free = name
+    if reserved.keeps_form(free):
+        free = re.sub("_+", "_", free.removeprefix("gl_")).strip("_") or "x"
+    while free == name or reserved.keeps(free) or free in taken:
+        free += "_" if not free.endswith("_") else "0"
+    return ValueError(f"{name} {why}: rename {name} to {free}")

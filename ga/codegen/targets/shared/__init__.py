@@ -1,0 +1,1 @@
+"""What several targets share: text, dialects made of templates, C and Python around statements."""

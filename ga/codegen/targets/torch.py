@@ -1,0 +1,82 @@
+"""torch: a module with one function of tensors, which broadcast and can be differentiated.
+
+The function returns a dictionary of its outputs, each a dictionary of its blades. Every component
+has the shape to which all variables broadcast together, constant ones too, and the variables'
+device. Without a precision the type is what torch promotes the variables to. Where a choice leaves
+out a branch that is not finite, its gradient is NaN: torch multiplies it by zero.
+"""
+
+from __future__ import annotations
+
+from motorcade.ga.codegen.expressions import statements
+from motorcade.ga.codegen.kernel import Precision
+from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.targets.names import check_names, python_names
+from motorcade.ga.codegen.targets.shared.python_module import (
+    ArrayTemplates,
+    assignments,
+    listed,
+    module,
+    nested_results,
+)
+from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, SAME_NAMES
+from motorcade.ga.codegen.targets.shared.text import description
+
+__all__ = ["write"]
+
+_FUNCTIONS = SAME_NAMES | {
+    "abs": "abs", "min": "fmin", "max": "fmax", "and": "logical_and", "or": "logical_or",
+    "not": "logical_not", "select": "where",
+}  # fmt: skip
+_NAMES = python_names(
+    "torch", "sum", "TypeError", "_full", "_given", "_number", "_shape", "_value", "_zero",
+    modules=["torch"],
+)  # fmt: skip
+
+
+def write(program: Program, precision: Precision | None) -> dict[str, str]:
+    """The module; it computes in the precision, or in that of the variables where it is None.
+
+    Raises:
+        ValueError: names that Python or the module keeps for itself, numbers too large.
+    """
+    check_names(program, _NAMES)
+    dialect = ArrayTemplates(COMPARISONS, _FUNCTIONS, precision, prefix="torch.")
+    written = statements(program.tape, dialect, _NAMES.words)
+    variables = [operand.name for operand in program.tape.inputs]
+    body = [
+        *_opening(program.name, variables, precision),
+        *assignments(written.body),
+        *nested_results(program, written.results),
+    ]
+    told = description(program, "torch" + (f" --precision {precision.numpy}" if precision else ""))
+    summary = "Outputs by name, each a dictionary of its blades; variables are tensors."
+    text = module(program, told, "import torch", variables, summary, body)
+    return {f"{program.name}.py": text}
+
+
+def _opening(name: str, variables: list[str], precision: Precision | None) -> list[str]:
+    """Lines that bring the variables to one type; a zero carries it, and the device."""
+    kind = f"torch.{precision.numpy}" if precision else "torch.get_default_dtype()"
+    if not variables:
+        return [f"_zero = torch.zeros((), dtype={kind})", "_shape = ()", *_CLOSING]
+    return [
+        *listed(f"_given = [{', '.join(variables)}]"),
+        "_zero = sum(_value.detach().new_zeros(()) for _value in _given)",
+        "if _zero.is_complex():",
+        f'    raise TypeError(f"{name}: expected real numbers, got {{_zero.dtype}}")',
+        *([] if precision else ["if not _zero.is_floating_point():"]),
+        f"{'' if precision else '    '}_zero = _zero.to({kind})",
+        "_given = [_value.to(_zero.dtype) for _value in _given]",
+        *listed(f"[{', '.join(variables)}] = _given"),
+        "_shape = torch.broadcast_shapes(*[_value.shape for _value in _given])",
+        *_CLOSING,
+    ]
+
+
+_CLOSING = (
+    "_number = _zero.new_tensor",
+    "def _full(_value):",
+    "    _value = torch.as_tensor(_value, dtype=_zero.dtype, device=_zero.device)",
+    "    return _value.expand(_shape).clone()",
+)
