@@ -7,11 +7,11 @@ from motorcade.ga.codegen.kernel import DOUBLE, Precision
 from motorcade.ga.codegen.program import Program, compile_script
 from motorcade.ga.codegen.strategies.calls import CallWriter
 from motorcade.ga.codegen.strategies.record import record
-from motorcade.ga.codegen.targets.c import c_dialect, header
+from motorcade.ga.codegen.targets.c import c_dialect, c_files
 from motorcade.ga.codegen.targets.names import C_NAMES, check_names
 from motorcade.ga.codegen.targets.shared.c_family import (
     array_parameters,
-    comment,
+    array_slots,
     function,
     indented,
 )
@@ -32,16 +32,15 @@ def files(
     """Source and header; the function takes and gives what the script's program does."""
     real = precision or DOUBLE
     program = compile_script(script, name, algebra)
-    check_names(program, C_NAMES, [(o.name, f"out_{o.name}") for o in program.tape.outputs])
+    check_names(program, C_NAMES, array_slots(program))
     variables = [operand.name for operand in program.tape.inputs]
     made = writer(record(script, program.algebra, variables), name, real, c_dialect(real))
-    told = comment(description(program, f"c --strategy {strategy} --precision {real.numpy}"))
     parameters = [f"{real.c} {variable}" for variable in variables]
     head = function(name, [*parameters, *array_parameters(program, real.c)], "void")
+    told = description(program, f"c --strategy {strategy} --precision {real.numpy}")
     steps = _steps(program, made)
-    parts = [f"{told}\n#include <math.h>", f"{head};", *made.definitions(), steps]
-    parts.append("\n".join([head, "{", *indented(_body(program, made)), "}"]))
-    return {f"{name}.c": "\n\n".join(parts) + "\n", f"{name}.h": header(name, told, f"{head};")}
+    defined = "\n\n".join([*made.definitions(), steps, head])
+    return c_files(name, told, head, defined, indented([_call(program, made)]))
 
 
 def _inner(program: Program) -> str:
@@ -64,8 +63,8 @@ def _steps(program: Program, made: CallWriter) -> str:
     return "\n".join([head, "{", *indented(body), "}"])
 
 
-def _body(program: Program, made: CallWriter) -> list[str]:
+def _call(program: Program, made: CallWriter) -> str:
     variables = ", ".join(operand.name for operand in program.tape.inputs) or "0"
     outputs = [f"out_{operand.name}" for operand in program.tape.outputs if operand.components]
-    values = f"(const {made.real}[]){{{variables}}}"
-    return [f"{_inner(program)}({', '.join([values, *outputs])});"]
+    arguments = [f"(const {made.real}[]){{{variables}}}", *outputs]
+    return f"{_inner(program)}({', '.join(arguments)});"
