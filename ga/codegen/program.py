@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from motorcade.ga.algebra import Algebra, Multivector
+from motorcade.ga.codegen.passes.optimize import optimized
 from motorcade.ga.codegen.passes.stats import PassStats
-from motorcade.ga.codegen.tape import Operand, Tape
+from motorcade.ga.codegen.tape import Node, Operand, Tape
 from motorcade.ga.codegen.trace import tape_of
 from motorcade.ga.script import Script, evaluate
 from motorcade.ga.script.meaning import algebra_of, free_variables
@@ -87,8 +88,9 @@ def program_of(
         operands.append(Operand(output, tuple(blade for blade, _ in kept)))
         rows.append([value for _, value in kept])
     tape = tape_of(name, inputs, tuple(operands), symbols, rows)
+    tape, passes = optimized(tape)
     _check_finite(name, tape)
-    return Program(name, algebra, tape, ())
+    return Program(name, algebra, tape, passes)
 
 
 def _is_zero(value: Any) -> bool:
@@ -99,3 +101,5 @@ def _check_finite(name: str, tape: Tape) -> None:
     for node in tape.nodes:
         if node.op == "const" and not math.isfinite(node.value):
             raise ValueError(f"{name}: expected finite values, got {node.value} for any variables")
+        if node.op == "div" and tape.nodes[node.args[1]] == Node("const", value=0.0):
+            raise ValueError(f"{name}: expected divisors that are not zero for all variables")

@@ -8,8 +8,11 @@ type that they write for.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+
+from motorcade.ga.codegen.folding import folded
 
 __all__ = ["BOOLEANS", "Node", "Operand", "Tape", "TapeBuilder"]
 
@@ -120,8 +123,10 @@ class TapeBuilder:
 
     def _quotients_once(self, results: Sequence[Sequence[int]]) -> list[list[int]]:
         """Several quotients by one number become products with its reciprocal."""
-        divisors = [node.args[1] for node in self.nodes if node.op == "div"]
-        shared = {index for index in divisors if divisors.count(index) > 1}
+        divisors = Counter(node.args[1] for node in self.nodes if node.op == "div")
+        shared = {index for index, count in divisors.items() if count > 1}
+        if not shared:
+            return [list(row) for row in results]
         known = tuple(self.nodes)
         self.nodes, self._known = [], {}
         place: dict[int, int] = {}
@@ -148,15 +153,25 @@ class TapeBuilder:
         return found
 
     def _simplified(self, op: str, args: tuple[int, ...]) -> int | None:
+        if all(self.nodes[index].op == "const" for index in args):
+            value = folded(op, [self.nodes[index].value for index in args])
+            if value is not None:
+                return self.constant(value)
         if op == "neg":
             return self._negated(args[0])
         if op == "add":
             return self._sum(*args)
-        if op == "sub" and self.nodes[args[1]].op == "neg":
-            return self.operation("add", args[0], self._inside(args[1]))
+        if op == "sub":
+            return self._difference(*args)
         if op in ("mul", "div"):
             return self._scaled(op, *args)
-        return None
+        if op in ("select", "keep"):
+            return self._decided(*args)
+        if op == "abs" and self.nodes[args[0]].op in ("neg", "abs"):
+            return self.operation("abs", self._inside(args[0]))
+        if op in ("min", "max", "and", "or") and args[0] == args[1]:
+            return args[0]
+        return self._inside(args[0]) if op == self.nodes[args[0]].op == "not" else None
 
     def _inside(self, index: int) -> int:
         return self.nodes[index].args[0]
@@ -175,7 +190,31 @@ class TapeBuilder:
             return self.operation("sub", node.args[1], node.args[0])
         return None
 
+    def _difference(self, first: int, second: int) -> int | None:
+        if first == second:
+            return self.constant(0.0)
+        if self._is(second, 0.0):
+            return first
+        if self._is(first, 0.0):
+            return self.operation("neg", second)
+        if self.nodes[second].op == "neg":
+            return self.operation("add", first, self._inside(second))
+        return None
+
+    def _decided(self, condition: int, chosen: int, otherwise: int | None = None) -> int | None:
+        """A choice of which the condition is a number, or both branches are one."""
+        node = self.nodes[condition]
+        if node.op == "const":
+            rest = self.constant(0.0) if otherwise is None else otherwise
+            return chosen if node.value else rest
+        if chosen == otherwise or (otherwise is None and self._is(chosen, 0.0)):
+            return chosen
+        return None
+
     def _sum(self, first: int, second: int) -> int | None:
+        for kept, other in ((first, second), (second, first)):
+            if self._is(other, 0.0):
+                return kept
         chosen = self._chosen(first, second) or self._chosen(second, first)
         if chosen is not None:
             return chosen
@@ -196,6 +235,8 @@ class TapeBuilder:
         return self.operation("select", one.args[0], one.args[1], other.args[1])
 
     def _scaled(self, op: str, first: int, second: int) -> int | None:
+        if self._is(first, 0.0) or (op == "mul" and self._is(second, 0.0)):
+            return self.constant(0.0)
         for factor, rest in ((second, first), (first, second))[: 2 if op == "mul" else 1]:
             if self._is(factor, 1.0):
                 return rest

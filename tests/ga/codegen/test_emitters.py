@@ -20,7 +20,7 @@ from motorcade.ga.codegen.emit_numpy import numpy_source
 from motorcade.ga.codegen.fit import fitted, horner
 from motorcade.ga.codegen.kernel import DOUBLE, PRECISIONS, SINGLE, Kernel, Precision
 from motorcade.ga.codegen.library import GENERATED
-from motorcade.ga.codegen.optimize import collected
+from motorcade.ga.codegen.passes.like_terms import collected
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.trace import trace
 

@@ -1,0 +1,109 @@
+"""Divisions: all quotients by one number become products with its reciprocal.
+
+Where that saves divisions, reciprocals of products become products of reciprocals: 1/s and
+1/(s s) need one division together, 1/√n and 1/n too.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from motorcade.ga.codegen.passes.forms import Coefficient, Form, Forms, Monomial
+from motorcade.ga.codegen.passes.rebuild import copied
+from motorcade.ga.codegen.tape import Node, Tape, TapeBuilder
+
+__all__ = ["as_reciprocals", "with_quotients"]
+
+
+def as_reciprocals(tape: Tape) -> Tape:
+    """The tape with ``x / d`` written ``x (1/d)``, every reciprocal once."""
+    forms = Forms(tape)
+    divisors = {node.args[1]: _monomial(forms, node.args[1]) for node in _quotients(tape)}
+    split = _worth_splitting([found for found in divisors.values() if found])
+    builder = TapeBuilder()
+    place: list[int] = []
+    for index, node in enumerate(tape.nodes):
+        args = tuple(place[k] for k in node.args)
+        found = divisors.get(node.args[1]) if node.op == "div" else None
+        if node.op != "div":
+            made = copied(tape, index, args, builder)
+        elif tape.nodes[node.args[1]].op == "const" or not (found and found[0] in split):
+            made = _over(builder, args[0], args[1])
+        else:
+            monomial, coefficient = found
+            made = args[0]
+            for factor in monomial:
+                made = _over(builder, made, place[factor])
+            scale = builder.constant(float(1 / Fraction(coefficient)))
+            made = builder.operation("mul", scale, made)
+        place.append(made)
+    results = [[place[k] for k in row] for row in tape.results]
+    return builder.finished(tape.inputs, tape.outputs, results)
+
+
+def with_quotients(tape: Tape) -> Tape:
+    """The tape with ``x (1/d)`` written ``x / d`` where the reciprocal serves only once."""
+    uses = tape.uses()
+    builder = TapeBuilder()
+    place: list[int] = []
+    for index, node in enumerate(tape.nodes):
+        made = None
+        for factor, rest in (node.args, node.args[::-1]) if node.op == "mul" else ():
+            inner = tape.nodes[factor]
+            if uses[factor] == 1 and inner.op == "div" and _is_one(tape, inner.args[0]):
+                made = builder.operation("div", place[rest], place[inner.args[1]])
+                break
+        if made is None:
+            made = copied(tape, index, tuple(place[k] for k in node.args), builder)
+        place.append(made)
+    results = [[place[k] for k in row] for row in tape.results]
+    return builder.finished(tape.inputs, tape.outputs, results)
+
+
+def _quotients(tape: Tape) -> list[Node]:
+    return [node for node in tape.nodes if node.op == "div"]
+
+
+def _is_one(tape: Tape, index: int) -> bool:
+    node = tape.nodes[index]
+    return node.op == "const" and node.value == 1.0
+
+
+def _over(builder: TapeBuilder, above: int, below: int) -> int:
+    if builder.nodes[below].op == "const":
+        return builder.operation("div", above, below)
+    reciprocal = builder.operation("div", builder.constant(1.0), below)
+    return builder.operation("mul", above, reciprocal)
+
+
+def _monomial(forms: Forms, index: int) -> tuple[Monomial, Coefficient] | None:
+    """A divisor as a product, its factors written as square roots where there are such; or None."""
+    form: Form = forms.factor(index)
+    if len(form) != 1:
+        return None
+    ((monomial, coefficient),) = form.items()
+    if Fraction(coefficient).numerator & (Fraction(coefficient).numerator - 1):
+        return None
+    return monomial, coefficient
+
+
+def _worth_splitting(found: list[tuple[Monomial, Coefficient]]) -> set[Monomial]:
+    """The products that share factors so that fewer reciprocals serve all of them."""
+    distinct = sorted({monomial for monomial, _ in found})
+    split: set[Monomial] = set()
+    for group in _connected(distinct):
+        factors = {factor for monomial in group for factor in monomial}
+        if len(factors) < len(group) or all(len(set(monomial)) == 1 for monomial in group):
+            split.update(group)
+    return split
+
+
+def _connected(monomials: list[Monomial]) -> list[list[Monomial]]:
+    """The products in groups that share no factor with one another."""
+    groups: list[tuple[set[int], list[Monomial]]] = []
+    for monomial in monomials:
+        touched = [group for group in groups if group[0] & set(monomial)]
+        groups = [group for group in groups if group not in touched]
+        factors = set(monomial).union(*(group[0] for group in touched))
+        groups.append((factors, [m for group in touched for m in group[1]] + [monomial]))
+    return [group for _, group in groups]

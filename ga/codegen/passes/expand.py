@@ -1,0 +1,149 @@
+"""Like terms: sums are multiplied out where terms cancel or join, and only there.
+
+For every sum, the sums among its factors are multiplied out, those made last first, a level at a
+time. The level at which it takes the fewest operations is kept; what nothing uses any more is
+gone. Equal or worse levels are not taken, so that numbers which are factored well stay so.
+"""
+
+from __future__ import annotations
+
+from motorcade.ga.codegen.passes.forms import Coefficient, Form, Forms, Monomial, form_cost
+from motorcade.ga.codegen.passes.rebuild import copied
+from motorcade.ga.codegen.tape import Tape, TapeBuilder
+
+__all__ = ["expanded"]
+
+_MOST_TERMS = 96
+_MOST_LEVELS = 5
+_SUMS = frozenset({"add", "sub", "neg", "mul"})
+
+
+def expanded(tape: Tape) -> Tape:
+    """The tape with sums multiplied out where that leaves fewer operations."""
+    expander = _Expander(tape)
+    return _written(tape, expander.forms)
+
+
+class _Expander(Forms):
+    """Forms, each at its cheapest level."""
+
+    def __init__(self, tape: Tape) -> None:
+        self._heights: list[int] = []
+        self._inside = _only_terms(tape)
+        super().__init__(tape)
+
+    def form(self, index: int) -> Form:
+        made = super().form(index)
+        node = self.tape.nodes[index]
+        if node.op in _SUMS and not self._inside[index]:
+            made = self._cheapest(made)
+        below = max((self._heights[k] for k in node.args), default=0)
+        if node.op in _SUMS:
+            below = max((self._heights[k] for m in made for k in m if k < index), default=0)
+        self._heights.append(below + (len(made) > 1))
+        return made
+
+    def _cheapest(self, form: Form) -> Form:
+        best, least = form, self._cost(form)
+        for _ in range(_MOST_LEVELS):
+            wider = self._one_level(form)
+            if wider is None:
+                break
+            form = wider
+            cost = self._cost(form)
+            if cost < least:
+                best, least = form, cost
+        return best
+
+    def _cost(self, form: Form) -> int:
+        """The operations of a form and of the sums that only it needs."""
+        factors = {factor for monomial in form for factor in monomial}
+        alone = (k for k in factors if self.uses[k] == 1 and self.is_expandable(k))
+        return form_cost(form) + sum(self._cost(self.forms[k]) for k in alone)
+
+    def is_expandable(self, index: int) -> bool:
+        """Whether a factor is a sum that can be multiplied out."""
+        return len(self.forms[index]) > 1
+
+    def _one_level(self, form: Form) -> Form | None:
+        """The form with its highest sums multiplied out; None where none are or it grows long."""
+        sums = {k for monomial in form for k in monomial if self.is_expandable(k)}
+        if not sums:
+            return None
+        highest = max(self._heights[k] for k in sums)
+        chosen = frozenset(k for k in sums if self._heights[k] == highest)
+        total: Form = {}
+        for monomial, coefficient in form.items():
+            terms = self._multiplied_out(monomial, coefficient, chosen)
+            if terms is None:
+                return None
+            for other, value in terms.items():
+                value = total.get(other, 0) + value
+                if value:
+                    total[other] = value
+                else:
+                    total.pop(other, None)
+            if len(total) > _MOST_TERMS:
+                return None
+        return total
+
+    def _multiplied_out(
+        self, monomial: Monomial, coefficient: Coefficient, chosen: frozenset[int]
+    ) -> Form | None:
+        made: Form = {tuple(k for k in monomial if k not in chosen): coefficient}
+        for factor in monomial:
+            if factor in chosen:
+                if len(made) * len(self.forms[factor]) > _MOST_TERMS:
+                    return None
+                made = self.product(made, self.forms[factor])
+        return made
+
+
+def _only_terms(tape: Tape) -> list[bool]:
+    """Which nodes are only written out in one sum: they need no form of their own."""
+    uses = tape.uses()
+    inside = [False] * len(tape.nodes)
+    for node in tape.nodes:
+        if node.op in ("add", "sub", "neg"):
+            for k in node.args:
+                inside[k] = uses[k] == 1
+    return inside
+
+
+def _written(tape: Tape, forms: list[Form]) -> Tape:
+    """The forms as operations, terms and factors in their order."""
+    builder = TapeBuilder()
+    place: dict[int, int] = {}
+    waiting = [k for row in reversed(tape.results) for k in reversed(row)]
+    while waiting:
+        index = waiting[-1]
+        form = forms[index]
+        atom = (index,) in form and len(form) == 1
+        needed = tape.nodes[index].args if atom else [k for m in form for k in m]
+        missing = [k for k in needed if k not in place]
+        if missing:
+            waiting.extend(reversed(missing))
+            continue
+        waiting.pop()
+        if index not in place:
+            place[index] = (
+                copied(tape, index, tuple(place[k] for k in needed), builder)
+                if atom
+                else write_form(form, place, builder)
+            )
+    results = [[place[k] for k in row] for row in tape.results]
+    return builder.finished(tape.inputs, tape.outputs, results)
+
+
+def write_form(form: Form, place: dict[int, int], builder: TapeBuilder) -> int:
+    """A form as operations: positive terms first, so that sums need no sign in front."""
+    total: int | None = None
+    for monomial, coefficient in sorted(form.items(), key=lambda term: term[1] < 0):
+        term = builder.constant(float(abs(coefficient)))
+        for factor in monomial:
+            term = builder.operation("mul", term, place[factor])
+        if total is None:
+            total = builder.operation("neg", term) if coefficient < 0 else term
+        else:
+            total = builder.operation("sub" if coefficient < 0 else "add", total, term)
+    return builder.constant(0.0) if total is None else total

@@ -1,0 +1,189 @@
+"""Exact values of all nodes of a tape at random points of a finite field.
+
+Inputs take random values in GF(p), p = 2^61 - 1, and everything rational is computed exactly. Two
+rational functions of degrees up to D that differ agree at one random point with a probability of
+at most D / p (Schwartz 1980, Zippel 1979), hence at all three with at most (D / p)³. Nodes whose
+degree may exceed 2^32 count as unknown, so that one comparison errs with less than 2^-87, and all
+of a tape of a million nodes with less than 2^-47.
+
+Operations that are not rational become unknowns that are told apart by their operation and the
+values of their arguments, but for what is known of them: sin and cos of one argument are a random
+rational point of the unit circle, tan is their quotient, exp(-x) is 1/exp(x), sin, tan, asin and
+atan are odd, cos and abs even, a square root is a root in GF(p²). The last two leave a sign open:
+``sqrt(x²)`` has the value of x or of -x. Nodes that depend on such a choice are `uncertain`: their
+agreement is a guess that needs another proof (see `witness`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.ga.codegen.passes import field
+from motorcade.ga.codegen.passes.field import Element
+from motorcade.ga.codegen.passes.signs import nonnegative_nodes
+from motorcade.ga.codegen.tape import Node, Tape
+
+__all__ = ["POINTS", "Fingerprint", "Fingerprints", "fingerprints"]
+
+POINTS = 3
+_SEED = 20170214
+_HIGHEST_DEGREE = 1 << 32
+_TRIES = 8
+
+Fingerprint = tuple[Element, ...]
+
+
+@dataclass(frozen=True)
+class Fingerprints:
+    """For each node its values at the points, and whether a sign was guessed on the way to it."""
+
+    values: tuple[Fingerprint, ...]
+    uncertain: tuple[bool, ...]
+
+
+def fingerprints(tape: Tape) -> Fingerprints:
+    """The values of all nodes; the same for the same tape."""
+    nonnegative = nonnegative_nodes(tape)
+    unbounded = _of_high_degree(tape)
+    random = np.random.default_rng(_SEED)
+    columns = []
+    for _ in range(POINTS):
+        for left in reversed(range(_TRIES)):
+            point = _Point(tape, nonnegative, unbounded, random)
+            if point.computed(strict=left > 0):
+                break
+        columns.append(point.values)
+    uncertain: list[bool] = []
+    for node in tape.nodes:
+        guessed = node.op == "sqrt" or (node.op == "abs" and not nonnegative[node.args[0]])
+        uncertain.append(guessed or any(uncertain[k] for k in node.args))
+    return Fingerprints(tuple(zip(*columns, strict=True)), tuple(uncertain))
+
+
+def _of_high_degree(tape: Tape) -> list[bool]:
+    """Which nodes count as unknown because their degree may be too high."""
+    degrees: list[tuple[int, int]] = []
+    found: list[bool] = []
+    for node in tape.nodes:
+        above, below = _degrees(node, [degrees[k] for k in node.args])
+        found.append(max(above, below) > _HIGHEST_DEGREE)
+        degrees.append((1, 0) if found[-1] else (above, below))
+    return found
+
+
+def _degrees(node: Node, args: list[tuple[int, int]]) -> tuple[int, int]:
+    """Bounds of the degrees of numerator and denominator; a root's norm has twice its degree."""
+    if node.op == "const":
+        return 0, 0
+    if node.op in ("add", "sub"):
+        (a, b), (c, d) = args
+        return max(a + d, c + b), b + d
+    if node.op in ("mul", "div"):
+        (a, b), (c, d) = args
+        return (a + c, b + d) if node.op == "mul" else (a + d, b + c)
+    if node.op in ("neg", "abs"):
+        return args[0]
+    if node.op == "sqrt":
+        return 2 * args[0][0], 2 * args[0][1]
+    # Random points of the unit circle have degree 2, all other unknowns 1.
+    return (2, 2) if node.op in ("sin", "cos", "tan") else (1, 0)
+
+
+class _Point:
+    """One random point; computing fails where a root is asked for that GF(p²) does not have."""
+
+    def __init__(
+        self,
+        tape: Tape,
+        nonnegative: list[bool],
+        unbounded: list[bool],
+        random: np.random.Generator,
+    ) -> None:
+        self.values: list[Element] = []
+        self._tape = tape
+        self._nonnegative = nonnegative
+        self._unbounded = unbounded
+        self._random = random
+        self._unknowns: dict[tuple[object, ...], Element] = {}
+        self._strict = True
+        self._rational: dict[str, Callable[[Element, Element], Element]] = {
+            "add": field.add, "sub": field.subtract, "mul": field.multiply,
+        }  # fmt: skip
+
+    def computed(self, *, strict: bool) -> bool:
+        self._strict = strict
+        values = self.values
+        for index, node in enumerate(self._tape.nodes):
+            rational = self._rational.get(node.op)
+            if self._unbounded[index]:
+                value: Element | None = self._unknown(node.op, *(values[k] for k in node.args))
+            elif rational is not None:
+                left, right = node.args
+                value = rational(values[left], values[right])
+            else:
+                value = self._other(node)
+            if value is None:
+                return False
+            values.append(value)
+        return True
+
+    def _unknown(self, *key: object) -> Element:
+        found = self._unknowns.get(key)
+        if found is None:
+            found = self._unknowns[key] = (int(self._random.integers(1, field.PRIME)), 0)
+        return found
+
+    def _other(self, node: Node) -> Element | None:
+        args = [self.values[k] for k in node.args]
+        if node.op == "const":
+            return field.constant(node.value)
+        if node.op == "input":
+            return self._unknown("input", node.source)
+        if node.op == "neg":
+            return field.negative(args[0])
+        if node.op == "div":
+            return self._quotient(args[0], args[1])
+        if node.op == "sqrt":
+            return self._root(args[0])
+        if node.op == "abs":
+            return args[0] if self._nonnegative[node.args[0]] else field.canonical(args[0])
+        if node.op in ("sin", "cos", "tan", "asin", "atan", "exp"):
+            return self._symmetric(node.op, args[0])
+        if node.op == "log" and args[0] == field.ONE:
+            return field.ZERO
+        if node.op == "ceil":
+            return field.negative(self._unknown("floor", field.negative(args[0])))
+        if node.op in ("min", "max", "and", "or", "eq", "ne"):
+            args.sort()
+        return self._unknown(node.op, *args)
+
+    def _quotient(self, above: Element, below: Element) -> Element:
+        if below == field.ZERO:
+            return self._unknown("div", above, below)
+        return field.divide(above, below)
+
+    def _root(self, square: Element) -> Element | None:
+        found = field.root(square)
+        return self._unknown("sqrt", square) if found is None and not self._strict else found
+
+    def _symmetric(self, op: str, x: Element) -> Element:
+        """A function of x by its value at one of x and -x."""
+        if x == field.ZERO:
+            return field.ONE if op in ("cos", "exp") else field.ZERO
+        least = field.canonical(x)
+        if op in ("asin", "atan"):
+            value = self._unknown(op, least)
+            return value if x == least else field.negative(value)
+        if op == "exp":
+            value = self._unknown(op, least)
+            return value if x == least else field.inverse(value)
+        half = self._unknown("half-angle", least)
+        square = field.multiply(half, half)
+        cosine, size = field.subtract(field.ONE, square), field.add(field.ONE, square)
+        sine = field.add(half, half) if x == least else field.negative(field.add(half, half))
+        if op == "tan":
+            return field.divide(sine, cosine)
+        return field.divide(cosine if op == "cos" else sine, size)

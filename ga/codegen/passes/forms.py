@@ -1,0 +1,141 @@
+"""Nodes as sums of products: polynomials over the nodes that are no sums or products themselves.
+
+Coefficients are exact. Products of a number and its reciprocal, or of two equal square roots, are
+written shorter as soon as they are made.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from motorcade.ga.codegen.tape import Node, Tape
+
+__all__ = ["Coefficient", "Form", "Forms", "Monomial", "add_to", "form_cost"]
+
+Coefficient = int | Fraction
+# Positions of the factors, ascending.
+Monomial = tuple[int, ...]
+Form = dict[Monomial, Coefficient]
+
+_HIGHEST_DEGREE = 12
+_SUMS = frozenset({"add", "sub", "neg"})
+_LARGEST = Fraction(2) ** 900
+_ONE = Node("const", value=1.0)
+
+
+class Forms:
+    """The form of each node of a tape.
+
+    A node that is used once, or that is a single product, is written out where it is used; any
+    other sum stands there as one factor.
+    """
+
+    def __init__(self, tape: Tape) -> None:
+        self.tape = tape
+        self.uses = tape.uses()
+        self.forms: list[Form] = []
+        self._rules = _rules(tape)
+        self._ruled = frozenset(k for pair in self._rules for k in pair)
+        for index in range(len(tape.nodes)):
+            self.forms.append(self.form(index))
+
+    def form(self, index: int) -> Form:
+        """The form of a node, of those of its arguments."""
+        node = self.tape.nodes[index]
+        if node.op == "const":
+            return {(): _exact(node.value)} if node.value else {}
+        made: Form | None = None
+        if node.op == "mul":
+            made = self.product(self.factor(node.args[0]), self.factor(node.args[1]))
+        elif node.op in _SUMS:
+            made = {}
+            signs = (-1,) if node.op == "neg" else (1, -1 if node.op == "sub" else 1)
+            for argument, sign in zip(node.args, signs, strict=True):
+                add_to(made, self.summand(argument), sign)
+        return {(index,): 1} if made is None or not _bounded(made) else made
+
+    def factor(self, index: int) -> Form:
+        """A node as a factor: its form if that is one product of few factors, else itself."""
+        form = self.forms[index]
+        if len(form) <= 1 and all(len(monomial) <= _HIGHEST_DEGREE for monomial in form):
+            return form
+        return {(index,): 1}
+
+    def summand(self, index: int) -> Form:
+        """A node as a term of a sum."""
+        return self.forms[index] if self.uses[index] == 1 else self.factor(index)
+
+    def is_sum(self, index: int) -> bool:
+        """Whether a factor has a form of its own that it could be replaced by."""
+        return (index,) not in self.forms[index]
+
+    def product(self, left: Form, right: Form) -> Form:
+        """The product of two forms, multiplied out."""
+        made: Form = {}
+        for one, a in left.items():
+            for other, b in right.items():
+                monomial = self.shortened(tuple(sorted(one + other)))
+                total = made.get(monomial, 0) + a * b
+                if total:
+                    made[monomial] = total
+                else:
+                    made.pop(monomial, None)
+        return made
+
+    def shortened(self, monomial: Monomial) -> Monomial:
+        """A product without pairs of factors that are known to be one factor or 1."""
+        while sum(factor in self._ruled for factor in monomial) > 1:
+            for pair, made in self._rules.items():
+                first, second = pair
+                if first in monomial and second in monomial:
+                    if first == second and monomial.count(first) < 2:
+                        continue
+                    rest = list(monomial)
+                    rest.remove(first)
+                    rest.remove(second)
+                    monomial = tuple(sorted((*rest, *made)))
+                    break
+            else:
+                break
+        return monomial
+
+
+def add_to(total: Form, form: Form, factor: Coefficient) -> None:
+    """Add a multiple of a form to another one."""
+    for monomial, coefficient in form.items():
+        value = total.get(monomial, 0) + factor * coefficient
+        if value:
+            total[monomial] = value
+        else:
+            total.pop(monomial, None)
+
+
+def form_cost(form: Form) -> int:
+    """Additions and multiplications that a form takes as it stands."""
+    products = sum(
+        max(len(monomial) - 1 + (abs(c) != 1), 0) if monomial else 0 for monomial, c in form.items()
+    )
+    return products + max(len(form) - 1, 0)
+
+
+def _rules(tape: Tape) -> dict[tuple[int, int], Monomial]:
+    """Pairs of factors with a shorter product: ``x · 1/x``, ``√x · √x`` and ``x · 1/√x``."""
+    rules: dict[tuple[int, int], Monomial] = {}
+    for index, node in enumerate(tape.nodes):
+        if node.op == "sqrt":
+            rules[index, index] = node.args
+        if node.op == "div" and tape.nodes[node.args[0]] == _ONE:
+            below = node.args[1]
+            rules[below, index] = ()
+            if tape.nodes[below].op == "sqrt":
+                rules[tape.nodes[below].args[0], index] = (below,)
+    return rules
+
+
+def _exact(value: float) -> Coefficient:
+    return int(value) if value.is_integer() else Fraction(value)
+
+
+def _bounded(form: Form) -> bool:
+    """Whether all coefficients are far from what a float overflows or underflows at."""
+    return all(1 / _LARGEST < abs(c) < _LARGEST for c in form.values())

@@ -1,0 +1,142 @@
+"""Zero proofs, and one node for all that are equal up to a factor.
+
+Nodes are compared by their `fingerprints`; what depends on an operation that is not rational must
+also hold for the `witness`. Of equal nodes the one that needs the fewest others stays.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from motorcade.ga.codegen.passes import field
+from motorcade.ga.codegen.passes.fingerprints import Fingerprint, fingerprints
+from motorcade.ga.codegen.passes.rebuild import copied
+from motorcade.ga.codegen.passes.witness import Witness
+from motorcade.ga.codegen.tape import BOOLEANS, Tape, TapeBuilder
+
+__all__ = ["merged"]
+
+_RATIONAL = frozenset({"input", "const", "add", "sub", "mul", "div", "neg"})
+_LARGEST_FACTOR = 1 << 10
+_LARGEST_CONSTANT = 1 << 16
+
+
+def merged(tape: Tape) -> Tape:
+    """The tape with what is zero or constant written so, and equal nodes computed once."""
+    return _Merger(tape).run()
+
+
+class _Merger:
+    def __init__(self, tape: Tape) -> None:
+        self._tape = tape
+        self._prints = fingerprints(tape)
+        self._witness = Witness(tape)
+        self._opaque: list[bool] = []
+        # For each node the first of its class and its factor to that; None stands for 1.
+        self._first: list[int | None] = []
+        self._factor: list[Fraction] = []
+        self._classes: dict[tuple[object, ...], list[int]] = {}
+
+    def run(self) -> Tape:
+        for index, node in enumerate(self._tape.nodes):
+            inside = node.op not in _RATIONAL or any(self._opaque[k] for k in node.args)
+            self._opaque.append(inside)
+            first, factor = self._classified(index)
+            self._first.append(first)
+            self._factor.append(factor)
+        return self._rebuilt(self._shortest())
+
+    def _classified(self, index: int) -> tuple[int | None, Fraction]:
+        """The class of a node: that of an earlier one, or a new one of its own."""
+        node, value = self._tape.nodes[index], self._prints.values[index]
+        if node.op in ("const", "input"):
+            self._classes.setdefault(_ratios(value), []).append(index)
+            return index, Fraction(1)
+        if node.op in BOOLEANS:
+            known = self._classes.setdefault((node.op, value), [index])
+            return known[0], Fraction(1)
+        if all(part == field.ZERO for part in value):
+            if self._sure(index, 0.0, None):
+                return None, Fraction(0)
+            return index, Fraction(1)
+        key = _ratios(value)
+        if key == _ratios((field.ONE,) * len(value)):
+            constant = field.rational(value[0], _LARGEST_CONSTANT)
+            if constant is not None and self._sure(index, float(constant), None):
+                return None, constant
+        known = self._classes.setdefault(key, [])
+        for other in known:
+            quotient = field.divide(value[0], self._prints.values[other][0])
+            factor = field.rational(quotient, _LARGEST_FACTOR)
+            if factor is None or factor.denominator & (factor.denominator - 1):
+                continue
+            if self._sure(index, float(factor), other):
+                return other, factor
+        known.append(index)
+        return index, Fraction(1)
+
+    def _sure(self, index: int, factor: float, other: int | None) -> bool:
+        uncertain = self._prints.uncertain
+        if not self._opaque[index] and (other is None or not self._opaque[other]):
+            return True
+        guessed = uncertain[index] or (other is not None and uncertain[other])
+        return self._witness.holds(index, factor, other, precisely=guessed)
+
+    def _shortest(self) -> dict[int, int]:
+        """For the first node of each class the one of its nodes that needs the fewest others."""
+        needs: list[int] = []
+        for index, node in enumerate(self._tape.nodes):
+            below = 1 << index
+            for k in node.args:
+                below |= needs[k]
+            needs.append(below)
+        best: dict[int, int] = {}
+        for index, first in enumerate(self._first):
+            if first is None:
+                continue
+            kept = best.setdefault(first, index)
+            shorter = needs[index].bit_count() < needs[kept].bit_count()
+            if shorter and (
+                not (self._opaque[index] or self._opaque[first])
+                or self._witness.as_defined(index, first)
+            ):
+                best[first] = index
+        return best
+
+    def _rebuilt(self, best: dict[int, int]) -> Tape:
+        tape, builder = self._tape, TapeBuilder()
+        place: dict[int, int] = {}
+        waiting = [k for row in reversed(tape.results) for k in reversed(row)]
+        while waiting:
+            index = waiting[-1]
+            first = self._first[index]
+            if first is None:
+                place[index] = builder.constant(float(self._factor[index]))
+            if index in place:
+                waiting.pop()
+                continue
+            assert first is not None
+            chosen = best[first]
+            needed = tape.nodes[chosen].args if chosen == index else (chosen,)
+            missing = [k for k in needed if k not in place]
+            if missing:
+                waiting.extend(reversed(missing))
+            elif chosen == index:
+                place[index] = copied(tape, index, tuple(place[k] for k in needed), builder)
+            else:
+                factor = self._factor[index] / self._factor[chosen]
+                number = builder.constant(float(factor))
+                boolean = tape.nodes[index].op in BOOLEANS
+                place[index] = place[chosen]
+                if not boolean:
+                    place[index] = builder.operation("mul", number, place[chosen])
+        results = [[place[k] for k in row] for row in tape.results]
+        return builder.finished(tape.inputs, tape.outputs, results)
+
+
+def _ratios(value: Fingerprint) -> tuple[object, ...]:
+    """What a fingerprint shares with its multiples."""
+    if value[0] == field.ZERO:
+        return ("zero at the first point", value)
+    below = field.inverse(value[0])
+    return tuple(field.multiply(part, below) for part in value[1:])
