@@ -265,7 +265,7 @@ class Multivector:
         return self._signed(lambda grade: -1 if grade & 1 else 1)
 
     def conjugate(self) -> Multivector:
-        """Clifford conjugate: reverse and grade involution together."""
+        """Clifford conjugate: reverse and grade involution."""
         return self._signed(lambda grade: -1 if grade % 4 in (1, 2) else 1)
 
     def grade(self, *grades: int) -> Multivector:
@@ -350,7 +350,7 @@ class Multivector:
         masks = tuple(sorted(total, key=order_of))
         return Multivector._trusted(algebra, masks, (total[mask] for mask in masks))
 
-    # Size and inverse --------------------------------------------------------------------------
+    # Size, inverse and functions ---------------------------------------------------------------
 
     def norm_squared(self) -> Any:
         """``⟨x ~x⟩₀``; negative or zero for some x where the signature is mixed or degenerate."""
@@ -369,6 +369,31 @@ class Multivector:
         from motorcade.ga.algebra.inverse import inverse
 
         return inverse(self)
+
+    def exp(self) -> Multivector:
+        """``1 + x + x²/2! + …``; see `algebra.functions`, as for the four below."""
+        return self._function("exp")
+
+    def log(self) -> Multivector:
+        """The ``y`` with ``exp y = x`` whose angles are at most π."""
+        return self._function("log")
+
+    def sqrt(self) -> Multivector:
+        """The ``y`` with ``y y = x`` whose angles are at most π/2."""
+        return self._function("sqrt")
+
+    def normalize(self) -> Multivector:
+        """``x / √|⟨x ~x⟩₀|``."""
+        return self._function("normalize")
+
+    def versor(self) -> Multivector:
+        """The unit versor that `x` is a disturbed multiple of."""
+        return self._function("versor")
+
+    def _function(self, name: str) -> Multivector:
+        from motorcade.ga.algebra import functions
+
+        return getattr(functions, name)(self)  # type: ignore[no-any-return]
 
 
 def _reverse_sign(grade: int) -> int:

@@ -1,8 +1,8 @@
 """The functions that every script may call, over any scalars, and the macros written in CLUScript.
 
-All take scalars but ``abs``, which is ``√|⟨x ~x⟩₀|`` of any multivector, and ``invert``, which is
-the inverse of any invertible one. Blades that are zero, or that rounding left beside a scalar,
-do not stop it from being one.
+``abs`` is ``√|⟨x ~x⟩₀|`` of any multivector, ``invert`` the inverse of any invertible one, and
+``exp log sqrt normalize versor`` are those of `algebra.functions`. The others take scalars: blades
+that are zero, or that rounding left beside a scalar, do not stop it from being one.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from motorcade.ga.algebra import Multivector, elementary
+from motorcade.ga.algebra import Multivector
+from motorcade.ga.algebra.functions import elementary
 from motorcade.ga.algebra.scalars import is_numeric, is_zero_somewhere, magnitude
 
 __all__ = ["COMMON_MACROS", "CONFORMAL_MACROS", "FUNCTIONS", "Function", "is_finite"]
@@ -114,6 +115,22 @@ def _factorial(x: Multivector) -> Multivector:
     return x.algebra.scalar(made.reshape(given.shape) if given.ndim else float(made[0]))
 
 
+def _of_multivector(name: str) -> Function:
+    """A method of multivectors; blades that are zero wherever they could be seen are left out."""
+
+    def applied(x: Multivector) -> Multivector:
+        made: Multivector = getattr(_without_zeros(x), name)()
+        return made
+
+    return Function(1, applied)
+
+
+def _without_zeros(x: Multivector) -> Multivector:
+    left = [bool(np.all(v == 0)) if is_numeric(v) else is_zero_somewhere(v) for v in x.values]
+    gone = {mask for mask, zero in zip(x.masks, left, strict=True) if zero and mask}
+    return x._selected(lambda mask: mask not in gone) if gone else x
+
+
 FUNCTIONS: dict[str, Function] = {
     "abs": Function(1, _absolute),
     "acos": _elementary("arccos"),
@@ -122,16 +139,18 @@ FUNCTIONS: dict[str, Function] = {
     "atan2": _elementary("arctan2", 2),
     "ceil": _elementary("ceil"),
     "cos": _elementary("cos"),
-    "exp": _elementary("exp"),
+    "exp": _of_multivector("exp"),
     "fact": Function(1, _factorial),
     "floor": _elementary("floor"),
     "invert": Function(1, lambda x: x.inverse()),
-    "log": _elementary("log"),
+    "log": _of_multivector("log"),
     "max": _elementary("fmax", 2),
     "min": _elementary("fmin", 2),
+    "normalize": _of_multivector("normalize"),
     "sign": _of_scalars(elementary.sign),
     "sin": _elementary("sin"),
-    "sqrt": _elementary("sqrt"),
+    "sqrt": _of_multivector("sqrt"),
     "step": _of_scalars(elementary.step),
     "tan": _elementary("tan"),
+    "versor": _of_multivector("versor"),
 }

@@ -41,7 +41,7 @@ __all__ = ["MAX_MACRO_DEPTH", "MAX_STEPS", "algebra_of", "evaluate", "free_varia
 MAX_STEPS = 100_000
 MAX_MACRO_DEPTH = 32
 
-_NAMED: dict[str, Algebra] = {
+ALGEBRAS: dict[str, Algebra] = {
     "ega2": Algebra(2),
     "ega3": EGA3,
     "pga2": Algebra(2, 0, 1, ("e1", "e2", "e0")),
@@ -96,13 +96,13 @@ def _pragma_algebra(script: Script, pragma: AlgebraPragma) -> Algebra:
             return Algebra(*pragma.signature)
         except ValueError as refused:
             raise script.source.error(pragma.place, str(refused)) from refused
-    if pragma.name not in _NAMED:
+    if pragma.name not in ALGEBRAS:
         raise script.source.error(
             pragma.place,
-            f"expected an algebra {', '.join(_NAMED)}, got {pragma.name[:40]}",
+            f"expected an algebra {', '.join(ALGEBRAS)}, got {pragma.name[:40]}",
             "any other is written as its signature: //#pragma algebra P Q R",
         )
-    return _NAMED[pragma.name]
+    return ALGEBRAS[pragma.name]
 
 
 def _constants(algebra: Algebra) -> frozenset[str]:
@@ -287,7 +287,9 @@ class _Run:
         try:
             return _operated(node, operands)
         except (ValueError, ArithmeticError) as refused:
-            shown = f"{node.name}: {refused}" if isinstance(node, Call) else str(refused)
+            shown = str(refused)
+            if isinstance(node, Call) and not shown.startswith(f"{node.name}: "):
+                shown = f"{node.name}: {shown}"
             raise scope.error(node.place, shown) from refused
 
     def _read_name(self, node: Name, scope: _Scope) -> Multivector:

@@ -1,0 +1,13 @@
+"""Functions of multivectors: exponential, logarithm, square root, and back to the versors.
+
+They hold over numbers, batches and symbols, in every algebra whose structure gives a closed form:
+`commuting` says which. Numbers that have no real value are refused; for symbols the caller answers.
+"""
+
+from __future__ import annotations
+
+from motorcade.ga.algebra.functions.exponential import exp
+from motorcade.ga.algebra.functions.logarithm import log
+from motorcade.ga.algebra.functions.roots import normalize, sqrt, versor
+
+__all__ = ["exp", "log", "normalize", "sqrt", "versor"]

@@ -1,0 +1,153 @@
+"""The exponential of multivectors.
+
+With ``C(s) = cosh √s`` and ``S(s) = sinh √s / √s``, which are analytic (cosine and sine for
+negative ``s``), ``exp y = C + S y`` where ``y² = s``. Where ``y = y₁ + y₂`` with commuting parts of
+squares ``P`` and ``Q``, ``exp y = (C(P) + S(P) y₁) (C(Q) + S(Q) y₂)``, written here so that nothing
+is lost where they are small, equal or zero. Anything else needs numbers: a Taylor series of
+``y / 2ᵏ``, then k squarings (Higham, "Functions of Matrices", chapter 10), good to about ``2ᵏ``
+roundings.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga.algebra.functions.commuting import (
+    Square,
+    commuting_product,
+    nonzero,
+    numeric,
+    parts_of_sum,
+    plus,
+    square_of,
+    weights,
+    without_scalar,
+)
+from motorcade.ga.algebra.functions.elementary import apply, larger, power_series, where
+from motorcade.ga.algebra.multivector import Multivector
+from motorcade.ga.algebra.scalars import magnitude
+
+__all__ = ["LARGEST_NORM", "exp"]
+
+# Of a multivector without closed form, as the sum of its coefficients' sizes.
+LARGEST_NORM = 2.0**20
+_TAYLOR = 16
+
+_NEAR_ZERO = 0.01
+_COSINE = tuple(1 / math.factorial(2 * n) for n in range(6))
+_SINE = tuple(1 / math.factorial(2 * n + 1) for n in range(6))
+# The derivative of S loses digits sooner.
+_NEAR = 0.5
+_SLOPE = tuple((n + 1) / math.factorial(2 * n + 3) for n in range(9))
+
+
+def exp(x: Multivector) -> Multivector:
+    """``1 + x + x²/2! + …``, coefficients over their batch.
+
+    Raises:
+        ValueError: no closed form (see `commuting`), and symbols or a norm above `LARGEST_NORM`.
+    """
+    with np.errstate(all="ignore"):
+        rest = without_scalar(x)
+        if not rest.masks:
+            return plus(apply("exp", x.scalar_part()), rest)
+        square = square_of(rest)
+        made = _summed(rest) if square is None else _closed(rest, square)
+        return made._scaled(apply("exp", x.values[0])) if x.masks[0] == 0 else made
+
+
+def _closed(y: Multivector, square: Square) -> Multivector:
+    s, rest, f = square.scalar, square.rest, square.rest_squared
+    if square.is_scalar:
+        cosine, sine = _circular(s, square.sign)
+        return plus(cosine, y._scaled(sine))
+    if f is None:
+        cosine, sine = _circular(s, square.sign)
+        parts = cosine, sine / 2, sine, _slope(s, cosine, sine)
+    else:
+        parts = _of_parts(s, f, square.rest_sign)
+        if square.rest_sign >= 0:
+            # P and Q are no good where they are nearly equal, nor where they are not real.
+            equal = 2 * f > s * s
+            others = _split(s, where(equal, f, 1.0))
+            parts = tuple(where(equal, b, a) for a, b in zip(parts, others, strict=True))
+    once, twice, linear, cubic = parts
+    product = commuting_product(rest, y)
+    return plus(once, rest._scaled(twice), y._scaled(linear), product._scaled(cubic))
+
+
+def _of_parts(s: Any, f: Any, sign: int) -> tuple[Any, Any, Any, Any]:
+    """Coefficients of ``1, F, y, Fy`` from the squares P and Q of the commuting parts."""
+    p, q = parts_of_sum(s, f, sign)
+    opposite = sign < 0
+    cosine_p, sine_p = _circular(p, 1 if opposite else 0)
+    cosine_q, sine_q = _circular(q, -1 if opposite else 0)
+    slope_p, slope_q = _slope(p, cosine_p, sine_p), _slope(q, cosine_q, sine_q)
+    one, other = weights(p, q)
+    linear = one * sine_p * cosine_q + other * cosine_p * sine_q
+    cubic = one * slope_p * sine_q + other * sine_p * slope_q
+    return cosine_p * cosine_q, sine_p * sine_q / 2, linear, cubic
+
+
+def _split(s: Any, f: Any) -> tuple[Any, Any, Any, Any]:
+    """Coefficients of ``1, F, y, Fy`` from the values ``s ± √f`` of the square, for ``f > 0``."""
+    root = apply("sqrt", larger(f, 0.0))
+    divisor = 2 * nonzero(root)
+    more, less = _circular(s + root, 0), _circular(s - root, 0)
+    means = [(a + b) / 2 for a, b in zip(more, less, strict=True)]
+    slopes = [(a - b) / divisor for a, b in zip(more, less, strict=True)]
+    return means[0], slopes[0], means[1], slopes[1]
+
+
+def _circular(s: Any, sign: int) -> tuple[Any, Any]:
+    """``C(s)`` and ``S(s)``; `sign` is that of `s` where it is known."""
+    near = magnitude(s) < _NEAR_ZERO
+    root = apply("sqrt", larger(magnitude(s), _NEAR_ZERO))
+    cosine: Any = 0.0
+    sine: Any = 0.0
+    if sign <= 0:
+        cosine, sine = apply("cos", root), apply("sin", root) / root
+    if sign >= 0:
+        grown = apply("exp", root)
+        hyperbolic = (grown + 1 / grown) / 2, (grown - 1 / grown) / (2 * root)
+        cosine = where(s < 0, cosine, hyperbolic[0]) if sign == 0 else hyperbolic[0]
+        sine = where(s < 0, sine, hyperbolic[1]) if sign == 0 else hyperbolic[1]
+    small = where(near, s, 0.0)
+    return (
+        where(near, power_series(small, _COSINE), cosine),
+        where(near, power_series(small, _SINE), sine),
+    )
+
+
+def _slope(s: Any, cosine: Any, sine: Any) -> Any:
+    """``S′(s) = (C - S) / 2s``."""
+    near = magnitude(s) < _NEAR
+    small = where(near, s, 0.0)
+    return where(near, power_series(small, _SLOPE), (cosine - sine) / (2 * where(near, 1.0, s)))
+
+
+def _summed(y: Multivector) -> Multivector:
+    """By scaling and squaring, for numbers."""
+    if not numeric(y):
+        raise ValueError(
+            "exp: expected symbols with a closed form, whose square is s + F with F² a scalar, "
+            f"got blades {' '.join(y.blades[:6])}"
+        )
+    sizes: Any = sum(np.abs(value) for value in y.as_orthogonal().values)
+    size = float(np.max(sizes))
+    if not size <= LARGEST_NORM:
+        raise ValueError(
+            f"exp: expected coefficients whose sizes add up to at most {LARGEST_NORM:g} where "
+            f"there is no closed form, got {size:g}"
+        )
+    halvings = max(0, math.ceil(math.log2(size)) + 1) if size > 0 else 0
+    scaled = y._scaled(2.0**-halvings)
+    total: Multivector = y.algebra.scalar(1.0)
+    for k in range(_TAYLOR, 0, -1):
+        total = 1.0 + (scaled * total)._scaled(1.0 / k)
+    for _ in range(halvings):
+        total = total.square()
+    return total

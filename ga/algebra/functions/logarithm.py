@@ -1,0 +1,251 @@
+"""The logarithm of multivectors: of scalars beside something simple, and of versors.
+
+``x = c + y`` with ``y² = s`` has ``log x = ½ log n + y θ(s/n, c/√n) / √n``, where ``n = c² - s``
+and ``θ(-sin² a, cos a) = a / sin a``, ``θ(sinh² a, cosh a) = a / sinh a``. An even versor
+``c + G + H`` of grades 0, 2 and 4 in at most five dimensions turns in two commuting planes; the
+squares of their sines follow from ``⟨G²⟩₀`` and ``h = H²``, and its logarithm is
+``½ log n + ℓ G + m H G``. Rotors, motors and similarities are of this kind. Angles come from atan2.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from motorcade.ga.algebra.functions.commuting import (
+    any_holds,
+    commuting_product,
+    nonzero,
+    numeric,
+    parts_of_sum,
+    plus,
+    roundings,
+    square_of,
+    weights,
+    without_scalar,
+)
+from motorcade.ga.algebra.functions.elementary import (
+    apply,
+    arctangent,
+    larger,
+    power_series,
+    where,
+)
+from motorcade.ga.algebra.multivector import Multivector
+from motorcade.ga.algebra.scalars import magnitude
+
+__all__ = ["EvenParts", "check_versor", "even_parts", "log", "without_rounding"]
+
+_NEAR = 0.02
+_TERMS = 10
+_RATIO = tuple((-1) ** n * math.comb(2 * n, n) / (4.0**n * (2 * n + 1)) for n in range(_TERMS))
+_SUMS = tuple(4.0**n * math.factorial(n) ** 2 / math.factorial(2 * n + 1) for n in range(11))
+_BEND = tuple((-1) ** n * (_SUMS[n] - _SUMS[n + 1]) for n in range(_TERMS))
+
+# Relative to the size of a versor, how far ``x ~x`` may be from a scalar.
+_VERSOR_TOLERANCE = 1e-6
+_LOST = 16.0
+
+
+class EvenParts(NamedTuple):
+    """``x = scalar + plane + volume`` of grades 0, 2, 4; `norm_squared` is ``⟨x ~x⟩₀``.
+
+    `volume_squared` is None where it is zero by structure, `sign` its sign where known.
+    """
+
+    scalar: Any
+    plane: Multivector
+    plane_squared: Any
+    volume: Multivector
+    volume_squared: Any
+    sign: int
+    norm_squared: Any
+
+
+class _Angles(NamedTuple):
+    """``log x = once G + twice H G`` of a unit versor, and where a half turn lost its plane."""
+
+    once: Any
+    twice: Any
+    turned: Any
+
+
+def log(x: Multivector) -> Multivector:
+    """The ``y`` with ``exp y = x``, the angles of its planes at most π; coefficients over a batch.
+
+    For a rotor of half the angle of its rotation this is a bivector of that half angle: flip the
+    sign of the rotor first to go the short way round. The scalar part is the logarithm of the norm.
+
+    Raises:
+        ValueError: no real logarithm (a negative scalar, a norm of zero or less), a half turn in
+            no plane, neither simple nor an even versor in at most five dimensions.
+    """
+    with np.errstate(all="ignore"):
+        rest = without_scalar(x)
+        if not rest.masks:
+            return plus(_log_of_norm(x.scalar_part(), x.scalar_part()), rest)
+        square = square_of(rest)
+        if square is not None and square.is_scalar:
+            return _log_of_simple(x, rest, square.scalar, square.sign)
+        parts = even_parts(x)
+        if parts is not None:
+            return _log_of_versor(x, parts)
+        kept = without_rounding(x)
+        if kept.masks != x.masks:
+            return log(kept)
+    raise ValueError(
+        "log: expected a scalar beside something with a scalar square, or an even versor in at "
+        f"most five dimensions, got blades {' '.join(x.blades[:6])}"
+    )
+
+
+def even_parts(x: Multivector) -> EvenParts | None:
+    """The grades of an even element; None in six dimensions and more, and for any other grade."""
+    if x.algebra.dimension > 5 or not set(x.grades) <= {0, 2, 4}:
+        return None
+    c, plane, volume = x.scalar_part(), x.grade(2), x.grade(4)
+    squared = plane.square().scalar_part()
+    square = square_of(volume)
+    if square is None or not square.is_scalar:
+        return None
+    known = bool(volume.square().masks)
+    h = square.scalar if known else None
+    norm_squared = c * c - squared + (h if known else 0.0)
+    return EvenParts(c, plane, squared, volume, h, square.sign, norm_squared)
+
+
+def _log_of_norm(value: Any, sign: Any) -> Any:
+    if any_holds(value <= 0) or any_holds(sign <= 0):
+        raise ValueError("log: has no finite real value here")
+    return apply("log", value)
+
+
+def _log_of_simple(x: Multivector, y: Multivector, s: Any, sign: int) -> Multivector:
+    c = x.scalar_part()
+    if type(s) is float and s == 0.0:
+        return plus(_log_of_norm(c, c), y._divided(c))
+    n = c * c - s
+    whole = _log_of_norm(n, 1.0) / 2
+    size = apply("sqrt", n)
+    sine_squared, cosine = s / n, c / size
+    if numeric(x):
+        _check_turn(x, where(cosine < 0, sine_squared, -1.0))
+    ratio, _ = _ratios(sine_squared, cosine, sign)
+    return plus(whole, y._scaled(ratio / size))
+
+
+def _check_turn(x: Multivector, turned: Any) -> None:
+    if any_holds(turned >= -(roundings(x, _LOST) ** 2)):
+        raise ValueError("log: expected a real logarithm, got a half turn in no plane")
+
+
+def _log_of_versor(x: Multivector, parts: EvenParts) -> Multivector:
+    n = parts.norm_squared
+    whole = _log_of_norm(n, 1.0) / 2
+    size = apply("sqrt", n)
+    angles = _angles(parts, n, parts.scalar / size)
+    if numeric(x):
+        check_versor(x, "log")
+        _check_turn(x, angles.turned)
+    product = commuting_product(parts.volume, parts.plane)
+    return plus(whole, parts.plane._scaled(angles.once / size), product._scaled(angles.twice / n))
+
+
+def _angles(parts: EvenParts, n: Any, c: Any) -> _Angles:
+    s = parts.plane_squared / n
+    if parts.volume_squared is None:
+        ratio, bend = _ratios(s, c, 0)
+        return _Angles(ratio, -bend, where(c < 0, s, -1.0))
+    h = parts.volume_squared / n
+    if parts.sign < 0:
+        return _opposite(c, s, h)
+    apart = 8 * h * c * c <= s * s
+    same = _chosen(apart, _same(c, s, h), _split(c, s, h))
+    return same if parts.sign > 0 else _chosen(h <= 0, _opposite(c, s, where(h <= 0, h, 0.0)), same)
+
+
+def _chosen(condition: Any, a: _Angles, b: _Angles) -> _Angles:
+    return _Angles(*(where(condition, one, other) for one, other in zip(a, b, strict=True)))
+
+
+def _opposite(c: Any, s: Any, h: Any) -> _Angles:
+    """``h <= 0``: one plane turns, the other stretches."""
+    stretched, turned = parts_of_sum(s, 4 * h * c * c, -1)
+    growth = larger(stretched - h, 0.0)
+    grown = apply("sqrt", 1 + growth)
+    return _joined((growth, grown, 1), (turned / (1 + growth), c / grown, -1))
+
+
+def _same(c: Any, s: Any, h: Any) -> _Angles:
+    """``h > 0``: both turn, or both stretch, by different amounts."""
+    first, second = parts_of_sum(s, 4 * h * c * c, 0)
+    larger_cosine = apply("sqrt", larger(c * c - second, 0.0))
+    cosine = apply("sqrt", larger(c * c - first, 0.0))
+    turned = where(c < 0, -larger_cosine, larger_cosine)
+    return _joined((second - h, cosine, 0), (first - h, turned, 0))
+
+
+def _joined(first: tuple[Any, Any, int], second: tuple[Any, Any, int]) -> _Angles:
+    """From the squared sines and cosines of two planes; only the second may turn by over π/2."""
+    ratio_1, bend_1 = _ratios(*first)
+    ratio_2, bend_2 = _ratios(*second)
+    one, other = weights(first[0], second[0])
+    once = one * ratio_1 * second[1] + other * ratio_2 * first[1]
+    twice = -(one * bend_1 + other * bend_2)
+    return _Angles(once, twice, where(second[1] < 0, second[0], -1.0))
+
+
+def _split(c: Any, s: Any, h: Any) -> _Angles:
+    """``h > 0``: by the values ``c ± √h`` of the cosine, where both planes turn nearly alike."""
+    root = apply("sqrt", larger(h, 0.0))
+    more, less = (s + 2 * c * root, c + root), (s - 2 * c * root, c - root)
+    one, other = _ratios(*more, 0)[0], _ratios(*less, 0)[0]
+    worst = [where(cosine < 0, squared, -1.0) for squared, cosine in (more, less)]
+    return _Angles((one + other) / 2, (one - other) / (2 * nonzero(root)), larger(*worst))
+
+
+def _ratios(squared: Any, cosine: Any, sign: int) -> tuple[Any, Any]:
+    """``a / sin a`` and ``(1 - a cos a / sin a) / sin² a`` from ``-sin² a`` and ``cos a``.
+
+    Positive squares are those of the hyperbolic sine; `sign` is theirs where it is known.
+    """
+    near = magnitude(squared) < where(cosine > 0, _NEAR, 0.0)
+    small = where(near, squared, 0.0)
+    root = apply("sqrt", nonzero(where(near, 1.0, magnitude(squared))))
+    angle: Any = 0.0
+    if sign <= 0:
+        angle = arctangent(root, cosine)
+    if sign >= 0:
+        grown = apply("log", larger(root + cosine, 1.0))
+        angle = where(squared < 0, angle, grown) if sign == 0 else grown
+    ratio = where(near, power_series(small, _RATIO), angle / root)
+    bend = (ratio * cosine - 1) / nonzero(where(near, 1.0, squared))
+    return ratio, where(near, power_series(small, _BEND), bend)
+
+
+def check_versor(x: Multivector, name: str) -> None:
+    """Refuse numbers whose ``x ~x`` is no scalar.
+
+    Raises:
+        ValueError: no versor, to a millionth of its size.
+    """
+    beside = [np.abs(value) for value in without_scalar(x.reverse_product()).values]
+    size: Any = sum(np.square(value) for value in x.values)
+    if any(any_holds(value > _VERSOR_TOLERANCE * size) for value in beside):
+        raise ValueError(
+            f"{name}: expected a versor, whose x ~x is a scalar, got other parts beside it; "
+            "versor(x) is the one nearby"
+        )
+
+
+def without_rounding(x: Multivector) -> Multivector:
+    """Numbers without the blades that rounding may have left; symbols as they are."""
+    if not numeric(x):
+        return x
+    size: Any = sum(np.abs(value) for value in x.values)
+    bound = roundings(x, _LOST)
+    left = [np.abs(value) <= bound * size for value in x.values]
+    dropped = {mask for mask, gone in zip(x.masks, left, strict=True) if np.all(gone)}
+    return x._selected(lambda mask: mask == 0 or mask not in dropped)
