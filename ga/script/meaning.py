@@ -36,7 +36,7 @@ from motorcade.ga.script.syntax import (
     postorder,
 )
 
-__all__ = ["MAX_MACRO_DEPTH", "MAX_STEPS", "algebra_of", "evaluate", "free_variables"]
+__all__ = ["ALGEBRAS", "MAX_MACRO_DEPTH", "MAX_STEPS", "algebra_of", "evaluate", "free_variables"]
 
 MAX_STEPS = 100_000
 MAX_MACRO_DEPTH = 32
