@@ -2,6 +2,15 @@
 
 from __future__ import annotations
 
+from motorcade.fusion.smooth.causal import (
+    ConstantAccelerationFilter,
+    ConstantVelocityFilter,
+    DoubleExponential,
+    Exponential,
+    OneEuro,
+    SmoothedStates,
+    smoothed_states,
+)
 from motorcade.fusion.smooth.representations import REPRESENTATIONS, Representation
 from motorcade.fusion.smooth.smooth import METHODS, method_parameters, smooth
 from motorcade.fusion.smooth.window import automatic_window_s
@@ -9,8 +18,15 @@ from motorcade.fusion.smooth.window import automatic_window_s
 __all__ = [
     "METHODS",
     "REPRESENTATIONS",
+    "ConstantAccelerationFilter",
+    "ConstantVelocityFilter",
+    "DoubleExponential",
+    "Exponential",
+    "OneEuro",
     "Representation",
+    "SmoothedStates",
     "automatic_window_s",
     "method_parameters",
     "smooth",
+    "smoothed_states",
 ]

@@ -11,6 +11,15 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
+from motorcade.fusion.smooth.causal import (
+    constant_acceleration,
+    constant_velocity,
+    double_exponential,
+    exponential,
+    one_euro,
+    rts_constant_acceleration,
+    rts_constant_velocity,
+)
 from motorcade.fusion.smooth.representations import representation_named
 from motorcade.fusion.smooth.window import gaussian, local_polynomial, savitzky_golay
 from motorcade.ga import Trajectory
@@ -20,6 +29,13 @@ __all__ = ["METHODS", "method_named", "method_parameters", "smooth"]
 Method = Callable[..., Trajectory]
 
 METHODS: dict[str, Method] = {
+    "exponential": exponential,
+    "double_exponential": double_exponential,
+    "one_euro": one_euro,
+    "constant_velocity": constant_velocity,
+    "constant_acceleration": constant_acceleration,
+    "rts_constant_velocity": rts_constant_velocity,
+    "rts_constant_acceleration": rts_constant_acceleration,
     "gaussian": gaussian,
     "savitzky_golay": savitzky_golay,
     "local_polynomial": local_polynomial,

@@ -5,6 +5,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 
@@ -143,6 +144,11 @@ double rts(const std::string &name, bool scale, int order, const Rows &poses, co
     });
 }
 
+// Components of a difference, and the blocks they lie in.
+std::pair<std::size_t, std::size_t> layout(const std::string &name, bool scale) {
+    return with_representation(name, scale, []<class R>() { return std::pair(R::freedom, R::ends.size()); });
+}
+
 // The verbs of a representation, row by row: what the scans are made of.
 template <std::size_t N> Vector<N> row_of(const Rows &rows, std::size_t k) {
     expect(rows.shape(1) == N, "coordinates: expected rows of the representation's size");
@@ -214,6 +220,7 @@ NB_MODULE(_scans, module) {
     module.def("kalman", &kalman, "representation"_a, "scale"_a, "order"_a, "densities"_a, "deviations"_a);
     module.def("rts", &rts, "representation"_a, "scale"_a, "order"_a, "poses"_a, "time_ns"_a, "noise"_a,
                "densities"_a, "out"_a, "rates"_a, "deviations"_a);
+    module.def("layout", &layout, "representation"_a, "scale"_a);
     module.def("coordinates", &coordinates, "representation"_a, "scale"_a, "poses"_a);
     module.def("poses", &poses, "representation"_a, "scale"_a, "coordinates"_a);
     module.def("difference", &difference, "representation"_a, "scale"_a, "coordinates"_a, "base"_a);
