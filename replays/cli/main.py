@@ -8,10 +8,20 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from motorcade.replays.cli import bench, demo, evaluate, graph, inspect, run, simulate_imu, smooth
+from motorcade.replays.cli import (
+    bench,
+    demo,
+    evaluate,
+    generate,
+    graph,
+    inspect,
+    run,
+    simulate_imu,
+    smooth,
+)
 from motorcade.replays.cli.arguments import one_line
 
-COMMANDS = (demo, run, inspect, smooth, evaluate, simulate_imu, graph, bench)
+COMMANDS = (demo, run, inspect, smooth, evaluate, simulate_imu, graph, generate, bench)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -28,9 +38,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     except Exception as error:  # whatever fails, a user is told in one line
         logging.getLogger("motorcade").debug("traceback", exc_info=True)
-        print(f"motorcade: {one_line(error)}", file=sys.stderr)
+        print(f"motorcade: {_told(error)}", file=sys.stderr)
         return 1
     return 0
+
+
+def _told(error: Exception) -> str:
+    """One line, but for errors of scripts, which show the line of the script."""
+    from motorcade.ga.script import ScriptError
+
+    return str(error) if isinstance(error, ScriptError) else one_line(error)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -76,31 +76,37 @@ def check_names(
     taken = variables | {slot for _, slot in slots}
     why = f"is reserved in {reserved.language}"
     if reserved.keeps(program.name) or program.name in reserved.functions:
-        raise _refused(program.name, why, reserved, reserved.functions)
+        raise _refused("file name", program.name, why, reserved, reserved.functions)
     for name in sorted(variables):
         if reserved.keeps(name):
-            raise _refused(name, why, reserved, taken)
+            raise _refused("variable", name, why, reserved, taken)
         if any(slot == name for _, slot in slots):
-            raise _refused(name, "is a name that the generated code uses", reserved, taken)
+            raise _refused(
+                "variable", name, "is a name that the generated code uses", reserved, taken
+            )
     owners: dict[str, str] = {}
     for owner, slot in slots:
         if reserved.keeps_form(owner):
-            raise _refused(owner, why, reserved, taken)
+            raise _refused("output", owner, why, reserved, taken)
         if owners.setdefault(slot, owner) != owner:
             why = f"and {owners[slot]} have one parameter, {slot}, in the generated code"
-            raise _refused(owner, why, reserved, taken)
+            raise _refused("output", owner, why, reserved, taken)
 
 
 def file_identifier(name: str) -> str:
-    """An identifier like the name of a file, to propose where that is none."""
+    """The name of a file where that is an identifier, otherwise one like it to propose."""
+    if re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", name):
+        return name
     made = re.sub("[^A-Za-z0-9_]+", "_", name).strip("_") or "script"
-    return made if not made[0].isdigit() else f"script_{made}"
+    return f"script_{made}" if made[0].isdigit() else made
 
 
-def _refused(name: str, why: str, reserved: Reserved, taken: Collection[str]) -> ValueError:
+def _refused(
+    what: str, name: str, why: str, reserved: Reserved, taken: Collection[str]
+) -> ValueError:
     free = name
     if reserved.keeps_form(free):
         free = re.sub("_+", "_", free.removeprefix("gl_")).strip("_") or "x"
     while free == name or reserved.keeps(free) or free in taken:
         free += "_" if not free.endswith("_") else "0"
-    return ValueError(f"{name} {why}: rename {name} to {free}")
+    return ValueError(f"{what} {name} {why}: rename {name} to {free}")

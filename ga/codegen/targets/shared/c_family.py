@@ -33,8 +33,9 @@ def declarations(body: Iterable[Statement], number: str, boolean: str) -> list[s
 
 
 def array_slots(program: Program) -> list[tuple[str, str]]:
-    """The outputs, and the names of the arrays that they become."""
-    return [(operand.name, f"out_{operand.name}") for operand in program.tape.outputs]
+    """The outputs that have components, and the names of the arrays that they become."""
+    outputs = program.tape.outputs
+    return [(operand.name, f"out_{operand.name}") for operand in outputs if operand.components]
 
 
 def array_parameters(program: Program, declared: str) -> list[str]:

@@ -1,0 +1,117 @@
+"""From a script's file to source code: what `motorcade generate` does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from motorcade.ga.algebra import Algebra
+from motorcade.ga.codegen.kernel import PRECISIONS, Precision
+from motorcade.ga.codegen.program import Program, compile_script
+from motorcade.ga.codegen.strategies import product, table
+from motorcade.ga.codegen.targets import TARGETS
+from motorcade.ga.codegen.targets.names import file_identifier
+from motorcade.ga.script import Script, parse
+from motorcade.ga.script.lexer import MAX_SCRIPT_CHARACTERS
+from motorcade.ga.script.meaning import ALGEBRAS
+
+__all__ = ["STRATEGIES", "Generated", "generate", "read_script"]
+
+_LONGEST_CHARACTER = 4
+
+WriteCalls = Callable[[Script, str, Algebra | None, Precision | None], dict[str, str]]
+
+# How else than as the program that `TARGETS` write a script becomes C.
+STRATEGIES: dict[str, WriteCalls] = {"table": table.write, "product": product.write}
+
+
+@dataclass(frozen=True)
+class Generated:
+    """The program of a script, and the text of each file of code by its name."""
+
+    program: Program
+    files: dict[str, str]
+
+
+def generate(
+    path: Path,
+    *,
+    target: str = "c",
+    strategy: str = "program",
+    precision: str | None = None,
+    algebra: str | None = None,
+) -> Generated:
+    """Write a script as code; the file's name without suffix names the function.
+
+    Args:
+        path: of the script.
+        target: one of `TARGETS`.
+        strategy: ``program``, or one of `STRATEGIES` for the target ``c``.
+        precision: float32 or float64; each target's own if None.
+        algebra: by name, for scripts that do not say theirs; cga3 if None.
+
+    Raises:
+        OSError: the file cannot be read.
+        ScriptError: what is wrong with the script, and where.
+        ValueError: names that the target keeps for itself, a script without outputs, anything
+            above that is not known or that the target does not have.
+        ModuleNotFoundError: without CasADi.
+    """
+    write = TARGETS[_one_of("target", target, TARGETS)]
+    _one_of("strategy", strategy, ["program", *STRATEGIES])
+    if strategy != "program" and target != "c":
+        raise ValueError(f"target {target}: expected the strategy program, got {strategy}")
+    kind = None if precision is None else _precision(precision)
+    basis = None if algebra is None else ALGEBRAS[_one_of("algebra", algebra, ALGEBRAS)]
+    name = _function_name(path)
+    script = read_script(path)
+    program = compile_script(script, name, basis)
+    if strategy == "program":
+        return Generated(program, write(program, kind))
+    return Generated(program, STRATEGIES[strategy](script, name, basis, kind))
+
+
+def read_script(path: Path) -> Script:
+    """Read and parse a script.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is too large, or no UTF-8.
+        ScriptError: what is wrong with the script, and where.
+    """
+    most = _LONGEST_CHARACTER * MAX_SCRIPT_CHARACTERS
+    with path.open("rb") as file:
+        data = file.read(most + 1)
+    if len(data) > most:
+        raise ValueError(f"{path}: expected a script of at most {most} bytes")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as refused:
+        raise ValueError(
+            f"{path}: expected UTF-8 text, got the byte {data[refused.start]:#04x} "
+            f"at offset {refused.start}"
+        ) from refused
+    return parse(text, str(path))
+
+
+def _function_name(path: Path) -> str:
+    """The file's name without suffix, where it is an identifier."""
+    wanted = file_identifier(path.stem)
+    if wanted != path.stem:
+        raise ValueError(
+            f"{path}: expected a file name that is an identifier, as it names the function: "
+            f"rename it to {wanted}{path.suffix}"
+        )
+    return wanted
+
+
+def _precision(name: str) -> Precision:
+    known = {precision.numpy: precision for precision in PRECISIONS}
+    return known[_one_of("precision", name, known)]
+
+
+def _one_of(field: str, given: str, known: Iterable[str]) -> str:
+    if given not in known:
+        raise ValueError(f"{field}: expected {', '.join(known)}, got {given!a}")
+    return given
