@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from motorcade.ga.codegen.passes.divisions import as_reciprocals, with_quotients
 from motorcade.ga.codegen.passes.expand import expanded
+from motorcade.ga.codegen.passes.factor import factored
 from motorcade.ga.codegen.passes.merge import merged
 from motorcade.ga.codegen.passes.rebuild import folded_tape
 from motorcade.ga.codegen.passes.stats import PassStats, count_operations
@@ -23,6 +24,7 @@ PASSES: tuple[tuple[str, Callable[[Tape], Tape]], ...] = (
     ("collect like terms", expanded),
     ("merge equal nodes", merged),
     ("drop zeros", without_zeros),
+    ("factor", factored),
     ("single quotients", with_quotients),
 )
 
