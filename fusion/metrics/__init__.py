@@ -1,11 +1,23 @@
-"""Metrics: pose errors by evo's definitions, jitter, lag, and all of them in one value."""
+"""Metrics of trajectories: errors by evo's and KITTI's definitions, smoothness, lag, artifacts.
+
+`evaluate` puts those that need no more than an estimate and its truth into one value.
+"""
 
 from __future__ import annotations
 
-from motorcade.fusion.metrics.evaluate import Evaluation, evaluate
-from motorcade.fusion.metrics.jitter import Jitter, accelerations, jitter, jitter_above
-from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
-from motorcade.fusion.metrics.pose_error import (
+from motorcade.fusion.metrics.artifacts.frame_change import FrameChangeDefect, frame_change_defect
+from motorcade.fusion.metrics.artifacts.gimbal import (
+    GimbalIndex,
+    gimbal_index,
+    path_over_geodesic,
+    rotation_path_rad,
+)
+from motorcade.fusion.metrics.artifacts.overshoot import (
+    position_overshoot_m,
+    rotation_overshoot_rad,
+)
+from motorcade.fusion.metrics.cost import seconds_per_pose
+from motorcade.fusion.metrics.errors.pose_error import (
     Align,
     Alignment,
     Pairs,
@@ -18,15 +30,31 @@ from motorcade.fusion.metrics.pose_error import (
     rotation_rad,
     tilt_rad,
 )
+from motorcade.fusion.metrics.errors.relative_by_length import (
+    Drift,
+    drift_by_length,
+    relative_errors_by_length,
+)
+from motorcade.fusion.metrics.errors.scale import log_scales, without_scale
+from motorcade.fusion.metrics.evaluate import Evaluation, evaluate
+from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
+from motorcade.fusion.metrics.shaking.jitter import Jitter, accelerations, jitter, jitter_above
+from motorcade.fusion.metrics.shaking.smoothness import Smoothness, log_dimensionless_jerk
+from motorcade.fusion.metrics.shaking.spectral_energy import EnergyExcess, energy_excess_above
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 
 __all__ = [
     "Align",
     "Alignment",
+    "Drift",
+    "EnergyExcess",
     "Evaluation",
+    "FrameChangeDefect",
+    "GimbalIndex",
     "Jitter",
     "NotObservableError",
     "Pairs",
+    "Smoothness",
     "Statistics",
     "absolute_translation_m",
     "accelerations",
@@ -34,11 +62,24 @@ __all__ = [
     "alignment_of",
     "angular_rate_lag_s",
     "associate",
+    "drift_by_length",
+    "energy_excess_above",
     "evaluate",
+    "frame_change_defect",
+    "gimbal_index",
     "jitter",
     "jitter_above",
+    "log_dimensionless_jerk",
+    "log_scales",
+    "path_over_geodesic",
     "position_lag_s",
+    "position_overshoot_m",
     "relative_errors",
+    "relative_errors_by_length",
+    "rotation_overshoot_rad",
+    "rotation_path_rad",
     "rotation_rad",
+    "seconds_per_pose",
     "tilt_rad",
+    "without_scale",
 ]

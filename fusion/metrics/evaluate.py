@@ -1,19 +1,23 @@
 """The whole comparison of an estimated trajectory with a reference, as one value.
 
-Keys carry their units: errors in metres and degrees, lag in milliseconds (positive is late).
+Keys carry their units: errors in metres and degrees, lag in milliseconds (positive is late);
+ratios and logarithms have none.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
-from motorcade.fusion.metrics.jitter import Jitter, jitter
-from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
-from motorcade.fusion.metrics.pose_error import (
+from motorcade.fusion.metrics.artifacts.gimbal import GimbalIndex, gimbal_index
+from motorcade.fusion.metrics.artifacts.overshoot import (
+    position_overshoot_m,
+    rotation_overshoot_rad,
+)
+from motorcade.fusion.metrics.errors.pose_error import (
     Align,
     Pairs,
     Statistics,
@@ -24,12 +28,28 @@ from motorcade.fusion.metrics.pose_error import (
     rotation_rad,
     tilt_rad,
 )
+from motorcade.fusion.metrics.errors.relative_by_length import relative_errors_by_length
+from motorcade.fusion.metrics.errors.scale import log_scales, without_scale
+from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
+from motorcade.fusion.metrics.shaking.jitter import Jitter, jitter
+from motorcade.fusion.metrics.shaking.smoothness import Smoothness, log_dimensionless_jerk
+from motorcade.fusion.metrics.shaking.spectral_energy import EnergyExcess, energy_excess_above
 from motorcade.fusion.metrics.smooth_path import NotObservableError
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import FloatArray, Motor, Trajectory
 
 __all__ = ["Evaluation", "evaluate"]
 
 T = TypeVar("T")
+
+_ERRORS = (
+    "ape_m",
+    "rotation_deg",
+    "tilt_deg",
+    "rpe_trans_m",
+    "rpe_rot_deg",
+    "rpe_by_length_trans_m",
+    "rpe_by_length_rot_deg",
+)
 
 
 @dataclass(frozen=True)
@@ -43,11 +63,22 @@ class Evaluation:
         ape_m: distance between positions.
         rotation_deg: angle between orientations.
         tilt_deg: angle between the two directions of up.
+        log_scale: logarithm of the ratio of the scales; None where both are rigid.
         rpe_trans_m, rpe_rot_deg: error of the motion over one frame; None from a single pair.
+        rpe_length_m: length of path for the next two.
+        rpe_by_length_trans_m, rpe_by_length_rot_deg: error of the motion over that length; None
+            where the path is shorter.
         jitter: acceleration that the reference does not have; None where fewer than three
             consecutive stamps lie within the reference.
+        energy_above_hz: cut-off for the next.
+        energy_excess: mean square acceleration above it, less the reference's; None where no 16
+            poses stand together within the reference.
+        log_jerk: log dimensionless jerk of the estimate itself; None for fewer than five poses.
         lag_ms: lag of the positions; None where they do not move enough to tell.
         angular_rate_lag_ms: lag of the angular rates; None likewise.
+        overshoot_m, rotation_overshoot_deg: largest overshoot at stops and turns; None where the
+            reference has none.
+        gimbal: turning beside the reference's; None where that does not turn.
     """
 
     align: Align
@@ -56,11 +87,21 @@ class Evaluation:
     ape_m: Statistics
     rotation_deg: Statistics
     tilt_deg: Statistics
+    log_scale: Statistics | None
     rpe_trans_m: Statistics | None
     rpe_rot_deg: Statistics | None
+    rpe_length_m: float
+    rpe_by_length_trans_m: Statistics | None
+    rpe_by_length_rot_deg: Statistics | None
     jitter: Jitter | None
+    energy_above_hz: float
+    energy_excess: EnergyExcess | None
+    log_jerk: Smoothness | None
     lag_ms: float | None
     angular_rate_lag_ms: float | None
+    overshoot_m: float | None
+    rotation_overshoot_deg: float | None
+    gimbal: GimbalIndex | None
 
     def as_dict(self) -> dict[str, float | int | str | None]:
         """Flat figures ready for JSON: ``ape_rmse_m``, ``rpe_rot_rmse_deg``, ``lag_ms``, …
@@ -73,17 +114,27 @@ class Evaluation:
             "pairs": self.pairs,
             "scale": self.scale,
         }
-        for name in ("ape_m", "rotation_deg", "tilt_deg", "rpe_trans_m", "rpe_rot_deg"):
+        for name in _ERRORS:
             error, _, unit = name.rpartition("_")
             found = getattr(self, name)
             for statistic in Statistics.names():
-                value = None if found is None else getattr(found, statistic)
-                flat[f"{error}_{statistic}_{unit}"] = value
-        shake = {} if self.jitter is None else asdict(self.jitter)
-        flat["linear_jitter_m_s2"] = shake.get("linear_m_s2")
-        flat["angular_jitter_rad_s2"] = shake.get("angular_rad_s2")
-        flat["lag_ms"] = self.lag_ms
-        flat["angular_rate_lag_ms"] = self.angular_rate_lag_ms
+                flat[f"{error}_{statistic}_{unit}"] = getattr(found, statistic, None)
+        for statistic in Statistics.names():
+            flat[f"log_scale_{statistic}"] = getattr(self.log_scale, statistic, None)
+        flat["rpe_length_m"] = self.rpe_length_m
+        flat["linear_jitter_m_s2"] = getattr(self.jitter, "linear_m_s2", None)
+        flat["angular_jitter_rad_s2"] = getattr(self.jitter, "angular_rad_s2", None)
+        flat["energy_above_hz"] = self.energy_above_hz
+        excess = self.energy_excess
+        flat["linear_energy_excess_m2_s4"] = getattr(excess, "linear_m2_s4", None)
+        flat["angular_energy_excess_rad2_s4"] = getattr(excess, "angular_rad2_s4", None)
+        flat["linear_log_jerk"] = getattr(self.log_jerk, "linear", None)
+        flat["angular_log_jerk"] = getattr(self.log_jerk, "angular", None)
+        for name in ("lag_ms", "angular_rate_lag_ms", "overshoot_m", "rotation_overshoot_deg"):
+            flat[name] = getattr(self, name)
+        flat["rotation_path_ratio"] = getattr(self.gimbal, "path_ratio", None)
+        flat["peak_rate_ratio"] = getattr(self.gimbal, "peak_rate_ratio", None)
+        flat["spurious_turns"] = getattr(self.gimbal, "spurious_turns", None)
         return flat
 
 
@@ -92,24 +143,36 @@ def evaluate(
     reference: Trajectory,
     align: Align = "none",
     max_difference_s: float = 0.01,
+    rpe_length_m: float = 1.0,
+    energy_above_hz: float = 5.0,
 ) -> Evaluation:
     """Compare an estimate with a reference of the same moving frame.
 
     Args:
-        estimate: the trajectory to judge, at any rate.
+        estimate: the trajectory to judge, at any rate; of similarities the rigid part is judged,
+            and the scale apart.
         reference: the truth, at any rate; stamps are paired as in `associate`.
         align: "none", "se3" (turn and shift the estimate's world) or "sim3" (and scale it).
         max_difference_s: how far apart paired stamps may be, in seconds.
+        rpe_length_m: length of path for the relative error by length, above zero.
+        energy_above_hz: cut-off of the spectral energy, above zero; for slow estimates a quarter
+            of their rate takes its place.
 
     Raises:
         ValueError: an unknown alignment, no stamps near enough, or positions that cannot be
             aligned (fewer than three, or on one line).
     """
+    sized = estimate, reference
+    estimate, reference = without_scale(estimate), without_scale(reference)
     pairs = associate(estimate, reference, max_difference_s)
     alignment = alignment_of(pairs, align)
     ours = alignment.apply(pairs.estimate)
-    trans, rot = _relative(ours, pairs)
+    trans, rot = _relative(lambda: relative_errors(ours, pairs.reference), len(pairs))
+    far_trans, far_rot = _relative(
+        lambda: relative_errors_by_length(ours, pairs.reference, rpe_length_m), len(pairs)
+    )
     moved = alignment.apply_to(estimate)
+    above_hz = _cutoff_hz(energy_above_hz, estimate)
     return Evaluation(
         align=align,
         pairs=len(pairs),
@@ -117,19 +180,50 @@ def evaluate(
         ape_m=Statistics.of(absolute_translation_m(ours, pairs.reference)),
         rotation_deg=Statistics.of(np.rad2deg(rotation_rad(ours, pairs.reference))),
         tilt_deg=Statistics.of(np.rad2deg(tilt_rad(ours, pairs.reference))),
+        log_scale=_log_scale(*sized, pairs, alignment.scale),
         rpe_trans_m=trans,
         rpe_rot_deg=rot,
+        rpe_length_m=rpe_length_m,
+        rpe_by_length_trans_m=far_trans,
+        rpe_by_length_rot_deg=far_rot,
         jitter=_where_observable(lambda: jitter(moved, reference)),
+        energy_above_hz=above_hz,
+        energy_excess=_where_observable(lambda: energy_excess_above(moved, reference, above_hz)),
+        log_jerk=_where_observable(lambda: log_dimensionless_jerk(moved)),
         lag_ms=_where_observable(lambda: 1e3 * position_lag_s(moved, reference)),
         angular_rate_lag_ms=_where_observable(lambda: 1e3 * angular_rate_lag_s(moved, reference)),
+        overshoot_m=_where_observable(lambda: position_overshoot_m(moved, reference)),
+        rotation_overshoot_deg=_where_observable(
+            lambda: float(np.rad2deg(rotation_overshoot_rad(moved, reference)))
+        ),
+        gimbal=_where_observable(lambda: gimbal_index(moved, reference)),
     )
 
 
-def _relative(ours: Motor, pairs: Pairs) -> tuple[Statistics | None, Statistics | None]:
-    if len(pairs) < 2:
+def _log_scale(
+    estimate: Trajectory, reference: Trajectory, pairs: Pairs, scale: float
+) -> Statistics | None:
+    if isinstance(estimate.poses, Motor) and isinstance(reference.poses, Motor):
+        return None
+    ours = log_scales(estimate.poses)[pairs.estimate_index] + np.log(scale)
+    return Statistics.of(np.abs(ours - log_scales(reference.poses)[pairs.reference_index]))
+
+
+def _relative(
+    errors: Callable[[], tuple[FloatArray, FloatArray]], pairs: int
+) -> tuple[Statistics | None, Statistics | None]:
+    found = _where_observable(errors) if pairs > 1 else None
+    if found is None:
         return None, None
-    steps_m, steps_rad = relative_errors(ours, pairs.reference)
-    return Statistics.of(steps_m), Statistics.of(np.rad2deg(steps_rad))
+    return Statistics.of(found[0]), Statistics.of(np.rad2deg(found[1]))
+
+
+def _cutoff_hz(wanted_hz: float, estimate: Trajectory) -> float:
+    if not 0.0 < wanted_hz < np.inf:
+        raise ValueError(f"energy_above_hz: expected a number above 0, got {wanted_hz}")
+    if len(estimate) < 2:
+        return wanted_hz
+    return min(wanted_hz, 0.25 / float(np.median(np.diff(estimate.time_s))))
 
 
 def _where_observable(figure: Callable[[], T]) -> T | None:

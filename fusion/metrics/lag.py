@@ -44,7 +44,7 @@ def position_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float = 0
     path = SmoothPath(truth)
     time_s = path.seconds(estimate.time_ns)
     time_s, kept, limit_s = _inner(path, time_s, time_s, max_lag_s)
-    ours = estimate.poses.translation_m[kept]
+    ours = estimate.motors.translation_m[kept]
     return _peak(ours, lambda lag: path.positions_m(time_s - lag), limit_s, _half_step(estimate))
 
 
@@ -74,7 +74,7 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
         return np.asarray(turns.as_rotation_vector() / steps, dtype=np.float64)
 
     return _peak(
-        rates(estimate.poses.rotor[ends]),
+        rates(estimate.motors.rotor[ends]),
         lambda lag: rates(path.poses(time_s[ends] - lag).rotor),
         limit_s,
         _half_step(estimate),

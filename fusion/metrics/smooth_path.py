@@ -37,11 +37,11 @@ class SmoothPath:
             raise NotObservableError(f"reference: expected 2 or more poses, got {len(trajectory)}")
         self.origin_ns = int(trajectory.time_ns[0])
         self._time_s = trajectory.time_s
-        quaternions = trajectory.poses.rotor.as_quaternion()
+        quaternions = trajectory.motors.rotor.as_quaternion()
         self._rotation = RotationSpline(
             self._time_s, Rotation.from_quat(quaternions, scalar_first=True)
         )
-        self._position = CubicSpline(self._time_s, trajectory.poses.translation_m)
+        self._position = CubicSpline(self._time_s, trajectory.motors.translation_m)
 
     @property
     def span_s(self) -> tuple[float, float]:

@@ -118,7 +118,7 @@ class Motion(Generic[V]):
         return Trajectory(start_ns + offset_ns, poses, parent, child)
 
     def _derived(self, time_s: ArrayLike) -> tuple[V, FloatArray, FloatArray, FloatArray]:
-        times = checked_floats(time_s, "Motion.at(time_s)", ())
+        times: FloatArray = checked_floats(time_s, "Motion.at(time_s)", ())
         pose = self.versor.identity(times.shape)
         twist = rate = jerk = np.zeros((*times.shape, self.factors[0].twist.size))
         for factor in self.factors:

@@ -16,7 +16,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         shared,
         evaluate_files,
         name="evaluate",
-        summary="absolute and relative pose error, rotation, jitter and lag against a reference",
+        summary="absolute and relative pose error, jitter, lag and artifacts against a reference",
         example="motorcade evaluate estimate.tum truth.tum --align se3 --json errors.json",
     )
     parser.add_argument("estimate", type=Path, metavar="EST")
@@ -27,6 +27,18 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         type=float,
         default=0.01,
         help="stamps farther apart are not paired (0.01 s)",
+    )
+    parser.add_argument(
+        "--rpe-length-m",
+        type=float,
+        default=1.0,
+        help="length of path for the relative error by length (1 m)",
+    )
+    parser.add_argument(
+        "--energy-above-hz",
+        type=float,
+        default=5.0,
+        help="cut-off of the spectral energy (5 Hz, or a quarter of a slow rate)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the results there")
     parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
@@ -45,8 +57,10 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
         reference,
         align=arguments.align,
         max_difference_s=arguments.max_difference_s,
+        rpe_length_m=arguments.rpe_length_m,
+        energy_above_hz=arguments.energy_above_hz,
     ).as_dict()
     for key, value in errors.items():
-        print(f"{key:>28}  {value:.9g}" if isinstance(value, float) else f"{key:>28}  {value}")
+        print(f"{key:>30}  {value:.9g}" if isinstance(value, float) else f"{key:>30}  {value}")
     if arguments.json is not None:
         write_bytes(arguments.json, (json.dumps(errors, indent=2) + "\n").encode())

@@ -107,7 +107,7 @@ class Alignment:
 
     def apply_to(self, trajectory: Trajectory) -> Trajectory:
         """The whole trajectory in the reference's world."""
-        moved = self.apply(trajectory.poses)
+        moved = self.apply(trajectory.motors)
         return Trajectory(trajectory.time_ns, moved, trajectory.parent, trajectory.child)
 
 
@@ -137,7 +137,7 @@ def associate(estimate: Trajectory, reference: Trajectory, max_difference_s: flo
             f"{reference.time_ns[0]} to {reference.time_ns[-1]} ns"
         )
     e, r = (long_index, short_index) if reference_leads else (short_index, long_index)
-    return Pairs(estimate.time_ns[e], estimate.poses[e], reference.poses[r], e, r)
+    return Pairs(estimate.time_ns[e], estimate.motors[e], reference.motors[r], e, r)
 
 
 def align(pairs: Pairs, with_scale: bool) -> Alignment:

@@ -64,7 +64,11 @@ def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
         )
     first = int(np.argmax(usable))
     last = usable.size - int(np.argmax(usable[::-1])) + 2
-    time_s, poses, usable = time_s[first:last], estimate.poses[first:last], usable[first : last - 2]
+    time_s, poses, usable = (
+        time_s[first:last],
+        estimate.motors[first:last],
+        usable[first : last - 2],
+    )
     ours = accelerations(time_s, poses)
     true = accelerations(time_s, path.poses(np.clip(time_s, *path.span_s)))
     linear, angular = (a[usable] - b[usable] for a, b in zip(ours, true, strict=True))
@@ -95,7 +99,7 @@ def jitter_above(trajectory: Trajectory, frequency_hz: float) -> Jitter:
         if stretch.size < _SHORTEST_SPECTRUM:
             continue
         times = time_s[stretch]
-        both = accelerations(times, trajectory.poses[stretch])
+        both = accelerations(times, trajectory.motors[stretch])
         even_s = np.arange(times[1], times[-2] + 1e-3 * interval, interval)
         for i, series in enumerate(both):
             power[i] += even_s.size * _power_above(times[1:-1], series, even_s, frequency_hz)

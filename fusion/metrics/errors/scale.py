@@ -1,0 +1,25 @@
+"""Similarities apart: the rigid part, which all other metrics judge, and the scale."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+
+__all__ = ["log_scales", "without_scale"]
+
+
+def without_scale(trajectory: Trajectory) -> Trajectory:
+    """The same orientations and positions as rigid poses; the metrics take no others."""
+    if isinstance(trajectory.poses, Motor):
+        return trajectory
+    motors, _ = trajectory.poses.as_motor_scale()
+    return Trajectory(trajectory.time_ns, motors, trajectory.parent, trajectory.child)
+
+
+def log_scales(poses: Motor | Similarity) -> FloatArray:
+    """Logarithms of the scales ``(*)``; zero for rigid poses."""
+    if isinstance(poses, Motor):
+        return np.zeros(poses.shape)
+    logarithms: FloatArray = np.log(poses.scale)
+    return logarithms

@@ -1,0 +1,1 @@
+"""How much a trajectory shakes: jitter, spectral energy, log dimensionless jerk."""
