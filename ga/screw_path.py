@@ -58,7 +58,7 @@ class ScrewPath:
 
     def at(self, time_ns: ArrayLike) -> Motor:
         """Poses at stamps ``(*)`` in nanoseconds; see `Trajectory.at`."""
-        return self.trajectory.at(time_ns)
+        return self.trajectory.motors_at(time_ns)
 
     def twists(self, time_s: ArrayLike) -> TwistSample[Motor]:
         """Poses and body twists at times ``(*)`` in seconds after the first pose.
@@ -70,7 +70,7 @@ class ScrewPath:
             ValueError: NaN or infinity, or times outside the span.
         """
         before, fraction = self._locate(checked_floats(time_s, "ScrewPath.twists(time_s)", ()))
-        poses, stamps = self.trajectory.poses, self.trajectory.time_ns
+        poses, stamps = self.trajectory.motors, self.trajectory.time_ns
         screws = (poses[:-1].inverse() @ poses[1:]).as_twist()
         screw = screws[before]
         pose = poses[before] @ Motor.from_twist(fraction[..., None] * screw)

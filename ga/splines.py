@@ -203,7 +203,7 @@ class CumulativeBSpline(_CumulativeBSpline[Motor]):
         segment, fraction = _located(bridged.time_s, spacing, segments)
         fitted = fit_controls(
             _first_guess(trajectory, segments), segment,
-            cumulative_weights(fraction, 0)[1:], bridged.poses,
+            cumulative_weights(fraction, 0)[1:], bridged.motors,
         )  # fmt: skip
         if fitted is None:
             raise ValueError(
@@ -245,7 +245,7 @@ def _first_guess(trajectory: Trajectory, segments: int) -> Motor:
     """The trajectory's own poses where each control weighs most, held still beyond its ends."""
     span = int(trajectory.time_ns[-1] - trajectory.time_ns[0])
     place = np.clip((np.arange(segments + ORDER - 1) - (ORDER - 2) / 2) / segments, 0.0, 1.0)
-    return trajectory.at(trajectory.time_ns[0] + (place * span).astype(np.int64))
+    return trajectory.motors_at(trajectory.time_ns[0] + (place * span).astype(np.int64))
 
 
 def _located(time_s: FloatArray, spacing: float, segments: int) -> tuple[IntArray, FloatArray]:

@@ -1,15 +1,16 @@
 """Trajectory: stamped poses of one frame in another, ``parent_T_child``.
 
 Stamps are integer nanoseconds, strictly increasing. A pose maps child coordinates to parent
-coordinates (``world_T_camera`` by default). Between stamps the pose follows the screw from one
-neighbour to the next; outside the span nothing is invented.
+coordinates (``world_T_camera`` by default); it is rigid, or a similarity where lengths in the two
+frames differ. Between stamps the pose follows the screw, or spiral, from one neighbour to the next;
+outside the span nothing is invented.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
@@ -17,8 +18,12 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.versors.motor import Motor
+from motorcade.ga.versors.similarity import Similarity
+from motorcade.ga.versors.versor import Versor
 
 __all__ = ["Trajectory"]
+
+V = TypeVar("V", bound=Versor)
 
 _FORMAT = "motorcade trajectory 1"
 
@@ -29,7 +34,7 @@ class Trajectory:
 
     Args:
         time_ns: ``(N,)`` integer nanoseconds, N at least 1.
-        poses: Motor of shape ``(N,)``.
+        poses: Motor or Similarity of shape ``(N,)``.
         parent: name of the frame that poses map to.
         child: name of the frame that moves.
 
@@ -38,7 +43,7 @@ class Trajectory:
     """
 
     time_ns: IntArray
-    poses: Motor
+    poses: Motor | Similarity
     parent: str = "world"
     child: str = "camera"
 
@@ -48,8 +53,11 @@ class Trajectory:
             raise ValueError(
                 f"Trajectory.time_ns: expected shape (N,) with N >= 1, got {stamps.shape}"
             )
-        if not isinstance(self.poses, Motor):
-            raise ValueError(f"Trajectory.poses: expected a Motor, got {type(self.poses).__name__}")
+        if not isinstance(self.poses, Motor | Similarity):
+            raise ValueError(
+                "Trajectory.poses: expected a Motor or a Similarity, got "
+                f"{type(self.poses).__name__}"
+            )
         if self.poses.shape != stamps.shape:
             raise ValueError(
                 f"Trajectory.poses: expected shape {stamps.shape} to match time_ns, "
@@ -79,6 +87,15 @@ class Trajectory:
         return Trajectory, (np.array(self.time_ns), self.poses, self.parent, self.child)
 
     @property
+    def motors(self) -> Motor:
+        """The poses ``(N,)`` of a rigid trajectory.
+
+        Raises:
+            ValueError: the poses are similarities.
+        """
+        return _rigid(self.poses, "Trajectory.motors")
+
+    @property
     def duration_s(self) -> float:
         """Seconds from the first stamp to the last."""
         return float(self.time_ns[-1] - self.time_ns[0]) * 1e-9
@@ -101,7 +118,15 @@ class Trajectory:
             raise TypeError("Trajectory index: expected a slice or a 1-d array of indices")
         return Trajectory(self.time_ns[chosen], self.poses[chosen], self.parent, self.child)
 
-    def at(self, time_ns: ArrayLike) -> Motor:
+    def motors_at(self, time_ns: ArrayLike) -> Motor:
+        """Poses of a rigid trajectory at stamps ``(*)`` in nanoseconds; see `at`.
+
+        Raises:
+            ValueError: as `at`, or the poses are similarities.
+        """
+        return _rigid(self.at(time_ns), "Trajectory.motors_at")
+
+    def at(self, time_ns: ArrayLike) -> Motor | Similarity:
         """Poses at stamps ``(*)`` in nanoseconds, by screw interpolation between neighbours.
 
         Raises:
@@ -121,7 +146,7 @@ class Trajectory:
         before = np.minimum(before, len(self) - 2)
         step = self.time_ns[before + 1] - self.time_ns[before]
         fraction = (stamps - self.time_ns[before]) / step
-        return self.poses[before].interpolate(self.poses[before + 1], fraction)
+        return _between(self.poses, before, fraction)
 
     def resampled(self, time_ns: ArrayLike) -> Trajectory:
         """The trajectory at other stamps ``(M,)`` inside its span; see `at`."""
@@ -130,18 +155,19 @@ class Trajectory:
 
     def transformed_by(
         self,
-        left: Motor | None = None,
-        right: Motor | None = None,
+        left: Motor | Similarity | None = None,
+        right: Motor | Similarity | None = None,
         *,
         parent: str | None = None,
         child: str | None = None,
     ) -> Trajectory:
         """``left @ pose @ right``: move the parent frame by `left`, the child frame by `right`.
 
-        ``parent`` and ``child`` name the new frames; without them the old names stay.
+        ``parent`` and ``child`` name the new frames; without them the old names stay. A similarity
+        on either side makes similarities of rigid poses.
         """
-        poses = self.poses if left is None else left @ self.poses
-        poses = poses if right is None else poses @ right
+        poses = self.poses if left is None else _composed(left, self.poses)
+        poses = poses if right is None else _composed(poses, right)
         return Trajectory(self.time_ns, poses, parent or self.parent, child or self.child)
 
     def save(self, path: Path) -> None:
@@ -174,8 +200,10 @@ class Trajectory:
             with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
                 if str(stored["format"]) != _FORMAT:
                     raise ValueError(f"expected the format '{_FORMAT}', got '{stored['format']}'")
-                poses = Motor(stored["coefficients"])
-                return cls(stored["time_ns"], poses, str(stored["parent"]), str(stored["child"]))
+                coefficients = stored["coefficients"]
+                kind = Similarity if coefficients.shape[-1:] == (12,) else Motor
+                frames = str(stored["parent"]), str(stored["child"])
+                return cls(stored["time_ns"], kind(coefficients), *frames)
         except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as fault:
             raise ValueError(f"{path}: not a saved trajectory: {fault}") from fault
 
@@ -185,3 +213,24 @@ def _checked_stamps(value: ArrayLike, name: str) -> IntArray:
     if given.dtype.kind != "i":
         raise ValueError(f"{name}: expected integer nanoseconds, got dtype {given.dtype}")
     return given.astype(np.int64, copy=False)
+
+
+def _between(poses: V, before: IntArray, fraction: FloatArray) -> V:
+    return poses[before].interpolate(poses[before + 1], fraction)
+
+
+def _rigid(poses: Motor | Similarity, name: str) -> Motor:
+    if isinstance(poses, Motor):
+        return poses
+    raise ValueError(
+        f"{name}: expected rigid poses, got similarities; as_motor_scale takes the scale off"
+    )
+
+
+def _composed(a: Motor | Similarity, b: Motor | Similarity) -> Motor | Similarity:
+    if isinstance(a, Motor) and isinstance(b, Motor):
+        return a @ b
+    first, second = (
+        Similarity.from_motor_scale(one) if isinstance(one, Motor) else one for one in (a, b)
+    )
+    return first @ second

@@ -65,7 +65,7 @@ def render_overlay(
         RenderUnavailable: this machine has no OpenGL.
         ValueError: a frame of another size, a camera with distortion, or light from below ground.
     """
-    stage = _Stage(camera, world_T_camera.poses, character, placement, light_direction)
+    stage = _Stage(camera, world_T_camera.motors, character, placement, light_direction)
     first_ns, last_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
     start_ns: int | None = None
     with OffscreenRenderer(camera.width, camera.height) as renderer:
@@ -81,7 +81,7 @@ def render_overlay(
             if not first_ns <= time_ns <= last_ns:
                 yield frame
                 continue
-            pose = world_T_camera.at(np.int64(time_ns))
+            pose = world_T_camera.motors_at(np.int64(time_ns))
             local = clip.at((time_ns - start_ns) * 1e-9)
             yield stage.draw(renderer, frame, rest[0] if rest else None, pose, local)
 

@@ -22,7 +22,7 @@ from typing import Literal, cast, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
+from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Similarity, Trajectory
 from motorcade.replays.atomic import write_bytes
 from motorcade.replays.errors import did_you_mean, refusal
 from motorcade.replays.readers.tables import Table, data_rows, in_order, read_table
@@ -41,6 +41,8 @@ __all__ = [
 
 TrajectoryFormat = Literal["tum", "euroc", "kitti"]
 UNIT_TOLERANCE = 0.01
+# A similarity that differs by rounding from a rigid motion is one.
+_SCALE_TOLERANCE = 1e-12
 _REACH_M = 1e9
 _POSITION = ("tx", "ty", "tz")
 _QUATERNION = {"tum": ("qx", "qy", "qz", "qw"), "euroc": ("qw", "qx", "qy", "qz")}
@@ -111,12 +113,13 @@ def write_trajectory(
     that bring the same float64 back. KITTI files hold no stamps; keep them elsewhere.
 
     Args:
-        trajectory: rigid poses ``(N,)``.
+        trajectory: rigid poses ``(N,)``; similarities of scale 1 are.
         path: the file to write or replace.
         fmt: its format; by default from the name's ending: .tum and .txt, .csv (EuRoC), .kitti.
 
     Raises:
-        ValueError: an unknown ending without `fmt`.
+        ValueError: an unknown ending without `fmt`, or a pose with a scale other than 1, which no
+            text format holds; `Trajectory.save` keeps it.
         OSError: the file cannot be written; what was there before is still there.
     """
     file = Path(path)
@@ -126,7 +129,8 @@ def write_trajectory(
             raise ValueError(f"{file}: expected a name ending in {known}, or the format given")
         fmt = _SUFFIXES[file.suffix.lower()]
     rows = {"tum": _tum_rows, "euroc": _euroc_rows, "kitti": _kitti_rows}[_known(fmt)]
-    write_bytes(file, "\n".join([*rows(trajectory), ""]).encode("ascii"))
+    lines = rows(trajectory.time_ns, _rigid(trajectory, file))
+    write_bytes(file, "\n".join([*lines, ""]).encode("ascii"))
 
 
 def trajectory_format(path: Path) -> TrajectoryFormat:
@@ -263,24 +267,37 @@ def _refuse_far(table: Table, translation_m: FloatArray) -> None:
     _refuse_rows(table, reach > _REACH_M, reach, f"expected a position within {_REACH_M:g} m, got")
 
 
-def _tum_rows(trajectory: Trajectory) -> Iterator[str]:
-    wxyz, translation_m = trajectory.poses.as_quaternion_translation()
+def _rigid(trajectory: Trajectory, path: Path) -> Motor:
+    if not isinstance(trajectory.poses, Similarity):
+        return trajectory.poses
+    motors, scale = trajectory.poses.as_motor_scale()
+    off = int(np.argmax(np.abs(scale - 1.0)))
+    if abs(scale[off] - 1.0) > _SCALE_TOLERANCE:
+        raise ValueError(
+            f"{path}: expected poses of scale 1, which is all that this format holds, got scale "
+            f"{float(scale[off]):.9g} at index {off}; a .npz file keeps it"
+        )
+    return motors
+
+
+def _tum_rows(time_ns: IntArray, poses: Motor) -> Iterator[str]:
+    wxyz, translation_m = poses.as_quaternion_translation()
     yield "# timestamp tx ty tz qx qy qz qw"
     numbers = np.concatenate([translation_m, wxyz[:, [1, 2, 3, 0]]], axis=1)
-    for stamp, row in zip(trajectory.time_ns.tolist(), numbers.tolist(), strict=True):
+    for stamp, row in zip(time_ns.tolist(), numbers.tolist(), strict=True):
         seconds, rest = divmod(abs(stamp), 10**9)
         sign = "-" if stamp < 0 else ""
         yield f"{sign}{seconds}.{rest:09d} {' '.join(map(repr, row))}"
 
 
-def _euroc_rows(trajectory: Trajectory) -> Iterator[str]:
-    wxyz, translation_m = trajectory.poses.as_quaternion_translation()
+def _euroc_rows(time_ns: IntArray, poses: Motor) -> Iterator[str]:
+    wxyz, translation_m = poses.as_quaternion_translation()
     yield _EUROC_HEADER
     numbers = np.concatenate([translation_m, wxyz], axis=1)
-    for stamp, row in zip(trajectory.time_ns.tolist(), numbers.tolist(), strict=True):
+    for stamp, row in zip(time_ns.tolist(), numbers.tolist(), strict=True):
         yield f"{stamp},{','.join(map(repr, row))}"
 
 
-def _kitti_rows(trajectory: Trajectory) -> Iterator[str]:
-    for row in trajectory.poses.as_matrix()[:, :3].reshape(-1, 12).tolist():
+def _kitti_rows(time_ns: IntArray, poses: Motor) -> Iterator[str]:
+    for row in poses.as_matrix()[:, :3].reshape(-1, 12).tolist():
         yield " ".join(map(repr, row))

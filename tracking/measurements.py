@@ -109,7 +109,7 @@ class PoseMeasurements:
             path,
             format=np.array(_FORMAT),
             time_ns=self.trajectory.time_ns,
-            coefficients=self.trajectory.poses.coefficients,
+            coefficients=self.trajectory.motors.coefficients,
             frames=np.array([self.trajectory.parent, self.trajectory.child]),
             covariance=self.covariance,
         )

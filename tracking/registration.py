@@ -35,7 +35,7 @@ def registration_px(
     for seen in board_track.observations:
         if not path.time_ns[0] <= seen.time_ns <= path.time_ns[-1]:
             continue
-        camera_T_board = path.at(np.int64(seen.time_ns)).inverse() @ world_T_board
+        camera_T_board = path.motors_at(np.int64(seen.time_ns)).inverse() @ world_T_board
         expected = camera.project(camera_T_board.apply(board.points_m[seen.ids]))
         found.append(np.sqrt(np.mean(np.sum((expected - seen.corners_px) ** 2, axis=-1))))
     return np.array(found, dtype=np.float64)

@@ -103,7 +103,7 @@ class BoardTrack:
             corners_px=np.concatenate([one.corners_px for one in self.observations]),
             candidates=np.stack([one.candidates.coefficients for one in self.observations]),
             candidate_error_px=np.stack([one.candidate_error_px for one in self.observations]),
-            poses=trajectory.poses.coefficients,
+            poses=trajectory.motors.coefficients,
             frames=np.array([trajectory.parent, trajectory.child]),
             covariance=self.measurements.covariance,
             error_px=self.error_px,

@@ -135,7 +135,7 @@ def filter_forwards(
     data = intervals(imu, stamps_ns)
     run = Forward.empty(stamps_ns, noise)
     camera_T_imu = imu_T_camera.inverse()
-    measured = measurements.trajectory.poses @ camera_T_imu
+    measured = measurements.trajectory.motors @ camera_T_imu
     adjoint = motor_adjoint(imu_T_camera)
     spread = adjoint @ measurements.covariance @ adjoint.T
     _start(run, measured[0], spread[0], settings)

@@ -15,9 +15,11 @@ def exp2_of_integer(n: NDArray[Any]) -> NDArray[Any]:
     limits = np.finfo(n.dtype)
     least = limits.minexp - 1
     biased = (np.clip(n, least, limits.maxexp) - least).astype(f"i{n.dtype.itemsize}")
-    return np.left_shift(biased, limits.nmant).view(n.dtype)
+    power: NDArray[Any] = np.left_shift(biased, limits.nmant).view(n.dtype)
+    return power
 
 
 def exponent(x: NDArray[Any]) -> NDArray[Any]:
     """The greatest n with ``2^n <= x``, of positive normal numbers."""
-    return (np.frexp(x)[1] - 1).astype(x.dtype)
+    whole: NDArray[Any] = (np.frexp(x)[1] - 1).astype(x.dtype)
+    return whole

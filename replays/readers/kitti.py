@@ -94,7 +94,7 @@ def _truth(root: Path, time_ns: IntArray, row: FloatArray) -> Trajectory | None:
     path = beside if beside.is_file() else official
     if not path.is_file():
         return None
-    poses = read_trajectory(path, "kitti", rate_hz=RATE_HZ).poses
+    poses = read_trajectory(path, "kitti", rate_hz=RATE_HZ).motors
     if len(poses) != len(time_ns):
         raise refusal(path, f"expected {len(time_ns)} poses for as many pictures, got {len(poses)}")
     intrinsic = row.reshape(3, 4)

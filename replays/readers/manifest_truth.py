@@ -68,7 +68,7 @@ def read_truth(
                 raise section.fault(key, f"not for {fmt} files, which hold their own stamps")
         file = file_of(section, "file")
         given = read_trajectory(file, "tum" if fmt == "tum" else "euroc")
-        time_ns, poses = given.time_ns, given.poses
+        time_ns, poses = given.time_ns, given.motors
     else:
         poses = _unstamped(section, fmt, file_of)
         if "rows" in section:
@@ -90,7 +90,7 @@ def _unstamped(section: Section, fmt: str, file_of: Callable[[Section, str], Pat
         return _matrices(section, file_of)
     path = file_of(section, "file")
     if fmt == "kitti":
-        return read_trajectory(path, "kitti", rate_hz=1.0).poses
+        return read_trajectory(path, "kitti", rate_hz=1.0).motors
     table = read_table(path, _VECTOR)
     reach = np.abs(table.values).max(axis=1)
     if reach.max() > 1e9:

@@ -145,6 +145,6 @@ def _series(path: Trajectory, truth: Trajectory, align: Align, start_ns: int) ->
 def _shake(path: Trajectory, start_ns: int) -> ShakeSeries:
     if len(path) < 3:
         return ShakeSeries(np.zeros(0), np.zeros(0))
-    _, angular = accelerations(path.time_s, path.poses)
+    _, angular = accelerations(path.time_s, path.motors)
     time_s = np.asarray((path.time_ns[1:-1] - start_ns) * 1e-9)
     return ShakeSeries(time_s, np.linalg.norm(angular, axis=-1))

@@ -51,7 +51,7 @@ def placed(
         raise ValueError(f"{recording.name}: placed.on=board, but no board is known")
     if position_m and len(position_m) != 2:
         raise ValueError(f"placed.position_m: expected x,y, came {len(position_m)} numbers")
-    first_camera = next(iter(smoothed.trajectories.values())).poses[0]
+    first_camera = next(iter(smoothed.trajectories.values())).motors[0]
     if board is not None and on != "floor":
         plane, height = recording.world_T_board, 0.5 * min(board.size_m)
         position = position_m or _middle(board)

@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor, Trajectory, Versor
+from motorcade.ga import Motor, ScrewPath, Similarity, Trajectory, Versor
 
 Distance = Callable[[Versor, Versor], float]
 START_NS = 1_403_715_273_262_142_976
 
 
-@pytest.fixture
-def trajectory(rng: np.random.Generator) -> Trajectory:
+@pytest.fixture(params=[Motor, Similarity])
+def trajectory(request: pytest.FixtureRequest, rng: np.random.Generator) -> Trajectory:
     stamps = START_NS + np.cumsum(rng.integers(1, 90_000_000, 40))
-    return Trajectory(stamps, Motor.random(rng, (40,)), "world", "imu")
+    return Trajectory(stamps, request.param.random(rng, (40,)), "world", "imu")
 
 
 @pytest.mark.parametrize("stamps", [[3, 2, 1], [1, 1, 2], [1, 3, 3]])
@@ -48,7 +48,7 @@ def test_lengths_that_differ_are_refused(shape: tuple[int, ...]) -> None:
 
 
 def test_arrays_are_no_poses() -> None:
-    with pytest.raises(ValueError, match="expected a Motor, got ndarray"):
+    with pytest.raises(ValueError, match="expected a Motor or a Similarity, got ndarray"):
         Trajectory(np.array([1]), np.zeros((1, 8)))
 
 
@@ -106,13 +106,40 @@ def test_resampling_at_the_own_stamps_changes_nothing(
 def test_frames_move_by_composition(
     trajectory: Trajectory, rng: np.random.Generator, distance: Distance
 ) -> None:
-    map_T_world, imu_T_camera = Motor.random(rng), Motor.random(rng)
+    kind = type(trajectory.poses)
+    map_T_world, imu_T_camera = kind.random(rng), kind.random(rng)
     moved = trajectory.transformed_by(map_T_world, imu_T_camera, parent="map", child="camera")
     assert (moved.parent, moved.child) == ("map", "camera")
     assert distance(moved.poses, map_T_world @ trajectory.poses @ imu_T_camera) == 0.0
     same = trajectory.transformed_by()
     assert (same.parent, same.child) == ("world", "imu")
     np.testing.assert_array_equal(same.poses.coefficients, trajectory.poses.coefficients)
+
+
+def test_a_motor_moves_similarities_and_a_similarity_scales_motors(
+    trajectory: Trajectory, rng: np.random.Generator
+) -> None:
+    motor, similarity = Motor.random(rng), Similarity.random(rng)
+    scaled = trajectory.transformed_by(similarity, motor).poses
+    assert isinstance(scaled, Similarity)
+    matrix = similarity.as_matrix() @ trajectory.poses.as_matrix() @ motor.as_matrix()
+    np.testing.assert_allclose(scaled.as_matrix(), matrix, rtol=0, atol=1e-13)
+    moved = trajectory.transformed_by(motor)
+    assert type(moved.poses) is type(trajectory.poses)
+
+
+def test_what_wants_rigid_poses_refuses_similarities(trajectory: Trajectory) -> None:
+    stamp = trajectory.time_ns[3]
+    if isinstance(trajectory.poses, Motor):
+        assert trajectory.motors is trajectory.poses
+        assert isinstance(trajectory.motors_at(stamp), Motor)
+        return
+    for rigid in (
+        lambda: trajectory.motors, lambda: trajectory.motors_at(stamp),
+        lambda: ScrewPath(trajectory).twists(0.0),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match="expected rigid poses, got similarities"):
+            rigid()
 
 
 def test_parts_keep_stamps_and_names(trajectory: Trajectory) -> None:
@@ -143,6 +170,7 @@ def test_files_return_every_bit(trajectory: Trajectory, tmp_path: Path) -> None:
     np.testing.assert_array_equal(again.time_ns, trajectory.time_ns)
     np.testing.assert_array_equal(again.poses.coefficients, trajectory.poses.coefficients)
     assert (again.parent, again.child) == ("world", "imu")
+    assert type(again.poses) is type(trajectory.poses)
 
 
 def test_files_are_plain_arrays_for_numpy(trajectory: Trajectory, tmp_path: Path) -> None:

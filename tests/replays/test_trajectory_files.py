@@ -11,7 +11,7 @@ from evo.tools import file_interface
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers.tables import stamp_ns
 from motorcade.replays.trajectory_files import read_trajectory, write_trajectory
@@ -310,6 +310,20 @@ def test_writing_is_all_or_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         write_trajectory(some_trajectory(8, 3, 1.0, 0), path)
     assert path.read_bytes() == before
     assert [file.name for file in tmp_path.iterdir()] == ["a.tum"]
+
+
+@pytest.mark.parametrize("fmt", FORMATS)
+def test_a_scale_that_no_text_holds_is_refused(tmp_path: Path, fmt: str) -> None:
+    rigid, path = some_trajectory(9, 5, 1.0, 0), tmp_path / f"a.{fmt}"
+    scale = np.array([1.0, 1.0, 1.0 + 1e-8, 1.0, 1.0])
+    grown = Trajectory(rigid.time_ns, Similarity.from_motor_scale(rigid.motors, scale))
+    with pytest.raises(ValueError, match=r"expected poses of scale 1, .* got scale 1\.00000001 at"):
+        write_trajectory(grown, path, fmt)
+    assert not path.exists()
+    same = Trajectory(rigid.time_ns, Similarity.from_motor_scale(rigid.motors))
+    write_trajectory(same, path, fmt)
+    back = read_trajectory(path, rate_hz=30.0 if fmt == "kitti" else None)
+    assert pose_difference(back.motors, rigid.motors) < 2e-15
 
 
 def test_an_unknown_format_is_refused(tmp_path: Path) -> None:

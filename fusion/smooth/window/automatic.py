@@ -56,6 +56,6 @@ def _moved(trajectory: Trajectory, covariance: FloatArray, window_s: float, orde
     """Mean square of how far smoothing moves the poses, in their own standard deviations."""
     motors = REPRESENTATIONS["motor"]
     smoothed = local_polynomial(trajectory, motors, window_s=window_s, order=order)
-    moved = (trajectory.poses.inverse() @ smoothed.poses).as_twist()
+    moved = (trajectory.motors.inverse() @ smoothed.motors).as_twist()
     weighed = np.linalg.solve(covariance, moved[..., None])[..., 0]
     return float(np.mean(moved * weighed))
