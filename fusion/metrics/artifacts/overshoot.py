@@ -25,6 +25,8 @@ __all__ = ["position_overshoot_m", "rotation_overshoot_rad"]
 _STOP_SHARE = 0.2
 # Speeds below this part of the fastest are standing still.
 _STILL_SHARE = 1e-6
+# Speeds nearer to each other than this are equal, and the first one counts in every frame.
+_TIE = 1e-9
 
 # Way (*, 3) from the first pose to the second, as seen from the first.
 Way = Callable[[Motor, Motor], FloatArray]
@@ -92,9 +94,9 @@ def _stops(speed: FloatArray) -> list[tuple[int, int, int]]:
     for i, now in enumerate(moving):
         best = moving[extremes[-1]]
         if falling:
-            turned, better = _STOP_SHARE * now > best, now < best
+            turned, better = _STOP_SHARE * now > best, now < (1.0 - _TIE) * best
         else:
-            turned, better = now < _STOP_SHARE * best, now > best
+            turned, better = now < _STOP_SHARE * best, now > (1.0 + _TIE) * best
         if turned:
             extremes.append(i)
             falling = not falling

@@ -65,7 +65,8 @@ def _score(
     steps = np.diff(time_s)
     peak = float(np.max(np.linalg.norm(velocity, axis=-1)))
     inner = steps[1:-1]
-    jerk = np.diff(acceleration, axis=0) / inner[:, None]
+    # Second differences belong to the means of their three stamps: exact for constant jerk.
+    jerk = np.diff(acceleration, axis=0) / ((time_s[3:] - time_s[:-3]) / 3.0)[:, None]
     rounding = _ROUNDING * size / float(np.min(steps))
     least = rounding / float(np.min(steps)) ** 2
     if peak <= rounding or float(np.max(np.linalg.norm(jerk, axis=-1))) <= least:

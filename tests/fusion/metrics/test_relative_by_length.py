@@ -1,0 +1,121 @@
+"""Relative errors by length are evo's and KITTI's."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.metrics import (
+    NotObservableError,
+    drift_by_length,
+    evaluate,
+    relative_errors,
+    relative_errors_by_length,
+)
+from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.motions.degradations import Gaussian
+from motorcade.ga import Motor, Rotor, Trajectory
+
+
+@pytest.fixture
+def pair(rng):
+    truth = MOTIONS["walk_and_look"].sampled(30.0, 20.0)
+    return Gaussian(0.01, 0.01).apply(truth, rng), truth
+
+
+@pytest.mark.parametrize("length_m", [0.05, 1.0, 7.3])
+def test_errors_by_length_are_evos(pair, length_m):
+    evo_metrics = pytest.importorskip("evo.core.metrics")
+    from evo.core.trajectory import PoseTrajectory3D
+
+    def of_evo(trajectory):
+        wxyz, position_m = trajectory.poses.as_quaternion_translation()
+        return PoseTrajectory3D(position_m, wxyz, timestamps=trajectory.time_s)
+
+    estimate, truth = pair
+    metres, radians = relative_errors_by_length(estimate.motors, truth.motors, length_m)
+    for ours, relation in [
+        (metres, evo_metrics.PoseRelation.translation_part),
+        (np.rad2deg(radians), evo_metrics.PoseRelation.rotation_angle_deg),
+    ]:
+        theirs = evo_metrics.RPE(
+            relation, length_m, evo_metrics.Unit.meters, pairs_from_reference=True
+        )
+        theirs.process_data((of_evo(truth), of_evo(estimate)))
+        np.testing.assert_allclose(ours, theirs.error, rtol=0, atol=1e-6)
+        assert len(ours) > 2
+
+
+def kitti(estimate, truth, length_m, every):
+    """The development kit's loops, on matrices."""
+    ours, true = estimate.as_matrix(), truth.as_matrix()
+    along = [0.0]
+    for before, after in pairwise(true):
+        along.append(along[-1] + float(np.linalg.norm(before[:3, 3] - after[:3, 3])))
+    found = []
+    for first in range(0, len(true), every):
+        last = next((i for i in range(first, len(true)) if along[i] > along[first] + length_m), -1)
+        if last == -1:
+            continue
+        true_step = np.linalg.inv(true[first]) @ true[last]
+        error = np.linalg.inv(np.linalg.inv(ours[first]) @ ours[last]) @ true_step
+        cosine = np.clip(0.5 * (np.trace(error[:3, :3]) - 1.0), -1.0, 1.0)
+        found.append((np.linalg.norm(error[:3, 3]) / length_m, np.arccos(cosine) / length_m))
+    return np.mean(found, axis=0), len(found)
+
+
+def test_drift_is_the_development_kits(pair):
+    estimate, truth = (trajectory.motors for trajectory in pair)
+    found = drift_by_length(estimate, truth, (2.0, 5.0, 1000.0), every=7)
+    assert [drift.length_m for drift in found] == [2.0, 5.0]
+    for drift in found:
+        (translation, rotation), count = kitti(estimate, truth, drift.length_m, 7)
+        assert drift.count == count > 10
+        assert drift.translation == pytest.approx(translation, rel=1e-9)
+        assert drift.rotation_rad_m == pytest.approx(rotation, rel=1e-6)
+
+
+def test_a_wrong_scale_drifts_by_its_excess():
+    metres = np.arange(0.0, 1000.0, 1.0)[:, None] * [1.0, 0.0, 0.0]
+    truth, estimate = (
+        Motor.from_rotor_translation(Rotor.identity((1000,)), s * metres) for s in (1.0, 1.01)
+    )
+    # Each sub-sequence ends one pose after its length.
+    for drift in drift_by_length(estimate, truth):
+        expected = 0.01 * (drift.length_m + 1) / drift.length_m
+        assert drift.translation == pytest.approx(expected, rel=1e-9)
+        assert drift.rotation_rad_m < 1e-9
+
+
+def test_evaluate_reports_the_length_it_was_given(pair):
+    found = evaluate(*pair, rpe_length_m=3.0)
+    metres, radians = relative_errors_by_length(pair[0].motors, pair[1].motors, 3.0)
+    flat = found.as_dict()
+    assert flat["rpe_length_m"] == 3.0
+    assert flat["rpe_by_length_trans_max_m"] == pytest.approx(metres.max())
+    assert flat["rpe_by_length_rot_mean_deg"] == pytest.approx(np.rad2deg(radians.mean()))
+    assert evaluate(*pair, rpe_length_m=1e4).rpe_by_length_trans_m is None
+
+
+def test_short_lengths_are_steps(pair):
+    steps = relative_errors(pair[0].motors, pair[1].motors)
+    short = relative_errors_by_length(pair[0].motors, pair[1].motors, 1e-6)
+    for one, other in zip(steps, short, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_refusals(pair):
+    motors = pair[0].motors
+    with pytest.raises(ValueError, match="length_m: expected above 0, got 0"):
+        relative_errors_by_length(motors, motors, 0.0)
+    with pytest.raises(NotObservableError, match="a path of 1000 m or more"):
+        relative_errors_by_length(motors, motors, 1000.0)
+    with pytest.raises(NotObservableError, match="a path longer than one of"):
+        drift_by_length(motors, motors)
+    with pytest.raises(ValueError, match="every: expected 1 or more, got 0"):
+        drift_by_length(motors, motors, every=0)
+    similar = Trajectory(np.arange(5), MOTIONS["zoom"].at(np.arange(5.0)).pose)
+    with pytest.raises(ValueError, match="expected rigid poses"):
+        _ = similar.motors
