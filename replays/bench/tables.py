@@ -46,8 +46,11 @@ def blend_table(found: Mapping[str, Any]) -> str:
 def measure_accuracy() -> dict[str, dict[str, float]]:
     """Largest normwise error of every kernel over hard samples, by precision."""
     from motorcade.ga.kernels.accuracy import largest_errors
+    from motorcade.ga.kernels.similarity_accuracy import similarity_errors
 
-    return {dtype: largest_errors(dtype) for dtype in ("float32", "float64")}
+    return {
+        dtype: largest_errors(dtype) | similarity_errors(dtype) for dtype in ("float32", "float64")
+    }
 
 
 def accuracy_table(found: Mapping[str, Mapping[str, float]]) -> str:
