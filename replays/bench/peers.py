@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from motorcade.ga import Motor, kernels
+from motorcade.ga import Motor, Similarity, kernels
 from motorcade.replays.bench.timing import median_seconds
 
 __all__ = ["Peers", "python_peers"]
@@ -40,6 +40,8 @@ def python_peers(fraction: float) -> Peers:
         peers.add(f"raw kernel, {joints} joints, {scalar}", _raw(joints, scalar, fraction))
     first, second = _motors(64)
     peers.add("Motor.interpolate, 64 joints", lambda: first.interpolate(second, fraction))
+    for scalar in ("float32", "float64"):
+        _add_similarities(peers, 64, scalar, fraction)
     peers.add("NumPy kernels", _numpy(fraction))
     for name, prepare in (
         ("scipy", _scipy),
@@ -54,6 +56,14 @@ def python_peers(fraction: float) -> Peers:
     except ModuleNotFoundError as missing:
         peers.left_out.append(f"clifford: not installed ({missing.name})")
     return peers
+
+
+def _add_similarities(peers: Peers, joints: int, scalar: str, fraction: float) -> None:
+    pairs = Similarity.random(np.random.default_rng(joints), (2, joints)).astype(scalar)
+    one, other = pairs[0], pairs[1]
+    size = f"{joints} joints, {scalar}"
+    peers.add(f"Similarity @, {size}", lambda: one @ other)
+    peers.add(f"Similarity.interpolate, {size}", lambda: one.interpolate(other, fraction))
 
 
 def _motors(joints: int) -> tuple[Motor, Motor]:
