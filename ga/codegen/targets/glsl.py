@@ -25,6 +25,11 @@ from motorcade.ga.codegen.targets.shared.text import description
 
 __all__ = ["write"]
 
+# Drivers make rough asin and acos (Mesa errs by 2e-4); atan and sqrt are good everywhere.
+_TEMPLATES = C_LOGIC | {
+    "asin": "atan({0}, sqrt((1.0 - ({0})) * (1.0 + ({0}))))",
+    "acos": "atan(sqrt((1.0 - ({0})) * (1.0 + ({0}))), {0})",
+}
 _FUNCTIONS = SAME_NAMES | {"abs": "abs", "min": "min", "max": "max", "atan2": "atan"}
 _TOLD = ("", "Output A fills out_A, one number a blade; one without blades has no parameter.")
 
@@ -41,7 +46,7 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     check_names(program, GLSL_NAMES, slots)
     parameters = [f"float {operand.name}" for operand in program.tape.inputs]
     parameters += array_parameters(program, "out float")
-    dialect = Templates(C_LOGIC, _FUNCTIONS, SINGLE)
+    dialect = Templates(_TEMPLATES, _FUNCTIONS, SINGLE)
     written = statements(program.tape, dialect, GLSL_NAMES.words | {slot for _, slot in slots})
     lines = [
         comment([*description(program, "glsl"), *_TOLD]),
