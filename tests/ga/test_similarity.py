@@ -6,7 +6,7 @@ import pytest
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.kernels import similarity_compose
 
-SCALES = (1e-3, 0.01, 0.25, 1 - 1e-7, 1.0, 1 + 1e-12, 2.0, 4.0, 30.0, 1e3)
+SCALES = (1e-12, 1e-3, 0.01, 0.25, 1 - 1e-7, 1.0, 1 + 1e-12, 2.0, 4.0, 30.0, 1e3, 1e12)
 EPS = float(np.finfo(float).eps)
 
 
@@ -79,6 +79,19 @@ def test_a_similarity_without_growth_is_its_motor(motors: Motor, rng: np.random.
     product = still @ Similarity.from_motor_scale(other)
     witness = (motors @ other).coefficients
     assert off(product.coefficients[..., [0, 1, 2, 3, 8, 9, 10, 11]], witness) < bound(1)
+
+
+@pytest.mark.parametrize("growth", [1e-5, 1e-2, 1 + 1e-6, 50.0, 1e5])
+def test_float32_keeps_its_own_rounding_at_every_scale(growth: float, motors: Motor) -> None:
+    single, eps = motors.astype(np.float32), float(np.finfo(np.float32).eps)
+    grown = Similarity.from_motor_scale(single, growth)
+    motor, scale = grown.as_motor_scale()
+    assert {grown.dtype, motor.dtype, scale.dtype} == {np.dtype(np.float32)}
+    np.testing.assert_allclose(scale, np.float32(growth), rtol=16 * eps)
+    assert off(motor.coefficients, single.coefficients) < 16 * eps
+    signs = np.where(grown.coefficients[..., :1] < 0, -1.0, 1.0)
+    assert off(Similarity.exp(grown.log()).coefficients, signs * grown.coefficients) < 32 * eps
+    Similarity(grown.coefficients)
 
 
 def test_tiny_growth_keeps_its_relative_precision() -> None:
