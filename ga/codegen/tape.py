@@ -109,21 +109,15 @@ class TapeBuilder:
     ) -> Tape:
         """The tape of what the results need; everything else is left out."""
         results = self._quotients_once(results)
-        needed: set[int] = set()
-        waiting = [index for row in results for index in row]
-        while waiting:
-            index = waiting.pop()
-            if index not in needed:
-                needed.add(index)
-                waiting.extend(self.nodes[index].args)
-        kept = sorted(needed)
+        kept = self._needed(results)
         place = {old: new for new, old in enumerate(kept)}
         nodes = tuple(self._moved(self.nodes[old], place) for old in kept)
         return Tape(inputs, outputs, nodes, tuple(tuple(place[i] for i in row) for row in results))
 
     def _quotients_once(self, results: Sequence[Sequence[int]]) -> list[list[int]]:
         """Several quotients by one number become products with its reciprocal."""
-        divisors = Counter(node.args[1] for node in self.nodes if node.op == "div")
+        needed = (self.nodes[index] for index in self._needed(results))
+        divisors = Counter(node.args[1] for node in needed if node.op == "div")
         shared = {index for index, count in divisors.items() if count > 1}
         if not shared:
             return [list(row) for row in results]
@@ -140,6 +134,17 @@ class TapeBuilder:
             else:
                 place[old] = self._node(moved)
         return [[place[index] for index in row] for row in results]
+
+    def _needed(self, results: Sequence[Sequence[int]]) -> list[int]:
+        """The nodes that results depend on, ascending."""
+        needed: set[int] = set()
+        waiting = [index for row in results for index in row]
+        while waiting:
+            index = waiting.pop()
+            if index not in needed:
+                needed.add(index)
+                waiting.extend(self.nodes[index].args)
+        return sorted(needed)
 
     @staticmethod
     def _moved(node: Node, place: dict[int, int]) -> Node:

@@ -8,20 +8,22 @@ gone. Equal or worse levels are not taken, so that numbers which are factored we
 from __future__ import annotations
 
 from motorcade.ga.codegen.passes.forms import Coefficient, Form, Forms, Monomial, form_cost
-from motorcade.ga.codegen.passes.rebuild import copied
+from motorcade.ga.codegen.passes.rebuild import copied, product_of
+from motorcade.ga.codegen.passes.stats import cost_of
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
 __all__ = ["expanded"]
 
+# A level is given up where it has more terms than this, or than four times those of the sum.
 _MOST_TERMS = 96
+_FEW_TERMS = 16
 _MOST_LEVELS = 5
 _SUMS = frozenset({"add", "sub", "neg", "mul"})
 
 
 def expanded(tape: Tape) -> Tape:
     """The tape with sums multiplied out where that leaves fewer operations."""
-    expander = _Expander(tape)
-    return _written(tape, expander.forms)
+    return min(tape, _written(tape, _Expander(tape).forms), key=cost_of)
 
 
 class _Expander(Forms):
@@ -29,13 +31,12 @@ class _Expander(Forms):
 
     def __init__(self, tape: Tape) -> None:
         self._heights: list[int] = []
-        self._inside = _only_terms(tape)
         super().__init__(tape)
 
     def form(self, index: int) -> Form:
         made = super().form(index)
         node = self.tape.nodes[index]
-        if node.op in _SUMS and not self._inside[index]:
+        if node.op in _SUMS and not self.inside[index]:
             made = self._cheapest(made)
         below = max((self._heights[k] for k in node.args), default=0)
         if node.op in _SUMS:
@@ -45,8 +46,9 @@ class _Expander(Forms):
 
     def _cheapest(self, form: Form) -> Form:
         best, least = form, self._cost(form)
+        most = min(_FEW_TERMS + 4 * len(form), max(_MOST_TERMS, len(form)))
         for _ in range(_MOST_LEVELS):
-            wider = self._one_level(form)
+            wider = self._one_level(form, most)
             if wider is None:
                 break
             form = wider
@@ -65,7 +67,7 @@ class _Expander(Forms):
         """Whether a factor is a sum that can be multiplied out."""
         return len(self.forms[index]) > 1
 
-    def _one_level(self, form: Form) -> Form | None:
+    def _one_level(self, form: Form, most: int) -> Form | None:
         """The form with its highest sums multiplied out; None where none are or it grows long."""
         sums = {k for monomial in form for k in monomial if self.is_expandable(k)}
         if not sums:
@@ -74,7 +76,7 @@ class _Expander(Forms):
         chosen = frozenset(k for k in sums if self._heights[k] == highest)
         total: Form = {}
         for monomial, coefficient in form.items():
-            terms = self._multiplied_out(monomial, coefficient, chosen)
+            terms = self._multiplied_out(monomial, coefficient, chosen, most)
             if terms is None:
                 return None
             for other, value in terms.items():
@@ -83,31 +85,20 @@ class _Expander(Forms):
                     total[other] = value
                 else:
                     total.pop(other, None)
-            if len(total) > _MOST_TERMS:
+            if len(total) > most:
                 return None
         return total
 
     def _multiplied_out(
-        self, monomial: Monomial, coefficient: Coefficient, chosen: frozenset[int]
+        self, monomial: Monomial, coefficient: Coefficient, chosen: frozenset[int], most: int
     ) -> Form | None:
         made: Form = {tuple(k for k in monomial if k not in chosen): coefficient}
         for factor in monomial:
             if factor in chosen:
-                if len(made) * len(self.forms[factor]) > _MOST_TERMS:
+                if len(made) * len(self.forms[factor]) > most:
                     return None
                 made = self.product(made, self.forms[factor])
         return made
-
-
-def _only_terms(tape: Tape) -> list[bool]:
-    """Which nodes are only written out in one sum: they need no form of their own."""
-    uses = tape.uses()
-    inside = [False] * len(tape.nodes)
-    for node in tape.nodes:
-        if node.op in ("add", "sub", "neg"):
-            for k in node.args:
-                inside[k] = uses[k] == 1
-    return inside
 
 
 def _written(tape: Tape, forms: list[Form]) -> Tape:
@@ -139,9 +130,8 @@ def write_form(form: Form, place: dict[int, int], builder: TapeBuilder) -> int:
     """A form as operations: positive terms first, so that sums need no sign in front."""
     total: int | None = None
     for monomial, coefficient in sorted(form.items(), key=lambda term: term[1] < 0):
-        term = builder.constant(float(abs(coefficient)))
-        for factor in monomial:
-            term = builder.operation("mul", term, place[factor])
+        number = builder.constant(float(abs(coefficient)))
+        term = product_of([number, *(place[factor] for factor in monomial)], builder)
         if total is None:
             total = builder.operation("neg", term) if coefficient < 0 else term
         else:

@@ -13,14 +13,13 @@ from itertools import combinations
 
 from motorcade.ga.codegen.passes.forms import Monomial
 from motorcade.ga.codegen.passes.network import Network, Term, without
-from motorcade.ga.codegen.passes.stats import count_operations
+from motorcade.ga.codegen.passes.stats import cost_of
 from motorcade.ga.codegen.tape import Tape
 
 __all__ = ["factored"]
 
 # Sums and products that are longer than this are searched for common pairs no further.
 _LONGEST = 48
-_DIVISION = 4
 
 
 def factored(tape: Tape) -> Tape:
@@ -30,12 +29,7 @@ def factored(tape: Tape) -> Tape:
         network = Network(tape)
         _factor(network, contents_first)
         candidates.append(network.tape())
-    return min(candidates, key=_cost)
-
-
-def _cost(tape: Tape) -> int:
-    counts = count_operations(tape)
-    return counts.additions + counts.multiplications + _DIVISION * counts.divisions
+    return min(candidates, key=cost_of)
 
 
 def _factor(network: Network, contents_first: bool) -> None:

@@ -10,30 +10,32 @@ from fractions import Fraction
 
 from motorcade.ga.codegen.tape import Node, Tape
 
-__all__ = ["Coefficient", "Form", "Forms", "Monomial", "add_to", "form_cost"]
+__all__ = ["HIGHEST_DEGREE", "Coefficient", "Form", "Forms", "Monomial", "add_to", "form_cost"]
 
 Coefficient = int | Fraction
 # Positions of the factors, ascending.
 Monomial = tuple[int, ...]
 Form = dict[Monomial, Coefficient]
 
-_HIGHEST_DEGREE = 12
+HIGHEST_DEGREE = 12
 _SUMS = frozenset({"add", "sub", "neg"})
 _LARGEST = Fraction(2) ** 900
+_SMALL = 1 << 60
 _ONE = Node("const", value=1.0)
 
 
 class Forms:
     """The form of each node of a tape.
 
-    A node that is used once, or that is a single product, is written out where it is used; any
-    other sum stands there as one factor.
+    A single product is written out where it is used, and so is a sum that only one other sum uses:
+    it has no form of its own then, but itself. Any other sum stands where it is used as one factor.
     """
 
     def __init__(self, tape: Tape) -> None:
         self.tape = tape
         self.uses = tape.uses()
         self.forms: list[Form] = []
+        self.inside = _inside(tape, self.uses)
         self._rules = _rules(tape)
         self._ruled = frozenset(k for pair in self._rules for k in pair)
         for index in range(len(tape.nodes)):
@@ -47,27 +49,31 @@ class Forms:
         made: Form | None = None
         if node.op == "mul":
             made = self.product(self.factor(node.args[0]), self.factor(node.args[1]))
-        elif node.op in _SUMS:
-            made = {}
-            signs = (-1,) if node.op == "neg" else (1, -1 if node.op == "sub" else 1)
-            for argument, sign in zip(node.args, signs, strict=True):
-                add_to(made, self.summand(argument), sign)
+        elif node.op in _SUMS and not self.inside[index]:
+            made = self._summed(index)
         return {(index,): 1} if made is None or not _bounded(made) else made
+
+    def _summed(self, index: int) -> Form:
+        """The terms of a sum and of those inside it, from left to right."""
+        made: Form = {}
+        waiting: list[tuple[int, int]] = [(index, 1)]
+        while waiting:
+            last, sign = waiting.pop()
+            node = self.tape.nodes[last]
+            if last != index and not self.inside[last]:
+                add_to(made, self.factor(last), sign)
+                continue
+            second = -sign if node.op == "sub" else sign
+            waiting.extend((k, second) for k in node.args[1:])
+            waiting.append((node.args[0], -sign if node.op == "neg" else sign))
+        return made
 
     def factor(self, index: int) -> Form:
         """A node as a factor: its form if that is one product of few factors, else itself."""
         form = self.forms[index]
-        if len(form) <= 1 and all(len(monomial) <= _HIGHEST_DEGREE for monomial in form):
+        if len(form) <= 1 and all(len(monomial) <= HIGHEST_DEGREE for monomial in form):
             return form
         return {(index,): 1}
-
-    def summand(self, index: int) -> Form:
-        """A node as a term of a sum."""
-        return self.forms[index] if self.uses[index] == 1 else self.factor(index)
-
-    def is_sum(self, index: int) -> bool:
-        """Whether a factor has a form of its own that it could be replaced by."""
-        return (index,) not in self.forms[index]
 
     def product(self, left: Form, right: Form) -> Form:
         """The product of two forms, multiplied out."""
@@ -118,6 +124,16 @@ def form_cost(form: Form) -> int:
     return products + max(len(form) - 1, 0)
 
 
+def _inside(tape: Tape, uses: list[int]) -> list[bool]:
+    """Which sums are only a term of one other sum."""
+    found = [False] * len(tape.nodes)
+    for node in tape.nodes:
+        if node.op in _SUMS:
+            for k in node.args:
+                found[k] = uses[k] == 1 and tape.nodes[k].op in _SUMS
+    return found
+
+
 def _rules(tape: Tape) -> dict[tuple[int, int], Monomial]:
     """Pairs of factors with a shorter product: ``x · 1/x``, ``√x · √x`` and ``x · 1/√x``."""
     rules: dict[tuple[int, int], Monomial] = {}
@@ -138,4 +154,8 @@ def _exact(value: float) -> Coefficient:
 
 def _bounded(form: Form) -> bool:
     """Whether all coefficients are far from what a float overflows or underflows at."""
-    return all(1 / _LARGEST < abs(c) < _LARGEST for c in form.values())
+    return all((type(c) is int and -_SMALL < c < _SMALL) or _moderate(c) for c in form.values())
+
+
+def _moderate(coefficient: Coefficient) -> bool:
+    return 1 / _LARGEST < Fraction(abs(Fraction(coefficient))) < _LARGEST

@@ -11,8 +11,8 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from motorcade.ga.codegen.passes.forms import Forms, Monomial
-from motorcade.ga.codegen.passes.rebuild import copied
+from motorcade.ga.codegen.passes.forms import HIGHEST_DEGREE, Forms, Monomial
+from motorcade.ga.codegen.passes.rebuild import copied, product_of
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
 __all__ = ["Network", "Term", "without"]
@@ -38,6 +38,7 @@ class Network:
         self._next = len(tape.nodes)
         self._constants: dict[Fraction, int] = {}
         self._fill(Forms(tape))
+        self._known = {_signed(terms)[1]: index for index, terms in self.sums.items() if terms}
 
     def _fill(self, forms: Forms) -> None:
         waiting = [k for row in self._tape.results for k in row]
@@ -70,13 +71,13 @@ class Network:
 
     def new_sum(self, terms: list[Term]) -> Term:
         """A sum as a factor, and its sign: an equal or opposite one that is there, or a new one."""
-        wanted = _signed(terms)
-        for index, known in self.sums.items():
-            if len(known) == len(terms) and _signed(known)[1] == wanted[1]:
-                return wanted[0] * _signed(known)[0], (index,)
-        index = self.new_number()
-        self.sums[index] = terms
-        return 1, (index,)
+        sign, key = _signed(terms)
+        known = self._known.get(key)
+        if known is None or known not in self.sums or _signed(self.sums[known])[1] != key:
+            known = self.new_number()
+            self.sums[known] = terms
+            self._known[key] = known
+        return sign * _signed(self.sums[known])[0], (known,)
 
     def inline_products(self) -> None:
         """Write sums of one term out where they are factors."""
@@ -86,14 +87,17 @@ class Network:
 
     def _inlined(self, term: Term, single: dict[int, Term]) -> Term:
         sign, factors = term
-        while any(factor in single for factor in factors):
-            made: list[int] = []
-            for factor in factors:
-                inner = single.get(factor, (1, (factor,)))
+        done: list[int] = []
+        waiting = list(factors)
+        while waiting:
+            factor = waiting.pop()
+            inner = single.get(factor)
+            if inner is None or len(done) + len(waiting) + len(inner[1]) > HIGHEST_DEGREE:
+                done.append(factor)
+            else:
                 sign *= inner[0]
-                made.extend(inner[1])
-            factors = tuple(sorted(made))
-        return sign, factors
+                waiting.extend(inner[1])
+        return sign, tuple(sorted(done))
 
     def monomials(self) -> Counter[Monomial]:
         """How many terms each product of two factors or more stands in."""
@@ -136,9 +140,7 @@ class Network:
         total: int | None = None
         # Positive terms come first, so that sums need no sign in front.
         for sign, factors in sorted(self.sums[index], key=lambda term: -term[0]):
-            term = builder.constant(1.0)
-            for factor in factors:
-                term = builder.operation("mul", term, place[factor])
+            term = product_of([place[factor] for factor in factors], builder)
             if total is None:
                 total = term if sign > 0 else builder.operation("neg", term)
             else:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
+
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
-__all__ = ["copied", "folded_tape"]
+__all__ = ["copied", "folded_tape", "product_of"]
 
 
 def copied(tape: Tape, index: int, args: tuple[int, ...], builder: TapeBuilder) -> int:
@@ -25,3 +28,17 @@ def folded_tape(tape: Tape) -> Tape:
         place.append(copied(tape, index, tuple(place[k] for k in node.args), builder))
     results = [[place[k] for k in row] for row in tape.results]
     return builder.finished(tape.inputs, tape.outputs, results)
+
+
+def product_of(factors: Sequence[int], builder: TapeBuilder) -> int:
+    """The product of nodes of a builder, 1 of none; powers by squaring."""
+    made = builder.constant(1.0)
+    for factor, count in Counter(factors).items():
+        power = factor
+        while count:
+            if count & 1:
+                made = builder.operation("mul", made, power)
+            count >>= 1
+            if count:
+                power = builder.operation("mul", power, power)
+    return made

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 
 from motorcade.ga.codegen.tape import Tape
 
-__all__ = ["Operations", "PassStats", "count_operations", "table_of_passes"]
+__all__ = ["Operations", "PassStats", "cost_of", "count_operations", "table_of_passes"]
 
 _KINDS = {"add": 0, "sub": 0, "mul": 1, "div": 2} | dict.fromkeys(
     ("sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2"), 3
 )
+
+
+_DIVISION = 4
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,12 @@ def count_operations(tape: Tape) -> Operations:
         if kind is not None:
             counts[kind] += 1
     return Operations(*counts)
+
+
+def cost_of(tape: Tape) -> int:
+    """What passes weigh tapes by: operations, a division counted as much as four of the others."""
+    counts = count_operations(tape)
+    return counts.additions + counts.multiplications + _DIVISION * counts.divisions
 
 
 def table_of_passes(passes: Sequence[PassStats]) -> str:
