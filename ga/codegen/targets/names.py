@@ -81,9 +81,7 @@ def check_names(
         if reserved.keeps(name):
             raise _refused("variable", name, why, reserved, taken)
         if any(slot == name for _, slot in slots):
-            raise _refused(
-                "variable", name, "is a name that the generated code uses", reserved, taken
-            )
+            raise _refused("variable", name, "is used by the generated code", reserved, taken)
     owners: dict[str, str] = {}
     for owner, slot in slots:
         if reserved.keeps_form(owner):

@@ -15,17 +15,19 @@ def _words(text: str) -> frozenset[str]:
 # and compilers define.
 C_WORDS = _words(
     """
-    BUFSIZ EOF HUGE_VAL HUGE_VALF HUGE_VALL I INFINITY M_1_PI M_2_PI M_2_SQRTPI M_E M_LN10 M_LN2
-    M_LOG10E M_LOG2E M_PI M_PI_2 M_PI_4 M_SQRT1_2 M_SQRT2 NAN NULL alignas alignof and and_eq
-    asm assert auto bitand bitor bool break case catch char char16_t char32_t char8_t class
-    co_await co_return co_yield compl complex concept const const_cast consteval constexpr
+    BUFSIZ EOF FP_ILOGB0 FP_ILOGBNAN FP_INFINITE FP_NAN FP_NORMAL FP_SUBNORMAL FP_ZERO HUGE_VAL
+    HUGE_VALF HUGE_VALL I INFINITY MATH_ERREXCEPT MATH_ERRNO M_1_PI M_2_PI M_2_SQRTPI M_E M_LN10
+    M_LN2 M_LOG10E M_LOG2E M_PI M_PI_2 M_PI_4 M_SQRT1_2 M_SQRT2 NAN NULL alignas alignof and
+    and_eq asm assert auto bitand bitor bool break case catch char char16_t char32_t char8_t
+    class co_await co_return co_yield compl complex concept const const_cast consteval constexpr
     constinit continue decltype default delete do double dynamic_cast else enum errno explicit
     export extern false far float for fortran friend goto i386 if imaginary inline int linux
-    long mutable namespace near new noexcept not not_eq nullptr offsetof operator or or_eq
-    private protected public register reinterpret_cast requires restrict return short signed
-    size_t sizeof static static_assert static_cast stderr stdin stdout struct switch template
-    this thread_local throw true try typedef typeid typename typeof typeof_unqual union unix
-    unsigned using virtual void volatile wchar_t while xor xor_eq
+    long math_errhandling mutable namespace near new noexcept not not_eq nullptr offsetof
+    operator or or_eq private protected public register reinterpret_cast requires restrict
+    return short signed signgam size_t sizeof static static_assert static_cast stderr stdin
+    stdout struct switch template this thread_local throw true try typedef typeid typename
+    typeof typeof_unqual union unix unsigned using virtual void volatile wchar_t while xor
+    xor_eq
     """
 )
 
@@ -41,27 +43,69 @@ _MATH = _words(
     """
 )
 
-# Functions of the C library, which another function cannot be named after.
+# Functions of the C library and of POSIX: another of the name would not compile beside their
+# header, or would stand in for theirs.
 C_LIBRARY = frozenset(name + kind for name in _MATH for kind in ("", "f", "l")) | _words(
     """
-    abort abs alloca at_quick_exit atexit atof atoi atol atoll bcmp bcopy bsearch bzero calloc
-    clearerr dcgettext dgettext div execl execle execlp execv execve execvp exit fclose feof
-    ferror fflush ffs ffsl ffsll fgetc fgetpos fgets fopen fork fpclassify fprintf
-    fprintf_unlocked fputc fputc_unlocked fputs fputs_unlocked fread free freopen fscanf fseek
-    fsetpos ftell fwrite fwrite_unlocked getc getchar getenv gets gettext imaxabs index isalnum
-    isalpha isascii isblank iscntrl isdigit isfinite isgraph isgreater isgreaterequal isless
-    islessequal islessgreater islower isnormal isprint ispunct isspace isunordered isupper
-    iswalnum iswalpha iswblank iswcntrl iswdigit iswgraph iswlower iswprint iswpunct iswspace
-    iswupper iswxdigit isxdigit labs ldiv llabs lldiv localeconv longjmp main malloc mblen
-    mbstowcs mbtowc memccpy memchr memcmp memcpy memmove mempcpy memset perror posix_memalign
-    printf printf_unlocked putc putc_unlocked putchar putchar_unlocked puts puts_unlocked qsort
-    quick_exit raise rand realloc remove rename rewind rindex scanf setbuf setjmp setlocale
-    setvbuf signal snprintf sprintf srand sscanf stpcpy stpncpy strcasecmp strcat strchr strcmp
-    strcoll strcpy strcspn strdup strerror strfmon strftime strlen strncasecmp strncat strncmp
-    strncpy strndup strnlen strpbrk strrchr strspn strstr strtod strtof strtok strtol strtold
-    strtoll strtoul strtoull strxfrm system time tmpfile tmpnam toascii tolower toupper towlower
-    towupper ungetc va_arg va_copy va_end va_start vfprintf vfscanf vprintf vscanf vsnprintf
-    vsprintf vsscanf wcstombs wctomb
+    a64l abort abs accept access acct alarm aligned_alloc alloca arc4random arc4random_buf
+    arc4random_uniform asctime asctime_r at_quick_exit atexit atof atoi atol atoll bcmp bcopy
+    bind brk bsearch btowc bzero calloc chdir chmod chown chroot clearenv clearerr
+    clearerr_unlocked clock clock_getcpuclockid clock_getres clock_gettime clock_nanosleep
+    clock_settime close closefrom confstr connect creat crypt ctermid ctime ctime_r daemon
+    dcgettext dgettext difftime div dprintf drand48 drand48_r dup dup2 duplocale dysize ecvt
+    ecvt_r endusershell erand48 erand48_r execl execle execlp execv execve execvp exit
+    explicit_bzero faccessat fchdir fchmod fchmodat fchown fchownat fclose fcntl fcvt fcvt_r
+    fdatasync fdopen feof feof_unlocked ferror ferror_unlocked fexecve fflush fflush_unlocked
+    ffs ffsl ffsll fgetc fgetc_unlocked fgetpos fgets fgetwc fgetws fileno fileno_unlocked
+    flockfile fmemopen fopen fork fpathconf fpclassify fprintf fprintf_unlocked fputc
+    fputc_unlocked fputs fputs_unlocked fputwc fputws fread fread_unlocked free freelocale
+    freopen fscanf fseek fseeko fsetpos fstat fstatat fsync ftell ftello ftruncate ftrylockfile
+    funlockfile futimens fwide fwprintf fwrite fwrite_unlocked fwscanf gcvt getc getc_unlocked
+    getchar getchar_unlocked getcwd getdelim getdomainname getdtablesize getegid getentropy
+    getenv geteuid getgid getgroups gethostid gethostname getline getloadavg getlogin getlogin_r
+    getopt getpagesize getpass getpeername getpgid getpgrp getpid getppid gets getsid
+    getsockname getsockopt getsubopt gettext getuid getusershell getw getwc getwchar getwd
+    gmtime gmtime_r gsignal imaxabs index initstate initstate_r isalnum isalnum_l isalpha
+    isalpha_l isascii isatty isblank isblank_l iscntrl iscntrl_l isdigit isdigit_l isfdtype
+    isfinite isgraph isgraph_l isgreater isgreaterequal isless islessequal islessgreater islower
+    islower_l isnormal isprint isprint_l ispunct ispunct_l isspace isspace_l isunordered isupper
+    isupper_l iswalnum iswalpha iswblank iswcntrl iswdigit iswgraph iswlower iswprint iswpunct
+    iswspace iswupper iswxdigit isxdigit isxdigit_l jrand48 jrand48_r kill killpg l64a labs
+    lchmod lchown lcong48 lcong48_r ldiv lgamma_r lgammaf_r lgammal_r link linkat listen llabs
+    lldiv localeconv localtime localtime_r lockf longjmp lrand48 lrand48_r lseek lstat main
+    malloc mblen mbrlen mbrtowc mbsinit mbsnrtowcs mbsrtowcs mbstowcs mbtowc memccpy memchr
+    memcmp memcpy memmove mempcpy memset mkdir mkdirat mkdtemp mkfifo mkfifoat mknod mknodat
+    mkstemp mkstemps mktemp mktime mrand48 mrand48_r nanosleep newlocale nice nrand48 nrand48_r
+    on_exit open open_memstream open_wmemstream openat pathconf pause pclose perror pipe poll
+    popen posix_fadvise posix_fallocate posix_memalign pread printf printf_unlocked profil
+    pselect psiginfo psignal pthread_kill pthread_sigmask putc putc_unlocked putchar
+    putchar_unlocked putenv puts puts_unlocked putw putwc putwchar pwrite qecvt qecvt_r qfcvt
+    qfcvt_r qgcvt qsort quick_exit raise rand rand_r random random_r read readlink readlinkat
+    realloc reallocarray realpath recv recvfrom recvmsg remove rename renameat revoke rewind
+    rindex rmdir rpmatch sbrk scanf seed48 seed48_r select send sendmsg sendto setbuf setbuffer
+    setdomainname setegid setenv seteuid setgid sethostid sethostname setjmp setlinebuf
+    setlocale setlogin setpgid setpgrp setregid setreuid setsid setsockopt setstate setstate_r
+    setuid setusershell setvbuf shutdown sigaction sigaddset sigaltstack sigblock sigdelset
+    sigemptyset sigfillset siggetmask siginterrupt sigismember siglongjmp signal sigpending
+    sigprocmask sigqueue sigreturn sigsetmask sigstack sigsuspend sigtimedwait sigwait
+    sigwaitinfo sleep snprintf sockatmark socket socketpair sprintf srand srand48 srand48_r
+    srandom srandom_r sscanf ssignal stat stpcpy stpncpy strcasecmp strcasecmp_l strcat strchr
+    strcmp strcoll strcoll_l strcpy strcspn strdup strerror strerror_l strerror_r strfmon
+    strftime strftime_l strlen strncasecmp strncasecmp_l strncat strncmp strncpy strndup strnlen
+    strpbrk strrchr strsep strsignal strspn strstr strtod strtof strtok strtok_r strtol strtold
+    strtoll strtoq strtoul strtoull strtouq strxfrm strxfrm_l swprintf swscanf symlink symlinkat
+    sync syscall sysconf system tcgetpgrp tcsetpgrp tempnam time timegm timelocal timer_create
+    timer_delete timer_getoverrun timer_gettime timer_settime timespec_get tmpfile tmpnam
+    tmpnam_r toascii tolower tolower_l toupper toupper_l towlower towupper truncate ttyname
+    ttyname_r ttyslot tzset ualarm umask ungetc ungetwc unlink unlinkat unsetenv uselocale
+    usleep utimensat va_arg va_copy va_end va_start valloc vdprintf vfork vfprintf vfscanf
+    vfwprintf vfwscanf vhangup vprintf vscanf vsnprintf vsprintf vsscanf vswprintf vswscanf
+    vwprintf vwscanf wait wait3 wait4 waitid waitpid wcpcpy wcpncpy wcrtomb wcscasecmp
+    wcscasecmp_l wcscat wcschr wcscmp wcscoll wcscoll_l wcscpy wcscspn wcsdup wcsftime wcslen
+    wcsncasecmp wcsncasecmp_l wcsncat wcsncmp wcsncpy wcsnlen wcsnrtombs wcspbrk wcsrchr
+    wcsrtombs wcsspn wcsstr wcstod wcstof wcstok wcstol wcstold wcstoll wcstombs wcstoul
+    wcstoull wcsxfrm wcsxfrm_l wctob wctomb wmemchr wmemcmp wmemcpy wmemmove wmemset wprintf
+    write wscanf
     """
 )
 

@@ -121,9 +121,9 @@ def _case(program: Program, text: str, precision: str) -> Case:
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Every test that takes a `name` runs for each script."""
-    if "name" in metafunc.fixturenames:
-        metafunc.parametrize("name", list(scripts()))
+    """Every test that takes a `script` runs for each script."""
+    if "script" in metafunc.fixturenames:
+        metafunc.parametrize("script", list(scripts()))
 
 
 @pytest.fixture(scope="session")

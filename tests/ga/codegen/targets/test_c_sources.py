@@ -41,9 +41,9 @@ def built(source: Path, flags: list[str]) -> Any:
 
 @pytest.mark.parametrize(("precision", "bound"), BOUNDS, ids=["float64", "float32"])
 def test_a_function_of_scalars_agrees_with_evaluation(
-    name: str, precision: Precision, bound: float, cases: Any, tmp_path: Path
+    script: str, precision: Precision, bound: float, cases: Any, tmp_path: Path
 ) -> None:
-    case = cases(name, precision.numpy)
+    case = cases(script, precision.numpy)
     call = built(written(c, case.program, precision, tmp_path), ["-std=c11", "-O2"])
     real = ctypes.c_double if precision is DOUBLE else ctypes.c_float
     widths = [o.width for o in case.program.tape.outputs if o.width]
@@ -60,9 +60,9 @@ def test_a_function_of_scalars_agrees_with_evaluation(
 
 @pytest.mark.parametrize(("precision", "bound"), BOUNDS, ids=["float64", "float32"])
 def test_a_loop_over_rows_agrees_with_evaluation(
-    name: str, precision: Precision, bound: float, cases: Any, tmp_path: Path
+    script: str, precision: Precision, bound: float, cases: Any, tmp_path: Path
 ) -> None:
-    case = cases(name, precision.numpy)
+    case = cases(script, precision.numpy)
     call = built(written(c_batch, case.program, precision, tmp_path), ["-std=c11", "-O2"])
     rows = len(next(iter(case.inputs.values())))
     count = sum(o.width for o in case.program.tape.outputs)
@@ -77,9 +77,9 @@ def test_a_loop_over_rows_agrees_with_evaluation(
 @pytest.mark.parametrize("target", [c, c_batch], ids=["c", "c-batch"])
 @pytest.mark.parametrize("standard", ["c99", "c11", "gnu17"])
 def test_sources_compile_in_every_standard(
-    target: Any, standard: str, name: str, cases: Any, tmp_path: Path
+    target: Any, standard: str, script: str, cases: Any, tmp_path: Path
 ) -> None:
-    source = written(target, cases(name, "float64").program, SINGLE, tmp_path)
+    source = written(target, cases(script, "float64").program, SINGLE, tmp_path)
     flags = ["-Wmissing-prototypes", "-Wconversion", "-fsyntax-only"]
     run(["gcc", f"-std={standard}", *WARNINGS, *flags, str(source)])
 

@@ -17,8 +17,8 @@ def function(program: Any, loaded: Any) -> Any:
     return getattr(loaded(text, program.name), program.name)()
 
 
-def test_it_agrees_with_evaluation(name: str, cases: Any, loaded: Any) -> None:
-    case = cases(name, "float64")
+def test_it_agrees_with_evaluation(script: str, cases: Any, loaded: Any) -> None:
+    case = cases(script, "float64")
     made = function(case.program, loaded)
     assert made.name_in() == list(case.inputs)
     assert made.name_out() == list(case.expected)
@@ -27,11 +27,13 @@ def test_it_agrees_with_evaluation(name: str, cases: Any, loaded: Any) -> None:
     case.checked(case.by_place(rows), 1e-12)
 
 
-def test_its_derivatives_are_those_of_the_numpy_module(name: str, cases: Any, loaded: Any) -> None:
-    case = cases(name, "float64")
+def test_its_derivatives_are_those_of_the_numpy_module(
+    script: str, cases: Any, loaded: Any
+) -> None:
+    case = cases(script, "float64")
     made = function(case.program, loaded)
     (text,) = numpy.write(case.program, None).values()
-    plain = getattr(loaded(text, name), name)
+    plain = getattr(loaded(text, script), script)
     here = {name: values[7] for name, values in case.inputs.items()}
     derivative = made.jacobian()(**here)
     step = 1e-6

@@ -66,8 +66,8 @@ def computed(context: Any, preamble: str, program: Program, inputs: dict[str, An
 
 
 @pytest.mark.parametrize("version", list(PREAMBLES))
-def test_it_agrees_with_evaluation(name: str, version: str, cases: Any, context: Any) -> None:
-    case = cases(name, "float32")
+def test_it_agrees_with_evaluation(script: str, version: str, cases: Any, context: Any) -> None:
+    case = cases(script, "float32")
     made = computed(context, PREAMBLES[version], case.program, case.inputs)
     case.checked(case.by_place(made), 1e-5)
 

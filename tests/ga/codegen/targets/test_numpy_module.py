@@ -22,11 +22,11 @@ def written(text: str, loaded: Callable[[str, str], Any], precision: Any = None)
 
 @pytest.mark.parametrize(("precision", "bound"), [("float64", 1e-12), ("float32", 1e-5)])
 def test_it_agrees_with_evaluation(
-    name: str, precision: str, bound: float, cases: Any, loaded: Any
+    script: str, precision: str, bound: float, cases: Any, loaded: Any
 ) -> None:
-    case = cases(name, precision)
+    case = cases(script, precision)
     (text,) = write(case.program, None).values()
-    made = getattr(loaded(text, name), name)(**case.inputs)
+    made = getattr(loaded(text, script), script)(**case.inputs)
     case.checked(made, bound)
     assert all(v.dtype == precision for blades in made.values() for v in blades.values())
 

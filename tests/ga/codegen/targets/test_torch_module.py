@@ -26,9 +26,9 @@ def mixed(loaded: Any) -> Any:
 
 @pytest.mark.parametrize(("precision", "bound"), [("float64", 1e-12), ("float32", 1e-5)])
 def test_it_agrees_with_evaluation(
-    name: str, precision: str, bound: float, cases: Any, loaded: Any
+    script: str, precision: str, bound: float, cases: Any, loaded: Any
 ) -> None:
-    case = cases(name, precision)
+    case = cases(script, precision)
     given = {name: torch.from_numpy(values) for name, values in case.inputs.items()}
     made = function(case.program, loaded)(**given)
     case.checked(made, bound)
@@ -37,15 +37,15 @@ def test_it_agrees_with_evaluation(
     }
 
 
-def test_gradients_are_those_of_casadi(name: str, cases: Any, loaded: Any) -> None:
-    case = cases(name, "float64")
+def test_gradients_are_those_of_casadi(script: str, cases: Any, loaded: Any) -> None:
+    case = cases(script, "float64")
     given = {
         variable: torch.tensor(values[:64], requires_grad=True)
         for variable, values in case.inputs.items()
     }
     made = function(case.program, loaded)(**given)
     (text,) = casadi.write(case.program, None).values()
-    symbolic = getattr(loaded(text, name), name)()
+    symbolic = getattr(loaded(text, script), script)()
     derivative = symbolic.jacobian().map(64)(**{n: v[None, :64] for n, v in case.inputs.items()})
     for output, blades in made.items():
         for place, value in enumerate(blades.values()):
