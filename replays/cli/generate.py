@@ -8,7 +8,7 @@ from pathlib import Path
 
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
-_TARGETS = ("c", "c-batch", "numpy", "glsl", "casadi", "torch")
+TARGET_NAMES = ("c", "c-batch", "numpy", "glsl", "casadi", "torch")
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -22,7 +22,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         example="motorcade generate blend.clu --target numpy -o blend.py",
     )
     parser.add_argument("script", type=Path, metavar="SCRIPT", help="its name names the function")
-    parser.add_argument("--target", choices=_TARGETS, default="c", help="(c)")
+    parser.add_argument("--target", choices=TARGET_NAMES, default="c", help="(c)")
     parser.add_argument(
         "--strategy",
         choices=("table", "product", "program"),
