@@ -67,11 +67,22 @@ def smoothed_states(trajectory: Trajectory, model: KalmanFilter) -> SmoothedStat
     deviations = np.empty((count, blocks, model.order + 1))
     log_likelihood = _scans.rts(
         model.representation, scale, model.order, given, trajectory.time_ns,
-        model.noise_of(trajectory), model.densities, out, rates, deviations,
+        model.noise_of(trajectory), model.densities, out, (rates, deviations),
     )  # fmt: skip
     for array in (rates, deviations):
         array.setflags(write=False)
     return SmoothedStates(trajectory_of(trajectory, out), rates, deviations, log_likelihood)
+
+
+def _smoothed(trajectory: Trajectory, model: KalmanFilter) -> Trajectory:
+    """The poses alone, in half the time."""
+    given = coefficients_of(trajectory)
+    out = np.empty_like(given)
+    _scans.rts(
+        model.representation, isinstance(trajectory.poses, Similarity), model.order, given,
+        trajectory.time_ns, model.noise_of(trajectory), model.densities, out,
+    )  # fmt: skip
+    return trajectory_of(trajectory, out)
 
 
 def rts_constant_velocity(
@@ -94,7 +105,7 @@ def rts_constant_velocity(
         acceleration_m_s2, angular_acceleration_rad_s2, noise_m, noise_rad,
         scale_acceleration_s2, noise_scale, representation.name,
     )  # fmt: skip
-    return smoothed_states(trajectory, model).trajectory
+    return _smoothed(trajectory, model)
 
 
 def rts_constant_acceleration(
@@ -117,4 +128,4 @@ def rts_constant_acceleration(
         jerk_m_s3, angular_jerk_rad_s3, noise_m, noise_rad, scale_jerk_s3, noise_scale,
         representation.name,
     )  # fmt: skip
-    return smoothed_states(trajectory, model).trajectory
+    return _smoothed(trajectory, model)

@@ -38,8 +38,7 @@ def rts(
     noise: FloatArray,
     densities: _Blocks,
     out: FloatArray,
-    rates: FloatArray,
-    deviations: FloatArray,
+    states: tuple[FloatArray, FloatArray] | None = None,
 ) -> float: ...
 def layout(representation: str, scale: bool) -> tuple[int, int]: ...
 def coordinates(representation: str, scale: bool, poses: FloatArray) -> FloatArray: ...

@@ -122,22 +122,27 @@ Owner kalman(const std::string &name, bool scale, int order, const BlockValues &
 }
 
 double rts(const std::string &name, bool scale, int order, const Rows &poses, const Stamps &time_ns,
-           const Rows &noise, const BlockValues &densities, const Made &out, const MadeCubes &rates,
-           const MadeCubes &deviations) {
+           const Rows &noise, const BlockValues &densities, const Made &out,
+           const std::optional<std::pair<MadeCubes, MadeCubes>> &states) {
     const std::size_t count = poses.shape(0);
     expect(order == 1 || order == 2, "order: expected 1 or 2");
     return with_representation(name, scale, [&]<class R>() {
-        const auto states = static_cast<std::size_t>(order);
         expect(count > 0 && time_ns.shape(0) == count && poses.shape(1) == R::pose_size &&
                    out.shape(0) == count && out.shape(1) == R::pose_size,
                "rts: expected poses, stamps and output of equal length");
-        expect(rates.shape(0) == count && rates.shape(1) == states && rates.shape(2) == R::freedom,
-               "rates: expected an array (N, order, d)");
-        expect(deviations.shape(0) == count && deviations.shape(1) == R::ends.size() &&
-                   deviations.shape(2) == states + 1,
-               "deviations: expected an array (N, blocks, order + 1)");
+        Smoothed made{out.data(), nullptr, nullptr};
+        if (states) {
+            const auto &[rates, deviations] = *states;
+            const auto derivatives = static_cast<std::size_t>(order);
+            expect(rates.shape(0) == count && rates.shape(1) == derivatives && rates.shape(2) == R::freedom,
+                   "states: expected rates (N, order, d)");
+            expect(deviations.shape(0) == count && deviations.shape(1) == R::ends.size() &&
+                       deviations.shape(2) == derivatives + 1,
+                   "states: expected deviations (N, blocks, order + 1)");
+            made.rates = rates.data();
+            made.deviations = deviations.data();
+        }
         const NoiseRows rows = noise_rows(noise, count);
-        const Smoothed made{out.data(), rates.data(), deviations.data()};
         nb::gil_scoped_release unlocked;
         return order == 1 ? smooth<R, 1>(poses.data(), time_ns.data(), count, rows, densities, made)
                           : smooth<R, 2>(poses.data(), time_ns.data(), count, rows, densities, made);
@@ -219,7 +224,7 @@ NB_MODULE(_scans, module) {
                "derivative_cutoff_hz"_a);
     module.def("kalman", &kalman, "representation"_a, "scale"_a, "order"_a, "densities"_a, "deviations"_a);
     module.def("rts", &rts, "representation"_a, "scale"_a, "order"_a, "poses"_a, "time_ns"_a, "noise"_a,
-               "densities"_a, "out"_a, "rates"_a, "deviations"_a);
+               "densities"_a, "out"_a, "states"_a = nb::none());
     module.def("layout", &layout, "representation"_a, "scale"_a);
     module.def("coordinates", &coordinates, "representation"_a, "scale"_a, "poses"_a);
     module.def("poses", &poses, "representation"_a, "scale"_a, "coordinates"_a);

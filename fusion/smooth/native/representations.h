@@ -2,7 +2,8 @@
 // pose into coordinates, writes it back, and offers the two verbs that scans are made of:
 // `difference` and its mirror `moved`. Components of a difference lie in blocks: rotation,
 // translation and, where poses have one, scale; `units` are components for a radian, a metre, and
-// a unit of scale.
+// a unit of scale. Errors of the first `coupled` components mix as they are carried along a motion
+// exp(v): by `carried(v)`, the matrix of Ad(exp(-v)).
 
 #pragma once
 
@@ -11,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "covariance.h"
 #include "similarity.h"
 
 namespace motorcade::smooth {
@@ -20,6 +22,7 @@ concept Representation = requires(Vector<R::pose_size> pose, Vector<R::size> x, 
     { R::name } -> std::convertible_to<const char *>;
     { R::ends.size() } -> std::convertible_to<std::size_t>;
     { R::units.size() } -> std::convertible_to<std::size_t>;
+    requires R::coupled <= R::freedom;
     { R::read(pose) } -> std::same_as<decltype(x)>;
     { R::write(x) } -> std::same_as<decltype(pose)>;
     { R::difference(x, x) } -> std::same_as<decltype(v)>;
@@ -27,10 +30,32 @@ concept Representation = requires(Vector<R::pose_size> pose, Vector<R::size> x, 
     { R::following(x, x) } -> std::same_as<decltype(x)>;
 };
 
+inline Square<3> matrix_of(const Four &rotor) {
+    const double w = rotor[0], x = -rotor[1], y = -rotor[2], z = -rotor[3];
+    return {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+             {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+             {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+}
+
+// Ad of turning, growing and shifting, on rotation and translation: R beside [t]× R and scale R.
+template <std::size_t N> Square<N> adjoint(const Four &rotor, const Three &t, double scale) {
+    const Square<3> m = matrix_of(rotor);
+    Square<N> made{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        const Three lever = cross(t, {m[0][j], m[1][j], m[2][j]});
+        for (std::size_t i = 0; i < 3; ++i) {
+            made[i][j] = m[i][j];
+            made[3 + i][j] = lever[i];
+            made[3 + i][3 + j] = scale * m[i][j];
+        }
+    }
+    return made;
+}
+
 // Twists in the base's body frame: one screw.
 struct Motors {
     static constexpr const char *name = "motor";
-    static constexpr std::size_t pose_size = 8, size = 8, freedom = 6;
+    static constexpr std::size_t pose_size = 8, size = 8, freedom = 6, coupled = 6;
     static constexpr std::array<std::size_t, 2> ends{3, 6};
     static constexpr std::array<double, 2> units{1.0, 1.0};
 
@@ -43,12 +68,16 @@ struct Motors {
         return rescaled(product(base, motor_exp(v)));
     }
     static Motor following(const Motor &x, const Motor &) { return x; }
+    static Square<6> carried(const Vector<6> &v) {
+        const Motor back = motor_exp(scaled(-1.0, v));
+        return adjoint<6>(rotor_of(back), translation_of(back), 1.0);
+    }
 };
 
 // The rotation vector in the base's body beside the translation in the world.
 struct Rotors {
     static constexpr const char *name = "rotor";
-    static constexpr std::size_t pose_size = 8, size = 7, freedom = 6;
+    static constexpr std::size_t pose_size = 8, size = 7, freedom = 6, coupled = 3;
     static constexpr std::array<std::size_t, 2> ends{3, 6};
     static constexpr std::array<double, 2> units{1.0, 1.0};
     using X = Vector<7>;
@@ -69,11 +98,12 @@ struct Rotors {
         return {turned[0], turned[1], turned[2], turned[3], base[4] + v[3], base[5] + v[4], base[6] + v[5]};
     }
     static X following(const X &x, const X &) { return x; }
+    static Square<3> carried(const Vector<6> &v) { return matrix_of(rotor_exp({-v[0], -v[1], -v[2]})); }
 };
 
 // What is subtracted and added component by component, as practitioners do it.
 template <std::size_t N> struct Linear {
-    static constexpr std::size_t size = N, freedom = N;
+    static constexpr std::size_t size = N, freedom = N, coupled = 0;
     using X = Vector<N>;
 
     static X difference(const X &x, const X &base) { return sum(x, scaled(-1.0, base)); }
@@ -181,7 +211,7 @@ struct UnwrappedEulerAngles : EulerAngles {
 // Twists with the logarithm of the scale, of poses that have a scale.
 struct Similarities {
     static constexpr const char *name = "similarity";
-    static constexpr std::size_t pose_size = 12, size = 12, freedom = 7;
+    static constexpr std::size_t pose_size = 12, size = 12, freedom = 7, coupled = 7;
     static constexpr std::array<std::size_t, 3> ends{3, 6, 7};
     static constexpr std::array<double, 3> units{1.0, 1.0, 1.0};
 
@@ -194,6 +224,13 @@ struct Similarities {
         return product(base, similarity_exp(v));
     }
     static Similarity following(const Similarity &x, const Similarity &) { return x; }
+    static Square<7> carried(const Vector<7> &v) {
+        const Parts back = parts_of(similarity_exp(scaled(-1.0, v)));
+        Square<7> made = adjoint<7>(back.rotor, back.translation, std::exp(back.log_scale));
+        for (std::size_t k = 0; k < 3; ++k) made[3 + k][6] = -back.translation[k];
+        made[6][6] = 1.0;
+        return made;
+    }
 };
 
 // The same of rigid poses, whose scale is and stays 1.
@@ -213,7 +250,8 @@ struct RigidSimilarities : Similarities {
 // A rigid representation with the scale beside it as one more number.
 template <Representation R> struct WithScale {
     static constexpr const char *name = R::name;
-    static constexpr std::size_t pose_size = 12, size = R::size + 1, freedom = R::freedom + 1;
+    static constexpr std::size_t pose_size = 12, size = R::size + 1, freedom = R::freedom + 1,
+                                 coupled = R::coupled;
     static constexpr std::array<std::size_t, 3> ends{R::ends[0], R::ends[1], R::freedom + 1};
     static constexpr std::array<double, 3> units{R::units[0], R::units[1], 1.0};
     using X = Vector<size>;
@@ -239,6 +277,7 @@ template <Representation R> struct WithScale {
     static X following(const X &x, const X &previous) {
         return with(R::following(rigid(x), rigid(previous)), x.back());
     }
+    static Square<coupled> carried(const V &v) { return R::carried(first<R::freedom>(v)); }
 
 private:
     template <std::size_t N, std::size_t M> static Vector<N> first(const Vector<M> &from) {

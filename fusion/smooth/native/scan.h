@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "filters.h"
 #include "kalman.h"
@@ -92,8 +93,8 @@ private:
     bool started_ = false;
 };
 
-// What the smoother writes for N poses: poses (N, pose size), rates (N, order, freedom) and
-// deviations (N, blocks, order + 1) in rad, m, scale and their rates.
+// What the smoother writes for N poses: poses (N, pose size) and, unless they are null, rates
+// (N, order, freedom) and deviations (N, blocks, order + 1) in rad, m, scale and their rates.
 struct Smoothed {
     double *poses, *rates, *deviations;
 };
@@ -103,45 +104,97 @@ void write_state(const typename Kalman<R, Order>::State &state, std::size_t k, c
     const auto pose = R::write(state.pose);
     check_finite(pose);
     std::copy(pose.begin(), pose.end(), out.poses + k * R::pose_size);
+    if (out.rates == nullptr) return;
     double *rates = out.rates + k * Order * R::freedom;
     for (const auto &one : state.rates) rates = std::copy(one.begin(), one.end(), rates);
     double *deviations = out.deviations + k * R::ends.size() * (Order + 1);
-    for (std::size_t b = 0; b < R::ends.size(); ++b)
-        for (std::size_t i = 0; i <= Order; ++i)
-            *deviations++ = std::sqrt(std::max(0.0, state.covariance[b][i][i])) / R::units[b];
+    for (std::size_t b = 0, first = 0; b < R::ends.size(); first = R::ends[b++])
+        for (std::size_t i = 0; i <= Order; ++i) {
+            double total = 0.0;
+            for (std::size_t component = first; component < R::ends[b]; ++component)
+                total += state.variance(component, i);
+            const double mean = total / static_cast<double>(R::ends[b] - first);
+            *deviations++ = std::sqrt(std::max(0.0, mean)) / R::units[b];
+        }
 }
 
-// Returns the logarithm of the likelihood of the innovations. Holds one filtered state a pose.
+// Runs a Kalman filter over a path, and back over it with the smoother. Filtered states are kept a
+// stretch at a time and filtered again from the one before the stretch, so that memory does not grow
+// with them. `write` is called for each pose from the last to the first.
+template <Representation R, std::size_t Order> class Smoother {
+public:
+    Smoother(const double *poses, const std::int64_t *time_ns, std::size_t count, const NoiseRows &noise,
+             const BlockValues &densities)
+        : poses_(poses), time_ns_(time_ns), count_(count), noise_(noise),
+          now_{Kalman<R, Order>(densities, noise.row(0)), {}} {}
+
+    // Returns the logarithm of the likelihood of the innovations.
+    template <bool WITH_COVARIANCE, class Write> double run(Write &&write) {
+        std::vector<Point> marks;
+        for (std::size_t k = 0; k < count_; ++k) {
+            advance(k);
+            if (k % STRETCH == 0) marks.push_back(now_);
+        }
+        const double log_likelihood = now_.filter.log_likelihood();
+        State later = now_.filter.state();
+        write(later, count_ - 1);
+        std::vector<State> states(std::min(STRETCH, count_));
+        for (std::size_t mark = marks.size(); mark-- > 0;) {
+            const std::size_t first = mark * STRETCH, last = std::min(first + STRETCH, count_ - 1);
+            now_ = marks[mark];
+            for (std::size_t k = first; k < last; ++k) {
+                if (k > first) advance(k);
+                states[k - first] = now_.filter.state();
+            }
+            for (std::size_t k = last; k-- > first;) {
+                later = now_.filter.template smoothed<WITH_COVARIANCE>(states[k - first], later, interval(k));
+                write(later, k);
+            }
+        }
+        return log_likelihood;
+    }
+
+private:
+    using State = typename Kalman<R, Order>::State;
+    static constexpr std::size_t STRETCH = 256;
+    struct Point {
+        Kalman<R, Order> filter;
+        Vector<R::size> measured;
+    };
+
+    double interval(std::size_t k) const { return 1e-9 * static_cast<double>(time_ns_[k + 1] - time_ns_[k]); }
+
+    Vector<R::size> read(std::size_t k) const {
+        Vector<R::pose_size> given;
+        std::copy_n(poses_ + k * R::pose_size, R::pose_size, given.begin());
+        const auto made = R::read(given);
+        return k == 0 ? made : R::following(made, now_.measured);
+    }
+
+    void advance(std::size_t k) {
+        now_.measured = read(k);
+        if (k == 0) {
+            now_.filter.start(now_.measured);
+            if (count_ > 1) now_.filter.open_rates(read(1), interval(0));
+            return;
+        }
+        now_.filter.measured_with(noise_.row(k));
+        now_.filter.step(now_.measured, interval(k - 1));
+    }
+
+    const double *poses_;
+    const std::int64_t *time_ns_;
+    std::size_t count_;
+    NoiseRows noise_;
+    Point now_;
+};
+
 template <Representation R, std::size_t Order>
 double smooth(const double *poses, const std::int64_t *time_ns, std::size_t count, const NoiseRows &noise,
               const BlockValues &densities, const Smoothed &out) {
-    std::vector<typename Kalman<R, Order>::State> states(count);
-    Kalman<R, Order> filter(densities, noise.row(0));
-    Vector<R::size> measured;
-    const auto interval = [&](std::size_t k) { return 1e-9 * static_cast<double>(time_ns[k + 1] - time_ns[k]); };
-    for (std::size_t k = 0; k < count; ++k) {
-        Vector<R::pose_size> given;
-        std::copy_n(poses + k * R::pose_size, R::pose_size, given.begin());
-        const auto read = R::read(given);
-        if (k == 0) {
-            filter.start(measured = read);
-        } else {
-            measured = R::following(read, measured);
-            if (k == 1) {
-                filter.open_rates(measured, interval(0));
-                states[0] = filter.state();
-            }
-            filter.measured_with(noise.row(k));
-            filter.step(measured, interval(k - 1));
-        }
-        states[k] = filter.state();
-    }
-    write_state<R, Order>(states[count - 1], count - 1, out);
-    for (std::size_t k = count - 1; k-- > 0;) {
-        states[k] = filter.smoothed(states[k], states[k + 1], interval(k));
-        write_state<R, Order>(states[k], k, out);
-    }
-    return filter.log_likelihood();
+    Smoother<R, Order> smoother(poses, time_ns, count, noise, densities);
+    const auto write = [&](const auto &state, std::size_t k) { write_state<R, Order>(state, k, out); };
+    return out.rates == nullptr ? smoother.template run<false>(write) : smoother.template run<true>(write);
 }
 
 }  // namespace motorcade::smooth

@@ -1,0 +1,224 @@
+// Covariance of S derivatives (pose, velocity, acceleration) of N components that couple: rows and
+// columns in S blocks of N. Of uncoupled components N is 1, and the same matrix serves for each.
+
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "rotors.h"
+
+namespace motorcade::smooth {
+
+template <std::size_t N> using Square = std::array<std::array<double, N>, N>;
+
+template <std::size_t N> Square<N> product(const Square<N> &a, const Square<N> &b) {
+    Square<N> made{};
+    for (std::size_t i = 0; i < N; ++i)
+        for (std::size_t k = 0; k < N; ++k)
+            for (std::size_t j = 0; j < N; ++j) made[i][j] += a[i][k] * b[k][j];
+    return made;
+}
+
+// The upper factor U of a symmetric positive definite matrix Uᵀ U, its diagonal inverted; row by row, so
+// that all inner loops run along rows.
+template <std::size_t N> struct Cholesky {
+    Square<N> upper;
+    double determinant = 1.0;
+
+    explicit Cholesky(const Square<N> &a) : upper(a) {
+        for (std::size_t k = 0; k < N; ++k) {
+            determinant *= upper[k][k];
+            const double inverse = upper[k][k] = 1.0 / std::sqrt(upper[k][k]);
+            for (std::size_t j = k + 1; j < N; ++j) upper[k][j] *= inverse;
+            for (std::size_t i = k + 1; i < N; ++i)
+                for (std::size_t j = i; j < N; ++j) upper[i][j] -= upper[k][i] * upper[k][j];
+        }
+    }
+
+    // a⁻¹ times N rows of M numbers, in place.
+    template <std::size_t M> void solve(std::array<std::array<double, M>, N> &rows) const {
+        for (std::size_t k = 0; k < N; ++k) {
+            for (std::size_t j = 0; j < M; ++j) rows[k][j] *= upper[k][k];
+            for (std::size_t i = k + 1; i < N; ++i)
+                for (std::size_t j = 0; j < M; ++j) rows[i][j] -= upper[k][i] * rows[k][j];
+        }
+        for (std::size_t i = N; i-- > 0;) {
+            for (std::size_t k = i + 1; k < N; ++k)
+                for (std::size_t j = 0; j < M; ++j) rows[i][j] -= upper[i][k] * rows[k][j];
+            for (std::size_t j = 0; j < M; ++j) rows[i][j] *= upper[i][i];
+        }
+    }
+
+    Vector<N> solved(Vector<N> right) const {
+        for (std::size_t k = 0; k < N; ++k) {
+            right[k] *= upper[k][k];
+            for (std::size_t i = k + 1; i < N; ++i) right[i] -= upper[k][i] * right[k];
+        }
+        for (std::size_t i = N; i-- > 0;) {
+            for (std::size_t k = i + 1; k < N; ++k) right[i] -= upper[i][k] * right[k];
+            right[i] *= upper[i][i];
+        }
+        return right;
+    }
+};
+
+// What white noise of unit density on the highest derivative adds in dt.
+template <std::size_t S> Square<S> diffusion(double dt) {
+    constexpr double factorial[] = {1.0, 1.0, 2.0};
+    double power[2 * S];
+    power[0] = 1.0;
+    for (std::size_t k = 1; k < 2 * S; ++k) power[k] = power[k - 1] * dt;
+    Square<S> q;
+    for (std::size_t i = 0; i < S; ++i)
+        for (std::size_t j = 0; j < S; ++j) {
+            const std::size_t a = S - 1 - i, b = S - 1 - j;
+            q[i][j] = power[a + b + 1] / (static_cast<double>(a + b + 1) * factorial[a] * factorial[b]);
+        }
+    return q;
+}
+
+template <std::size_t N, std::size_t S> struct Covariance;
+
+// Nothing couples.
+template <std::size_t S> struct Covariance<0, S> {
+    Square<0> p{};
+};
+
+template <std::size_t N, std::size_t S> struct Covariance {
+    static constexpr std::size_t ALL = N * S;
+    Square<ALL> p{};
+
+    // F p Fᵀ with F = turn · drift · turn: the pose part is turned, all is drifted by dt, turned again.
+    [[gnu::noinline]] void carry(const Square<N> &turn, double dt) {
+        turned(turn);
+        drifted(dt);
+        turned(turn);
+    }
+
+    void add_noise(const Vector<N> &densities, double dt) {
+        const auto q = diffusion<S>(dt);
+        for (std::size_t i = 0; i < S; ++i)
+            for (std::size_t j = 0; j < S; ++j)
+                for (std::size_t c = 0; c < N; ++c)
+                    p[i * N + c][j * N + c] += densities[c] * densities[c] * q[i][j];
+    }
+
+    // Conditions on a measurement of the pose with such variances. Returns the gain, transposed, and
+    // the factor of the innovation's covariance. What a wide prior would cancel is multiplied.
+    struct Gain {
+        std::array<std::array<double, ALL>, N> rows;
+        Cholesky<N> factor;
+
+        double of(std::size_t i, const Vector<N> &innovation) const {
+            double total = 0.0;
+            for (std::size_t c = 0; c < N; ++c) total += rows[c][i] * innovation[c];
+            return total;
+        }
+    };
+    [[gnu::noinline]] Gain measured(const Vector<N> &variances) {
+        std::array<std::array<double, ALL>, N> seen;
+        Square<N> sum;
+        for (std::size_t c = 0; c < N; ++c) {
+            seen[c] = p[c];
+            for (std::size_t k = 0; k < N; ++k) sum[c][k] = p[c][k] + (c == k ? variances[c] : 0.0);
+        }
+        Gain gain{seen, Cholesky<N>(sum)};
+        gain.factor.solve(gain.rows);
+        for (std::size_t i = N; i < ALL; ++i)
+            for (std::size_t c = 0; c < N; ++c)
+                for (std::size_t j = N; j < ALL; ++j) p[i][j] -= seen[c][i] * gain.rows[c][j];
+        for (std::size_t c = 0; c < N; ++c)
+            for (std::size_t j = 0; j < ALL; ++j) p[c][j] = variances[c] * gain.rows[c][j];
+        for (std::size_t i = N; i < ALL; ++i)
+            for (std::size_t c = 0; c < N; ++c) p[i][c] = p[c][i];
+        mirror();
+        return gain;
+    }
+
+    // Q p⁻¹: of a residual behind a prediction `p` with that noise, how much is the noise's.
+    [[gnu::noinline]] Square<ALL> noise_share(const Vector<N> &densities, double dt) const {
+        Square<ALL> inverse{};
+        for (std::size_t i = 0; i < ALL; ++i) inverse[i][i] = 1.0;
+        Cholesky<ALL>(p).solve(inverse);
+        return noise_times(densities, dt, inverse);
+    }
+
+    // The same times a residual.
+    [[gnu::noinline]] Vector<ALL> noise_share(const Vector<N> &densities, double dt, const Vector<ALL> &of) const {
+        const auto weighed = Cholesky<ALL>(p).solved(of);
+        std::array<std::array<double, 1>, ALL> rows;
+        for (std::size_t i = 0; i < ALL; ++i) rows[i][0] = weighed[i];
+        rows = noise_times(densities, dt, rows);
+        Vector<ALL> made;
+        for (std::size_t i = 0; i < ALL; ++i) made[i] = rows[i][0];
+        return made;
+    }
+
+    // The covariance before a prediction from the smoothed one behind it: with K = 1 - share, p becomes
+    // F⁻¹ (K p Kᵀ + K Q) F⁻ᵀ, with the inverse step's `turn`.
+    [[gnu::noinline]] void brought_back(const Square<ALL> &share, const Vector<N> &densities,
+                                        const Square<N> &turn, double dt) {
+        Square<ALL> known, flipped;
+        for (std::size_t i = 0; i < ALL; ++i)
+            for (std::size_t j = 0; j < ALL; ++j) {
+                known[i][j] = (i == j ? 1.0 : 0.0) - share[i][j];
+                flipped[j][i] = known[i][j];
+            }
+        p = product(p, flipped);
+        add_noise(densities, dt);
+        p = product(known, p);
+        mirror();
+        carry(turn, -dt);
+    }
+
+private:
+    template <std::size_t M>
+    static auto noise_times(const Vector<N> &densities, double dt,
+                            const std::array<std::array<double, M>, ALL> &rows) {
+        std::array<std::array<double, M>, ALL> made{};
+        const auto q = diffusion<S>(dt);
+        for (std::size_t i = 0; i < S; ++i)
+            for (std::size_t c = 0; c < N; ++c)
+                for (std::size_t j = 0; j < S; ++j) {
+                    const double factor = densities[c] * densities[c] * q[i][j];
+                    for (std::size_t k = 0; k < M; ++k) made[i * N + c][k] += factor * rows[j * N + c][k];
+                }
+        return made;
+    }
+
+    void turned(const Square<N> &turn) {
+        if constexpr (N > 1) {
+            std::array<std::array<double, ALL>, N> rows{};
+            for (std::size_t i = 0; i < N; ++i)
+                for (std::size_t k = 0; k < N; ++k)
+                    for (std::size_t j = 0; j < ALL; ++j) rows[i][j] += turn[i][k] * p[k][j];
+            Square<N> first{};
+            for (std::size_t i = 0; i < N; ++i)
+                for (std::size_t j = 0; j < N; ++j)
+                    for (std::size_t k = 0; k < N; ++k) first[i][j] += rows[i][k] * turn[j][k];
+            for (std::size_t i = 0; i < N; ++i) {
+                for (std::size_t j = 0; j < N; ++j) p[i][j] = first[i][j];
+                for (std::size_t j = N; j < ALL; ++j) p[i][j] = p[j][i] = rows[i][j];
+            }
+        }
+    }
+
+    void drifted(double dt) {
+        const double half = 0.5 * dt * dt;
+        for (std::size_t i = 0; i + N < ALL; ++i)
+            for (std::size_t j = 0; j < ALL; ++j)
+                p[i][j] += dt * p[i + N][j] + (i + 2 * N < ALL ? half * p[(i + 2 * N) % ALL][j] : 0.0);
+        for (auto &row : p)
+            for (std::size_t j = 0; j + N < ALL; ++j)
+                row[j] += dt * row[j + N] + (j + 2 * N < ALL ? half * row[(j + 2 * N) % ALL] : 0.0);
+    }
+
+    void mirror() {
+        for (std::size_t i = 0; i < ALL; ++i)
+            for (std::size_t j = 0; j < i; ++j) p[i][j] = p[j][i] = 0.5 * (p[i][j] + p[j][i]);
+    }
+};
+
+}  // namespace motorcade::smooth
