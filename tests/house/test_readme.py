@@ -1,7 +1,10 @@
 """What the README shows a newcomer works as it stands there."""
 
+import json
 import re
+import sys
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -48,13 +51,42 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         cv2.imwrite(str(tmp_path / "images" / f"{i}.png"), picture)
     stamps = np.arange(8, dtype=np.int64) * 33_333_333
     write_trajectory(Trajectory(stamps, Motor.stack(poses)), tmp_path / "poses.tum")
+    (tmp_path / "orbit.clu").write_text(blocks("clu")[0])
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 @pytest.mark.parametrize("number", range(len(blocks("python"))))
-def test_python_blocks_run(number: int, folder: Path) -> None:
-    exec(compile(blocks("python")[number], f"README block {number}", "exec"), {})
+def test_python_blocks_run(number: int, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code = blocks("python")[number]
+    if "from orbit" in code:
+        generate_code(folder, monkeypatch)
+    exec(compile(code, f"README block {number}", "exec"), {})
+
+
+def generate_code(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run the README's commands that write code, and let Python find it."""
+    pytest.importorskip("casadi", reason="CasADi, which only code generation needs, is missing")
+    commands = [line for block in blocks("sh") for line in block.splitlines() if "orbit" in line]
+    assert len(commands) == 2
+    for command in commands:
+        assert main(command.split("#")[0].split()[1:]) == 0
+    assert {"orbit.py", "orbit.c", "orbit.h"} <= {path.name for path in folder.iterdir()}
+    monkeypatch.syspath_prepend(folder)
+    monkeypatch.delitem(sys.modules, "orbit", raising=False)
+
+
+def test_generated_code_gives_what_the_readme_says(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    generate_code(folder, monkeypatch)
+    (code,) = [block for block in blocks("python") if "from orbit" in block]
+    names: dict[str, Any] = {}
+    exec(code, names)
+    told = re.search(r'p\["e1"\], p\["e2"\]  # (.*)', code)
+    assert told is not None
+    made = [names["p"]["e1"], names["p"]["e2"]]
+    np.testing.assert_allclose(made, json.loads(f"[{told[1]}]"), atol=1e-15)
 
 
 def test_the_commands_for_ones_own_recording_work(folder: Path) -> None:
