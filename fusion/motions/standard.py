@@ -74,7 +74,7 @@ def gimbal_crossing(
             _turn("z", Polynomial((miss_rad,))),
             _turn("y", Polynomial((0.5 * np.pi,))),
             _turn("y", Sines.single(reach_rad, frequency_hz, -0.5 * np.pi)),
-            _turn("z", Sines.single(0.3, 0.13)),
+            _turn("z", Sines.single(0.25, 0.37)),
         ),
         Motor,
     )
@@ -88,7 +88,7 @@ def gimbal_hover(radius_rad: float = np.deg2rad(5.0)) -> Motion[Motor]:
             _turn("y", Polynomial((0.5 * np.pi,))),
             _turn("x", Sines((0.7 * radius_rad, 0.3 * radius_rad), (0.31, 0.83), (0.0, 1.1))),
             _turn("y", Sines((0.7 * radius_rad, 0.3 * radius_rad), (0.37, 0.71), (0.8, 2.3))),
-            _turn("z", Sines.single(0.4, 0.23)),
+            _turn("z", Sines.single(0.4, 0.41)),
         ),
         Motor,
     )
@@ -126,15 +126,15 @@ def screw(rate_rad_s: float = 1.0, pitch_m: float = 0.5, radius_m: float = 0.7) 
 
 
 def distant_circle(
-    radius_m: float = 20.0, rate_rad_s: float = 0.15, sway_rad: float = 0.1
+    radius_m: float = 10.0, rate_rad_s: float = 0.15, sway_rad: float = 0.08
 ) -> Motion[Motor]:
-    """Swing about a vertical axis `radius_m` away: small turns belong to large shifts."""
+    """Swing about a vertical axis `radius_m` away, nodding: small turns, large shifts."""
     return Motion(
         (
             _turn("z", Polynomial((0.0, rate_rad_s))),
-            _turn("z", Sines.single(sway_rad, 0.11)),
+            _turn("z", Sines.single(sway_rad, 0.27)),
             _shift("x", Polynomial((radius_m,))),
-            _turn("y", Sines.single(0.5 * sway_rad, 0.27)),
+            _turn("y", Sines.single(0.15, 0.43)),
             _mounted(),
         ),
         Motor,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
 
 __all__ = ["FrameChangeDefect", "frame_change_defect"]
 
@@ -30,15 +30,16 @@ class FrameChangeDefect:
 def frame_change_defect(
     smoother: Callable[[Trajectory], Trajectory],
     trajectory: Trajectory,
-    left: Motor,
-    right: Motor,
+    left: Motor | Similarity,
+    right: Motor | Similarity,
 ) -> FrameChangeDefect:
     """Smooth then change the frame, against change the frame then smooth, each side for itself.
 
     Args:
         smoother: what is judged; it must answer at the same stamps for both.
         trajectory: what it is judged on.
-        left: change of the world's frame; `Motor.random` gives one of any orientation.
+        left: change of the world's frame; `Motor.random` gives one of any orientation. With a
+            similarity the differences are in the new world's metres.
         right: change of the sensor's frame.
 
     Raises:

@@ -65,13 +65,13 @@ def test_the_peak_rate_of_euler_angles_over_the_true_rate(pitch_deg, ratio):
     """Swinging past the pole at a pitch of that many degrees, as 1 / cos(pitch)."""
     motion = gimbal_crossing(1.0, np.deg2rad(90.0 - pitch_deg))
     # The passage is where the swing is fastest; look closely there.
-    coarse = np.linspace(0.0, 10.0, 100_001)
+    coarse = np.linspace(0.0, 10.0, 10_001)
     speed = np.hypot(*motion.at(coarse).body_twist[:, :2].T)
     centre = coarse[np.argmax(speed)]
     times = centre + np.linspace(-0.01, 0.01, 20_001)
     sample = motion.at(times)
-    angles = np.unwrap(sample.pose.rotor.as_euler(), axis=0)
-    rate = np.abs(np.gradient(angles, times, axis=0)).max()
+    roll = np.unwrap(sample.pose.rotor.as_euler()[:, 0])  # the last angle turns by itself too
+    rate = np.abs(np.gradient(roll, times)).max()
     true = np.linalg.norm(sample.body_twist[:, :2], axis=1).max()
     decimals = len(ratio.partition(".")[2])
     assert f"{rate / true:.{decimals}f}" == ratio

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from motorcade.fusion.metrics import position_lag_s
+from motorcade.fusion.metrics import log_scales, position_lag_s, without_scale
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import (
     DroppedFrames,
@@ -261,6 +261,26 @@ def test_several_apply_in_turn(truth):
 def test_bad_input_is_refused(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+@pytest.mark.parametrize("degradation", ALL, ids=repr)
+def test_similarities_keep_their_scale_and_take_the_same_errors(degradation):
+    zooming = MOTIONS["zoom"].sampled(30.0, 20.0)
+    spoiled = degradation.apply(zooming, np.random.default_rng(4))
+    rigid = degradation.apply(without_scale(zooming), np.random.default_rng(4))
+    np.testing.assert_array_equal(spoiled.time_ns, rigid.time_ns)
+    found = without_scale(spoiled).motors.as_matrix()
+    np.testing.assert_allclose(found, rigid.motors.as_matrix(), rtol=0, atol=1e-12)
+    if len(spoiled) == len(zooming):
+        scales = log_scales(spoiled.poses), log_scales(zooming.poses)
+        np.testing.assert_allclose(*scales, rtol=0, atol=1e-12)
+
+
+def test_noise_of_the_scale_has_its_deviation(rng):
+    zooming = MOTIONS["zoom"].sampled(30.0, 500.0)
+    spoiled = Gaussian(0.0, 0.0, 0.02).apply(zooming, rng)
+    errors = log_scales(spoiled.poses) - log_scales(zooming.poses)
+    assert np.std(errors) == pytest.approx(0.02, rel=5.0 / np.sqrt(2.0 * errors.size))
 
 
 def test_noise_of_the_scale_is_refused_for_rigid_poses(truth, rng):

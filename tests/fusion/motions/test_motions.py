@@ -19,7 +19,6 @@ from motorcade.fusion.motions import (
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.motion import sampled_motion
 
-RIGID = [name for name in MOTIONS if name != "zoom"]
 STEP = mpmath.mpf(10) ** -9
 
 
@@ -86,7 +85,7 @@ def test_twist_acceleration_and_jerk_are_mpmaths(name):
             np.testing.assert_allclose(ours, theirs[:size], rtol=0, atol=1e-9 * scale)
 
 
-@pytest.mark.parametrize("name", RIGID)
+@pytest.mark.parametrize("name", MOTIONS)
 def test_samples_are_the_motion_at_even_stamps(name):
     motion = MOTIONS[name]
     trajectory = motion.sampled(30.0, 10.0, start_ns=10**18, start_s=2.5, child="imu")
@@ -111,7 +110,7 @@ def test_batches_of_times_keep_their_shape():
 def test_gimbal_crossings_pass_the_pole_at_their_rate(rate_rad_s):
     miss = np.deg2rad(1.0)
     motion = gimbal_crossing(rate_rad_s, miss)
-    times = np.linspace(0.0, 20.0, 200_001)
+    times = np.linspace(0.0, 18.0, 36_001)
     sample = motion.at(times)
     ahead = sample.pose.rotor.apply([0.0, 0.0, 1.0])
     from_pole = np.arctan2(np.linalg.norm(ahead[:, 1:], axis=1), np.abs(ahead[:, 0]))
@@ -154,7 +153,7 @@ def test_screw_and_circle_keep_their_radius_and_twist():
     turned = MOTIONS["screw"].at(times)
     assert np.abs(turned.body_twist - turned.body_twist[0]).max() < 1e-12
     assert np.abs(turned.body_twist_rate).max() < 1e-12
-    for name, radius in (("screw", 0.7), ("distant_circle", 20.0)):
+    for name, radius in (("screw", 0.7), ("distant_circle", 10.0)):
         across = MOTIONS[name].at(times).pose.translation_m[:, :2]
         np.testing.assert_allclose(np.hypot(*across.T), radius, rtol=1e-12)
 
