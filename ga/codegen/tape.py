@@ -158,7 +158,8 @@ class TapeBuilder:
         return found
 
     def _simplified(self, op: str, args: tuple[int, ...]) -> int | None:
-        if all(self.nodes[index].op == "const" for index in args):
+        first = self.nodes[args[0]].op == "const"
+        if first and all(self.nodes[index].op == "const" for index in args):
             value = folded(op, [self.nodes[index].value for index in args])
             if value is not None:
                 return self.constant(value)

@@ -130,7 +130,7 @@ def write_form(form: Form, place: dict[int, int], builder: TapeBuilder) -> int:
     """A form as operations: positive terms first, so that sums need no sign in front."""
     total: int | None = None
     for monomial, coefficient in sorted(form.items(), key=lambda term: term[1] < 0):
-        number = builder.constant(float(abs(coefficient)))
+        number = builder.constant(abs(float(coefficient)))
         term = product_of([number, *(place[factor] for factor in monomial)], builder)
         if total is None:
             total = builder.operation("neg", term) if coefficient < 0 else term

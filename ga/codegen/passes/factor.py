@@ -120,31 +120,33 @@ def _share_terms(network: Network) -> None:
     while True:
         found: dict[tuple[Monomial, Monomial, int], list[int]] = {}
         for index, terms in network.sums.items():
-            for one, other in combinations(sorted(terms[:_LONGEST], key=lambda t: t[1]), 2):
-                found.setdefault((one[1], other[1], one[0] * other[0]), []).append(index)
+            ordered = sorted(terms[:_LONGEST], key=lambda term: term[1])
+            for (s, first), (t, second) in combinations(ordered, 2):
+                found.setdefault((first, second, s * t), []).append(index)
         shared = [(key, places) for key, places in found.items() if len(places) > 1]
-        if not shared:
+        shared.sort(key=lambda item: -len(item[1]))
+        if not any([_share_pair(network, *key, places) for key, places in shared]):
             return
-        for (one, other, sign), places in sorted(shared, key=lambda item: -len(item[1])):
-            _share_pair(network, one, other, sign, places)
 
 
 def _share_pair(
     network: Network, one: Monomial, other: Monomial, sign: int, places: list[int]
-) -> None:
-    """Do it for one pair, in those sums that still have it."""
+) -> bool:
+    """Do it for one pair, in those sums that still have it, if these are several."""
     left = []
     for index in places:
         signs = {factors: s for s, factors in network.sums[index]}
-        if one in signs and signs.get(other) == sign * signs[one]:
+        once = len(signs) == len(network.sums[index])
+        if once and one in signs and signs.get(other) == sign * signs[one]:
             left.append((index, signs[one]))
     if len(left) < 2:
-        return
+        return False
     made = network.new_number()
     for index, first in left:
         rest = [term for term in network.sums[index] if term[1] not in (one, other)]
         network.sums[index] = [*rest, (first, (made,))]
     network.sums[made] = [(1, one), (sign, other)]
+    return True
 
 
 def _share_factors(network: Network, *, least: int, numbers_only: bool) -> None:

@@ -90,7 +90,7 @@ class Forms:
 
     def shortened(self, monomial: Monomial) -> Monomial:
         """A product without pairs of factors that are known to be one factor or 1."""
-        while sum(factor in self._ruled for factor in monomial) > 1:
+        while not self._ruled.isdisjoint(monomial):
             for pair, made in self._rules.items():
                 first, second = pair
                 if first in monomial and second in monomial:

@@ -55,7 +55,7 @@ class Network:
             terms = []
             for monomial, coefficient in form.items():
                 waiting.extend(monomial)
-                size = Fraction(abs(coefficient))
+                size = abs(Fraction(coefficient))
                 factors = monomial if size == 1 else (self._constant(size), *monomial)
                 terms.append((1 if coefficient > 0 else -1, factors))
             self.sums[index] = terms

@@ -7,11 +7,11 @@ most functions are defined at some of them. A value is NaN where it is not a rea
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from motorcade.ga.codegen.interpret import NUMPY_OPERATIONS
 from motorcade.ga.codegen.tape import Node, Tape
 
 __all__ = ["POINTS", "sample_inputs", "sampled"]
@@ -21,15 +21,6 @@ _SEED = 20170215
 _EPSILON = float(np.finfo(np.float64).eps)
 _Row = npt.NDArray[np.float64]
 
-_VALUES: dict[str, Callable[..., Any]] = {
-    "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative,
-    "sqrt": np.sqrt, "abs": np.abs, "floor": np.floor, "ceil": np.ceil, "min": np.minimum,
-    "max": np.maximum, "exp": np.exp, "log": np.log, "sin": np.sin, "cos": np.cos, "tan": np.tan,
-    "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "atan2": np.arctan2,
-    "lt": np.less, "le": np.less_equal, "eq": np.equal, "ne": np.not_equal,
-    "and": np.logical_and, "or": np.logical_or, "not": np.logical_not,
-    "select": np.where, "keep": lambda condition, x: np.where(condition, x, 0.0),
-}  # fmt: skip
 # Factors by which functions pass on the errors of their argument.
 _SLOPES: dict[str, Callable[[_Row, _Row], _Row]] = {
     "sqrt": lambda x, y: 0.5 / y, "exp": lambda x, y: y, "log": lambda x, y: 1.0 / np.abs(x),
@@ -66,7 +57,7 @@ def sampled(tape: Tape) -> tuple[list[_Row], list[_Row]]:
                 value, error = np.full(POINTS, node.value), np.zeros(POINTS)
             else:
                 args = [values[k] for k in node.args]
-                value = np.asarray(_VALUES[node.op](*args), dtype=np.float64)
+                value = np.asarray(NUMPY_OPERATIONS[node.op](*args), dtype=np.float64)
                 passed = _passed_on(node, args, [errors[k] for k in node.args], value)
                 error = passed + _EPSILON * np.abs(value)
             values.append(value)
