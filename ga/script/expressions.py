@@ -43,6 +43,11 @@ class Cursor:
         """The token after the next one."""
         return self._tokens[min(self._next + 1, len(self._tokens) - 1)]
 
+    def named_next(self, *symbols: str) -> bool:
+        """Whether a name and then one of these symbols follow the next token."""
+        after = self._tokens[min(self._next + 2, len(self._tokens) - 1)]
+        return self.following.kind == "name" and after.text in symbols
+
     def take(self) -> Token:
         """Read one token; the end is never passed."""
         token = self.token
@@ -147,6 +152,8 @@ class _Reader:
             return Number(cursor.take().place, float(token.text))
         if token.kind != "name":
             hint = "" if token.kind != "symbol" else "an operand is a name, a number or a bracket"
+            if cursor.at(":"):
+                hint = "macros see the names of the script: leave the :: out"
             raise cursor.unexpected("an expression", hint)
         cursor.take()
         return _argument(cursor, token) if token.text == "_P" else Name(token.place, token.text)

@@ -138,6 +138,7 @@ FUNCTIONS: dict[str, Function] = {
     "atan": _elementary("arctan"),
     "atan2": _elementary("arctan2", 2),
     "ceil": _elementary("ceil"),
+    "complement": Function(1, lambda x: x.complement()),
     "cos": _elementary("cos"),
     "exp": _of_multivector("exp"),
     "fact": Function(1, _factorial),
@@ -152,5 +153,6 @@ FUNCTIONS: dict[str, Function] = {
     "sqrt": _of_multivector("sqrt"),
     "step": _of_scalars(elementary.step),
     "tan": _elementary("tan"),
+    "uncomplement": Function(1, lambda x: x.uncomplement()),
     "versor": _of_multivector("versor"),
 }

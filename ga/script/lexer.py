@@ -1,8 +1,9 @@
 """Lexer of CLUScript: text to tokens with places.
 
-Names are ASCII identifiers. Numbers are decimal, with an optional exponent; a point that follows
-digits belongs to the number, so the inner product of a number is written with a space. ``/*``
-always opens a comment: division by a dual is ``a / *b``. ``//#pragma …`` is one token.
+Names are ASCII identifiers. Numbers are decimal, with an optional exponent and C's suffixes f and
+d, which change nothing; a point that follows digits belongs to the number, so the inner product of
+a number is written with a space. ``/*`` always opens a comment: division by a dual is ``a / *b``.
+``//#pragma …`` is one token.
 """
 
 from __future__ import annotations
@@ -23,19 +24,18 @@ _PATTERN = re.compile(
     r"|(?P<pragma>//#pragma[^\n]*)"
     r"|(?P<comment>//[^\n]*)"
     r"|(?P<block>/\*)"
-    r"|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+    r"|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)(?:[fFdD](?![A-Za-z_0-9]))?"
     r"|(?P<name>[A-Za-z_][A-Za-z_0-9]*)"
     r"|(?P<symbol>[-+*/^.~()=?!:;,{}])"
 )
 _HINTS = {
     "[": "a macro's argument is written _P(1), a coefficient is not indexed",
     "$": "an output's blades are chosen with //#pragma output NAME BLADE …",
-    "%": "there is no remainder; use floor",
+    "%": "there is no remainder; write x - y*floor(x/y)",
     "&": "the meet of outer forms is the dual of the outer product of duals",
     "|": "the inner product is written with a point",
     "#": "a pragma is written //#pragma",
-    "<": "comparisons and branches are not part of this language",
-    ">": "comparisons and branches are not part of this language",
+    **dict.fromkeys("<>", "there are no branches; step, sign, abs, min and max choose values"),
     '"': "there are no strings",
 }
 
@@ -76,7 +76,8 @@ def tokenize(source: Source) -> list[Token]:
             line += text.count("\n", position, end)
             start = max(start, text.rfind("\n", position, end) + 1)
         elif kind not in ("space", "comment"):
-            tokens.append(_checked(source, Token(kind, found.group(), place), text[end : end + 1]))
+            token = Token(kind, found.group(kind), place)
+            tokens.append(_checked(source, token, text[end : end + 1]))
         if len(tokens) > MAX_TOKENS:
             raise source.error(place, f"expected at most {MAX_TOKENS} tokens", "split the script")
         position = end

@@ -7,39 +7,17 @@ order of the script, those of pragmas last.
 
 from __future__ import annotations
 
-import difflib
-from functools import cache
 from typing import Any
 
 import numpy as np
 
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
-from motorcade.ga.algebra.scalars import is_numeric
-from motorcade.ga.script.errors import Place, ScriptError
-from motorcade.ga.script.functions import COMMON_MACROS, CONFORMAL_MACROS, FUNCTIONS, is_finite
+from motorcade.ga.script.errors import Place
 from motorcade.ga.script.names import free_names
-from motorcade.ga.script.parser import parse
-from motorcade.ga.script.syntax import (
-    AlgebraPragma,
-    Argument,
-    Assignment,
-    Binary,
-    Call,
-    Expression,
-    Macro,
-    Name,
-    Number,
-    OutputPragma,
-    RangePragma,
-    Script,
-    Unary,
-    postorder,
-)
+from motorcade.ga.script.run import Run, constants_of
+from motorcade.ga.script.syntax import AlgebraPragma, Script
 
-__all__ = ["ALGEBRAS", "MAX_MACRO_DEPTH", "MAX_STEPS", "algebra_of", "evaluate", "free_variables"]
-
-MAX_STEPS = 100_000
-MAX_MACRO_DEPTH = 32
+__all__ = ["ALGEBRAS", "algebra_of", "evaluate", "free_variables"]
 
 ALGEBRAS: dict[str, Algebra] = {
     "ega2": Algebra(2),
@@ -48,6 +26,13 @@ ALGEBRAS: dict[str, Algebra] = {
     "pga3": PGA3,
     "cga2": Algebra(3, 1, null_pair=True),
     "cga3": CGA3,
+}
+
+# What other scripts call the null vectors, where they come up as free variables.
+_CALLED = {
+    **dict.fromkeys(("e", "n", "ni"), "the point at infinity is einf"),
+    **dict.fromkeys(("no", "nbar"), "the origin is e0"),
+    "I": "the pseudoscalar of cga3 is e1^e2^e3^einf^e0, and *x is x/I",
 }
 
 
@@ -69,7 +54,7 @@ def evaluate(
     chosen = algebra_of(script, algebra)
     given = _given_variables(script, chosen, variables)
     with np.errstate(all="ignore"):
-        return _Run(script, chosen, given).outputs()
+        return Run(script, chosen, given).outputs()
 
 
 def algebra_of(script: Script, given: Algebra | None = None) -> Algebra:
@@ -105,17 +90,13 @@ def _pragma_algebra(script: Script, pragma: AlgebraPragma) -> Algebra:
     return ALGEBRAS[pragma.name]
 
 
-def _constants(algebra: Algebra) -> frozenset[str]:
-    return frozenset(algebra.names) | (frozenset({"ep", "em"}) if algebra.null_pair else set())
-
-
 def free_variables(script: Script, algebra: Algebra) -> dict[str, Place]:
     """Variables that a script needs from outside, in the order of first use, and where that is.
 
     Raises:
         ScriptError: one is named ``algebra``, which `evaluate` could not be given.
     """
-    free = free_names(script, _constants(algebra))
+    free = free_names(script, constants_of(algebra))
     if "algebra" in free:
         raise script.source.error(
             free["algebra"], "no free variable can be named algebra", "choose another name"
@@ -132,7 +113,7 @@ def _given_variables(
         raise script.source.error(
             free[missing[0]],
             f"expected values of the free variables {', '.join(missing)}, got none",
-            f"assign them, or pass them to evaluate: {missing[0]}=…",
+            _CALLED.get(missing[0], "") or f"assign them, or pass them to evaluate: {missing[0]}=…",
         )
     unknown = [name for name in variables if name not in free]
     if unknown:
@@ -146,236 +127,3 @@ def _given_variables(
         except (ValueError, OverflowError) as refused:
             raise ValueError(f"variable {name}: {refused}") from refused
     return made
-
-
-@cache
-def _built_in(algebra: Algebra) -> dict[tuple[str, int], tuple[Script, Macro]]:
-    text = COMMON_MACROS + (CONFORMAL_MACROS if algebra == CGA3 else "")
-    script = parse(text, "<macros>")
-    found = [statement for statement in script.statements if isinstance(statement, Macro)]
-    return {(macro.name, macro.arity): (script, macro) for macro in found}
-
-
-class _Scope:
-    """What one body sees: its own names, its arguments, and the macros above itself."""
-
-    def __init__(
-        self,
-        script: Script,
-        names: dict[str, Multivector],
-        arguments: tuple[Multivector, ...] = (),
-        macro: Macro | None = None,
-    ) -> None:
-        self.script = script
-        self.names = names
-        self.macro = macro
-        self.arguments = arguments
-
-    def error(self, place: Place, message: str, hint: str = "") -> ScriptError:
-        return self.script.source.error(place, message, hint)
-
-
-class _Run:
-    """One evaluation of a script."""
-
-    def __init__(self, script: Script, algebra: Algebra, given: dict[str, Multivector]) -> None:
-        self._script = script
-        self._algebra = algebra
-        self._constants = {name: algebra.blade(name) for name in _constants(algebra)}
-        self._values = dict(given)
-        self._scope = _Scope(script, self._values)
-        self._macros = dict(_built_in(algebra))
-        self._own: set[tuple[str, int]] = set()
-        self._steps = 0
-        self._depth = 0
-
-    def outputs(self) -> dict[str, Multivector]:
-        self._check_ranges()
-        made: dict[str, Multivector] = {}
-        for statement in self._script.statements:
-            if isinstance(statement, Macro):
-                self._define(statement)
-                continue
-            if isinstance(statement, Assignment):
-                self._assign(statement, self._scope)
-            if statement.mark == "?":
-                made[statement.name] = self._lookup(Name(statement.place, statement.name))
-        return self._selected(made)
-
-    def _selected(self, made: dict[str, Multivector]) -> dict[str, Multivector]:
-        """Add the outputs of pragmas, and keep the blades they name."""
-        blades: dict[str, dict[str, Place]] = {}
-        for pragma in self._script.pragmas:
-            if isinstance(pragma, OutputPragma):
-                made.setdefault(pragma.name, self._lookup(Name(pragma.place, pragma.name)))
-                wanted = blades.setdefault(pragma.name, {})
-                wanted.update(dict.fromkeys(pragma.blades, pragma.place))
-        return {name: self._kept(x, blades.get(name, {})) for name, x in made.items()}
-
-    def _kept(self, x: Multivector, blades: dict[str, Place]) -> Multivector:
-        if not blades:
-            return x
-        kept: set[int] = set()
-        for blade, place in blades.items():
-            try:
-                kept.update(mask for mask, _ in self._algebra.masks_of(blade))
-            except ValueError as refused:
-                raise self._scope.error(place, str(refused)) from refused
-        return x._selected(kept.__contains__)
-
-    def _lookup(self, name: Name) -> Multivector:
-        return self._read_name(name, self._scope)
-
-    def _check_ranges(self) -> None:
-        for pragma in self._script.pragmas:
-            if isinstance(pragma, RangePragma) and pragma.name in self._values:
-                value = self._values[pragma.name].scalar_part()
-                if is_numeric(value) and not np.all((value >= pragma.low) & (value <= pragma.high)):
-                    raise self._scope.error(
-                        pragma.place,
-                        f"expected {pragma.name} from {pragma.low:g} to {pragma.high:g}, "
-                        f"got values from {np.min(value):g} to {np.max(value):g}",
-                    )
-
-    def _define(self, macro: Macro) -> None:
-        key = (macro.name, macro.arity)
-        if key in self._own or macro.name in FUNCTIONS:
-            raise self._scope.error(
-                macro.place, f"{macro.name} is already defined", "choose another name"
-            )
-        self._own.add(key)
-        self._macros[key] = (self._script, macro)
-
-    def _assign(self, statement: Assignment, scope: _Scope) -> None:
-        if statement.name in self._constants:
-            raise scope.error(
-                statement.place,
-                f"{statement.name} is a basis vector of {self._algebra}",
-                "assign to another name",
-            )
-        scope.names[statement.name] = self._value(statement.value, scope)
-
-    def _value(self, root: Expression, scope: _Scope) -> Multivector:
-        stack: list[Multivector] = []
-        for node in postorder(root):
-            self._count(node, scope)
-            taken = _operand_count(node)
-            operands = stack[len(stack) - taken :]
-            del stack[len(stack) - taken :]
-            made = self._applied(node, operands, scope)
-            if not all(map(is_finite, made.values)):
-                raise scope.error(node.place, "expected finite numbers, got an overflow")
-            stack.append(made)
-        return stack.pop()
-
-    def _count(self, node: Expression, scope: _Scope) -> None:
-        self._steps += 1
-        if self._steps > MAX_STEPS:
-            raise scope.error(
-                node.place, f"expected at most {MAX_STEPS} steps", "macros may call each other less"
-            )
-
-    def _applied(self, node: Expression, operands: list[Multivector], scope: _Scope) -> Multivector:
-        if isinstance(node, Number):
-            return self._algebra.scalar(node.value)
-        if isinstance(node, Name):
-            return self._read_name(node, scope)
-        if isinstance(node, Argument):
-            return scope.arguments[node.index - 1]
-        if isinstance(node, Call) and node.name not in FUNCTIONS:
-            return self._called(node, tuple(operands), scope)
-        try:
-            return _operated(node, operands)
-        except (ValueError, ArithmeticError) as refused:
-            shown = str(refused)
-            if isinstance(node, Call) and not shown.startswith(f"{node.name}: "):
-                shown = f"{node.name}: {shown}"
-            raise scope.error(node.place, shown) from refused
-
-    def _read_name(self, node: Name, scope: _Scope) -> Multivector:
-        for names in (self._constants, scope.names, self._values):
-            if node.name in names:
-                return names[node.name]
-        raise scope.error(node.place, f"{node.name} has no value here")
-
-    def _called(self, node: Call, arguments: tuple[Multivector, ...], scope: _Scope) -> Multivector:
-        found = self._visible(node, scope)
-        if found is None:
-            raise self._unknown(node, scope)
-        if self._depth >= MAX_MACRO_DEPTH:
-            raise scope.error(
-                node.place, f"expected at most {MAX_MACRO_DEPTH} macros that call each other"
-            )
-        script, macro = found
-        inner = _Scope(script, {}, arguments, macro)
-        self._depth += 1
-        try:
-            for statement in macro.body:
-                self._assign(statement, inner)
-            return self._value(macro.value, inner)
-        except ScriptError as refused:
-            if script is self._script:
-                raise
-            # A macro of ours has no place in the user's file: the call has.
-            raise scope.error(node.place, f"{node.name}: {refused.message}", refused.hint) from None
-        finally:
-            self._depth -= 1
-
-    def _visible(self, node: Call, scope: _Scope) -> tuple[Script, Macro] | None:
-        """The macro of a call; those of ours call each other, whatever the script defines."""
-        key = (node.name, len(node.arguments))
-        macros = self._macros if scope.script is self._script else _built_in(self._algebra)
-        found = macros.get(key)
-        own = found is not None and found[0] is self._script
-        if own and found and scope.macro is not None and found[1].place >= scope.macro.place:
-            return _built_in(self._algebra).get(key)
-        return found
-
-    def _unknown(self, node: Call, scope: _Scope) -> ScriptError:
-        counts = sorted(arity for name, arity in self._macros if name == node.name)
-        if any(count != len(node.arguments) for count in counts):
-            wanted = " or ".join(map(str, counts))
-            return scope.error(
-                node.place, f"{node.name}: expected {wanted} arguments, got {len(node.arguments)}"
-            )
-        known = [*FUNCTIONS, *dict.fromkeys(name for name, _ in self._macros)]
-        known = [name for name in known if name != node.name]
-        near = difflib.get_close_matches(node.name[:40], known, n=1, cutoff=0.75)
-        hint = f"did you mean {near[0]}?" if near else "a macro is defined above its first use"
-        if any(name == node.name for name, _ in _built_in(CGA3)):
-            hint = f"{node.name} is a macro of cga3, and this is {self._algebra}"
-        return scope.error(node.place, f"there is no function or macro {node.name[:40]}", hint)
-
-
-def _operand_count(node: Expression) -> int:
-    if isinstance(node, Call):
-        return len(node.arguments)
-    return 2 if isinstance(node, Binary) else int(isinstance(node, Unary))
-
-
-def _operated(node: Expression, operands: list[Multivector]) -> Multivector:
-    if isinstance(node, Call):
-        function = FUNCTIONS[node.name]
-        if len(operands) != function.arity:
-            wanted = "one argument" if function.arity == 1 else f"{function.arity} arguments"
-            raise ValueError(f"expected {wanted}, got {len(operands)}")
-        return function.apply(*operands)
-    if isinstance(node, Unary):
-        return _prefixed(node.operator, operands[0])
-    left, right = operands
-    operator = node.operator if isinstance(node, Binary) else ""
-    if operator == "^":
-        return left ^ right
-    if operator == ".":
-        return left | right
-    if operator == "/":
-        return left / right
-    if operator == "*":
-        return left * right
-    return left + right if operator == "+" else left - right
-
-
-def _prefixed(operator: str, x: Multivector) -> Multivector:
-    if operator == "*":
-        return x.dual()
-    return ~x if operator == "~" else -x

@@ -2,7 +2,9 @@
 
 A statement is ``name = expression;`` or, with a mark, ``?name = expression;`` or ``?name;``:
 ``?`` output, ``!`` evaluate, ``:`` draw. A macro is ``name = { statements; expression }``; its
-arguments are ``_P(1)``, ``_P(2)``, … Macros do not nest.
+arguments are ``_P(1)``, ``_P(2)``, … Macros do not nest. What CLUCalc and Gaalop write for the
+screen is read and left out: ``:IPNS;``, ``:Red;``, ``:a^b;``, ``_BGColor = White;``.
+``DefVarsN3();`` is the pragma of its algebra.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from motorcade.ga.script.expressions import Cursor, parse_expression
 from motorcade.ga.script.lexer import Token, tokenize
 from motorcade.ga.script.pragmas import parse_pragma
 from motorcade.ga.script.syntax import (
+    AlgebraPragma,
     Argument,
     Assignment,
     Expression,
@@ -26,6 +29,27 @@ from motorcade.ga.script.syntax import (
 __all__ = ["parse"]
 
 _MARKS = ("?", "!", ":")
+_SCREEN = frozenset(
+    [
+        "IPNS",
+        "OPNS",
+        "Black",
+        "Blue",
+        "Cyan",
+        "Green",
+        "Magenta",
+        "Orange",
+        "Red",
+        "White",
+        "Yellow",
+    ]
+)
+_ALGEBRAS = {"DefVarsE3": "ega3", "DefVarsN3": "cga3"}
+_BRANCHES = "there are no branches and loops; step, sign, abs, min and max choose values"
+_HINTS = {
+    **dict.fromkeys(("if", "else", "loop", "break", "for", "while"), _BRANCHES),
+    **dict.fromkeys(("DefVarsP3", "DefVarsC2"), "write //#pragma algebra P Q R"),
+}
 
 
 def parse(text: str, file: str = "<script>") -> Script:
@@ -45,9 +69,39 @@ def parse(text: str, file: str = "<script>") -> Script:
     while cursor.token.kind != "end":
         if cursor.at(";"):
             cursor.take()
-        else:
+        elif cursor.token.text in _ALGEBRAS and cursor.following.text == "(":
+            pragmas.append(_algebra(cursor))
+        elif not _for_the_screen(cursor):
             statements.append(_statement(cursor))
     return Script(source, tuple(statements), tuple(pragmas))
+
+
+def _algebra(cursor: Cursor) -> AlgebraPragma:
+    """``DefVarsN3();``"""
+    name = cursor.take()
+    for symbol in "();":
+        cursor.expect(symbol, f"write {name.text}();")
+    return AlgebraPragma(name.place, _ALGEBRAS[name.text], (0, 0, 0))
+
+
+def _for_the_screen(cursor: Cursor) -> bool:
+    """Read what only draws, if that is what comes next."""
+    if cursor.token.text == "_BGColor" and cursor.following.text == "=":
+        cursor.take()
+        cursor.take()
+    elif cursor.at(":") and cursor.following.text in _SCREEN:
+        cursor.take()
+        cursor.take()
+        if cursor.at(";"):
+            cursor.take()
+        return True
+    elif cursor.at(":") and not cursor.named_next(";", "=") and cursor.following.text != ":":
+        cursor.take()
+    else:
+        return False
+    _outside_macro(cursor, parse_expression(cursor))
+    cursor.expect(";", "every statement ends in ';'")
+    return True
 
 
 def _statement(cursor: Cursor) -> Statement:
@@ -56,7 +110,7 @@ def _statement(cursor: Cursor) -> Statement:
     if mark and cursor.at(";"):
         cursor.take()
         return Mark(name.place, mark, name.text)
-    cursor.expect("=", "a statement is name = expression; or ?name;")
+    cursor.expect("=", _HINTS.get(name.text, "a statement is name = expression; or ?name;"))
     if not mark and cursor.at("{"):
         return _macro(cursor, name)
     return _assigned(cursor, mark, name)
@@ -68,7 +122,9 @@ def _mark(cursor: Cursor) -> str:
 
 def _name(cursor: Cursor) -> Token:
     if cursor.token.kind != "name" or cursor.token.text == "_P":
-        raise cursor.unexpected("a name", "a statement is name = expression; or ?name;")
+        scoped = "macros see the names of the script: leave the :: out"
+        usual = "a statement is name = expression; or ?name;"
+        raise cursor.unexpected("a name", scoped if cursor.at(":") else usual)
     return cursor.take()
 
 
@@ -92,13 +148,15 @@ def _outside_macro(cursor: Cursor, value: Expression) -> Expression:
 def _macro(cursor: Cursor, name: Token) -> Macro:
     cursor.expect("{")
     body: list[Assignment] = []
-    while cursor.token.kind == "name" and cursor.following.text == "=":
+    while _at_local(cursor):
         local = cursor.take()
         cursor.take()
         if cursor.at("{"):
             raise cursor.unexpected("an expression", "a macro holds no other macro")
         body.append(Assignment(local.place, "", local.text, parse_expression(cursor)))
         cursor.expect(";", "every statement of a macro ends in ';'")
+    if cursor.at("?"):
+        raise cursor.unexpected("an expression", "an output is marked outside of macros")
     if cursor.at("}"):
         raise cursor.unexpected(
             "an expression", "a macro ends in the expression that it stands for"
@@ -110,3 +168,10 @@ def _macro(cursor: Cursor, name: Token) -> Macro:
     parts = [statement.value for statement in body] + [value]
     indices = [n.index for part in parts for n in postorder(part) if isinstance(n, Argument)]
     return Macro(name.place, name.text, tuple(body), value, max(indices, default=0))
+
+
+def _at_local(cursor: Cursor) -> bool:
+    """Whether a local name is assigned next; the marks ! and : before it say nothing here."""
+    if (cursor.at("!") or cursor.at(":")) and cursor.following.kind == "name":
+        cursor.take()
+    return cursor.token.kind == "name" and cursor.following.text == "="

@@ -181,3 +181,69 @@ def test_a_macro_that_replaces_one_of_ours_can_call_it() -> None:
     assert numbers(made["x"], "e1 e2 e3 e0 einf") == [2, 4, 6, 2, 14]
     inner = evaluate(parse("VecN3 = { _P(1) + _P(2) + _P(3) } ?x = createPoint(1, 2, 3);"))
     assert numbers(inner["x"], "e1 e2 e3 e0 einf") == [1, 2, 3, 1, 7]
+
+
+LEGACY = """
+DefVarsN3();
+:IPNS
+:Red; _BGColor = White; :Color(0.5f, 0, .25d);
+point = { !x = 2.0f*_P(1); :y = x; VecN3(x, y, 1e0d) }
+:a = point(1); :a; :a^einf; :OPNS;
+?b = a;
+"""
+
+
+def test_what_clucalc_writes_for_the_screen_changes_nothing() -> None:
+    b = evaluate(parse(LEGACY))["b"]
+    assert numbers(b, "e1 e2 e3 e0 einf") == [2, 2, 1, 1, 4.5]
+    assert evaluate(parse("DefVarsE3(); ?x = e1*e2;"))["x"].algebra == EGA3
+    with pytest.raises(ScriptError, match="expected one algebra"):
+        evaluate(parse(LEGACY), algebra=EGA3)
+
+
+@pytest.mark.parametrize(
+    ("written", "value"),
+    [
+        ("sign(0 - 2)", -1), ("sign(0)", 0), ("sign(3)", 1),
+        ("step(0 - 2)", 0), ("step(0)", 1), ("step(3)", 1),
+        ("min(2, 1)", 1), ("max(2, 1)", 2), ("atan2(1, 0 - 1)", 0.75 * np.pi),
+    ],
+)  # fmt: skip
+def test_values_are_chosen_without_branches(written: str, value: float) -> None:
+    ca = pytest.importorskip("casadi")
+    assert evaluate(parse(f"?x = {written};"))["x"].scalar_part() == pytest.approx(value)
+    t = ca.SX.sym("t")
+    made = evaluate(parse(f"?x = {written.replace('(', '(t+', 1)};"), t=t)["x"].scalar_part()
+    assert float(ca.Function("f", [t], [made])(0.0)) == pytest.approx(value)
+    batch = evaluate(parse(f"?x = {written.replace('(', '(t+', 1)};"), t=np.zeros(3))["x"]
+    np.testing.assert_allclose(batch.scalar_part(), [value] * 3)
+
+
+def test_complements_need_no_metric() -> None:
+    made = evaluate(
+        parse("""
+        //#pragma algebra pga3
+        join = { uncomplement(complement(_P(1)) ^ complement(_P(2))) }
+        point = { e1^e2^e3 + e0^(_P(1)*e2^e3 + _P(2)*e3^e1 + _P(3)*e1^e2) }
+        ?line = join(point(1, 2, 3), point(1, 2, 4));
+    """)
+    )
+    line = made["line"]
+    again = PGA3.multivector({"e1^e2^e3": 1, "e0^e2^e3": 1, "e0^e3^e1": 2, "e0^e1^e2": 3})
+    assert line.grades == (2,)
+    assert max((abs(v) for v in (line ^ (PGA3.blade("e0") * 1.0)).values), default=0.0) == 1.0
+    assert max((abs(v) for v in (again & line).values), default=0.0) == 0.0
+
+
+def test_log_exp_and_sqrt_of_multivectors() -> None:
+    made = evaluate(
+        parse("""
+        B = 0.3*e1^e2 - 0.2*e2^e3 + e1^einf + t*e0^einf;
+        ?M = exp(B); ?back = log(M) - B; ?R = sqrt(M); ?same = R*R - M;
+        ?near = versor(5*M) - M; ?unit = abs(normalize(3*M));
+    """),
+        t=0.5,
+    )
+    for name in ("back", "same", "near"):
+        assert max(abs(v) for v in made[name].values) < 1e-14
+    assert made["unit"].scalar_part() == pytest.approx(1.0, abs=1e-15)

@@ -50,6 +50,18 @@ REFUSED = [
     ("?x = f(); f = { 1 }", 6, "no function or macro f", "above"),
     ("sin = { 1 }", 1, "sin is already defined", ""),
     ("?x = algebra;", 6, "can be named algebra", "another name"),
+    ("?x ^ e2;", 4, "expected '=', got '\\^'", "name = expression"),
+    ("if (x > 0) { y = 1; }", 7, "expected a token, got '>'", "step, sign"),
+    ("if (x) { y = 1; }", 4, "expected '='", "step, sign"),
+    ("loop { x = 1; }", 6, "expected '='", "no branches and loops"),
+    ("DefVarsP3();", 10, "expected '='", "algebra P Q R"),
+    ("?a = ::x;", 6, "expected an expression, got ':'", "leave the ::"),
+    ("::x = 1;", 2, "expected a name, got ':'", "leave the ::"),
+    ("?a = 7 % 2;", 8, "expected a token, got '%'", "x - y*floor(x/y)"),
+    ("?a = 2.5fx;", 9, "expected an operator after the number 2.5", "2.5*f"),
+    ("f = { ?x = 1; x }", 7, "expected an expression", "outside of macros"),
+    ("?x = n;", 6, "free variables n", "einf"),
+    ("?x = <1>;", 6, "expected a token, got '<'", "no branches"),
     ("//#pragma bogus x", 1, "expected a pragma output", ""),
     ("//#pragma range 2 <= x <= 1", 1, "cannot be read", "LOW <= NAME"),
     ("//#pragma output", 1, "cannot be read", "BLADE"),
@@ -137,6 +149,10 @@ def doubling(levels: int) -> str:
     )
 
 
+FULL = "x = (1 + e1)*(2 + e2)*(3 + e3)*(2 - e0)*(2 - einf)/32;"
+GROWING = "".join(f"x = x*(1 + e{k});" for k in range(1, 11))
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -145,6 +161,12 @@ def doubling(levels: int) -> str:
         ("?x = " + "1 + " * 30_000 + "1;", "at most 20000 operations"),
         ("?x = f(" + "1," * 300 + "1);", "at most 100 arguments"),
         (doubling(25) + "?x = m24(1);", "at most 100000 steps"),
+        (FULL + "y = x*x;" * 200 + "?y;", "at most 200000 terms"),
+        (FULL + "y = x + x;" * 4000 + "?y;", "at most 200000 terms"),
+        (FULL + "x = exp(x/9);" * 10 + "?x;", "at most 200000 terms"),
+        ("//#pragma algebra 5 5 0\nx = 1;" + GROWING + "?y = x*x;", "at most 200000 terms"),
+        ("//#pragma algebra 5 5 0\nx = 1;" + GROWING + "?y = exp(x);", "at most 200000 terms"),
+        ("//#pragma algebra 5 5 0\nx = 1;" + GROWING + "?y = 1/x;", "at most 200000 terms"),
         (
             "m0 = { 1 }"
             + "".join(f"m{k} = {{ m{k - 1}() }}" for k in range(1, 60))
@@ -152,11 +174,19 @@ def doubling(levels: int) -> str:
             "at most 32 macros",
         ),
     ],
-    ids=["characters", "tokens", "operations", "arguments", "steps", "macros"],
+    ids=lambda text: text[:30],
 )
 def test_enormous_scripts_are_refused(text: str, message: str) -> None:
     with pytest.raises(ScriptError, match=message):
         evaluate(parse(text))
+
+
+def test_names_of_many_macros_are_found_once() -> None:
+    """Each macro reads those above it: the names that all of them read are counted once."""
+    text = "".join(f"m{k} = {{ {f'm{k - 1}() + ' * (k > 0)}x{k} }}\n" for k in range(5000))
+    with pytest.raises(ScriptError, match="free variables x0, x1, x2") as caught:
+        evaluate(parse(text + "?y = m4999();"))
+    assert caught.value.line == 1
 
 
 PIECES = [
