@@ -221,7 +221,7 @@ def _blend(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> l
 _A, _B, _M, _OUT = (on.similarity(name) for name in ("a", "b", "m", "out"))
 _LOG, _LOG_OUT, _F = on.growing_bivector("log"), on.growing_bivector("out"), on.numbers("fraction")
 _PRODUCTS, _LOGS = "similarity_products", "similarity_exponentials"
-_SCREWS, _BLENDS = "similarity_screws", "similarity_blends"
+_SPIRALS, _LONG, _BLENDS = "similarity_spirals", "similarity_long_spirals", "similarity_blends"
 
 KERNELS = (
     Kernel(
@@ -246,11 +246,11 @@ KERNELS = (
         (_M,), (_LOG_OUT,), _log_long,
     ),
     Kernel(
-        "similarity_interpolate", _SCREWS, "Spiral a exp(fraction log(~a b)), the short way round",
+        "similarity_interpolate", _SPIRALS, "Spiral a exp(fraction log(~a b)), the short way round",
         (_A, _B, _F), (_OUT,), _interpolate,
     ),
     Kernel(
-        "similarity_interpolate_long", _SCREWS,
+        "similarity_interpolate_long", _LONG,
         "Spiral a exp(fraction log(~a b)), by the signs of a and b",
         (_A, _B, _F), (_OUT,), _interpolate_long,
     ),
