@@ -64,8 +64,23 @@ def accuracy_table(found: Mapping[str, Mapping[str, float]]) -> str:
     return "\n".join(lines)
 
 
+def measure_table3() -> dict[str, Any]:
+    """The paper's Table 3 again; writes and compiles C, for which CasADi is needed."""
+    from motorcade.replays.bench.table3.measure import bench_table3
+
+    return bench_table3()
+
+
+def print_table3(found: Mapping[str, Any]) -> str:
+    """Our figures beside the paper's."""
+    from motorcade.replays.bench.table3.report import table3_table
+
+    return table3_table(found)
+
+
 SUITES: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "blend": (bench_blend, blend_table),
     "accuracy": (measure_accuracy, accuracy_table),
+    "table3": (measure_table3, print_table3),
 }
 """Every suite by name: what measures it, and what prints it."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ctypes
 import shutil
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -174,8 +174,8 @@ def _together(arrays: list[FloatArray], scalar: Scalar) -> list[FloatArray]:
     return made
 
 
-def compile_blends(folder: Path, scalar: Scalar) -> Blends:
-    """Write and compile all methods in one precision.
+def compile_blends(folder: Path, scalar: Scalar, methods: Iterable[Method]) -> Blends:
+    """Write and compile methods in one precision.
 
     Raises:
         NotMeasured: there is no C compiler.
@@ -185,7 +185,7 @@ def compile_blends(folder: Path, scalar: Scalar) -> Blends:
         raise NotMeasured("table3: no C compiler here (apt-get install gcc)")
     precision = PRECISIONS[scalar]
     sources = [HERE / "rivals.c"]
-    for method in (*METHODS, *ARRAY_METHODS):
+    for method in methods:
         if method.script:
             source = folder / f"{method.name}_{scalar}.c"
             source.write_text(_source(method, precision))
