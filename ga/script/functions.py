@@ -1,8 +1,9 @@
 """The functions that every script may call, over any scalars, and the macros written in CLUScript.
 
 ``abs`` is ``√|⟨x ~x⟩₀|`` of any multivector, ``invert`` the inverse of any invertible one, and
-``exp log sqrt normalize versor`` are those of `algebra.functions`. The others take scalars: blades
-that are zero, or that rounding left beside a scalar, do not stop it from being one.
+``exp log sqrt normalize versor`` are those of `algebra.functions`; ``scalar`` is ``⟨x⟩₀``, and
+``complement uncomplement`` are the duals that need no metric. The others take scalars: blades that
+are zero, or that rounding left beside a scalar, do not stop it from being one.
 """
 
 from __future__ import annotations
@@ -148,6 +149,7 @@ FUNCTIONS: dict[str, Function] = {
     "max": _elementary("fmax", 2),
     "min": _elementary("fmin", 2),
     "normalize": _of_multivector("normalize"),
+    "scalar": Function(1, lambda x: x.grade(0)),
     "sign": _of_scalars(elementary.sign),
     "sin": _elementary("sin"),
     "sqrt": _of_multivector("sqrt"),
