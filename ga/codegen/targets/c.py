@@ -23,7 +23,7 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     indented,
 )
 from motorcade.ga.codegen.targets.shared.templates import C_LOGIC, Templates
-from motorcade.ga.codegen.targets.shared.text import description
+from motorcade.ga.codegen.targets.shared.text import description, unread, variables
 
 __all__ = ["c_dialect", "c_files", "write"]
 
@@ -43,13 +43,12 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     real = precision or DOUBLE
     slots = array_slots(program)
     check_names(program, C_NAMES, slots)
-    parameters = [f"{real.c} {operand.name}" for operand in program.tape.inputs]
+    parameters = [f"{real.c} {name}" for name in variables(program)]
     parameters += array_parameters(program, real.c)
     reserved = C_NAMES.words | {slot for _, slot in slots}
     written = statements(program.tape, c_dialect(real), reserved)
-    unused = [o.name for o in program.tape.inputs if not program.tape.components_read(o.name)]
     body = [
-        *(f"(void){name};" for name in unused),
+        *(f"(void){name};" for name in unread(program)),
         *declarations(written.body, f"const {real.c}", "const _Bool"),
         *array_stores(program, written.results),
     ]

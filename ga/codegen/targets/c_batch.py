@@ -17,7 +17,7 @@ from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets.c import c_dialect, c_files
 from motorcade.ga.codegen.targets.names import C_NAMES, check_names
 from motorcade.ga.codegen.targets.shared.c_family import declarations, function, indented
-from motorcade.ga.codegen.targets.shared.text import description
+from motorcade.ga.codegen.targets.shared.text import description, unread, variables
 
 __all__ = ["write"]
 
@@ -36,13 +36,14 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         ValueError: names that C or C++ keeps for itself, numbers too large for the precision.
     """
     real = precision or DOUBLE
-    pointers = {operand.name: f"in_{operand.name}" for operand in program.tape.inputs}
+    pointers = {name: f"in_{name}" for name in variables(program)}
     places = [_places(operand) for operand in program.tape.outputs]
     slots = [*pointers.items(), *(slot for row in places for slot in row)]
     check_names(program, _NAMES, slots)
     reserved = _NAMES.words | {slot for _, slot in slots}
     written = statements(program.tape, c_dialect(real), reserved)
-    read = [name for name in pointers if program.tape.components_read(name)]
+    unused = unread(program)
+    read = [name for name in pointers if name not in unused]
     loop = [
         *(f"const {real.c} {name} = {pointers[name]}[row];" for name in read),
         *declarations(written.body, f"const {real.c}", "const _Bool"),
@@ -53,7 +54,7 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         ),
     ]
     body = [
-        *(f"    (void){pointers[name]};" for name in pointers if name not in read),
+        *(f"    (void){pointers[name]};" for name in unused),
         "    for (size_t row = 0; row < rows; ++row) {",
         *indented(loop, 2),
         "    }",

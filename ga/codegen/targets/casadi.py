@@ -14,7 +14,7 @@ from motorcade.ga.codegen.program import Program
 from motorcade.ga.codegen.targets.names import check_names, python_names
 from motorcade.ga.codegen.targets.shared.python_module import assignments, listed, module
 from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, SAME_NAMES, Templates
-from motorcade.ga.codegen.targets.shared.text import WIDTH, description, wrapped
+from motorcade.ga.codegen.targets.shared.text import WIDTH, description, variables, wrapped
 
 __all__ = ["write"]
 
@@ -37,24 +37,23 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     written = statements(
         program.tape, Templates(COMPARISONS, _FUNCTIONS, prefix="ca."), _NAMES.words
     )
-    variables = [operand.name for operand in program.tape.inputs]
+    given = variables(program)
     outputs = [operand.name for operand in program.tape.outputs]
     # CasADi wants to be told that an input and an output may have one name.
-    shared = ', {"allow_duplicate_io_names": True}' if {*variables} & {*outputs} else ""
+    shared = ', {"allow_duplicate_io_names": True}' if {*given} & {*outputs} else ""
     body = [
-        *(f'{name} = ca.SX.sym("{name}")' for name in variables),
+        *(f'{name} = ca.SX.sym("{name}")' for name in given),
         *assignments(written.body),
         "_columns = [",
         *(f"    {line}" for row in written.results for line in _column(row)),
         "]",
-        *listed(f"_inputs = [{', '.join(variables)}]"),
-        *listed(f"_names = [{', '.join(map(_quoted, variables))}]"),
+        *listed(f"_inputs = [{', '.join(given)}]"),
+        *listed(f"_names = [{', '.join(map(_quoted, given))}]"),
         *listed(f"_results = [{', '.join(map(_quoted, outputs))}]"),
         f'return ca.Function("{program.name}", _inputs, _columns, _names, _results{shared})',
     ]
     told = description(program, "casadi")
-    text = module(program, told, "import casadi as ca", [], "The program, by named inputs.", body)
-    return {f"{program.name}.py": text}
+    return module(program, told, "import casadi as ca", [], "The program as a function.", body)
 
 
 def _column(row: Sequence[str]) -> list[str]:

@@ -21,7 +21,7 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     indented,
 )
 from motorcade.ga.codegen.targets.shared.templates import C_LOGIC, SAME_NAMES, Templates
-from motorcade.ga.codegen.targets.shared.text import description
+from motorcade.ga.codegen.targets.shared.text import description, variables
 
 __all__ = ["write"]
 
@@ -44,7 +44,7 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         raise ValueError(f"target glsl: expected precision float32, got {precision.numpy}")
     slots = array_slots(program)
     check_names(program, GLSL_NAMES, slots)
-    parameters = [f"float {operand.name}" for operand in program.tape.inputs]
+    parameters = [f"float {name}" for name in variables(program)]
     parameters += array_parameters(program, "out float")
     dialect = Templates(_TEMPLATES, _FUNCTIONS, SINGLE)
     written = statements(program.tape, dialect, GLSL_NAMES.words | {slot for _, slot in slots})

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from motorcade.ga.codegen.program import Program
 from motorcade.ga.codegen.targets.shared.templates import SAME_NAMES
+from motorcade.ga.codegen.targets.shared.text import variables
 from motorcade.ga.codegen.targets.shared.words import (
     C_LIBRARY,
     C_WORDS,
@@ -72,12 +73,12 @@ def check_names(
     Raises:
         ValueError: naming the name to use instead.
     """
-    variables = {operand.name for operand in program.tape.inputs}
-    taken = variables | {slot for _, slot in slots}
+    given = variables(program)
+    taken = {*given} | {slot for _, slot in slots}
     why = f"is reserved in {reserved.language}"
     if reserved.keeps(program.name) or program.name in reserved.functions:
         raise _refused("file name", program.name, why, reserved, reserved.functions)
-    for name in sorted(variables):
+    for name in given:
         if reserved.keeps(name):
             raise _refused("variable", name, why, reserved, taken)
         if any(slot == name for _, slot in slots):

@@ -8,19 +8,11 @@ function's domain the results are NaN or infinite, without a warning.
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.kernel import Precision
 from motorcade.ga.codegen.program import Program
-from motorcade.ga.codegen.targets.names import check_names, python_names
-from motorcade.ga.codegen.targets.shared.python_module import (
-    ArrayTemplates,
-    assignments,
-    listed,
-    module,
-    nested_results,
-)
-from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, SAME_NAMES
-from motorcade.ga.codegen.targets.shared.text import description
+from motorcade.ga.codegen.targets.names import python_names
+from motorcade.ga.codegen.targets.shared.python_module import ArrayLibrary, array_module, listed
+from motorcade.ga.codegen.targets.shared.templates import SAME_NAMES
 
 __all__ = ["write"]
 
@@ -46,17 +38,7 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     Raises:
         ValueError: names that Python or the module keeps for itself, numbers too large.
     """
-    check_names(program, _NAMES)
-    dialect = ArrayTemplates(COMPARISONS, _FUNCTIONS, precision, prefix="np.")
-    written = statements(program.tape, dialect, _NAMES.words)
-    variables = [operand.name for operand in program.tape.inputs]
-    body = [*assignments(written.body), *nested_results(program, written.results)]
-    lines = [*_opening(program.name, variables, precision), 'with np.errstate(all="ignore"):']
-    lines += [f"    {line}" for line in body]
-    told = description(program, "numpy" + (f" --precision {precision.numpy}" if precision else ""))
-    summary = "Outputs by name, each a dictionary of its blades; variables broadcast."
-    text = module(program, told, "import numpy as np", variables, summary, lines)
-    return {f"{program.name}.py": text}
+    return array_module(program, precision, _LIBRARY)
 
 
 def _opening(name: str, variables: list[str], precision: Precision | None) -> list[str]:
@@ -79,3 +61,15 @@ def _opening(name: str, variables: list[str], precision: Precision | None) -> li
         "_shape = np.broadcast_shapes(*[_value.shape for _value in _given])",
         *_CLOSING,
     ]
+
+
+_LIBRARY = ArrayLibrary(
+    target="numpy",
+    imported="import numpy as np",
+    prefix="np.",
+    functions=_FUNCTIONS,
+    names=_NAMES,
+    summary="Outputs by name, each a dictionary of its blades; variables broadcast.",
+    opening=_opening,
+    within='with np.errstate(all="ignore"):',
+)

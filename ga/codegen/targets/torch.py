@@ -8,19 +8,11 @@ out a branch that is not finite, its gradient is NaN: torch multiplies it by zer
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.kernel import Precision
 from motorcade.ga.codegen.program import Program
-from motorcade.ga.codegen.targets.names import check_names, python_names
-from motorcade.ga.codegen.targets.shared.python_module import (
-    ArrayTemplates,
-    assignments,
-    listed,
-    module,
-    nested_results,
-)
-from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, SAME_NAMES
-from motorcade.ga.codegen.targets.shared.text import description
+from motorcade.ga.codegen.targets.names import python_names
+from motorcade.ga.codegen.targets.shared.python_module import ArrayLibrary, array_module, listed
+from motorcade.ga.codegen.targets.shared.templates import SAME_NAMES
 
 __all__ = ["write"]
 
@@ -32,6 +24,12 @@ _NAMES = python_names(
     "torch", "sum", "TypeError", "_full", "_given", "_number", "_shape", "_value", "_zero",
     modules=["torch"],
 )  # fmt: skip
+_CLOSING = (
+    "_number = _zero.new_tensor",
+    "def _full(_value):",
+    "    _value = torch.as_tensor(_value, dtype=_zero.dtype, device=_zero.device)",
+    "    return _value.expand(_shape).clone()",
+)
 
 
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
@@ -40,19 +38,7 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     Raises:
         ValueError: names that Python or the module keeps for itself, numbers too large.
     """
-    check_names(program, _NAMES)
-    dialect = ArrayTemplates(COMPARISONS, _FUNCTIONS, precision, prefix="torch.")
-    written = statements(program.tape, dialect, _NAMES.words)
-    variables = [operand.name for operand in program.tape.inputs]
-    body = [
-        *_opening(program.name, variables, precision),
-        *assignments(written.body),
-        *nested_results(program, written.results),
-    ]
-    told = description(program, "torch" + (f" --precision {precision.numpy}" if precision else ""))
-    summary = "Outputs by name, each a dictionary of its blades; variables are tensors."
-    text = module(program, told, "import torch", variables, summary, body)
-    return {f"{program.name}.py": text}
+    return array_module(program, precision, _LIBRARY)
 
 
 def _opening(name: str, variables: list[str], precision: Precision | None) -> list[str]:
@@ -74,9 +60,12 @@ def _opening(name: str, variables: list[str], precision: Precision | None) -> li
     ]
 
 
-_CLOSING = (
-    "_number = _zero.new_tensor",
-    "def _full(_value):",
-    "    _value = torch.as_tensor(_value, dtype=_zero.dtype, device=_zero.device)",
-    "    return _value.expand(_shape).clone()",
+_LIBRARY = ArrayLibrary(
+    target="torch",
+    imported="import torch",
+    prefix="torch.",
+    functions=_FUNCTIONS,
+    names=_NAMES,
+    summary="Outputs by name, each a dictionary of its blades; variables are tensors.",
+    opening=_opening,
 )

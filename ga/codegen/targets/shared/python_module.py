@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
-from motorcade.ga.codegen.expressions import Statement
+from motorcade.ga.codegen.expressions import Statement, statements
+from motorcade.ga.codegen.kernel import Precision
 from motorcade.ga.codegen.program import Program
-from motorcade.ga.codegen.targets.shared.templates import Templates
-from motorcade.ga.codegen.targets.shared.text import WIDTH, call, wrapped
+from motorcade.ga.codegen.targets.names import Reserved, check_names
+from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, Templates
+from motorcade.ga.codegen.targets.shared.text import WIDTH, call, description, variables, wrapped
 
-__all__ = ["ArrayTemplates", "assignments", "listed", "module", "nested_results"]
+__all__ = [
+    "ArrayLibrary",
+    "ArrayTemplates",
+    "array_module",
+    "assignments",
+    "listed",
+    "module",
+    "nested_results",
+]
 
 _LITERAL = re.compile(r"-?[0-9.]+(e[+-]?[0-9]+)?")
 
@@ -27,6 +38,41 @@ class ArrayTemplates(Templates):
         return super().call(op, [f"_number({a})" if _LITERAL.fullmatch(a) else a for a in args])
 
 
+@dataclass(frozen=True)
+class ArrayLibrary:
+    """A library of arrays as a target: what it calls the operations, and names that a module uses.
+
+    `opening` gives the first lines of a function from its name, its variables and a precision;
+    they define ``_number`` and ``_full``. The lines after them stand in the block `within`.
+    """
+
+    target: str
+    imported: str
+    prefix: str
+    functions: Mapping[str, str]
+    names: Reserved
+    summary: str
+    opening: Callable[[str, list[str], Precision | None], list[str]]
+    within: str = ""
+
+
+def array_module(
+    program: Program, precision: Precision | None, library: ArrayLibrary
+) -> dict[str, str]:
+    """The module of a program in terms of a library."""
+    check_names(program, library.names)
+    dialect = ArrayTemplates(COMPARISONS, library.functions, precision, prefix=library.prefix)
+    written = statements(program.tape, dialect, library.names.words)
+    parameters = variables(program)
+    opening = library.opening(program.name, parameters, precision)
+    body = [*assignments(written.body), *nested_results(program, written.results)]
+    if library.within:
+        body = [library.within, *(f"    {line}" for line in body)]
+    option = f" --precision {precision.numpy}" if precision else ""
+    told = description(program, library.target + option)
+    return module(program, told, library.imported, parameters, library.summary, [*opening, *body])
+
+
 def module(
     program: Program,
     told: Sequence[str],
@@ -34,30 +80,26 @@ def module(
     parameters: Sequence[str],
     summary: str,
     body: Sequence[str],
-) -> str:
-    """The text of a module that imports one package and has one function."""
-    head = call(f"def {program.name}", parameters, ":")
-    lines = [f'"""{told[0]}', *(line.rstrip() for line in told[1:]), '"""']
-    lines += ["# fmt: off", "", imported, "", f'__all__ = ["{program.name}"]', "", ""]
-    lines += [*head, f'    """{summary}"""']
+) -> dict[str, str]:
+    """A module that imports one package and has one function, by its file's name."""
+    lines = [f'"""{told[0]}', *told[1:], '"""', "# fmt: off", "", imported, ""]
+    lines += [f'__all__ = ["{program.name}"]', "", ""]
+    lines += [*call(f"def {program.name}", parameters, ":"), f'    """{summary}"""']
     lines += [f"    {line}" for line in body]
-    return "\n".join(lines) + "\n"
+    return {f"{program.name}.py": "\n".join(lines) + "\n"}
 
 
 def assignments(body: Iterable[Statement]) -> list[str]:
     """The statements as assignments; long ones stand in brackets over several lines."""
     lines: list[str] = []
     for statement in body:
-        lines += assigned(statement.name, statement.expression)
+        name, expression = statement.name, statement.expression
+        if len(name) + len(expression) + 3 <= WIDTH - 8:
+            lines.append(f"{name} = {expression}")
+        else:
+            parts = wrapped(expression, WIDTH - 12)
+            lines += [f"{name} = (", *(f"    {part}" for part in parts), ")"]
     return lines
-
-
-def assigned(name: str, expression: str) -> list[str]:
-    """One assignment."""
-    line = f"{name} = {expression}"
-    if len(line) <= WIDTH - 8:
-        return [line]
-    return [f"{name} = (", *(f"    {part}" for part in wrapped(expression, WIDTH - 12)), ")"]
 
 
 def listed(line: str) -> list[str]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
+from motorcade.ga.codegen.expressions import component_name
 from motorcade.ga.codegen.program import Program
 
-__all__ = ["WIDTH", "call", "description", "wrapped"]
+__all__ = ["WIDTH", "call", "description", "unread", "variables", "wrapped"]
 
 WIDTH = 100
 
@@ -18,17 +19,36 @@ def description(program: Program, target: str) -> list[str]:
     They hold names that are checked identifiers, and nothing else from the script.
     """
     names, signature = " ".join(program.algebra.names), program.algebra.signature
-    inputs = " ".join(operand.name for operand in program.tape.inputs)
     lines = [
         f"{program.name}: written by `motorcade generate --target {target}`.",
         "",
         f"Algebra: basis {names}, signature {signature}.",
-        f"Inputs, in this order: {inputs or 'none'}.",
+        f"Inputs, in this order: {' '.join(variables(program)) or 'none'}.",
+        *(f"    {o.name}: {' '.join(o.components)}" for o in program.tape.inputs if o.width > 1),
         "Outputs, in this order, each with its blades in this order:",
     ]
     for operand in program.tape.outputs:
         lines.append(f"    {operand.name}: {' '.join(operand.components) or 'none, it is zero'}")
     return [part for line in lines for part in wrapped(line, WIDTH - 4, "        ")]
+
+
+def variables(program: Program) -> list[str]:
+    """The parameters: one for each component of each input, numbered where there are several."""
+    return [name for _, _, name in _components(program)]
+
+
+def unread(program: Program) -> list[str]:
+    """The parameters that nothing depends on."""
+    read = {o.name: program.tape.components_read(o.name) for o in program.tape.inputs}
+    return [name for operand, k, name in _components(program) if k not in read[operand]]
+
+
+def _components(program: Program) -> list[tuple[str, int, str]]:
+    return [
+        (operand.name, k, component_name(operand.name, k, operand.width))
+        for operand in program.tape.inputs
+        for k in range(operand.width)
+    ]
 
 
 def wrapped(text: str, width: int, continued: str = "    ") -> list[str]:
