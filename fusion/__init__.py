@@ -2,5 +2,5 @@
 
 Poses are ``world_T_camera`` or ``world_T_imu``, worlds have z up, an accelerometer at rest reads
 +g upward. Import from the rooms below: ``motorcade.fusion.imu``, ``.filter``, ``.smooth``,
-``.metrics``.
+``.motions``, ``.metrics``.
 """

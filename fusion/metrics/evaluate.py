@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from math import degrees
 from typing import TypeVar
 
 import numpy as np
@@ -168,9 +170,8 @@ def evaluate(
     alignment = alignment_of(pairs, align)
     ours = alignment.apply(pairs.estimate)
     trans, rot = _relative(lambda: relative_errors(ours, pairs.reference), len(pairs))
-    far_trans, far_rot = _relative(
-        lambda: relative_errors_by_length(ours, pairs.reference, rpe_length_m), len(pairs)
-    )
+    by_length = partial(relative_errors_by_length, ours, pairs.reference, rpe_length_m)
+    far_trans, far_rot = _relative(by_length, len(pairs))
     moved = alignment.apply_to(estimate)
     above_hz = _cutoff_hz(energy_above_hz, estimate)
     return Evaluation(
@@ -186,17 +187,15 @@ def evaluate(
         rpe_length_m=rpe_length_m,
         rpe_by_length_trans_m=far_trans,
         rpe_by_length_rot_deg=far_rot,
-        jitter=_where_observable(lambda: jitter(moved, reference)),
+        jitter=_told(lambda: jitter(moved, reference)),
         energy_above_hz=above_hz,
-        energy_excess=_where_observable(lambda: energy_excess_above(moved, reference, above_hz)),
-        log_jerk=_where_observable(lambda: log_dimensionless_jerk(moved)),
-        lag_ms=_where_observable(lambda: 1e3 * position_lag_s(moved, reference)),
-        angular_rate_lag_ms=_where_observable(lambda: 1e3 * angular_rate_lag_s(moved, reference)),
-        overshoot_m=_where_observable(lambda: position_overshoot_m(moved, reference)),
-        rotation_overshoot_deg=_where_observable(
-            lambda: float(np.rad2deg(rotation_overshoot_rad(moved, reference)))
-        ),
-        gimbal=_where_observable(lambda: gimbal_index(moved, reference)),
+        energy_excess=_told(lambda: energy_excess_above(moved, reference, above_hz)),
+        log_jerk=_told(lambda: log_dimensionless_jerk(moved)),
+        lag_ms=_told(lambda: 1e3 * position_lag_s(moved, reference)),
+        angular_rate_lag_ms=_told(lambda: 1e3 * angular_rate_lag_s(moved, reference)),
+        overshoot_m=_told(lambda: position_overshoot_m(moved, reference)),
+        rotation_overshoot_deg=_told(lambda: degrees(rotation_overshoot_rad(moved, reference))),
+        gimbal=_told(lambda: gimbal_index(moved, reference)),
     )
 
 
@@ -212,7 +211,7 @@ def _log_scale(
 def _relative(
     errors: Callable[[], tuple[FloatArray, FloatArray]], pairs: int
 ) -> tuple[Statistics | None, Statistics | None]:
-    found = _where_observable(errors) if pairs > 1 else None
+    found = _told(errors) if pairs > 1 else None
     if found is None:
         return None, None
     return Statistics.of(found[0]), Statistics.of(np.rad2deg(found[1]))
@@ -226,7 +225,8 @@ def _cutoff_hz(wanted_hz: float, estimate: Trajectory) -> float:
     return min(wanted_hz, 0.25 / float(np.median(np.diff(estimate.time_s))))
 
 
-def _where_observable(figure: Callable[[], T]) -> T | None:
+def _told(figure: Callable[[], T]) -> T | None:
+    """The figure, or None where the trajectories cannot tell it."""
     try:
         return figure()
     except NotObservableError:

@@ -20,6 +20,7 @@ from motorcade.ga import FloatArray, Rotor, Trajectory
 __all__ = ["angular_rate_lag_s", "position_lag_s"]
 
 _COARSE_STEP_S = 0.01
+_GRID_S = 0.005
 _PEAK_TOLERANCE_S = 1e-5
 _ROOT_TOLERANCE_S = 1e-12
 _BATCHES = 20
@@ -41,7 +42,7 @@ def position_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float = 0
             correlation still rises at the edge of ``±max_lag_s`` or has a peak too flat to place:
             a standard error above half the estimate's median interval.
     """
-    path = SmoothPath(truth)
+    path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)
     time_s, kept, limit_s = _inner(path, time_s, time_s, max_lag_s)
     ours = estimate.motors.translation_m[kept]
@@ -54,7 +55,7 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
     Raises:
         NotObservableError: as `position_lag_s`, or steps longer than 0.25 s.
     """
-    path = SmoothPath(truth)
+    path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)
     steps = np.diff(time_s)
     _, kept, limit_s = _inner(path, time_s[:-1], time_s[1:], max_lag_s)
@@ -65,6 +66,7 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
             f"lag: expected {_FEWEST_STAMPS} steps of at most {_LONGEST_STEP_S} s between poses, "
             f"got {chosen.size}"
         )
+    usual_s = float(np.median(steps[chosen]))
     steps = steps[chosen, None]
     ends, index = np.unique([chosen, chosen + 1], return_inverse=True)
     first, second = index.reshape(2, -1)
@@ -73,12 +75,24 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
         turns = rotors[first].inverse() @ rotors[second]
         return np.asarray(turns.as_rotation_vector() / steps, dtype=np.float64)
 
+    rough = _even_rates(path, usual_s)
+
     return _peak(
         rates(estimate.motors.rotor[ends]),
         lambda lag: rates(path.poses(time_s[ends] - lag).rotor),
         limit_s,
         _half_step(estimate),
+        rough=lambda lag: rough(time_s[chosen] - lag),
     )
+
+
+def _even_rates(path: SmoothPath, step_s: float) -> Callable[[FloatArray], FloatArray]:
+    """Mean angular rates of the truth over a step from any time on, between those of a grid."""
+    first_s, last_s = path.span_s
+    grid_s = np.arange(first_s, last_s - step_s, _GRID_S)
+    turns = path.poses(grid_s).rotor.inverse() @ path.poses(grid_s + step_s).rotor
+    grid = turns.as_rotation_vector() / step_s
+    return lambda time_s: np.stack([np.interp(time_s, grid_s, column) for column in grid.T], -1)
 
 
 def _half_step(estimate: Trajectory) -> float:
@@ -121,12 +135,22 @@ def _changing(values: FloatArray) -> FloatArray:
 
 
 def _peak(
-    ours: FloatArray, true: Callable[[float], FloatArray], limit_s: float, largest_error_s: float
+    ours: FloatArray,
+    true: Callable[[float], FloatArray],
+    limit_s: float,
+    largest_error_s: float,
+    rough: Callable[[float], FloatArray] | None = None,
 ) -> float:
-    """Lag in ``±limit_s`` at which `true` (N, 3) correlates best with `ours`."""
+    """Lag in ``±limit_s`` at which `true` (N, 3) correlates best with `ours`.
+
+    `rough` stands for `true` where that is slow: it finds the hill, `true` the way up from there.
+    """
     count = int(limit_s / _COARSE_STEP_S)
     lags = _COARSE_STEP_S * np.arange(-count, count + 1)
-    best = int(np.argmax([_similarity(ours, true(float(lag))) for lag in lags]))
+    search = rough or true
+    best = int(np.argmax([_similarity(ours, search(float(lag))) for lag in lags]))
+    if rough is not None:
+        best = _climbed(lambda i: _similarity(ours, true(float(lags[i]))), best, len(lags))
     if best in (0, len(lags) - 1):
         raise NotObservableError(
             f"lag: expected a peak of the correlation within ±{limit_s:.3f} s, got one at the edge"
@@ -139,6 +163,18 @@ def _peak(
             f"got a standard error of {1e3 * error_s:.3g} ms"
         )
     return peak
+
+
+def _climbed(height: Callable[[int], float], start: int, count: int) -> int:
+    """The local maximum that `start` leads up to, among 0 to ``count - 1``."""
+    known: dict[int, float] = {}
+    while True:
+        near = range(max(start - 1, 0), min(start + 2, count))
+        known |= {i: height(i) for i in near if i not in known}
+        best = max(near, key=known.__getitem__)
+        if best == start:
+            return start
+        start = best
 
 
 def _refined(ours: FloatArray, true: Callable[[float], FloatArray], peak: float) -> float:

@@ -8,6 +8,8 @@ continuous velocity, acceleration and angular rate (cubic splines; scipy's `Cubi
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,6 +45,14 @@ class SmoothPath:
         )
         self._position = CubicSpline(self._time_s, trajectory.motors.translation_m)
 
+    @classmethod
+    def through(cls, trajectory: Trajectory) -> SmoothPath:
+        """The interpolation of a trajectory, computed once for as long as the trajectory lives."""
+        found = _FITTED.get(trajectory)
+        if found is None:
+            found = _FITTED[trajectory] = cls(trajectory)
+        return found
+
     @property
     def span_s(self) -> tuple[float, float]:
         """First and last time in seconds."""
@@ -70,3 +80,6 @@ class SmoothPath:
         return Motor.from_rotor_translation(
             Rotor.from_quaternion(quaternions), self.positions_m(time_s)
         )
+
+
+_FITTED: WeakKeyDictionary[Trajectory, SmoothPath] = WeakKeyDictionary()

@@ -47,7 +47,7 @@ def gimbal_index(estimate: Trajectory, truth: Trajectory) -> GimbalIndex:
     Raises:
         NotObservableError: fewer than two stamps within the truth, or a truth that does not turn.
     """
-    path = SmoothPath(truth)
+    path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)
     kept = np.flatnonzero(path.covers(time_s))
     if kept.size < 2:

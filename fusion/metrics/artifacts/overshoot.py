@@ -58,7 +58,7 @@ def rotation_overshoot_rad(estimate: Trajectory, truth: Trajectory) -> float:
 
 
 def _overshoot(estimate: Trajectory, truth: Trajectory, way: Way) -> float:
-    path = SmoothPath(truth)
+    path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)
     kept = np.flatnonzero(path.covers(time_s))
     if kept.size < 5:

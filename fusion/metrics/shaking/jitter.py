@@ -55,7 +55,7 @@ def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
     Raises:
         NotObservableError: no three consecutive stamps of the estimate that the truth covers.
     """
-    path = SmoothPath(truth)
+    path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)
     usable = _whole_triples(time_s, path.covers(time_s))
     if not np.any(usable):

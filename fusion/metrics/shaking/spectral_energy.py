@@ -39,7 +39,7 @@ def energy_excess_above(
         ValueError: a frequency that is not positive or not below half the sampling rate.
         NotObservableError: no stretch of 16 poses without a hole within the truth.
     """
-    path = SmoothPath(truth)
+    path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)
     kept = np.flatnonzero(path.covers(time_s))
     if kept.size < 2:
