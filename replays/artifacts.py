@@ -198,7 +198,7 @@ class _Decoder:
     def decode(self, tree: Any, kind: Any, where: str) -> Any:
         origin = typing.get_origin(kind)
         if origin in (typing.Union, types.UnionType):
-            return self._decode_optional(tree, kind, where)
+            return self._decode_union(tree, kind, where)
         if origin is np.ndarray or kind is np.ndarray:
             return self.arrays[tree["array"]]
         if dataclasses.is_dataclass(kind):
@@ -217,11 +217,18 @@ class _Decoder:
             return tree
         raise TypeError(f"{where}: expected {kind}, came {type(tree).__name__}")
 
-    def _decode_optional(self, tree: Any, kind: Any, where: str) -> Any:
-        if tree is None:
+    def _decode_union(self, tree: Any, kind: Any, where: str) -> Any:
+        """The first of the types that takes the tree; values refuse what is another type's."""
+        if tree is None and types.NoneType in typing.get_args(kind):
             return None
-        (present,) = (part for part in typing.get_args(kind) if part is not types.NoneType)
-        return self.decode(tree, present, where)
+        refusals = []
+        for one in typing.get_args(kind):
+            try:
+                if one is not types.NoneType:
+                    return self.decode(tree, one, where)
+            except (KeyError, TypeError, ValueError) as refusal:
+                refusals.append(str(refusal))
+        raise TypeError(f"{where}: expected {kind}, but {'; '.join(refusals)}")
 
     def _decode_fields(self, tree: Any, kind: Any, where: str) -> Any:
         hints = typing.get_type_hints(kind)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.replays import artifacts
 
 
@@ -41,6 +42,30 @@ def test_a_value_comes_back_as_it_was(tmp_path: Path) -> None:
     assert read.parts["b"].weights.dtype == np.int64
     assert (read.spans, read.note, read.seconds) == ((1.0, 2.5), None, 1.0)
     assert read.film.read_bytes() == b"moving pictures"
+
+
+@pytest.mark.parametrize("kind", [Motor, Similarity])
+def test_trajectories_come_back_with_their_type_of_pose(
+    kind: type[Motor] | type[Similarity], tmp_path: Path
+) -> None:
+    value = Trajectory(np.arange(5), kind.random(np.random.default_rng(2), (5,)))
+    read = artifacts.read_artifact(artifacts.write_artifact(value, tmp_path / "t", 0.5), Trajectory)
+    assert type(read.poses) is kind
+    np.testing.assert_array_equal(read.poses.coefficients, value.poses.coefficients)
+
+
+def test_what_no_type_of_a_union_takes_is_refused(tmp_path: Path) -> None:
+    @dataclass(frozen=True)
+    class Poses:
+        time_ns: np.ndarray
+        poses: dict[str, np.ndarray]
+        parent: str = "world"
+        child: str = "camera"
+
+    other = Poses(np.arange(2), {"coefficients": np.zeros((2, 5))})
+    stored = artifacts.write_artifact(other, tmp_path / "t", 0.5)
+    with pytest.raises(artifacts.ArtifactError, match=r"\(\*, 8\).*\(\*, 12\)"):
+        artifacts.read_artifact(stored, Trajectory)
 
 
 def test_the_digest_is_that_of_the_content_alone(tmp_path: Path) -> None:
