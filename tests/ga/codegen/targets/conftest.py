@@ -61,11 +61,15 @@ def spheres_that_meet(rng: np.random.Generator) -> dict[str, np.ndarray]:
 
 
 def arm_within_reach(rng: np.random.Generator) -> dict[str, np.ndarray]:
-    """Links that are neither stretched nor folded."""
+    """Links that are neither stretched nor folded, the elbow off the axes.
+
+    Where one of its coordinates nearly vanishes, evaluation takes rounding for other blades.
+    """
     upper, lower = rng.uniform(1.0, 2.0, (2, ROWS))
-    bend, turn = rng.uniform(0.5, 2.5, ROWS), rng.uniform(-np.pi, np.pi, ROWS)
-    reach = np.sqrt(upper**2 + lower**2 + 2 * upper * lower * np.cos(bend))
-    return {"x": reach * np.cos(turn), "y": reach * np.sin(turn), "upper": upper, "lower": lower}
+    shoulder = rng.integers(4, size=ROWS) * np.pi / 2 + rng.uniform(0.1, np.pi / 2 - 0.1, ROWS)
+    forearm = shoulder - rng.uniform(0.5, 2.5, ROWS)
+    x, y = (upper * f(shoulder) + lower * f(forearm) for f in (np.cos, np.sin))
+    return {"x": x, "y": y, "upper": upper, "lower": lower}
 
 
 def similarities(rng: np.random.Generator) -> dict[str, np.ndarray]:
