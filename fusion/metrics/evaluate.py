@@ -161,8 +161,8 @@ def evaluate(
             of their rate takes its place.
 
     Raises:
-        ValueError: an unknown alignment, no stamps near enough, or positions that cannot be
-            aligned (fewer than three, or on one line).
+        ValueError: an unknown alignment, no stamps near enough, positions that cannot be aligned
+            (fewer than three, or on one line), or a length or cut-off that is not positive.
     """
     sized = estimate, reference
     estimate, reference = without_scale(estimate), without_scale(reference)

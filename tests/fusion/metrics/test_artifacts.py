@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy import signal
@@ -18,6 +20,7 @@ from motorcade.fusion.metrics import (
 )
 from motorcade.fusion.motions import MOTIONS, Factor, Motion, Stops
 from motorcade.fusion.motions.degradations import Gaussian, Latency
+from motorcade.fusion.smooth import smooth
 from motorcade.ga import Motor, Rotor, Trajectory
 
 PARTS = pytest.mark.parametrize(
@@ -175,3 +178,21 @@ def test_the_cost_is_that_of_the_fastest_run():
     assert seen == [trajectory] * 4
     with pytest.raises(ValueError, match="repeats: expected 1 or more, got 0"):
         seconds_per_pose(lambda path: path, trajectory, repeats=0)
+
+
+@pytest.mark.parametrize("method", ["exponential", "gaussian", "savitzky_golay"])
+def test_smoothing_motors_commutes_with_every_frame_change(method, rng):
+    truth = MOTIONS["gimbal_crossing"].sampled(30.0, 5.0)
+    noisy = Gaussian(0.005, 0.01).apply(truth, rng)
+    left, right = Motor.random(rng, (2,))
+    found = {
+        name: frame_change_defect(
+            partial(smooth, method=method, representation=name), noisy, left, right
+        )
+        for name in ("motor", "quaternion", "euler")
+    }
+    motor, quaternion, euler = (found[name] for name in ("motor", "quaternion", "euler"))
+    assert max(motor.left_m, motor.left_rad, motor.right_m, motor.right_rad) < 1e-10
+    assert max(quaternion.left_m, quaternion.left_rad, quaternion.right_rad) < 1e-10
+    assert quaternion.right_m > 1e-4  # the lever between the origins is cut off
+    assert min(euler.left_rad, euler.right_rad) > 0.1
