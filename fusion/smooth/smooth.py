@@ -11,6 +11,7 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
+from motorcade.fusion.smooth.batch import robust_map
 from motorcade.fusion.smooth.causal import (
     constant_acceleration,
     constant_velocity,
@@ -39,6 +40,7 @@ METHODS: dict[str, Method] = {
     "gaussian": gaussian,
     "savitzky_golay": savitzky_golay,
     "local_polynomial": local_polynomial,
+    "robust_map": robust_map,
 }
 """Every method by name; each is called as ``method(trajectory, representation, **parameters)``."""
 

@@ -1,0 +1,7 @@
+"""Smoothers that see the whole path at once: least-squares splines and robust estimation."""
+
+from __future__ import annotations
+
+from motorcade.fusion.smooth.batch.robust_map import RobustPath, estimate_path, robust_map
+
+__all__ = ["RobustPath", "estimate_path", "robust_map"]
