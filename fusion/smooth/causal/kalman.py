@@ -3,13 +3,16 @@
 The state is a pose and its velocity (and acceleration) in the representation's own vectors: on
 motors the body twist, so that a steady screw is followed without error. Process noise is white on
 the highest derivative, measurement noise white on the pose, both isotropic in rotation, in
-translation and in scale. The covariance of a block is then one small matrix over pose, velocity and
-acceleration that depends on the stamps alone, and gaps are a longer prediction.
+translation and in scale. Gaps are a longer prediction.
 
-Poses and residuals are moved exactly. The covariances neglect the adjoint of one step, which mixes
-the axes of a block and lends translation what rotation is uncertain of: harmless while a step turns
-by much less than 1 rad and the uncertainty of rotation times a step's length is below that of
-translation. A body that turns by about 1 rad or more a step is not followed well.
+Poses and residuals are moved exactly. Where poses compose (motors, similarities, the rotations of
+"rotor") their errors are carried along the motion with those of the rates in one covariance, as in
+J. Sola, J. Deray, D. Atchuthan, A micro Lie algebra for state estimation in robotics (2018); where
+they are added component by component, a small matrix a block is the whole covariance. Two things
+are neglected: what one step's length does to its effect across the axis of turn, a share |u|²/24
+for a twist u, and (of constant acceleration) the bracket of velocity and acceleration within a
+step. Errors remain as large as stated at 1 rad a step. Poses half a turn or more apart are taken
+for the short way round, which nothing tells.
 
 R. E. Kalman, A new approach to linear filtering and prediction problems, J. Basic Eng. 82 (1960);
 noise models as in Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with applications to

@@ -175,7 +175,9 @@ private:
         now_.measured = read(k);
         if (k == 0) {
             now_.filter.start(now_.measured);
-            if (count_ > 1) now_.filter.open_rates(read(1), interval(0));
+            if (count_ == 1) return;
+            now_.filter.measured_with(noise_.row(1));
+            now_.filter.open_rates(read(1), interval(0));
             return;
         }
         now_.filter.measured_with(noise_.row(k));
