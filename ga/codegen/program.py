@@ -11,7 +11,7 @@ from typing import Any
 from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.codegen.passes.optimize import optimized
 from motorcade.ga.codegen.passes.stats import PassStats
-from motorcade.ga.codegen.tape import Node, Operand, Tape
+from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.trace import tape_of
 from motorcade.ga.script import Script, evaluate
 from motorcade.ga.script.meaning import algebra_of, free_variables
@@ -88,8 +88,11 @@ def program_of(
         operands.append(Operand(output, tuple(blade for blade, _ in kept)))
         rows.append([value for _, value in kept])
     tape = tape_of(name, inputs, tuple(operands), symbols, rows)
-    tape, passes = optimized(tape)
     _check_finite(name, tape)
+    try:
+        tape, passes = optimized(tape)
+    except ValueError as refused:
+        raise ValueError(f"{name}: {refused}") from refused
     return Program(name, algebra, tape, passes)
 
 
@@ -101,5 +104,3 @@ def _check_finite(name: str, tape: Tape) -> None:
     for node in tape.nodes:
         if node.op == "const" and not math.isfinite(node.value):
             raise ValueError(f"{name}: expected finite values, got {node.value} for any variables")
-        if node.op == "div" and tape.nodes[node.args[1]] == Node("const", value=0.0):
-            raise ValueError(f"{name}: expected divisors that are not zero for all variables")

@@ -125,7 +125,8 @@ def _share_terms(network: Network) -> None:
                 found.setdefault((first, second, s * t), []).append(index)
         shared = [(key, places) for key, places in found.items() if len(places) > 1]
         shared.sort(key=lambda item: -len(item[1]))
-        if not any([_share_pair(network, *key, places) for key, places in shared]):
+        done = [_share_pair(network, *key, places) for key, places in shared]
+        if not any(done):
             return
 
 

@@ -1,7 +1,11 @@
-"""Arithmetic in GF(p²) for p = 2^61 - 1: pairs ``(a, b)`` that stand for ``a + b i``, ``i² = -1``.
+"""Arithmetic in GF(p²), p = 2^61 - 150993: pairs ``(a, b)`` that stand for ``a + b i``, ``i² = -1``.
 
 As p leaves 3 on division by 4, -1 has no root in GF(p) and every element of GF(p) has one in
-GF(p²). Half of the other elements have none.
+GF(p²). Half of the other elements have none. Floats are full of powers of two: modulo 2^61 - 1
+these repeat after 61, modulo this p, as (p - 1) / 2 is a prime too, only after (p - 1) / 2.
+
+As -1 is no square in GF(p), one of x and -x is. Squares stand for what is positive: they too are
+closed under products, and 2, 3, 5, 7, 11, 13, 17 and 19 are squares.
 """
 
 from __future__ import annotations
@@ -10,10 +14,10 @@ from fractions import Fraction
 
 __all__ = [
     "ONE", "PRIME", "ZERO", "Element", "add", "canonical", "constant", "divide", "inverse",
-    "multiply", "negative", "rational", "root", "subtract",
+    "magnitude", "multiply", "negative", "rational", "root", "subtract",
 ]  # fmt: skip
 
-PRIME = (1 << 61) - 1
+PRIME = (1 << 61) - 150993
 Element = tuple[int, int]
 ZERO: Element = (0, 0)
 ONE: Element = (1, 0)
@@ -63,12 +67,20 @@ def canonical(x: Element) -> Element:
     return min(x, negative(x))
 
 
+def magnitude(x: Element) -> Element:
+    """What stands for ``|x|``: that of x and -x which is a square, `canonical` outside of GF(p)."""
+    if x[1]:
+        return canonical(x)
+    return x if _is_square(x[0]) else negative(x)
+
+
 def root(x: Element) -> Element | None:
-    """A square root, None where there is none; `canonical` of the two."""
+    """A square root, None where there is none; `magnitude` of the two."""
     a, b = x
     if not b:
-        found = _base_root(a)
-        return canonical((found, 0) if found is not None else (0, _known(_base_root(-a % PRIME))))
+        # A power of a square is a square.
+        found = pow(a if _is_square(a) else -a, (PRIME + 1) // 4, PRIME)
+        return (found, 0) if found * found % PRIME == a else (0, found)
     size = _base_root((a * a + b * b) % PRIME)
     if size is None:
         return None
@@ -79,14 +91,13 @@ def root(x: Element) -> Element | None:
     return None
 
 
+def _is_square(a: int) -> bool:
+    return pow(a, (PRIME - 1) // 2, PRIME) <= 1
+
+
 def _base_root(a: int) -> int | None:
     found = pow(a, (PRIME + 1) // 4, PRIME)
     return found if found * found % PRIME == a else None
-
-
-def _known(found: int | None) -> int:
-    assert found is not None, "one of a and -a is a square"
-    return found
 
 
 def constant(value: float) -> Element:

@@ -1,16 +1,18 @@
 """Exact values of all nodes of a tape at random points of a finite field.
 
-Inputs take random values in GF(p), p = 2^61 - 1, and everything rational is computed exactly. Two
-rational functions of degrees up to D that differ agree at one random point with a probability of
-at most D / p (Schwartz 1980, Zippel 1979), hence at all three with at most (D / p)³. Nodes whose
-degree may exceed 2^32 count as unknown, so that one comparison errs with less than 2^-87, and all
-of a tape of a million nodes with less than 2^-47.
+Inputs take random values in GF(p), p = 2^61 - 150993, and all that is rational is computed exactly.
+Two rational functions that differ, ``a/b`` and ``c/d`` with ``ad - cb`` of degree D at most, agree
+at a random point with a probability of at most D / (p - 1) (Schwartz 1980, Zippel 1979), and up to
+a factor at all three points with at most the square of 4 D / p. Nodes whose degree may exceed 2^16
+count as unknown, so that one comparison errs with less than 2^-83, and all pairs of a tape of
+100,000 nodes with less than 2^-50.
 
 Operations that are not rational become unknowns that are told apart by their operation and the
 values of their arguments, but for what is known of them: sin and cos of one argument are a random
 rational point of the unit circle, tan is their quotient, exp(-x) is 1/exp(x), sin, tan, asin and
 atan are odd, cos and abs even, a square root is a root in GF(p²). The last two leave a sign open:
-``sqrt(x²)`` has the value of x or of -x. Nodes that depend on such a choice are `uncertain`: their
+``sqrt(x²)`` and ``|x|`` have the
+value of x or of -x. Nodes that depend on such a choice are `uncertain`: their
 agreement is a guess that needs another proof (see `witness`).
 """
 
@@ -30,7 +32,7 @@ __all__ = ["POINTS", "Fingerprint", "Fingerprints", "fingerprints"]
 
 POINTS = 3
 _SEED = 20170214
-_HIGHEST_DEGREE = 1 << 32
+_HIGHEST_DEGREE = 1 << 16
 _TRIES = 8
 
 Fingerprint = tuple[Element, ...]
@@ -149,7 +151,7 @@ class _Point:
         if node.op == "sqrt":
             return self._root(args[0])
         if node.op == "abs":
-            return args[0] if self._nonnegative[node.args[0]] else field.canonical(args[0])
+            return args[0] if self._nonnegative[node.args[0]] else field.magnitude(args[0])
         if node.op in ("sin", "cos", "tan", "asin", "atan", "exp"):
             return self._symmetric(node.op, args[0])
         if node.op == "log" and args[0] == field.ONE:

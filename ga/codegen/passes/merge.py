@@ -1,7 +1,7 @@
 """Zero proofs, and one node for all that are equal up to a factor.
 
-Nodes are compared by their `fingerprints`; what depends on an operation that is not rational must
-also hold for the `witness`. Of equal nodes the one that needs the fewest others stays.
+Nodes are compared by their `fingerprints`; what these say must also hold for the `witness`, with
+many digits where a sign was guessed. Of equal nodes the one that needs the fewest others stays.
 """
 
 from __future__ import annotations
@@ -22,7 +22,11 @@ _LARGEST_CONSTANT = 1 << 16
 
 
 def merged(tape: Tape) -> Tape:
-    """The tape with what is zero or constant written so, and equal nodes computed once."""
+    """The tape with what is zero or constant written so, and equal nodes computed once.
+
+    Raises:
+        ValueError: a divisor is zero whatever the inputs are.
+    """
     return _Merger(tape).run()
 
 
@@ -42,6 +46,8 @@ class _Merger:
             inside = node.op not in _RATIONAL or any(self._opaque[k] for k in node.args)
             self._opaque.append(inside)
             first, factor = self._classified(index)
+            if node.op == "div" and self._is_zero(node.args[1]):
+                raise ValueError("expected divisors that are not zero for all values, got one")
             self._first.append(first)
             self._factor.append(factor)
         return self._rebuilt(self._shortest())
@@ -75,10 +81,11 @@ class _Merger:
         known.append(index)
         return index, Fraction(1)
 
+    def _is_zero(self, index: int) -> bool:
+        return self._first[index] is None and self._factor[index] == 0
+
     def _sure(self, index: int, factor: float, other: int | None) -> bool:
         uncertain = self._prints.uncertain
-        if not self._opaque[index] and (other is None or not self._opaque[other]):
-            return True
         guessed = uncertain[index] or (other is not None and uncertain[other])
         return self._witness.holds(index, factor, other, precisely=guessed)
 

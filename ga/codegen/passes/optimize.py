@@ -34,6 +34,9 @@ def optimized(tape: Tape) -> tuple[Tape, tuple[PassStats, ...]]:
 
     Values agree to rounding wherever those of the given tape are real numbers. Components that are
     zero are left out of the outputs.
+
+    Raises:
+        ValueError: a divisor is zero whatever the inputs are.
     """
     done = []
     for name, apply in PASSES:

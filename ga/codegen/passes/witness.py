@@ -1,8 +1,8 @@
 """The second proof of what fingerprints claim: real points, in float64 and at 60 digits.
 
-Fingerprints know neither signs of roots nor where functions are defined. A claim ``u = c v`` holds
-here if it does at every point at which both are real numbers, if there are enough of these, and if
-v is defined wherever u is.
+Fingerprints know neither the signs of roots nor where functions are defined. A claim ``u = c v``
+holds here if it does at every point at which both are real numbers, if there are enough of these,
+and if v is defined wherever u is.
 """
 
 from __future__ import annotations
