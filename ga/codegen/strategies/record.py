@@ -72,6 +72,7 @@ def record(script: Script, algebra: Algebra, variables: Iterable[str]) -> Record
     recording = _Recording(algebra)
     inputs = {name: ca.SX.sym(name) for name in variables}
     made = evaluate(script, recording, **inputs)
+    made = {name: recording.trimmed(x) for name, x in made.items()}
     outputs = {name: recording.lifted(x).step if x.masks else None for name, x in made.items()}
     return Record(algebra, inputs, _needed(recording.steps, outputs.values()), outputs)
 
@@ -107,7 +108,7 @@ class _Recording(Algebra):
 
     def multivector(self, coefficients: Mapping[str, Any]) -> Multivector:
         """The multivector with these coefficients, written down where it holds symbols."""
-        made = super().multivector(coefficients)
+        made = self.trimmed(super().multivector(coefficients))
         return made if all(map(is_numeric, made.values)) else self.lifted(made)
 
     def lifted(self, x: Multivector) -> _Recorded:
@@ -116,6 +117,13 @@ class _Recording(Algebra):
             return x
         flat = Multivector._trusted(self, x.masks, self._flattened(x.values))
         return self.written("given", (), flat, x.values)
+
+    def trimmed(self, x: Multivector) -> Multivector:
+        """The multivector without coefficients that are zero as they stand."""
+        pairs = [(m, v) for m, v in zip(x.masks, x.values, strict=True) if not _zero(v)]
+        if len(pairs) == len(x.masks):
+            return x
+        return Multivector._trusted(self, tuple(m for m, _ in pairs), (v for _, v in pairs))
 
     def written(
         self, op: str, args: tuple[int, ...], flat: Multivector, scalars: tuple[Any, ...] = ()
@@ -180,7 +188,7 @@ class _Recorded(Multivector):
         return self._written(op, flat, left, right)
 
     def _lifted(self, other: Any) -> Multivector:
-        found = super()._lifted(other)
+        found = self.algebra.trimmed(super()._lifted(other))
         return self.algebra.lifted(found) if found.masks else found
 
     def __add__(self, other: Any) -> Any:
