@@ -10,16 +10,21 @@ from fractions import Fraction
 
 from motorcade.ga.codegen.passes.forms import Coefficient, Form, Forms, Monomial
 from motorcade.ga.codegen.passes.rebuild import copied
-from motorcade.ga.codegen.tape import Node, Tape, TapeBuilder
+from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
 __all__ = ["as_reciprocals", "with_quotients"]
 
 
 def as_reciprocals(tape: Tape) -> Tape:
     """The tape with ``x / d`` written ``x (1/d)``, every reciprocal once."""
+    if not any(node.op == "div" for node in tape.nodes):
+        return tape
     forms = Forms(tape)
-    divisors = {node.args[1]: _monomial(forms, node.args[1]) for node in _quotients(tape)}
-    split = _worth_splitting([found for found in divisors.values() if found])
+    divisors: dict[int, tuple[Monomial, Coefficient] | None] = {}
+    for index, node in enumerate(tape.nodes):
+        if node.op == "div" and node.args[1] not in divisors:
+            divisors[node.args[1]] = _monomial(forms, node.args[1], index)
+    split = _worth_splitting([found[0] for found in divisors.values() if found])
     builder = TapeBuilder()
     place: list[int] = []
     for index, node in enumerate(tape.nodes):
@@ -60,10 +65,6 @@ def with_quotients(tape: Tape) -> Tape:
     return builder.finished(tape.inputs, tape.outputs, results)
 
 
-def _quotients(tape: Tape) -> list[Node]:
-    return [node for node in tape.nodes if node.op == "div"]
-
-
 def _is_one(tape: Tape, index: int) -> bool:
     node = tape.nodes[index]
     return node.op == "const" and node.value == 1.0
@@ -76,22 +77,29 @@ def _over(builder: TapeBuilder, above: int, below: int) -> int:
     return builder.operation("mul", above, reciprocal)
 
 
-def _monomial(forms: Forms, index: int) -> tuple[Monomial, Coefficient] | None:
-    """A divisor as a product, its factors written as square roots where there are such; or None."""
+def _monomial(forms: Forms, index: int, place: int) -> tuple[Monomial, Coefficient] | None:
+    """A divisor as a product of nodes and a power of two, None where it is none.
+
+    A number whose square root was taken before `place` counts as the square of that.
+    """
     form: Form = forms.factor(index)
     if len(form) != 1:
         return None
     ((monomial, coefficient),) = form.items()
-    if Fraction(coefficient).numerator & (Fraction(coefficient).numerator - 1):
+    scale = abs(Fraction(coefficient))
+    if scale.numerator & (scale.numerator - 1) or scale.denominator & (scale.denominator - 1):
         return None
-    return monomial, coefficient
+    roots = {
+        node.args[0]: k for k, node in enumerate(forms.tape.nodes[:place]) if node.op == "sqrt"
+    }
+    parts = [(roots[k], roots[k]) if k in roots else (k,) for k in monomial]
+    return tuple(sorted(k for part in parts for k in part)), coefficient
 
 
-def _worth_splitting(found: list[tuple[Monomial, Coefficient]]) -> set[Monomial]:
+def _worth_splitting(found: list[Monomial]) -> set[Monomial]:
     """The products that share factors so that fewer reciprocals serve all of them."""
-    distinct = sorted({monomial for monomial, _ in found})
     split: set[Monomial] = set()
-    for group in _connected(distinct):
+    for group in _connected(sorted(set(found))):
         factors = {factor for monomial in group for factor in monomial}
         if len(factors) < len(group) or all(len(set(monomial)) == 1 for monomial in group):
             split.update(group)

@@ -7,6 +7,7 @@ gone. Equal or worse levels are not taken, so that numbers which are factored we
 
 from __future__ import annotations
 
+from motorcade.ga.codegen.passes.factor import factored
 from motorcade.ga.codegen.passes.forms import Coefficient, Form, Forms, Monomial, form_cost
 from motorcade.ga.codegen.passes.rebuild import copied, product_of
 from motorcade.ga.codegen.passes.stats import cost_of
@@ -22,8 +23,15 @@ _SUMS = frozenset({"add", "sub", "neg", "mul"})
 
 
 def expanded(tape: Tape) -> Tape:
-    """The tape with sums multiplied out where that leaves fewer operations."""
-    return min(tape, _written(tape, _Expander(tape).forms), key=cost_of)
+    """The tape with sums multiplied out where that leaves fewer operations.
+
+    Products are written out on the way, so that it may look costlier until they are shared again:
+    then what is left after factoring decides.
+    """
+    made = _written(tape, _Expander(tape).forms)
+    if cost_of(made) <= cost_of(tape):
+        return made
+    return min(tape, made, key=lambda candidate: cost_of(factored(candidate)))
 
 
 class _Expander(Forms):

@@ -3,7 +3,8 @@
 In this order: what all terms of a sum share goes in front of it; factors that several terms share
 go in front of these, ``ab + ac = a (b + c)``; pairs of terms that stand in several sums become a
 sum of their own, and pairs of factors that stand in several products a product of their own. It
-is done with and without the first step, and the cheapest tape stays, be it the one given.
+is done with and without the first step, and with products that are shared already left as they
+are. The cheapest tape stays, be it the one given.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ _LONGEST = 48
 def factored(tape: Tape) -> Tape:
     """The tape with common factors and common parts of sums and products taken out."""
     candidates = [tape]
-    for contents_first in (True, False):
-        network = Network(tape)
+    for contents_first, shared_products in ((True, False), (False, False), (False, True)):
+        network = Network(tape, shared_products=shared_products)
         _factor(network, contents_first)
         candidates.append(network.tape())
     return min(candidates, key=cost_of)

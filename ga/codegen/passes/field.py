@@ -1,4 +1,4 @@
-"""Arithmetic in GF(p²), p = 2^61 - 150993: pairs ``(a, b)`` that stand for ``a + b i``, ``i² = -1``.
+"""Arithmetic in GF(p²), p = 2^61 - 150993: pairs ``(a, b)`` stand for ``a + b i``, ``i² = -1``.
 
 As p leaves 3 on division by 4, -1 has no root in GF(p) and every element of GF(p) has one in
 GF(p²). Half of the other elements have none. Floats are full of powers of two: modulo 2^61 - 1

@@ -28,16 +28,18 @@ class Forms:
     """The form of each node of a tape.
 
     A single product is written out where it is used, and so is a sum that only one other sum uses:
-    it has no form of its own then, but itself. Any other sum stands where it is used as one factor.
+    it has no form of its own then, but itself. Any other sum stands where it is used as one factor,
+    and with `shared_products` so do products that are used more than once.
     """
 
-    def __init__(self, tape: Tape) -> None:
+    def __init__(self, tape: Tape, *, shared_products: bool = False) -> None:
         self.tape = tape
+        self._shared_products = shared_products
         self.uses = tape.uses()
         self.forms: list[Form] = []
         self.inside = _inside(tape, self.uses)
         self._rules = _rules(tape)
-        self._ruled = frozenset(k for pair in self._rules for k in pair)
+        self._ruled = frozenset(self._rules)
         for index in range(len(tape.nodes)):
             self.forms.append(self.form(index))
 
@@ -71,6 +73,8 @@ class Forms:
     def factor(self, index: int) -> Form:
         """A node as a factor: its form if that is one product of few factors, else itself."""
         form = self.forms[index]
+        if self._shared_products and self.uses[index] > 1 and self.tape.nodes[index].op == "mul":
+            return {(index,): 1}
         if len(form) <= 1 and all(len(monomial) <= HIGHEST_DEGREE for monomial in form):
             return form
         return {(index,): 1}
@@ -91,19 +95,23 @@ class Forms:
     def shortened(self, monomial: Monomial) -> Monomial:
         """A product without pairs of factors that are known to be one factor or 1."""
         while not self._ruled.isdisjoint(monomial):
-            for pair, made in self._rules.items():
-                first, second = pair
-                if first in monomial and second in monomial:
-                    if first == second and monomial.count(first) < 2:
-                        continue
-                    rest = list(monomial)
-                    rest.remove(first)
-                    rest.remove(second)
-                    monomial = tuple(sorted((*rest, *made)))
-                    break
-            else:
+            found = self._pair(monomial)
+            if found is None:
                 break
+            first, second, made = found
+            rest = list(monomial)
+            rest.remove(first)
+            rest.remove(second)
+            monomial = tuple(sorted((*rest, *made)))
         return monomial
+
+    def _pair(self, monomial: Monomial) -> tuple[int, int, Monomial] | None:
+        """Two factors of a product that a rule is for, and what it makes of them."""
+        for first in monomial:
+            for second, made in self._rules.get(first, ()):
+                if second in monomial and (first != second or monomial.count(first) > 1):
+                    return first, second, made
+        return None
 
 
 def add_to(total: Form, form: Form, factor: Coefficient) -> None:
@@ -134,17 +142,20 @@ def _inside(tape: Tape, uses: list[int]) -> list[bool]:
     return found
 
 
-def _rules(tape: Tape) -> dict[tuple[int, int], Monomial]:
-    """Pairs of factors with a shorter product: ``x · 1/x``, ``√x · √x`` and ``x · 1/√x``."""
-    rules: dict[tuple[int, int], Monomial] = {}
+def _rules(tape: Tape) -> dict[int, list[tuple[int, Monomial]]]:
+    """Pairs of factors with a shorter product: ``x · 1/x``, ``√x · √x`` and ``x · 1/√x``.
+
+    For the first of a pair the second, and the factors that stand for both.
+    """
+    rules: dict[int, list[tuple[int, Monomial]]] = {}
     for index, node in enumerate(tape.nodes):
         if node.op == "sqrt":
-            rules[index, index] = node.args
+            rules.setdefault(index, []).append((index, node.args))
         if node.op == "div" and tape.nodes[node.args[0]] == _ONE:
             below = node.args[1]
-            rules[below, index] = ()
+            rules.setdefault(below, []).append((index, ()))
             if tape.nodes[below].op == "sqrt":
-                rules[tape.nodes[below].args[0], index] = (below,)
+                rules.setdefault(tape.nodes[below].args[0], []).append((index, (below,)))
     return rules
 
 

@@ -29,15 +29,16 @@ def without(factors: Monomial, gone: Iterable[int]) -> Monomial:
 
 
 class Network:
-    """The sums and products that the results of a tape need."""
+    """The sums and products that the results of a tape need; see `Forms` for the argument."""
 
-    def __init__(self, tape: Tape) -> None:
+    def __init__(self, tape: Tape, *, shared_products: bool = False) -> None:
         self.sums: dict[int, list[Term]] = {}
         self.products: dict[int, tuple[int, int]] = {}
         self._tape = tape
+        self._shared_products = shared_products
         self._next = len(tape.nodes)
         self._constants: dict[Fraction, int] = {}
-        self._fill(Forms(tape))
+        self._fill(Forms(tape, shared_products=shared_products))
         self._known = {_signed(terms)[1]: index for index, terms in self.sums.items() if terms}
 
     def _fill(self, forms: Forms) -> None:
@@ -80,7 +81,9 @@ class Network:
         return sign * _signed(self.sums[known])[0], (known,)
 
     def inline_products(self) -> None:
-        """Write sums of one term out where they are factors."""
+        """Write sums of one term out where they are factors, unless products are to stay."""
+        if self._shared_products:
+            return
         single = {index: terms[0] for index, terms in self.sums.items() if len(terms) == 1}
         for index, terms in self.sums.items():
             self.sums[index] = [self._inlined(term, single) for term in terms]

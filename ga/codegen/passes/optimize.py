@@ -39,9 +39,12 @@ def optimized(tape: Tape) -> tuple[Tape, tuple[PassStats, ...]]:
         ValueError: a divisor is zero whatever the inputs are.
     """
     done = []
+    settled: dict[Callable[[Tape], Tape], Tape] = {}
     for name, apply in PASSES:
         start = time.perf_counter()
-        made = apply(tape)
+        # A pass leaves nothing to do for itself: where no other one changed the tape it is skipped.
+        made = tape if settled.get(apply) is tape else apply(tape)
+        settled[apply] = made
         milliseconds = 1e3 * (time.perf_counter() - start)
         done.append(PassStats(name, count_operations(tape), count_operations(made), milliseconds))
         tape = made

@@ -20,6 +20,8 @@ __all__ = ["Witness"]
 _LEAST_POINTS = 3
 _ROUNDINGS = 64.0
 _DIGITS = 60
+# So many points of both halves, of positive values and of both signs, are looked at so closely.
+_PRECISE = 3
 _TOLERANCE = 1e-40
 _SAME = {
     "sqrt": "sqrt", "exp": "exp", "log": "log", "sin": "sin", "cos": "cos", "tan": "tan",
@@ -68,7 +70,7 @@ class Witness:
         import mpmath as mp
 
         with mp.workdps(_DIGITS):
-            one = [(mp.mpf(1), mp.mpf(1))] * POINTS
+            one = [(mp.mpf(1), mp.mpf(1))] * 2 * _PRECISE
             pairs = zip(
                 self._evaluated(node), one if other is None else self._evaluated(other), strict=True
             )
@@ -97,12 +99,21 @@ class Witness:
         import mpmath as mp
 
         if node.op == "const":
-            return [(mp.mpf(node.value), mp.mpf(abs(node.value)))] * POINTS
+            return [(mp.mpf(node.value), mp.mpf(abs(node.value)))] * 2 * _PRECISE
         if node.op == "input":
             given = self._inputs[node.source]
-            return [(mp.mpf(float(value)), mp.mpf(abs(float(value)))) for value in given]
+            values = [float(given[point]) for point in self._points]
+            return [(mp.mpf(value), mp.mpf(abs(value))) for value in values]
         columns = zip(*(self._precise[k] for k in node.args), strict=True)
         return [_value(node.op, column) for column in columns]
+
+    @cached_property
+    def _points(self) -> list[int]:
+        """The points of both halves at which most nodes are real numbers."""
+        counts = np.sum(self._sampled[2], axis=0)
+        order = sorted(range(POINTS), key=lambda point: -counts[point])
+        positive = [point for point in order if point < POINTS // 2]
+        return positive[:_PRECISE] + [p for p in order if p >= POINTS // 2][:_PRECISE]
 
     @cached_property
     def _inputs(self) -> dict[tuple[str, int], Any]:

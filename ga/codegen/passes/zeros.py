@@ -13,6 +13,8 @@ def without_zeros(tape: Tape) -> Tape:
     An output of which nothing is left keeps its name.
     """
     kept = [[i for i, k in enumerate(row) if not _is_zero(tape, k)] for row in tape.results]
+    if [len(places) for places in kept] == [len(row) for row in tape.results]:
+        return tape
     outputs = tuple(
         Operand(operand.name, tuple(operand.components[i] for i in places))
         for operand, places in zip(tape.outputs, kept, strict=True)

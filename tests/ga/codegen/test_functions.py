@@ -9,7 +9,7 @@ pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is
 
 from motorcade.ga import Motor
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Multivector
-from motorcade.ga.algebra.conformal import as_motor, of_versor
+from motorcade.ga.algebra.conformal import of_versor
 from motorcade.ga.codegen.functions import CompiledFunction, compile_function, program
 from motorcade.ga.codegen.program import compile_script
 from motorcade.ga.script import parse
@@ -28,13 +28,13 @@ def moved(motor: Multivector, vector: Multivector, size: Multivector) -> Multive
 def test_a_program_of_python_moves_points_as_the_library_does(rng: np.random.Generator) -> None:
     motor = Motor.random(rng, (9,))
     vectors = rng.standard_normal((9, 3))
-    made = moved(of_versor(motor), CGA3.multivector(dict(zip(("e1", "e2", "e3"), vectors.T))), 2.0)
+    coordinates = dict(zip(("e1", "e2", "e3"), vectors.T, strict=True))
+    made = moved(of_versor(motor), CGA3.multivector(coordinates), 2.0)
     assert isinstance(made, Multivector)
     expected = motor.apply(2.0 * vectors)
     found = np.stack([made.coefficient(name) for name in ("e1", "e2", "e3")], axis=-1)
     np.testing.assert_allclose(found / made.coefficient("e0")[:, None], expected, atol=1e-12)
     assert made.blades == ("e1", "e2", "e3", "e0", "einf"), "odd parts cancel and are not there"
-    assert isinstance(as_motor(of_versor(motor)), Motor)
 
 
 def test_a_function_and_a_script_are_one_program() -> None:
@@ -43,9 +43,7 @@ def test_a_function_and_a_script_are_one_program() -> None:
 
     made = compile_function(area)
     script = parse("?area = (x*e1)^(y*e2); ?twice = x + x;", "area.clu")
-    assert made.program == compile_script(script, "area") or (
-        made.program.tape == compile_script(script, "area").tape
-    )
+    assert made.program.tape == compile_script(script, "area").tape
     assert isinstance(made, CompiledFunction)
     both = made(2.0, y=np.array([1.0, 3.0]))
     assert isinstance(both, dict)
