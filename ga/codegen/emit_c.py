@@ -10,42 +10,24 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
-import numpy as np
-
-from motorcade.ga.codegen.expressions import Dialect, Statement, component_name, statements
+from motorcade.ga.codegen.expressions import Statement, component_name, statements
 from motorcade.ga.codegen.kernel import PRECISIONS, Kernel, Precision
 from motorcade.ga.codegen.tape import Operand, Tape
+from motorcade.ga.codegen.targets.shared.templates import C_LOGIC, Templates
 
 __all__ = ["c_function", "c_source", "c_table"]
 
 _NOTE = "Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions; edit those."
-_COMPARISON = {"lt": "<", "le": "<=", "eq": "==", "ne": "!=", "and": "&&", "or": "||"}
 _FUNCTIONS = {
-    "sqrt": "sqrt{}", "abs": "fabs{}", "floor": "floor{}", "min": "smaller{}", "max": "larger{}",
-    "exp2_of_integer": "exp2_of_integer{}", "exponent": "exponent{}",
+    "sqrt": "sqrt", "abs": "fabs", "floor": "floor", "min": "smaller", "max": "larger",
+    "exp2_of_integer": "exp2_of_integer", "exponent": "exponent",
 }  # fmt: skip
 _WIDTH = 100
 
 
-class _C(Dialect):
-    def __init__(self, precision: Precision) -> None:
-        self._precision = precision
-        self._suffix = "f" if precision.c == "float" else ""
-
-    def constant(self, value: float) -> str:
-        rounded = np.dtype(self._precision.numpy).type(value)
-        return str(rounded) + self._suffix
-
-    def call(self, op: str, args: list[str]) -> str:
-        if op in _COMPARISON:
-            return f"({args[0]} {_COMPARISON[op]} {args[1]})"
-        if op == "not":
-            return f"(!{args[0]})"
-        if op == "select":
-            return f"({args[0]} ? {args[1]} : {args[2]})"
-        if op == "keep":
-            return f"({args[0]} ? {args[1]} : {self.constant(0.0)})"
-        return f"{_FUNCTIONS[op].format(self._suffix)}({', '.join(args)})"
+def _dialect(precision: Precision) -> Templates:
+    suffix = "f" if precision.c == "float" else ""
+    return Templates(C_LOGIC, _FUNCTIONS, precision, suffix=suffix)
 
 
 def c_source(group: str, kernels: Sequence[Kernel]) -> str:
@@ -61,7 +43,7 @@ def c_source(group: str, kernels: Sequence[Kernel]) -> str:
 def c_function(kernel: Kernel, precision: Precision) -> str:
     """One kernel in one precision, without the comment above it."""
     tape = kernel.tape(precision)
-    written = statements(tape, _C(precision))
+    written = statements(tape, _dialect(precision))
     loop = [
         *(_load(operand, precision, tape) for operand in kernel.inputs),
         *(_declaration(statement, precision) for statement in written.body),

@@ -9,41 +9,33 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
-import numpy as np
-
-from motorcade.ga.codegen.expressions import Dialect, component_name, statements
+from motorcade.ga.codegen.expressions import component_name, statements
 from motorcade.ga.codegen.kernel import PRECISIONS, Kernel, Precision
 from motorcade.ga.codegen.tape import Operand, Tape
+from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, Templates
 
 __all__ = ["numpy_function", "numpy_source", "numpy_table"]
 
 _NOTE = "Written by ``python -m motorcade.ga.codegen`` from ga/kernels/definitions; edit those."
-_COMPARISON = {"lt": "<", "le": "<=", "eq": "==", "ne": "!=", "and": "&", "or": "|"}
+_LOGIC = COMPARISONS | {"and": "({} & {})", "or": "({} | {})"}
 _FUNCTIONS = {
     "sqrt": "np.sqrt", "abs": "np.abs", "floor": "np.floor", "min": "np.minimum",
-    "max": "np.maximum", "exp2_of_integer": "exp2_of_integer", "exponent": "exponent",
+    "max": "np.maximum", "not": "np.logical_not", "select": "np.where",
+    "exp2_of_integer": "exp2_of_integer", "exponent": "exponent",
 }  # fmt: skip
 _POWERS_OF_TWO = ("exp2_of_integer", "exponent")
 _WIDTH = 100
 
 
-class _NumPy(Dialect):
+class _NumPy(Templates):
     def __init__(self, precision: Precision) -> None:
-        self._type = np.dtype(precision.numpy).type
+        super().__init__(_LOGIC, _FUNCTIONS, precision)
         self._cast = f"np.{precision.numpy}"
 
-    def constant(self, value: float) -> str:
-        return str(self._type(value))
-
     def call(self, op: str, args: list[str]) -> str:
-        if op in _COMPARISON:
-            return f"({args[0]} {_COMPARISON[op]} {args[1]})"
-        if op == "not":
-            return f"np.logical_not({args[0]})"
-        if op in ("select", "keep"):
-            branches = [*args[1:], "0.0"][:2]
-            return f"np.where({args[0]}, {', '.join(map(self._typed, branches))})"
-        return f"{_FUNCTIONS[op]}({', '.join(args)})"
+        if op == "select":
+            args = [args[0], *map(self._typed, args[1:])]
+        return super().call(op, args)
 
     def _typed(self, branch: str) -> str:
         """Two plain numbers would come out of `np.where` as float64."""
