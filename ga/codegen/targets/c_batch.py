@@ -25,7 +25,8 @@ _NAMES = replace(C_NAMES, words=C_NAMES.words | {"row", "rows"})
 _TOLD = (
     "",
     "Every pointer is to `rows` numbers: variable x is in_x, blade e1^e2 of output A is",
-    "out_A_e1_e2. No output may overlap another array.",
+    "out_A_e1_e2. No output may overlap another array. gcc makes SIMD code of the loop with",
+    "-O3 -fno-math-errno -fno-trapping-math where it calls no sin, exp and the like.",
 )
 
 
