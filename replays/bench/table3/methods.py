@@ -13,6 +13,7 @@ import subprocess
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,7 @@ PRECISIONS: dict[Scalar, Precision] = {"float32": SINGLE, "float64": DOUBLE}
 # Where a script's outputs go: columns of a 4x4 matrix by columns.
 _COLUMNS = {"x": 0, "y": 4, "z": 8, "t": 12}
 _CACHE_LINE, _PAGE = 64, 4096
+_PLACEMENTS, _GAP = 9, 7 * _CACHE_LINE
 _LAST_ROW = "out[3] = out[7] = out[11] = 0, out[15] = 1;"
 
 
@@ -134,11 +136,15 @@ class Call:
         self._function = getattr(blends._library, method.name)
         rows = [method.rows(poses) for poses in (first, second)]
         stored = [part.T if method.arrays else part for part in rows]
-        *self._poses, self._out = _together([*stored, np.zeros((self.joints, 16))], blends.scalar)
+        arrays = [*stored, np.zeros((self.joints, 16))]
+        placed = [_placed(arrays, blends.scalar, k * _GAP) for k in range(_PLACEMENTS)]
+        self._placements = cycle(placed)
+        self._used = placed[0]
 
     def seconds(self, times: int) -> float:
-        """Seconds of `times` calls."""
-        places = [array.ctypes.data for array in (*self._poses, self._out)]
+        """Seconds of `times` calls, each time with the data elsewhere."""
+        self._used = next(self._placements)
+        places = [array.ctypes.data for array in self._used]
         return float(
             self._timed(
                 ctypes.cast(self._function, ctypes.c_void_p),
@@ -148,29 +154,29 @@ class Call:
 
     def matrices(self) -> FloatArray:
         """The matrices of the last call, ``(joints, 3, 4)``."""
+        out = self._used[-1]
         if self._method.arrays:
-            numbers = self._out.ravel()[: 12 * self.joints]
+            numbers = out.ravel()[: 12 * self.joints]
             return numbers.reshape(3, 4, self.joints).transpose(2, 0, 1).astype(np.float64)
-        by_columns = self._out.reshape(self.joints, 4, 4).transpose(0, 2, 1)
+        by_columns = out.reshape(self.joints, 4, 4).transpose(0, 2, 1)
         return by_columns[:, :3].astype(np.float64)
 
 
-def _together(arrays: list[FloatArray], scalar: Scalar) -> list[FloatArray]:
-    """Copies in one stretch of memory from a page's beginning on.
+def _placed(arrays: list[FloatArray], scalar: Scalar, gap: int) -> list[FloatArray]:
+    """Copies in one stretch of memory, each on a cache line, `gap` bytes further apart than needed.
 
-    Where arrays lie towards each other costs up to a tenth; so it must not tell methods apart.
+    Where arrays lie towards each other can cost a tenth and more; so figures are medians over
+    several placements, the same for all methods.
     """
     size = np.dtype(scalar).itemsize
-    starts = np.cumsum(
-        [0, *(-(-array.size * size // _CACHE_LINE) * _CACHE_LINE for array in arrays)]
-    )
-    memory = np.zeros(int(starts[-1]) + _PAGE, dtype=np.uint8)
-    page = -memory.ctypes.data % _PAGE
+    steps = [-(-array.size * size // _CACHE_LINE) * _CACHE_LINE + gap for array in arrays]
+    memory = np.zeros(sum(steps) + _PAGE, dtype=np.uint8)
+    start = -memory.ctypes.data % _PAGE
     made = []
-    for start, array in zip(starts, arrays, strict=False):
-        place = memory[page + start : page + start + array.size * size]
-        made.append(place.view(scalar).reshape(array.shape))
+    for step, array in zip(steps, arrays, strict=True):
+        made.append(memory[start : start + array.size * size].view(scalar).reshape(array.shape))
         made[-1][:] = array
+        start += step
     return made
 
 
