@@ -99,11 +99,15 @@ class Witness:
         import mpmath as mp
 
         if node.op == "const":
-            return [(mp.mpf(node.value), mp.mpf(abs(node.value)))] * 2 * _PRECISE
+            number = (mp.mpf(node.value), mp.mpf(abs(node.value)))
+            return [number for _ in range(2 * _PRECISE)]
         if node.op == "input":
             given = self._inputs[node.source]
-            values = [float(given[point]) for point in self._points]
-            return [(mp.mpf(value), mp.mpf(abs(value))) for value in values]
+            row: list[tuple[Any, Any] | None] = []
+            for point in self._points:
+                value = float(given[point])
+                row.append((mp.mpf(value), mp.mpf(abs(value))))
+            return row
         columns = zip(*(self._precise[k] for k in node.args), strict=True)
         return [_value(node.op, column) for column in columns]
 
