@@ -1,4 +1,4 @@
-"""Elementary functions of any scalar: plain numbers, NumPy batches and CasADi symbols.
+"""Elementary functions of any scalar: plain numbers, NumPy batches, CasADi symbols, torch tensors.
 
 Plain numbers give plain floats, so that they never turn float32 batches into float64. Of symbols
 only those functions are used that every target of the code generator has.
@@ -35,11 +35,12 @@ def apply(name: str, *values: Any) -> Any:
         made = getattr(np, name)(*values)
         plain = all(type(value) in (int, float) for value in values)
         return float(made) if plain else made
-    function = getattr(_library(values), name, None)
+    library, operands = _library(values)
+    function = getattr(library, name, None)
     if function is None:
         kinds = ", ".join(sorted({type(value).__name__ for value in values}))
         raise ValueError(f"expected scalars that have {name}, got {kinds}")
-    return function(*values)
+    return function(*operands)
 
 
 def where(condition: Any, chosen: Any, otherwise: Any) -> Any:
@@ -48,7 +49,9 @@ def where(condition: Any, chosen: Any, otherwise: Any) -> Any:
         return chosen if condition else otherwise
     if isinstance(condition, np.ndarray) and is_numeric(chosen) and is_numeric(otherwise):
         return np.where(condition, chosen, otherwise)
-    return _library((condition, chosen, otherwise)).if_else(condition, chosen, otherwise)
+    library, operands = _library((condition, chosen, otherwise))
+    function = getattr(library, "if_else", None) or library.where
+    return function(*operands)
 
 
 def arctangent(y: Any, x: Any) -> Any:
@@ -84,7 +87,14 @@ def power_series(x: Any, coefficients: tuple[float, ...]) -> Any:
     return total
 
 
-def _library(values: tuple[Any, ...]) -> Any:
-    """The module that made the first scalar that is no number: it knows its functions."""
-    made = next(type(value) for value in values if not is_numeric(value))
-    return sys.modules[made.__module__.partition(".")[0]]
+def _library(values: tuple[Any, ...]) -> tuple[Any, tuple[Any, ...]]:
+    """The module that made the first scalar that is no number, and all of them as it takes them."""
+    made = next(value for value in values if not is_numeric(value))
+    library = sys.modules[type(made).__module__.partition(".")[0]]
+    if not hasattr(library, "as_tensor"):
+        return library, values
+    kinds = [value.dtype for value in values if not is_numeric(value)]
+    kind = next((kind for kind in kinds if kind.is_floating_point), None)
+    return library, tuple(
+        library.as_tensor(value, dtype=kind) if is_numeric(value) else value for value in values
+    )

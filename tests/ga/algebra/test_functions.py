@@ -369,3 +369,22 @@ def test_float32_batches_stay_float32() -> None:
     x = exp(CGA3.multivector({"e1^e2": t, "e1^einf": 2 * t, "e3^einf": t}))
     for made in (x, log(x), sqrt(x), versor(x), normalize(x)):
         assert {np.asarray(value).dtype for value in made.values} == {np.dtype(np.float32)}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_tensors_mean_what_batches_mean(name: str, kind: str) -> None:
+    torch = pytest.importorskip("torch")
+    algebra, blades = KINDS[kind]
+    rows = np.random.default_rng(11).normal(scale=0.4, size=(len(blades), 6))
+    rows[:, 0] = 0.0
+    function = FUNCTIONS[name]
+    tensors = torch.tensor(rows, requires_grad=True)
+    order = sorted(blades)
+    found = function(algebra.multivector({n: tensors[k] for k, n in enumerate(order)}))
+    expected = function(algebra.multivector(dict(zip(order, rows, strict=True))))
+    assert found.blades == expected.blades
+    for one, other in zip(found.values, expected.values, strict=True):
+        np.testing.assert_allclose(
+            np.broadcast_to(one.detach(), 6), np.broadcast_to(other, 6), atol=1e-13
+        )
