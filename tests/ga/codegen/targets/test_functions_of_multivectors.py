@@ -1,6 +1,7 @@
 """Programs traced from Python functions: a parameter on several blades is one number a blade."""
 
 import ctypes
+import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -59,6 +60,7 @@ def test_the_casadi_function_takes_components(values: np.ndarray, loaded: Any) -
         np.testing.assert_allclose(np.array(made[name]), list(blades.values()), rtol=1e-13)
 
 
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc here")
 def test_c_takes_components(values: np.ndarray, tmp_path: Path) -> None:
     (tmp_path / "turned.c").write_text(written("c-batch"))
     library = tmp_path / "turned.so"
