@@ -1,7 +1,8 @@
-"""From one symbolic definition to C and NumPy code: tracer, tape and emitters.
+"""From symbolic definitions to code: tracer, tape, optimiser, and what writes the tape out.
 
-`kernel.Kernel` says what a kernel takes and gives, `trace` turns its definition into a `tape.Tape`
-by way of CasADi, `emit_c` and `emit_numpy` print the tape. ``python -m motorcade.ga.codegen``
-writes the library's own kernels again. Only this folder needs CasADi and mpmath; the kernels that
-it wrote do not.
+`program` compiles CLUScripts and `functions` Python functions: `trace` runs them on CasADi symbols
+and reads a `tape` of scalar operations, `passes` makes it shorter, `targets` writes it in a
+language, and `strategies` writes it as other generators would. `kernel` says what one of the
+library's own kernels is; ``python -m motorcade.ga.codegen`` writes these again with
+`library_kernels`. Only this folder needs CasADi and mpmath; what it wrote does not.
 """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from motorcade.ga.codegen.library import GENERATED, write_library
+from motorcade.ga.codegen.library_kernels.library import GENERATED, write_library
 
 if __name__ == "__main__":
     written = write_library(GENERATED)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
-from motorcade.ga.codegen.powers_of_two import power_of_two_node
+from motorcade.ga.codegen.library_kernels.powers_of_two import power_of_two_node
 from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
 
 __all__ = ["casadi_function", "tape_of", "trace"]

@@ -15,7 +15,7 @@ import numpy as np
 
 from motorcade.ga.algebra import Multivector
 from motorcade.ga.codegen.kernel import Kernel, Precision
-from motorcade.ga.codegen.powers_of_two import exponent, power_of_two
+from motorcade.ga.codegen.library_kernels.powers_of_two import exponent, power_of_two
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.blends import linear
 from motorcade.ga.kernels.definitions.functions import (

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
 pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is not installed")
 
-from motorcade.ga.codegen.library import GENERATED, library_files, write_library
+from motorcade.ga.codegen.library_kernels.library import GENERATED, library_files, write_library
 
 
 def test_generated_files_are_current() -> None:

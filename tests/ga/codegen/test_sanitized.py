@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from motorcade.ga.codegen.library import GENERATED
+from motorcade.ga.codegen.library_kernels.library import GENERATED
 
 SOURCES = GENERATED.parent
 SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O1", "-fPIC"]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from motorcade.ga.codegen.emit_c import c_source, c_table
-from motorcade.ga.codegen.emit_numpy import numpy_source, numpy_table
 from motorcade.ga.codegen.kernel import Kernel
+from motorcade.ga.codegen.library_kernels.emit_c import c_source, c_table
+from motorcade.ga.codegen.library_kernels.emit_numpy import numpy_source, numpy_table
 
 __all__ = ["GENERATED", "library_files", "write_library"]
 
-GENERATED = Path(__file__).resolve().parents[1] / "kernels" / "generated"
+GENERATED = Path(__file__).resolve().parents[2] / "kernels" / "generated"
 
 
 def library_files() -> dict[str, str]:
