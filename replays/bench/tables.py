@@ -78,9 +78,22 @@ def print_table3(found: Mapping[str, Any]) -> str:
     return table3_table(found)
 
 
+def _bench_smooth() -> Any:
+    from motorcade.replays.bench.smooth import bench_smooth
+
+    return bench_smooth()
+
+
+def _smooth_table(found: Mapping[str, Any]) -> str:
+    from motorcade.replays.bench.smooth import smooth_table
+
+    return smooth_table(found)
+
+
 SUITES: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "blend": (bench_blend, blend_table),
     "accuracy": (measure_accuracy, accuracy_table),
     "table3": (measure_table3, print_table3),
+    "smooth": (_bench_smooth, _smooth_table),
 }
 """Every suite by name: what measures it, and what prints it."""
