@@ -61,7 +61,8 @@ class _Bounded:
 
     def mirrored(self) -> _Bounded:
         """``s - F`` of ``s + F``."""
-        return _Bounded(2.0 * self.exact.scalar_part() - self.exact, self.sizes)
+        sizes = None if self.sizes is None else self.sizes + 0.0
+        return _Bounded(2.0 * self.exact.scalar_part() - self.exact, sizes)
 
     @property
     def is_scalar(self) -> bool:

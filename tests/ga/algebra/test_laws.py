@@ -204,3 +204,11 @@ def test_even_elements_of_conformal_space_are_inverted_without_the_general_formu
     x = invertible(CGA3, rng, (5,)).grade(0, 2, 4)
     assert set(x.inverse().grades) == {0, 2, 4}
     close(x * x.inverse(), CGA3.scalar(np.ones(5)), 1e-14)
+
+
+def test_what_has_no_scalar_in_its_size_is_inverted_all_the_same() -> None:
+    """``x ~x`` is of grade 4 alone, and the square of that is a number."""
+    x = CGA3.multivector({"e1^einf": 2.0, "e2^e0": 1.0})
+    assert x.reverse_product().grades == (4,)
+    rest = x * x.inverse() - 1.0
+    assert max(abs(v) for v in rest.values) < 1e-15
