@@ -20,10 +20,12 @@ def as_reciprocals(tape: Tape) -> Tape:
     if not any(node.op == "div" for node in tape.nodes):
         return tape
     forms = Forms(tape)
-    divisors: dict[int, tuple[Monomial, Coefficient] | None] = {}
-    for index, node in enumerate(tape.nodes):
-        if node.op == "div" and node.args[1] not in divisors:
-            divisors[node.args[1]] = _monomial(forms, node.args[1], index)
+    roots = {node.args[0]: k for k, node in enumerate(tape.nodes) if node.op == "sqrt"}
+    divisors = {
+        node.args[1]: _monomial(forms, node.args[1], roots)
+        for node in tape.nodes
+        if node.op == "div"
+    }
     split = _worth_splitting([found[0] for found in divisors.values() if found])
     builder = TapeBuilder()
     place: list[int] = []
@@ -38,7 +40,13 @@ def as_reciprocals(tape: Tape) -> Tape:
             monomial, coefficient = found
             made = args[0]
             for factor in monomial:
-                made = _over(builder, made, place[factor])
+                # A root may come later on the tape: it is computed here then.
+                below = (
+                    place[factor]
+                    if factor < index
+                    else builder.operation("sqrt", place[tape.nodes[factor].args[0]])
+                )
+                made = _over(builder, made, below)
             scale = builder.constant(float(1 / Fraction(coefficient)))
             made = builder.operation("mul", scale, made)
         place.append(made)
@@ -77,10 +85,12 @@ def _over(builder: TapeBuilder, above: int, below: int) -> int:
     return builder.operation("mul", above, reciprocal)
 
 
-def _monomial(forms: Forms, index: int, place: int) -> tuple[Monomial, Coefficient] | None:
+def _monomial(
+    forms: Forms, index: int, roots: dict[int, int]
+) -> tuple[Monomial, Coefficient] | None:
     """A divisor as a product of nodes and a power of two, None where it is none.
 
-    A number whose square root was taken before `place` counts as the square of that.
+    A number of `roots`, whose square root is on the tape, counts as the square of that.
     """
     form: Form = forms.factor(index)
     if len(form) != 1:
@@ -89,9 +99,6 @@ def _monomial(forms: Forms, index: int, place: int) -> tuple[Monomial, Coefficie
     scale = abs(Fraction(coefficient))
     if scale.numerator & (scale.numerator - 1) or scale.denominator & (scale.denominator - 1):
         return None
-    roots = {
-        node.args[0]: k for k, node in enumerate(forms.tape.nodes[:place]) if node.op == "sqrt"
-    }
     parts = [(roots[k], roots[k]) if k in roots else (k,) for k in monomial]
     return tuple(sorted(k for part in parts for k in part)), coefficient
 

@@ -215,6 +215,8 @@ def test_reciprocals_are_shared() -> None:
         "?u = 1/(a*b); ?v = 1/a; ?w = 1/b;": 2,
         "?u = a/b + c/d;": 2,
         "?u = a/3;": 0,
+        "?u = a/(b + c); ?v = a/sqrt(b + c);": 1,
+        "n = a*a + b*b; ?u = a/sqrt(n); ?v = b/n; ?w = a/(n*sqrt(n));": 1,
     }
     for text, wanted in divisions.items():
         assert compiled(text).tape.operations().get("div", 0) == wanted, text
