@@ -90,10 +90,23 @@ def _smooth_table(found: Mapping[str, Any]) -> str:
     return smooth_table(found)
 
 
+def _bench_lag() -> Any:
+    from motorcade.replays.bench.lag import bench_lag
+
+    return bench_lag()
+
+
+def _lag_table(found: Mapping[str, Any]) -> str:
+    from motorcade.replays.bench.lag import lag_table
+
+    return lag_table(found)
+
+
 SUITES: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "blend": (bench_blend, blend_table),
     "accuracy": (measure_accuracy, accuracy_table),
     "table3": (measure_table3, print_table3),
     "smooth": (_bench_smooth, _smooth_table),
+    "lag": (_bench_lag, _lag_table),
 }
 """Every suite by name: what measures it, and what prints it."""
