@@ -11,6 +11,7 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
+from motorcade.fusion.smooth.auto import auto
 from motorcade.fusion.smooth.batch import robust_map
 from motorcade.fusion.smooth.causal import (
     constant_acceleration,
@@ -30,6 +31,7 @@ __all__ = ["METHODS", "method_named", "method_parameters", "smooth"]
 Method = Callable[..., Trajectory]
 
 METHODS: dict[str, Method] = {
+    "auto": auto,
     "exponential": exponential,
     "double_exponential": double_exponential,
     "one_euro": one_euro,
@@ -47,7 +49,7 @@ METHODS: dict[str, Method] = {
 
 def smooth(
     trajectory: Trajectory,
-    method: str = "local_polynomial",
+    method: str = "auto",
     representation: str = "motor",
     **parameters: Any,
 ) -> Trajectory:

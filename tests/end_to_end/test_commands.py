@@ -273,7 +273,7 @@ def test_bad_usage_exits_with_two() -> None:
 
 def test_smooth_then_evaluate(board_recording: Path, tmp_path: Path) -> None:
     truth, smooth = board_recording / "truth.tum", tmp_path / "smooth.tum"
-    assert run("smooth", truth, "-o", smooth, "--window-s", "0.3") == 0
+    assert run("smooth", truth, "-o", smooth, "--method", "gaussian", "--set", "sigma_s=0.05") == 0
     assert run("evaluate", smooth, truth, "--align", "se3", "--json", tmp_path / "e.json") == 0
     found = json.loads((tmp_path / "e.json").read_text())
     assert found["pairs"] == 24

@@ -207,6 +207,6 @@ def _series() -> list[float]:
     """Bernoulli numbers over factorials: the powers of ``z / (e^z - 1)``."""
     numbers = [Fraction(1)]
     for n in range(1, _TERMS + 1):
-        rest = sum(comb(n + 1, k) * numbers[k] for k in range(n))
+        rest = sum((comb(n + 1, k) * numbers[k] for k in range(n)), Fraction(0))
         numbers.append(-rest / (n + 1))
     return [float(b / factorial(n)) for n, b in enumerate(numbers)]

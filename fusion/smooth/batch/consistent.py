@@ -163,7 +163,8 @@ def _joint_cost(
 
 def _moving_median(values: FloatArray) -> FloatArray:
     """Medians ``(N, d)`` over a few neighbours to both sides, fewer at the ends."""
-    mode = "reflect" if len(values) > _NEIGHBOURS else "edge"
-    padded = np.pad(values, ((_NEIGHBOURS, _NEIGHBOURS), (0, 0)), mode=mode)
+    margin = ((_NEIGHBOURS, _NEIGHBOURS), (0, 0))
+    mirror = len(values) > _NEIGHBOURS
+    padded = np.pad(values, margin, "reflect") if mirror else np.pad(values, margin, "edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1, axis=0)
     return np.asarray(np.median(windows, axis=-1), dtype=np.float64)

@@ -219,10 +219,11 @@ class _Problem:
     def _first_guess(self, trajectory: Trajectory) -> _State:
         """The poses of the chain, and what lies between them."""
         poses, time_s = trajectory.poses, trajectory.time_s
-        guess: Motor | Similarity = bridged(time_s, _rigid(poses), self.start)
+        rigid = bridged(time_s, _rigid(poses), self.start)
+        guess: Motor | Similarity = rigid
         if isinstance(poses, Similarity):
             log_scale = np.interp(time_s, time_s[self.start], np.log(poses.scale[self.start]))
-            guess = Similarity.from_motor_scale(guess, np.exp(log_scale))
+            guess = Similarity.from_motor_scale(rigid, np.exp(log_scale))
         coordinates = self.representation.coordinates(guess)
         steps = self.representation.difference(coordinates[1:], coordinates[:-1])
         rate = steps / self.interval_s[:, None]

@@ -115,7 +115,13 @@ def solved(equations: Equations, damping: float) -> FloatArray:
         upto = slice(column, (count - 1) * size, size)
         band[size - column : 2 * size - column, upto] = equations.below[:, :, column].T
     band[0] *= 1.0 + damping
-    made = solveh_banded(band, equations.right.ravel(), overwrite_ab=True, lower=True)
+    try:
+        made = solveh_banded(band, equations.right.ravel(), overwrite_ab=True, lower=True)
+    except np.linalg.LinAlgError as lost:
+        raise ValueError(
+            "acceleration, noise: expected a motion model that rounding leaves solvable, got "
+            "accelerations too small for the noise and the stamps"
+        ) from lost
     return np.asarray(made, dtype=np.float64).reshape(count, size)
 
 
