@@ -14,7 +14,7 @@ import numpy as np
 from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
 from motorcade.ga import FloatArray, Rotor, Trajectory
 
-__all__ = ["GimbalIndex", "gimbal_index", "path_over_geodesic", "rotation_path_rad"]
+__all__ = ["GimbalIndex", "gimbal_index", "path_over_geodesic", "rotation_path_rad", "whole_turns"]
 
 # Within this angle (a quarter of a turn) of the truth an estimate is at home again.
 _HOME_COSINE = float(np.cos(0.25 * np.pi))
@@ -63,7 +63,7 @@ def gimbal_index(estimate: Trajectory, truth: Trajectory) -> GimbalIndex:
     return GimbalIndex(
         path_ratio=float(np.sum(turned)) / length,
         peak_rate_ratio=float(np.max(turned / steps_s) / np.max(true_turned / steps_s)),
-        spurious_turns=_whole_turns(true.inverse() @ ours),
+        spurious_turns=whole_turns(true.inverse() @ ours),
     )
 
 
@@ -88,7 +88,7 @@ def _steps_rad(rotors: Rotor) -> FloatArray:
     return (rotors[:-1].inverse() @ rotors[1:]).angle()
 
 
-def _whole_turns(error: Rotor) -> int:
+def whole_turns(error: Rotor) -> int:
     """How often the error's rotor, followed continuously, goes from near 1 to near -1 or back."""
     together = np.sum(error.coefficients[1:] * error.coefficients[:-1], axis=-1)
     signs = np.cumprod(np.concatenate([[1.0], np.where(together < 0.0, -1.0, 1.0)]))

@@ -20,7 +20,7 @@ import numpy as np
 from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
 from motorcade.ga import FloatArray, Motor, Trajectory
 
-__all__ = ["position_overshoot_m", "rotation_overshoot_rad"]
+__all__ = ["position_overshoot_m", "rotation_overshoot_rad", "stops"]
 
 _STOP_SHARE = 0.2
 # Speeds below this part of the fastest are standing still.
@@ -68,7 +68,7 @@ def _overshoot(estimate: Trajectory, truth: Trajectory, way: Way) -> float:
     ours, true = estimate.motors[kept], path.poses(time_s[kept])
     speed = np.linalg.norm(way(true[:-1], true[1:]), axis=-1) / np.diff(time_s[kept])
     found = []
-    for before, stop, after in _stops(speed):
+    for before, stop, after in stops(speed):
         at, stretch = true[stop], slice(before, after + 1)
         course = -way(at, true[before])
         length = float(np.linalg.norm(course))
@@ -82,7 +82,7 @@ def _overshoot(estimate: Trajectory, truth: Trajectory, way: Way) -> float:
     return max(0.0, *found)
 
 
-def _stops(speed: FloatArray) -> list[tuple[int, int, int]]:
+def stops(speed: FloatArray) -> list[tuple[int, int, int]]:
     """Peak before, minimum and peak after (or the end), for speeds ``(N-1,)`` of steps.
 
     A minimum follows a peak once the speed is below a fifth of it, and a peak follows a minimum

@@ -1,0 +1,137 @@
+"""One cell: a true motion, spoiled once, smoothed by every method in every representation, measured.
+
+A method that refuses or fails leaves a row that says why; the others go on. What a cell gives
+depends on nothing but its fields and the code, so cells can be computed anywhere and kept.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from motorcade.fusion.smooth import smooth
+from motorcade.ga import FloatArray, Trajectory
+from motorcade.replays.compare.plan import degradation_named
+from motorcade.replays.compare.ruler import METRICS, Ruler
+from motorcade.replays.compare.truth import truth_of
+
+__all__ = ["RAW", "Cell", "Row", "Setting", "inputs_of", "measured_rows", "run_cell", "why"]
+
+RAW = ("raw", "none")
+"""Method and representation of the row that measures the poses as they come."""
+# Digits that are kept: rounding of the last ones may differ from machine to machine.
+_DIGITS = 9
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A method in a representation with its parameters, as pairs of name and value."""
+
+    method: str
+    representation: str
+    parameters: tuple[tuple[str, Any], ...] = ()
+
+    def smooth(self, trajectory: Trajectory) -> Trajectory:
+        """Smooth a trajectory so.
+
+        Raises:
+            ValueError: what the method refuses, or a result that is not finite.
+        """
+        made = smooth(trajectory, self.method, self.representation, **dict(self.parameters))
+        if not np.all(np.isfinite(made.poses.coefficients)):
+            raise ValueError("the result is not finite")
+        return made
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one method in one representation made of a cell.
+
+    Fields:
+        values: by name of `METRICS`; None where one cannot be told. Empty where the method failed.
+        failure: why there is no result, else "".
+    """
+
+    method: str
+    representation: str
+    values: Mapping[str, float | None]
+    failure: str = ""
+
+    def as_list(self) -> list[Any]:
+        """For JSON; mirror of `of`."""
+        return [self.method, self.representation, dict(self.values), self.failure]
+
+    @classmethod
+    def of(cls, stored: Sequence[Any]) -> Row:
+        """From what `as_list` gave."""
+        return cls(*stored)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What is to be smoothed and measured; rows are the raw poses' and one for each setting."""
+
+    motion: str
+    degradation: str
+    seed: int
+    rate_hz: float
+    duration_s: float
+    settings: tuple[Setting, ...]
+
+
+def run_cell(cell: Cell) -> list[list[Any]]:
+    """The rows of a cell, as lists that JSON can hold."""
+    spoiled, ruler = inputs_of(
+        cell.motion, cell.degradation, cell.seed, cell.rate_hz, cell.duration_s
+    )
+    return [row.as_list() for row in measured_rows(spoiled, ruler, cell.settings)]
+
+
+def inputs_of(
+    motion: str, degradation: str, seed: int, rate_hz: float, duration_s: float
+) -> tuple[Trajectory, Ruler]:
+    """The spoiled poses of a cell, and the ruler of their stamps.
+
+    Draws depend on the seed and the names alone: every method sees the same poses.
+    """
+    truth = truth_of(motion, duration_s)
+    drawn = np.random.default_rng([seed, _number(motion), _number(degradation)])
+    clean = truth.motion.sampled(rate_hz, duration_s)
+    spoiled = degradation_named(degradation, truth.has_scale).apply(clean, drawn)
+    return spoiled, Ruler(spoiled.time_ns, truth)
+
+
+def measured_rows(spoiled: Trajectory, ruler: Ruler, settings: Iterable[Setting]) -> list[Row]:
+    """Smooth by every setting and measure, raw poses first."""
+    names, paths, failed = [RAW], [spoiled], []
+    for setting in settings:
+        name = (setting.method, setting.representation)
+        try:
+            made = setting.smooth(spoiled)
+        except Exception as error:  # one failing method never ends the others; its row says why
+            failed.append(Row(*name, {}, why(error)))
+            continue
+        names.append(name)
+        paths.append(made)
+    values = ruler.measure(paths)
+    return [Row(*name, _told(row)) for name, row in zip(names, values, strict=True)] + failed
+
+
+def why(error: Exception) -> str:
+    """An error as one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"[:300]
+
+
+def _told(values: FloatArray) -> dict[str, float | None]:
+    return {
+        name: float(f"{value:.{_DIGITS}g}") if np.isfinite(value) else None
+        for name, value in zip(METRICS, values, strict=True)
+    }
+
+
+def _number(name: str) -> int:
+    return zlib.crc32(name.encode())

@@ -1,0 +1,155 @@
+"""Rankings: methods and representations by how much of the raw poses' error they leave.
+
+A score is the geometric mean over the motions and degradations of a scope of (metric / raw metric),
+seed by seed; ``score`` is the same of the mean of the four ratios, which is what parameters are
+tuned by. Each seed gives one score, and seeds are drawn anew to tell how far scores and ranks can
+be trusted. Only what has a result in every cell of the scope is ranked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga import FloatArray
+from motorcade.replays.compare.cells import RAW
+from motorcade.replays.compare.ruler import METRICS
+from motorcade.replays.compare.statistics import Group, bootstrap, resampling
+
+__all__ = ["RANKED", "rankings", "ratios_to_motor"]
+
+RANKED = (
+    "score",
+    "ape_rmse_m",
+    "rotation_rmse_deg",
+    "linear_jitter_m_s2",
+    "angular_jitter_rad_s2",
+)
+_COLUMNS = [METRICS.index(metric) for metric in RANKED[1:]]
+
+Name = tuple[str, str]
+
+
+def rankings(groups: Sequence[Group]) -> list[dict[str, Any]]:
+    """A ranking for every scope and metric; ranks begin at 1 and the best comes first.
+
+    `rank_low` and `rank_high` bound the rank in 95 % of the resamples; `ties_with_best` says that
+    the paired interval of the logarithm's difference from the first contains 0.
+    """
+    made = []
+    for scope, chosen in _scopes(groups):
+        names, scores, unranked = _scores(chosen)
+        if not names:
+            continue
+        counts = resampling(len(chosen[0].seeds))
+        for k, metric in enumerate(RANKED):
+            rows = _ranked(names, scores[:, :, k], counts)
+            made.append({
+                "scope": scope, "metric": metric, "rows": rows,
+                "unranked": [list(name) for name in unranked],
+            })  # fmt: skip
+    return made
+
+
+def ratios_to_motor(groups: Sequence[Group]) -> list[dict[str, Any]]:
+    """Geometric mean of (metric / the same method's on motors), over the cells of each scope.
+
+    For every method and, as method "all", over those that are complete in every representation.
+    """
+    made = []
+    for scope, chosen in _scopes(groups):
+        names, scores, _ = _scores(chosen)
+        if not names:
+            continue
+        counts = resampling(len(chosen[0].seeds))
+        at = {name: i for i, name in enumerate(names)}
+        parts: dict[str, list[FloatArray]] = {}
+        for method, representation in names:
+            if (method, "motor") not in at or representation == "none":
+                continue
+            ratio = scores[:, at[method, representation]] - scores[:, at[method, "motor"]]
+            parts.setdefault(representation, []).append(ratio)
+            made += _ratio_rows(scope, method, representation, ratio, counts)
+        most = max((len(ratios) for ratios in parts.values()), default=0)
+        for representation, ratios in parts.items():
+            if len(ratios) == most:
+                made += _ratio_rows(scope, "all", representation, np.mean(ratios, axis=0), counts)
+    return made
+
+
+def _scopes(groups: Sequence[Group]) -> list[tuple[str, list[Group]]]:
+    made = [("all", list(groups))]
+    for field in ("motion", "degradation"):
+        values = dict.fromkeys(getattr(group, field) for group in groups)
+        made += [
+            (f"{field}:{value}", [g for g in groups if getattr(g, field) == value])
+            for value in values
+        ]
+    return made
+
+
+def _scores(groups: Sequence[Group]) -> tuple[list[Name], FloatArray, list[Name]]:
+    """Names, logarithms of scores ``(S, P, 5)``, and the names that are not complete."""
+    names = list(dict.fromkeys(name for group in groups for name in group.names))
+    total = np.zeros((len(groups[0].seeds), len(names), len(RANKED)))
+    for group in groups:
+        column = {name: i for i, name in enumerate(group.names)}
+        raw = group.values[:, column[RAW]][:, _COLUMNS]
+        for i, name in enumerate(names):
+            if name not in column:
+                total[:, i] = np.nan
+                continue
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ratio = group.values[:, column[name]][:, _COLUMNS] / raw
+                logs = np.log(np.concatenate([np.mean(ratio, axis=1)[:, None], ratio], axis=1))
+            total[:, i] += logs / len(groups)
+    whole = np.all(np.isfinite(total), axis=(0, 2))
+    kept = [name for name, good in zip(names, whole, strict=True) if good]
+    return kept, total[:, whole], [n for n, good in zip(names, whole, strict=True) if not good]
+
+
+def _ranked(names: list[Name], scores: FloatArray, counts: FloatArray) -> list[dict[str, Any]]:
+    found = bootstrap(scores, counts)
+    drawn = counts @ scores / scores.shape[0]
+    ranks = 1 + np.argsort(np.argsort(drawn, axis=1, kind="stable"), axis=1, kind="stable")
+    low, high = np.percentile(ranks, (2.5, 97.5), axis=0, method="nearest")
+    order = np.argsort(found.mean, kind="stable")
+    behind = bootstrap(scores - scores[:, order[:1]], counts)
+    return [
+        {
+            "rank": place + 1,
+            "method": names[i][0],
+            "representation": names[i][1],
+            "ratio_to_raw": _rounded(np.exp(found.mean[i])),
+            "ratio_low": _rounded(np.exp(found.low[i])),
+            "ratio_high": _rounded(np.exp(found.high[i])),
+            "rank_low": int(low[i]),
+            "rank_high": int(high[i]),
+            "ties_with_best": bool(place == 0 or not behind.low[i] > 0.0),
+        }
+        for place, i in enumerate(order)
+    ]
+
+
+def _ratio_rows(
+    scope: str, method: str, representation: str, ratio: FloatArray, counts: FloatArray
+) -> list[dict[str, Any]]:
+    found = bootstrap(ratio, counts)
+    return [
+        {
+            "scope": scope,
+            "method": method,
+            "representation": representation,
+            "metric": metric,
+            "ratio_to_motor": _rounded(np.exp(found.mean[k])),
+            "ratio_low": _rounded(np.exp(found.low[k])),
+            "ratio_high": _rounded(np.exp(found.high[k])),
+        }
+        for k, metric in enumerate(RANKED)
+    ]
+
+
+def _rounded(value: float) -> float | None:
+    return float(f"{value:.6g}") if np.isfinite(value) else None

@@ -1,0 +1,196 @@
+"""Parameters of every method, chosen the same way for every representation.
+
+A method has ladders of values in physical units. They are climbed one after another, the others at
+their start or at what was found before, and the rung with the lowest objective is taken (the first
+of equals): the same rungs, the same objective and the same number of trials for each
+representation, on seeds that are not judged. The objective is the mean over those seeds of
+
+    mean of (position error, rotation error, linear jitter, angular jitter), each over the raw one,
+
+and of the error of the scale where there is one: 1 is no better than the raw poses. So neither
+error nor shaking is bought at the other's price alone. Parameters are chosen for each motion and
+degradation apart, so no representation is judged with another motion's parameters.
+
+Methods without a ladder run with their defaults, and the results say so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga import FloatArray, Trajectory
+from motorcade.replays.compare.cells import Setting, inputs_of
+from motorcade.replays.compare.ruler import Ruler
+
+__all__ = ["LADDERS", "Ladder", "Tuned", "Tuning", "borrowed", "run_tuning", "tuned"]
+
+NOISE = (("noise_m", 0.005), ("noise_rad", float(np.deg2rad(0.5))))
+"""What filters that weigh noise against motion are told of it: only the ratio counts, which their
+ladders change; but `robust_map` tells outliers by it."""
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """Values of one parameter to try, and where it stands while others are tried."""
+
+    parameter: str
+    start: float
+    rungs: tuple[float, ...]
+
+
+def _ladder(parameter: str, start: float, low: float, high: float, count: int) -> Ladder:
+    rungs = np.geomspace(low, high, count)
+    return Ladder(parameter, start, tuple(float(f"{rung:.4g}") for rung in rungs))
+
+
+_VELOCITY = (
+    _ladder("angular_acceleration_rad_s2", 4.0, 0.2, 100.0, 6),
+    _ladder("acceleration_m_s2", 2.0, 0.1, 50.0, 6),
+)
+_ACCELERATION = (
+    _ladder("angular_jerk_rad_s3", 20.0, 1.0, 1000.0, 6),
+    _ladder("jerk_m_s3", 10.0, 0.5, 500.0, 6),
+)
+
+LADDERS: Mapping[str, tuple[Ladder, ...]] = MappingProxyType({
+    "exponential": (_ladder("cutoff_hz", 2.0, 0.5, 14.0, 12),),
+    "double_exponential": (
+        _ladder("cutoff_hz", 2.0, 1.0, 12.0, 6),
+        _ladder("trend_cutoff_hz", 0.5, 0.1, 5.0, 6),
+    ),
+    "one_euro": (
+        _ladder("min_cutoff_hz", 0.5, 0.25, 8.0, 4),
+        _ladder("beta_per_rad", 3.0, 0.3, 30.0, 4),
+        _ladder("beta_per_m", 10.0, 1.0, 100.0, 4),
+    ),
+    "constant_velocity": _VELOCITY,
+    "constant_acceleration": _ACCELERATION,
+    "rts_constant_velocity": _VELOCITY,
+    "rts_constant_acceleration": _ACCELERATION,
+    "gaussian": (_ladder("sigma_s", 0.1, 0.02, 0.4, 12),),
+    "savitzky_golay": (_ladder("window_s", 0.3, 0.12, 1.6, 12),),
+    "local_polynomial": (_ladder("window_s", 0.3, 0.12, 1.6, 12),),
+})  # fmt: skip
+"""What is tried, in order: twelve trials a method."""
+
+FIXED: Mapping[str, tuple[tuple[str, Any], ...]] = MappingProxyType({
+    "constant_velocity": NOISE,
+    "constant_acceleration": NOISE,
+    "rts_constant_velocity": NOISE,
+    "rts_constant_acceleration": NOISE,
+    "robust_map": NOISE,
+})  # fmt: skip
+"""Parameters that are told and not tuned."""
+
+BORROWS: Mapping[str, tuple[str, str]] = MappingProxyType({
+    "robust_map": ("rts_constant_velocity", "gaussian"),
+})  # fmt: skip
+"""Methods too slow for a search take what was found for another one with the same parameters, on
+the same motion under this degradation."""
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """One search: for a method and its representations, on a motion and a degradation."""
+
+    motion: str
+    degradation: str
+    seeds: tuple[int, ...]
+    rate_hz: float
+    duration_s: float
+    pairs: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """What a search found.
+
+    Fields:
+        setting: the method, its representation, and all parameters that are given to it.
+        how: "ladder", "defaults" (no ladder, or no rung that the method did not refuse) or
+            "borrowed".
+        objective: of the best rung; None where nothing was tried.
+        trials: how many values were tried.
+    """
+
+    setting: Setting
+    how: str
+    objective: float | None
+    trials: int
+
+    def as_list(self) -> list[Any]:
+        """For JSON; mirror of `of`."""
+        one = self.setting
+        return [one.method, one.representation, dict(one.parameters), self.how, self.objective,
+                self.trials]  # fmt: skip
+
+    @classmethod
+    def of(cls, stored: Sequence[Any]) -> Tuned:
+        """From what `as_list` gave."""
+        method, representation, parameters, *rest = stored
+        return cls(Setting(method, representation, tuple(parameters.items())), *rest)
+
+
+def run_tuning(tuning: Tuning) -> list[list[Any]]:
+    """Every search of a motion and a degradation, as lists that JSON can hold."""
+    inputs = [
+        inputs_of(tuning.motion, tuning.degradation, seed, tuning.rate_hz, tuning.duration_s)
+        for seed in tuning.seeds
+    ]
+    raw = [ruler.errors([spoiled])[0] for spoiled, ruler in inputs]
+    return [tuned(*pair, inputs, raw).as_list() for pair in tuning.pairs]
+
+
+def tuned(
+    method: str,
+    representation: str,
+    inputs: Sequence[tuple[Trajectory, Ruler]],
+    raw: Sequence[FloatArray],
+) -> Tuned:
+    """Climb a method's ladders on paths, given the errors of the raw poses of each."""
+    ladders = LADDERS.get(method, ())
+    chosen: dict[str, Any] = dict(FIXED.get(method, ()))
+    if not ladders:
+        return Tuned(Setting(method, representation, tuple(chosen.items())), "defaults", None, 0)
+    chosen |= {ladder.parameter: ladder.start for ladder in ladders}
+    best, trials = np.inf, 0
+    for ladder in ladders:
+        found = []
+        for rung in ladder.rungs:
+            tried = Setting(
+                method, representation, tuple((chosen | {ladder.parameter: rung}).items())
+            )
+            found.append(_objective(tried, inputs, raw))
+        trials += len(found)
+        if np.isfinite(np.min(found)):
+            best = float(np.min(found))
+            chosen[ladder.parameter] = ladder.rungs[int(np.argmin(found))]
+    setting = Setting(method, representation, tuple(chosen.items()))
+    if not np.isfinite(best):
+        return Tuned(setting, "defaults", None, trials)
+    return Tuned(setting, "ladder", float(f"{best:.9g}"), trials)
+
+
+def borrowed(method: str, found: Tuned) -> Tuned:
+    """Another method's parameters for this one."""
+    parameters = dict(found.setting.parameters) | dict(FIXED.get(method, ()))
+    setting = Setting(method, found.setting.representation, tuple(parameters.items()))
+    return Tuned(setting, "borrowed", None, 0)
+
+
+def _objective(
+    setting: Setting, inputs: Sequence[tuple[Trajectory, Ruler]], raw: Sequence[FloatArray]
+) -> float:
+    ratios = []
+    for (spoiled, ruler), base in zip(inputs, raw, strict=True):
+        try:
+            errors = ruler.errors([setting.smooth(spoiled)])[0]
+        except Exception:  # what a method refuses is no candidate; a cell's row would say why
+            return np.inf
+        ratios.append(float(np.nanmean(errors / base)))
+    return float(np.mean(ratios))
