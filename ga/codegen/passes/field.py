@@ -13,8 +13,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 __all__ = [
-    "ONE", "PRIME", "ZERO", "Element", "add", "canonical", "constant", "divide", "inverse",
-    "magnitude", "multiply", "negative", "rational", "root", "subtract",
+    "ONE", "PRIME", "ZERO", "Element", "add", "canonical", "constant", "divide", "fraction",
+    "inverse", "magnitude", "multiply", "negative", "rational", "root", "subtract",
 ]  # fmt: skip
 
 PRIME = (1 << 61) - 150993
@@ -102,8 +102,12 @@ def _base_root(a: int) -> int | None:
 
 def constant(value: float) -> Element:
     """A float as the dyadic fraction that it is."""
-    above, below = value.as_integer_ratio()
-    return above * pow(below, -1, PRIME) % PRIME, 0
+    return fraction(Fraction(value))
+
+
+def fraction(value: Fraction) -> Element:
+    """A fraction whose denominator is no multiple of p."""
+    return value.numerator * pow(value.denominator, -1, PRIME) % PRIME, 0
 
 
 def rational(x: Element, largest: int) -> Fraction | None:

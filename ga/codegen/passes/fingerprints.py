@@ -10,10 +10,12 @@ count as unknown, so that one comparison errs with less than 2^-83, and all pair
 Operations that are not rational become unknowns that are told apart by their operation and the
 values of their arguments, but for what is known of them: sin and cos of one argument are a random
 rational point of the unit circle, tan is their quotient, exp(-x) is 1/exp(x), sin, tan, asin and
-atan are odd, cos and abs even, a square root is a root in GF(p²). The last two leave a sign open:
+atan are odd, cos and abs even, a square root is a root in GF(p²). The last two leave a sign open,
+which is that of a fair coin that multiplies as signs do (`field.magnitude`):
 ``sqrt(x²)`` and ``|x|`` have the
 value of x or of -x. Nodes that depend on such a choice are `uncertain`: their
-agreement is a guess that needs another proof (see `witness`).
+agreement at few points is a guess. A claim that is wrong for half of the signs passes at all of
+`MANY_POINTS` with 2^-48.
 """
 
 from __future__ import annotations
@@ -28,9 +30,10 @@ from motorcade.ga.codegen.passes.field import Element
 from motorcade.ga.codegen.passes.signs import nonnegative_nodes
 from motorcade.ga.codegen.tape import Node, Tape
 
-__all__ = ["POINTS", "Fingerprint", "Fingerprints", "fingerprints"]
+__all__ = ["MANY_POINTS", "POINTS", "Fingerprint", "Fingerprints", "fingerprints"]
 
 POINTS = 3
+MANY_POINTS = 48
 _SEED = 20170214
 _HIGHEST_DEGREE = 1 << 16
 _TRIES = 8
@@ -46,13 +49,13 @@ class Fingerprints:
     uncertain: tuple[bool, ...]
 
 
-def fingerprints(tape: Tape) -> Fingerprints:
-    """The values of all nodes; the same for the same tape."""
+def fingerprints(tape: Tape, points: int = POINTS) -> Fingerprints:
+    """The values of all nodes at this many points; the same for the same tape."""
     nonnegative = nonnegative_nodes(tape)
     unbounded = _of_high_degree(tape)
     random = np.random.default_rng(_SEED)
     columns = []
-    for _ in range(POINTS):
+    for _ in range(points):
         for left in reversed(range(_TRIES)):
             point = _Point(tape, nonnegative, unbounded, random)
             if point.computed(strict=left > 0):

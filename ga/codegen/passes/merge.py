@@ -1,22 +1,30 @@
 """Zero proofs, and one node for all that are equal up to a factor.
 
-Nodes are compared by their `fingerprints`; what these say must also hold for the `witness`, with
-many digits where a sign was guessed. Of equal nodes the one that needs the fewest others stays.
+Nodes are compared by their `fingerprints`, at many points where a sign was guessed, and what these
+say must also hold for the `witness`. A node is replaced only by one that is defined wherever it is:
+all divisions, roots and other partial functions on the way to that are on the way to it too. Of
+equal nodes the one that needs the fewest others stays.
 """
 
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cached_property
 
 from motorcade.ga.codegen.passes import field
-from motorcade.ga.codegen.passes.fingerprints import Fingerprint, fingerprints
+from motorcade.ga.codegen.passes.fingerprints import (
+    MANY_POINTS,
+    Fingerprint,
+    Fingerprints,
+    fingerprints,
+)
 from motorcade.ga.codegen.passes.rebuild import copied
 from motorcade.ga.codegen.passes.witness import Witness
 from motorcade.ga.codegen.tape import BOOLEANS, Tape, TapeBuilder
 
 __all__ = ["merged"]
 
-_RATIONAL = frozenset({"input", "const", "add", "sub", "mul", "div", "neg"})
+_PARTIAL = frozenset({"div", "sqrt", "log", "asin", "acos", "tan"})
 _LARGEST_FACTOR = 1 << 10
 _LARGEST_CONSTANT = 1 << 16
 
@@ -35,7 +43,8 @@ class _Merger:
         self._tape = tape
         self._prints = fingerprints(tape)
         self._witness = Witness(tape)
-        self._opaque: list[bool] = []
+        # For each node the partial functions on the way to it, a bit each, equal ones the same.
+        self._partial: list[int] = []
         # For each node the first of its class and its factor to that; None stands for 1.
         self._first: list[int | None] = []
         self._factor: list[Fraction] = []
@@ -43,11 +52,16 @@ class _Merger:
 
     def run(self) -> Tape:
         for index, node in enumerate(self._tape.nodes):
-            inside = node.op not in _RATIONAL or any(self._opaque[k] for k in node.args)
-            self._opaque.append(inside)
+            partial = 1 << index if node.op in _PARTIAL else 0
+            for k in node.args:
+                partial |= self._partial[k]
+            self._partial.append(partial)
             first, factor = self._classified(index)
             if node.op == "div" and self._is_zero(node.args[1]):
                 raise ValueError("expected divisors that are not zero for all values, got one")
+            if node.op in _PARTIAL and first is not None and first != index:
+                own = self._partial[first] & (1 << first)
+                self._partial[index] = (partial & ~(1 << index)) | own
             self._first.append(first)
             self._factor.append(factor)
         return self._rebuilt(self._shortest())
@@ -62,13 +76,13 @@ class _Merger:
             known = self._classes.setdefault((node.op, value), [index])
             return known[0], Fraction(1)
         if all(part == field.ZERO for part in value):
-            if self._sure(index, 0.0, None):
+            if self._sure(index, Fraction(0), None):
                 return None, Fraction(0)
             return index, Fraction(1)
         key = _ratios(value)
         if key == _ratios((field.ONE,) * len(value)):
             constant = field.rational(value[0], _LARGEST_CONSTANT)
-            if constant is not None and self._sure(index, float(constant), None):
+            if constant is not None and self._sure(index, constant, None):
                 return None, constant
         known = self._classes.setdefault(key, [])
         for other in known:
@@ -76,7 +90,9 @@ class _Merger:
             factor = field.rational(quotient, _LARGEST_FACTOR)
             if factor is None or factor.denominator & (factor.denominator - 1):
                 continue
-            if self._sure(index, float(factor), other):
+            if not self._partial[other] & ~self._partial[index] and self._sure(
+                index, factor, other
+            ):
                 return other, factor
         known.append(index)
         return index, Fraction(1)
@@ -84,10 +100,27 @@ class _Merger:
     def _is_zero(self, index: int) -> bool:
         return self._first[index] is None and self._factor[index] == 0
 
-    def _sure(self, index: int, factor: float, other: int | None) -> bool:
+    def _sure(self, index: int, factor: Fraction, other: int | None) -> bool:
+        """Whether a node is so many times another one, 1 where that is None."""
         uncertain = self._prints.uncertain
         guessed = uncertain[index] or (other is not None and uncertain[other])
-        return self._witness.holds(index, factor, other, precisely=guessed)
+        if guessed and not self._agrees_everywhere(index, factor, other):
+            return False
+        return self._witness.holds(index, float(factor), other)
+
+    def _agrees_everywhere(self, index: int, factor: Fraction, other: int | None) -> bool:
+        values = self._many_prints.values
+        scale = field.fraction(factor)
+        if other is None:
+            return all(value == scale for value in values[index])
+        return all(
+            value == field.multiply(scale, known)
+            for value, known in zip(values[index], values[other], strict=True)
+        )
+
+    @cached_property
+    def _many_prints(self) -> Fingerprints:
+        return fingerprints(self._tape, MANY_POINTS)
 
     def _shortest(self) -> dict[int, int]:
         """For the first node of each class the one of its nodes that needs the fewest others."""
@@ -103,10 +136,7 @@ class _Merger:
                 continue
             kept = best.setdefault(first, index)
             shorter = needs[index].bit_count() < needs[kept].bit_count()
-            if shorter and (
-                not (self._opaque[index] or self._opaque[first])
-                or self._witness.as_defined(index, first)
-            ):
+            if shorter and not self._partial[index] & ~self._partial[first]:
                 best[first] = index
         return best
 

@@ -166,7 +166,31 @@ def test_no_cancellation_hides_a_sign_that_was_guessed(others: int, sign: str) -
     assert program.tape.outputs[-1] == Operand("value", ("1",))
 
 
-def test_a_sign_that_was_guessed_needs_the_witness() -> None:
+@pytest.mark.parametrize("others", range(8))
+def test_signs_that_no_sample_has_are_not_forgotten(others: int) -> None:
+    """Wherever the optimiser looks, a is below 100000, and -a above -100000."""
+    first = "".join(f"?u{k} = x{k};" for k in range(others))
+    for value in ("abs(a - 100000) + a - 100000", "sqrt((a + 100000)*(a + 100000)) - a - 100000"):
+        program = compiled(f"{first} ?value = {value};")
+        assert program.tape.outputs[-1] == Operand("value", ("1",)), value
+
+
+def test_nothing_is_replaced_by_what_is_defined_at_fewer_places() -> None:
+    """Wherever the optimiser looks, all of these are numbers."""
+    from motorcade.ga.codegen.interpret import run_tape
+
+    for before, value in (
+        ("sqrt(a + 1000)*sqrt(a + 1000)", "a + 1000"),
+        ("a/(a - 777)*(a - 777)", "2*a - a"),
+        ("sin(asin(a/1000))*sin(asin(a/1000)) + cos(asin(a/1000))*cos(asin(a/1000))", "a/a"),
+    ):
+        tape = compiled(f"?first = {before}; ?second = {value};").tape
+        for a in (-2000.0, 777.0):
+            made = run_tape(tape, {("a", 0): np.float64(a)})
+            assert np.isfinite(made[1][0]), (before, a)
+
+
+def test_a_sign_that_was_guessed_needs_another_proof() -> None:
     tape = traced("?value = sqrt(a*a + 2*a*b + b*b)*a;")
     prints = fingerprints(tape)
     root = next(k for k, node in enumerate(tape.nodes) if node.op == "sqrt")
