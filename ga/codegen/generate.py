@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from motorcade.ga.algebra import Algebra
 from motorcade.ga.codegen.kernel import PRECISIONS, Precision
 from motorcade.ga.codegen.program import Program, compile_script
 from motorcade.ga.codegen.strategies import product, table
@@ -20,7 +19,7 @@ __all__ = ["STRATEGIES", "Generated", "generate", "read_script"]
 
 _LONGEST_CHARACTER = 4
 
-WriteCalls = Callable[[Script, str, Algebra | None, Precision | None], dict[str, str]]
+WriteCalls = Callable[[Script, Program, Precision | None], dict[str, str]]
 
 # How else than as the program that `TARGETS` write a script becomes C.
 STRATEGIES: dict[str, WriteCalls] = {"table": table.write, "product": product.write}
@@ -69,7 +68,7 @@ def generate(
     program = compile_script(script, name, basis)
     if strategy == "program":
         return Generated(program, write(program, kind))
-    return Generated(program, STRATEGIES[strategy](script, name, basis, kind))
+    return Generated(program, STRATEGIES[strategy](script, program, kind))
 
 
 def read_script(path: Path) -> Script:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from motorcade.ga.algebra import Algebra
 from motorcade.ga.codegen.kernel import DOUBLE, Precision
-from motorcade.ga.codegen.program import Program, compile_script
+from motorcade.ga.codegen.program import Program
 from motorcade.ga.codegen.strategies.calls import CallWriter
 from motorcade.ga.codegen.strategies.record import record
 from motorcade.ga.codegen.targets.c import c_dialect, c_files
@@ -25,22 +24,20 @@ def files(
     writer: type[CallWriter],
     strategy: str,
     script: Script,
-    name: str,
-    algebra: Algebra | None,
+    program: Program,
     precision: Precision | None,
 ) -> dict[str, str]:
     """Source and header; the function takes and gives what the script's program does."""
     real = precision or DOUBLE
-    program = compile_script(script, name, algebra)
     check_names(program, C_NAMES, array_slots(program))
     variables = [operand.name for operand in program.tape.inputs]
-    made = writer(record(script, program.algebra, variables), name, real, c_dialect(real))
+    made = writer(record(script, program.algebra, variables), program.name, real, c_dialect(real))
     parameters = [f"{real.c} {variable}" for variable in variables]
-    head = function(name, [*parameters, *array_parameters(program, real.c)], "void")
+    head = function(program.name, [*parameters, *array_parameters(program, real.c)], "void")
     told = description(program, f"c --strategy {strategy} --precision {real.numpy}")
     steps = _steps(program, made)
     defined = "\n\n".join([*made.definitions(), steps, head])
-    return c_files(name, told, head, defined, indented([_call(program, made)]))
+    return c_files(program.name, told, head, defined, indented([_call(program, made)]))
 
 
 def _inner(program: Program) -> str:

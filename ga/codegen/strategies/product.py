@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from motorcade.ga.algebra import Algebra
 from motorcade.ga.algebra.basis import grade_of
 from motorcade.ga.algebra.products import PRODUCTS, Masks
 from motorcade.ga.codegen.kernel import Precision
+from motorcade.ga.codegen.program import Program
 from motorcade.ga.codegen.strategies.calls import SIGNS, CallWriter
 from motorcade.ga.codegen.strategies.files import files
 from motorcade.ga.codegen.strategies.record import Step
@@ -22,16 +22,13 @@ from motorcade.ga.script import Script
 __all__ = ["write"]
 
 
-def write(
-    script: Script, name: str, algebra: Algebra | None, precision: Precision | None
-) -> dict[str, str]:
-    """Names and texts of the source and the header of a script; see `compile_script`.
+def write(script: Script, program: Program, precision: Precision | None) -> dict[str, str]:
+    """Names and texts of the source and the header of a script; `program` is what it compiles to.
 
     Raises:
-        ScriptError: what `evaluate` refuses.
         ValueError: names that C or C++ keeps for itself, numbers too large for the precision.
     """
-    return files(_ProductWriter, "product", script, name, algebra, precision)
+    return files(_ProductWriter, "product", script, program, precision)
 
 
 class _ProductWriter(CallWriter):

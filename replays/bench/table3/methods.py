@@ -12,7 +12,7 @@ import shutil
 import subprocess
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -211,13 +211,19 @@ def script(name: str) -> Script:
     return parse(file.read_text(encoding="utf-8"), file.name)
 
 
+@cache
+def _program(name: str) -> Program:
+    """The program of a script; its function stays inside the file that it is written to."""
+    return compile_script(script(name), f"{name}_pose")
+
+
 def _source(method: Method, precision: Precision) -> str:
     """The script's function, and the loop around it."""
-    name = f"{method.name}_pose"
-    program = compile_script(script(method.script), name)
+    program = _program(method.script)
+    name = program.name
     if method.strategy in ("table", "product"):
         strategy = table if method.strategy == "table" else product
-        files = strategy.write(script(method.script), name, None, precision)
+        files = strategy.write(script(method.script), program, precision)
     else:
         files = (c_batch if method.strategy == "c-batch" else c).write(program, precision)
     loop = _array_loop if method.arrays else _loop

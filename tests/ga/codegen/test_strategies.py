@@ -62,7 +62,7 @@ def computed(
     precision: Precision = DOUBLE,
 ) -> dict[str, np.ndarray]:
     """The outputs of the compiled code, each of shape (rows, blades)."""
-    for file, text in strategy.write(script, program.name, None, precision).items():
+    for file, text in strategy.write(script, program, precision).items():
         (folder / file).write_text(text)
     library = folder / f"{program.name}.so"
     source = folder / f"{program.name}.c"
@@ -118,7 +118,7 @@ def test_single_precision_is_written_in_floats(
 
 def test_a_table_is_interpreted_once_for_each_product() -> None:
     script = parse("a = x*e1 + y*e2; b = a*a*a; ?c = b*b + (a^b);")
-    text = table.write(script, "script", None, None)["script.c"]
+    text = table.write(script, compile_script(script, "script"), None)["script.c"]
     assert text.count("script_product(&script_geometric, ") == 5
     assert text.count("script_product(&script_outer, ") == 1
     assert text.count("static script_mv script_product(") == 1
@@ -126,7 +126,7 @@ def test_a_table_is_interpreted_once_for_each_product() -> None:
 
 def test_equal_types_share_a_function_and_equal_products_are_done_again() -> None:
     script = parse("a = x*e1 + y*e2; b = z*e1 + x*e2; ?c = a*b; ?d = b*a; ?e = a*b;")
-    text = product.write(script, "script", None, None)["script.c"]
+    text = product.write(script, compile_script(script, "script"), None)["script.c"]
     function = next(line for line in text.splitlines() if "geometric_mv3_mv3" in line)
     called = function.split()[3].split("(")[0]
     assert text.count(f"{called}(const") == 1
@@ -138,8 +138,9 @@ def test_the_page_on_strategies_shows_what_they_write() -> None:
     (clu,) = re.findall(r"```clu\n(.*?)```", page, re.DOTALL)
     shown = re.findall(r"```c\n(.*?)```", page, re.DOTALL)
     script = parse(clu)
-    written = [strategy.write(script, "square", None, None) for strategy in (table, product)]
-    written.append(c.write(compile_script(script, "square"), None))
+    program = compile_script(script, "square")
+    written = [strategy.write(script, program, None) for strategy in (table, product)]
+    written.append(c.write(program, None))
     assert len(shown) == len(written)
     for snippet, files in zip(shown, written, strict=True):
         assert all(line in files["square.c"] for line in snippet.splitlines())
