@@ -7,7 +7,6 @@ corner, x right and y up as printed, z out of the printed face). Needs OpenCV.
 from __future__ import annotations
 
 from motorcade.tracking.boards import (
-    FAMILIES,
     Board,
     BoardCorners,
     CharucoBoard,
@@ -16,9 +15,15 @@ from motorcade.tracking.boards import (
     MarkerGrid,
     Pattern,
     SingleMarker,
-    detect_markers,
 )
 from motorcade.tracking.camera import Camera, CameraModel
+from motorcade.tracking.markers import (
+    FAMILIES,
+    Detection,
+    PosedMarker,
+    detect_markers,
+    pose_marker,
+)
 from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
 from motorcade.tracking.pose import (
     SIGMA_FLOOR_PX,
@@ -47,12 +52,14 @@ __all__ = [
     "CharucoBoard",
     "Checkerboard",
     "Choice",
+    "Detection",
     "GrayImage",
     "MarkerGrid",
     "MarkerObservation",
     "Pattern",
     "PlanarCandidates",
     "PoseMeasurements",
+    "PosedMarker",
     "RefinedPose",
     "SingleMarker",
     "TrackedFrame",
@@ -60,6 +67,7 @@ __all__ = [
     "choose",
     "detect_markers",
     "planar_candidates",
+    "pose_marker",
     "refine",
     "registration_px",
     "reprojection_px",

@@ -14,8 +14,8 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Motor
 from motorcade.tracking.boards import Board, BoardCorners, GrayImage
-from motorcade.tracking.boards.checks import check_count, checked_gray
 from motorcade.tracking.camera import Camera
+from motorcade.tracking.checks import check_count, checked_gray
 from motorcade.tracking.following import follow
 from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.pose import (

@@ -36,7 +36,6 @@ from motorcade.replays.readers.video import VideoFrames
 from motorcade.replays.recording import FrameSequence, Recording
 from motorcade.replays.trajectory_files import even_stamps, read_times
 from motorcade.tracking.boards import (
-    FAMILIES,
     Board,
     CharucoBoard,
     Checkerboard,
@@ -44,6 +43,7 @@ from motorcade.tracking.boards import (
     SingleMarker,
 )
 from motorcade.tracking.camera import Camera
+from motorcade.tracking.markers import FAMILIES
 
 __all__ = ["BOARD_KEYS", "CAMERA_KEYS", "FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "read"]
 

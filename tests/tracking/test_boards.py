@@ -70,8 +70,9 @@ def test_the_first_corner_is_the_printed_top_left_one(
 
 def test_marker_corners_run_clockwise(straight_camera, render, look_at) -> None:
     picture = render(GRID, straight_camera, look_at(GRID, 0.5, roll_deg=100))
-    ids, quads = detect_markers(picture, "tag36h11")
-    np.testing.assert_array_equal(ids, np.arange(12))
+    found = detect_markers(picture, "tag36h11")
+    assert [one.marker_id for one in found] == list(range(12))
+    quads = np.stack([one.corners_px for one in found])
     sides = np.roll(quads, -1, axis=1) - quads
     turns = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
     assert np.all(turns > 0.0)

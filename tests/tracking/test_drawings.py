@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from motorcade.tracking import Board, CharucoBoard, Checkerboard, MarkerGrid, SingleMarker
-from motorcade.tracking.boards.families import dictionary, marker_cells
+from motorcade.tracking.markers.families import dictionary, marker_cells
 
 BOARDS: list[Board] = [
     Checkerboard(9, 6, 0.03),

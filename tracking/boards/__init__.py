@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from motorcade.tracking.boards.charuco import CharucoBoard
 from motorcade.tracking.boards.checkerboard import Checkerboard
-from motorcade.tracking.boards.checks import GrayImage
 from motorcade.tracking.boards.corners import Board, BoardCorners
-from motorcade.tracking.boards.families import FAMILIES
-from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker, detect_markers
+from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
 from motorcade.tracking.boards.picture import Pattern
+from motorcade.tracking.checks import GrayImage
 
 __all__ = [
-    "FAMILIES",
     "Board",
     "BoardCorners",
     "CharucoBoard",
@@ -20,5 +18,4 @@ __all__ = [
     "MarkerGrid",
     "Pattern",
     "SingleMarker",
-    "detect_markers",
 ]

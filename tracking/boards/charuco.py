@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray
-from motorcade.tracking.boards.checks import GrayImage, check_count, check_length, checked_gray
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.boards.families import dictionary, family_size, marker_cells
 from motorcade.tracking.boards.picture import Pattern, draw
 from motorcade.tracking.boards.saddles import sharpen_saddles
 from motorcade.tracking.camera import Camera
+from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray
+from motorcade.tracking.markers.families import dictionary, family_size, marker_cells
 
 __all__ = ["CharucoBoard"]
 

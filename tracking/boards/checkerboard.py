@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray
-from motorcade.tracking.boards.checks import GrayImage, check_count, check_length, checked_gray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.boards.picture import Pattern, draw
 from motorcade.tracking.boards.saddles import contrast, sharpen_saddles
 from motorcade.tracking.camera import Camera
+from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray
 
 __all__ = ["Checkerboard"]
 

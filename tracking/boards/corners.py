@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, checked_floats, frozen
-from motorcade.tracking.boards.checks import GrayImage
 from motorcade.tracking.boards.picture import Pattern
 from motorcade.tracking.camera import Camera
+from motorcade.tracking.checks import GrayImage
 
 __all__ = ["Board", "BoardCorners"]
 

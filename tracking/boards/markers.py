@@ -1,56 +1,32 @@
 """Boards of square markers, and single markers: ArUco and AprilTag families.
 
-Corners of a marker run clockwise from the printed top-left one. Candidates come from OpenCV's
-`ArucoDetector`; their corners are then put onto the crossings of the fitted sides (see `edges`).
+Corners of a marker run clockwise from the printed top-left one and are crossings of its fitted
+sides (see `markers.detection`).
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
-import cv2
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray
-from motorcade.tracking.boards.checks import GrayImage, check_count, check_length, checked_gray
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.boards.edges import sharpen_quads
-from motorcade.tracking.boards.families import dictionary, family_size, marker_cells
 from motorcade.tracking.boards.picture import Pattern, draw
 from motorcade.tracking.camera import Camera
+from motorcade.tracking.checks import GrayImage, check_count, check_length
+from motorcade.tracking.markers.detection import detect_markers
+from motorcade.tracking.markers.edges import sharpen_quads
+from motorcade.tracking.markers.families import (
+    border_share,
+    family_size,
+    marker_cells,
+    marker_points_m,
+)
 
-__all__ = ["MarkerGrid", "SingleMarker", "detect_markers"]
-
-# Unit square, clockwise from the printed top-left corner, board frame (y up).
-_SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, -1.0], [0.0, -1.0]])
-
-
-def detect_markers(
-    image: GrayImage, family: str, camera: Camera | None = None
-) -> tuple[IntArray, FloatArray]:
-    """Find every marker of a family in a grey picture.
-
-    Args:
-        image: ``(height, width)`` uint8.
-        family: one of `families.FAMILIES`.
-        camera: straightens the sides before they are fitted; without one they count as straight.
-
-    Returns:
-        ids ``(m,)``, rising, and corners ``(m, 4, 2)`` in pixels, clockwise from the printed
-        top-left one. An id may stand there more than once.
-
-    Raises:
-        ValueError: not a grey uint8 picture, or an unknown family.
-    """
-    found, ids, _ = _detector(family).detectMarkers(checked_gray(image))
-    if ids is None or len(ids) == 0:
-        return np.empty(0, np.int64), np.empty((0, 4, 2))
-    quads = np.asarray(found, np.float64).reshape(-1, 4, 2)
-    order = np.lexsort((quads[:, 0, 1], quads[:, 0, 0], np.ravel(ids)))
-    sharp, good = sharpen_quads(image, quads[order], _clear_share(family), camera)
-    return np.ravel(ids)[order][good].astype(np.int64), sharp[good]
+__all__ = ["MarkerGrid", "SingleMarker"]
 
 
 class _MarkerBoard(ABC):
@@ -80,13 +56,13 @@ class _MarkerBoard(ABC):
     @property
     def _clear_share(self) -> float:
         """Width next to a marker's side where nothing else is printed, over the side."""
-        return _clear_share(self.family)
+        return border_share(self.family)
 
     @cached_property
     def points_m(self) -> FloatArray:
         """Corners ``(4 m, 3)``: four a marker, clockwise from its printed top-left one."""
-        plane = self._first_corners_m[:, None] + self._side_m * _SQUARE
-        points = np.concatenate([plane, np.zeros((*plane.shape[:2], 1))], axis=-1).reshape(-1, 3)
+        first = np.pad(self._first_corners_m, ((0, 0), (0, 1)))
+        points = (first[:, None] + marker_points_m(self._side_m)).reshape(-1, 3)
         points.setflags(write=False)
         return points
 
@@ -98,18 +74,16 @@ class _MarkerBoard(ABC):
         Raises:
             ValueError: not a grey uint8 picture.
         """
-        ids, quads = detect_markers(image, self.family, camera)
-        sides = np.linalg.norm(np.roll(quads, 1, axis=1) - quads, axis=-1).sum(axis=1)
-        rows = []
-        for marker in self.marker_ids:
-            seen = np.flatnonzero(ids == marker)
-            rows.append(int(seen[np.argmax(sides[seen])]) if seen.size else -1)
-        chosen = np.array(rows)
-        present = np.flatnonzero(chosen >= 0)
-        if present.size == 0:
+        seen: dict[int, FloatArray] = {}
+        for one in detect_markers(image, self.family, camera):
+            larger = one.marker_id not in seen or _size(one.corners_px) > _size(seen[one.marker_id])
+            if one.sharp and larger:
+                seen[one.marker_id] = one.corners_px
+        present = [row for row, marker in enumerate(self.marker_ids) if marker in seen]
+        if not present:
             return None
-        corner_ids = (4 * present[:, None] + np.arange(4)).ravel()
-        corners_px = quads[chosen[present]].reshape(-1, 2)
+        corner_ids = (4 * np.array(present)[:, None] + np.arange(4)).ravel()
+        corners_px = np.concatenate([seen[marker] for marker in self.marker_ids[present]])
         return BoardCorners(corner_ids, corners_px, self.points_m[corner_ids])
 
     def sharpen(
@@ -222,7 +196,7 @@ class MarkerGrid(_MarkerBoard):
 
     @property
     def _clear_share(self) -> float:
-        return min(_clear_share(self.family), self.gap_m / self.marker_m)
+        return min(border_share(self.family), self.gap_m / self.marker_m)
 
 
 @dataclass(frozen=True)
@@ -278,11 +252,6 @@ class SingleMarker(_MarkerBoard):
         return self.side_m
 
 
-@cache
-def _detector(family: str) -> cv2.aruco.ArucoDetector:
-    return cv2.aruco.ArucoDetector(dictionary(family))
-
-
-@cache
-def _clear_share(family: str) -> float:
-    return 1.0 / len(marker_cells(family, 0))
+def _size(corners_px: FloatArray) -> float:
+    """Length of a marker's outline, pixels."""
+    return float(np.linalg.norm(np.roll(corners_px, 1, axis=0) - corners_px, axis=-1).sum())

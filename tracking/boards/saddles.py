@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray
-from motorcade.tracking.boards.checks import GrayImage
+from motorcade.tracking.checks import GrayImage
 
 __all__ = ["contrast", "sharpen_saddles"]
 

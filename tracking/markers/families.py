@@ -14,12 +14,22 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FAMILIES", "dictionary", "family_size", "marker_cells"]
+from motorcade.ga import FloatArray
+
+__all__ = [
+    "FAMILIES",
+    "border_share",
+    "dictionary",
+    "family_size",
+    "marker_cells",
+    "marker_points_m",
+]
 
 # The topmost row of bits of tag 0 as printed officially (AprilRobotics/apriltag-imgs).
 _OFFICIAL_TOP_ROW = {
     "tag16h5": (0, 0, 1, 0),
     "tag25h9": (1, 0, 1, 0, 1),
+    "tag36h10": (0, 0, 0, 1, 1, 1),
     "tag36h11": (1, 1, 0, 1, 0, 1),
 }
 _PREDEFINED = {name: f"DICT_APRILTAG_{name[3:]}" for name in _OFFICIAL_TOP_ROW} | {
@@ -27,6 +37,7 @@ _PREDEFINED = {name: f"DICT_APRILTAG_{name[3:]}" for name in _OFFICIAL_TOP_ROW} 
     for n in (4, 5, 6, 7)
     for count in (50, 100, 250, 1000)
 }
+_PREDEFINED |= {"aruco_original": "DICT_ARUCO_ORIGINAL", "aruco_mip_36h12": "DICT_ARUCO_MIP_36h12"}
 FAMILIES: tuple[str, ...] = tuple(_PREDEFINED)
 
 
@@ -69,6 +80,21 @@ def family_size(family: str) -> int:
     return len(dictionary(family).bytesList)
 
 
+def border_share(family: str) -> float:
+    """Width of the black border over the marker's side.
+
+    Raises:
+        ValueError: an unknown family.
+    """
+    return 1.0 / (dictionary(family).markerSize + 2)
+
+
+def marker_points_m(side_m: float) -> FloatArray:
+    """Corners ``(4, 3)`` of a marker in its own frame, clockwise from the printed top left."""
+    return side_m * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0], [0.0, -1.0, 0.0]])
+
+
+@cache
 def marker_cells(family: str, marker_id: int) -> NDArray[np.bool_]:
     """A marker as printed, black border included: ``(side, side)`` bool, True is white.
 
@@ -80,7 +106,9 @@ def marker_cells(family: str, marker_id: int) -> NDArray[np.bool_]:
         raise ValueError(
             f"marker_id: {family} expects 0 to {len(book.bytesList) - 1}, got {marker_id}"
         )
-    return np.pad(_stored_bits(book, marker_id).astype(bool), 1)
+    cells = np.pad(_stored_bits(book, marker_id).astype(bool), 1)
+    cells.setflags(write=False)
+    return cells
 
 
 def _stored_bits(book: cv2.aruco.Dictionary, marker: int) -> NDArray[np.uint8]:

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray
-from motorcade.tracking.boards.checks import GrayImage
 from motorcade.tracking.camera import Camera
+from motorcade.tracking.checks import GrayImage
 
 __all__ = ["sharpen_quads"]
 

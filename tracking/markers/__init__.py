@@ -1,0 +1,19 @@
+"""Square markers: families, detection by two libraries, corners to sub-pixels, pose candidates."""
+
+from __future__ import annotations
+
+from motorcade.tracking.markers.backends import APRILTAG_FAMILIES, Backend, backend_for
+from motorcade.tracking.markers.detection import Detection, detect_markers
+from motorcade.tracking.markers.families import FAMILIES
+from motorcade.tracking.markers.poses import PosedMarker, pose_marker
+
+__all__ = [
+    "APRILTAG_FAMILIES",
+    "FAMILIES",
+    "Backend",
+    "Detection",
+    "PosedMarker",
+    "backend_for",
+    "detect_markers",
+    "pose_marker",
+]

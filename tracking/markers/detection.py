@@ -1,0 +1,121 @@
+"""Markers of one family in a picture: found, sharpened to sub-pixels, read again, merged.
+
+Either library proposes quads; the sides are then fitted (`edges`), which on exact renderings puts
+corners nearer than AprilTag's own and than ``cornerSubPix``; last the print is read again
+(`reading`), and what does not look like it is no detection.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, checked_floats, frozen
+from motorcade.tracking.camera import Camera
+from motorcade.tracking.checks import GrayImage, checked_gray
+from motorcade.tracking.markers.backends import Backend, Quads, backend_for, find_quads
+from motorcade.tracking.markers.edges import sharpen_quads
+from motorcade.tracking.markers.families import border_share, dictionary
+from motorcade.tracking.markers.reading import Reading, read_markers
+
+__all__ = ["Detection", "detect_markers"]
+
+# Texture that a library takes for a marker stays below 0.65, blurred small markers above 0.85.
+_LEAST_AGREEMENT = 0.75
+_LEAST_CONTRAST = 5.0  # grey levels
+# Two sightings of an id are one marker if their centres are nearer than this share of a side.
+_SAME_SHARE = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Detection:
+    """One marker seen in a picture.
+
+    Args:
+        family: one of `families.FAMILIES`.
+        marker_id: its number in the family.
+        corners_px: ``(4, 2)`` pixels, clockwise from the printed top-left corner.
+        wrong_cells: cells of the print, black border included, that read the wrong colour.
+        agreement: correlation of the picture with the print, from 0.75 (hardly) to 1 (perfect).
+        sharp: whether the corners are crossings of fitted sides; otherwise they are the library's
+            own, right to a pixel, because a side does not show well enough (covered, no white
+            beside it, out of the picture).
+
+    Raises:
+        ValueError: corners of another shape or not finite.
+    """
+
+    family: str
+    marker_id: int
+    corners_px: FloatArray
+    wrong_cells: int
+    agreement: float
+    sharp: bool
+
+    def __post_init__(self) -> None:
+        corners = frozen(checked_floats(self.corners_px, "Detection.corners_px", (2,)))
+        if corners.shape != (4, 2):
+            raise ValueError(f"Detection.corners_px: expected (4, 2), got {corners.shape}")
+        object.__setattr__(self, "corners_px", corners)
+
+
+def detect_markers(
+    image: GrayImage,
+    family: str,
+    camera: Camera | None = None,
+    *,
+    backend: Backend | None = None,
+) -> tuple[Detection, ...]:
+    """Find every marker of a family in a grey picture.
+
+    Args:
+        image: ``(height, width)`` uint8.
+        family: one of `families.FAMILIES`.
+        camera: straightens the sides before they are fitted; without one they count as straight.
+        backend: the library that searches; None takes the one that finds more (see `backends`).
+
+    Returns:
+        detections by rising id, then from left to right. An id may stand there more than once,
+        where it is printed more than once.
+
+    Raises:
+        ValueError: not a grey uint8 picture, an unknown family, or one that the library lacks.
+    """
+    gray = checked_gray(image)
+    dictionary(family)
+    quads = find_quads(gray, family, backend or backend_for(family))
+    if len(quads.ids) == 0:
+        return ()
+    places, sharp = sharpen_quads(gray, quads.corners_px, border_share(family), camera)
+    corners = np.where(sharp[:, None, None], places, quads.corners_px)
+    reading = read_markers(gray, corners, family, quads.ids)
+    kept = _merged(Quads(quads.ids, corners), reading)
+    return tuple(
+        Detection(
+            family=family,
+            marker_id=int(quads.ids[row]),
+            corners_px=corners[row],
+            wrong_cells=int(reading.wrong_cells[row]),
+            agreement=float(reading.agreement[row]),
+            sharp=bool(sharp[row]),
+        )
+        for row in kept
+    )
+
+
+def _merged(quads: Quads, reading: Reading) -> list[int]:
+    """Rows to keep: those that look like their print, the best of each marker, in order."""
+    centres = quads.corners_px.mean(axis=1)
+    sides = np.linalg.norm(np.roll(quads.corners_px, 1, axis=1) - quads.corners_px, axis=-1)
+    reach = _SAME_SHARE * sides.mean(axis=1)
+    believed: NDArray[np.bool_] = reading.agreement >= _LEAST_AGREEMENT
+    believed &= reading.contrast >= _LEAST_CONTRAST
+    kept: list[int] = []
+    for row in np.argsort(-reading.agreement, kind="stable"):
+        twins = [one for one in kept if quads.ids[one] == quads.ids[row]]
+        apart = np.linalg.norm(centres[twins] - centres[row], axis=-1)
+        if believed[row] and np.all(apart > reach[twins]):
+            kept.append(int(row))
+    return sorted(kept, key=lambda one: (quads.ids[one], *centres[one]))
