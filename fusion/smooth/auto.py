@@ -2,15 +2,21 @@
 
 Noise and liveliness are estimated from the path itself (see `batch.noise`). A path without wrong
 poses is smoothed by the Rauch-Tung-Striebel smoother under the likelier motion model, one with
-wrong poses by the robust batch estimate. Where there is no noise to speak of the smoother is told
-so, and leaves the path as it is.
+wrong poses by the robust batch estimate. So is one whose rotation is so noisy beside its position
+that a step's lever arm counts, which the former neglects. Where there is no noise to speak of the
+smoother is told so, and leaves the path as it is. Poses that are sparser than 8 Hz do not resolve
+what hands and vehicles do, and any model takes such motion for noise; little is smoothed there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
+import numpy as np
+
+from motorcade.fusion.smooth.batch.consistent import Sizes
 from motorcade.fusion.smooth.batch.noise import NoiseModel, estimate_noise
 from motorcade.fusion.smooth.batch.robust_map import robust_map
 from motorcade.fusion.smooth.causal import rts_constant_acceleration, rts_constant_velocity
@@ -18,6 +24,10 @@ from motorcade.fusion.smooth.representations import Representation, representati
 from motorcade.ga import Similarity, Trajectory
 
 __all__ = ["Choice", "auto", "choose"]
+
+# Poses farther apart than this do not resolve motion; so much of what the process adds from one to
+# the next is then believed to be noise at most.
+_UNRESOLVED_S, _SPARSE_SHARE = 0.125, 0.03
 
 _METHODS: dict[str, Callable[..., Trajectory]] = {
     "rts_constant_velocity": rts_constant_velocity,
@@ -39,7 +49,7 @@ class Choice:
 
     method: str
     representation: str
-    parameters: dict[str, float]
+    parameters: dict[str, Any]
     noise: NoiseModel
 
     def smooth(self, trajectory: Trajectory) -> Trajectory:
@@ -69,14 +79,18 @@ def choose(trajectory: Trajectory, representation: str = "motor") -> Choice:
         ValueError: fewer poses, or an unknown representation.
     """
     representation_named(representation)
-    noise = estimate_noise(trajectory, representation)
+    interval_s = float(np.median(np.diff(trajectory.time_s))) if len(trajectory) > 1 else 0.0
+    sparse = interval_s > _UNRESOLVED_S
+    noise = estimate_noise(trajectory, representation, order=1 if sparse else None)
     method = "rts_constant_acceleration" if noise.order == 2 else "rts_constant_velocity"
-    if noise.outliers > 0.0:
+    if noise.outliers > 0.0 or _levered(trajectory, noise):
         method = "robust_map"
         noise = estimate_noise(trajectory, representation, order=1)
+    if sparse:
+        noise = _believed(noise, _SPARSE_SHARE * interval_s**1.5)
     rate = "jerk_m_s3" if noise.order == 2 else "acceleration_m_s2"
     angular = "angular_jerk_rad_s3" if noise.order == 2 else "angular_acceleration_rad_s2"
-    parameters = {
+    parameters: dict[str, Any] = {
         rate: noise.translation.acceleration,
         angular: noise.rotation.acceleration,
         "noise_m": noise.translation.noise,
@@ -88,6 +102,22 @@ def choose(trajectory: Trajectory, representation: str = "motor") -> Choice:
     return Choice(method, representation, parameters, noise)
 
 
+def _levered(trajectory: Trajectory, noise: NoiseModel) -> bool:
+    """Whether rotation's noise moves the end of a usual step by more than position's noise does."""
+    poses = trajectory.poses
+    step_m = np.linalg.norm(np.diff(poses.translation_m, axis=0), axis=-1)
+    return bool(noise.rotation.noise * float(np.median(step_m)) > noise.translation.noise)
+
+
+def _believed(noise: NoiseModel, share: float) -> NoiseModel:
+    """Noise of no more than a share of the density of the process."""
+    rotation, translation, scale = (
+        Sizes(min(one.noise, share * one.acceleration), one.acceleration)
+        for one in (noise.rotation, noise.translation, noise.scale)
+    )
+    return replace(noise, rotation=rotation, translation=translation, scale=scale)
+
+
 def auto(trajectory: Trajectory, representation: Representation) -> Trajectory:
     """Smooth as `choose` says: noise and liveliness are estimated, wrong poses told apart.
 
@@ -97,6 +127,6 @@ def auto(trajectory: Trajectory, representation: Representation) -> Trajectory:
 
     Raises:
         ValueError: fewer poses.
-        ModuleNotFoundError: wrong poses were found, and scipy or CasADi is missing.
+        ModuleNotFoundError: the robust estimate is called for, and scipy or CasADi is missing.
     """
     return choose(trajectory, representation.name).smooth(trajectory)
