@@ -133,8 +133,8 @@ def _euclidean(ns: dict[str, float]) -> list[str]:
         f"In the paper rotors by Gaalop are slower than by Gaigen ({gaalop:.5f} against "
         f"{gaigen:.5f} ms), against its own conclusion; here `program` is "
         f"{max(faster, 1 / faster):.1f} times {word} than `table`, and takes "
-        f"{ns['rotor_program'] / ns['quaternion']:.1f} times quaternion slerp. A likely cause is in "
-        "the listings: Gaalop's (Table 1) builds both rotors from axes and angles in every call, "
+        f"{ns['rotor_program'] / ns['quaternion']:.1f} times quaternion slerp. A likely cause is "
+        "in the listings: Gaalop's (Table 1) builds both rotors from axes and angles in every call, "
         "where the others take them ready made, as all methods do here."
     ]
 
