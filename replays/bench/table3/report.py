@@ -134,8 +134,8 @@ def _euclidean(ns: dict[str, float]) -> list[str]:
         f"{gaigen:.5f} ms), against its own conclusion; here `program` is "
         f"{max(faster, 1 / faster):.1f} times {word} than `table`, and takes "
         f"{ns['rotor_program'] / ns['quaternion']:.1f} times quaternion slerp. A likely cause is "
-        "in the listings: Gaalop's (Table 1) builds both rotors from axes and angles in every call, "
-        "where the others take them ready made, as all methods do here."
+        "in the listings: Gaalop's (Table 1) builds both rotors from axes and angles in every "
+        "call, where the others take them ready made, as all methods do here."
     ]
 
 
