@@ -1,4 +1,4 @@
-"""One cell: a true motion, spoiled once, smoothed by every method in every representation, measured.
+"""One cell: a true motion, spoiled once, smoothed in every way asked for, and measured.
 
 A method that refuses or fails leaves a row that says why; the others go on. What a cell gives
 depends on nothing but its fields and the code, so cells can be computed anywhere and kept.

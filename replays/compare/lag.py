@@ -20,7 +20,8 @@ __all__ = ["LagTable"]
 _STEP_S = 0.01
 _LARGEST_S = 0.5
 _FEWEST = 4
-_EVEN = 1e-9
+# Rates from the table are that even where the motion is.
+_EVEN = 1e-6
 _BATCHES = 20
 _LONGEST_STEP_S = 0.25
 _GAP_INTERVALS = 3.0
@@ -98,9 +99,10 @@ def _inner(
     first, last = truth.span_s
     overlap = min(last, float(end_s.max())) - max(first, float(start_s.min()))
     count = int(min(_LARGEST_S, 0.25 * overlap) / _STEP_S + 1e-9)
-    lag_s = _STEP_S * np.arange(-count, count + 1)
+    lag_s: FloatArray = np.arange(-count, count + 1) * np.float64(_STEP_S)
     inside = (start_s - lag_s[-1] >= first) & (end_s + lag_s[-1] <= last)
-    return lag_s, np.flatnonzero(inside & usable)
+    kept: IntArray = np.flatnonzero(inside & usable).astype(np.int64)
+    return lag_s, kept
 
 
 def _changes(true: FloatArray) -> bool:

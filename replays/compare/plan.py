@@ -7,8 +7,8 @@ those that are judged; both lists are part of the plan and of the results.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -27,10 +27,15 @@ from motorcade.fusion.motions.degradations import (
     StampJitter,
 )
 from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
+from motorcade.ga import Motor
 from motorcade.replays.errors import did_you_mean
 
-__all__ = ["DEGRADATIONS", "LeftOut", "Plan", "degradation_named", "quick", "standard"]
+__all__ = ["DEGRADATIONS", "SLOW", "LeftOut", "Plan", "degradation_named", "quick", "standard"]
 
+SLOW = ("auto", "robust_map")
+"""Methods whose cells are computed apart; see `standard`."""
+
+_SLOW_RUN_ON = ("gaussian", "outliers_and_flips")
 _MODERATE = Gaussian(0.005, float(np.deg2rad(0.5)), 0.005)
 _OUTLIERS = Outliers(0.05, 0.1, 0.2)
 
@@ -50,10 +55,11 @@ DEGRADATIONS: Mapping[str, Degradation] = MappingProxyType({
 
 @dataclass(frozen=True)
 class LeftOut:
-    """What a plan does not run, and why: a method on these representations and degradations."""
+    """What a plan does not run, and why: a method where all three of these hold."""
 
     method: str
     representations: tuple[str, ...]
+    motions: tuple[str, ...]
     degradations: tuple[str, ...]
     reason: str
 
@@ -104,22 +110,25 @@ class Plan:
             if not 0.0 < getattr(self, name) < np.inf:
                 raise ValueError(f"Plan.{name}: expected above 0, got {getattr(self, name)}")
 
-    def runs(self, degradation: str, method: str, representation: str) -> bool:
+    def runs(self, motion: str, degradation: str, method: str, representation: str) -> bool:
         """Whether the plan runs the method so; what it does not is in `left_out`."""
         return not any(
             one.method == method
             and representation in one.representations
+            and motion in one.motions
             and degradation in one.degradations
             for one in self.left_out
         )
 
-    def pairs(self, degradation: str, methods: Sequence[str] = ()) -> list[tuple[str, str]]:
-        """Methods and representations that are run on a degradation, of `methods` or all."""
+    def pairs(
+        self, motion: str, degradation: str, methods: Sequence[str] = ()
+    ) -> list[tuple[str, str]]:
+        """Methods and representations that are run on a place, of `methods` or all."""
         return [
             (method, representation)
             for method in (methods or self.methods)
             for representation in self.representations
-            if self.runs(degradation, method, representation)
+            if self.runs(motion, degradation, method, representation)
         ]
 
     def as_dict(self) -> dict[str, Any]:
@@ -142,30 +151,33 @@ def standard(
 ) -> Plan:
     """The whole comparison, or the named parts of it, over so many test seeds and three for tuning.
 
-    `robust_map` costs a hundred times what the others do, so it runs where it is meant to help
-    (outliers and flips), on plain noise beside that, and not as `similarity`, which is `motor` to
-    rounding on rigid poses (measured among the exact ties).
+    The methods of `SLOW` cost some hundred times what the others do. They run on plain noise and
+    on outliers with flips, for which they are made, and on rigid motions not as `similarity`, which
+    equals `motor` there (see the exact ties). A plan of one's own leaves nothing out.
     """
-    chosen = tuple(degradations or DEGRADATIONS)
-    named = tuple(methods or METHODS)
-    kept = ("gaussian", "outliers_and_flips")
-    slow: tuple[LeftOut, ...] = ()
-    if "robust_map" in named and not set(chosen) <= set(kept):
-        others = tuple(name for name in chosen if name not in kept)
-        reason = "slow; run on plain noise and on outliers with flips, for which it is made"
-        slow += (LeftOut("robust_map", tuple(REPRESENTATIONS), others, reason),)
-    if "robust_map" in named and not representations:
-        reason = "slow; equal to motor on rigid poses to rounding"
-        slow += (LeftOut("robust_map", ("similarity",), chosen, reason),)
-    return Plan(
+    named = Plan(
         motions=tuple(motions or MOTIONS),
-        degradations=chosen,
-        methods=named,
+        degradations=tuple(degradations or DEGRADATIONS),
+        methods=tuple(methods or METHODS),
         representations=tuple(representations or REPRESENTATIONS),
         test_seeds=tuple(range(100, 100 + seeds)),
         tuning_seeds=(1, 2, 3),
-        left_out=slow,
     )
+    return replace(named, left_out=tuple(_left_out(named)))
+
+
+def _left_out(plan: Plan) -> Iterator[LeftOut]:
+    others = tuple(name for name in plan.degradations if name not in _SLOW_RUN_ON)
+    rigid = tuple(name for name in plan.motions if MOTIONS[name].versor is Motor)
+    for method in plan.methods:
+        if method not in SLOW:
+            continue
+        if others:
+            reason = "slow; run on plain noise and on outliers with flips, for which it is made"
+            yield LeftOut(method, plan.representations, plan.motions, others, reason)
+        if rigid and {"similarity", "motor"} <= set(plan.representations):
+            reason = "slow; equal to motor on rigid poses"
+            yield LeftOut(method, ("similarity",), rigid, plan.degradations, reason)
 
 
 def quick() -> Plan:

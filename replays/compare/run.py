@@ -17,9 +17,11 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, TypeVar
 
+from motorcade.fusion.motions import MOTIONS
+from motorcade.ga import Motor
 from motorcade.replays.atomic import write_bytes
 from motorcade.replays.compare.cells import Cell, Row, run_cell
-from motorcade.replays.compare.plan import Plan
+from motorcade.replays.compare.plan import SLOW, Plan
 from motorcade.replays.compare.statistics import Sample
 from motorcade.replays.compare.tables import Outcome, write_tables
 from motorcade.replays.compare.ties import exact_ties
@@ -31,8 +33,6 @@ from motorcade.replays.provenance import code_digest
 __all__ = ["compare", "finished"]
 
 Job = TypeVar("Job", Tuning, Cell, Trait)
-# Methods that take so long that their cells are computed and kept apart.
-_SLOW = ("robust_map",)
 
 
 def compare(plan: Plan, out: Path, workers: int = 1) -> Outcome:
@@ -65,7 +65,7 @@ def _compared(plan: Plan, out: Path, pool: Executor | None) -> Outcome:
     traits = [
         Trait(plan.motions[0], plan.degradations[0], plan.tuning_seeds[0], plan.rate_hz,
               plan.duration_s, found[plan.motions[0], plan.degradations[0], *pair].setting)
-        for pair in plan.pairs(plan.degradations[0])
+        for pair in plan.pairs(plan.motions[0], plan.degradations[0])
     ]  # fmt: skip
     # Alone, one after another: they are timed.
     told = [result for _, result in finished(run_trait, traits, out, None, "times")]
@@ -119,8 +119,8 @@ def _key(function: Callable[..., Any], job: Any, digest: str) -> str:
 
 def _batches(plan: Plan) -> list[tuple[str, ...]]:
     """Methods whose cells are computed together: slow ones alone, at the end."""
-    fast = tuple(method for method in plan.methods if method not in _SLOW)
-    slow = [(method,) for method in plan.methods if method in _SLOW]
+    fast = tuple(method for method in plan.methods if method not in SLOW)
+    slow = [(method,) for method in plan.methods if method in SLOW]
     return [batch for batch in (fast, *slow) if batch]
 
 
@@ -129,7 +129,7 @@ def _cells(
 ) -> Iterator[Cell]:
     for motion in plan.motions:
         for degradation in plan.degradations:
-            pairs = plan.pairs(degradation, methods)
+            pairs = plan.pairs(motion, degradation, methods)
             settings = tuple(found[motion, degradation, *pair].setting for pair in pairs)
             for seed in plan.test_seeds if settings else ():
                 yield Cell(motion, degradation, seed, plan.rate_hz, plan.duration_s, settings)
@@ -140,7 +140,7 @@ def _tuned(plan: Plan, out: Path, pool: Executor | None) -> dict[tuple[str, str,
     searches = []
     for motion in plan.motions:
         for degradation, methods in _searched(plan).items():
-            pairs = tuple(pair for method in methods for pair in _all_pairs(plan, method))
+            pairs = tuple(pair for method in methods for pair in _own(plan, motion, method))
             searches.append(
                 Tuning(motion, degradation, plan.tuning_seeds, plan.rate_hz, plan.duration_s, pairs)
             )
@@ -151,11 +151,13 @@ def _tuned(plan: Plan, out: Path, pool: Executor | None) -> dict[tuple[str, str,
             found[*place, one.setting.method, one.setting.representation] = one
     for motion in plan.motions:
         for degradation in plan.degradations:
-            for method, representation in plan.pairs(degradation):
-                if method in BORROWS:
-                    lender, lent_on = BORROWS[method]
-                    lent = found[motion, lent_on, lender, representation]
-                    found[motion, degradation, method, representation] = borrowed(method, lent)
+            for method, representation in plan.pairs(motion, degradation):
+                lender, lent_on = BORROWS.get(method, (method, degradation))
+                own = representation in _sought(plan, motion)
+                lent = found[motion, lent_on, lender, representation if own else "motor"]
+                if not own or lender != method:
+                    lent = borrowed(method, representation, lent)
+                found[motion, degradation, method, representation] = lent
     return found
 
 
@@ -170,5 +172,11 @@ def _searched(plan: Plan) -> dict[str, tuple[str, ...]]:
     return wanted
 
 
-def _all_pairs(plan: Plan, method: str) -> list[tuple[str, str]]:
-    return [(method, representation) for representation in plan.representations]
+def _own(plan: Plan, motion: str, method: str) -> list[tuple[str, str]]:
+    return [(method, representation) for representation in _sought(plan, motion)]
+
+
+def _sought(plan: Plan, motion: str) -> list[str]:
+    """Representations with a search of their own: on rigid motions similarities are motors."""
+    same = MOTIONS[motion].versor is Motor and "motor" in plan.representations
+    return [one for one in plan.representations if not (same and one == "similarity")]

@@ -134,17 +134,17 @@ def _group(motion: str, degradation: str, seeds: dict[int, list[Sample]]) -> Gro
     ))  # fmt: skip
     column = {name: i for i, name in enumerate(names)}
     values = np.full((len(seeds), len(names), len(METRICS)), np.nan)
-    failures = [[0, ""] for _ in names]
+    failures: list[tuple[int, str]] = [(0, "") for _ in names]
     for row, parts in enumerate(seeds.values()):
         for part in parts:
             for name, figures, failure in zip(part.names, part.values, part.failures, strict=True):
                 values[row, column[name]] = figures
                 if failure:
-                    told = failures[column[name]]
-                    failures[column[name]] = [int(told[0]) + 1, told[1] or failure]
+                    count, first = failures[column[name]]
+                    failures[column[name]] = (count + 1, first or failure)
     return Group(
         motion, degradation, names, tuple(seeds), values,
-        tuple((int(count), str(first)) for count, first in failures),
+        tuple(failures),
     )  # fmt: skip
 
 

@@ -182,10 +182,11 @@ def _parameters(place: tuple[str, str, str, str], one: Tuned) -> dict[str, Any]:
 
 
 def _counted(rows: Iterable[Sequence[Any]]) -> list[dict[str, Any]]:
-    verdict_at, places = _GROUPS.index("verdict"), {}
+    verdict_at = _GROUPS.index("verdict")
+    places: dict[tuple[str, str, str], dict[str, Any]] = {}
     for row in rows:
         if row[verdict_at]:
-            key = tuple(row[2:5])
+            key = (row[2], row[3], row[4])
             counts = places.setdefault(
                 key, {"better": 0, "tie": 0, "equal": 0, "worse": 0, "better_at": []}
             )

@@ -9,7 +9,8 @@ representation, on seeds that are not judged. The objective is the mean over tho
 
 and of the error of the scale where there is one: 1 is no better than the raw poses. So neither
 error nor shaking is bought at the other's price alone. Parameters are chosen for each motion and
-degradation apart, so no representation is judged with another motion's parameters.
+degradation apart, so no representation is judged with another motion's parameters. On rigid
+motions `similarity` takes what was found for `motor`, which it equals there.
 
 Methods without a ladder run with their defaults, and the results say so.
 """
@@ -160,12 +161,11 @@ def tuned(
     chosen |= {ladder.parameter: ladder.start for ladder in ladders}
     best, trials = np.inf, 0
     for ladder in ladders:
-        found = []
-        for rung in ladder.rungs:
-            tried = Setting(
-                method, representation, tuple((chosen | {ladder.parameter: rung}).items())
-            )
-            found.append(_objective(tried, inputs, raw))
+        tried = [
+            Setting(method, representation, tuple((chosen | {ladder.parameter: rung}).items()))
+            for rung in ladder.rungs
+        ]
+        found = _objectives(tried, inputs, raw)
         trials += len(found)
         if np.isfinite(np.min(found)):
             best = float(np.min(found))
@@ -176,21 +176,30 @@ def tuned(
     return Tuned(setting, "ladder", float(f"{best:.9g}"), trials)
 
 
-def borrowed(method: str, found: Tuned) -> Tuned:
-    """Another method's parameters for this one."""
+def borrowed(method: str, representation: str, found: Tuned) -> Tuned:
+    """What was found for another method or representation, for this one."""
     parameters = dict(found.setting.parameters) | dict(FIXED.get(method, ()))
-    setting = Setting(method, found.setting.representation, tuple(parameters.items()))
+    setting = Setting(method, representation, tuple(parameters.items()))
     return Tuned(setting, "borrowed", None, 0)
 
 
-def _objective(
-    setting: Setting, inputs: Sequence[tuple[Trajectory, Ruler]], raw: Sequence[FloatArray]
-) -> float:
-    ratios = []
-    for (spoiled, ruler), base in zip(inputs, raw, strict=True):
-        try:
-            errors = ruler.errors([setting.smooth(spoiled)])[0]
-        except Exception:  # what a method refuses is no candidate; a cell's row would say why
-            return np.inf
-        ratios.append(float(np.nanmean(errors / base)))
-    return float(np.mean(ratios))
+def _objectives(
+    tried: Sequence[Setting],
+    inputs: Sequence[tuple[Trajectory, Ruler]],
+    raw: Sequence[FloatArray],
+) -> FloatArray:
+    """The objective of each setting; infinite where it is refused on one of the paths."""
+    ratios = np.full((len(inputs), len(tried)), np.inf)
+    for row, ((spoiled, ruler), base) in enumerate(zip(inputs, raw, strict=True)):
+        made = [(i, path) for i, one in enumerate(tried) if (path := _smoothed(one, spoiled))]
+        if made:
+            errors = ruler.errors([path for _, path in made])
+            ratios[row, [i for i, _ in made]] = np.nanmean(errors / base, axis=1)
+    return np.asarray(np.mean(ratios, axis=0), dtype=np.float64)
+
+
+def _smoothed(setting: Setting, spoiled: Trajectory) -> Trajectory | None:
+    try:
+        return setting.smooth(spoiled)
+    except Exception:  # what a method refuses is no candidate; a cell's row says why
+        return None
