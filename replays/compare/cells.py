@@ -25,6 +25,7 @@ RAW = ("raw", "none")
 """Method and representation of the row that measures the poses as they come."""
 # Digits that are kept: rounding of the last ones may differ from machine to machine.
 _DIGITS = 9
+_FARTHEST = 1e9
 
 
 @dataclass(frozen=True)
@@ -39,11 +40,12 @@ class Setting:
         """Smooth a trajectory so.
 
         Raises:
-            ValueError: what the method refuses, or a result that is not finite.
+            ValueError: what the method refuses, or a result that runs away.
         """
         made = smooth(trajectory, self.method, self.representation, **dict(self.parameters))
-        if not np.all(np.isfinite(made.poses.coefficients)):
-            raise ValueError("the result is not finite")
+        farthest = float(np.max(np.abs(made.poses.coefficients)))
+        if not farthest < _FARTHEST:
+            raise ValueError(f"the result runs away, to coefficients of {farthest:.3g}")
         return made
 
 

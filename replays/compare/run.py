@@ -8,6 +8,7 @@ code begins anew.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 from collections.abc import Callable, Iterator, Sequence
@@ -57,6 +58,8 @@ def compare(plan: Plan, out: Path, workers: int = 1) -> Outcome:
 
 
 def _compared(plan: Plan, out: Path, pool: Executor | None) -> Outcome:
+    for function in (run_tuning, run_cell, run_trait):
+        _digest(function)
     found = _tuned(plan, out, pool)
     samples = []
     cells = [cell for batch in _batches(plan) for cell in _cells(plan, batch, found)]
@@ -85,7 +88,7 @@ def finished(
 
     Results must be what JSON can hold. Each is kept as soon as it is there.
     """
-    digest = code_digest(function)
+    digest = _digest(function)
     paths = [out / ".finished" / f"{_key(function, job, digest)}.json" for job in jobs]
     missing = [i for i, path in enumerate(paths) if not path.exists()]
     for i, result in track(_computed(function, jobs, missing, pool), what, len(missing)):
@@ -109,6 +112,10 @@ def _computed(
     finally:
         for future in running:
             future.cancel()
+
+
+# The code as it was when this process first asked, whatever is edited meanwhile.
+_digest = functools.cache(code_digest)
 
 
 def _key(function: Callable[..., Any], job: Any, digest: str) -> str:
