@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from threading import local
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING, Literal
 
 import cv2
 import numpy as np
@@ -88,8 +88,8 @@ _own = local()
 
 
 def _apriltag(family: str) -> Detector:
-    """The detector of this thread: one must not be used by two threads at once, and is dear to make."""
-    kept = cast("dict[str, Detector]", _own.__dict__)
+    """The detector of this thread; no two threads may use one, and it is dear to make."""
+    kept: dict[str, Detector] = _own.__dict__
     if family not in kept:
         from pupil_apriltags import Detector
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, checked_floats, frozen
 from motorcade.tracking.camera import Camera
@@ -108,14 +107,18 @@ def detect_markers(
 def _merged(quads: Quads, reading: Reading) -> list[int]:
     """Rows to keep: those that look like their print, the best of each marker, in order."""
     centres = quads.corners_px.mean(axis=1)
-    sides = np.linalg.norm(np.roll(quads.corners_px, 1, axis=1) - quads.corners_px, axis=-1)
-    reach = _SAME_SHARE * sides.mean(axis=1)
-    believed: NDArray[np.bool_] = reading.agreement >= _LEAST_AGREEMENT
-    believed &= reading.contrast >= _LEAST_CONTRAST
+    believed = (reading.agreement >= _LEAST_AGREEMENT) & (reading.contrast >= _LEAST_CONTRAST)
     kept: list[int] = []
     for row in np.argsort(-reading.agreement, kind="stable"):
         twins = [one for one in kept if quads.ids[one] == quads.ids[row]]
-        apart = np.linalg.norm(centres[twins] - centres[row], axis=-1)
-        if believed[row] and np.all(apart > reach[twins]):
+        if believed[row] and not (twins and _overlaps(quads.corners_px[[row, *twins]])):
             kept.append(int(row))
     return sorted(kept, key=lambda one: (quads.ids[one], *centres[one]))
+
+
+def _overlaps(quads: FloatArray) -> bool:
+    """Whether the first of ``(n, 4, 2)`` lies where one of the others does."""
+    centres = quads.mean(axis=1)
+    sides = np.linalg.norm(np.roll(quads, 1, axis=1) - quads, axis=-1).mean(axis=1)
+    apart = np.linalg.norm(centres[1:] - centres[0], axis=-1)
+    return bool(np.any(apart < _SAME_SHARE * np.maximum(sides[1:], sides[0])))

@@ -23,7 +23,10 @@ __all__ = ["sharpen_quads"]
 _ALONG = np.linspace(0.12, 0.88, 20)
 _ACROSS = np.linspace(-1.0, 1.0, 15)
 _REACH_PX = (1.0, 3.5)
+_MIDDLES = 0.5 * (_ACROSS[1:] + _ACROSS[:-1])
+_NEXT, _BEFORE = [1, 2, 3, 0], [3, 0, 1, 2]
 _ROUNDS = 2
+_FITS = 3
 _LEAST_STEP = 8.0  # grey levels across a side
 _OUTLIER_PX = 0.3
 _WORST_SPREAD_PX = 0.6
@@ -46,8 +49,8 @@ def sharpen_quads(
         black inside, white outside, straight to 0.6 px.
     """
     places = quads.copy()
-    sides = np.roll(quads, -1, axis=1) - quads
-    shortest = np.linalg.norm(sides, axis=-1).min(axis=1)
+    sides = quads[:, _NEXT] - quads
+    shortest = np.sqrt((sides * sides).sum(axis=-1).min(axis=1))
     reach = np.clip(0.6 * clear_share * shortest, *_REACH_PX)
     good = _inside(image, quads, reach)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -55,10 +58,10 @@ def sharpen_quads(
             points, weights, seen = _side_points(image, places, reach)
             lines, spread = _fit_lines(_straightened(points, camera), weights)
             crossed = _bent(_crossings(lines), camera)
-            moved = np.linalg.norm(crossed - quads, axis=-1).max(axis=1)
-            good &= (seen & (spread < _WORST_SPREAD_PX)).all(axis=1) & (
-                moved < np.maximum(3.0, 2.0 * reach)
-            )
+            change = crossed - quads
+            moved = np.sqrt((change * change).sum(axis=-1).max(axis=1))
+            good &= (seen & (spread < _WORST_SPREAD_PX)).all(axis=1)
+            good &= moved < np.maximum(3.0, 2.0 * reach)
             places = np.where(good[:, None, None], crossed, quads)
     return places, good
 
@@ -71,50 +74,56 @@ def _side_points(
     Returns:
         points ``(m, 4, k, 2)``, weights ``(m, 4, k)``, and whether a side ``(m, 4)`` is there.
     """
-    sides = np.roll(quads, -1, axis=1) - quads
-    directions = sides / np.linalg.norm(sides, axis=-1, keepdims=True)
-    outward = np.stack([directions[..., 1], -directions[..., 0]], axis=-1)
+    sides = quads[:, _NEXT] - quads
+    outward = np.stack([sides[..., 1], -sides[..., 0]], axis=-1)
+    outward /= np.sqrt((sides * sides).sum(axis=-1, keepdims=True))
     base = quads[:, :, None] + sides[:, :, None] * _ALONG[:, None]
     offsets = reach[:, None, None, None] * _ACROSS
     places = base[..., None, :] + outward[:, :, None, None] * offsets[..., None]
     levels = _sample(image, places)
-    steps = np.maximum(np.diff(levels, axis=-1), 0.0)
+    steps = np.maximum(levels[..., 1:] - levels[..., :-1], 0.0)
     sharpness = steps * steps
     total = sharpness.sum(axis=-1)
-    middle = 0.5 * (offsets[..., 1:] + offsets[..., :-1])
-    offset = (sharpness * middle).sum(axis=-1) / np.maximum(total, 1e-9)
-    points = base + outward[:, :, None] * offset[..., None]
+    middle = reach[:, None, None] * ((sharpness @ _MIDDLES) / np.maximum(total, 1e-9))
+    points = base + outward[:, :, None] * middle[..., None]
     seen = (steps.sum(axis=-1) >= _LEAST_STEP).mean(axis=-1) >= 0.6
     return points, np.sqrt(total), seen
 
 
 def _fit_lines(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Weighted total least squares, twice, the second time with outliers played down.
+    """Weighted total least squares, three times, outliers played down after each.
 
     Returns:
         homogeneous unit lines ``(m, 4, 3)`` and the weighted RMS distance ``(m, 4)`` from them.
     """
-    robust = np.where(np.isfinite(points).all(axis=-1), weights, 0.0)
-    points = np.where(np.isfinite(points), points, 0.0)
-    for _ in range(3):
-        share = robust / np.maximum(robust.sum(axis=-1, keepdims=True), 1e-12)
-        centre = (share[..., None] * points).sum(axis=-2)
-        offsets = points - centre[..., None, :]
-        spread = (share[..., None, None] * offsets[..., :, None] * offsets[..., None, :]).sum(-3)
-        difference = spread[..., 0, 0] - spread[..., 1, 1]
-        angle = 0.5 * np.arctan2(2.0 * spread[..., 0, 1], difference)
-        normal = np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
-        distance = (offsets * normal[..., None, :]).sum(axis=-1)
-        rms = np.sqrt((share * distance * distance).sum(axis=-1))
-        robust = robust / (1.0 + (distance / _OUTLIER_PX) ** 2)
-    constant = -(normal * centre).sum(axis=-1, keepdims=True)
-    return np.concatenate([normal, constant], axis=-1), rms
+    x, y = points[..., 0], points[..., 1]
+    known = np.isfinite(x + y)
+    if not known.all():
+        weights, x, y = (np.where(known, one, 0.0) for one in (weights, x, y))
+    for _ in range(_FITS):
+        share = weights / np.maximum(weights.sum(axis=-1, keepdims=True), 1e-12)
+        centre_x = (share * x).sum(axis=-1, keepdims=True)
+        centre_y = (share * y).sum(axis=-1, keepdims=True)
+        from_x, from_y = x - centre_x, y - centre_y
+        weighted_x = share * from_x
+        spread_xx, spread_xy = (weighted_x * from_x).sum(-1), (weighted_x * from_y).sum(-1)
+        spread_yy = (share * from_y * from_y).sum(-1)
+        angle = 0.5 * np.arctan2(2.0 * spread_xy, spread_xx - spread_yy)[..., None]
+        normal_x, normal_y = -np.sin(angle), np.cos(angle)
+        distance = from_x * normal_x + from_y * normal_y
+        squared = distance * distance
+        rms = np.sqrt((share * squared).sum(axis=-1))
+        weights = weights / (1.0 + squared / _OUTLIER_PX**2)
+    constant = -(normal_x * centre_x + normal_y * centre_y)
+    return np.concatenate([normal_x, normal_y, constant], axis=-1), rms
 
 
 def _crossings(lines: FloatArray) -> FloatArray:
     """Corner k ``(m, 4, 2)`` is where the side that ends in it crosses the one that starts."""
-    crossed = np.cross(np.roll(lines, 1, axis=1), lines)
-    corners: FloatArray = crossed[..., :2] / crossed[..., 2:]
+    a, b, c = np.moveaxis(lines, -1, 0)
+    a_, b_, c_ = np.moveaxis(lines[:, _BEFORE], -1, 0)
+    depth = a_ * b - b_ * a
+    corners: FloatArray = np.stack([(b_ * c - c_ * b) / depth, (c_ * a - a_ * c) / depth], axis=-1)
     return corners
 
 

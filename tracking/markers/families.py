@@ -23,6 +23,7 @@ __all__ = [
     "family_size",
     "marker_cells",
     "marker_points_m",
+    "side_cells",
 ]
 
 # The topmost row of bits of tag 0 as printed officially (AprilRobotics/apriltag-imgs).
@@ -80,13 +81,22 @@ def family_size(family: str) -> int:
     return len(dictionary(family).bytesList)
 
 
+def side_cells(family: str) -> int:
+    """Cells along a marker's side, the black border included.
+
+    Raises:
+        ValueError: an unknown family.
+    """
+    return int(dictionary(family).markerSize) + 2
+
+
 def border_share(family: str) -> float:
     """Width of the black border over the marker's side.
 
     Raises:
         ValueError: an unknown family.
     """
-    return 1.0 / (dictionary(family).markerSize + 2)
+    return 1.0 / side_cells(family)
 
 
 def marker_points_m(side_m: float) -> FloatArray:

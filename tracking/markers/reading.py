@@ -7,7 +7,9 @@ linear change of the light across the marker has been taken out.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cache
 from typing import cast
 
 import cv2
@@ -16,12 +18,12 @@ from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.markers.families import marker_cells
+from motorcade.tracking.markers.families import marker_cells, side_cells
 
 __all__ = ["Reading", "read_markers"]
 
 # Places in a cell that are sampled, each way, as shares of its side: its inner part.
-_INSIDE = np.array([0.3, 0.5, 0.7])
+_INSIDE = np.array([0.35, 0.65])
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,30 +54,43 @@ def read_markers(
     """
     if len(marker_ids) == 0:
         return Reading(np.empty(0, np.int64), np.empty(0), np.empty(0))
-    white = np.stack([marker_cells(family, int(one)) for one in marker_ids])
-    levels = _cell_levels(image, corners_px, white.shape[-1])
-    flat, known = levels.reshape(len(white), -1), white.reshape(len(white), -1)
-    light, print_ = _without_plane(flat), _without_plane(known.astype(np.float64))
+    prints = [_print(family, int(one)) for one in marker_ids]
+    white = np.stack([one[0] for one in prints])
+    print_ = np.stack([one[1] for one in prints])
+    light = _without_plane(_cell_levels(image, corners_px, side_cells(family)))
     power = (print_ * print_).sum(axis=-1)
     contrast = (light * print_).sum(axis=-1) / power
     total = np.sqrt((light * light).sum(axis=-1) * power)
     agreement = contrast * power / np.maximum(total, 1e-9)
-    # The brightness half-way between black and white at each cell, light's slope included.
-    rest = light - contrast[:, None] * print_
-    distance = rest + contrast[:, None] * (known - 0.5)
-    wrong = ((distance > 0.0) != known).sum(axis=-1)
+    # Brightness less half-way between black and white at each cell, the light's slope included.
+    distance = light - contrast[:, None] * (print_ - white + 0.5)
+    wrong = ((distance > 0.0) != white).sum(axis=-1)
     return Reading(wrong.astype(np.int64), agreement, contrast)
 
 
+@cache
+def _print(family: str, marker_id: int) -> tuple[NDArray[np.bool_], FloatArray]:
+    """Whether each cell ``(side * side,)`` is white, and the same as numbers less their plane."""
+    white = marker_cells(family, marker_id).ravel()
+    return white, _without_plane(white[None].astype(np.float64))[0]
+
+
+@cache
+def _places(side: int) -> FloatArray:
+    """The places sampled in the unit square, ``(side * side, samples, 2)``: x right, y down."""
+    inside = np.stack(np.meshgrid(_INSIDE, _INSIDE), axis=-1).reshape(-1, 2)
+    down, across = np.divmod(np.arange(side * side), side)
+    places: FloatArray = (np.stack([across, down], axis=-1)[:, None] + inside) / side
+    return places
+
+
 def _cell_levels(image: GrayImage, corners_px: FloatArray, side: int) -> FloatArray:
-    """Mean brightness ``(m, side, side)`` of the inner part of each cell."""
-    places = (np.arange(side)[:, None] + _INSIDE).ravel() / side
-    grid = np.stack(np.meshgrid(places, places), axis=-1)
-    count = len(places)
-    mapped = _map_squares(corners_px, grid.reshape(-1, 2)).astype(np.float32)
+    """Mean brightness ``(m, side * side)`` of the inner part of each cell."""
+    places = _places(side)
+    mapped = _map_squares(corners_px, places.reshape(-1, 2)).astype(np.float32)
     levels = cv2.remap(image, mapped, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    blocks = levels.reshape(len(corners_px), side, count // side, side, count // side)
-    return cast("FloatArray", blocks.mean(axis=(2, 4), dtype=np.float64))
+    samples = levels.reshape(len(corners_px), *places.shape[:2])
+    return cast("FloatArray", samples.mean(axis=-1, dtype=np.float64))
 
 
 def _map_squares(corners_px: FloatArray, places: FloatArray) -> FloatArray:
@@ -104,9 +119,16 @@ def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
 
 def _without_plane(values: FloatArray) -> FloatArray:
     """Values ``(m, side * side)`` less the plane that fits them best."""
-    side = int(np.sqrt(values.shape[-1]))
-    ramp = np.linspace(-1.0, 1.0, side)
-    plane = [np.ones(side * side), np.tile(ramp, side), np.repeat(ramp, side)]
-    basis: NDArray[np.float64] = np.stack([part / np.linalg.norm(part) for part in plane])
+    basis = _plane(values.shape[-1])
     less: FloatArray = values - (values @ basis.T) @ basis
     return less
+
+
+@cache
+def _plane(cells: int) -> FloatArray:
+    """Orthonormal basis ``(3, cells)`` of the planes over a square of cells."""
+    side = math.isqrt(cells)
+    ramp = np.linspace(-1.0, 1.0, side)
+    rows = np.stack([np.ones(cells), np.tile(ramp, side), np.repeat(ramp, side)])
+    basis: FloatArray = rows / np.linalg.norm(rows, axis=-1, keepdims=True)
+    return basis

@@ -1,0 +1,235 @@
+"""Marker detection: on photographs reviewed by eye, on exact renderings, and on no markers at all.
+
+`reviewed.json` lists, for each picture, the markers that a person can make out whole: id, then
+column and row of the centre. Every one of the cubes in the photograph carries tag 0.
+"""
+
+import gc
+import json
+import threading
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from pupil_apriltags import Detector
+
+from motorcade.tracking import Camera, MarkerGrid, SingleMarker
+from motorcade.tracking.markers import APRILTAG_FAMILIES, FAMILIES, detect_markers
+from motorcade.tracking.markers.families import marker_cells
+from motorcade.tracking.markers.reading import read_markers
+
+REVIEWED: dict[str, list[list[int]]] = json.loads(
+    (Path(__file__).parent / "reviewed.json").read_text()
+)
+SAME_PX = 8.0
+GRID = MarkerGrid("tag36h11", 4, 3, 0.05, 0.015)
+
+
+def load(path: Path) -> np.ndarray:
+    picture = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+    assert picture is not None, path
+    return picture
+
+
+def matched(found: list[tuple[int, np.ndarray]], truth: list[list[int]]) -> tuple[int, int]:
+    """How many detections are right, each true marker counting once, and how many are not."""
+    free, right = [list(one) for one in truth], 0
+    for marker, centre in found:
+        for one in free:
+            if one[0] == marker and np.hypot(*(centre - one[1:])) < SAME_PX:
+                free.remove(one)
+                right += 1
+                break
+    return right, len(found) - right
+
+
+@pytest.mark.parametrize("name", REVIEWED)
+def test_as_many_as_apriltag_and_none_that_is_false(name: str, data_dir: Path) -> None:
+    picture = load(data_dir / "tags" / name)
+    ours = [
+        (one.marker_id, one.corners_px.mean(axis=0)) for one in detect_markers(picture, "tag36h11")
+    ]
+    peer = Detector(families="tag36h11", quad_decimate=1.0).detect(picture)
+    theirs, _ = matched([(one.tag_id, one.center - 0.5) for one in peer], REVIEWED[name])
+    right, false = matched(ours, REVIEWED[name])
+    assert right >= theirs > 0
+    assert false == 0
+
+
+def test_the_photographs_reference_corners(data_dir: Path) -> None:
+    """The reference runs the other way round, from another corner, and is right to a pixel."""
+    lines = (data_dir / "tags/photos/33369213973_9d9bb4cc96_c.txt").read_text().splitlines()
+    numbers = [line.replace("(", " ").replace(")", " ").replace(",", " ").split() for line in lines]
+    reference = np.array([row[1:] for row in numbers if row], float).reshape(-1, 4, 2)
+    found = detect_markers(load(data_dir / "tags/photos/33369213973_9d9bb4cc96_c.jpg"), "tag36h11")
+    assert len(found) == len(reference) == 12
+    for one in found:
+        gaps = np.linalg.norm(one.corners_px[:, None, None] - reference, axis=-1).min(axis=-1)
+        assert gaps.max(axis=0).min() < 2.0
+
+
+@pytest.mark.parametrize("yaw_deg", range(-70, 71, 10))
+def test_every_rotation_image(yaw_deg: int, data_dir: Path) -> None:
+    picture = load(data_dir / f"tags/rotations/test_image_rotation_{yaw_deg}.png")
+    (one,) = detect_markers(picture, "tag36h11")
+    assert one.marker_id == 76
+    assert one.sharp
+    assert one.wrong_cells == 0
+    assert one.agreement > 0.95
+
+
+@pytest.mark.parametrize("family", [f for f in FAMILIES if not f.endswith("_1000")])
+def test_every_family_is_found_upright(family: str, render, look_at, straight_camera) -> None:
+    for marker in (0, 13):
+        board = SingleMarker(family, marker, 0.12)
+        pose = look_at(board, 0.6, 20.0, 50.0, 100.0)
+        picture = render(board, straight_camera, pose, noise=2.0)
+        truth = straight_camera.project(pose.inverse().apply(board.points_m))
+        backends = ("opencv", "apriltag") if family in APRILTAG_FAMILIES else ("opencv",)
+        for backend in backends:
+            (one,) = detect_markers(picture, family, straight_camera, backend=backend)
+            assert (one.family, one.marker_id, one.sharp) == (family, marker, True)
+            assert np.abs(one.corners_px - truth).max() < 0.15
+
+
+def test_nearer_than_either_library_and_than_corner_refinement(render, look_at) -> None:
+    camera = Camera(480, 360, 420.0, 418.0, 242.3, 176.8)
+    ours, theirs, refined = [], [], []
+    peer = Detector(families="tag36h11", quad_decimate=1.0)
+    stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 40, 1e-3)
+    for tilt, azimuth, roll in ((8, 20, 0), (35, 200, 70), (30, 100, 185)):
+        pose = look_at(GRID, 0.5, tilt, azimuth, roll)
+        picture = render(GRID, camera, pose, blur_px=0.8, noise=2.0, seed=roll)
+        truth = camera.project(pose.inverse().apply(GRID.points_m)).reshape(-1, 4, 2)
+        for one in detect_markers(picture, "tag36h11", camera):
+            ours.append(one.corners_px - truth[one.marker_id])
+        for one in peer.detect(picture):
+            corners = one.corners[::-1] - 0.5
+            theirs.append(corners - truth[one.tag_id])
+            start = corners.astype(np.float32).reshape(-1, 1, 2).copy()
+            sharp = cv2.cornerSubPix(picture, start, (3, 3), (-1, -1), stop).reshape(-1, 2)
+            refined.append(sharp - truth[one.tag_id])
+    assert len(ours) == len(theirs) == 36
+    rms = [
+        np.sqrt((np.concatenate(one) ** 2).sum(axis=1).mean()) for one in (ours, theirs, refined)
+    ]
+    assert rms[0] < 0.8 * rms[1]
+    assert rms[0] < 0.4 * rms[2]
+
+
+@pytest.mark.parametrize("family", ["tag16h5", "tag36h11", "aruco_4x4_50", "aruco_original"])
+def test_texture_is_no_marker(family: str, rng: np.random.Generator) -> None:
+    for blur_px in (0.6, 1.5, 3.0):
+        noise = rng.integers(0, 256, (360, 480)).astype(np.uint8)
+        texture = cv2.normalize(cv2.GaussianBlur(noise, (0, 0), blur_px), None, 0, 255, 32)
+        assert detect_markers(texture, family) == ()
+        assert detect_markers(texture, family, backend="opencv") == ()
+
+
+def test_real_pictures_without_markers_hold_none(data_dir: Path) -> None:
+    folder = data_dir / "replays"
+    files = sorted(folder.glob("kitti_short/**/*.png"))[::17]
+    files += sorted(folder.glob("7scenes_redkitchen/**/*color*"))[::70]
+    files += sorted(folder.glob("vamr_board/**/*.jpg"))[::120]
+    assert len(files) >= 8
+    for path in files:
+        for family in ("tag16h5", "tag36h11", "aruco_4x4_50"):
+            assert detect_markers(load(path), family) == ()
+
+
+def test_a_wrong_print_is_seen_when_it_is_read_again(render, look_at, straight_camera) -> None:
+    """AprilTag's decoder mends two wrong bits of 16 and so finds tags in other families' prints."""
+    board = SingleMarker("tag16h5", 3, 0.12)
+    pose = look_at(board, 0.5)
+    picture = render(board, straight_camera, pose)
+    truth = straight_camera.project(pose.inverse().apply(board.points_m))[None]
+    right = read_markers(picture, truth, "tag16h5", np.array([3]))
+    assert right.wrong_cells[0] == 0
+    assert right.agreement[0] > 0.97
+    known = marker_cells("tag16h5", 3)
+    for other in (0, 7, 29):
+        wrong = read_markers(picture, truth, "tag16h5", np.array([other]))
+        assert wrong.wrong_cells[0] == np.count_nonzero(known != marker_cells("tag16h5", other))
+        assert wrong.agreement[0] < 0.75
+
+
+def test_a_marker_printed_twice_is_found_twice_and_each_once(
+    render, look_at, straight_camera
+) -> None:
+    board = SingleMarker("tag36h11", 4, 0.05)
+    one = render(board, straight_camera, look_at(board, 0.5))
+    both = np.hstack([one, one])
+    for backend in ("apriltag", "opencv"):
+        found = detect_markers(both, "tag36h11", backend=backend)
+        assert [each.marker_id for each in found] == [4, 4]
+        gap = found[1].corners_px - found[0].corners_px
+        np.testing.assert_allclose(gap, np.tile([480.0, 0.0], (4, 1)), atol=0.02)
+
+
+def test_at_the_rim_of_the_picture_corners_are_not_sharp(render, look_at, straight_camera) -> None:
+    board = SingleMarker("tag36h11", 4, 0.12)
+    pose = look_at(board, 0.5)
+    left = straight_camera.project(pose.inverse().apply(board.points_m))[:, 0].min()
+    cut = int(left) - 3
+    camera = replace(straight_camera, cx=straight_camera.cx + int(left) + 0.3 - left)
+    truth = camera.project(pose.inverse().apply(board.points_m)) - np.array([cut, 0.0])
+    picture = np.ascontiguousarray(render(board, camera, pose)[:, cut:])
+    (one,) = detect_markers(picture, "tag36h11", backend="opencv")
+    assert not one.sharp
+    assert np.abs(one.corners_px - truth).max() < 2.0
+    assert board.detect(picture) is None
+
+
+def test_threads_do_not_share_a_detector(render, look_at, straight_camera) -> None:
+    picture = render(GRID, straight_camera, look_at(GRID, 0.5))
+    expected = [one.corners_px.tolist() for one in detect_markers(picture, "tag36h11")]
+    results: list[object] = []
+
+    def work() -> None:
+        for _ in range(3):
+            found = detect_markers(picture, "tag36h11")
+            results.append([one.corners_px.tolist() for one in found])
+
+    threads = [threading.Thread(target=work) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    gc.collect()
+    assert results == [expected] * 9
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (2, 2), (2, 500), (5, 5), (6, 6), (7, 300)])
+@pytest.mark.parametrize("backend", ["apriltag", "opencv"])
+def test_tiny_pictures_hold_nothing(shape: tuple[int, int], backend, rng) -> None:
+    picture = rng.integers(0, 256, shape).astype(np.uint8)
+    assert detect_markers(picture, "tag36h11", backend=backend) == ()
+
+
+def test_parts_of_larger_arrays_are_read_as_they_lie(render, look_at, straight_camera) -> None:
+    picture = render(GRID, straight_camera, look_at(GRID, 0.5))
+    wide = np.zeros((picture.shape[0], picture.shape[1], 3), np.uint8)
+    wide[..., 1] = picture
+    expected = [one.corners_px.tolist() for one in detect_markers(picture, "tag36h11")]
+    found = detect_markers(wide[..., 1], "tag36h11")
+    assert [one.corners_px.tolist() for one in found] == expected
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda p: detect_markers(p, "qr"), "family: expected one of .* got 'qr'"),
+        (lambda p: detect_markers(p, "qr", backend="apriltag"), "family: expected one of"),
+        (
+            lambda p: detect_markers(p, "aruco_4x4_50", backend="apriltag"),
+            "family: apriltag knows tag16h5, .* got 'aruco_4x4_50'; use opencv",
+        ),
+        (lambda p: detect_markers(p, "tag36h11", backend="zbar"), "backend: .* got 'zbar'"),
+        (lambda p: detect_markers(p[None], "tag36h11"), "image: expected a grey uint8 picture"),
+    ],
+)
+def test_bad_input_is_refused(call, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        call(np.zeros((40, 40), np.uint8))
