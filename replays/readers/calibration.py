@@ -23,6 +23,7 @@ __all__ = [
     "read_yaml",
     "transform",
     "yaml_camera",
+    "yaml_floats",
     "yaml_transform",
 ]
 
@@ -77,15 +78,15 @@ def yaml_camera(path: Path) -> Camera:
             of intrinsics or distortion coefficients.
     """
     content = read_yaml(path)
-    size = _floats(path, content, "resolution", 2)
-    fx, fy, cx, cy = _floats(path, content, "intrinsics", 4)
+    size = yaml_floats(path, content, "resolution", 2)
+    fx, fy, cx, cy = yaml_floats(path, content, "intrinsics", 4)
     name = str(content.get("distortion_model", "none")).strip().lower()
     if name not in _MODELS:
         problem = f"expected one of {', '.join(_MODELS)}, got {one_line(name)}"
         raise refusal(path, problem, field="distortion_model")
     model, distortion = _MODELS[name], tuple[float, ...]()
     if model != "pinhole":
-        distortion = _floats(path, content, "distortion_coefficients", None)
+        distortion = yaml_floats(path, content, "distortion_coefficients", None)
     return make_camera(path, size, (fx, fy, cx, cy), model, distortion)
 
 
@@ -202,10 +203,20 @@ def read_matrix(path: Path) -> tuple[float, float, float, float]:
     return float(matrix[0, 0]), float(matrix[1, 1]), float(matrix[0, 2]), float(matrix[1, 2])
 
 
-def _floats(
+def yaml_floats(
     path: Path, content: Mapping[str, object], key: str, count: int | None
 ) -> tuple[float, ...]:
-    """The numbers of a list in a YAML file."""
+    """Read the numbers of a list in a YAML file.
+
+    Args:
+        path: the file, for messages.
+        content: what holds the list.
+        key: its name.
+        count: how many there must be; None for any.
+
+    Raises:
+        RecordingError: no list, something that is no finite number, or another count.
+    """
     value = content.get(key)
     expected = f"expected {'' if count is None else f'{count} '}numbers"
     if not isinstance(value, list):
