@@ -143,7 +143,7 @@ class _CumulativeBSpline(Generic[V]):
                 f"{type(self).__name__}: expected times in [0, {self.duration_s:.9f}] s after "
                 f"{self.start_ns} ns, got {float(np.asarray(time_s)[outside][0]):.9f} s"
             )
-        return _located(time_s, self.knot_spacing_s, len(self.controls) - ORDER + 1)
+        return located(time_s, self.knot_spacing_s, len(self.controls) - ORDER + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,10 +197,9 @@ class CumulativeBSpline(_CumulativeBSpline[Motor]):
         _check_spacing(knot_spacing_s)
         if len(trajectory) < 2:
             raise ValueError("CumulativeBSpline.fit(trajectory): expected two poses or more, got 1")
-        segments = max(1, ceil(trajectory.duration_s / knot_spacing_s - 1e-9))
-        spacing = trajectory.duration_s / segments
-        bridged = _bridged(trajectory, spacing)
-        segment, fraction = _located(bridged.time_s, spacing, segments)
+        segments, spacing = segments_of(trajectory, knot_spacing_s)
+        bridged = bridged_gaps(trajectory, spacing)
+        segment, fraction = located(bridged.time_s, spacing, segments)
         fitted = fit_controls(
             _first_guess(trajectory, segments), segment,
             cumulative_weights(fraction, 0)[1:], bridged.motors,
@@ -227,7 +226,13 @@ def _check_spacing(knot_spacing_s: float) -> None:
         raise ValueError(f"knot_spacing_s: expected a positive number, got {knot_spacing_s}")
 
 
-def _bridged(trajectory: Trajectory, spacing_s: float) -> Trajectory:
+def segments_of(trajectory: Trajectory, knot_spacing_s: float) -> tuple[int, float]:
+    """How many segments span a trajectory, and their spacing, which is at most the given one."""
+    segments = max(1, ceil(trajectory.duration_s / knot_spacing_s - 1e-9))
+    return segments, trajectory.duration_s / segments
+
+
+def bridged_gaps(trajectory: Trajectory, spacing_s: float) -> Trajectory:
     """The trajectory with poses along the screw, one a knot, across its gaps."""
     intervals_s = np.diff(trajectory.time_ns) * 1e-9
     longest_s = max(_GAP_KNOTS * spacing_s, _GAP_MEDIANS * float(np.median(intervals_s)))
@@ -248,7 +253,8 @@ def _first_guess(trajectory: Trajectory, segments: int) -> Motor:
     return trajectory.motors_at(trajectory.time_ns[0] + (place * span).astype(np.int64))
 
 
-def _located(time_s: FloatArray, spacing: float, segments: int) -> tuple[IntArray, FloatArray]:
+def located(time_s: FloatArray, spacing: float, segments: int) -> tuple[IntArray, FloatArray]:
+    """Segment and place in it, in [0, 1], of times ``(*)`` in seconds after the first knot."""
     place = np.clip(time_s / spacing, 0.0, segments)
     segment = np.minimum(place.astype(np.int64), segments - 1)
     return segment, place - segment

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from motorcade.fusion.smooth.auto import auto
-from motorcade.fusion.smooth.batch import robust_map
+from motorcade.fusion.smooth.batch import robust_map, spline
 from motorcade.fusion.smooth.causal import (
     constant_acceleration,
     constant_velocity,
@@ -42,6 +42,7 @@ METHODS: dict[str, Method] = {
     "gaussian": gaussian,
     "savitzky_golay": savitzky_golay,
     "local_polynomial": local_polynomial,
+    "spline": spline,
     "robust_map": robust_map,
 }
 """Every method by name; each is called as ``method(trajectory, representation, **parameters)``."""

@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from motorcade.fusion.smooth.batch.robust_map import RobustPath, estimate_path, robust_map
+from motorcade.fusion.smooth.batch.spline import spline
 
-__all__ = ["RobustPath", "estimate_path", "robust_map"]
+__all__ = ["RobustPath", "estimate_path", "robust_map", "spline"]
