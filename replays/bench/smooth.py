@@ -114,7 +114,7 @@ def _rts(rounds: int) -> list[SmoothRow]:
     path = noisy_path(RTS_POSES)
     part = path[:RTS_NUMPY_POSES]
     q, t = _motors(part).as_quaternion_translation()
-    densities = np.array([4.0, 2.0])
+    densities = np.array([2.0, 1.0])
     scale = RTS_POSES / RTS_NUMPY_POSES
     return _rows(f"RTS over {RTS_POSES:,} poses", rounds, {
         "motors": (lambda: smooth(path, "rts_constant_velocity", "motor"), 1.0),

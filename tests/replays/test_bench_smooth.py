@@ -39,7 +39,7 @@ def test_rivals_filter_as_rotors_do() -> None:
 def test_rivals_smooth_as_rotors_do() -> None:
     """But for the turn of the errors, which they leave out, and the first poses' priors."""
     expected = smooth(PATH, "rts_constant_velocity", "rotor").poses
-    found = numpy_rts(PATH.time_s, Q, T, np.array([4.0, 2.0]))
+    found = numpy_rts(PATH.time_s, Q, T, np.array([2.0, 1.0]))
     assert apart(found, expected)[20:-20].max() < 1e-3
 
 

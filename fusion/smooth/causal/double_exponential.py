@@ -33,7 +33,7 @@ class DoubleExponential(CausalFilter):
     _cutoffs_hz = ("cutoff_hz", "trend_cutoff_hz")
 
     def __init__(
-        self, cutoff_hz: float = 2.0, trend_cutoff_hz: float = 0.5, representation: str = "motor"
+        self, cutoff_hz: float = 4.0, trend_cutoff_hz: float = 1.0, representation: str = "motor"
     ) -> None:
         self.cutoff_hz = checked_positive(cutoff_hz, "cutoff_hz", "Hz")
         self.trend_cutoff_hz = checked_positive(trend_cutoff_hz, "trend_cutoff_hz", "Hz")
@@ -49,8 +49,8 @@ def double_exponential(
     trajectory: Trajectory,
     representation: Representation,
     *,
-    cutoff_hz: float = 2.0,
-    trend_cutoff_hz: float = 0.5,
+    cutoff_hz: float = 4.0,
+    trend_cutoff_hz: float = 1.0,
 ) -> Trajectory:
     """`DoubleExponential` over a whole trajectory; see there.
 

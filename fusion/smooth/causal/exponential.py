@@ -28,7 +28,7 @@ class Exponential(CausalFilter):
 
     _cutoffs_hz = ("cutoff_hz",)
 
-    def __init__(self, cutoff_hz: float = 2.0, representation: str = "motor") -> None:
+    def __init__(self, cutoff_hz: float = 4.0, representation: str = "motor") -> None:
         self.cutoff_hz = checked_positive(cutoff_hz, "cutoff_hz", "Hz")
         super().__init__(representation)
 
@@ -37,7 +37,7 @@ class Exponential(CausalFilter):
 
 
 def exponential(
-    trajectory: Trajectory, representation: Representation, *, cutoff_hz: float = 2.0
+    trajectory: Trajectory, representation: Representation, *, cutoff_hz: float = 4.0
 ) -> Trajectory:
     """`Exponential` over a whole trajectory; see there.
 

@@ -200,8 +200,8 @@ class ConstantVelocityFilter(KalmanFilter):
 
     def __init__(
         self,
-        acceleration_m_s2: float = 2.0,
-        angular_acceleration_rad_s2: float = 4.0,
+        acceleration_m_s2: float = 1.0,
+        angular_acceleration_rad_s2: float = 2.0,
         noise_m: ArrayLike = NOISE_M,
         noise_rad: ArrayLike = NOISE_RAD,
         scale_acceleration_s2: float = 1.0,
@@ -239,8 +239,8 @@ class ConstantAccelerationFilter(KalmanFilter):
 
     def __init__(
         self,
-        jerk_m_s3: float = 10.0,
-        angular_jerk_rad_s3: float = 20.0,
+        jerk_m_s3: float = 5.0,
+        angular_jerk_rad_s3: float = 10.0,
         noise_m: ArrayLike = NOISE_M,
         noise_rad: ArrayLike = NOISE_RAD,
         scale_jerk_s3: float = 5.0,
@@ -259,8 +259,8 @@ def constant_velocity(
     trajectory: Trajectory,
     representation: Representation,
     *,
-    acceleration_m_s2: float = 2.0,
-    angular_acceleration_rad_s2: float = 4.0,
+    acceleration_m_s2: float = 1.0,
+    angular_acceleration_rad_s2: float = 2.0,
     noise_m: ArrayLike = NOISE_M,
     noise_rad: ArrayLike = NOISE_RAD,
     scale_acceleration_s2: float = 1.0,
@@ -281,8 +281,8 @@ def constant_acceleration(
     trajectory: Trajectory,
     representation: Representation,
     *,
-    jerk_m_s3: float = 10.0,
-    angular_jerk_rad_s3: float = 20.0,
+    jerk_m_s3: float = 5.0,
+    angular_jerk_rad_s3: float = 10.0,
     noise_m: ArrayLike = NOISE_M,
     noise_rad: ArrayLike = NOISE_RAD,
     scale_jerk_s3: float = 5.0,

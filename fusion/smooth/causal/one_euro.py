@@ -45,10 +45,10 @@ class OneEuro(CausalFilter):
     def __init__(
         self,
         min_cutoff_hz: float = 0.5,
-        beta_per_rad: float = 3.0,
+        beta_per_rad: float = 10.0,
         beta_per_m: float = 10.0,
         beta_scale: float = 10.0,
-        derivative_cutoff_hz: float = 1.0,
+        derivative_cutoff_hz: float = 2.0,
         representation: str = "motor",
     ) -> None:
         self.min_cutoff_hz = checked_positive(min_cutoff_hz, "min_cutoff_hz", "Hz")
@@ -78,10 +78,10 @@ def one_euro(
     representation: Representation,
     *,
     min_cutoff_hz: float = 0.5,
-    beta_per_rad: float = 3.0,
+    beta_per_rad: float = 10.0,
     beta_per_m: float = 10.0,
     beta_scale: float = 10.0,
-    derivative_cutoff_hz: float = 1.0,
+    derivative_cutoff_hz: float = 2.0,
 ) -> Trajectory:
     """`OneEuro` over a whole trajectory; see there.
 
