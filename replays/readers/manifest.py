@@ -9,17 +9,13 @@ inside a recording may not.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from motorcade.ga import Motor
-from motorcade.replays.errors import RecordingError, refusal
-from motorcade.replays.readers.calibration import (
-    make_camera,
-    read_matrix,
-    read_numbers,
-    transform,
-)
+from motorcade.replays.errors import refusal
+from motorcade.replays.readers.calibration import transform
 from motorcade.replays.readers.detect import find_layout, read_layout
 from motorcade.replays.readers.frames import (
     PictureFrames,
@@ -29,37 +25,22 @@ from motorcade.replays.readers.frames import (
     refuse_gaps,
 )
 from motorcade.replays.readers.inertial import read_imu, read_noise
+from motorcade.replays.readers.manifest_board import section_board
+from motorcade.replays.readers.manifest_camera import CAMERA_KEYS, section_camera
 from motorcade.replays.readers.manifest_section import Section, load_toml
 from motorcade.replays.readers.manifest_truth import TRUTH_KEYS, read_truth
 from motorcade.replays.readers.tables import UNITS
 from motorcade.replays.readers.video import VideoFrames
 from motorcade.replays.recording import FrameSequence, Recording
 from motorcade.replays.trajectory_files import even_stamps, read_times
-from motorcade.tracking.boards import (
-    Board,
-    CharucoBoard,
-    Checkerboard,
-    MarkerGrid,
-    SingleMarker,
-)
+from motorcade.tracking.boards import Board
 from motorcade.tracking.camera import Camera
-from motorcade.tracking.markers import FAMILIES
 
-__all__ = ["BOARD_KEYS", "CAMERA_KEYS", "FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "read"]
+__all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "read"]
 
 LOCAL_NAME = "motorcade.toml"
 _TOP = ("name", "settings", "frames", "camera", "board", "truth", "imu")
 FRAMES_KEYS = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
-CAMERA_KEYS = (
-    "model", "width", "height", "fx", "fy", "cx", "cy", "matrix_file", "distortion",
-    "distortion_file",
-)  # fmt: skip
-BOARD_KEYS = {
-    "checkerboard": ("columns", "rows", "square_m"),
-    "marker_grid": ("family", "columns", "rows", "marker_m", "gap_m", "first_id"),
-    "marker": ("family", "marker_id", "side_m"),
-    "charuco": ("family", "columns", "rows", "square_m", "marker_m"),
-}
 IMU_KEYS = ("file", "noise_file", "imu_T_camera")
 
 
@@ -183,34 +164,15 @@ class _Manifest:
         return replace(made, camera=camera, frames=frames)
 
     def _camera(self, section: Section, size: tuple[int, int] | None) -> Camera:
-        if size is None or "width" in section or "height" in section:
-            size = (section.whole("width", 1), section.whole("height", 1))
-        section.only_one("matrix_file", "fx")
-        if "matrix_file" in section:
-            intrinsics = read_matrix(self._file(section, "matrix_file"))
-        else:
-            fx, fy = (section.number(key, 1e-3, 1e9) for key in ("fx", "fy"))
-            intrinsics = (fx, fy, section.number("cx", -1e9, 1e9), section.number("cy", -1e9, 1e9))
-        section.only_one("distortion", "distortion_file")
-        source, distortion = self.path, tuple[float, ...]()
-        if "distortion" in section:
-            distortion = section.numbers("distortion")
-        elif "distortion_file" in section:
-            source = self._file(section, "distortion_file")
-            distortion = tuple(float(value) for value in read_numbers(source))
-        models = ("pinhole", "radtan", "equidistant")
-        lensless = "model" not in section and not distortion
-        model = "pinhole" if lensless else section.text("model", models)
-        return make_camera(source, size, intrinsics, model, distortion)
+        return section_camera(self.path, section, size, lambda key: self._file(section, key))
 
     def _board(self) -> tuple[Board, Motor]:
-        every = ("type", "world_T_board", *{key for keys in BOARD_KEYS.values() for key in keys})
-        kind = self._section("board", every).text("type", tuple(BOARD_KEYS))
-        section = self._section("board", ("type", "world_T_board", *BOARD_KEYS[kind]))
-        pose = Motor.identity()
-        if "world_T_board" in section:
-            pose = transform(section["world_T_board"], self.path, "[board] world_T_board")
-        return _make_board(kind, section), pose
+        board = section_board(self.path, self.table["board"])
+        table = self.table["board"]
+        if not isinstance(table, Mapping) or "world_T_board" not in table:
+            return board, Motor.identity()
+        pose = transform(table["world_T_board"], self.path, "[board] world_T_board")
+        return board, pose
 
     def _with_imu(self, made: Recording) -> Recording:
         section = self._section("imu", IMU_KEYS)
@@ -227,29 +189,3 @@ class _Manifest:
         if made.imu_T_camera is None:
             raise section.fault("imu_T_camera", "the key is missing", "give a 4 by 4 matrix")
         return made
-
-
-def _make_board(kind: str, section: Section) -> Board:
-    """Make the board of a kind; the board's own refusals are said of its table."""
-
-    def count(key: str) -> int:
-        return section.whole(key, 0, 1000)
-
-    def length(key: str) -> float:
-        return section.number(key, 1e-6, 1e3)
-
-    try:
-        if kind == "checkerboard":
-            return Checkerboard(count("columns"), count("rows"), length("square_m"))
-        family = section.text("family", tuple(FAMILIES))
-        if kind == "marker":
-            return SingleMarker(family, section.whole("marker_id"), length("side_m"))
-        columns, rows, marker_m = count("columns"), count("rows"), length("marker_m")
-        if kind == "charuco":
-            return CharucoBoard(family, columns, rows, length("square_m"), marker_m)
-        first_id = section.whole("first_id") if "first_id" in section else 0
-        return MarkerGrid(family, columns, rows, marker_m, length("gap_m"), first_id)
-    except RecordingError:
-        raise
-    except ValueError as fault:
-        raise section.fault(kind, str(fault)) from fault

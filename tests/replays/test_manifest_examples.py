@@ -11,6 +11,8 @@ import pytest
 
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers import manifest
+from motorcade.replays.readers.manifest_board import BOARD_KEYS
+from motorcade.replays.readers.manifest_camera import CAMERA_KEYS
 from motorcade.replays.readers.manifest_truth import TRUTH_KEYS
 from motorcade.replays.recording import open_recording
 
@@ -52,6 +54,6 @@ def test_the_example_of_every_key_opens_and_names_every_key(make: Make) -> None:
     assert recording.truth is not None
     assert recording.imu_noise is not None
     text = example.read_text()
-    boards = {key for keys in manifest.BOARD_KEYS.values() for key in keys}
-    known = {*manifest.FRAMES_KEYS, *manifest.CAMERA_KEYS, *manifest.IMU_KEYS, *TRUTH_KEYS, *boards}
+    boards = {key for keys in BOARD_KEYS.values() for key in keys}
+    known = {*manifest.FRAMES_KEYS, *CAMERA_KEYS, *manifest.IMU_KEYS, *TRUTH_KEYS, *boards}
     assert {key for key in known if key not in text} == set()

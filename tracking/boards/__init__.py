@@ -6,10 +6,12 @@ from motorcade.tracking.boards.charuco import CharucoBoard
 from motorcade.tracking.boards.checkerboard import Checkerboard
 from motorcade.tracking.boards.corners import Board, BoardCorners
 from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
+from motorcade.tracking.boards.names import BOARD_NAMES, board_named
 from motorcade.tracking.boards.picture import Pattern
 from motorcade.tracking.checks import GrayImage
 
 __all__ = [
+    "BOARD_NAMES",
     "Board",
     "BoardCorners",
     "CharucoBoard",
@@ -18,4 +20,5 @@ __all__ = [
     "MarkerGrid",
     "Pattern",
     "SingleMarker",
+    "board_named",
 ]

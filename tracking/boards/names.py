@@ -1,0 +1,50 @@
+"""Boards by name: what each board's `name` says, read back."""
+
+from __future__ import annotations
+
+import re
+
+from motorcade.tracking.boards.charuco import CharucoBoard
+from motorcade.tracking.boards.checkerboard import Checkerboard
+from motorcade.tracking.boards.corners import Board
+from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
+from motorcade.tracking.markers.families import FAMILIES
+
+__all__ = ["BOARD_NAMES", "board_named"]
+
+BOARD_NAMES = (
+    "checkerboard_9x6_40mm (inner corners, square)",
+    "charuco_aruco_5x5_100_7x5_40mm_30mm (squares, square, marker)",
+    "tag36h11_6x4_30mm_gap_9mm_from_0 (markers, side, gap, first id)",
+    "tag36h11_id_7_65mm (id, side)",
+)
+"""An example of each kind of board, for people."""
+
+_FAMILY = f"({'|'.join(sorted(FAMILIES, key=len, reverse=True))})"
+_GRID, _MM = r"(\d{1,3})x(\d{1,3})", r"(\d+(?:\.\d+)?)mm"
+
+
+def board_named(name: str) -> Board:
+    """The board that has this `name`; lengths are millimetres, "_from_0" may be left out.
+
+    Raises:
+        ValueError: no board's name, or numbers that the board refuses.
+    """
+    if found := re.fullmatch(f"checkerboard_{_GRID}_{_MM}", name):
+        columns, rows, square = found.groups()
+        return Checkerboard(int(columns), int(rows), _metres(square))
+    if found := re.fullmatch(f"charuco_{_FAMILY}_{_GRID}_{_MM}_{_MM}", name):
+        family, columns, rows, square, marker = found.groups()
+        return CharucoBoard(family, int(columns), int(rows), _metres(square), _metres(marker))
+    if found := re.fullmatch(rf"{_FAMILY}_{_GRID}_{_MM}_gap_{_MM}(?:_from_(\d{{1,4}}))?", name):
+        family, columns, rows, side, gap, first = found.groups()
+        first_id = int(first or 0)
+        return MarkerGrid(family, int(columns), int(rows), _metres(side), _metres(gap), first_id)
+    if found := re.fullmatch(rf"{_FAMILY}_id_(\d{{1,4}})_{_MM}", name):
+        family, marker, side = found.groups()
+        return SingleMarker(family, int(marker), _metres(side))
+    raise ValueError(f"board: expected a name such as {', '.join(BOARD_NAMES)}, got {name!r}")
+
+
+def _metres(millimetres: str) -> float:
+    return float(f"{millimetres}e-3")
