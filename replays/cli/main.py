@@ -10,6 +10,7 @@ from importlib.metadata import version
 
 from motorcade.replays.cli import (
     bench,
+    compare,
     demo,
     evaluate,
     generate,
@@ -21,7 +22,7 @@ from motorcade.replays.cli import (
 )
 from motorcade.replays.cli.arguments import one_line
 
-COMMANDS = (demo, run, inspect, smooth, evaluate, simulate_imu, graph, generate, bench)
+COMMANDS = (demo, run, inspect, smooth, evaluate, simulate_imu, graph, generate, compare, bench)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

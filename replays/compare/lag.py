@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray
 from motorcade.replays.compare.truth import Truth
@@ -93,7 +94,7 @@ class LagTable:
 
 
 def _inner(
-    truth: Truth, start_s: FloatArray, end_s: FloatArray, usable: np.ndarray
+    truth: Truth, start_s: FloatArray, end_s: FloatArray, usable: NDArray[np.bool_]
 ) -> tuple[FloatArray, IntArray]:
     """Lags to try, and which stretches stay in the truth at all of them."""
     first, last = truth.span_s

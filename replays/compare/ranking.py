@@ -16,7 +16,7 @@ import numpy as np
 from motorcade.ga import FloatArray
 from motorcade.replays.compare.cells import RAW
 from motorcade.replays.compare.ruler import METRICS
-from motorcade.replays.compare.statistics import Group, bootstrap, resampling
+from motorcade.replays.compare.statistics import PRACTICAL_SHARE, Group, bootstrap, resampling
 
 __all__ = ["RANKED", "rankings", "ratios_to_motor"]
 
@@ -36,7 +36,7 @@ def rankings(groups: Sequence[Group]) -> list[dict[str, Any]]:
     """A ranking for every scope and metric; ranks begin at 1 and the best comes first.
 
     `rank_low` and `rank_high` bound the rank in 95 % of the resamples; `ties_with_best` says that
-    the paired interval of the logarithm's difference from the first contains 0.
+    the paired interval of the difference from the first contains 0, or its mean is below 1 %.
     """
     made = []
     for scope, chosen in _scopes(groups):
@@ -127,7 +127,9 @@ def _ranked(names: list[Name], scores: FloatArray, counts: FloatArray) -> list[d
             "ratio_high": _rounded(np.exp(found.high[i])),
             "rank_low": int(low[i]),
             "rank_high": int(high[i]),
-            "ties_with_best": bool(place == 0 or not behind.low[i] > 0.0),
+            "ties_with_best": bool(
+                behind.mean[i] <= np.log1p(PRACTICAL_SHARE) or behind.low[i] <= 0.0
+            ),
         }
         for place, i in enumerate(order)
     ]

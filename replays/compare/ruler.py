@@ -54,7 +54,7 @@ class Ruler:
 
     def __init__(self, time_ns: IntArray, truth: Truth) -> None:
         self.truth = truth
-        self.time_s = np.asarray((time_ns - truth.origin_ns) * 1e-9, dtype=np.float64)
+        self.time_s = truth.seconds(time_ns)
         self.true, self.true_log_scale = truth.poses(self.time_s)
         steps = np.diff(self.time_s)
         near = steps <= _GAP_INTERVALS * float(np.median(steps))

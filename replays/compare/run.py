@@ -36,8 +36,8 @@ __all__ = ["compare", "finished"]
 Job = TypeVar("Job", Tuning, Cell, Trait)
 
 
-def compare(plan: Plan, out: Path, workers: int = 1) -> Outcome:
-    """Run a plan, write its tables into `out`, and return what they were written from.
+def compare(plan: Plan, out: Path, workers: int = 1) -> dict[str, Any]:
+    """Run a plan, write its tables into `out`, and return what ``results.json`` holds.
 
     Args:
         plan: what to run.
@@ -57,7 +57,7 @@ def compare(plan: Plan, out: Path, workers: int = 1) -> Outcome:
         return _compared(plan, out, pool)
 
 
-def _compared(plan: Plan, out: Path, pool: Executor | None) -> Outcome:
+def _compared(plan: Plan, out: Path, pool: Executor | None) -> dict[str, Any]:
     for function in (run_tuning, run_cell, run_trait):
         _digest(function)
     found = _tuned(plan, out, pool)
@@ -73,8 +73,7 @@ def _compared(plan: Plan, out: Path, pool: Executor | None) -> Outcome:
     # Alone, one after another: they are timed.
     told = [result for _, result in finished(run_trait, traits, out, None, "times")]
     outcome = Outcome(plan.as_dict(), tuple(samples), found, tuple(told), exact_ties())
-    write_tables(outcome, out)
-    return outcome
+    return write_tables(outcome, out)
 
 
 def finished(

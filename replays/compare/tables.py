@@ -80,8 +80,8 @@ class Outcome:
     exact_ties: Sequence[Mapping[str, Any]]
 
 
-def write_tables(outcome: Outcome, out: Path) -> None:
-    """Write the three files, each whole or not at all.
+def write_tables(outcome: Outcome, out: Path) -> dict[str, Any]:
+    """Write the three files, each whole or not at all; returns what ``results.json`` holds.
 
     Raises:
         OSError: a folder that cannot be written.
@@ -106,6 +106,7 @@ def write_tables(outcome: Outcome, out: Path) -> None:
         "exact_ties": list(outcome.exact_ties),
     }
     write_bytes(out / "results.json", (json.dumps(told, indent=1) + "\n").encode())
+    return told
 
 
 def _csv(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> bytes:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from motorcade.fusion.metrics import frame_change_defect, seconds_per_pose
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Trajectory
 from motorcade.replays.compare.cells import Setting, inputs_of, why
 
-__all__ = ["Trait", "run_trait"]
+__all__ = ["Trait", "measured_trait", "run_trait"]
 
 _FRAMES_SEED = 20240229
 
@@ -29,25 +29,30 @@ class Trait:
 
 
 def run_trait(trait: Trait) -> dict[str, Any]:
+    """`measured_trait` on the poses of a cell."""
+    spoiled, _ = inputs_of(
+        trait.motion, trait.degradation, trait.seed, trait.rate_hz, trait.duration_s
+    )
+    return measured_trait(trait.setting, spoiled)
+
+
+def measured_trait(setting: Setting, path: Trajectory) -> dict[str, Any]:
     """Largest difference between smoothing first and changing the frame first, and the time.
 
     The world's frame (left) and the sensor's (right) are changed by motors of any turn, with
     shifts of about a metre. The time is that of the fastest of three runs, a pose, called from
     Python.
     """
-    spoiled, _ = inputs_of(
-        trait.motion, trait.degradation, trait.seed, trait.rate_hz, trait.duration_s
-    )
     made: dict[str, Any] = {
-        "method": trait.setting.method,
-        "representation": trait.setting.representation,
-        "poses": len(spoiled),
+        "method": setting.method,
+        "representation": setting.representation,
+        "poses": len(path),
     }
     rng = np.random.default_rng(_FRAMES_SEED)
     left, right = Motor.random(rng), Motor.random(rng)
     try:
-        defect = frame_change_defect(trait.setting.smooth, spoiled, left, right)
-        time_s = seconds_per_pose(trait.setting.smooth, spoiled)
+        defect = frame_change_defect(setting.smooth, path, left, right)
+        time_s = seconds_per_pose(setting.smooth, path)
     except Exception as error:  # one failing method never ends the others; its row says why
         return made | {"failure": why(error)}
     return made | {

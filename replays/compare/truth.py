@@ -6,11 +6,12 @@ import functools
 from abc import ABC, abstractmethod
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.fusion.metrics import log_scales
 from motorcade.fusion.metrics.smooth_path import SmoothPath
 from motorcade.fusion.motions import MOTIONS
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory
+from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Similarity, Trajectory
 
 __all__ = ["AnalyticTruth", "RecordedTruth", "Truth", "truth_of"]
 
@@ -36,6 +37,10 @@ class Truth(ABC):
     @abstractmethod
     def poses(self, time_s: FloatArray) -> tuple[Motor, FloatArray | None]:
         """Rigid poses ``(N,)`` at times ``(N,)``, and logarithms of scales where there are some."""
+
+    def seconds(self, time_ns: IntArray) -> FloatArray:
+        """Stamps ``(N,)`` as times of this truth."""
+        return np.asarray((time_ns - self.origin_ns) * 1e-9, dtype=np.float64)
 
     def between_rows(self, time_s: FloatArray) -> tuple[FloatArray, Rotor]:
         """Positions ``(*, 3)`` and orientations ``(*)`` at times ``(*)``, from the table."""
@@ -93,7 +98,7 @@ class RecordedTruth(Truth):
         self.span_s = self._path.span_s
         self._kept = trajectory  # the interpolation lives as long as this does
 
-    def covers(self, time_s: FloatArray) -> np.ndarray:
+    def covers(self, time_s: FloatArray) -> NDArray[np.bool_]:
         """Which times do not lie in a hole of the reference, nor outside it."""
         return self._path.covers(time_s)
 

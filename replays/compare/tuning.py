@@ -10,7 +10,7 @@ representation, on seeds that are not judged. The objective is the mean over tho
 and of the error of the scale where there is one: 1 is no better than the raw poses. So neither
 error nor shaking is bought at the other's price alone. Parameters are chosen for each motion and
 degradation apart, so no representation is judged with another motion's parameters. On rigid
-motions `similarity` takes what was found for `motor`, which it equals there.
+motions `similarity` takes what was found for `motor`, which is nearly the same there (see `ties`).
 
 Methods without a ladder run with their defaults, and the results say so.
 """

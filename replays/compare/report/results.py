@@ -1,0 +1,177 @@
+"""A finished comparison, read back from its folder."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from motorcade.replays.compare.tables import FORMAT
+
+__all__ = ["REFERENCE", "Figure", "Ratio", "Results", "tied"]
+
+REFERENCE = "motor"
+"""The representation that the tables hold all others against."""
+PRACTICAL_SHARE = 0.01
+
+
+class Figure(NamedTuple):
+    """A metric of one method and representation in one place: mean over seeds, its interval, the
+    difference of its cost from the same method on motors, and the verdict on that. NaN or "" where
+    there is none."""
+
+    mean: float
+    low: float
+    high: float
+    versus_motor: float
+    verdict: str
+
+
+class Ratio(NamedTuple):
+    """A ratio with the ends of its interval; NaN where there is no interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+def tied(ratio: Ratio) -> bool:
+    """Whether a ratio is 1 for all that can be said: interval around 1, or 1 % from it at most."""
+    return ratio.low <= 1.0 <= ratio.high or abs(ratio.value - 1.0) <= PRACTICAL_SHARE
+
+
+Pair = tuple[str, str]
+Key = tuple[str, str, str, str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """What a comparison found.
+
+    Fields:
+        told: all of ``results.json``.
+        figures: ``groups.csv`` by (motion, degradation, method, representation, metric).
+    """
+
+    told: Mapping[str, Any]
+    figures: Mapping[Key, Figure]
+
+    @classmethod
+    def read(cls, folder: Path) -> Results:
+        """Read the folder of a comparison.
+
+        Raises:
+            OSError: a file that is missing or cannot be read.
+            ValueError: a ``results.json`` of another format.
+        """
+        path = folder / "results.json"
+        told = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(told, dict) or told.get("format") != FORMAT:
+            raise ValueError(f"{path}: expected format {FORMAT!r}")
+        with (folder / "groups.csv").open(encoding="utf-8", newline="") as file:
+            figures = {_key(row): _figure(row) for row in csv.DictReader(file)}
+        return cls(told, figures)
+
+    @property
+    def motions(self) -> list[str]:
+        """As the plan lists them."""
+        return list(self.told["plan"]["motions"])
+
+    @property
+    def degradations(self) -> list[str]:
+        """As the plan lists them."""
+        return list(self.told["plan"]["degradations"])
+
+    @property
+    def methods(self) -> list[str]:
+        """As the plan lists them."""
+        return list(self.told["plan"]["methods"])
+
+    @property
+    def representations(self) -> list[str]:
+        """As the plan lists them."""
+        return list(self.told["plan"]["representations"])
+
+    def places(self, scope: str = "all") -> list[Pair]:
+        """Motions and degradations of a scope: "all", "motion:NAME" or "degradation:NAME"."""
+        kind, _, name = scope.partition(":")
+        return [
+            (motion, degradation)
+            for motion in self.motions
+            for degradation in self.degradations
+            if kind == "all" or name == (motion if kind == "motion" else degradation)
+        ]
+
+    def ranking(self, scope: str = "all", metric: str = "score") -> Sequence[Mapping[str, Any]]:
+        """Rows of a ranking, best first; none where nothing was complete."""
+        for one in self.told["rankings"]:
+            if one["scope"] == scope and one["metric"] == metric:
+                return list(one["rows"])
+        return []
+
+    def unranked(self, scope: str = "all") -> list[Pair]:
+        """Methods and representations without a result in every cell of a scope."""
+        for one in self.told["rankings"]:
+            if one["scope"] == scope:
+                return [(method, representation) for method, representation in one["unranked"]]
+        return []
+
+    def ratio_to_raw(self, scope: str, metric: str) -> dict[Pair, Ratio]:
+        """What is left of the raw poses' error, by method and representation."""
+        return {
+            (row["method"], row["representation"]): _ratio(row, "ratio_to_raw")
+            for row in self.ranking(scope, metric)
+        }
+
+    def ratio_to_motor(self, scope: str, metric: str) -> dict[Pair, Ratio]:
+        """Times what motors leave, by method ("all" is over the complete ones) and representation."""
+        return {
+            (row["method"], row["representation"]): _ratio(row, "ratio_to_motor")
+            for row in self.told["ratios_to_motor"]
+            if row["scope"] == scope and row["metric"] == metric
+        }
+
+    def mean_size(self, scope: str, pair: Pair, metric: str) -> float:
+        """Mean over a scope's places of a metric's size; NaN unless it is known in half of them."""
+        places = self.places(scope)
+        sizes = [
+            abs(figure.mean)
+            for place in places
+            if (figure := self.figures.get((*place, *pair, metric))) is not None
+            and math.isfinite(figure.mean)
+        ]
+        return sum(sizes) / len(sizes) if sizes and 2 * len(sizes) >= len(places) else math.nan
+
+    def parameters(self, motion: str, degradation: str) -> dict[Pair, Mapping[str, Any]]:
+        """Rows of what was found for a place, by method and representation."""
+        return {
+            (row["method"], row["representation"]): row
+            for row in self.told["parameters"]
+            if row["motion"] == motion and row["degradation"] == degradation
+        }
+
+
+def _key(row: Mapping[str, str]) -> Key:
+    return (
+        row["motion"], row["degradation"], row["method"], row["representation"], row["metric"]
+    )  # fmt: skip
+
+
+def _figure(row: Mapping[str, str]) -> Figure:
+    return Figure(
+        _number(row["mean"]), _number(row["low"]), _number(row["high"]),
+        _number(row["versus_motor"]), row["verdict"],
+    )  # fmt: skip
+
+
+def _number(text: str) -> float:
+    return float(text) if text else math.nan
+
+
+def _ratio(row: Mapping[str, Any], key: str) -> Ratio:
+    values = (row[key], row["ratio_low"], row["ratio_high"])
+    return Ratio(*(math.nan if value is None else float(value) for value in values))
