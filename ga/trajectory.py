@@ -153,6 +153,20 @@ class Trajectory:
         stamps = _checked_stamps(time_ns, "Trajectory.resampled(time_ns)")
         return Trajectory(stamps, self.at(stamps), self.parent, self.child)
 
+    def at_rate(self, rate_hz: float) -> Trajectory:
+        """The trajectory at even stamps from the first on, `rate_hz` a second; see `at`.
+
+        Raises:
+            ValueError: a rate that is not positive, or of more than one pose a nanosecond.
+        """
+        if not 0.0 < rate_hz <= 1e9:
+            raise ValueError(
+                f"Trajectory.at_rate: rate_hz: expected a positive number up to 1e9, got {rate_hz}"
+            )
+        count = int((self.time_ns[-1] - self.time_ns[0]) * 1e-9 * rate_hz + 1e-9) + 1
+        offset_ns = np.rint(np.arange(count) * (1e9 / rate_hz)).astype(np.int64)
+        return self.resampled(np.minimum(self.time_ns[0] + offset_ns, self.time_ns[-1]))
+
     def transformed_by(
         self,
         left: Motor | Similarity | None = None,

@@ -1,0 +1,151 @@
+"""Twist, acceleration and jerk of a sampled trajectory, by local polynomials on the tangent.
+
+Around every pose a polynomial is fitted to the twists from it to its neighbours; the coefficients
+are the derivatives. The fit is repeated about the pose that it finds, so that the polynomial passes
+through zero there: then the body twist is its slope, ``w = x'``, and with ``w' = x''`` and
+``w'' = x''' - ½ [x', x'']`` the rest follows from the series of the right Jacobian.
+
+Everything is told by time: stamps may be uneven. Noise of the poses is amplified with every
+derivative, by about the order-th power of the inverse window.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import factorial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.smooth.checks import checked_length, checked_positive
+from motorcade.fusion.smooth.representations import REPRESENTATIONS
+from motorcade.fusion.smooth.window.averages import polynomial_at_centre, weighted_vectors
+from motorcade.fusion.smooth.window.local_polynomial import shifted_windows
+from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga.motion import carried_twist, twist_bracket
+
+__all__ = ["PathDerivatives", "differentiated"]
+
+_LEAST_ORDER, _LARGEST_ORDER = 3, 8
+_ROUNDS = 3
+_STRETCH = 2048
+
+
+@dataclass(frozen=True, eq=False)
+class PathDerivatives:
+    """A path with its derivatives at its stamps, N poses.
+
+    Fields:
+        trajectory: the fitted poses, those that the derivatives belong to.
+        body_twist: ``(N, 6)`` angular rate (rad/s) and velocity of the origin (m/s) in the moving
+            frame; similarities have the rate of the logarithm of the scale (1/s) besides.
+        body_twist_rate: its derivative, in 1/s more.
+        body_twist_jerk: its second derivative.
+    """
+
+    trajectory: Trajectory
+    body_twist: FloatArray
+    body_twist_rate: FloatArray
+    body_twist_jerk: FloatArray
+
+    @property
+    def world_twist(self) -> FloatArray:
+        """The twist in the parent's frame ``(N, 6)``: ``pose' = world_twist pose``.
+
+        Its last three are the velocity of that point of the body which is at the parent's origin.
+        """
+        poses = self.trajectory.poses
+        if isinstance(poses, Similarity):
+            return carried_twist(poses, self.body_twist)
+        return carried_twist(poses, self.body_twist)
+
+    @property
+    def world_velocity_m_s(self) -> FloatArray:
+        """Velocity of the moving frame's origin in the parent's axes ``(N, 3)``."""
+        return self._in_world(self.body_twist[:, 3:6])
+
+    @property
+    def world_acceleration_m_s2(self) -> FloatArray:
+        """Acceleration of the origin in the parent's axes ``(N, 3)``, without gravity."""
+        return self._in_world(self._origin_rates()[0])
+
+    @property
+    def world_jerk_m_s3(self) -> FloatArray:
+        """Jerk of the origin in the parent's axes ``(N, 3)``."""
+        return self._in_world(self._origin_rates()[1])
+
+    def _origin_rates(self) -> tuple[FloatArray, FloatArray]:
+        """Acceleration and jerk of the origin in the body's axes: ``(s R v)' = s R (v' + Ω v)``
+        with the rate of the logarithm of the scale on the diagonal of Ω.
+        """
+        twist, rate, jerk = self.body_twist, self.body_twist_rate, self.body_twist_jerk
+        velocity = twist[:, 3:6]
+
+        def turned(by: FloatArray, vector: FloatArray) -> FloatArray:
+            return np.cross(by[:, :3], vector) + _growth(by) * vector
+
+        acceleration = rate[:, 3:6] + turned(twist, velocity)
+        change = jerk[:, 3:6] + turned(rate, velocity) + turned(twist, rate[:, 3:6])
+        return acceleration, change + turned(twist, acceleration)
+
+    def _in_world(self, vectors: FloatArray) -> FloatArray:
+        poses = self.trajectory.poses
+        turned = poses.rotor.apply(vectors)
+        return poses.scale[:, None] * turned if isinstance(poses, Similarity) else turned
+
+
+def differentiated(
+    trajectory: Trajectory, window_s: float = 0.3, order: int = 4
+) -> PathDerivatives:
+    """Derivatives of a trajectory at its stamps.
+
+    Args:
+        trajectory: at least order + 1 poses, in windows of which each must turn by less than π.
+        window_s: full width of the windows in seconds; at the ends of the path they are shifted to
+            stay on it, and derivatives are less accurate there. Wider windows suppress noise,
+            narrower ones follow faster motion. Where a window holds too few poses for the order,
+            that of the polynomial falls, and derivatives beyond it are 0.
+        order: of the polynomials, 3 to 8. The error of the k-th derivative falls with the
+            ``order + 1 - k``-th power of the window.
+
+    Raises:
+        ValueError: a window that is not positive, an order outside 3 to 8, or too few poses.
+
+    Source: A. Savitzky and M. Golay, Analytical Chemistry 36 (1964), over time and on the tangent.
+    """
+    width_ns = round(checked_positive(window_s, "window_s", "seconds") * 1e9)
+    if not _LEAST_ORDER <= order <= _LARGEST_ORDER:
+        raise ValueError(f"order: expected {_LEAST_ORDER} to {_LARGEST_ORDER}, got {order}")
+    checked_length(trajectory, order + 1, f"differentiated of order {order}")
+    scaled = isinstance(trajectory.poses, Similarity)
+    representation = REPRESENTATIONS["similarity" if scaled else "motor"]
+    coordinates = np.asfortranarray(representation.coordinates(trajectory.poses))
+    first, last = shifted_windows(trajectory.time_ns, width_ns)
+
+    def weights(offset_s: FloatArray, inside: NDArray[np.bool_]) -> FloatArray:
+        u = offset_s * (2e9 / width_ns)
+        equal = inside.astype(np.float64)
+        units = [factorial(k) * (2e9 / width_ns) ** k for k in range(4)]
+        rows = [polynomial_at_centre(u, equal, inside, order, k) for k in range(4)]
+        return np.stack([unit * row for unit, row in zip(units, rows, strict=True)])
+
+    found = np.empty((4, len(trajectory), 7 if scaled else 6))
+    made = coordinates.copy()
+    for start in range(0, len(trajectory), _STRETCH):
+        part = slice(start, min(start + _STRETCH, len(trajectory)))
+        windows = part, first[part], last[part]
+        for _ in range(_ROUNDS):
+            found[:, part] = weighted_vectors(
+                trajectory.time_ns, coordinates, made[part], representation, windows, weights
+            )
+            made[part] = representation.moved(made[part], found[0, part])
+    poses = representation.poses(made)
+    assert isinstance(poses, Motor | Similarity)
+    path = Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
+    _, slope, bend, twist_jerk = found
+    return PathDerivatives(path, slope, bend, twist_jerk - 0.5 * twist_bracket(slope, bend))
+
+
+def _growth(twist: FloatArray) -> FloatArray:
+    """Rate of the logarithm of the scale ``(N, 1)``; 0 of rigid motions."""
+    return twist[:, 6:] if twist.shape[1] == 7 else np.zeros((len(twist), 1))
