@@ -76,14 +76,14 @@ def bench_smooth(rounds: int = 5) -> dict[str, Any]:
 
 def smooth_table(found: Mapping[str, Any]) -> str:
     """A row a job and way, then memory."""
-    lines = [f"{'smoothing, one core':<64}{'time':>12}{'of ours':>10}"]
+    lines = [f"{'smoothing, one core':<78}{'time':>12}{'of ours':>10}"]
     for row in found["rows"]:
         seconds = row["seconds"]
         text = f"{seconds:.3f} s" if seconds > 1e-3 else f"{1e6 * seconds:.2f} µs"
-        lines.append(f"{row['job'] + ': ' + row['way']:<64}{text:>12}{row['over_ours']:>10.1f}")
+        lines.append(f"{row['job'] + ': ' + row['way']:<78}{text:>12}{row['over_ours']:>10.1f}")
     lines += ["", "bytes that each further pose adds to the peak of memory"]
     for name, size in found["bytes_a_pose"].items():
-        lines.append(f"{name:<64}{'unknown' if size is None else f'{size:.0f}':>12}")
+        lines.append(f"{name:<78}{'unknown' if size is None else f'{size:.0f}':>12}")
     return "\n".join(lines)
 
 
