@@ -12,6 +12,7 @@ from motorcade.replays.cli import (
     bench,
     compare,
     demo,
+    detect,
     evaluate,
     generate,
     graph,
@@ -22,7 +23,19 @@ from motorcade.replays.cli import (
 )
 from motorcade.replays.cli.arguments import one_line
 
-COMMANDS = (demo, run, inspect, smooth, evaluate, simulate_imu, graph, generate, compare, bench)
+COMMANDS = (
+    demo,
+    run,
+    inspect,
+    detect,
+    smooth,
+    evaluate,
+    simulate_imu,
+    graph,
+    generate,
+    compare,
+    bench,
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -19,7 +19,14 @@ from numpy.typing import NDArray
 from motorcade.replays.errors import one_line, read_bounded, refusal
 from motorcade.replays.recording import DepthArray, ImageArray
 
-__all__ = ["SUFFIXES", "picture_size", "read_depth", "read_picture", "read_picture_bytes"]
+__all__ = [
+    "SUFFIXES",
+    "picture_size",
+    "read_depth",
+    "read_gray",
+    "read_picture",
+    "read_picture_bytes",
+]
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm")
 FILE_LIMIT = 256 * 2**20
@@ -67,6 +74,25 @@ def read_picture(path: Path, field: str, size: tuple[int, int] | None) -> ImageA
     if picture.ndim == 3:
         picture = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
     return np.asarray(picture, dtype=np.uint8)
+
+
+def read_gray(path: Path, field: str, size: tuple[int, int] | None) -> ImageArray:
+    """Decode a picture of any kind to grey, uint8 ``(height, width)`` (luma, ITU-R BT.601).
+
+    The brightest pixel of a 16-bit file becomes white, since such files seldom use all their
+    bits; a rotation noted in EXIF is not applied.
+
+    Raises:
+        RecordingError: as `read_picture_bytes`, and what cannot be decoded.
+    """
+    data = read_picture_bytes(path, field, size)
+    flags = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION
+    picture = _decode(path, data, field, flags)
+    if picture.dtype == np.uint16:
+        picture = picture * (255.0 / max(int(picture.max()), 1))
+    elif picture.dtype != np.uint8:
+        raise refusal(path, f"expected 8 or 16 bits a pixel, got {picture.dtype}", field=field)
+    return np.rint(picture).astype(np.uint8)
 
 
 def read_depth(
