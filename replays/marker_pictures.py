@@ -24,7 +24,7 @@ from motorcade.tracking import (
     pose_marker,
 )
 
-__all__ = ["MarkerPicture", "describe", "draw", "markers_in", "write_drawing"]
+__all__ = ["MarkerPicture", "describe", "draw", "drawing_names", "markers_in", "write_drawing"]
 
 _OUTLINE, _FIRST, _DOUBTFUL = (0, 200, 0), (0, 0, 255), (0, 165, 255)  # blue, green, red
 _AXES = ((0, 0, 255), (0, 255, 0), (255, 0, 0))
@@ -144,20 +144,24 @@ def draw(picture: MarkerPicture, camera: Camera | None = None) -> ImageArray:
     return np.asarray(canvas, np.uint8)
 
 
-def write_drawing(picture: MarkerPicture, folder: Path, camera: Camera | None = None) -> Path:
-    """Write `draw`'s picture into a folder under the file's own name; returns where it lies.
+def drawing_names(paths: Sequence[Path]) -> list[str]:
+    """A name for the drawing of each file: its own stem, numbered where it came up before."""
+    stems = [path.stem for path in paths]
+    before = [stems[:index].count(stem) for index, stem in enumerate(stems)]
+    return [
+        f"{stem}_{count + 1}.png" if count else f"{stem}.png"
+        for stem, count in zip(stems, before, strict=True)
+    ]
 
-    A name that is taken there gets a number: no drawing is written over another.
+
+def write_drawing(picture: MarkerPicture, path: Path, camera: Camera | None = None) -> None:
+    """Write `draw`'s picture as a PNG file.
 
     Raises:
-        OSError: a folder that cannot be written.
+        OSError: a file that cannot be written.
     """
-    path, number = folder / f"{picture.path.stem}.png", 2
-    while path.exists():
-        path, number = folder / f"{picture.path.stem}_{number}.png", number + 1
     _, data = cv2.imencode(".png", draw(picture, camera))
     write_bytes(path, data.tobytes())
-    return path
 
 
 def _draw_axes(canvas: ImageArray, posed: PosedMarker, camera: Camera) -> None:

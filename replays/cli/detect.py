@@ -61,14 +61,20 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def detect(arguments: argparse.Namespace) -> None:
     """Search every picture; print what was found, and complain of the others at the end."""
     from motorcade.replays.errors import RecordingError
-    from motorcade.replays.marker_pictures import describe, markers_in, write_drawing
+    from motorcade.replays.marker_pictures import (
+        describe,
+        drawing_names,
+        markers_in,
+        write_drawing,
+    )
     from motorcade.replays.readers.manifest_camera import read_camera
 
     camera = None if arguments.camera is None else read_camera(arguments.camera)
     described: list[dict[str, Any]] = []
     failed = 0
     found = markers_in(arguments.images, arguments.family, camera, arguments.size_m)
-    for path, picture in zip(arguments.images, found, strict=True):
+    names = drawing_names(arguments.images)
+    for path, name, picture in zip(arguments.images, names, found, strict=True):
         if isinstance(picture, RecordingError):
             failed += 1
             print(f"motorcade: {one_line(picture)}", file=sys.stderr)
@@ -78,7 +84,7 @@ def detect(arguments: argparse.Namespace) -> None:
         if not arguments.json:
             _print(picture)
         if arguments.draw is not None:
-            write_drawing(picture, arguments.draw, camera)
+            write_drawing(picture, arguments.draw / name, camera)
     if arguments.json:
         print_json({"family": arguments.family, "pictures": described})
     if failed:
