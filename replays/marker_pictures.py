@@ -23,6 +23,7 @@ from motorcade.tracking import (
     detect_markers,
     pose_marker,
 )
+from motorcade.tracking.checks import check_length
 
 __all__ = ["MarkerPicture", "describe", "draw", "drawing_names", "markers_in", "write_drawing"]
 
@@ -68,10 +69,12 @@ def markers_in(
     """
     if size_m is not None and camera is None:
         raise ValueError("size_m: expected a camera with it, since poses need both, got none")
+    if size_m is not None:
+        check_length(size_m, "size_m")
     size = None if camera is None else (camera.width, camera.height)
     for path in paths:
         try:
-            gray = read_gray(path, "", size)
+            gray = read_gray(path, None, size)
         except RecordingError as fault:
             yield fault
             continue

@@ -37,7 +37,7 @@ _TRUNCATED = "the picture is truncated"
 _COPY_AGAIN = "copy the file again"
 
 
-def read_picture_bytes(path: Path, field: str, size: tuple[int, int] | None) -> bytes:
+def read_picture_bytes(path: Path, field: str | None, size: tuple[int, int] | None) -> bytes:
     """Read a picture file and check that it is whole and has this size (width, height).
 
     Raises:
@@ -76,7 +76,7 @@ def read_picture(path: Path, field: str, size: tuple[int, int] | None) -> ImageA
     return np.asarray(picture, dtype=np.uint8)
 
 
-def read_gray(path: Path, field: str, size: tuple[int, int] | None) -> ImageArray:
+def read_gray(path: Path, field: str | None, size: tuple[int, int] | None) -> ImageArray:
     """Decode a picture of any kind to grey, uint8 ``(height, width)`` (luma, ITU-R BT.601).
 
     The brightest pixel of a 16-bit file becomes white, since such files seldom use all their
@@ -137,7 +137,7 @@ def picture_size(data: bytes) -> tuple[int, int]:
     return size
 
 
-def _decode(path: Path, data: bytes, field: str, flags: int) -> NDArray[np.generic]:
+def _decode(path: Path, data: bytes, field: str | None, flags: int) -> NDArray[np.generic]:
     problem = "the picture cannot be decoded"
     try:
         picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags)
