@@ -49,8 +49,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         flat = cv2.warpPerspective(drawing, camera.matrix @ view @ to_board, (752, 480))
         picture = cv2.remap(flat, straight, None, cv2.INTER_LINEAR)
         cv2.imwrite(str(tmp_path / "images" / f"{i}.png"), picture)
-    stamps = np.arange(8, dtype=np.int64) * 33_333_333
-    write_trajectory(Trajectory(stamps, Motor.stack(poses)), tmp_path / "poses.tum")
+    stamps = np.arange(24, dtype=np.int64) * 33_333_333
+    there_and_back = Motor.stack([*poses, *poses[::-1], *poses])
+    write_trajectory(Trajectory(stamps, there_and_back), tmp_path / "poses.tum")
     (tmp_path / "orbit.clu").write_text(blocks("clu")[0])
     monkeypatch.chdir(tmp_path)
     return tmp_path

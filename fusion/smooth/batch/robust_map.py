@@ -17,7 +17,7 @@ from wide to its own width (graduated non-convexity: A. Blake, A. Zisserman, Vis
 
 Across a run of wrong poses nothing is known but the motion model, so that the error there grows
 with the length of the run. A path that leaps for good, as when a map is corrected, is torn smooth.
-Time is linear in the poses, and some 5 KiB a pose are needed.
+Time is linear in the poses, and some 11 KiB a pose are needed.
 """
 
 from __future__ import annotations

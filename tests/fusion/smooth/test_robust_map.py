@@ -1,5 +1,6 @@
 """The most probable path: gtsam's on the same graph, and unmoved by poses that are thrown off."""
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips
 from motorcade.fusion.smooth import REPRESENTATIONS, smooth
-from motorcade.fusion.smooth.batch import estimate_path
+from motorcade.fusion.smooth.batch import charts, estimate_path
 from motorcade.fusion.smooth.batch.charts import Chart
 from motorcade.fusion.smooth.batch.consistent import Sizes, bridged, consistent_poses
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
@@ -222,3 +223,15 @@ def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> Non
         smooth(path, "robust_map", **settings)
     with pytest.raises(ValueError, match="at least 2 poses, got 1"):
         smooth(path[:1], "robust_map")
+
+
+@pytest.mark.parametrize("package", ["casadi", "scipy.linalg"])
+def test_what_is_missing_is_named_with_the_extra_that_brings_it(
+    package: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    charts._derived.cache_clear()
+    monkeypatch.setitem(sys.modules, package, None)
+    path = MOTIONS["screw"].sampled(30.0, 1.0)
+    with pytest.raises(ModuleNotFoundError, match=r'pip install "motorcade\[pipeline\]"'):
+        smooth(path, "robust_map")
+    charts._derived.cache_clear()
