@@ -151,9 +151,9 @@ def standard(
 ) -> Plan:
     """The whole comparison, or the named parts of it, over so many test seeds and three for tuning.
 
-    The methods of `SLOW` cost some hundred times what the others do. They run on plain noise and
-    on outliers with flips, for which they are made, and on rigid motions not as `similarity`, which
-    comes within hundredths of a millimetre of `motor` there. A plan of one's own leaves nothing out.
+    The methods of `SLOW` cost some hundred times what the others do. They run on plain noise and on
+    outliers with flips, for which they are made; and not as `similarity` on rigid motions, where
+    it comes within hundredths of a millimetre of `motor`. A plan of one's own leaves nothing out.
     """
     named = Plan(
         motions=tuple(motions or MOTIONS),

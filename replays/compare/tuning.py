@@ -76,6 +76,7 @@ LADDERS: Mapping[str, tuple[Ladder, ...]] = MappingProxyType({
     "gaussian": (_ladder("sigma_s", 0.1, 0.02, 0.4, 12),),
     "savitzky_golay": (_ladder("window_s", 0.3, 0.12, 1.6, 12),),
     "local_polynomial": (_ladder("window_s", 0.3, 0.12, 1.6, 12),),
+    "spline": (_ladder("knot_spacing_s", 0.2, 0.05, 0.6, 12),),
 })  # fmt: skip
 """What is tried, in order: twelve trials a method."""
 

@@ -1,0 +1,264 @@
+"""Comparisons from beginning to end: same results however they come about, failures contained."""
+
+import csv
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.motions.degradations import Gaussian
+from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.replays.cli import main
+from motorcade.replays.compare import run
+from motorcade.replays.compare.own_data import compare_recorded
+from motorcade.replays.compare.plan import DEGRADATIONS, SLOW, Plan, quick, standard
+from motorcade.replays.compare.ruler import METRICS
+from motorcade.replays.compare.run import compare
+from motorcade.replays.compare.ties import exact_ties
+from motorcade.replays.compare.tuning import BORROWS, LADDERS
+from motorcade.replays.trajectory_files import write_trajectory
+
+UNITS = ("_m", "_deg", "_s2", "_ms", "_ratio", "_turns", "log_scale_rmse")
+SMALL = Plan(
+    motions=("walk_and_look", "zoom"),
+    degradations=("gaussian",),
+    methods=("exponential", "double_exponential"),
+    representations=("motor", "similarity", "euler"),
+    test_seeds=(10, 11, 12),
+    tuning_seeds=(1,),
+    duration_s=3.0,
+)
+
+
+def without_times(folder: Path) -> dict[str, Any]:
+    told: dict[str, Any] = json.loads((folder / "results.json").read_text())
+    for trait in told["traits"]:
+        trait.pop("time_us_per_pose")
+    return told
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("small")
+    compare(SMALL, folder)
+    return folder
+
+
+def same(first: Path, second: Path) -> bool:
+    names = ("cells.csv", "groups.csv")
+    equal = all((first / n).read_bytes() == (second / n).read_bytes() for n in names)
+    return equal and without_times(first) == without_times(second)
+
+
+def test_seeds_are_disjoint_and_stand_in_the_results(small: Path) -> None:
+    for plan in (standard(), quick(), standard(seeds=50)):
+        assert not set(plan.test_seeds) & set(plan.tuning_seeds)
+    assert len(standard().test_seeds) >= 20
+    plan = json.loads((small / "results.json").read_text())["plan"]
+    assert plan["test_seeds"] == [10, 11, 12]
+    assert plan["tuning_seeds"] == [1]
+    assert {row["seed"] for row in rows_of(small / "cells.csv")} == {"10", "11", "12"}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"tuning_seeds": (11,)}, "expected other seeds than test_seeds, got \\[11\\]"),
+        ({"methods": ("exponental",)}, "did you mean exponential"),
+        ({"motions": ()}, "Plan.motions: expected one or more"),
+        ({"test_seeds": (3, 3)}, "Plan.test_seeds"),
+        ({"duration_s": 0.0}, "Plan.duration_s: expected above 0"),
+    ],
+)
+def test_plans_that_make_no_sense_are_refused(change: Mapping[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        replace(SMALL, **change)
+
+
+def test_the_standard_plan_is_complete_but_for_what_it_names() -> None:
+    plan = standard()
+    assert set(plan.motions) == set(MOTIONS)
+    assert set(plan.degradations) == set(DEGRADATIONS)
+    assert set(plan.methods) == set(METHODS)
+    assert set(plan.representations) == set(REPRESENTATIONS)
+    for motion in plan.motions:
+        for degradation in plan.degradations:
+            missing = set(METHODS) - {method for method, _ in plan.pairs(motion, degradation)}
+            assert missing <= set(SLOW)
+    assert all(one.method in SLOW and one.reason for one in plan.left_out)
+    assert set(LADDERS) | set(BORROWS) | {"auto"} >= set(METHODS)
+
+
+def test_a_stopped_run_goes_on_and_gives_the_same_bytes(
+    small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done = []
+
+    def stopped(cell: Any) -> Any:
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        done.append(cell)
+        return original(cell)
+
+    original = run.run_cell
+    stopped.__name__, stopped.__module__ = original.__name__, original.__module__
+    with monkeypatch.context() as patch:
+        patch.setattr(run, "run_cell", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            compare(SMALL, tmp_path)
+    kept = sorted((tmp_path / ".finished").iterdir())
+    assert not (tmp_path / "cells.csv").exists()
+    stamps = [path.stat().st_mtime_ns for path in kept]
+    compare(SMALL, tmp_path)
+    assert [path.stat().st_mtime_ns for path in kept] == stamps
+    assert same(small, tmp_path)
+
+
+def test_two_workers_give_what_one_gives(small: Path, tmp_path: Path) -> None:
+    compare(SMALL, tmp_path, workers=2)
+    assert same(small, tmp_path)
+
+
+def test_a_failing_method_says_why_and_ends_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(trajectory: Trajectory, representation: Any, *, cutoff_hz: float = 1.0) -> None:
+        if representation.name == "euler":
+            raise ZeroDivisionError("gone\nwrong")
+        return original(trajectory, representation, cutoff_hz=cutoff_hz)
+
+    original = METHODS["exponential"]
+    monkeypatch.setitem(METHODS, "exponential", broken)
+    told = compare(replace(SMALL, motions=("walk_and_look",)), tmp_path)
+    rows = rows_of(tmp_path / "cells.csv")
+    failed = [row for row in rows if row["failure"]]
+    assert {(row["method"], row["representation"]) for row in failed} == {("exponential", "euler")}
+    assert {row["failure"] for row in failed} == {"ZeroDivisionError: gone wrong"}
+    assert len(failed) == 3
+    assert len(rows) == 3 * (1 + 2 * 3)
+    (failure,) = told["failures"]
+    assert failure["seeds"] == 3
+    how = {(one["method"], one["representation"]): one["how"] for one in told["parameters"]}
+    assert how["exponential", "euler"] == "defaults"
+    assert how["double_exponential", "euler"] == "ladder"
+
+
+def test_keys_carry_units(small: Path) -> None:
+    assert all(metric.endswith(UNITS) for metric in METRICS)
+    (row, *_) = rows_of(small / "cells.csv")
+    assert {"linear_jitter_ratio", "angular_jitter_ratio", *METRICS} <= set(row)
+    told = json.loads((small / "results.json").read_text())
+    for key in told["traits"][0]:
+        assert key.endswith(("_m", "_rad", "_us_per_pose")) or key in {
+            "method", "representation", "poses", "failure",
+        }  # fmt: skip
+    for one in told["parameters"]:
+        units = ("_hz", "_s", "_m", "_rad", "_s2", "_s3", "_per_m", "_per_rad")
+        assert all(name.endswith(units) for name in one["parameters"])
+
+
+def test_every_representation_is_tuned_with_the_same_trials(small: Path) -> None:
+    told = json.loads((small / "results.json").read_text())
+    searched = [one for one in told["parameters"] if one["how"] == "ladder"]
+    for method in SMALL.methods:
+        assert len({one["trials"] for one in searched if one["method"] == method}) == 1
+    rungs = {one["parameter"]: one["rungs"] for one in told["ladders"]["exponential"]}
+    for one in searched:
+        if one["method"] == "exponential":
+            assert one["parameters"]["cutoff_hz"] in rungs["cutoff_hz"]
+
+
+def test_the_rung_that_is_taken_has_the_lowest_objective() -> None:
+    from motorcade.replays.compare.cells import Setting, inputs_of
+    from motorcade.replays.compare.tuning import tuned
+
+    spoiled, ruler = inputs_of("handheld", "gaussian", 1, 30.0, 4.0)
+    raw = ruler.errors([spoiled])[0]
+    found = tuned("gaussian", "motor", [(spoiled, ruler)], [raw])
+    (ladder,) = LADDERS["gaussian"]
+    objectives = []
+    for rung in ladder.rungs:
+        path = Setting("gaussian", "motor", ((ladder.parameter, rung),)).smooth(spoiled)
+        objectives.append(np.mean(ruler.errors([path])[0, :4] / raw[:4]))
+    assert found.objective == pytest.approx(min(objectives), rel=1e-8)
+    assert dict(found.setting.parameters)["sigma_s"] == ladder.rungs[int(np.argmin(objectives))]
+
+
+def test_scales_are_judged_where_there_are_some(small: Path) -> None:
+    for row in rows_of(small / "cells.csv"):
+        assert bool(row["log_scale_rmse"]) == (row["motion"] == "zoom")
+
+
+def test_ties_that_theory_predicts_hold() -> None:
+    found = exact_ties()
+    assert all(one["holds"] for one in found)
+    assert any("dual quaternion linear blend" in one["theory"] for one in found)
+
+
+def test_a_recording_is_compared_on_blocks_it_was_not_tuned_on(tmp_path: Path) -> None:
+    truth = MOTIONS["handheld"].sampled(100.0, 15.0)
+    moved = (
+        MOTIONS["handheld"]
+        .sampled(30.0, 14.9)
+        .transformed_by(
+            Motor.from_rotor_translation(
+                Rotor.from_rotation_vector([0.4, -2.0, 0.3]), [3.0, 2.0, 1.0]
+            )
+        )
+    )
+    noisy = Gaussian(0.005, 0.01).apply(moved, np.random.default_rng(1))
+    told = compare_recorded(
+        noisy, truth, tmp_path, methods=("gaussian",), representations=("motor", "quaternion")
+    )
+    seeds = told["plan"]["tuning_seeds"], told["plan"]["test_seeds"]
+    assert seeds == ([0, 2, 4, 6], [1, 3, 5, 7])
+    rows = rows_of(tmp_path / "cells.csv")
+    assert {row["seed"] for row in rows} == {"1", "3", "5", "7"}
+    mean = {
+        row["method"]: float(row["ape_rmse_m"]) for row in rows if row["representation"] != "euler"
+    }
+    assert mean["gaussian"] < 0.7 * mean["raw"] < 0.01
+    with pytest.raises(ValueError, match="expected 200 poses or more within the truth, got 150"):
+        compare_recorded(noisy[:150], truth, tmp_path)
+
+
+def test_the_command_runs_quickly_and_refuses_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["compare", "--quick", "--seeds", "3", "--trajectories", "screw", "--noise", "gaussian"]
+    assert main([*words, "--methods", "exponential", "--workers", "1", "--out", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert "exponential" in printed
+    assert "dual quaternion linear blend: holds" in printed
+    assert main([*words, "--methods", "expnential", "--out", str(tmp_path)]) == 1
+    assert "did you mean exponential?" in capsys.readouterr().err
+    assert main(["compare", "--input", "a.tum", "--out", str(tmp_path)]) == 1
+    assert "expected --input and --truth together" in capsys.readouterr().err
+
+
+def test_own_files_are_compared_from_the_command_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    truth = MOTIONS["handheld"].sampled(60.0, 10.0)
+    noisy = Gaussian(0.005, 0.01).apply(
+        MOTIONS["handheld"].sampled(30.0, 10.0), np.random.default_rng(1)
+    )
+    write_trajectory(noisy, tmp_path / "noisy.tum")
+    write_trajectory(truth, tmp_path / "truth.tum")
+    words = ["compare", "--input", str(tmp_path / "noisy.tum"), "--truth",
+             str(tmp_path / "truth.tum"), "--methods", "gaussian", "--representations", "motor",
+             "--out", str(tmp_path / "out")]  # fmt: skip
+    assert main(words) == 0
+    assert "gaussian" in capsys.readouterr().out
+    assert json.loads((tmp_path / "out" / "results.json").read_text())["plan"]["align"] == "se3"
