@@ -12,6 +12,7 @@ pose (q, t, λ) has the twist ``(θ, Z (e^Z - 1)⁻¹ t, λ)``; the function of 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
 from math import comb, factorial
@@ -25,6 +26,8 @@ from motorcade.ga import FloatArray, Motor, Rotor, Similarity
 __all__ = ["Between", "Chart", "component_sizes"]
 
 _TERMS = 30
+# Poses at once, for the sake of memory.
+_CHUNK = 4096
 
 
 class Between(NamedTuple):
@@ -58,11 +61,9 @@ class Chart:
             unit = np.eye(vector.shape[-1])[None]
             return Between(vector, -unit, unit)
         relative, beside = self._relative(base, target)
-        results = _derived(self._representation.name).map(len(relative))(relative.T)
-        vector, *derivatives = (np.asarray(part.full(), dtype=np.float64) for part in results)
-        d = len(vector)
-        by_base, by_target = (part.reshape(d, -1, d).swapaxes(0, 1) for part in derivatives)
-        curved = Between(vector.T, by_base, by_target)
+        derived = _derived(self._representation.name)
+        parts = [derived(relative[i : i + _CHUNK]) for i in range(0, len(relative), _CHUNK)]
+        curved = Between(*(np.concatenate(part) for part in zip(*parts, strict=True)))
         return _with_scale_beside(curved, beside) if beside is not None else curved
 
     def _relative(
@@ -125,8 +126,8 @@ def _with_scale_beside(curved: Between, beside: FloatArray) -> Between:
 
 
 @cache
-def _derived(name: str) -> Any:
-    """CasADi's function from the numbers of a relative pose to the vector and its derivatives."""
+def _derived(name: str) -> Callable[[FloatArray], Between]:
+    """From the numbers of relative poses ``(N, 8)`` to vectors and derivatives, by CasADi."""
     try:
         import casadi as ca
     except ModuleNotFoundError as missing:
@@ -154,7 +155,15 @@ def _derived(name: str) -> Any:
     derivatives = [ca.jacobian(vector, by) for by in (first, second)]
     zero = [ca.DM.zeros(size)] * 2
     values = ca.substitute([vector, *derivatives], [first, second], zero)
-    return ca.Function(f"between_{name}", [numbers], values)
+    function = ca.Function(f"between_{name}", [numbers], values)
+
+    def derived(relative: FloatArray) -> Between:
+        results = function.map(len(relative))(relative.T)
+        vector, *derivatives = (np.asarray(part.full(), dtype=np.float64) for part in results)
+        by_base, by_target = (part.reshape(size, -1, size).swapaxes(0, 1) for part in derivatives)
+        return Between(vector.T, by_base, by_target)
+
+    return derived
 
 
 def _product(p: Any, q: Any) -> Any:
