@@ -26,7 +26,7 @@ def test_positions_are_scipys_least_squares_spline(
     rows = np.concatenate([basis, faint])
     given = np.concatenate([positions, np.zeros((len(faint), 3))])
     expected = basis @ np.linalg.lstsq(rows, given, rcond=None)[0]
-    # The fit of motors weighs its faint smoothness a little otherwise, which shows at the ends.
+    # Motors fit position noise with a trace of rotation as well, which turns positions.
     atol = 1e-3 if representation in ("motor", "similarity") else 1e-8
     np.testing.assert_allclose(found.poses.translation_m, expected, atol=atol)
     unaided = make_lsq_spline(seconds, positions, knots, 5)(seconds)
