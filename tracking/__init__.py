@@ -16,6 +16,12 @@ from motorcade.tracking.boards import (
     Pattern,
     SingleMarker,
 )
+from motorcade.tracking.calibrate import (
+    Calibration,
+    CalibrationError,
+    calibrate,
+    spread_views,
+)
 from motorcade.tracking.camera import Camera, CameraModel
 from motorcade.tracking.markers import (
     FAMILIES,
@@ -47,6 +53,8 @@ __all__ = [
     "BoardCorners",
     "BoardTrack",
     "BoardTracker",
+    "Calibration",
+    "CalibrationError",
     "Camera",
     "CameraModel",
     "CharucoBoard",
@@ -64,6 +72,7 @@ __all__ = [
     "SingleMarker",
     "TrackedFrame",
     "TrackingError",
+    "calibrate",
     "choose",
     "detect_markers",
     "planar_candidates",
@@ -71,5 +80,6 @@ __all__ = [
     "refine",
     "registration_px",
     "reprojection_px",
+    "spread_views",
     "track_board",
 ]

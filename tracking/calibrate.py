@@ -1,0 +1,244 @@
+"""Calibration of a camera from pictures of a board: intrinsics, how sure they are, what was used.
+
+All views are fitted at once (`intrinsics_fit`); views that fit much worse than the others are left
+out. What the views cannot tell (too few, all at one angle) is refused, not guessed.
+
+Source: Zhang 2000 for what views are needed; Triggs et al. 2000 for the fit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.camera import Camera, CameraModel
+from motorcade.tracking.intrinsics_fit import Fit, Observations, fit_camera
+from motorcade.tracking.pose import SIGMA_FLOOR_PX, TrackingError, planar_candidates, refine
+
+__all__ = ["Calibration", "CalibrationError", "calibrate", "spread_views"]
+
+LEAST_VIEWS = 3
+# Focal lengths to start from, in picture widths.
+_FOCAL_STARTS = (0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 3.0, 5.0)
+_COEFFICIENTS: dict[CameraModel, int] = {"pinhole": 0, "radtan": 4, "equidistant": 4}
+_ROUNDS = 5
+_OUTLIER_FACTOR = 3.0
+_OUTLIER_FLOOR_PX = 0.3
+_LEAST_TURN_DEG = 5.0
+_WORST_SHARE = 0.05  # standard deviation of a focal length, or of a principal point in widths
+_COVERAGE_CELLS = (8, 6)
+
+
+class CalibrationError(ValueError):
+    """Views from which no camera follows; the message says what they lack."""
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """A camera and what speaks for it.
+
+    Fields:
+        camera: the calibrated camera.
+        deviation: ``(p,)`` standard deviations of fx, fy, cx, cy (pixels) and of the distortion
+            coefficients, for corner errors that are independent; correlated ones (a bent board, a
+            lens that the model does not describe) are not in them.
+        used: ``(V,)`` which views were fitted.
+        view_error_px: ``(V,)`` root mean square reprojection error of every view; of a view that
+            was left out, after its pose alone was fitted; infinite where it has none.
+        residuals_px: ``(N, 2)`` reprojection minus corner, of the used views' corners in order.
+        camera_T_board: Motor ``(U,)``, of the used views.
+    """
+
+    camera: Camera
+    deviation: FloatArray
+    used: NDArray[np.bool_]
+    view_error_px: FloatArray
+    residuals_px: FloatArray
+    camera_T_board: Motor
+
+    @property
+    def rmse_px(self) -> float:
+        """Root mean square distance of the used corners from their reprojection."""
+        return float(np.sqrt((self.residuals_px**2).sum(axis=-1).mean()))
+
+    @property
+    def turn_deg(self) -> float:
+        """The largest angle between the board's normals in two used views, degrees."""
+        return _largest_turn_deg(self.camera_T_board.as_matrix())
+
+    def coverage(self, views: Sequence[BoardCorners]) -> float:
+        """Share of the picture's 8 by 6 cells that hold a corner of a used view."""
+        columns, rows = _COVERAGE_CELLS
+        seen = np.concatenate(
+            [view.corners_px for view, used in zip(views, self.used, strict=True) if used]
+        )
+        size = np.array([self.camera.width, self.camera.height])
+        cells = np.floor((seen + 0.5) / size * (columns, rows)).astype(int)
+        inside = ((cells >= 0) & (cells < (columns, rows))).all(axis=-1)
+        return len(np.unique(cells[inside], axis=0)) / (columns * rows)
+
+
+def calibrate(
+    views: Sequence[BoardCorners], size: tuple[int, int], model: CameraModel = "radtan"
+) -> Calibration:
+    """Find the camera that saw a board in these views.
+
+    Args:
+        views: corners of one board, each view from another place; ten or more, tilted up to about
+            45 degrees all ways and filling the picture between them, are a good calibration.
+        size: width and height of the pictures, pixels.
+        model: "pinhole", "radtan" (k1 k2 p1 p2) or "equidistant" (k1 k2 k3 k4).
+
+    Raises:
+        CalibrationError: fewer than three views, views that do not fit together, or views from
+            which the focal length does not follow (the board always at one angle).
+        ValueError: an unknown model, or a view without four corners that span the board.
+    """
+    if model not in _COEFFICIENTS:
+        raise ValueError(f"model: expected {', '.join(_COEFFICIENTS)}, got {model!r}")
+    if len(views) < LEAST_VIEWS:
+        raise CalibrationError(
+            f"views: expected at least {LEAST_VIEWS} that show the board, got {len(views)}"
+        )
+    for index, view in enumerate(views):
+        if not view.spanning:
+            raise ValueError(f"views[{index}]: expected four corners that span the board")
+    camera = _start(views, size, model)
+    used = np.ones(len(views), bool)
+    for last in [False] * _ROUNDS + [True]:
+        fit = _fitted(views, used, camera)
+        camera = fit.camera
+        errors = _view_errors_px(views, used, fit)
+        believed = errors <= max(_OUTLIER_FLOOR_PX, _OUTLIER_FACTOR * np.median(errors[used]))
+        if last or np.array_equal(believed, used):
+            break
+        if np.count_nonzero(believed) < LEAST_VIEWS:
+            raise CalibrationError(
+                f"views: expected at least {LEAST_VIEWS} that fit one camera, got "
+                f"{np.count_nonzero(believed)} of {len(views)}; is it the right board, and the "
+                "right lens model?"
+            )
+        used = believed
+    return Calibration(
+        camera=camera,
+        deviation=_checked_deviation(fit),
+        used=used,
+        view_error_px=errors,
+        residuals_px=fit.residuals_px,
+        camera_T_board=Motor.from_matrix(fit.camera_T_board),
+    )
+
+
+def spread_views(views: Sequence[BoardCorners], most: int) -> IntArray:
+    """Choose at most `most` views that differ most, rising: neighbours in a video hardly do.
+
+    Farthest points first (Gonzalez 1985), by where the board's outermost points lie in the picture.
+    """
+    points = np.concatenate([view.points_m[:, :2] for view in views])
+    low, high = points.min(axis=0), points.max(axis=0)
+    outer = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
+    places = np.stack([_mapped(view, outer).ravel() for view in views])
+    chosen = [int(np.argmax([len(view) for view in views]))]
+    nearest = np.linalg.norm(places - places[chosen[0]], axis=-1)
+    while len(chosen) < min(most, len(views)):
+        chosen.append(int(np.argmax(nearest)))
+        nearest = np.minimum(nearest, np.linalg.norm(places - places[chosen[-1]], axis=-1))
+    return np.array(sorted(set(chosen)))
+
+
+def _mapped(view: BoardCorners, points: FloatArray) -> FloatArray:
+    """Where points of the board lie in the picture, by an affine fit to the view's corners."""
+    ones = np.ones((len(view), 1))
+    affine, *_ = np.linalg.lstsq(np.hstack([view.points_m[:, :2], ones]), view.corners_px)
+    mapped: FloatArray = np.hstack([points, np.ones((len(points), 1))]) @ affine
+    return mapped
+
+
+def _start(views: Sequence[BoardCorners], size: tuple[int, int], model: CameraModel) -> Camera:
+    """The camera without distortion that fits the typical view best, centre in the middle."""
+    width, height = size
+    middle = (0.5 * (width - 1), 0.5 * (height - 1))
+    lens = (0.0,) * _COEFFICIENTS[model]
+    tried = [
+        Camera(width, height, share * width, share * width, *middle, model, lens)
+        for share in _FOCAL_STARTS
+    ]
+    some = [views[index] for index in spread_views(views, 20)]
+    errors = [np.median([_posed(view, camera)[1] for view in some]) for camera in tried]
+    if not np.isfinite(errors).any():
+        raise CalibrationError("views: expected corners that some camera explains, got none")
+    return tried[int(np.argmin(errors))]
+
+
+def _posed(view: BoardCorners, camera: Camera) -> tuple[Motor, float]:
+    """The camera's better planar pose and its error; infinite where there is none."""
+    try:
+        candidates = planar_candidates(view, camera)
+    except TrackingError:
+        return Motor.identity(), np.inf
+    return candidates.world_T_camera[0], float(candidates.error_px[0])
+
+
+def _error_px(view: BoardCorners, camera: Camera) -> float:
+    """Error of a view's own best pose; infinite where there is none."""
+    pose, error = _posed(view, camera)
+    return refine(view, camera, pose).error_px if np.isfinite(error) else error
+
+
+def _fitted(views: Sequence[BoardCorners], used: NDArray[np.bool_], camera: Camera) -> Fit:
+    posed = [_posed(view, camera) for view, one in zip(views, used, strict=True) if one]
+    if not np.isfinite([error for _, error in posed]).all():
+        raise CalibrationError(
+            "views: expected every corner inside what the lens model covers, got some outside; "
+            "is it the right lens model?"
+        )
+    seen = Observations.of([view for view, one in zip(views, used, strict=True) if one])
+    return fit_camera(seen, camera, Motor.stack([pose for pose, _ in posed]).inverse().as_matrix())
+
+
+def _view_errors_px(views: Sequence[BoardCorners], used: NDArray[np.bool_], fit: Fit) -> FloatArray:
+    errors = np.empty(len(views))
+    ends = np.cumsum([len(view) for view, one in zip(views, used, strict=True) if one])
+    squared = np.split((fit.residuals_px**2).sum(axis=-1), ends[:-1])
+    errors[used] = [np.sqrt(one.mean()) for one in squared]
+    errors[~used] = [
+        _error_px(view, fit.camera) for view, one in zip(views, used, strict=True) if not one
+    ]
+    return errors
+
+
+def _checked_deviation(fit: Fit) -> FloatArray:
+    """Standard deviations; refuses what leaves the focal length or the centre open."""
+    turn_deg = _largest_turn_deg(fit.camera_T_board)
+    if turn_deg < _LEAST_TURN_DEG:
+        raise CalibrationError(
+            f"views: expected the board tilted at different angles, got {turn_deg:.1f} degrees "
+            "between any two views at most; the focal length does not follow from parallel "
+            "views: tilt the board or the camera by 30 degrees and more, all ways"
+        )
+    count, parameters = fit.residuals_px.size, len(fit.information)
+    freedom = max(count - parameters - 6 * len(fit.camera_T_board), 1)
+    sigma = max(float(np.sqrt((fit.residuals_px**2).sum() / freedom)), SIGMA_FLOOR_PX)
+    scale = 1.0 / np.sqrt(np.diag(fit.information))
+    values, vectors = np.linalg.eigh(fit.information * scale[:, None] * scale)
+    spread = (vectors**2 / np.maximum(values, 1e-15)).sum(axis=-1)
+    deviation: FloatArray = sigma * scale * np.sqrt(spread)
+    camera = fit.camera
+    shares = deviation[:4] / (camera.fx, camera.fy, camera.width, camera.width)
+    if not shares.max() <= _WORST_SHARE:
+        raise CalibrationError(
+            "views: expected them to fix focal length and centre to 5 %, got "
+            f"fx = {camera.fx:.0f} +- {deviation[0]:.0f} and cx = {camera.cx:.0f} +- "
+            f"{deviation[2]:.0f} pixels; take more views, tilted at other angles and nearer"
+        )
+    return deviation
+
+
+def _largest_turn_deg(camera_T_board: FloatArray) -> float:
+    normals = camera_T_board[:, :3, 2]
+    return float(np.degrees(np.arccos(np.clip(normals @ normals.T, -1.0, 1.0).min())))
