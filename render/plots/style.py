@@ -23,11 +23,14 @@ COLOURS = {
     "measured": "#999999",
     "fused": "#56b4e9",
     "motor": "#009e73",
+    "similarity": "#8c8c00",
+    "rotor": "#56b4e9",
+    "dual_quaternion": "#0072b2",
     "quaternion": "#e69f00",
     "euler_unwrapped": "#cc79a7",
     "euler": "#d55e00",
 }
-"""One colour a name, the same in every plot of every report."""
+"""One colour a name, the same in every plot of every report; no plot has both of two that share one."""
 
 _VARIABLES = {INK: "var(--ink)", GRID: "var(--grid)", PAGE: "var(--page)"}
 

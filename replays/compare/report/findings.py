@@ -1,0 +1,263 @@
+"""What the figures say, in sentences that are made from them; names stand in backticks.
+
+A ratio is called a tie where its interval contains 1 or it is within 1 % of it: the rule of the
+verdicts in the tables.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from motorcade.replays.compare.report.names import CAUSAL, METRICS, RATIOS, listed, shown
+from motorcade.replays.compare.report.results import (
+    REFERENCE,
+    Figure,
+    Key,
+    Ratio,
+    Results,
+    tied,
+)
+
+__all__ = ["Findings", "findings", "percent", "times"]
+
+_FRAME_BOUND = 1e-10
+_FEW = 3
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Sentences by what they tell of; empty where the figures say nothing."""
+
+    best: tuple[str, ...]
+    representations: tuple[str, ...]
+    does_not_matter: tuple[str, ...]
+    wins: tuple[str, ...]
+    artifacts: tuple[str, ...]
+    frames: tuple[str, ...]
+    cost: tuple[str, ...]
+
+
+def findings(results: Results) -> Findings:
+    """All that can be said."""
+    return Findings(
+        best=tuple(_best(results)),
+        representations=tuple(_over_all(results)),
+        does_not_matter=tuple(_by_motion(results)),
+        wins=tuple(_wins(results)),
+        artifacts=tuple(_artifacts(results)),
+        frames=tuple(_frames(results)),
+        cost=tuple(_cost(results)),
+    )
+
+
+def percent(ratio: float) -> str:
+    """A share as a percentage."""
+    return f"{shown(100.0 * ratio)} %"
+
+
+def times(ratio: float) -> str:
+    """A ratio in words: "2.5 times", "3.1 % more than", "0.8 % less than"."""
+    if not 0.5 <= ratio <= 1.5:
+        return f"{shown(ratio)} times what"
+    if ratio == 1.0:
+        return "exactly what"
+    word = "more" if ratio > 1.0 else "less"
+    return f"{shown(100.0 * abs(ratio - 1.0), 2)} % {word} than"
+
+
+def interval(ratio: Ratio) -> str:
+    """The interval in brackets; nothing where there is none."""
+    if not math.isfinite(ratio.low):
+        return ""
+    return f" ({shown(ratio.low)} to {shown(ratio.high)} times)"
+
+
+def _best(results: Results) -> Iterator[str]:
+    rows = [row for row in results.ranking() if row["method"] != "raw"]
+    if not rows:
+        return
+    places = len(results.places())
+    yield (
+        f"Of {len(rows)} smoothers (a method in a representation) that gave a result in all "
+        f"{places} pairs of motion and degradation, {_name(rows[0])} leaves least error and "
+        f"shaking: {_left(rows[0])}."
+    )
+    ties = [_name(row) for row in rows[1:] if row["ties_with_best"]]
+    yield f"It ties with {listed(ties)}." if ties else "No other one ties with it."
+    causal = [row for row in rows if row["method"] in CAUSAL]
+    if causal and causal[0] is not rows[0]:
+        yield f"Best of those that need no later pose is {_name(causal[0])}: {_left(causal[0])}."
+    worse = [row for row in rows if row["ratio_to_raw"] > 1.0]
+    if worse:
+        names = _some([_name(row) for row in reversed(worse)])
+        yield f"{len(worse)} leave more than the raw poses had, worst first: {names}."
+
+
+def _over_all(results: Results) -> Iterator[str]:
+    for name, ratio in _over_all_ratios(results).items():
+        if tied(ratio):
+            yield (
+                f"`{name}` ties with motors over all: it leaves {times(ratio.value)} "
+                f"motors leave{interval(ratio)}."
+            )
+        else:
+            yield f"`{name}` leaves {times(ratio.value)} motors leave over all{interval(ratio)}."
+
+
+def _over_all_ratios(results: Results) -> dict[str, Ratio]:
+    ratios = results.ratio_to_motor("all", "score")
+    return {
+        name: ratios["all", name]
+        for name in results.representations
+        if name != REFERENCE and ("all", name) in ratios
+    }
+
+
+def _by_motion(results: Results) -> Iterator[str]:
+    """On which motions a representation ties with motors, leaves less, or leaves more."""
+    for name in results.representations:
+        if name == REFERENCE:
+            continue
+        ratios = {}
+        for motion in results.motions:
+            ratio = results.ratio_to_motor(f"motion:{motion}", "score").get(("all", name))
+            if ratio is not None:
+                ratios[motion] = ratio
+        if not ratios:
+            continue
+        ties = [motion for motion, ratio in ratios.items() if tied(ratio)]
+        less = [m for m, ratio in ratios.items() if m not in ties and ratio.value < 1.0]
+        more = [m for m, ratio in ratios.items() if m not in ties and ratio.value > 1.0]
+        parts = [f"`{name}` ties with motors on {len(ties)} of {len(ratios)} motions"]
+        if ties and len(ties) < len(ratios):
+            parts[0] += f" ({listed(ties)})"
+        if less:
+            parts.append(f"leaves less on {len(less)} ({_extreme(less, ratios)})")
+        if more:
+            parts.append(f"leaves more on {len(more)} ({_extreme(more, ratios)})")
+        yield listed(parts) + "."
+
+
+def _extreme(motions: list[str], ratios: Mapping[str, Ratio]) -> str:
+    far = sorted(motions, key=lambda motion: -abs(math.log(ratios[motion].value)))
+    most = f"most on {far[0]}, {shown(ratios[far[0]].value)} times"
+    return most if len(far) > 1 else f"{far[0]}, {shown(ratios[far[0]].value)} times"
+
+
+def _wins(results: Results) -> Iterator[str]:
+    """The largest wins over motors, place by place."""
+    best: dict[str, tuple[float, Key, Figure]] = {}
+    for key, figure in results.figures.items():
+        if figure.verdict != "better" or key[4] not in RATIOS:
+            continue
+        base = figure.mean - figure.versus_motor
+        gain = figure.mean / base
+        if key[3] not in best or gain < best[key[3]][0]:
+            best[key[3]] = (gain, key, figure)
+    for name in results.representations:
+        if name in best:
+            _, (motion, degradation, method, _, metric), figure = best[name]
+            told = METRICS[metric]
+            ours, base = (
+                shown(told.factor * value)
+                for value in (figure.mean, figure.mean - figure.versus_motor)
+            )
+            unit = told.unit if told.unit == "°" else f" {told.unit}"
+            yield (
+                f"The largest single win of `{name}` over motors: {told.heading} of `{method}` on "
+                f"{motion} with {degradation}, {ours}{unit} against {base}{unit}."
+            )
+
+
+def _artifacts(results: Results) -> Iterator[str]:
+    """Where each representation turns fastest beside the truth, and the same method on motors."""
+    if REFERENCE not in results.representations:
+        return
+    for name in results.representations:
+        places = {
+            key: figure.mean
+            for key, figure in results.figures.items()
+            if key[3] == name and key[4] == "peak_rate_ratio" and math.isfinite(figure.mean)
+        }
+        if name == REFERENCE or not places:
+            continue
+        worst = max(places, key=lambda key: places[key] / _motors(results, key))
+        motion, degradation, method = worst[:3]
+        base = _motors(results, worst)
+        if not places[worst] > 1.5 * base:
+            continue
+        turns = results.figures[motion, degradation, method, name, "spurious_turns"].mean
+        also = f", with {shown(turns)} whole turns that never happened" if turns > 0 else ""
+        yield (
+            f"Worst place of `{name}`: `{method}` on {motion} with {degradation} turns at "
+            f"{shown(places[worst])} times the true peak rate{also}; on motors at {shown(base)} "
+            "times."
+        )
+
+
+def _motors(results: Results, key: Key) -> float:
+    figure = results.figures.get((*key[:3], REFERENCE, key[4]))
+    return figure.mean if figure is not None and math.isfinite(figure.mean) else math.inf
+
+
+def _frames(results: Results) -> Iterator[str]:
+    traits = [row for row in results.told["traits"] if not row["failure"]]
+    for name in results.representations:
+        ours = [row for row in traits if row["representation"] == name]
+        if not ours:
+            continue
+        both = [f"`{row['method']}`" for row in ours if _defect(row) <= _FRAME_BOUND]
+        world = [row for row in ours if _defect(row, ("left",)) <= _FRAME_BOUND]
+        told = f"{len(both)} of {len(ours)} methods give the same answer in every frame"
+        if both:
+            told += f" ({listed(both)})"
+        yield f"On `{name}`, {told}; {len(world)} do in every world frame."
+
+
+def _defect(row: Mapping[str, float], sides: tuple[str, ...] = ("left", "right")) -> float:
+    return max(row[f"{side}_defect_{unit}"] for side in sides for unit in ("m", "rad"))
+
+
+def _cost(results: Results) -> Iterator[str]:
+    traits = [row for row in results.told["traits"] if not row["failure"]]
+    if not traits:
+        return
+    fast, slow = (pick(traits, key=lambda row: row["time_us_per_pose"]) for pick in (min, max))
+    yield (
+        f"A pose costs from {shown(fast['time_us_per_pose'], 2)} µs ({_name(fast)}) to "
+        f"{shown(slow['time_us_per_pose'], 2)} µs ({_name(slow)}), called from Python on "
+        f"{fast['poses']} poses."
+    )
+    time = {(row["method"], row["representation"]): row["time_us_per_pose"] for row in traits}
+    parts = []
+    for name in results.representations:
+        logs = [
+            math.log(time[method, name] / time[method, REFERENCE])
+            for method in results.methods
+            if (method, name) in time and (method, REFERENCE) in time
+        ]
+        if logs and name != REFERENCE:
+            parts.append(f"`{name}` {shown(math.exp(sum(logs) / len(logs)), 2)}")
+    if parts:
+        yield f"Times the cost of motors, over methods: {listed(parts)}."
+
+
+def _name(row: Mapping[str, str]) -> str:
+    return f"`{row['method']}` on `{row['representation']}`"
+
+
+def _left(row: Mapping[str, float]) -> str:
+    share = percent(row["ratio_to_raw"])
+    if row["ratio_low"] is None:
+        return f"{share} of the raw poses'"
+    return (
+        f"{share} of the raw poses' ({percent(row['ratio_low'])} to {percent(row['ratio_high'])})"
+    )
+
+
+def _some(names: list[str]) -> str:
+    if len(names) <= _FEW + 1:
+        return listed(names)
+    return f"{', '.join(names[:_FEW])} and {len(names) - _FEW} more"

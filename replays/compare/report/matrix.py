@@ -1,0 +1,171 @@
+"""Tables of methods by representations, tinted: blue where less is left, orange where more is."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from motorcade.replays.compare.report.names import METRICS, RATIOS, SIZES, shown, shown_metric
+from motorcade.replays.compare.report.results import Ratio, Results, tied
+
+__all__ = ["Cell", "Matrix", "against_motor", "matrices"]
+
+_STEPS_TO_RAW = (0.1, 0.2, 0.35, 0.6, 0.95, 1.05, 1.5, 2.5, 5.0, 10.0)
+_STEPS_TO_MOTOR = (0.5, 0.7, 0.85, 0.95, 0.99, 1.01, 1.05, 1.2, 1.5, 3.0)
+_STEPS = {
+    "lag_ms": (2.0, 10.0, 25.0, 50.0, 100.0),
+    "angular_rate_lag_ms": (2.0, 10.0, 25.0, 50.0, 100.0),
+    "peak_rate_ratio": (1.05, 1.5, 3.0, 8.0, 20.0),
+    "spurious_turns": (0.01, 0.1, 0.5, 1.0, 3.0),
+}
+_BLUE_TO_ORANGE = ("b5", "b4", "b3", "b2", "b1", "n", "o1", "o2", "o3", "o4", "o5")
+_ORANGE = ("n", "o1", "o2", "o3", "o4", "o5")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A number as it is and as it is shown, its tint, whether it is the best, and its interval."""
+
+    value: float
+    text: str
+    tint: str
+    best: bool = False
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """A table: what it shows, its columns, and rows of a name and cells."""
+
+    key: str
+    group: str
+    title: str
+    caption: str
+    corner: str
+    columns: Sequence[str]
+    rows: Sequence[tuple[str, Sequence[Cell]]]
+
+
+def matrices(results: Results, scope: str) -> list[Matrix]:
+    """Every table of a scope that has something to show."""
+    made = [
+        *(_to_raw(results, scope, metric) for metric in RATIOS),
+        *(_to_motor(results, scope, metric) for metric in RATIOS),
+        *(_sizes(results, scope, metric) for metric in SIZES),
+    ]
+    return [one for one in made if any(_known(cell) for _, row in one.rows for cell in row)]
+
+
+def against_motor(results: Results, kind: str, names: Iterable[str], caption: str) -> Matrix:
+    """Rows are motions or degradations: times what motors leave, over all methods."""
+    rows = []
+    for name in names:
+        ratios = results.ratio_to_motor(f"{kind}:{name}", "score")
+        cells = [_motor_cell(ratios.get(("all", one))) for one in results.representations]
+        rows.append((name, cells))
+    return Matrix(
+        f"by-{kind}", "", f"By {kind}", caption, kind, results.representations, rows
+    )  # fmt: skip
+
+
+def _to_raw(results: Results, scope: str, metric: str) -> Matrix:
+    ratios = results.ratio_to_raw(scope, metric)
+    ratios.pop(("raw", "none"), None)
+    least = min((ratio.value for ratio in ratios.values()), default=math.nan)
+
+    def cell(method: str, representation: str) -> Cell:
+        ratio = ratios.get((method, representation))
+        if ratio is None:
+            return Cell(math.nan, "–", "none")
+        tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_RAW, ratio.value)]
+        return Cell(ratio.value, shown(ratio.value), tint, ratio.value == least, _note(ratio))
+
+    heading = METRICS[metric].heading
+    caption = (
+        f"{heading[0].upper()}{heading[1:]} left, as a share of the raw poses'. Blue is less than "
+        "raw, orange more than raw; the best is outlined; a dash was not run in every place."
+    )
+    return _matrix(results, f"raw-{metric}", "left of the raw poses'", heading, caption, cell)
+
+
+def _to_motor(results: Results, scope: str, metric: str) -> Matrix:
+    ratios = results.ratio_to_motor(scope, metric)
+    heading = METRICS[metric].heading
+    caption = (
+        f"{heading[0].upper()}{heading[1:]}, times what the same method leaves on motors. Blue is "
+        "less than motors, orange more; no tint is a tie: an interval around 1, or within 1 %."
+    )
+    return _matrix(
+        results, f"motor-{metric}", "times what motors leave", heading, caption,
+        lambda method, representation: _motor_cell(ratios.get((method, representation))),
+    )  # fmt: skip
+
+
+def _motor_cell(ratio: Ratio | None) -> Cell:
+    if ratio is None or not math.isfinite(ratio.value):
+        return Cell(math.nan, "–", "none")
+    tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, ratio.value)]
+    return Cell(ratio.value, shown(ratio.value), "n" if tied(ratio) else tint, note=_note(ratio))
+
+
+def _sizes(results: Results, scope: str, metric: str) -> Matrix:
+    told = METRICS[metric]
+    factor = told.factor
+
+    def cell(method: str, representation: str) -> Cell:
+        value = factor * results.mean_size(scope, (method, representation), metric)
+        if not math.isfinite(value):
+            return Cell(math.nan, "–", "none")
+        return Cell(value, shown(value), _ORANGE[bisect_left(_STEPS[metric], value)])
+
+    unit = f", {told.unit}" if told.unit else ""
+    caption = (
+        f"Mean size of {told.heading}{unit}, where it can be told: {told.definition}. Orange is "
+        "more; dashes are where fewer than half of the places tell."
+    )
+    return _matrix(results, metric, "as measured", told.heading, caption, cell)
+
+
+def _matrix(
+    results: Results, key: str, group: str, title: str, caption: str,
+    cell: Callable[[str, str], Cell],
+) -> Matrix:  # fmt: skip
+    rows = [
+        (method, [cell(method, name) for name in results.representations])
+        for method in results.methods
+    ]
+    return Matrix(key, group, title, caption, "method", results.representations, rows)
+
+
+def _known(cell: Cell) -> bool:
+    return math.isfinite(cell.value)
+
+
+def _note(ratio: Ratio) -> str:
+    if not math.isfinite(ratio.low):
+        return ""
+    return f"95 %: {shown(ratio.low)} to {shown(ratio.high)}"
+
+
+def place_rows(
+    results: Results, motion: str, degradation: str, metrics: Sequence[str]
+) -> list[tuple[str, str, list[Cell]]]:
+    """Method, representation and figures with intervals of one place; raw poses first."""
+    made = []
+    pairs = [("raw", "none")] + [(m, r) for m in results.methods for r in results.representations]
+    for pair in pairs:
+        figures = [results.figures.get((motion, degradation, *pair, name)) for name in metrics]
+        cells = []
+        for name, figure in zip(metrics, figures, strict=True):
+            if figure is None or not math.isfinite(figure.mean):
+                cells.append(Cell(math.nan, "–", "none"))
+                continue
+            low, high = (shown_metric(name, end) for end in (figure.low, figure.high))
+            note = f"{low} to {high}" if math.isfinite(figure.low) else ""
+            value = METRICS[name].factor * figure.mean
+            cells.append(Cell(value, shown_metric(name, figure.mean), "none", note=note))
+        if any(_known(cell) for cell in cells):
+            made.append((*pair, cells))
+    return made

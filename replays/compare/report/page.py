@@ -1,0 +1,205 @@
+"""The pages as HTML text, and their files."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from motorcade.render.plots.style import COLOURS
+from motorcade.replays.atomic import write_bytes
+from motorcade.replays.compare.report import names
+from motorcade.replays.compare.report.crossing import Crossing, crossing
+from motorcade.replays.compare.report.findings import findings
+from motorcade.replays.compare.report.matrix import against_motor, matrices, place_rows
+from motorcade.replays.compare.report.pictures import Panel, large_panels, small_panel
+from motorcade.replays.compare.report.replayed import can_be_drawn, method_to_draw, replay
+from motorcade.replays.compare.report.results import Results
+from motorcade.replays.compare.report.traits_tables import (
+    exact_ties,
+    trait_matrices,
+    verdict_counts,
+)
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+__all__ = ["motion_file", "write_report"]
+
+_TEMPLATES = Path(__file__).with_name("templates")
+_CROSSINGS = (
+    "gimbal_crossing", "gimbal_crossing_fast", "gimbal_crossing_slow", "gimbal_hover",
+)  # fmt: skip
+_TOP = 12
+_DRAWN_DEGRADATIONS = 2
+_DETAILS = (
+    "ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitter_rad_s2", "lag_ms",
+    "angular_rate_lag_ms", "rotation_path_ratio", "peak_rate_ratio", "spurious_turns",
+)  # fmt: skip
+
+
+def write_report(results: Results, folder: Path) -> Path:
+    """Write `report.html`, and a page a motion in `motions/`; returns the first.
+
+    Each page is one file that needs no network; paths are smoothed once more to be drawn.
+
+    Raises:
+        OSError: a folder that cannot be written.
+    """
+    environment = _environment()
+    for motion in results.motions:
+        page = _motion_page(environment, results, motion)
+        write_bytes(folder / motion_file(motion), page.encode())
+    report = folder / "report.html"
+    write_bytes(report, _overview(environment, results).encode())
+    return report
+
+
+def motion_file(motion: str) -> str:
+    """Where the page of a motion lies, beside the report."""
+    return f"motions/{re.sub(r'[^A-Za-z0-9_.-]', '_', motion)}.html"
+
+
+def _environment() -> Environment:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup, escape
+
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+
+    def sentence(text: str) -> Markup:
+        """Names in backticks become code that may break after its underscores."""
+        made = re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text)))
+        return Markup(made)
+
+    def name(text: str) -> Markup:
+        return Markup(str(escape(text)).replace("_", "_<wbr>"))
+
+    environment.filters.update(sentence=sentence, name=name, known=math.isfinite)
+    environment.globals.update(COLOURS=COLOURS, names=names, motion_file=motion_file)
+    return environment
+
+
+def _overview(environment: Environment, results: Results) -> str:
+    plan = results.told["plan"]
+    method = method_to_draw(results)
+    drawable = [one for one in results.motions if can_be_drawn(results, one)]
+    panels: list[Panel] = []
+    if method is not None:
+        degradation = results.degradations[0]
+        panels = [small_panel(replay(results, one, degradation, method)) for one in drawable]
+    motions = against_motor(
+        results, "motion", results.motions,
+        "Error and shaking, times what motors leave, over all methods and degradations.",
+    )  # fmt: skip
+    degradations = against_motor(
+        results, "degradation", results.degradations,
+        "The same by degradation, over all methods and motions.",
+    )  # fmt: skip
+    return environment.get_template("report.html").render(
+        results=results,
+        plan=plan,
+        facts=_facts(results),
+        findings=findings(results),
+        crossing=_crossing(results),
+        drawn_method=method,
+        matrices=matrices(results, "all"),
+        ranking=_ranking(results, "all"),
+        unranked=results.unranked(),
+        verdicts=verdict_counts(results),
+        by_motion=motions,
+        by_degradation=degradations,
+        panels=panels,
+        ties=exact_ties(results),
+        traits=trait_matrices(results),
+        seeds={name: _spans(plan[name]) for name in ("test_seeds", "tuning_seeds")},
+        failures=results.told["failures"],
+    )
+
+
+def _motion_page(environment: Environment, results: Results, motion: str) -> str:
+    scope = f"motion:{motion}"
+    method = method_to_draw(results)
+    panels: list[tuple[str, list[Panel]]] = []
+    if method is not None and can_be_drawn(results, motion):
+        for degradation in results.degradations[:_DRAWN_DEGRADATIONS]:
+            panels.append((degradation, large_panels(replay(results, motion, degradation, method))))
+    return environment.get_template("motion.html").render(
+        results=results,
+        motion=motion,
+        told=names.MOTIONS.get(motion, "a recording"),
+        matrices=matrices(results, scope),
+        ranking=_ranking(results, scope),
+        panels=panels,
+        metrics=_DETAILS,
+        places=[(one, place_rows(results, motion, one, _DETAILS)) for one in results.degradations],
+        parameters=[(one, _parameters(results, motion, one)) for one in results.degradations],
+    )
+
+
+def _facts(results: Results) -> list[tuple[str, str]]:
+    seeds = len(results.told["plan"]["test_seeds"])
+    places = len(results.places())
+    return [
+        ("smoothers: methods × representations",
+         f"{len(results.methods)} × {len(results.representations)}"),
+        ("motions × degradations", f"{len(results.motions)} × {len(results.degradations)}"),
+        ("test seeds a place", str(seeds)),
+        ("paths to smooth", f"{places * seeds:,}"),
+    ]  # fmt: skip
+
+
+def _crossing(results: Results) -> Crossing | None:
+    """The passage through gimbal lock, where the plan has one."""
+    method = method_to_draw(results)
+    for motion in _CROSSINGS:
+        if method is not None and motion in results.motions and can_be_drawn(results, motion):
+            return crossing(replay(results, motion, results.degradations[0], method))
+    return None
+
+
+def _ranking(results: Results, scope: str) -> dict[str, Any]:
+    """Rows with their places on a logarithmic axis, in percent of its width."""
+    rows = [dict(row) for row in results.ranking(scope)]
+    ends = [row[key] for row in rows for key in ("ratio_low", "ratio_to_raw", "ratio_high")]
+    known = [end for end in ends if end]
+    if not known:
+        return {"rows": [], "top": _TOP, "one": 0.0}
+    low, high = math.log(min(known)), math.log(max(known) * 1.0001)
+
+    def place(value: float) -> float:
+        return round(100.0 * (math.log(value) - low) / (high - low), 2)
+
+    for row in rows:
+        row["at"] = place(row["ratio_to_raw"])
+        row["start"] = place(row["ratio_low"] or row["ratio_to_raw"])
+        row["end"] = place(row["ratio_high"] or row["ratio_to_raw"])
+    return {"rows": rows, "top": _TOP, "one": place(1.0)}
+
+
+def _parameters(results: Results, motion: str, degradation: str) -> list[dict[str, Any]]:
+    """A row a method: each representation's parameters as text."""
+    found = results.parameters(motion, degradation)
+    made = []
+    for method in results.methods:
+        cells = [_parameter_text(found.get((method, one))) for one in results.representations]
+        made.append({"method": method, "cells": cells})
+    return made
+
+
+def _parameter_text(row: Mapping[str, Any] | None) -> list[str]:
+    if row is None:
+        return ["–"]
+    lines = [f"{name} {value:.4g}" for name, value in row["parameters"].items()]
+    return [*(lines or ["its own choice"]), *([] if row["how"] == "ladder" else [row["how"]])]
+
+
+def _spans(seeds: list[int]) -> str:
+    """``100–119`` or ``1, 4, 7``."""
+    if len(seeds) > 2 and seeds == list(range(seeds[0], seeds[-1] + 1)):
+        return f"{seeds[0]}–{seeds[-1]}"
+    return ", ".join(map(str, seeds))
