@@ -34,7 +34,7 @@ class Operand:
         return len(self.components)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Node:
     """One operation; ``input`` nodes carry operand and component, ``const`` nodes a value."""
 

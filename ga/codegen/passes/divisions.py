@@ -56,6 +56,8 @@ def as_reciprocals(tape: Tape) -> Tape:
 
 def with_quotients(tape: Tape) -> Tape:
     """The tape with ``x (1/d)`` written ``x / d`` where the reciprocal serves only once."""
+    if not any(node.op == "div" for node in tape.nodes):
+        return tape
     uses = tape.uses()
     builder = TapeBuilder()
     place: list[int] = []

@@ -3,7 +3,7 @@
 Nodes are compared by their `fingerprints`, at many points where a sign was guessed, and what these
 say must also hold for the `witness`. A node is replaced only by one that is defined wherever it is:
 all divisions, roots and other partial functions on the way to that are on the way to it too. Of
-equal nodes the one that needs the fewest others stays.
+equal nodes the one that needs the fewest others stays, on very long tapes the first.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ __all__ = ["merged"]
 _PARTIAL = frozenset({"div", "sqrt", "log", "asin", "acos", "tan"})
 _LARGEST_FACTOR = 1 << 10
 _LARGEST_CONSTANT = 1 << 16
+# What each node needs takes a bit a pair of nodes: on longer tapes the first of equal ones stays.
+_LONGEST_COMPARED = 20_000
 
 
 def merged(tape: Tape) -> Tape:
@@ -51,8 +53,11 @@ class _Merger:
         self._classes: dict[tuple[object, ...], list[int]] = {}
 
     def run(self) -> Tape:
+        bits: dict[int, int] = {}
         for index, node in enumerate(self._tape.nodes):
-            partial = 1 << index if node.op in _PARTIAL else 0
+            if node.op in _PARTIAL:
+                bits[index] = 1 << len(bits)
+            partial = bits.get(index, 0)
             for k in node.args:
                 partial |= self._partial[k]
             self._partial.append(partial)
@@ -60,8 +65,8 @@ class _Merger:
             if node.op == "div" and self._is_zero(node.args[1]):
                 raise ValueError("expected divisors that are not zero for all values, got one")
             if node.op in _PARTIAL and first is not None and first != index:
-                own = self._partial[first] & (1 << first)
-                self._partial[index] = (partial & ~(1 << index)) | own
+                own = self._partial[first] & bits.get(first, 0)
+                self._partial[index] = (partial & ~bits[index]) | own
             self._first.append(first)
             self._factor.append(factor)
         return self._rebuilt(self._shortest())
@@ -124,6 +129,8 @@ class _Merger:
 
     def _shortest(self) -> dict[int, int]:
         """For the first node of each class the one of its nodes that needs the fewest others."""
+        if len(self._tape.nodes) > _LONGEST_COMPARED:
+            return {first: first for first in self._first if first is not None}
         needs: list[int] = []
         for index, node in enumerate(self._tape.nodes):
             below = 1 << index

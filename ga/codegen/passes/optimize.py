@@ -14,7 +14,7 @@ from motorcade.ga.codegen.passes.stats import PassStats, count_operations
 from motorcade.ga.codegen.passes.zeros import without_zeros
 from motorcade.ga.codegen.tape import Tape
 
-__all__ = ["PASSES", "optimized"]
+__all__ = ["LONGEST_SEARCHED", "PASSES", "optimized"]
 
 PASSES: tuple[tuple[str, Callable[[Tape], Tape]], ...] = (
     ("fold constants", folded_tape),
@@ -27,13 +27,17 @@ PASSES: tuple[tuple[str, Callable[[Tape], Tape]], ...] = (
     ("factor", factored),
     ("single quotients", with_quotients),
 )
+# Passes that search, and in more than linear time: tapes of more nodes go past them.
+_SEARCHES = frozenset({expanded, factored})
+LONGEST_SEARCHED = 20_000
 
 
 def optimized(tape: Tape) -> tuple[Tape, tuple[PassStats, ...]]:
     """A tape of the same values with fewer operations, and what each pass did.
 
     Values agree to rounding wherever those of the given tape are real numbers. Components that are
-    zero are left out of the outputs.
+    zero are left out of the outputs. Tapes of more than `LONGEST_SEARCHED` nodes are not searched
+    for like terms and common factors.
 
     Raises:
         ValueError: a divisor is zero whatever the inputs are.
@@ -42,10 +46,12 @@ def optimized(tape: Tape) -> tuple[Tape, tuple[PassStats, ...]]:
     settled: dict[Callable[[Tape], Tape], Tape] = {}
     for name, apply in PASSES:
         start = time.perf_counter()
-        # A pass leaves nothing to do for itself: where no other one changed the tape it is skipped.
-        made = tape if settled.get(apply) is tape else apply(tape)
+        skipped = apply in _SEARCHES and len(tape.nodes) > LONGEST_SEARCHED
+        # A pass leaves nothing to do for itself where no other one changed the tape.
+        made = tape if skipped or settled.get(apply) is tape else apply(tape)
         settled[apply] = made
-        milliseconds = 1e3 * (time.perf_counter() - start)
-        done.append(PassStats(name, count_operations(tape), count_operations(made), milliseconds))
+        spent = 1e3 * (time.perf_counter() - start)
+        counts = count_operations(tape), count_operations(made)
+        done.append(PassStats(name, *counts, spent, skipped))
         tape = made
     return tape, tuple(done)

@@ -29,12 +29,16 @@ class Operations:
 
 @dataclass(frozen=True)
 class PassStats:
-    """One pass: its name, the operations before and after it, and its milliseconds."""
+    """One pass: its name, the operations before and after it, and its milliseconds.
+
+    `skipped` where it was left out because the tape is too long for it.
+    """
 
     name: str
     before: Operations
     after: Operations
     milliseconds: float
+    skipped: bool = False
 
 
 def count_operations(tape: Tape) -> Operations:
@@ -58,7 +62,11 @@ def table_of_passes(passes: Sequence[PassStats]) -> str:
     lines = [f"{'pass':<24}{'add':>7}{'mul':>7}{'div':>7}{'func':>7}{'ms':>9}"]
     if passes:
         lines.append(_row("traced", passes[0].before) + f"{'':>9}")
-    lines += [_row(done.name, done.after) + f"{done.milliseconds:>9.2f}" for done in passes]
+    for done in passes:
+        spent = "skipped" if done.skipped else f"{done.milliseconds:.2f}"
+        lines.append(_row(done.name, done.after) + f"{spent:>9}")
+    if any(done.skipped for done in passes):
+        lines.append("skipped: too many operations for this pass")
     return "\n".join(line.rstrip() for line in lines) + "\n"
 
 

@@ -343,3 +343,20 @@ def test_the_same_script_gives_the_same_tape_whatever_hashes_are() -> None:
         made.add(done.stdout)
     assert len(made) == 1
     assert optimized(traced(text))[0] == compiled(text).tape
+
+
+def test_searches_are_left_out_of_long_tapes_and_the_table_says_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tape = traced(TABLE_2 + "?zero = (m + 1)*(m - 1) - m*m + 1;")
+    short, _ = optimized(tape)
+    monkeypatch.setattr("motorcade.ga.codegen.passes.optimize.LONGEST_SEARCHED", 50)
+    monkeypatch.setattr("motorcade.ga.codegen.passes.merge._LONGEST_COMPARED", 50)
+    made, passes = optimized(tape)
+    check_same_values(tape, made)
+    assert made.outputs == short.outputs, "zeros are proved on tapes of any length"
+    assert cost_of(made) > cost_of(short)
+    assert [done.name for done in passes if done.skipped] == ["collect like terms", "factor"]
+    shown = table_of_passes(passes).splitlines()
+    assert [line.split()[-1] for line in shown if line.startswith("factor")] == ["skipped"]
+    assert shown[-1] == "skipped: too many operations for this pass"
