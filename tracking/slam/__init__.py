@@ -1,0 +1,27 @@
+"""Visual SLAM: one camera, a camera with depth, or a rectified pair; pictures in, poses and map out.
+
+Sources: ORB-SLAM2 (Mur-Artal & Tardos 2017) for keyframes, adjustment and relocalisation;
+VINS-Mono (Qin et al. 2018) for corners followed between them.
+"""
+
+from __future__ import annotations
+
+from motorcade.tracking.slam.map import MapSnapshot
+from motorcade.tracking.slam.settings import SlamSettings
+from motorcade.tracking.slam.slam import (
+    SLAM_STATES,
+    SlamResult,
+    State,
+    TrackedFrame,
+    VisualSlam,
+)
+
+__all__ = [
+    "SLAM_STATES",
+    "MapSnapshot",
+    "SlamResult",
+    "SlamSettings",
+    "State",
+    "TrackedFrame",
+    "VisualSlam",
+]

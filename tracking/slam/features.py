@@ -1,0 +1,173 @@
+"""Pictures ready for tracking, corners spread over them, and corners followed between them.
+
+Pictures are undistorted once, so all pixels here belong to a pinhole camera. Corners are ORB's
+(FAST, ranked by Harris) with their descriptors; between pictures they are followed by Lucas-Kanade.
+
+Sources: Rublee et al. 2011 (ORB); Lucas & Kanade 1981, Bouguet 2000 (pyramids).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, IntArray
+from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.slam.geometry import BoolArray
+
+__all__ = ["Corners", "Picture", "depth_at", "find_corners", "follow", "grid_cells", "stereo_depth"]
+
+DepthImage = NDArray[np.float32]
+Descriptors = NDArray[np.uint8]
+
+_WINDOW_PX = 21
+_LEVELS = 3
+_RETURN_PX = 0.7
+_BORDER_PX = 12
+_FAST_THRESHOLD = 7
+_CANDIDATES_A_CORNER = 4
+_DEPTH_STEP = 0.04  # share of the depth by which the neighbours of a usable depth may differ
+_ROW_PX = 1.0
+_LEAST_DISPARITY_PX = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """One undistorted picture.
+
+    Args:
+        time_ns: stamp.
+        gray: ``(height, width)`` uint8.
+        depth_m: ``(height, width)`` float32, NaN where unknown; None without depth.
+        right: the rectified right picture; None without one.
+    """
+
+    time_ns: int
+    gray: GrayImage
+    depth_m: DepthImage | None = None
+    right: GrayImage | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Corners:
+    """Corners ``(n, 2)`` pixels and their ORB descriptors ``(n, 32)``."""
+
+    px: FloatArray
+    descriptors: Descriptors
+
+    def __len__(self) -> int:
+        return len(self.px)
+
+
+def grid_cells(px: FloatArray, shape: tuple[int, ...], count: int) -> IntArray:
+    """Number of the square cell ``(n,)`` each pixel lies in, with about `count` cells in all."""
+    side = np.sqrt(shape[0] * shape[1] / count)
+    columns = int(np.ceil(shape[1] / side))
+    cells = np.floor(px / side).astype(np.int64)
+    numbers: IntArray = cells[:, 1] * columns + cells[:, 0]
+    return numbers
+
+
+def find_corners(gray: GrayImage, count: int, taken_px: FloatArray | None = None) -> Corners:
+    """The strongest corner of each of about `count` cells that hold none of `taken_px`.
+
+    Fewer where the picture has no texture; always in the same order.
+    """
+    orb = _orb(count * _CANDIDATES_A_CORNER)
+    found = orb.detect(gray, None)
+    if not found:
+        return Corners(np.zeros((0, 2)), np.zeros((0, 32), dtype=np.uint8))
+    px = np.array([point.pt for point in found])
+    strength = np.array([point.response for point in found])
+    cells = grid_cells(px, gray.shape, count)
+    order = np.lexsort((px[:, 0], px[:, 1], -strength))
+    _, first = np.unique(cells[order], return_index=True)
+    chosen = order[first]
+    if taken_px is not None and len(taken_px):
+        chosen = chosen[~np.isin(cells[chosen], grid_cells(taken_px, gray.shape, count))]
+    if not len(chosen):
+        return Corners(np.zeros((0, 2)), np.zeros((0, 32), dtype=np.uint8))
+    kept, descriptors = orb.compute(gray, [found[index] for index in chosen])
+    return Corners(np.array([point.pt for point in kept], dtype=np.float64), descriptors)
+
+
+def _orb(count: int) -> Any:
+    return cv2.ORB_create(
+        nfeatures=count, scaleFactor=1.4, nlevels=4, edgeThreshold=19, patchSize=31,
+        fastThreshold=_FAST_THRESHOLD, scoreType=cv2.ORB_HARRIS_SCORE,
+    )  # fmt: skip
+
+
+def follow(
+    before: GrayImage, after: GrayImage, px: FloatArray, guess: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Where corners of one picture are in another, and which of them were found.
+
+    A corner is found if following it back ends where it began.
+
+    Args:
+        px: ``(n, 2)`` in `before`; guess: ``(n, 2)`` about where in `after`.
+    """
+    if not len(px):
+        return np.zeros((0, 2)), np.zeros(0, dtype=np.bool_)
+    start = px.astype(np.float32).reshape(-1, 1, 2)
+    aim = guess.astype(np.float32).reshape(-1, 1, 2)
+    there, found, _ = _flow(before, after, start, aim.copy(), _LEVELS)
+    back, returned, _ = _flow(after, before, there, start.copy(), 1)
+    distance = np.linalg.norm((back - start)[:, 0], axis=-1)
+    px_after = there[:, 0].astype(np.float64)
+    height, width = after.shape
+    inside = np.all(
+        (px_after >= _BORDER_PX) & (px_after <= (width - 1 - _BORDER_PX, height - 1 - _BORDER_PX)),
+        axis=-1,
+    )
+    kept = (found.ravel() == 1) & (returned.ravel() == 1) & (distance < _RETURN_PX) & inside
+    return px_after, kept
+
+
+def _flow(before: GrayImage, after: GrayImage, px: Any, guess: Any, levels: int) -> Any:
+    return cv2.calcOpticalFlowPyrLK(
+        before, after, px, guess,
+        winSize=(_WINDOW_PX, _WINDOW_PX), maxLevel=levels,
+        criteria=(cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 20, 0.01),
+        flags=cv2.OPTFLOW_USE_INITIAL_FLOW, minEigThreshold=1e-4,
+    )  # fmt: skip
+
+
+def depth_at(depth_m: DepthImage, px: FloatArray) -> FloatArray:
+    """Depths ``(n,)`` at pixels: the median of 3 by 3, NaN at gaps and at edges of surfaces."""
+    height, width = depth_m.shape
+    middle = np.rint(px).astype(np.int64)
+    columns = np.clip(middle[:, 0, None, None] + np.arange(-1, 2), 0, width - 1)
+    rows = np.clip(middle[:, 1, None, None] + np.arange(-1, 2)[:, None], 0, height - 1)
+    around = depth_m[rows, columns].reshape(len(px), 9).astype(np.float64)
+    around = np.where(np.isfinite(around) & (around > 0.0), around, np.nan)
+    known = np.count_nonzero(np.isfinite(around), axis=1) >= 7
+    depth = np.full(len(px), np.nan)
+    if not known.any():
+        return depth
+    usable = around[known]
+    median = np.nanmedian(usable, axis=1)
+    spread = np.nanmax(usable, axis=1) - np.nanmin(usable, axis=1)
+    depth[known] = np.where(spread <= _DEPTH_STEP * median, median, np.nan)
+    return depth
+
+
+def stereo_depth(
+    left: GrayImage, right: GrayImage, px: FloatArray, disparity_px_m: float
+) -> FloatArray:
+    """Depths ``(n,)`` of pixels of a rectified pair; NaN where the right picture shows no match.
+
+    Args:
+        disparity_px_m: focal length (pixels) times baseline (metres).
+    """
+    there, found = follow(left, right, px, px)
+    disparity = px[:, 0] - there[:, 0]
+    level = np.abs(px[:, 1] - there[:, 1]) <= _ROW_PX
+    usable = found & level & (disparity >= _LEAST_DISPARITY_PX)
+    depth: FloatArray = np.where(usable, disparity_px_m / np.where(usable, disparity, 1.0), np.nan)
+    return depth

@@ -1,0 +1,250 @@
+"""Starting a map from two views: which model explains them, and whether they may be trusted.
+
+A scene with depth fits an essential matrix, a flat one a homography; both are fitted (MAGSAC) and
+scored alike. Where a rotation alone explains the motion of the corners there is no parallax, and
+nothing is started: the scale-free map that would follow is arbitrary.
+
+Sources: Hartley & Zisserman 2003, ch. 9 and 13; scores: Mur-Artal et al. 2015; MAGSAC++: Barath
+et al. 2020.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from motorcade.ga import FloatArray
+from motorcade.tracking.slam.features import Corners, Picture, find_corners, follow
+from motorcade.tracking.slam.geometry import (
+    BoolArray,
+    moved,
+    parallax_rad,
+    to_pixels,
+    triangulate,
+)
+
+__all__ = ["Start", "TwoViewInitialiser", "TwoViews", "flow_beyond_rotation_px", "two_views"]
+
+FEWEST_CORNERS = 80
+_FEWEST_POINTS = 50
+_LEAST_FLOW = 0.012  # of the picture's width: what must remain when the rotation is taken out
+_LEAST_PARALLAX_RAD = np.deg2rad(1.0)
+_THRESHOLD_PX = 1.0
+_HOMOGRAPHY_SHARE = 0.45
+_CHI2_POINT, _CHI2_LINE = 5.99, 3.84
+_GOOD_PX = 2.0
+_RIVAL = 0.8  # a second solution with so much of the best one's support leaves it undecided
+_KEPT_SHARE = 0.4
+_MOST_PENDING = 120
+
+
+@dataclass(frozen=True, eq=False)
+class TwoViews:
+    """The second view from the first, for a baseline of length 1.
+
+    Args:
+        second_T_first: ``(4, 4)``.
+        good: ``(n,)`` corners that agree and have parallax.
+        model: "essential" or "homography".
+    """
+
+    second_T_first: FloatArray
+    good: BoolArray
+    model: str
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Two pictures from which a map can start, and what was followed between them.
+
+    Args:
+        first, second: the pictures; corners: those of the first that were followed to the second.
+        second_px: ``(n, 2)`` where they are there; views: the geometry.
+        between: of each picture in between its stamp, rows of `corners` and pixels.
+    """
+
+    first: Picture
+    second: Picture
+    corners: Corners
+    second_px: FloatArray
+    views: TwoViews
+    between: tuple[tuple[int, BoolArray, FloatArray], ...]
+
+
+def flow_beyond_rotation_px(first_px: FloatArray, px: FloatArray, matrix: FloatArray) -> float:
+    """Median motion of corners that the best rotation leaves over, pixels.
+
+    Rotation by Kabsch's method, reweighted so that a minority of corners cannot turn it.
+    """
+    rays = []
+    for pixels in (first_px, px):
+        ray = np.concatenate([pixels, np.ones((len(pixels), 1))], axis=1) @ np.linalg.inv(matrix).T
+        rays.append(ray / np.linalg.norm(ray, axis=1, keepdims=True))
+    weight = np.ones(len(px))
+    left = np.zeros(len(px))
+    for _ in range(8):
+        u, _, vt = np.linalg.svd((rays[1] * weight[:, None]).T @ rays[0])
+        turn = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
+        seen, _ = to_pixels(rays[0] @ turn.T, matrix)
+        left = np.nan_to_num(np.linalg.norm(seen - px, axis=1), nan=np.inf)
+        weight = 1.0 / (1.0 + left**2)
+    return float(np.median(left))
+
+
+def two_views(first_px: FloatArray, px: FloatArray, matrix: FloatArray) -> TwoViews | None:
+    """Relative pose of two views from corners ``(n, 2)`` in both; None where it cannot be told.
+
+    Refused: a flow that rotation explains, too few corners that agree, too little parallax, or two
+    solutions that explain the views almost equally well.
+    """
+    if len(px) < FEWEST_CORNERS:
+        return None
+    essential, _ = cv2.findEssentialMat(
+        first_px, px, np.array(matrix), method=cv2.USAC_MAGSAC, prob=0.9999, threshold=_THRESHOLD_PX
+    )
+    homography, _ = cv2.findHomography(first_px, px, cv2.USAC_MAGSAC, 2.0 * _THRESHOLD_PX)
+    flat, deep = 0.0, 0.0
+    if homography is not None:
+        flat = _homography_score(homography, first_px, px)
+    if essential is not None and essential.shape == (3, 3):
+        deep = _essential_score(essential, first_px, px, matrix)
+    if flat + deep <= 0.0:
+        return None
+    model = "homography" if flat / (flat + deep) > _HOMOGRAPHY_SHARE else "essential"
+    poses = _from_homography if model == "homography" else _from_essential
+    given = homography if model == "homography" else essential
+    supported = [(_support(pose, first_px, px, matrix), pose) for pose in poses(given, matrix)]
+    supported.sort(key=lambda one: -int(np.count_nonzero(one[0])))
+    good, pose = supported[0]
+    count = int(np.count_nonzero(good))
+    rival = int(np.count_nonzero(supported[1][0])) if len(supported) > 1 else 0
+    if count < max(_FEWEST_POINTS, 0.5 * len(px)) or rival > _RIVAL * count:
+        return None
+    return TwoViews(pose, good, model)
+
+
+def _homography_score(homography: FloatArray, first_px: FloatArray, px: FloatArray) -> float:
+    forth = _squared(_mapped(homography, first_px), px)
+    back = _squared(_mapped(np.linalg.inv(homography), px), first_px)
+    return sum(float(np.maximum(_CHI2_POINT - d, 0.0).sum()) for d in (forth, back))
+
+
+def _essential_score(
+    essential: FloatArray, first_px: FloatArray, px: FloatArray, matrix: FloatArray
+) -> float:
+    to_plane = np.linalg.inv(matrix)
+    fundamental = to_plane.T @ essential @ to_plane
+    a, b = (np.concatenate([pixels, np.ones((len(px), 1))], axis=1) for pixels in (first_px, px))
+    score = 0.0
+    for lines, points in ((a @ fundamental.T, b), (b @ fundamental, a)):
+        squared = np.sum(lines * points, axis=1) ** 2 / np.sum(lines[:, :2] ** 2, axis=1)
+        score += float(np.where(squared < _CHI2_LINE, _CHI2_POINT - squared, 0.0).sum())
+    return score
+
+
+def _mapped(homography: FloatArray, px: FloatArray) -> FloatArray:
+    there = px @ homography[:, :2].T + homography[:, 2]
+    mapped: FloatArray = there[:, :2] / there[:, 2:]
+    return mapped
+
+
+def _squared(a: FloatArray, b: FloatArray) -> FloatArray:
+    squared: FloatArray = np.sum((a - b) ** 2, axis=1)
+    return squared
+
+
+def _from_essential(essential: FloatArray, _: FloatArray) -> Iterator[FloatArray]:
+    one, other, shift = cv2.decomposeEssentialMat(essential)
+    for turn in (one, other):
+        for sign in (1.0, -1.0):
+            yield _pose(turn, sign * np.ravel(shift))
+
+
+def _from_homography(homography: FloatArray, matrix: FloatArray) -> Iterator[FloatArray]:
+    _, turns, shifts, _ = cv2.decomposeHomographyMat(homography, np.array(matrix))
+    for turn, shift in zip(turns, shifts, strict=True):
+        length = float(np.linalg.norm(shift))
+        if length > 1e-6:
+            yield _pose(turn, np.ravel(shift) / length)
+
+
+def _pose(turn: FloatArray, shift: FloatArray) -> FloatArray:
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn, shift
+    return pose
+
+
+def _support(
+    pose: FloatArray, first_px: FloatArray, px: FloatArray, matrix: FloatArray
+) -> BoolArray:
+    """Corners whose point lies before both cameras, reprojects well and has parallax."""
+    points = triangulate(np.eye(4), pose, first_px, px, matrix)
+    one, near = to_pixels(points, matrix)
+    other, far = to_pixels(moved(pose, points), matrix)
+    error = np.sqrt(np.maximum(_squared(one, first_px), _squared(other, px)))
+    good = (near > 0.0) & (far > 0.0) & (np.nan_to_num(error, nan=np.inf) < _GOOD_PX)
+    wide = parallax_rad(np.eye(4), pose, points) > 0.5 * _LEAST_PARALLAX_RAD
+    if not np.any(good & wide):
+        return np.zeros(len(px), dtype=np.bool_)
+    if np.median(parallax_rad(np.eye(4), pose, points[good])) < _LEAST_PARALLAX_RAD:
+        return np.zeros(len(px), dtype=np.bool_)
+    return good & wide
+
+
+class TwoViewInitialiser:
+    """Follows the corners of a first picture until a later one gives a map.
+
+    Args:
+        matrix: ``(3, 3)`` intrinsics; features: corners to follow.
+    """
+
+    def __init__(self, matrix: FloatArray, features: int) -> None:
+        self._matrix = matrix
+        self._features = features
+        self._first: Picture | None = None
+
+    def feed(self, picture: Picture) -> Start | None:
+        """Take the next picture; a `Start` once one is found."""
+        if self._first is None or not self._followed(picture):
+            self._restart(picture)
+            return None
+        rows = self._rows
+        first_px = self._corners.px[rows]
+        flow = flow_beyond_rotation_px(first_px, self._px, self._matrix)
+        views = None
+        if flow >= _LEAST_FLOW * picture.gray.shape[1]:
+            views = two_views(first_px, self._px, self._matrix)
+        if views is None:
+            kept = np.zeros(len(self._corners), dtype=np.bool_)
+            kept[rows] = True
+            self._between.append((picture.time_ns, kept, self._px))
+            if len(self._between) > _MOST_PENDING:
+                self._restart(picture)
+            return None
+        corners = Corners(first_px, self._corners.descriptors[rows])
+        place = np.cumsum(np.isin(np.arange(len(self._corners)), rows)) - 1
+        between = []
+        for stamp, kept, px in self._between:
+            still = np.isin(np.flatnonzero(kept), rows)
+            mask = np.zeros(len(rows), dtype=np.bool_)
+            mask[place[np.flatnonzero(kept)[still]]] = True
+            between.append((stamp, mask, px[still]))
+        return Start(self._first, picture, corners, self._px, views, tuple(between))
+
+    def _restart(self, picture: Picture) -> None:
+        self._corners = find_corners(picture.gray, self._features)
+        self._first = picture if len(self._corners) >= FEWEST_CORNERS else None
+        self._last, self._px = picture, self._corners.px
+        self._rows = np.arange(len(self._corners))
+        self._motion = np.zeros_like(self._px)
+        self._between: list[tuple[int, BoolArray, FloatArray]] = []
+
+    def _followed(self, picture: Picture) -> bool:
+        """Follow the corners one picture on; False where too few remain."""
+        px, found = follow(self._last.gray, picture.gray, self._px, self._px + self._motion)
+        self._motion = (px - self._px)[found]
+        self._rows, self._px, self._last = self._rows[found], px[found], picture
+        return len(self._rows) >= max(FEWEST_CORNERS, _KEPT_SHARE * len(self._corners))

@@ -1,0 +1,216 @@
+"""The map: keyframes, points, and which keyframe saw which point where.
+
+Points live in growing tables; a point's number never changes. A point that is not located yet has
+NaN for its place. `SlamMap.snapshot` gives frozen arrays, which are what is saved and handed out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.slam.features import Descriptors
+from motorcade.tracking.slam.geometry import BoolArray, inverse
+
+__all__ = ["Keyframe", "MapSnapshot", "SlamMap"]
+
+_FORMAT = "motorcade slam map 1"
+
+
+@dataclass(eq=False)
+class Keyframe:
+    """One picture of the map; the mapper moves it and drops observations.
+
+    Fields:
+        time_ns: stamp.
+        camera_T_world: ``(4, 4)``.
+        ids: ``(n,)`` numbers of the points seen, rising.
+        px: ``(n, 2)`` where; depth: ``(n,)`` NaN where not measured.
+        gray: the picture, while it may still serve to find points again; then None.
+    """
+
+    time_ns: int
+    camera_T_world: FloatArray
+    ids: IntArray
+    px: FloatArray
+    depth: FloatArray
+    gray: GrayImage | None
+
+    def keep(self, kept: BoolArray) -> None:
+        """Drop the other observations."""
+        self.ids, self.px, self.depth = self.ids[kept], self.px[kept], self.depth[kept]
+
+
+@dataclass(frozen=True, eq=False)
+class MapSnapshot:
+    """A map as it was at one moment, read-only.
+
+    Args:
+        time_ns: ``(k,)`` stamps of the keyframes; world_T_camera: Motor ``(k,)``.
+        points: ``(p, 3)`` located points; descriptors: ``(p, 32)`` uint8.
+        keyframe_of, point_of: ``(n,)`` rows of each observation; px ``(n, 2)``; depth ``(n,)``.
+
+    Raises:
+        ValueError: lengths that do not agree, or observations of what is not there.
+    """
+
+    time_ns: IntArray
+    world_T_camera: Motor
+    points: FloatArray
+    descriptors: Descriptors
+    keyframe_of: IntArray
+    point_of: IntArray
+    px: FloatArray
+    depth: FloatArray
+
+    def __post_init__(self) -> None:
+        k, p, n = len(self.time_ns), len(self.points), len(self.keyframe_of)
+        shapes = {
+            "time_ns": (k,), "points": (p, 3), "descriptors": (p, 32), "keyframe_of": (n,),
+            "point_of": (n,), "px": (n, 2), "depth": (n,),
+        }  # fmt: skip
+        for name, shape in shapes.items():
+            own = np.array(getattr(self, name))
+            if own.shape != shape:
+                raise ValueError(f"MapSnapshot.{name}: expected shape {shape}, got {own.shape}")
+            own.setflags(write=False)
+            object.__setattr__(self, name, own)
+        if self.world_T_camera.shape != (k,):
+            raise ValueError(
+                f"MapSnapshot.world_T_camera: expected shape {(k,)}, got {self.world_T_camera.shape}"
+            )
+        for name, limit in (("keyframe_of", k), ("point_of", p)):
+            rows = getattr(self, name)
+            if n and (rows.min() < 0 or rows.max() >= limit):
+                raise ValueError(f"MapSnapshot.{name}: expected rows below {limit}, got others")
+
+    def save(self, path: Path) -> None:
+        """Write an ``.npz`` file of plain arrays; the same map gives the same bytes.
+
+        Raises:
+            ValueError: a file name that does not end in ``.npz``.
+            OSError: a file that cannot be written.
+        """
+        if path.suffix != ".npz":
+            raise ValueError(f"MapSnapshot.save(path): expected a name ending in .npz, got {path}")
+        np.savez(
+            path, format=np.array(_FORMAT), time_ns=self.time_ns,
+            world_T_camera=self.world_T_camera.coefficients, points=self.points,
+            descriptors=self.descriptors, keyframe_of=self.keyframe_of, point_of=self.point_of,
+            px=self.px, depth=self.depth,
+        )  # fmt: skip
+
+    @classmethod
+    def load(cls, path: Path) -> MapSnapshot:
+        """Read what `save` wrote.
+
+        Raises:
+            ValueError: a file that holds no map, or values that are refused.
+            OSError: a file that cannot be read.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                if str(stored["format"]) != _FORMAT:
+                    raise ValueError(f"expected the format '{_FORMAT}', got '{stored['format']}'")
+                return cls(
+                    stored["time_ns"], Motor(stored["world_T_camera"]), stored["points"],
+                    stored["descriptors"], stored["keyframe_of"], stored["point_of"],
+                    stored["px"], stored["depth"],
+                )  # fmt: skip
+        except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as fault:
+            raise ValueError(f"{path}: not a saved map: {fault}") from fault
+
+
+class SlamMap:
+    """The map while it grows."""
+
+    def __init__(self) -> None:
+        self.keyframes: list[Keyframe] = []
+        self._count = 0
+        self._places = np.zeros((0, 3))
+        self._descriptors: Descriptors = np.zeros((0, 32), dtype=np.uint8)
+        self._alive = np.zeros(0, dtype=np.bool_)
+
+    @property
+    def places(self) -> FloatArray:
+        """Places ``(p, 3)`` of all points ever made; NaN where not located. May be written to."""
+        return self._places[: self._count]
+
+    @property
+    def descriptors(self) -> Descriptors:
+        """Descriptors ``(p, 32)`` of all points ever made."""
+        return self._descriptors[: self._count]
+
+    @property
+    def alive(self) -> BoolArray:
+        """Which points ``(p,)`` are still believed. May be written to."""
+        return self._alive[: self._count]
+
+    @property
+    def located(self) -> BoolArray:
+        """Which points ``(p,)`` are alive and have a place."""
+        return self.alive & np.isfinite(self.places[:, 0])
+
+    def add_points(self, descriptors: Descriptors) -> IntArray:
+        """Make points that have no place yet; returns their numbers."""
+        needed = self._count + len(descriptors)
+        if needed > len(self._alive):
+            room = max(2 * len(self._alive), needed, 1024)
+            self._places = _grown(self._places, room, np.nan)
+            self._descriptors = _grown(self._descriptors, room, 0)
+            self._alive = _grown(self._alive, room, False)
+        ids = np.arange(self._count, needed)
+        self._descriptors[ids], self._alive[ids] = descriptors, True
+        self._places[ids] = np.nan
+        self._count = needed
+        return ids
+
+    def observations(self, rows: IntArray) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+        """Of the keyframes `rows`: position in `rows`, point numbers, pixels, depths."""
+        chosen = [self.keyframes[row] for row in rows]
+        owner = np.repeat(np.arange(len(chosen)), [len(one.ids) for one in chosen])
+        return (
+            owner,
+            np.concatenate([one.ids for one in chosen]),
+            np.concatenate([one.px for one in chosen]),
+            np.concatenate([one.depth for one in chosen]),
+        )
+
+    def shared(self, ids: IntArray) -> IntArray:
+        """How many of the points `ids` each keyframe ``(k,)`` sees."""
+        wanted = np.zeros(self._count, dtype=np.bool_)
+        wanted[ids] = True
+        return np.array([np.count_nonzero(wanted[one.ids]) for one in self.keyframes])
+
+    def snapshot(self) -> MapSnapshot:
+        """Keyframes, located points and their observations, frozen."""
+        rows = np.arange(len(self.keyframes))
+        row_of = np.full(self._count, -1)
+        if not len(rows):
+            nobody = np.zeros(0, dtype=np.int64)
+            return MapSnapshot(
+                nobody, Motor.identity((0,)), np.zeros((0, 3)), self.descriptors[:0], nobody,
+                nobody, np.zeros((0, 2)), np.zeros(0),
+            )  # fmt: skip
+        owner, ids, px, depth = self.observations(rows)
+        seen = self.located[ids]
+        owner, ids, px, depth = owner[seen], ids[seen], px[seen], depth[seen]
+        used = np.unique(ids)
+        row_of[used] = np.arange(len(used))
+        poses = np.stack([one.camera_T_world for one in self.keyframes])
+        return MapSnapshot(
+            np.array([one.time_ns for one in self.keyframes], dtype=np.int64),
+            Motor.from_matrix(inverse(poses)),
+            self.places[used], self.descriptors[used], owner, row_of[ids], px, depth,
+        )  # fmt: skip
+
+
+def _grown(table: np.ndarray, room: int, fill: float | bool) -> np.ndarray:
+    larger = np.full((room, *table.shape[1:]), fill, dtype=table.dtype)
+    larger[: len(table)] = table
+    return larger

@@ -1,0 +1,43 @@
+"""What can be chosen about visual SLAM; the defaults serve every recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from motorcade.tracking.checks import check_count, check_length
+
+__all__ = ["SlamSettings"]
+
+
+@dataclass(frozen=True)
+class SlamSettings:
+    """How much is tracked and mapped.
+
+    Fields:
+        features: corners followed in a picture, spread over a grid.
+        window: newest keyframes that each local adjustment moves.
+        adjust: adjust the window at each keyframe; off shows what that is worth.
+        close_loops: look for places seen before; off shows what that is worth.
+        baseline_m: distance of the right camera of a rectified stereo pair; None without one.
+        depth_sigma_px: noise of a depth, as disparity of a pair 8 cm apart (or of the stereo pair).
+        seed: of everything that samples.
+
+    Raises:
+        ValueError: a count or length that is not above zero.
+    """
+
+    features: int = 500
+    window: int = 8
+    adjust: bool = True
+    close_loops: bool = True
+    baseline_m: float | None = None
+    depth_sigma_px: float = 0.5
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        check_count(self.features, "SlamSettings.features", 50)
+        check_count(self.window, "SlamSettings.window", 3)
+        check_count(self.seed, "SlamSettings.seed", 0)
+        check_length(self.depth_sigma_px, "SlamSettings.depth_sigma_px")
+        if self.baseline_m is not None:
+            check_length(self.baseline_m, "SlamSettings.baseline_m")
