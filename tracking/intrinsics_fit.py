@@ -104,11 +104,9 @@ class _Normal:
 
     def step(self) -> tuple[FloatArray, FloatArray]:
         """Changes of the camera ``(p,)`` and of the poses ``(V, 6)``."""
-        matrix, right = self.reduced()
-        camera = np.linalg.solve(matrix, right)
-        poses = np.linalg.solve(self.poses, (self.poses_right - self.mixed @ camera)[..., None])[
-            ..., 0
-        ]
+        camera: FloatArray = np.linalg.solve(*self.reduced())
+        right = self.poses_right - self.mixed @ camera
+        poses: FloatArray = np.linalg.solve(self.poses, right[..., None])[..., 0]
         return camera, poses
 
 

@@ -10,6 +10,7 @@ from importlib.metadata import version
 
 from motorcade.replays.cli import (
     bench,
+    calibrate,
     compare,
     demo,
     detect,
@@ -28,6 +29,7 @@ COMMANDS = (
     run,
     inspect,
     detect,
+    calibrate,
     smooth,
     evaluate,
     simulate_imu,

@@ -1,0 +1,76 @@
+"""Where in the picture a calibration's corners lie, and how far each is from its reprojection."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+
+from motorcade.ga import FloatArray
+from motorcade.render.plots.style import COLOURS, house_style, new_figure
+
+__all__ = ["plot_coverage"]
+
+_LIGHT = {"ink": "#222222", "grid": "#dddddd", "page": "#ffffff"}
+_CELLS = (8, 6)
+
+
+def plot_coverage(
+    size: tuple[int, int],
+    corners_px: FloatArray,
+    residuals_px: FloatArray,
+    left_out_px: FloatArray,
+    title: str,
+) -> bytes:
+    """Draw a PNG picture: corners with their residuals, enlarged, and the residuals by themselves.
+
+    Args:
+        size: width and height of the camera's picture, pixels.
+        corners_px: ``(N, 2)`` corners that were used.
+        residuals_px: ``(N, 2)`` reprojection minus corner.
+        left_out_px: ``(M, 2)`` corners of views that were not used.
+        title: stands above.
+    """
+    import matplotlib as mpl
+
+    lengths = np.linalg.norm(residuals_px, axis=-1)
+    usual = max(float(np.percentile(lengths, 95)), 1e-6)
+    enlarged = 10 ** np.floor(np.log10(0.04 * size[0] / usual))
+    with house_style(), mpl.rc_context(_light()):
+        figure, (left, right) = new_figure(11.0, 4.6, columns=2)
+        figure.suptitle(title, x=0.01, ha="left")
+        left.plot(*left_out_px.T, "x", color=COLOURS["euler"], markersize=3, label="left out")
+        left.quiver(
+            *corners_px.T, *(residuals_px * enlarged).T, angles="xy", scale_units="xy", scale=1.0,
+            width=0.0015, color=COLOURS["dual_quaternion"],
+        )  # fmt: skip
+        left.plot(*corners_px.T, ".", color=COLOURS["motor"], markersize=2, label="used")
+        left.set(
+            xlim=(-0.5, size[0] - 0.5), ylim=(size[1] - 0.5, -0.5), aspect="equal",
+            xticks=np.linspace(0, size[0], _CELLS[0] + 1) - 0.5,
+            yticks=np.linspace(0, size[1], _CELLS[1] + 1) - 0.5,
+            title=f"corners in the picture; residuals {enlarged:g} times enlarged",
+        )  # fmt: skip
+        left.xaxis.set_major_formatter("{x:.0f}")
+        left.yaxis.set_major_formatter("{x:.0f}")
+        left.legend(loc="upper left", markerscale=3)
+        right.plot(*residuals_px.T, ".", color=COLOURS["motor"], markersize=2)
+        reach = 1.1 * float(np.abs(residuals_px).max(initial=1e-6))
+        right.set(
+            xlim=(-reach, reach), ylim=(reach, -reach), aspect="equal",
+            xlabel="column, px", ylabel="row, px", title="residuals",
+        )  # fmt: skip
+        data = io.BytesIO()
+        figure.savefig(data, format="png", dpi=110, metadata={"Software": None})
+    return data.getvalue()
+
+
+def _light() -> dict[str, str]:
+    ink, grid, page = _LIGHT["ink"], _LIGHT["grid"], _LIGHT["page"]
+    inked = ("axes.labelcolor", "axes.titlecolor", "legend.labelcolor", "text.color")
+    inked = (*inked, "xtick.color", "ytick.color")
+    return {
+        **dict.fromkeys(inked, ink),
+        **dict.fromkeys(("axes.edgecolor", "grid.color"), grid),
+        **dict.fromkeys(("axes.facecolor", "figure.facecolor"), page),
+    }
