@@ -1,0 +1,102 @@
+"""Which of the two planar poses is true, for every sighting of a recording that lies before us."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray, Motor, Rotor, checked_floats, frozen
+from motorcade.tracking.markers.disambiguate.sightings import Sightings
+from motorcade.tracking.markers.disambiguate.solving import Recent, solve
+from motorcade.tracking.markers.disambiguate.states import empty_memory
+from motorcade.tracking.markers.disambiguate.window import Window, corner_noise_px
+
+__all__ = ["Resolution", "corner_noise_or", "resolve"]
+
+_ROUNDS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Resolution:
+    """The chosen candidates of N sightings.
+
+    Args:
+        sightings: what was to be resolved.
+        choice: ``(N,)`` 0 or 1, row of ``camera_T_marker``.
+        probability: ``(N,)`` of the chosen candidate, given all that was used. It takes for granted
+            that one of the two is true; where corners are quite wrong neither is.
+
+    Raises:
+        ValueError: shapes that do not agree, choices other than 0 and 1.
+    """
+
+    sightings: Sightings
+    choice: IntArray
+    probability: FloatArray
+
+    def __post_init__(self) -> None:
+        choice = np.array(self.choice, np.int64)
+        probability = frozen(checked_floats(self.probability, "Resolution.probability", ()))
+        shape = (len(self.sightings),)
+        if choice.shape != shape or probability.shape != shape or not np.isin(choice, (0, 1)).all():
+            raise ValueError(
+                f"Resolution.choice, probability: expected {shape} of 0 and 1 and of "
+                f"probabilities, got {choice.shape} and {probability.shape}"
+            )
+        choice.setflags(write=False)
+        object.__setattr__(self, "choice", choice)
+        object.__setattr__(self, "probability", probability)
+
+    @property
+    def camera_T_marker(self) -> Motor:
+        """Motor ``(N,)``: the chosen poses."""
+        return self.sightings.camera_T_marker[np.arange(len(self.choice)), self.choice]
+
+    @property
+    def frame_ambiguity(self) -> FloatArray:
+        """``(F,)`` how probably the least sure choice of each frame is false; 0 without markers."""
+        worst = np.zeros(len(self.sightings.time_ns))
+        np.maximum.at(worst, self.sightings.frame, 1.0 - self.probability)
+        return worst
+
+
+def resolve(sightings: Sightings, sigma_px: float | None = None) -> Resolution:
+    """The most probable candidates of a whole recording.
+
+    Breaks down where every marker of a frame is ambiguous and none was seen before, and where
+    markers are moved one by one; the probabilities say so.
+
+    Args:
+        sightings: of one camera.
+        sigma_px: noise of corners a coordinate; None estimates it from the reprojection errors.
+
+    Raises:
+        ValueError: a noise that is not above zero.
+    """
+    if len(sightings) == 0:
+        return Resolution(sightings, np.zeros(0, np.int64), np.zeros(0))
+    window = Window.of(sightings, corner_noise_or(sightings.error_px[:, 0], sigma_px))
+    recent, cameras = Recent(), [Rotor.identity()]
+    for row in range(len(sightings.time_ns)):
+        now = window.of_frame(row)
+        if row:
+            elapsed_s = 1e-9 * float(sightings.time_ns[row] - sightings.time_ns[row - 1])
+            cameras.append(recent.vote(now, cameras[-1], elapsed_s))
+        recent.see(now, cameras[-1], now.evidence)
+    solution = solve(window, Rotor.stack(cameras), empty_memory(), _ROUNDS)
+    chosen = np.take_along_axis(solution.candidates, solution.choice[:, None], axis=-1)[:, 0]
+    return Resolution(sightings, solution.choice, chosen)
+
+
+def corner_noise_or(error_px: FloatArray, sigma_px: float | None) -> float:
+    """The given noise of corners, or the one that the better errors ``(N,)`` tell of.
+
+    Raises:
+        ValueError: one that is not above zero.
+    """
+    if sigma_px is None:
+        return corner_noise_px(error_px)
+    if not 0.0 < sigma_px < np.inf:
+        raise ValueError(f"sigma_px: expected pixels above 0, got {sigma_px}")
+    return float(sigma_px)

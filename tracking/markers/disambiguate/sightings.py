@@ -1,0 +1,186 @@
+"""Every sighting of a marker with both its planar poses, and how well the pixels fix each.
+
+``camera_T_marker`` maps the marker's frame (origin at its printed top-left corner, x right and y up
+as printed, z out of its face; metres) to the camera's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray, Motor, checked_floats, frozen
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.camera import Camera
+from motorcade.tracking.markers.corner_stream import (
+    CornerStream,
+    checked_numbers,
+    checked_stamps,
+)
+from motorcade.tracking.markers.families import marker_points_m
+from motorcade.tracking.pose import TrackingError, planar_candidates
+
+__all__ = ["Sightings", "pose_stream"]
+
+# A pose whose pixels leave a direction quite free would be inverted to infinity.
+_LEAST_INFORMATION = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Sightings:
+    """All sightings of one camera, in order of time.
+
+    Args:
+        time_ns: ``(F,)`` stamps of all frames, strictly increasing.
+        frame: ``(N,)`` row of ``time_ns`` that each sighting belongs to, never falling.
+        marker_ids: ``(N,)``; an id stands at most once in a frame.
+        camera_T_marker: Motor ``(N, 2)``, both planar poses, the better reprojection first.
+        error_px: ``(N, 2)`` their root mean square reprojection errors.
+        rotation_covariance: ``(N, 2, 3, 3)`` of a small turn of the marker before the camera
+            (camera axes), rad² for corners with 1 pixel of noise a coordinate.
+
+    Raises:
+        ValueError: shapes that do not agree, frames or stamps out of order, an id twice in a
+            frame, numbers that are not finite.
+    """
+
+    time_ns: IntArray
+    frame: IntArray
+    marker_ids: IntArray
+    camera_T_marker: Motor
+    error_px: FloatArray
+    rotation_covariance: FloatArray
+
+    def __post_init__(self) -> None:
+        stamps = checked_stamps(self.time_ns, "Sightings.time_ns")
+        frame, ids = checked_numbers(self.frame, self.marker_ids, len(stamps), "Sightings")
+        count = len(ids)
+        if self.camera_T_marker.shape != (count, 2):
+            raise ValueError(
+                f"Sightings.camera_T_marker: expected {(count, 2)} poses, "
+                f"got {self.camera_T_marker.shape}"
+            )
+        errors = frozen(checked_floats(self.error_px, "Sightings.error_px", (2,)))
+        field = "Sightings.rotation_covariance"
+        covariance = frozen(checked_floats(self.rotation_covariance, field, (3, 3)))
+        if errors.shape != (count, 2) or covariance.shape != (count, 2, 3, 3):
+            raise ValueError(
+                f"Sightings.error_px, rotation_covariance: expected {(count, 2)} and "
+                f"{(count, 2, 3, 3)}, got {errors.shape} and {covariance.shape}"
+            )
+        for name, value in (
+            ("time_ns", stamps), ("frame", frame), ("marker_ids", ids),
+            ("error_px", errors), ("rotation_covariance", covariance),
+        ):  # fmt: skip
+            object.__setattr__(self, name, value)
+
+    def __len__(self) -> int:
+        """Number of sightings."""
+        return len(self.marker_ids)
+
+    def of_frame(self, row: int) -> IntArray:
+        """Rows of the sightings in one frame."""
+        first, last = np.searchsorted(self.frame, [row, row + 1])
+        return np.arange(first, last)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Sightings]) -> Sightings:
+        """One after the other; at least one part, each later than the one before.
+
+        Raises:
+            ValueError: parts out of order.
+        """
+        starts = np.cumsum([0, *(len(one.time_ns) for one in parts[:-1])])
+        return cls(
+            np.concatenate([one.time_ns for one in parts]),
+            np.concatenate([one.frame + start for one, start in zip(parts, starts, strict=True)]),
+            np.concatenate([one.marker_ids for one in parts]),
+            Motor.concatenate([one.camera_T_marker for one in parts]),
+            np.concatenate([one.error_px for one in parts]),
+            np.concatenate([one.rotation_covariance for one in parts]),
+        )
+
+    def of_frames(self, rows: IntArray) -> Sightings:
+        """Only these frames ``(f,)``, rising."""
+        chosen = np.isin(self.frame, rows)
+        return Sightings(
+            self.time_ns[rows],
+            np.searchsorted(rows, self.frame[chosen]),
+            self.marker_ids[chosen],
+            self.camera_T_marker[chosen],
+            self.error_px[chosen],
+            self.rotation_covariance[chosen],
+        )
+
+
+def pose_stream(stream: CornerStream, side_m: Mapping[int, float]) -> Sightings:
+    """Both planar poses of every detection, by IPPE.
+
+    Detections through whose corners the lens model has no ray, or that no planar pose explains,
+    are left out.
+
+    Args:
+        stream: corners of one camera.
+        side_m: side of each marker's black square, metres, by id.
+
+    Raises:
+        ValueError: a marker whose size is not given.
+    """
+    missing = sorted(set(stream.marker_ids.tolist()) - set(side_m))
+    if missing:
+        raise ValueError(f"side_m: expected the size of marker {missing[0]}, got none")
+    kept, poses, errors = [], [], []
+    sides = np.array([side_m[int(marker)] for marker in stream.marker_ids])
+    points = _points_m(sides)
+    for row, corners in enumerate(stream.corners_px):
+        try:
+            found = planar_candidates(
+                BoardCorners(np.arange(4), corners, points[row]), stream.camera
+            )
+        except TrackingError:
+            continue  # stands in the docstring: such a detection has no pose to choose
+        kept.append(row)
+        poses.append(found.world_T_camera.inverse())
+        errors.append(found.error_px)
+    chosen = np.array(kept, np.int64)
+    camera_T_marker = Motor.stack(poses) if poses else Motor.identity((0, 2))
+    return Sightings(
+        stream.time_ns,
+        stream.frame[chosen],
+        stream.marker_ids[chosen],
+        camera_T_marker,
+        np.array(errors).reshape(-1, 2),
+        rotation_covariance(stream.camera, camera_T_marker, points[chosen][:, None]),
+    )
+
+
+def rotation_covariance(camera: Camera, camera_T_marker: Motor, points_m: FloatArray) -> FloatArray:
+    """How far corners with 1 pixel of noise let a marker turn, translation left free.
+
+    Args:
+        camera: who sees the markers.
+        camera_T_marker: Motor ``(*)``.
+        points_m: ``(*, 4, 3)`` corners in the markers' frames.
+
+    Returns:
+        ``(*, 3, 3)`` rad², camera axes.
+    """
+    rotation = camera_T_marker.rotor.as_matrix()
+    seen = points_m @ rotation.swapaxes(-1, -2) + camera_T_marker.translation_m[..., None, :]
+    _, by_point = camera.project_jacobian(seen)
+    arms = seen - seen.mean(axis=-2, keepdims=True)
+    by_turn = np.cross(arms[..., None, :], by_point)
+    jacobian = np.concatenate([by_turn, by_point], axis=-1)
+    jacobian = jacobian.reshape(*seen.shape[:-2], -1, 6)
+    jacobian = np.nan_to_num(jacobian)  # a corner without an image tells nothing
+    information = jacobian.swapaxes(-1, -2) @ jacobian
+    slack = np.diag([1.0] * 3 + [1e-3] * 3) * _LEAST_INFORMATION
+    covariance: FloatArray = np.linalg.inv(information + slack)[..., :3, :3]
+    return 0.5 * (covariance + covariance.swapaxes(-1, -2))
+
+
+def _points_m(sides: FloatArray) -> FloatArray:
+    points: FloatArray = sides[:, None, None] * marker_points_m(1.0)
+    return points

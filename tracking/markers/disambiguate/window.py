@@ -1,0 +1,145 @@
+"""A stretch of frames with all that their sightings say, and what is remembered of earlier ones.
+
+Two thoughts carry the choice between candidates. Whatever the camera does, it does to all markers
+at once: candidates of many markers vote for one rotation between frames (`votes`). And most markers
+hang still: over many frames only one orientation in the world fits (`orientations`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray, Rotor
+from motorcade.tracking.markers.disambiguate.sightings import Sightings
+from motorcade.tracking.pose import SIGMA_FLOOR_PX
+
+__all__ = ["MODES", "OUTLIER", "Memory", "Window", "corner_noise_px"]
+
+# Orientations that are kept for a marker until the evidence has spoken.
+MODES = 4
+# What it costs, in nats, that a sighting fits no orientation: corners of another thing, or blur.
+OUTLIER = 12.0
+# Orientations are never trusted further than this: lenses and paper bend.
+_SYSTEMATIC_RAD = np.radians(1.0)
+# Corners err with heavier tails than the normal distribution's (Student's, Lange et al. 1989).
+_TAIL = 4.0
+_FREEDOM = 2.0  # eight coordinates less the six numbers of a pose
+_MEDIAN_CHI2 = 1.3863  # median of chi squared with two degrees of freedom
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Sightings of some frames, with their noise.
+
+    Args:
+        sightings: N sightings of K markers in F frames.
+        marker_ids: ``(K,)`` rising.
+        marker: ``(N,)`` row of ``marker_ids`` of each sighting.
+        camera_R_marker: Rotor ``(N, 2)``.
+        evidence: ``(N, 2)`` what the pixels say against either candidate, nats; the lesser is 0.
+        covariance: ``(N, 2, 3, 3)`` of a small turn, rad², camera axes.
+        information: ``(N, 2, 3, 3)`` its inverse.
+    """
+
+    sightings: Sightings
+    marker_ids: IntArray
+    marker: IntArray
+    camera_R_marker: Rotor
+    evidence: FloatArray
+    covariance: FloatArray
+    information: FloatArray
+
+    @classmethod
+    def of(cls, sightings: Sightings, sigma_px: float) -> Window:
+        """All sightings, for corners with this noise a coordinate, pixels."""
+        ids, marker = np.unique(sightings.marker_ids, return_inverse=True)
+        squares = 4.0 * (sightings.error_px / sigma_px) ** 2
+        against = 0.5 * (_TAIL + _FREEDOM) * np.log1p(squares / _TAIL)
+        covariance = sightings.rotation_covariance * sigma_px**2 + _SYSTEMATIC_RAD**2 * np.eye(3)
+        return cls(
+            sightings,
+            ids,
+            marker,
+            sightings.camera_T_marker.rotor,
+            against - against.min(axis=-1, keepdims=True),
+            covariance,
+            np.linalg.inv(covariance),
+        )
+
+    def of_frame(self, row: int) -> Window:
+        """The sightings of one frame only."""
+        rows = self.sightings.of_frame(row)
+        ids, marker = np.unique(self.marker_ids[self.marker[rows]], return_inverse=True)
+        return Window(
+            self.sightings.of_frames(np.array([row])),
+            ids,
+            marker,
+            self.camera_R_marker[rows],
+            self.evidence[rows],
+            self.covariance[rows],
+            self.information[rows],
+        )
+
+    @property
+    def frame(self) -> IntArray:
+        """``(N,)`` frame of each sighting."""
+        return self.sightings.frame
+
+    def excess(self, world_R_camera: Rotor, world_R_marker: Rotor) -> tuple[FloatArray, FloatArray]:
+        """How far each candidate would have to turn to stand as the marker's orientations have it.
+
+        Args:
+            world_R_camera: Rotor ``(F,)``.
+            world_R_marker: Rotor ``(K, H)``.
+
+        Returns:
+            rotation vectors ``(N, H, 2, 3)``, camera axes, and ``(N, H, 2)`` half their squares in
+            units of the noise, nats.
+        """
+        expected = world_R_camera[self.frame][:, None].inverse() @ world_R_marker[self.marker]
+        turn = expected[:, :, None] @ self.camera_R_marker[:, None, :].inverse()
+        vector = turn.as_rotation_vector()
+        half = 0.5 * np.einsum("nhci,ncij,nhcj->nhc", vector, self.information, vector)
+        return vector, half
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """What is known of M markers from frames that are no longer looked at.
+
+    Args:
+        marker_ids: ``(M,)`` rising.
+        world_R_marker: Rotor ``(M, H)``, orientations that each may have.
+        information: ``(M, H, 3, 3)`` of those, world axes.
+        message: ``(M, S)`` cost of each state at the last sighting (see `states`).
+        last_ns: ``(M,)`` stamp of the last sighting.
+        last_R: Rotor ``(M, 2)``, world orientation by either candidate of it.
+        last_covariance: ``(M, 2, 3, 3)`` of those, world axes.
+    """
+
+    marker_ids: IntArray
+    world_R_marker: Rotor
+    information: FloatArray
+    message: FloatArray
+    last_ns: IntArray
+    last_R: Rotor
+    last_covariance: FloatArray
+
+    def rows_of(self, marker_ids: IntArray) -> IntArray:
+        """Row ``(K,)`` of each of these markers; -1 where it is not known."""
+        if len(self.marker_ids) == 0:
+            return np.full(len(marker_ids), -1)
+        row = np.minimum(np.searchsorted(self.marker_ids, marker_ids), len(self.marker_ids) - 1)
+        return np.where(self.marker_ids[row] == marker_ids, row, -1)
+
+
+def corner_noise_px(error_px: FloatArray) -> float:
+    """Noise a coordinate of corners, from the better errors ``(N,)`` of many sightings.
+
+    The median is not moved by the few corners that are quite wrong. At least `SIGMA_FLOOR_PX`.
+    """
+    if len(error_px) == 0:
+        return SIGMA_FLOOR_PX
+    return max(float(2.0 * np.median(error_px) / np.sqrt(_MEDIAN_CHI2)), SIGMA_FLOOR_PX)
