@@ -13,7 +13,7 @@ from motorcade.ga.codegen.targets import TARGETS
 from motorcade.ga.codegen.targets.names import file_identifier
 from motorcade.ga.script import Script, parse
 from motorcade.ga.script.lexer import MAX_SCRIPT_CHARACTERS
-from motorcade.ga.script.meaning import ALGEBRAS
+from motorcade.ga.script.meaning import algebra_named
 
 __all__ = ["STRATEGIES", "Generated", "generate", "read_script"]
 
@@ -48,7 +48,7 @@ def generate(
         target: one of `TARGETS`.
         strategy: ``program``, or one of `STRATEGIES` for the target ``c``.
         precision: float32 or float64; each target's own if None.
-        algebra: by name, for scripts that do not say theirs; cga3 if None.
+        algebra: as a pragma names it, for scripts that do not say theirs; cga3 if None.
 
     Raises:
         OSError: the file cannot be read.
@@ -62,7 +62,7 @@ def generate(
     if strategy != "program" and target != "c":
         raise ValueError(f"target {target}: expected the strategy program, got {strategy}")
     kind = None if precision is None else _precision(precision)
-    basis = None if algebra is None else ALGEBRAS[_one_of("algebra", algebra, ALGEBRAS)]
+    basis = None if algebra is None else algebra_named(algebra)
     name = _function_name(path)
     script = read_script(path)
     program = compile_script(script, name, basis)

@@ -7,6 +7,7 @@ order of the script, those of pragmas last.
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from motorcade.ga.script.names import free_names
 from motorcade.ga.script.run import Run, constants_of
 from motorcade.ga.script.syntax import AlgebraPragma, Script
 
-__all__ = ["ALGEBRAS", "algebra_of", "evaluate", "free_variables"]
+__all__ = ["ALGEBRAS", "algebra_named", "algebra_of", "evaluate", "free_variables"]
 
 ALGEBRAS: dict[str, Algebra] = {
     "ega2": Algebra(2),
@@ -73,6 +74,19 @@ def algebra_of(script: Script, given: Algebra | None = None) -> Algebra:
                 )
             chosen = chosen or named
     return CGA3 if chosen is None else chosen
+
+
+def algebra_named(name: str) -> Algebra:
+    """An algebra by what a pragma would call it: a name, or ``P Q R``.
+
+    Raises:
+        ValueError: neither, or a signature that is too large.
+    """
+    if name in ALGEBRAS:
+        return ALGEBRAS[name]
+    if re.fullmatch(r"[0-9]{1,3}( +[0-9]{1,3}){2}", name, re.ASCII):
+        return Algebra(*map(int, name.split()))
+    raise ValueError(f"algebra: expected {', '.join(ALGEBRAS)} or a signature P Q R, got {name!a}")
 
 
 def _pragma_algebra(script: Script, pragma: AlgebraPragma) -> Algebra:

@@ -33,7 +33,9 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "--precision", choices=("float32", "float64"), help="(the target's own, or its inputs')"
     )
     parser.add_argument(
-        "--algebra", metavar="NAME", help="of a script without algebra pragma (cga3)"
+        "--algebra",
+        metavar="NAME",
+        help="of a script without algebra pragma: pga3, … or a signature 'P Q R' (cga3)",
     )
     parser.add_argument(
         "--stats", action="store_true", help="operations after each pass, to stderr"
@@ -62,7 +64,10 @@ def generate_code(arguments: argparse.Namespace) -> None:
         # The first file needs no other: a header is for its callers.
         sys.stdout.write(next(iter(made.files.values())))
         return
-    for path, text in _places(arguments.output, made.files).items():
+    places = _places(arguments.output, made.files)
+    if any(path.exists() and path.samefile(arguments.script) for path in places):
+        raise ValueError(f"-o {arguments.output}: expected another file than the script itself")
+    for path, text in places.items():
         write_bytes(path, text.encode())
 
 

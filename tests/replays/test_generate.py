@@ -99,7 +99,8 @@ def test_an_error_of_the_script_is_shown_at_its_place(
         (["--precision", "float64", "--target", "glsl"], "expected precision float32"),
         (["--strategy", "table", "--target", "numpy"],
          "target numpy: expected the strategy program, got table"),
-        (["--algebra", "cga9"], "algebra: expected ega2, ega3, pga2, pga3, cga2, cga3, got 'cga9'"),
+        (["--algebra", "cga9"], "pga3, cga2, cga3 or a signature P Q R, got 'cga9'"),
+        (["--algebra", "9 9 0"], "got 18"),
         (["-o", "code.h"], "-o code.h: expected a name that ends in .c"),
         (["-o", "."], "-o .: expected a name that ends in .c"),
     ],
@@ -161,3 +162,23 @@ def test_a_missing_casadi_is_named_with_what_brings_it(
     assert "'casadi', which is not installed; pip install \"motorcade[pipeline]\"" in (
         capsys.readouterr().err
     )
+
+
+@pytest.mark.parametrize(("algebra", "square"), [("pga2", "0"), ("1 2 0", "-1"), ("cga3", "1")])
+def test_the_algebra_can_be_named_or_counted_out(
+    algebra: str, square: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "squared.clu"
+    path.write_text(f"?s = x*{'e0*e0' if algebra == 'pga2' else 'e3*e3'} + y;")
+    assert generate(path, "--target", "numpy", "--algebra", algebra) == 0
+    made: dict[str, object] = {}
+    exec(capsys.readouterr().out, made)
+    squared = made["squared"]
+    assert callable(squared)
+    assert squared(x=1.0, y=0.0)["s"].get("1", 0.0) == float(square)
+
+
+def test_the_script_is_not_written_over(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert generate(script, "--target", "numpy", "-o", script) == 1
+    assert "expected another file than the script itself" in capsys.readouterr().err
+    assert script.read_text() == SCRIPT
