@@ -1,0 +1,27 @@
+"""`python -m motorcade.replays.textured_room SCENARIO FOLDER`: draw a recording for tracking."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from motorcade.replays.progress import track
+from motorcade.replays.textured_room import SCENARIOS, scenario, write_recording
+
+
+def main() -> None:
+    """Draw one scenario."""
+    parser = argparse.ArgumentParser(prog="python -m motorcade.replays.textured_room")
+    parser.add_argument("scenario", choices=tuple(SCENARIOS))
+    parser.add_argument("folder", type=Path, help="made where it is missing; it must be empty")
+    parser.add_argument("--seed", type=int, default=0, help="of textures and noise (0)")
+    parser.add_argument("--frames", type=int, help="(the scenario's own)")
+    arguments = parser.parse_args()
+    chosen = scenario(arguments.scenario, seed=arguments.seed, frames=arguments.frames)
+    write_recording(
+        arguments.folder, chosen, name=f"textured room, {arguments.scenario}", progress=track
+    )
+
+
+if __name__ == "__main__":
+    main()
