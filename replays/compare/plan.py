@@ -47,10 +47,11 @@ DEGRADATIONS: Mapping[str, Degradation] = MappingProxyType({
     "quantised": Quantised(0.01, float(np.deg2rad(1.0))),
     "stamp_jitter": InTurn((_MODERATE, StampJitter(0.005))),
     "dropped_frames": InTurn((_MODERATE, DroppedFrames(0.2, 3.0))),
-    "latency": InTurn((_MODERATE, Latency(0.05, 0.01))),
+    "latency": InTurn((_MODERATE, Latency(0.05, 0.003))),
 })  # fmt: skip
-"""The standard degradations. Noise of the scale strikes similarities only; see
-`degradation_named`."""
+"""The standard degradations. Noise of the scale strikes similarities only; see `degradation_named`.
+The delay's spread is a tenth of an interval: poses that overtake each other would be stamped a
+nanosecond apart, where second differences, and so jitter, mean nothing."""
 
 
 @dataclass(frozen=True)

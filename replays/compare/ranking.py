@@ -60,22 +60,22 @@ def ratios_to_motor(groups: Sequence[Group]) -> list[dict[str, Any]]:
     """
     made = []
     for scope, chosen in _scopes(groups):
-        names, scores, _ = _scores(chosen)
+        names, scores, unranked = _scores(chosen)
         if not names:
             continue
         counts = resampling(len(chosen[0].seeds))
         at = {name: i for i, name in enumerate(names)}
         parts: dict[str, list[FloatArray]] = {}
+        partly = {method for method, _ in unranked}
         for method, representation in names:
             if (method, "motor") not in at or representation == "none":
                 continue
             ratio = scores[:, at[method, representation]] - scores[:, at[method, "motor"]]
-            parts.setdefault(representation, []).append(ratio)
+            if method not in partly:
+                parts.setdefault(representation, []).append(ratio)
             made += _ratio_rows(scope, method, representation, ratio, counts)
-        most = max((len(ratios) for ratios in parts.values()), default=0)
         for representation, ratios in parts.items():
-            if len(ratios) == most:
-                made += _ratio_rows(scope, "all", representation, np.mean(ratios, axis=0), counts)
+            made += _ratio_rows(scope, "all", representation, np.mean(ratios, axis=0), counts)
     return made
 
 

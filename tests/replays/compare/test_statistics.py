@@ -140,3 +140,14 @@ def test_ratios_to_motor_are_paired_and_averaged_over_methods(rng: np.random.Gen
     assert found["all", "motor"]["ratio_to_motor"] == 1.0
     row = found["a", "euler"]
     assert row["ratio_low"] < row["ratio_to_motor"] < row["ratio_high"]
+
+
+def test_ratios_over_all_methods_are_over_the_same_ones(rng: np.random.Generator) -> None:
+    factors = {
+        ("a", "motor"): 0.5, ("a", "euler"): 1.0, ("b", "motor"): 0.2, ("b", "euler"): 0.1,
+    }  # fmt: skip
+    one = group(factors, rng)
+    one.values[7, one.names.index(("b", "motor"))] = np.nan
+    found = [row for row in ratios_to_motor([one]) if row["method"] == "all"]
+    of_a = [row for row in ratios_to_motor([one]) if row["method"] == "a"]
+    assert [row | {"method": "a"} for row in found] == of_a
