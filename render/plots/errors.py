@@ -22,13 +22,16 @@ def plot_series(
     height_in: float = 2.3,
     width_in: float = 9.0,
     nested: bool = False,
+    limits: tuple[float, float] | None = None,
 ) -> str:
     """`series` maps a name of `style.COLOURS` to (seconds (N,), values (N,)); an `<svg>` element.
 
     Spans of `shaded_s` (start, end in seconds) are tinted: blackouts, lost frames. `nested` draws
     each line thinner than the one before it and on top, so that lines that coincide are all seen,
-    and leaves the legend to the page.
+    and leaves the legend to the page. `limits` are the ends of the axis of values.
     """
+    from matplotlib.ticker import LogFormatter
+
     with house_style():
         figure, (axes,) = new_figure(width_in, height_in)
         for start, end in shaded_s:
@@ -38,6 +41,11 @@ def plot_series(
             axes.plot(time_s, values, **(line_style(name) | nest))
         if log_scale:
             axes.set_yscale("log")
+            # 10 and 0.1 rather than powers of ten.
+            axes.yaxis.set_major_formatter(LogFormatter())
+            axes.yaxis.set_minor_formatter(LogFormatter())
+        if limits is not None:
+            axes.set_ylim(*limits)
         axes.set_title(title)
         axes.set_xlabel("time (s)")
         axes.set_ylabel(unit)

@@ -38,6 +38,7 @@ class Crossing:
     """What the page draws.
 
     Fields:
+        motion, degradation, method, seed: of what is drawn.
         names: "truth" and the representations.
         data: for the script: stamps in ms, points and errors by name, the worst frame.
         lock: where the line of sight is locked, on the drawing.
@@ -49,6 +50,10 @@ class Crossing:
         worst_deg: largest error of each representation.
     """
 
+    motion: str
+    degradation: str
+    method: str
+    seed: int
     names: list[str]
     data: dict[str, Any]
     lock: tuple[float, float]
@@ -69,6 +74,10 @@ def crossing(replayed: Replayed) -> Crossing:
     worst = _passage(replayed, errors)
     columns = _columns(replayed.time_s, worst)
     return Crossing(
+        motion=replayed.motion,
+        degradation=replayed.degradation,
+        method=replayed.method,
+        seed=replayed.seed,
         names=list(paths),
         data={
             "ms": np.round(1e3 * replayed.time_s).astype(int).tolist(),
@@ -103,7 +112,7 @@ def _projected(points: FloatArray) -> FloatArray:
 
 def _passage(replayed: Replayed, errors: dict[str, FloatArray]) -> int:
     """Where the Euler angles go wrong most; where they were not run, where sight is most locked."""
-    worst = errors.get("euler_unwrapped", errors.get("euler"))
+    worst = errors.get("euler", errors.get("euler_unwrapped"))
     if worst is None:
         sight = replayed.true.rotor.apply(np.array([0.0, 0.0, 1.0]))
         return int(np.argmax(np.abs(sight[:, 0])))

@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from motorcade.replays.compare.report.names import CAUSAL, METRICS, RATIOS, listed, shown
+from motorcade.replays.compare.report.names import CAUSAL, LABELS, METRICS, RATIOS, listed, shown
 from motorcade.replays.compare.report.results import (
     REFERENCE,
     Figure,
@@ -20,7 +21,7 @@ from motorcade.replays.compare.report.results import (
     tied,
 )
 
-__all__ = ["Findings", "findings", "percent", "times"]
+__all__ = ["Findings", "compared", "findings", "percent"]
 
 _FRAME_BOUND = 1e-10
 _FEW = 3
@@ -57,21 +58,23 @@ def percent(ratio: float) -> str:
     return f"{shown(100.0 * ratio)} %"
 
 
-def times(ratio: float) -> str:
-    """A ratio in words: "2.5 times", "3.1 % more than", "0.8 % less than"."""
-    if not 0.5 <= ratio <= 1.5:
-        return f"{shown(ratio)} times what"
-    if ratio == 1.0:
-        return "exactly what"
-    word = "more" if ratio > 1.0 else "less"
-    return f"{shown(100.0 * abs(ratio - 1.0), 2)} % {word} than"
+def compared(ratio: Ratio) -> str:
+    """A ratio to motors in words with its interval, in percent where it is near 1."""
+    if not 0.5 <= ratio.value <= 1.5:
+        ends = f" ({shown(ratio.low)} to {shown(ratio.high)})" if _sure(ratio) else ""
+        return f"{shown(ratio.value)} times{ends} what motors leave"
+    ends = f" ({_signed(ratio.low)} to {_signed(ratio.high)} %)" if _sure(ratio) else ""
+    word = "more" if ratio.value >= 1.0 else "less"
+    return f"{shown(100.0 * abs(ratio.value - 1.0), 2)} % {word} than motors{ends}"
 
 
-def interval(ratio: Ratio) -> str:
-    """The interval in brackets; nothing where there is none."""
-    if not math.isfinite(ratio.low):
-        return ""
-    return f" ({shown(ratio.low)} to {shown(ratio.high)} times)"
+def _sure(ratio: Ratio) -> bool:
+    return math.isfinite(ratio.low)
+
+
+def _signed(ratio: float) -> str:
+    share = 100.0 * (ratio - 1.0)
+    return ("−" if share < 0.0 else "+") + shown(abs(share), 2)
 
 
 def _best(results: Results) -> Iterator[str]:
@@ -79,13 +82,13 @@ def _best(results: Results) -> Iterator[str]:
     if not rows:
         return
     places = len(results.places())
+    ties = [_name(row) for row in rows[1:] if row["ties_with_best"]]
+    tie = f"It ties with {listed(ties)}." if ties else "No other one ties with it."
     yield (
         f"Of {len(rows)} smoothers (a method in a representation) that gave a result in all "
         f"{places} pairs of motion and degradation, {_name(rows[0])} leaves least error and "
-        f"shaking: {_left(rows[0])}."
+        f"shaking: {_left(rows[0])}. {tie}"
     )
-    ties = [_name(row) for row in rows[1:] if row["ties_with_best"]]
-    yield f"It ties with {listed(ties)}." if ties else "No other one ties with it."
     causal = [row for row in rows if row["method"] in CAUSAL]
     if causal and causal[0] is not rows[0]:
         yield f"Best of those that need no later pose is {_name(causal[0])}: {_left(causal[0])}."
@@ -97,13 +100,8 @@ def _best(results: Results) -> Iterator[str]:
 
 def _over_all(results: Results) -> Iterator[str]:
     for name, ratio in _over_all_ratios(results).items():
-        if tied(ratio):
-            yield (
-                f"`{name}` ties with motors over all: it leaves {times(ratio.value)} "
-                f"motors leave{interval(ratio)}."
-            )
-        else:
-            yield f"`{name}` leaves {times(ratio.value)} motors leave over all{interval(ratio)}."
+        tie = " ties with motors over all: it" if tied(ratio) else ""
+        yield f"`{name}`{tie} leaves {compared(ratio)}."
 
 
 def _over_all_ratios(results: Results) -> dict[str, Ratio]:
@@ -160,14 +158,14 @@ def _wins(results: Results) -> Iterator[str]:
         if name in best:
             _, (motion, degradation, method, _, metric), figure = best[name]
             told = METRICS[metric]
-            ours, base = (
+            ours, theirs = (
                 shown(told.factor * value)
                 for value in (figure.mean, figure.mean - figure.versus_motor)
             )
             unit = told.unit if told.unit == "°" else f" {told.unit}"
             yield (
-                f"The largest single win of `{name}` over motors: {told.heading} of `{method}` on "
-                f"{motion} with {degradation}, {ours}{unit} against {base}{unit}."
+                f"`{name}`: {told.heading} of `{method}` on "
+                f"{motion} with {LABELS[degradation]}, {ours}{unit} against {theirs}{unit}."
             )
 
 
@@ -189,9 +187,9 @@ def _artifacts(results: Results) -> Iterator[str]:
         if not places[worst] > 1.5 * base:
             continue
         turns = results.figures[motion, degradation, method, name, "spurious_turns"].mean
-        also = f", with {shown(turns)} whole turns that never happened" if turns > 0 else ""
+        also = f", with {shown(turns, 2)} whole turns a path that never happened" if turns else ""
         yield (
-            f"Worst place of `{name}`: `{method}` on {motion} with {degradation} turns at "
+            f"Worst place of `{name}`: `{method}` on {motion} with {LABELS[degradation]} turns at "
             f"{shown(places[worst])} times the true peak rate{also}; on motors at {shown(base)} "
             "times."
         )
@@ -210,10 +208,10 @@ def _frames(results: Results) -> Iterator[str]:
             continue
         both = [f"`{row['method']}`" for row in ours if _defect(row) <= _FRAME_BOUND]
         world = [row for row in ours if _defect(row, ("left",)) <= _FRAME_BOUND]
-        told = f"{len(both)} of {len(ours)} methods give the same answer in every frame"
+        told = f"{len(both) or 'none'} of {len(ours)} methods give the same answer in every frame"
         if both:
             told += f" ({listed(both)})"
-        yield f"On `{name}`, {told}; {len(world)} do in every world frame."
+        yield f"On `{name}`, {told}; {len(world) or 'none'} in every world frame."
 
 
 def _defect(row: Mapping[str, float], sides: tuple[str, ...] = ("left", "right")) -> float:
@@ -248,7 +246,7 @@ def _name(row: Mapping[str, str]) -> str:
     return f"`{row['method']}` on `{row['representation']}`"
 
 
-def _left(row: Mapping[str, float]) -> str:
+def _left(row: Mapping[str, Any]) -> str:
     share = percent(row["ratio_to_raw"])
     if row["ratio_low"] is None:
         return f"{share} of the raw poses'"

@@ -7,10 +7,17 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from motorcade.replays.compare.report.names import METRICS, RATIOS, SIZES, shown, shown_metric
+from motorcade.replays.compare.report.names import (
+    LABELS,
+    METRICS,
+    RATIOS,
+    SIZES,
+    shown,
+    shown_metric,
+)
 from motorcade.replays.compare.report.results import Ratio, Results, tied
 
-__all__ = ["Cell", "Matrix", "against_motor", "matrices"]
+__all__ = ["Cell", "Matrix", "against_motor", "matrices", "place_rows", "rotation_errors"]
 
 _STEPS_TO_RAW = (0.1, 0.2, 0.35, 0.6, 0.95, 1.05, 1.5, 2.5, 5.0, 10.0)
 _STEPS_TO_MOTOR = (0.5, 0.7, 0.85, 0.95, 0.99, 1.01, 1.05, 1.2, 1.5, 3.0)
@@ -68,6 +75,26 @@ def against_motor(results: Results, kind: str, names: Iterable[str], caption: st
     return Matrix(
         f"by-{kind}", "", f"By {kind}", caption, kind, results.representations, rows
     )  # fmt: skip
+
+
+def rotation_errors(results: Results, motion: str, degradation: str) -> Matrix:
+    """Mean rotation error in degrees of a place, tinted by what is left of the raw poses'."""
+    place = (motion, degradation)
+    raw = results.figures[*place, "raw", "none", "rotation_rmse_deg"].mean
+
+    def cell(method: str, representation: str) -> Cell:
+        figure = results.figures.get((*place, method, representation, "rotation_rmse_deg"))
+        if figure is None or not math.isfinite(figure.mean):
+            return Cell(math.nan, "–", "none")
+        tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_RAW, figure.mean / raw)]
+        note = _note(Ratio(figure.mean, figure.low, figure.high))
+        return Cell(figure.mean, shown(figure.mean), tint, note=note)
+
+    caption = (
+        f"Rotation error in degrees on {motion} with {LABELS[degradation]}, root mean square, mean "
+        f"over seeds. The raw poses have {shown(raw)}°; orange is more than that."
+    )
+    return _matrix(results, "crossing-errors", "", "rotation error", caption, cell)
 
 
 def _to_raw(results: Results, scope: str, metric: str) -> Matrix:

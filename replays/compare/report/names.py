@@ -1,4 +1,4 @@
-"""How the report calls things: metrics with their units, definitions and sources; one line a name."""
+"""How the report calls things: metrics with units, definitions and sources; a line a name."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import math
 from typing import NamedTuple
 
 __all__ = [
+    "CAUSAL",
     "DEGRADATIONS",
+    "LABELS",
     "METHODS",
     "METRICS",
     "MOTIONS",
@@ -127,6 +129,18 @@ METHODS = {
     "spline": "cumulative B-spline fit; sees the future",
     "robust_map": "all poses at once, outliers weighed down; sees the future",
 }
+LABELS = {
+    "gaussian": "plain noise",
+    "gaussian_strong": "strong noise",
+    "outliers": "outliers",
+    "outliers_and_flips": "outliers and flips",
+    "quantised": "quantisation",
+    "stamp_jitter": "stamp jitter",
+    "dropped_frames": "dropped frames",
+    "latency": "latency",
+    "recorded": "its own noise",
+}
+"""Degradations in sentences."""
 CAUSAL = (
     "exponential", "double_exponential", "one_euro", "constant_velocity", "constant_acceleration",
 )  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,9 +13,19 @@ from motorcade.replays.atomic import write_bytes
 from motorcade.replays.compare.report import names
 from motorcade.replays.compare.report.crossing import Crossing, crossing
 from motorcade.replays.compare.report.findings import findings
-from motorcade.replays.compare.report.matrix import against_motor, matrices, place_rows
-from motorcade.replays.compare.report.pictures import Panel, large_panels, small_panel
-from motorcade.replays.compare.report.replayed import can_be_drawn, method_to_draw, replay
+from motorcade.replays.compare.report.matrix import (
+    against_motor,
+    matrices,
+    place_rows,
+    rotation_errors,
+)
+from motorcade.replays.compare.report.pictures import Panel, large_panels, small_panels
+from motorcade.replays.compare.report.replayed import (
+    can_be_drawn,
+    method_apart,
+    method_to_draw,
+    replay,
+)
 from motorcade.replays.compare.report.results import Results
 from motorcade.replays.compare.report.traits_tables import (
     exact_ties,
@@ -33,7 +43,6 @@ _CROSSINGS = (
     "gimbal_crossing", "gimbal_crossing_fast", "gimbal_crossing_slow", "gimbal_hover",
 )  # fmt: skip
 _TOP = 12
-_DRAWN_DEGRADATIONS = 2
 _DETAILS = (
     "ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitter_rad_s2", "lag_ms",
     "angular_rate_lag_ms", "rotation_path_ratio", "peak_rate_ratio", "spurious_turns",
@@ -91,7 +100,7 @@ def _overview(environment: Environment, results: Results) -> str:
     panels: list[Panel] = []
     if method is not None:
         degradation = results.degradations[0]
-        panels = [small_panel(replay(results, one, degradation, method)) for one in drawable]
+        panels = small_panels([replay(results, one, degradation, method) for one in drawable])
     motions = against_motor(
         results, "motion", results.motions,
         "Error and shaking, times what motors leave, over all methods and degradations.",
@@ -100,12 +109,14 @@ def _overview(environment: Environment, results: Results) -> str:
         results, "degradation", results.degradations,
         "The same by degradation, over all methods and motions.",
     )  # fmt: skip
+    shown = _crossing(results)
     return environment.get_template("report.html").render(
         results=results,
         plan=plan,
         facts=_facts(results),
         findings=findings(results),
-        crossing=_crossing(results),
+        crossing=shown,
+        crossing_errors=shown and rotation_errors(results, shown.motion, shown.degradation),
         drawn_method=method,
         matrices=matrices(results, "all"),
         ranking=_ranking(results, "all"),
@@ -123,22 +134,34 @@ def _overview(environment: Environment, results: Results) -> str:
 
 def _motion_page(environment: Environment, results: Results, motion: str) -> str:
     scope = f"motion:{motion}"
-    method = method_to_draw(results)
-    panels: list[tuple[str, list[Panel]]] = []
-    if method is not None and can_be_drawn(results, motion):
-        for degradation in results.degradations[:_DRAWN_DEGRADATIONS]:
-            panels.append((degradation, large_panels(replay(results, motion, degradation, method))))
     return environment.get_template("motion.html").render(
         results=results,
         motion=motion,
         told=names.MOTIONS.get(motion, "a recording"),
         matrices=matrices(results, scope),
         ranking=_ranking(results, scope),
-        panels=panels,
+        panels=_over_time(results, motion),
         metrics=_DETAILS,
         places=[(one, place_rows(results, motion, one, _DETAILS)) for one in results.degradations],
         parameters=[(one, _parameters(results, motion, one)) for one in results.degradations],
     )
+
+
+def _over_time(results: Results, motion: str) -> list[tuple[str, list[Panel]]]:
+    """Plots of the best method, of the one that tells most, and of the best among outliers."""
+    best = method_to_draw(results)
+    if best is None or not can_be_drawn(results, motion):
+        return []
+    plain = results.degradations[0]
+    chosen = {(plain, best): "The method that is best over all."}
+    telling = method_apart(results, motion, plain) or best
+    chosen.setdefault((plain, telling), "With it the representations are furthest apart here.")
+    for degradation in [one for one in results.degradations[1:] if "outliers" in one][:1]:
+        chosen[degradation, best] = ""
+    return [
+        (remark, large_panels(replay(results, motion, degradation, method)))
+        for (degradation, method), remark in chosen.items()
+    ]
 
 
 def _facts(results: Results) -> list[tuple[str, str]]:
@@ -155,30 +178,42 @@ def _facts(results: Results) -> list[tuple[str, str]]:
 
 def _crossing(results: Results) -> Crossing | None:
     """The passage through gimbal lock, where the plan has one."""
-    method = method_to_draw(results)
+    degradation = results.degradations[0]
     for motion in _CROSSINGS:
-        if method is not None and motion in results.motions and can_be_drawn(results, motion):
-            return crossing(replay(results, motion, results.degradations[0], method))
+        if motion in results.motions and can_be_drawn(results, motion):
+            method = method_apart(results, motion, degradation)
+            if method is not None:
+                return crossing(replay(results, motion, degradation, method))
     return None
 
 
-def _ranking(results: Results, scope: str) -> dict[str, Any]:
-    """Rows with their places on a logarithmic axis, in percent of its width."""
-    rows = [dict(row) for row in results.ranking(scope)]
+def _ranking(results: Results, scope: str) -> list[dict[str, Any]]:
+    """The best and the rest; rows with their places on logarithmic axes, in percent of the width.
+
+    The two have an axis each, so that intervals of the best can be seen.
+    """
+    rows = results.ranking(scope)
+    return [_on_axis(part) for part in (rows[:_TOP], rows[_TOP:]) if part]
+
+
+def _on_axis(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     ends = [row[key] for row in rows for key in ("ratio_low", "ratio_to_raw", "ratio_high")]
-    known = [end for end in ends if end]
-    if not known:
-        return {"rows": [], "top": _TOP, "one": 0.0}
-    low, high = math.log(min(known)), math.log(max(known) * 1.0001)
+    known = [math.log(end) for end in ends if end]
+    low, width = min(known), max(max(known) - min(known), 1e-9)
 
-    def place(value: float) -> float:
-        return round(100.0 * (math.log(value) - low) / (high - low), 2)
+    def place(ratio: float) -> float:
+        return round(100.0 * (math.log(ratio) - low) / width, 2)
 
-    for row in rows:
-        row["at"] = place(row["ratio_to_raw"])
-        row["start"] = place(row["ratio_low"] or row["ratio_to_raw"])
-        row["end"] = place(row["ratio_high"] or row["ratio_to_raw"])
-    return {"rows": rows, "top": _TOP, "one": place(1.0)}
+    placed = [
+        dict(row)
+        | {
+            "at": place(row["ratio_to_raw"]),
+            "start": place(row["ratio_low"] or row["ratio_to_raw"]),
+            "end": place(row["ratio_high"] or row["ratio_to_raw"]),
+        }
+        for row in rows
+    ]
+    return {"rows": placed, "one": place(1.0) if low <= 0.0 <= low + width else None}
 
 
 def _parameters(results: Results, motion: str, degradation: str) -> list[dict[str, Any]]:

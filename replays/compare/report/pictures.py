@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from motorcade.ga import FloatArray
 from motorcade.render.plots import plot_series
+from motorcade.replays.compare.report.names import LABELS
 from motorcade.replays.compare.report.replayed import Replayed
 
-__all__ = ["Panel", "large_panels", "small_panel"]
+__all__ = ["Panel", "large_panels", "small_panels"]
+
+_LOWEST_DEG = 1e-3
 
 
 @dataclass(frozen=True)
@@ -23,14 +28,25 @@ class Panel:
     names: tuple[str, ...]
 
 
-def small_panel(drawn: Replayed) -> Panel:
-    """Rotation error over time, small enough to stand beside others."""
-    errors = _nested(drawn.rotation_errors_deg())
-    series = {name: (drawn.time_s, values) for name, values in errors.items()}
-    svg = plot_series(
-        series, "", "rotation error (°)", log_scale=True, width_in=3.6, height_in=1.9, nested=True
-    )
-    return Panel(drawn.motion, "", _apart(svg, f"small-{drawn.motion}"), tuple(errors))
+def small_panels(drawn: Sequence[Replayed]) -> list[Panel]:
+    """Rotation errors over time, small enough to stand beside others, on one scale."""
+    errors = [one.rotation_errors_deg() for one in drawn]
+    ends = [end for one in errors for values in one.values() for end in _ends(values)]
+    limits = (max(min(ends), _LOWEST_DEG), 1.2 * max(ends)) if ends else None
+    panels = []
+    for one, values in zip(drawn, errors, strict=True):
+        series = {name: (one.time_s, value) for name, value in values.items()}
+        svg = plot_series(
+            series, "", "rotation error (°)", log_scale=True, width_in=3.6, height_in=1.9,
+            nested=True, limits=limits,
+        )  # fmt: skip
+        panels.append(Panel(one.motion, "", _apart(svg, f"small-{one.motion}"), tuple(values)))
+    return panels
+
+
+def _ends(values: FloatArray) -> tuple[float, float]:
+    """Nearly the least, as logarithms fall without end where errors pass zero; and the largest."""
+    return float(np.percentile(values, 2.0)), float(np.max(values))
 
 
 def large_panels(drawn: Replayed) -> list[Panel]:
@@ -45,10 +61,7 @@ def large_panels(drawn: Replayed) -> list[Panel]:
         ordered = _nested(values)
         series = {name: (time_s, one) for name, one in ordered.items()}
         svg = plot_series(series, "", unit, log_scale=True, height_in=2.6, nested=True)
-        caption = (
-            f"`{drawn.method}`, {drawn.degradation}, seed {drawn.seed}; logarithmic. Lines that "
-            "coincide lie within each other."
-        )
+        caption = f"`{drawn.method}` with {LABELS[drawn.degradation]}"
         mark = f"{drawn.degradation}-{drawn.method}-{title.split()[0]}"
         panels.append(Panel(title, caption, _apart(svg, mark), tuple(ordered)))
     return panels

@@ -13,7 +13,7 @@ from motorcade.replays.compare.cells import Setting, inputs_of
 from motorcade.replays.compare.report.names import CAUSAL
 from motorcade.replays.compare.report.results import REFERENCE, Results
 
-__all__ = ["Replayed", "can_be_drawn", "method_to_draw", "replay"]
+__all__ = ["Replayed", "can_be_drawn", "method_apart", "method_to_draw", "replay"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +70,22 @@ def method_to_draw(results: Results, causal: bool = False) -> str | None:
         if row["method"] != "raw" and (row["method"] in CAUSAL or not causal):
             return str(row["method"])
     return None
+
+
+def method_apart(results: Results, motion: str, degradation: str) -> str | None:
+    """The method with which some representation turns furthest from the truth beside motors."""
+
+    def apart(method: str) -> float:
+        at = {
+            one: results.figures.get((motion, degradation, method, one, "rotation_rmse_deg"))
+            for one in results.representations
+        }
+        base = at.get(REFERENCE)
+        known = [one.mean for one in at.values() if one is not None]
+        return max(known) / base.mean if base is not None and known else 0.0
+
+    best = max(results.methods, key=apart)
+    return best if apart(best) > 0.0 else method_to_draw(results)
 
 
 def replay(results: Results, motion: str, degradation: str, method: str) -> Replayed:

@@ -10,19 +10,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from motorcade.replays.compare.statistics import PRACTICAL_SHARE
 from motorcade.replays.compare.tables import FORMAT
 
 __all__ = ["REFERENCE", "Figure", "Ratio", "Results", "tied"]
 
 REFERENCE = "motor"
 """The representation that the tables hold all others against."""
-PRACTICAL_SHARE = 0.01
 
 
 class Figure(NamedTuple):
-    """A metric of one method and representation in one place: mean over seeds, its interval, the
-    difference of its cost from the same method on motors, and the verdict on that. NaN or "" where
-    there is none."""
+    """A metric of one method and representation in one place, NaN or "" where there is none.
+
+    Mean over seeds with the ends of its interval, the difference of its cost from the same method
+    on motors, and the verdict on that.
+    """
 
     mean: float
     low: float
@@ -128,7 +130,7 @@ class Results:
         }
 
     def ratio_to_motor(self, scope: str, metric: str) -> dict[Pair, Ratio]:
-        """Times what motors leave, by method ("all" is over the complete ones) and representation."""
+        """Times what motors leave, by method ("all": over the complete ones) and representation."""
         return {
             (row["method"], row["representation"]): _ratio(row, "ratio_to_motor")
             for row in self.told["ratios_to_motor"]
