@@ -39,7 +39,8 @@ def plot_coverage(
     with house_style(), mpl.rc_context(_light()):
         figure, (left, right) = new_figure(11.0, 4.6, columns=2)
         figure.suptitle(title, x=0.01, ha="left")
-        left.plot(*left_out_px.T, "x", color=COLOURS["euler"], markersize=3, label="left out")
+        if len(left_out_px):
+            left.plot(*left_out_px.T, "x", color=COLOURS["euler"], markersize=3, label="left out")
         left.quiver(
             *corners_px.T, *(residuals_px * enlarged).T, angles="xy", scale_units="xy", scale=1.0,
             width=0.0015, color=COLOURS["dual_quaternion"],
@@ -47,8 +48,8 @@ def plot_coverage(
         left.plot(*corners_px.T, ".", color=COLOURS["motor"], markersize=2, label="used")
         left.set(
             xlim=(-0.5, size[0] - 0.5), ylim=(size[1] - 0.5, -0.5), aspect="equal",
-            xticks=np.linspace(0, size[0], _CELLS[0] + 1) - 0.5,
-            yticks=np.linspace(0, size[1], _CELLS[1] + 1) - 0.5,
+            xticks=np.linspace(0, size[0], _CELLS[0] + 1),
+            yticks=np.linspace(0, size[1], _CELLS[1] + 1),
             title=f"corners in the picture; residuals {enlarged:g} times enlarged",
         )  # fmt: skip
         left.xaxis.set_major_formatter("{x:.0f}")

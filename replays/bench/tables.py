@@ -102,11 +102,24 @@ def _lag_table(found: Mapping[str, Any]) -> str:
     return lag_table(found)
 
 
+def _bench_tracking() -> Any:
+    from motorcade.replays.bench.tracking import bench_tracking
+
+    return bench_tracking()
+
+
+def _tracking_table(found: Mapping[str, Any]) -> str:
+    from motorcade.replays.bench.tracking import tracking_table
+
+    return tracking_table(found)
+
+
 SUITES: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "blend": (bench_blend, blend_table),
     "accuracy": (measure_accuracy, accuracy_table),
     "table3": (measure_table3, print_table3),
     "smooth": (_bench_smooth, _smooth_table),
     "lag": (_bench_lag, _lag_table),
+    "tracking": (_bench_tracking, _tracking_table),
 }
 """Every suite by name: what measures it, and what prints it."""

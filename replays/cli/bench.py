@@ -21,7 +21,12 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         summary="measure performance beside GLM and other libraries, in one run",
         example="motorcade bench blend --json blend.json",
     )
-    parser.add_argument("suites", nargs="*", metavar="SUITE", help="blend, accuracy, table3, smooth, lag (all)")
+    parser.add_argument(
+        "suites",
+        nargs="*",
+        metavar="SUITE",
+        help="blend, accuracy, table3, smooth, lag, tracking (all)",
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
 
 
