@@ -16,6 +16,7 @@ import numpy as np
 from motorcade.ga.algebra.basis import Terms, grade_of, order_of, reorder_sign
 from motorcade.ga.algebra.products import Masks, Plan, apply_plan
 from motorcade.ga.algebra.scalars import checked_scalar, is_zero_somewhere, magnitude, square_root
+from motorcade.ga.algebra.value import Value
 
 if TYPE_CHECKING:
     from motorcade.ga.algebra.signature import Algebra
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["Multivector"]
 
 
-class Multivector:
+class Multivector(Value):
     """A sum of basis blades of one algebra; see `Algebra.multivector`.
 
     Raises:
@@ -68,12 +69,6 @@ class Multivector:
         object.__setattr__(self, "algebra", algebra)
         object.__setattr__(self, "masks", masks)
         object.__setattr__(self, "values", frozen)
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a multivector is frozen: {name} cannot be set")
-
-    def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"a multivector is frozen: {name} cannot be deleted")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Multivector._trusted, (self.algebra, self.masks, self.values)

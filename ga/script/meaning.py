@@ -85,7 +85,8 @@ def algebra_named(name: str) -> Algebra:
     if name in ALGEBRAS:
         return ALGEBRAS[name]
     if re.fullmatch(r"[0-9]{1,3}( +[0-9]{1,3}){2}", name, re.ASCII):
-        return Algebra(*map(int, name.split()))
+        p, q, r = map(int, name.split())
+        return Algebra(p, q, r)
     raise ValueError(f"algebra: expected {', '.join(ALGEBRAS)} or a signature P Q R, got {name!a}")
 
 

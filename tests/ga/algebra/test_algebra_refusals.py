@@ -68,6 +68,17 @@ def test_mixed_algebras() -> None:
         refused(call, "of one algebra|expected a multivector of")
 
 
+def test_tests_that_would_always_go_one_way() -> None:
+    x = CGA3.scalar(0.0)
+    assert x == x
+    assert x in [x]
+    with pytest.raises(TypeError, match="no truth value: test its coefficients"):
+        bool(x)
+    for other in (0.0, None, CGA3.scalar(0.0)):
+        with pytest.raises(TypeError, match="not supported between multivectors"):
+            assert x != other
+
+
 def test_batches_that_do_not_broadcast() -> None:
     a = EGA3.multivector({"e1": np.ones(2)})
     refused(lambda: a * EGA3.multivector({"e1": np.ones(3)}), "broadcast")

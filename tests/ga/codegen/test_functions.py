@@ -73,7 +73,16 @@ def test_what_depends_on_values_is_refused() -> None:
     def ordered(x: Any) -> Any:
         return x if x > 0 else -x
 
-    for function in (compared, ordered):
+    def tested(x: Any) -> Any:
+        return 1 / x if x else x
+
+    def equal(x: Any) -> Any:
+        return x if x == 0 else 1 / x
+
+    def unequal(x: Any) -> Any:
+        return 1 / x if x != 0.0 else x
+
+    for function in (compared, ordered, tested, equal, unequal):
         with pytest.raises(ValueError, match="got a branch on one; both ways can be computed"):
             compile_function(function)
 
