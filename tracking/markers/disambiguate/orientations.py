@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.ga import FloatArray, Rotor
-from motorcade.tracking.markers.disambiguate.window import MODES, OUTLIER, Memory, Window
+from motorcade.tracking.markers.disambiguate.window import MODES, Memory, Window, misfit, trust
 
 __all__ = ["SLACK", "Orientations", "seeded", "settle", "weighed"]
 
@@ -90,11 +90,11 @@ def _expected(
 def weighed(half: FloatArray, evidence: FloatArray) -> tuple[FloatArray, FloatArray]:
     """How much each candidate ``(n, H, 2)`` counts, and the log likelihood ``(n, H)`` of the modes.
 
-    The weights of a sighting that fits a mode add up to nearly one, those of an outlier to nothing.
+    Far off the modes weights fade away.
     """
-    against = evidence[:, None, :]
-    fit = np.logaddexp.reduce(np.logaddexp(-half, -OUTLIER) - against, axis=-1)
-    return np.exp(-half - against - fit[..., None]), fit
+    likelihood = -misfit(half) - evidence[:, None, :]
+    fit = np.logaddexp.reduce(likelihood, axis=-1)
+    return np.exp(likelihood - fit[..., None]) * trust(half), fit
 
 
 def _turned_cameras(

@@ -14,14 +14,14 @@ import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Rotor
 from motorcade.tracking.markers.disambiguate.orientations import Orientations
-from motorcade.tracking.markers.disambiguate.window import MODES, OUTLIER, Memory, Window
+from motorcade.tracking.markers.disambiguate.window import MODES, Memory, Window, misfit
 
 __all__ = ["STATES", "Chains", "chains_of", "empty_memory"]
 
 STATES = 2 * MODES + 2
 _STILL = 2 * MODES
-# Markers rarely begin or cease to be moved, nats; and a hand turns them so fast.
-_CHANGE = 6.0
+# One sighting in a hundred thousand begins or ends a move, in nats; a hand turns markers so fast.
+_CHANGE = 12.0
 _TURN_RAD_S = 1.0
 
 
@@ -81,7 +81,7 @@ def _costs(
     """States ``(N, S)``, steps into each sighting ``(N, S, S)``, first states ``(K, S)``."""
     _, half = window.excess(orientations.world_R_camera, orientations.world_R_marker)
     against = window.evidence
-    still = against[:, None, :] - np.logaddexp(-half, -OUTLIER)
+    still = against[:, None, :] + misfit(half)
     costs = np.concatenate([still.reshape(-1, _STILL), against], axis=-1)
     arrivals = np.full((len(costs), STATES, STATES), 2.0 * _CHANGE)
     for mode in range(MODES):
@@ -113,7 +113,7 @@ def _moved(window: Window, orientations: Orientations, memory: Memory, row: IntA
     noise = noise + ((_TURN_RAD_S * elapsed_s) ** 2)[:, None, None, None, None] * np.eye(3)
     half = 0.5 * np.einsum("naci,nacij,nacj->nac", vector, np.linalg.inv(noise), vector)
     vague = np.linalg.slogdet(noise)[1] - np.linalg.slogdet(window.covariance)[1][:, None]
-    return -np.logaddexp(-half - 0.5 * vague, -OUTLIER)
+    return misfit(half) + 0.5 * vague
 
 
 def _previous(

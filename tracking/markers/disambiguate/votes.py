@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.ga import FloatArray, Rotor
-from motorcade.tracking.markers.disambiguate.window import OUTLIER
 
 __all__ = ["vote"]
 
@@ -18,6 +17,7 @@ _AGREEMENT_RAD = np.radians(5.0)
 # A camera in the hand turns so fast; decides only where the votes are split.
 _TURN_RAD_S = np.radians(60.0)
 _WORST_TURN = 8.0
+_LONE = 12.0  # what a marker that agrees with nobody costs, nats
 _MOST_VOTERS = 40
 _ROUNDS = 5
 
@@ -47,7 +47,7 @@ def vote(
     proposed = (before[:, :, None] @ now[:, None, :].inverse()).reshape(-1)
     vector = _disagreement(proposed, before, now)
     half = 0.5 * np.sum(vector**2, axis=-1) / _AGREEMENT_RAD**2
-    votes = np.minimum(half, OUTLIER) + against
+    votes = np.minimum(half, _LONE) + against
     turned = (last.inverse() @ proposed).angle() / (_TURN_RAD_S * elapsed_s)
     cost = votes.min(axis=(-1, -2)).sum(axis=-1) + np.minimum(0.5 * turned**2, _WORST_TURN)
     best = proposed[int(np.argmin(cost))]
@@ -55,8 +55,8 @@ def vote(
         vector = _disagreement(best.reshape(1), before, now)[0]
         half = 0.5 * np.sum(vector**2, axis=-1) / _AGREEMENT_RAD**2
         weight = np.exp(-(half + against))
-        weight = weight / (weight.sum(axis=(-1, -2), keepdims=True) + np.exp(-OUTLIER))
-        step = np.einsum("kac,kaci->i", weight, vector) / max(weight.sum(), np.exp(-OUTLIER))
+        weight = weight / (weight.sum(axis=(-1, -2), keepdims=True) + np.exp(-_LONE))
+        step = np.einsum("kac,kaci->i", weight, vector) / max(weight.sum(), np.exp(-_LONE))
         best = best @ Rotor.from_rotation_vector(step)
     return best
 

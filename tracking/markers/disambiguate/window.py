@@ -15,17 +15,16 @@ from motorcade.ga import FloatArray, IntArray, Rotor
 from motorcade.tracking.markers.disambiguate.sightings import Sightings
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
-__all__ = ["MODES", "OUTLIER", "Memory", "Window", "corner_noise_px"]
+__all__ = ["MODES", "Memory", "Window", "corner_noise_px", "misfit", "trust"]
 
 # Orientations that are kept for a marker until the evidence has spoken.
 MODES = 4
-# What it costs, in nats, that a sighting fits no orientation: corners of another thing, or blur.
-OUTLIER = 12.0
 # Orientations are never trusted further than this: lenses and paper bend.
 _SYSTEMATIC_RAD = np.radians(1.0)
-# Corners err with heavier tails than the normal distribution's (Student's, Lange et al. 1989).
+# Corners err with heavier tails than the normal distribution's (Student's t, Lange et al. 1989).
 _TAIL = 4.0
-_FREEDOM = 2.0  # eight coordinates less the six numbers of a pose
+_FREEDOM = 2  # of reprojections: eight coordinates less the six numbers of a pose
+_TURN_FREEDOM = 3
 _MEDIAN_CHI2 = 1.3863  # median of chi squared with two degrees of freedom
 
 
@@ -55,8 +54,7 @@ class Window:
     def of(cls, sightings: Sightings, sigma_px: float) -> Window:
         """All sightings, for corners with this noise a coordinate, pixels."""
         ids, marker = np.unique(sightings.marker_ids, return_inverse=True)
-        squares = 4.0 * (sightings.error_px / sigma_px) ** 2
-        against = 0.5 * (_TAIL + _FREEDOM) * np.log1p(squares / _TAIL)
+        against = misfit(2.0 * (sightings.error_px / sigma_px) ** 2, _FREEDOM)
         covariance = sightings.rotation_covariance * sigma_px**2 + _SYSTEMATIC_RAD**2 * np.eye(3)
         return cls(
             sightings,
@@ -133,6 +131,21 @@ class Memory:
             return np.full(len(marker_ids), -1)
         row = np.minimum(np.searchsorted(self.marker_ids, marker_ids), len(self.marker_ids) - 1)
         return np.where(self.marker_ids[row] == marker_ids, row, -1)
+
+
+def misfit(half: FloatArray, freedom: int = _TURN_FREEDOM) -> FloatArray:
+    """What half a squared distance in units of the noise tells against it, nats, with heavy tails.
+
+    Never settles at a ceiling: of two candidates that are both far off the nearer stays the better.
+    """
+    against: FloatArray = 0.5 * (_TAIL + freedom) * np.log1p(2.0 * half / _TAIL)
+    return against
+
+
+def trust(half: FloatArray) -> FloatArray:
+    """How much a turn at such a distance counts in a mean, one at none (its maximum) 7 / 4."""
+    weight: FloatArray = (_TAIL + _TURN_FREEDOM) / (_TAIL + 2.0 * half)
+    return weight
 
 
 def corner_noise_px(error_px: FloatArray) -> float:
