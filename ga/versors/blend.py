@@ -22,7 +22,7 @@ __all__ = ["blend", "checked_weights"]
 V = TypeVar("V", bound=Versor)
 
 # A sum this much shorter than its terms has lost its direction to rounding.
-_CANCELLED = 1e-9
+_CANCELLED = {np.dtype(np.float64): 1e-9, np.dtype(np.float32): 1e-5}
 
 
 def checked_weights(what: str, versors: Versor, weights: ArrayLike) -> FloatArray:
@@ -50,23 +50,24 @@ def checked_weights(what: str, versors: Versor, weights: ArrayLike) -> FloatArra
 def blend(versors: V, weights: ArrayLike) -> V:
     """Blend versors ``(*, K)`` with weights ``(*, K)`` to versors ``(*)``.
 
-    Weights need not sum to one: only their ratios count. Negative ones extrapolate.
+    Weights need not sum to one: only their ratios count. Negative ones extrapolate. Sums are
+    taken in float64, the blend has the versors' precision.
 
     Raises:
         ValueError: as `checked_weights`, or versors that cancel: all weights zero, or motions so
             far apart that nothing lies between them.
     """
     share = checked_weights("blend", versors, weights)
-    given = versors.coefficients
+    given = np.asarray(versors.coefficients, dtype=np.float64)
     against = np.sum(given[..., :1, :4] * given[..., :4], axis=-1) < 0.0
     signed = np.where(against, -1.0, 1.0) * share
     total: FloatArray = np.einsum("...k,...kc->...c", signed, given)
     bulk = np.einsum("...k,...k->...", np.abs(share), np.max(np.abs(given[..., :4]), axis=-1))
     left = np.max(np.abs(total[..., :4]), axis=-1)
-    lost = int(np.count_nonzero(left <= _CANCELLED * bulk))
+    lost = int(np.count_nonzero(left <= _CANCELLED[versors.dtype] * bulk))
     if lost:
         raise ValueError(
             "blend(versors, weights): expected a sum with a direction, got "
             f"{lost} in which the versors cancel"
         )
-    return type(versors).normalize(total)
+    return type(versors).normalize(total).astype(versors.dtype)

@@ -28,6 +28,8 @@ _MAX_STEPS = 100
 def mean(versors: V, weights: ArrayLike | None = None, tolerance: float = 1e-12) -> V:
     """Mean of versors ``(*, K)``, with weights ``(*, K)`` or all alike, to versors ``(*)``.
 
+    It is found in float64 and has the versors' precision.
+
     Args:
         versors: K motions of one type in the last batch dimension.
         weights: not negative, not all zero; only their ratios count.
@@ -43,9 +45,8 @@ def mean(versors: V, weights: ArrayLike | None = None, tolerance: float = 1e-12)
         raise ValueError(f"mean(tolerance): expected a positive number, got {tolerance}")
     share = _shares(versors, weights)
     kind = type(versors)
-    everyone = kind._trusted(np.broadcast_to(
-        versors.coefficients, (*share.shape, versors.coefficients.shape[-1])
-    ))  # fmt: skip
+    given = np.asarray(versors.coefficients, dtype=np.float64)
+    everyone = kind._trusted(np.broadcast_to(given, (*share.shape, given.shape[-1])))
     heaviest = np.argmax(share, axis=-1)[..., None, None]
     middle = kind._trusted(np.take_along_axis(everyone.coefficients, heaviest, axis=-2)[..., 0, :])
     allowed = tolerance * _rounding_scale(everyone.coefficients)
@@ -56,7 +57,7 @@ def mean(versors: V, weights: ArrayLike | None = None, tolerance: float = 1e-12)
         middle = middle @ kind.exp(step)
         length = np.max(np.abs(step), axis=-1)
         if np.all(length <= allowed):
-            return middle
+            return middle.astype(versors.dtype)
         largest = float(np.max(length / allowed)) * tolerance
     raise ValueError(
         f"mean(versors): expected rotations close enough to have one mean, got steps of "

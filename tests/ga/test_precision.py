@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor, Rotor, Similarity, Versor
+from motorcade.ga import Motor, Rotor, Similarity, Versor, blend, mean
 
 EPSILON = float(np.finfo(np.float32).eps)
 
@@ -39,6 +39,25 @@ def test_float32_computes_to_its_rounding(
         (a.interpolate(b, 0.3), a.astype(float).interpolate(b.astype(float), 0.3)),
     ):
         assert distance(ours.astype(float), witness) <= 40 * EPSILON * size
+
+
+def test_blend_and_mean_keep_float32_to_its_rounding(
+    kind: type[Versor], rng: np.random.Generator
+) -> None:
+    near = 0.3 * kind.random(rng, (7, 4)).log()
+    many = kind.exp(near).astype(np.float32)
+    weights = rng.uniform(0.1, 1.0, 4)
+    for combined in (blend, mean):
+        ours, witness = combined(many, weights), combined(many.astype(np.float64), weights)
+        assert ours.dtype == np.float32
+        assert witness.dtype == np.float64
+        np.testing.assert_array_equal(
+            ours.coefficients, np.asarray(witness.coefficients, dtype=np.float32)
+        )
+    pair = kind.exp(np.stack([near[0, 0], near[0, 0] * (1 + 1e-6)]))
+    blend(pair, [1.0, -1.0])
+    with pytest.raises(ValueError, match="1 in which the versors cancel"):
+        blend(pair.astype(np.float32), [1.0, -1.0])
 
 
 def test_versors_of_different_precision_do_not_mix(
