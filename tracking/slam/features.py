@@ -29,7 +29,9 @@ _LEVELS = 3
 _RETURN_PX = 0.7
 _BORDER_PX = 12
 _FAST_THRESHOLD = 7
-_CANDIDATES_A_CORNER = 4
+_CANDIDATES_A_CORNER = 6
+_FINER = 4  # at most one corner in a cell of a grid so much finer than one a corner
+_PER_CELL = 4
 _DEPTH_STEP = 0.04  # share of the depth by which the neighbours of a usable depth may differ
 _ROW_PX = 1.0
 _LEAST_DISPARITY_PX = 1.0
@@ -73,26 +75,40 @@ def grid_cells(px: FloatArray, shape: tuple[int, ...], count: int) -> IntArray:
 
 
 def find_corners(gray: GrayImage, count: int, taken_px: FloatArray | None = None) -> Corners:
-    """The strongest corner of each of about `count` cells that hold none of `taken_px`.
+    """New corners, which together with `taken_px` make `count`, spread over the picture.
 
     Fewer where the picture has no texture; always in the same order.
     """
-    orb = _orb(count * _CANDIDATES_A_CORNER)
-    found = orb.detect(gray, None)
-    if not found:
-        return Corners(np.zeros((0, 2)), np.zeros((0, 32), dtype=np.uint8))
+    taken = np.zeros((0, 2)) if taken_px is None else taken_px
+    found = _orb(count * _CANDIDATES_A_CORNER).detect(gray, None)
+    nothing = Corners(np.zeros((0, 2)), np.zeros((0, 32), dtype=np.uint8))
+    if not found or len(taken) >= count:
+        return nothing
     px = np.array([point.pt for point in found])
     strength = np.array([point.response for point in found])
-    cells = grid_cells(px, gray.shape, count)
     order = np.lexsort((px[:, 0], px[:, 1], -strength))
-    _, first = np.unique(cells[order], return_index=True)
-    chosen = order[first]
-    if taken_px is not None and len(taken_px):
-        chosen = chosen[~np.isin(cells[chosen], grid_cells(taken_px, gray.shape, count))]
+    fine = grid_cells(px, gray.shape, _FINER * count)
+    _, first = np.unique(fine[order], return_index=True)
+    order = order[np.sort(first)]
+    order = order[~np.isin(fine[order], grid_cells(taken, gray.shape, _FINER * count))]
+    # The best of every coarse cell before the second best of any.
+    coarse = grid_cells(np.concatenate([taken, px[order]]), gray.shape, count // _PER_CELL)
+    turn = np.argsort(_rank_among_equals(coarse)[len(taken) :], kind="stable")
+    chosen = order[turn][: count - len(taken)]
     if not len(chosen):
-        return Corners(np.zeros((0, 2)), np.zeros((0, 32), dtype=np.uint8))
-    kept, descriptors = orb.compute(gray, [found[index] for index in chosen])
+        return nothing
+    kept, descriptors = _orb(count).compute(gray, [found[index] for index in chosen])
     return Corners(np.array([point.pt for point in kept], dtype=np.float64), descriptors)
+
+
+def _rank_among_equals(values: IntArray) -> IntArray:
+    """For each value how many equal ones stand before it."""
+    order = np.argsort(values, kind="stable")
+    ordered = values[order]
+    starts = np.searchsorted(ordered, ordered)
+    rank = np.empty(len(values), dtype=np.int64)
+    rank[order] = np.arange(len(values)) - starts
+    return rank
 
 
 def _orb(count: int) -> Any:

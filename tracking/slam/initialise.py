@@ -30,15 +30,15 @@ __all__ = ["Start", "TwoViewInitialiser", "TwoViews", "flow_beyond_rotation_px",
 
 FEWEST_CORNERS = 80
 _FEWEST_POINTS = 50
-_LEAST_FLOW = 0.012  # of the picture's width: what must remain when the rotation is taken out
-_LEAST_PARALLAX_RAD = np.deg2rad(1.0)
+_LEAST_FLOW_PX = 4.0  # what must remain of the motion when the rotation is taken out
+_PARALLAX_RAD = np.deg2rad(1.0)
 _THRESHOLD_PX = 1.0
 _HOMOGRAPHY_SHARE = 0.45
 _CHI2_POINT, _CHI2_LINE = 5.99, 3.84
 _GOOD_PX = 2.0
 _RIVAL = 0.8  # a second solution with so much of the best one's support leaves it undecided
-_KEPT_SHARE = 0.4
-_MOST_PENDING = 120
+_KEPT_SHARE = 0.25
+_MOST_PENDING = 600
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,12 +186,11 @@ def _support(
     other, far = to_pixels(moved(pose, points), matrix)
     error = np.sqrt(np.maximum(_squared(one, first_px), _squared(other, px)))
     good = (near > 0.0) & (far > 0.0) & (np.nan_to_num(error, nan=np.inf) < _GOOD_PX)
-    wide = parallax_rad(np.eye(4), pose, points) > 0.5 * _LEAST_PARALLAX_RAD
-    if not np.any(good & wide):
+    parallax = parallax_rad(np.eye(4), pose, points)
+    wide = good & (parallax > _PARALLAX_RAD)
+    if np.count_nonzero(wide) < _FEWEST_POINTS:
         return np.zeros(len(px), dtype=np.bool_)
-    if np.median(parallax_rad(np.eye(4), pose, points[good])) < _LEAST_PARALLAX_RAD:
-        return np.zeros(len(px), dtype=np.bool_)
-    return good & wide
+    return good
 
 
 class TwoViewInitialiser:
@@ -215,14 +214,13 @@ class TwoViewInitialiser:
         first_px = self._corners.px[rows]
         flow = flow_beyond_rotation_px(first_px, self._px, self._matrix)
         views = None
-        if flow >= _LEAST_FLOW * picture.gray.shape[1]:
+        if flow >= _LEAST_FLOW_PX:
             views = two_views(first_px, self._px, self._matrix)
         if views is None:
             kept = np.zeros(len(self._corners), dtype=np.bool_)
             kept[rows] = True
             self._between.append((picture.time_ns, kept, self._px))
-            if len(self._between) > _MOST_PENDING:
-                self._restart(picture)
+            del self._between[:-_MOST_PENDING]
             return None
         corners = Corners(first_px, self._corners.descriptors[rows])
         place = np.cumsum(np.isin(np.arange(len(self._corners)), rows)) - 1

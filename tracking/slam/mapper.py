@@ -29,7 +29,7 @@ from motorcade.tracking.slam.settings import SlamSettings
 
 __all__ = ["Mapper"]
 
-_KEPT_SHARE = 0.75
+_KEPT_SHARE = 0.8
 _MOVED_SHARE = 0.06
 _FEW_POINTS = 150
 _PARALLAX_RAD = np.deg2rad(1.0)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from motorcade.tracking.checks import check_count, check_length
 
 __all__ = ["SlamSettings"]
+
+_USUAL_PIXELS = 640 * 480
 
 
 @dataclass(frozen=True)
@@ -14,7 +16,7 @@ class SlamSettings:
     """How much is tracked and mapped.
 
     Fields:
-        features: corners followed in a picture, spread over a grid.
+        features: corners followed in a picture of 640 x 480, spread over a grid; more in a larger one.
         window: newest keyframes that each local adjustment moves.
         adjust: adjust the window at each keyframe; off shows what that is worth.
         close_loops: look for places seen before; off shows what that is worth.
@@ -27,7 +29,7 @@ class SlamSettings:
     """
 
     features: int = 500
-    window: int = 8
+    window: int = 10
     adjust: bool = True
     close_loops: bool = True
     baseline_m: float | None = None
@@ -41,3 +43,8 @@ class SlamSettings:
         check_length(self.depth_sigma_px, "SlamSettings.depth_sigma_px")
         if self.baseline_m is not None:
             check_length(self.baseline_m, "SlamSettings.baseline_m")
+
+    def for_size(self, width: int, height: int) -> SlamSettings:
+        """The same density of corners in larger pictures."""
+        share = max(width * height / _USUAL_PIXELS, 1.0)
+        return replace(self, features=round(self.features * share))

@@ -101,7 +101,7 @@ class VisualSlam:
 
     def __init__(self, camera: Camera, settings: SlamSettings | None = None) -> None:
         self.camera = camera
-        self.settings = settings or SlamSettings()
+        self.settings = (settings or SlamSettings()).for_size(camera.width, camera.height)
         self._matrix = np.array(camera.matrix)
         self._map = SlamMap()
         self._mapper = Mapper(self._map, self._matrix, self.settings)

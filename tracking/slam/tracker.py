@@ -30,6 +30,7 @@ _LEAST_SHARE = 0.4
 _GOOD_SHARE = 0.75
 _CELLS, _FEWEST_CELLS = 48, 6
 _EPIPOLAR_PX = 3.0
+_NEIGHBOURS = 3
 
 
 def trusted(posed: PosedPicture | None, px: FloatArray, shape: tuple[int, ...]) -> bool:
@@ -121,16 +122,22 @@ class Tracker:
         return pose.inverse().as_matrix()
 
     def _guess(self, predicted: FloatArray, ids: IntArray, px: FloatArray) -> FloatArray:
-        """Where corners should be: by their place, or by the rotation where that is not known."""
-        last = self._moments[-1].world_T_camera.as_matrix()
-        turn = self.matrix @ predicted[:3, :3] @ last[:3, :3] @ np.linalg.inv(self.matrix)
-        there = px @ turn[:, :2].T + turn[:, 2]
-        guess = there[:, :2] / np.where(there[:, 2:] > 1e-3, there[:, 2:], np.nan)
+        """Where corners should be: by their place, or else moved as their neighbours with one."""
+        last = inverse(self._moments[-1].world_T_camera.as_matrix())
         located = self.map.located[ids]
-        expected, _ = project(predicted, self.map.places[ids[located]], self.matrix)
-        then, _ = project(inverse(last), self.map.places[ids[located]], self.matrix)
-        guess[located] = px[located] + expected - then
-        return np.where(np.isfinite(guess), guess, px)
+        places = self.map.places[ids[located]]
+        motion = project(predicted, places, self.matrix)[0] - project(last, places, self.matrix)[0]
+        usable = np.isfinite(motion[:, 0])
+        guess = px.copy()
+        if np.count_nonzero(usable) < _NEIGHBOURS:
+            return guess
+        known = px[located][usable]
+        apart = np.sum((px[:, None] - known[None]) ** 2, axis=-1)
+        near = np.argpartition(apart, _NEIGHBOURS - 1, axis=1)[:, :_NEIGHBOURS]
+        guess += np.median(motion[usable][near], axis=1)
+        rows = np.flatnonzero(located)[usable]
+        guess[rows] = known + motion[usable]
+        return guess
 
     def _posed(
         self, predicted: FloatArray, points: FloatArray, px: FloatArray
