@@ -5,7 +5,9 @@
 // step's own motion, X exp(u), which turns its pose part by Ad(exp(-u)) and lets a rate's error act
 // through the right Jacobian; half of the turn before a straight drift and half behind it is both,
 // but for a factor 1 - |u|²/24 across the axis. What so couples is one dense covariance; the rest is
-// a small matrix a block, over pose, velocity and acceleration. Means are moved exactly.
+// a small matrix a block, over pose, velocity and acceleration. Means are moved exactly;
+// quaternions and dual quaternions are filtered as the linear components that they are taken for, and
+// projected when a pose is asked for.
 
 #pragma once
 
@@ -49,7 +51,7 @@ public:
     Kalman(const BlockValues &densities, const BlockValues &deviations)
         : densities_(densities), deviations_(deviations) {}
 
-    const X &pose() const { return state_.pose; }
+    X pose() const { return projected<R>(state_.pose); }
     const State &state() const { return state_; }
     double log_likelihood() const { return log_likelihood_; }
     void measured_with(const BlockValues &deviations) { deviations_ = deviations; }
@@ -84,7 +86,7 @@ public:
     void step(const X &z, double dt) {
         if (steps_ == 0) open_rates(z, dt);
         const V way = travel(state_, dt);
-        state_.pose = R::moved(state_.pose, way);
+        state_.pose = unprojected<R>(state_.pose, way);
         state_.rates = drifted(state_.rates, dt);
         const V innovation = R::difference(z, state_.pose);
         // The first innovations only tell the rates, whose prior says nothing of the noise.
@@ -108,14 +110,14 @@ public:
                 log_likelihood_ -= 0.5 * square;
             }
         });
-        state_.pose = R::moved(state_.pose, correction);
+        state_.pose = unprojected<R>(state_.pose, correction);
     }
 
     // The smoothed state at `filtered` from the one `dt` later: that is freed of what the noise in
     // between may explain, and then brought back along its own motion. Its covariance only on demand.
     template <bool WITH_COVARIANCE> State smoothed(const State &filtered, const State &later, double dt) const {
         const V way = travel(filtered, dt);
-        const X predicted = R::moved(filtered.pose, way);
+        const X predicted = unprojected<R>(filtered.pose, way);
         auto made = filtered;
         made.rates = drifted(filtered.rates, dt);
         std::array<V, S> residual{R::difference(later.pose, predicted)};
@@ -141,7 +143,7 @@ public:
         });
         for (std::size_t i = 0; i < Order; ++i) made.rates[i] = sum(made.rates[i], correction[i + 1]);
         made.rates = drifted(made.rates, -dt);
-        made.pose = R::moved(R::moved(predicted, correction[0]), scaled(-1.0, travel(made, dt)));
+        made.pose = unprojected<R>(unprojected<R>(predicted, correction[0]), scaled(-1.0, travel(made, dt)));
         return made;
     }
 

@@ -107,6 +107,7 @@ template <std::size_t N> struct Linear {
     using X = Vector<N>;
 
     static X difference(const X &x, const X &base) { return sum(x, scaled(-1.0, base)); }
+    static X unprojected(const X &base, const X &v) { return sum(base, v); }
 };
 
 inline double checked_length(const Four &q, const char *name) {
@@ -274,6 +275,11 @@ template <Representation R> struct WithScale {
     static X moved(const X &base, const V &v) {
         return with(R::moved(rigid(base), first<R::freedom>(v)), base.back() + v.back());
     }
+    static X unprojected(const X &base, const V &v)
+        requires requires { R::unprojected(rigid(base), first<R::freedom>(v)); }
+    {
+        return with(R::unprojected(rigid(base), first<R::freedom>(v)), base.back() + v.back());
+    }
     static X following(const X &x, const X &previous) {
         return with(R::following(rigid(x), rigid(previous)), x.back());
     }
@@ -292,6 +298,24 @@ private:
         return made;
     }
 };
+
+// Where the state of a linear filter goes. Components that are no pose until they are projected stay
+// as the filter has them: projected at every step, they would no longer fit its rates.
+template <Representation R>
+Vector<R::size> unprojected(const Vector<R::size> &base, const Vector<R::freedom> &v) {
+    if constexpr (requires { R::unprojected(base, v); })
+        return R::unprojected(base, v);
+    else
+        return R::moved(base, v);
+}
+
+// The pose's coordinates of such a state.
+template <Representation R> Vector<R::size> projected(const Vector<R::size> &x) {
+    if constexpr (requires { R::unprojected(x, Vector<R::freedom>{}); })
+        return R::moved(x, Vector<R::freedom>{});
+    else
+        return x;
+}
 
 // Calls `action.template operator()<R>()` for the representation of that name.
 template <class Action> auto with_rigid_or_scaled(bool scale, Action &&action, auto type) {

@@ -101,7 +101,7 @@ struct Smoothed {
 
 template <Representation R, std::size_t Order>
 void write_state(const typename Kalman<R, Order>::State &state, std::size_t k, const Smoothed &out) {
-    const auto pose = R::write(state.pose);
+    const auto pose = R::write(projected<R>(state.pose));
     check_finite(pose);
     std::copy(pose.begin(), pose.end(), out.poses + k * R::pose_size);
     if (out.rates == nullptr) return;

@@ -247,3 +247,33 @@ def test_the_likelihood_tells_the_noise_and_the_motion(rng: np.random.Generator)
         for noise in (0.0025, 0.005, 0.01)
     }
     assert max(found, key=lambda pair: found[pair]) == (0.8, 0.005)
+
+
+@pytest.mark.parametrize("method", ["rts_constant_velocity", "rts_constant_acceleration"])
+def test_quaternions_are_filtered_as_four_numbers_and_projected_once(
+    method: str, rng: np.random.Generator
+) -> None:
+    """Projected at every step they would no longer fit their rates, and run away."""
+    truth = MOTIONS["handheld"].sampled(30.0, 6.0)
+    noisy = Gaussian(0.005, 0.01).apply(truth, rng)
+    densities = (1.0, 3.0) if "velocity" in method else (5.0, 20.0)
+    names = (
+        ("acceleration_m_s2", "angular_acceleration_rad_s2")
+        if "velocity" in method
+        else ("jerk_m_s3", "angular_jerk_rad_s3")
+    )
+    given = dict(zip(names, densities, strict=True))
+    smoothed = smooth(noisy, method, "quaternion", noise_m=0.005, noise_rad=0.01, **given)
+    # Half a radian a component: the components as positions, three and one at a time.
+    wxyz = REPRESENTATIONS["quaternion"].coordinates(noisy.poses)[:, :4]
+    halved = dict(zip(names, (0.5 * densities[1], 1.0), strict=True))
+    columns = []
+    for part in (wxyz[:, :3], np.pad(wxyz[:, 3:], ((0, 0), (0, 2)))):
+        still = Motor.from_rotor_translation(Rotor.identity((len(noisy),)), part)
+        path = smooth(Trajectory(noisy.time_ns, still), method, "motor", noise_m=0.005, **halved)
+        columns.append(path.poses.translation_m)
+    expected = np.concatenate([columns[0], columns[1][:, :1]], axis=1)
+    expected /= np.linalg.norm(expected, axis=1, keepdims=True)
+    found = REPRESENTATIONS["quaternion"].coordinates(smoothed.poses)[:, :4]
+    found *= np.sign(np.sum(found[:1] * expected[:1]))
+    np.testing.assert_allclose(found, expected, atol=2e-6)
