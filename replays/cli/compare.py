@@ -49,7 +49,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 
 def compare_smoothers(arguments: argparse.Namespace) -> None:
-    """Compare, write the tables, print the findings."""
+    """Compare, write the tables and the report, print the findings."""
     from motorcade.replays.compare.plan import quick, standard
     from motorcade.replays.compare.run import compare
     from motorcade.replays.compare.summary import as_text
@@ -60,7 +60,7 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
     require_writable(arguments.out)
     if arguments.input is not None:
         print(as_text(_recorded(arguments)))
-        print(f"results in {arguments.out}")
+        _report(arguments.out)
         return
     if arguments.seeds is not None and arguments.seeds < 1:
         raise ValueError(f"--seeds: expected 1 or more, got {arguments.seeds}")
@@ -78,7 +78,13 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
     else:
         plan = standard(20 if arguments.seeds is None else arguments.seeds, **chosen)
     print(as_text(compare(plan, arguments.out, arguments.workers)))
-    print(f"results in {arguments.out}")
+    _report(arguments.out)
+
+
+def _report(out: Path) -> None:
+    from motorcade.replays.compare.report import Results, write_report
+
+    print(f"report: {write_report(Results.read(out), out)}; tables beside it")
 
 
 def _recorded(arguments: argparse.Namespace) -> dict[str, object]:

@@ -13,4 +13,6 @@
     the plan with both lists of seeds, the parameters found, what every method costs and what
     changing frames does to it, rankings with intervals, the count of wins and ties, exact ties; see
     `motorcade.replays.compare.tables`.
+``report.html``, ``motions/``
+    all of it as pages; see `motorcade.replays.compare.report`.
 """

@@ -20,6 +20,7 @@ from motorcade.replays.compare.report.results import (
     Results,
     tied,
 )
+from motorcade.replays.compare.statistics import PRACTICAL_SHARE
 
 __all__ = ["Findings", "compared", "findings", "percent"]
 
@@ -33,6 +34,7 @@ class Findings:
 
     best: tuple[str, ...]
     representations: tuple[str, ...]
+    at_their_best: tuple[str, ...]
     does_not_matter: tuple[str, ...]
     wins: tuple[str, ...]
     artifacts: tuple[str, ...]
@@ -45,6 +47,7 @@ def findings(results: Results) -> Findings:
     return Findings(
         best=tuple(_best(results)),
         representations=tuple(_over_all(results)),
+        at_their_best=tuple(_at_their_best(results)),
         does_not_matter=tuple(_by_motion(results)),
         wins=tuple(_wins(results)),
         artifacts=tuple(_artifacts(results)),
@@ -89,6 +92,18 @@ def _best(results: Results) -> Iterator[str]:
         f"{places} pairs of motion and degradation, {_name(rows[0])} leaves least error and "
         f"shaking: {_left(rows[0])}. {tie}"
     )
+    first: dict[str, Mapping[str, Any]] = {}
+    for row in rows:
+        first.setdefault(row["representation"], row)
+    if len(first) > 1:
+        each = [
+            f"`{name}` {percent(row['ratio_to_raw'])} (`{row['method']}`)"
+            for name, row in first.items()
+        ]
+        yield (
+            "With the method that serves it best over all, each representation leaves: "
+            f"{listed(each)}."
+        )
     causal = [row for row in rows if row["method"] in CAUSAL]
     if causal and causal[0] is not rows[0]:
         yield f"Best of those that need no later pose is {_name(causal[0])}: {_left(causal[0])}."
@@ -129,13 +144,45 @@ def _by_motion(results: Results) -> Iterator[str]:
         less = [m for m, ratio in ratios.items() if m not in ties and ratio.value < 1.0]
         more = [m for m, ratio in ratios.items() if m not in ties and ratio.value > 1.0]
         parts = [f"`{name}` ties with motors on {len(ties)} of {len(ratios)} motions"]
-        if ties and len(ties) < len(ratios):
-            parts[0] += f" ({listed(ties)})"
+        parts[0] += _named(ties, len(ratios))
         if less:
             parts.append(f"leaves less on {len(less)} ({_extreme(less, ratios)})")
         if more:
             parts.append(f"leaves more on {len(more)} ({_extreme(more, ratios)})")
         yield listed(parts) + "."
+
+
+def _at_their_best(results: Results) -> Iterator[str]:
+    """On which motions a representation's best method leaves as little as motors' best one."""
+    for name in results.representations:
+        ratios = {}
+        for motion in results.motions:
+            scope = f"motion:{motion}"
+            ours, base = (results.best_ratio(scope, one) for one in (name, REFERENCE))
+            if ours is not None and base is not None:
+                ratios[motion] = ours[0].value / base[0].value
+        if name == REFERENCE or not ratios:
+            continue
+        same = [motion for motion, ratio in ratios.items() if abs(ratio - 1.0) <= PRACTICAL_SHARE]
+        less = [motion for motion, ratio in ratios.items() if ratio < 1.0 - PRACTICAL_SHARE]
+        told = f"`{name}` comes within 1 % of motors on {len(same)} of {len(ratios)} motions"
+        told += _named(same, len(ratios))
+        far = max(ratios, key=lambda motion: ratios[motion])
+        parts = [told]
+        if less:
+            low = min(ratios, key=lambda motion: ratios[motion])
+            parts.append(
+                f"leaves less on {len(less)} (down to {shown(ratios[low])} times on {low})"
+            )
+        more = len(ratios) - len(same) - len(less)
+        if more:
+            parts.append(f"leaves more on {more} (up to {shown(ratios[far])} times on {far})")
+        yield listed(parts) + "."
+
+
+def _named(motions: list[str], of: int) -> str:
+    """Names in brackets where they are some and not most."""
+    return f" ({listed(motions)})" if 0 < len(motions) <= of / 2 else ""
 
 
 def _extreme(motions: list[str], ratios: Mapping[str, Ratio]) -> str:
@@ -206,12 +253,17 @@ def _frames(results: Results) -> Iterator[str]:
         ours = [row for row in traits if row["representation"] == name]
         if not ours:
             continue
+        idle = [row for row in ours if results.does_nothing((row["method"], name))]
+        ours = [row for row in ours if row not in idle]
         both = [f"`{row['method']}`" for row in ours if _defect(row) <= _FRAME_BOUND]
         world = [row for row in ours if _defect(row, ("left",)) <= _FRAME_BOUND]
         told = f"{len(both) or 'none'} of {len(ours)} methods give the same answer in every frame"
         if both:
             told += f" ({listed(both)})"
         yield f"On `{name}`, {told}; {len(world) or 'none'} in every world frame."
+        if idle:
+            names = [f"`{row['method']}`" for row in idle]
+            yield f"On `{name}`, {listed(names)} found no parameters that help, and does nothing."
 
 
 def _defect(row: Mapping[str, float], sides: tuple[str, ...] = ("left", "right")) -> float:

@@ -15,9 +15,17 @@ from motorcade.replays.compare.report.names import (
     shown,
     shown_metric,
 )
-from motorcade.replays.compare.report.results import Ratio, Results, tied
+from motorcade.replays.compare.report.results import REFERENCE, Ratio, Results, tied
 
-__all__ = ["Cell", "Matrix", "against_motor", "matrices", "place_rows", "rotation_errors"]
+__all__ = [
+    "Cell",
+    "Matrix",
+    "against_motor",
+    "best_of_each",
+    "matrices",
+    "place_rows",
+    "rotation_errors",
+]
 
 _STEPS_TO_RAW = (0.1, 0.2, 0.35, 0.6, 0.95, 1.05, 1.5, 2.5, 5.0, 10.0)
 _STEPS_TO_MOTOR = (0.5, 0.7, 0.85, 0.95, 0.99, 1.01, 1.05, 1.2, 1.5, 3.0)
@@ -75,6 +83,29 @@ def against_motor(results: Results, kind: str, names: Iterable[str], caption: st
     return Matrix(
         f"by-{kind}", "", f"By {kind}", caption, kind, results.representations, rows
     )  # fmt: skip
+
+
+def best_of_each(results: Results) -> Matrix:
+    """Rows are motions: what each representation leaves with the method that serves it best."""
+    rows = []
+    for motion in results.motions:
+        best = [results.best_ratio(f"motion:{motion}", one) for one in results.representations]
+        base = results.best_ratio(f"motion:{motion}", REFERENCE)
+        cells = []
+        for one in best:
+            if one is None or base is None:
+                cells.append(Cell(math.nan, "–", "none"))
+                continue
+            ratio, method = one
+            tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, ratio.value / base[0].value)]
+            cells.append(Cell(ratio.value, shown(ratio.value), tint, note=method))
+        rows.append((motion, cells))
+    caption = (
+        "Error and shaking left, as a share of the raw poses', by the method that serves each "
+        "representation best on that motion, over all degradations. Tinted against motors; no tint "
+        "is within 1 %."
+    )
+    return Matrix("best-of-each", "", "", caption, "motion", results.representations, rows)
 
 
 def rotation_errors(results: Results, motion: str, degradation: str) -> Matrix:

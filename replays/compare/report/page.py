@@ -15,6 +15,7 @@ from motorcade.replays.compare.report.crossing import Crossing, crossing
 from motorcade.replays.compare.report.findings import findings
 from motorcade.replays.compare.report.matrix import (
     against_motor,
+    best_of_each,
     matrices,
     place_rows,
     rotation_errors,
@@ -122,6 +123,7 @@ def _overview(environment: Environment, results: Results) -> str:
         ranking=_ranking(results, "all"),
         unranked=results.unranked(),
         verdicts=verdict_counts(results),
+        best_of_each=best_of_each(results),
         by_motion=motions,
         by_degradation=degradations,
         panels=panels,

@@ -137,6 +137,20 @@ class Results:
             if row["scope"] == scope and row["metric"] == metric
         }
 
+    def best_ratio(self, scope: str, representation: str) -> tuple[Ratio, str] | None:
+        """What a representation leaves with the method that serves it best, and that method."""
+        for row in self.ranking(scope):
+            if row["representation"] == representation:
+                return _ratio(row, "ratio_to_raw"), str(row["method"])
+        return None
+
+    def does_nothing(self, pair: Pair) -> bool:
+        """Whether a smoother left all of the first place's poses as they were."""
+        place = (self.motions[0], self.degradations[0])
+        ours = self.figures.get((*place, *pair, "ape_rmse_m"))
+        raw = self.figures.get((*place, "raw", "none", "ape_rmse_m"))
+        return ours is not None and raw is not None and ours.mean == raw.mean
+
     def mean_size(self, scope: str, pair: Pair, metric: str) -> float:
         """Mean over a scope's places of a metric's size; NaN unless it is known in half of them."""
         places = self.places(scope)
