@@ -12,7 +12,7 @@ import numpy as np
 from motorcade.ga.algebra import CGA3, Algebra, Multivector
 from motorcade.ga.codegen.expressions import component_name
 from motorcade.ga.codegen.interpret import run_tape
-from motorcade.ga.codegen.program import Program, checked_identifier, program_of
+from motorcade.ga.codegen.programs import Program, checked_identifier, program_of
 from motorcade.ga.codegen.tape import Operand
 
 __all__ = ["CompiledFunction", "compile_function", "program"]

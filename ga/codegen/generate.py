@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from motorcade.ga.codegen.kernel import PRECISIONS, Precision
-from motorcade.ga.codegen.program import Program, compile_script
+from motorcade.ga.codegen.precision import PRECISIONS, Precision
+from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.strategies import product, table
 from motorcade.ga.codegen.targets import TARGETS
 from motorcade.ga.codegen.targets.names import file_identifier

@@ -1,5 +1,5 @@
 """The library's own kernels: their C and NumPy code, and what only their definitions need.
 
-`library` writes the files with `emit_c` and `emit_numpy`; definitions approximate with `fit` and
-scale with `powers_of_two`.
+A `kernel` has a name and a definition; `library` writes the files with `emit_c` and `emit_numpy`.
+Definitions approximate with `fit` and scale with `powers_of_two`.
 """

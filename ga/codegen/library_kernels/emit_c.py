@@ -11,7 +11,8 @@ import textwrap
 from collections.abc import Sequence
 
 from motorcade.ga.codegen.expressions import Statement, component_name, statements
-from motorcade.ga.codegen.kernel import PRECISIONS, Kernel, Precision
+from motorcade.ga.codegen.library_kernels.kernel import Kernel
+from motorcade.ga.codegen.precision import PRECISIONS, Precision
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.shared.templates import C_LOGIC, Templates
 

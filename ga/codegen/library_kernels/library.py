@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from motorcade.ga.codegen.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.emit_c import c_source, c_table
 from motorcade.ga.codegen.library_kernels.emit_numpy import numpy_source, numpy_table
+from motorcade.ga.codegen.library_kernels.kernel import Kernel
 
 __all__ = ["GENERATED", "library_files", "write_library"]
 

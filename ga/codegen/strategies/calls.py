@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 from motorcade.ga.algebra.products import Masks
 from motorcade.ga.codegen.expressions import Dialect, statements
-from motorcade.ga.codegen.kernel import Precision
+from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.strategies.record import Record, Step
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.trace import tape_of

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.kernel import DOUBLE, Precision
-from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.precision import DOUBLE, Precision
+from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.strategies.calls import CallWriter
 from motorcade.ga.codegen.strategies.record import record
 from motorcade.ga.codegen.targets.c import c_dialect, c_files

@@ -12,8 +12,8 @@ from typing import Any
 
 from motorcade.ga.algebra.basis import grade_of
 from motorcade.ga.algebra.products import PRODUCTS, Masks
-from motorcade.ga.codegen.kernel import Precision
-from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.precision import Precision
+from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.strategies.calls import SIGNS, CallWriter
 from motorcade.ga.codegen.strategies.files import files
 from motorcade.ga.codegen.strategies.record import Step

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from motorcade.ga.codegen.kernel import Precision
-from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.precision import Precision
+from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets import c, c_batch, casadi, glsl, numpy, torch
 
 __all__ = ["TARGETS", "Write"]

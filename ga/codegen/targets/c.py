@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from motorcade.ga.codegen.expressions import statements
-from motorcade.ga.codegen.kernel import DOUBLE, Precision
-from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.precision import DOUBLE, Precision
+from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import C_FUNCTIONS, C_NAMES, check_names
 from motorcade.ga.codegen.targets.shared.c_family import (
     array_parameters,

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from motorcade.ga.codegen.expressions import statements
-from motorcade.ga.codegen.kernel import DOUBLE, Precision
-from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.precision import DOUBLE, Precision
+from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets.c import c_dialect, c_files
 from motorcade.ga.codegen.targets.names import C_NAMES, check_names

@@ -8,8 +8,8 @@ first. How exact sin, exp and the like are, GLSL leaves to the driver.
 from __future__ import annotations
 
 from motorcade.ga.codegen.expressions import statements
-from motorcade.ga.codegen.kernel import SINGLE, Precision
-from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.precision import SINGLE, Precision
+from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import GLSL_NAMES, check_names
 from motorcade.ga.codegen.targets.shared.c_family import (
     array_parameters,

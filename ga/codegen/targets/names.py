@@ -10,7 +10,7 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.shared.templates import SAME_NAMES
 from motorcade.ga.codegen.targets.shared.text import variables
 from motorcade.ga.codegen.targets.shared.words import (

@@ -8,8 +8,8 @@ function's domain the results are NaN or infinite, without a warning.
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.kernel import Precision
-from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.precision import Precision
+from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import python_names
 from motorcade.ga.codegen.targets.shared.python_module import ArrayLibrary, array_module, listed
 from motorcade.ga.codegen.targets.shared.templates import SAME_NAMES

@@ -8,8 +8,8 @@ out a branch that is not finite, its gradient is NaN: torch multiplies it by zer
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.kernel import Precision
-from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.precision import Precision
+from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import python_names
 from motorcade.ga.codegen.targets.shared.python_module import ArrayLibrary, array_module, listed
 from motorcade.ga.codegen.targets.shared.templates import SAME_NAMES

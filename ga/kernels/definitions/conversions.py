@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from motorcade.ga.codegen.kernel import Kernel, Precision
+from motorcade.ga.codegen.library_kernels.kernel import Kernel
+from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.kernels.definitions import elements as on
 
 __all__ = ["KERNELS", "matrix_rows"]

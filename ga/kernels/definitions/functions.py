@@ -15,8 +15,8 @@ from __future__ import annotations
 from math import pi
 from typing import Any
 
-from motorcade.ga.codegen.kernel import Precision
 from motorcade.ga.codegen.library_kernels.fit import fitted, horner
+from motorcade.ga.codegen.precision import Precision
 
 __all__ = [
     "Dual", "angle_over_sine", "angle_over_sine_beyond", "cosine_sinc", "select", "sinc_of_square",

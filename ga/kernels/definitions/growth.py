@@ -10,9 +10,9 @@ from __future__ import annotations
 from math import log
 from typing import Any
 
-from motorcade.ga.codegen.kernel import Precision
 from motorcade.ga.codegen.library_kernels.fit import fitted, horner
 from motorcade.ga.codegen.library_kernels.powers_of_two import exponent, power_of_two
+from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.kernels.definitions.functions import select
 
 __all__ = ["hyperbolic", "inverse_hyperbolic"]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from motorcade.ga.algebra import Multivector
-from motorcade.ga.codegen.kernel import Kernel, Precision
+from motorcade.ga.codegen.library_kernels.kernel import Kernel
+from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.functions import (
     angle_over_sine,

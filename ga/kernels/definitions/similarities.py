@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from motorcade.ga.algebra import Multivector
-from motorcade.ga.codegen.kernel import Kernel, Precision
+from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.powers_of_two import exponent, power_of_two
+from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.blends import linear
 from motorcade.ga.kernels.definitions.functions import (

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import FloatArray, Motor
-from motorcade.ga.codegen.kernel import DOUBLE, SINGLE, Precision
-from motorcade.ga.codegen.program import Program, compile_script
+from motorcade.ga.codegen.precision import DOUBLE, SINGLE, Precision
+from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.strategies import product, table
 from motorcade.ga.codegen.targets import c, c_batch
 from motorcade.ga.script import Script, parse

@@ -15,12 +15,13 @@ pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is
 
 import casadi as ca
 
-from motorcade.ga.codegen.kernel import DOUBLE, PRECISIONS, SINGLE, Kernel, Precision
 from motorcade.ga.codegen.library_kernels.emit_c import c_source
 from motorcade.ga.codegen.library_kernels.emit_numpy import numpy_source
 from motorcade.ga.codegen.library_kernels.fit import fitted, horner
+from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.passes.like_terms import collected
+from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, SINGLE, Precision
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.trace import trace
 

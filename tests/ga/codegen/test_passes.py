@@ -18,7 +18,7 @@ from motorcade.ga.codegen.passes.fingerprints import fingerprints
 from motorcade.ga.codegen.passes.optimize import PASSES, optimized
 from motorcade.ga.codegen.passes.samples import sampled
 from motorcade.ga.codegen.passes.stats import cost_of, count_operations, table_of_passes
-from motorcade.ga.codegen.program import Program, compile_script
+from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
 from motorcade.ga.script import evaluate, parse
 
@@ -41,8 +41,6 @@ def compiled(text: str) -> Program:
 
 def traced(text: str) -> Tape:
     """A script as it is before any pass: components that are zero are still there."""
-    from motorcade.ga.codegen import program
-
     kept: list[Tape] = []
 
     def untouched(tape: Tape) -> tuple[Tape, tuple[()]]:
@@ -50,7 +48,7 @@ def traced(text: str) -> Tape:
         return tape, ()
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(program, "optimized", untouched)
+        patch.setattr("motorcade.ga.codegen.programs.optimized", untouched)
         compiled(text)
     return kept[0]
 
@@ -329,7 +327,7 @@ def test_the_same_script_gives_the_same_tape_whatever_hashes_are() -> None:
     code = (
         "import sys, hashlib\n"
         "from motorcade.ga.script import parse\n"
-        "from motorcade.ga.codegen.program import compile_script\n"
+        "from motorcade.ga.codegen.programs import compile_script\n"
         "tape = compile_script(parse(sys.argv[1], 't.clu'), 't').tape\n"
         "print(hashlib.sha256(repr(tape).encode()).hexdigest())"
     )

@@ -16,11 +16,12 @@ pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is
 import casadi as ca
 import mpmath
 
-from motorcade.ga.codegen.kernel import PRECISIONS, SINGLE, Kernel, Precision
 from motorcade.ga.codegen.library_kernels.emit_c import c_source
 from motorcade.ga.codegen.library_kernels.emit_numpy import numpy_source
+from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.library_kernels.powers_of_two import exponent, power_of_two
+from motorcade.ga.codegen.precision import PRECISIONS, SINGLE, Precision
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.trace import trace
 from motorcade.ga.kernels.definitions.growth import hyperbolic, inverse_hyperbolic

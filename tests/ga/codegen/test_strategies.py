@@ -12,8 +12,8 @@ import pytest
 
 pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
 
-from motorcade.ga.codegen.kernel import DOUBLE, SINGLE, Precision
-from motorcade.ga.codegen.program import Program, compile_script
+from motorcade.ga.codegen.precision import DOUBLE, SINGLE, Precision
+from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.strategies import product, table
 from motorcade.ga.codegen.targets import c
 from motorcade.ga.script import Script, evaluate, parse

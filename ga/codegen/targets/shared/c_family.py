@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from motorcade.ga.codegen.expressions import Statement
-from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.shared.text import WIDTH, call, wrapped
 
 __all__ = [

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from motorcade.ga.codegen.expressions import Dialect
-from motorcade.ga.codegen.kernel import Precision
+from motorcade.ga.codegen.precision import Precision
 
 __all__ = ["COMPARISONS", "C_LOGIC", "SAME_NAMES", "Templates"]
 

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Sequence
 
 from motorcade.ga.codegen.expressions import component_name
-from motorcade.ga.codegen.program import Program
+from motorcade.ga.codegen.programs import Program
 
 __all__ = ["WIDTH", "call", "description", "unread", "variables", "wrapped"]
 

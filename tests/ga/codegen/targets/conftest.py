@@ -16,7 +16,7 @@ import pytest
 
 pytest.importorskip("casadi", reason="CasADi, which only code generation needs, is missing")
 
-from motorcade.ga.codegen.program import Program, compile_script
+from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.script import evaluate, parse
 from motorcade.ga.script.syntax import RangePragma
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.ga.codegen.kernel import DOUBLE, SINGLE, Precision
-from motorcade.ga.codegen.program import compile_script
+from motorcade.ga.codegen.precision import DOUBLE, SINGLE, Precision
+from motorcade.ga.codegen.programs import compile_script
 from motorcade.ga.codegen.targets import c, c_batch
 from motorcade.ga.script import parse
 

@@ -6,8 +6,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from motorcade.ga.codegen.kernel import SINGLE
-from motorcade.ga.codegen.program import compile_script
+from motorcade.ga.codegen.precision import SINGLE
+from motorcade.ga.codegen.programs import compile_script
 from motorcade.ga.codegen.targets import casadi, numpy
 from motorcade.ga.script import parse
 

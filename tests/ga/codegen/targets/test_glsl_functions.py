@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.ga.codegen.kernel import DOUBLE
-from motorcade.ga.codegen.program import Program, compile_script
+from motorcade.ga.codegen.precision import DOUBLE
+from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.targets import glsl
 from motorcade.ga.script import parse
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from motorcade.ga.codegen.program import compile_script
+from motorcade.ga.codegen.programs import compile_script
 from motorcade.ga.codegen.targets import TARGETS
 from motorcade.ga.codegen.targets.names import C_NAMES, file_identifier
 from motorcade.ga.script import parse

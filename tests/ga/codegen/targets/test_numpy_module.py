@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.ga.codegen.kernel import DOUBLE, SINGLE
-from motorcade.ga.codegen.program import compile_script
+from motorcade.ga.codegen.precision import DOUBLE, SINGLE
+from motorcade.ga.codegen.programs import compile_script
 from motorcade.ga.codegen.targets.numpy import write
 from motorcade.ga.script import parse
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.ga.codegen.program import compile_script
+from motorcade.ga.codegen.programs import compile_script
 from motorcade.ga.codegen.targets import casadi
 from motorcade.ga.codegen.targets import torch as target
 from motorcade.ga.script import parse

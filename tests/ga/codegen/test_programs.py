@@ -4,7 +4,7 @@ import pytest
 
 pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
 
-from motorcade.ga.codegen.program import compile_script
+from motorcade.ga.codegen.programs import compile_script
 from motorcade.ga.script import ScriptError, parse
 
 

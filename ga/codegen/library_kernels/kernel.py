@@ -7,33 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from motorcade.ga.codegen.passes.like_terms import collected
+from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.trace import casadi_function, trace
 
-__all__ = ["DOUBLE", "PRECISIONS", "SINGLE", "Kernel", "Precision"]
-
-
-@dataclass(frozen=True)
-class Precision:
-    """A floating-point type: NumPy's and C's name, the suffix of functions, and its bits.
-
-    Definitions ask it for `digits`, the size of error below which nothing more is gained.
-    """
-
-    numpy: str
-    c: str
-    suffix: str
-    bits: int
-
-    @property
-    def epsilon(self) -> float:
-        """Spacing of the numbers at 1."""
-        return 2.0 ** (1 - self.bits)
-
-
-SINGLE = Precision("float32", "float", "f32", 24)
-DOUBLE = Precision("float64", "double", "f64", 53)
-PRECISIONS = (SINGLE, DOUBLE)
+__all__ = ["Kernel"]
 
 
 @dataclass(frozen=True)
