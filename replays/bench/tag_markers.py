@@ -61,12 +61,12 @@ def measure_pictures(files: list[Path], rounds: int) -> dict[str, Any]:
 
 def _ways(picture: Any) -> dict[str, Callable[[], int]]:
     import cv2
-    from pupil_apriltags import Detector
 
     from motorcade.tracking.markers import detect_markers
+    from motorcade.tracking.markers.backends import apriltag_detector
     from motorcade.tracking.markers.families import dictionary
 
-    peer = Detector(families=FAMILY, nthreads=1, quad_decimate=1.0)
+    peer = apriltag_detector(FAMILY)
     aruco = cv2.aruco.ArucoDetector(dictionary(FAMILY))
     return {
         "motorcade": lambda: len(detect_markers(picture, FAMILY)),

@@ -22,7 +22,14 @@ from motorcade.tracking.markers.families import dictionary
 if TYPE_CHECKING:
     from pupil_apriltags import Detector
 
-__all__ = ["APRILTAG_FAMILIES", "Backend", "Quads", "backend_for", "find_quads"]
+__all__ = [
+    "APRILTAG_FAMILIES",
+    "Backend",
+    "Quads",
+    "apriltag_detector",
+    "backend_for",
+    "find_quads",
+]
 
 Backend = Literal["apriltag", "opencv"]
 APRILTAG_FAMILIES = ("tag16h5", "tag25h9", "tag36h11")
@@ -73,7 +80,7 @@ def _find_opencv(image: GrayImage, family: str) -> Quads:
 def _find_apriltag(image: GrayImage, family: str) -> Quads:
     if min(image.shape) < _LEAST_SIDE_PX:
         return Quads(np.empty(0, np.int64), np.empty((0, 4, 2)))
-    found = _apriltag(family).detect(np.ascontiguousarray(image))
+    found = apriltag_detector(family).detect(np.ascontiguousarray(image))
     ids = np.array([one.tag_id for one in found], np.int64)
     corners = np.array([one.corners[_CLOCKWISE] for one in found]).reshape(-1, 4, 2)
     return Quads(ids, corners - _HALF_PX)
@@ -87,11 +94,15 @@ def _aruco(family: str) -> cv2.aruco.ArucoDetector:
 _own = local()
 
 
-def _apriltag(family: str) -> Detector:
-    """The detector of this thread; no two threads may use one, and it is dear to make."""
+def apriltag_detector(family: str) -> Detector:
+    """The AprilTag detector of this thread; no two threads may use one, and it is dear to make."""
     kept: dict[str, Detector] = _own.__dict__
     if family not in kept:
         from pupil_apriltags import Detector
 
-        kept[family] = Detector(families=family, nthreads=1, quad_decimate=1.0)
+        detector = Detector(families=family, nthreads=1, quad_decimate=1.0)
+        # Its destructor frees the family before the detector that still writes into it, which
+        # corrupts memory; not knowing the family, it leaves those few kilobytes alone.
+        detector.tag_families.clear()
+        kept[family] = detector
     return kept[family]

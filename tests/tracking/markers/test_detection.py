@@ -6,6 +6,8 @@ column and row of the centre. Every one of the cubes in the photograph carries t
 
 import gc
 import json
+import subprocess
+import sys
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -13,10 +15,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from pupil_apriltags import Detector
 
 from motorcade.tracking import Camera, MarkerGrid, SingleMarker
 from motorcade.tracking.markers import APRILTAG_FAMILIES, FAMILIES, detect_markers
+from motorcade.tracking.markers.backends import apriltag_detector
 from motorcade.tracking.markers.families import marker_cells
 from motorcade.tracking.markers.reading import read_markers
 
@@ -51,7 +53,7 @@ def test_as_many_as_apriltag_and_none_that_is_false(name: str, data_dir: Path) -
     ours = [
         (one.marker_id, one.corners_px.mean(axis=0)) for one in detect_markers(picture, "tag36h11")
     ]
-    peer = Detector(families="tag36h11", quad_decimate=1.0).detect(picture)
+    peer = apriltag_detector("tag36h11").detect(picture)
     theirs, _ = matched([(one.tag_id, one.center - 0.5) for one in peer], REVIEWED[name])
     right, false = matched(ours, REVIEWED[name])
     assert right >= theirs > 0
@@ -97,7 +99,7 @@ def test_every_family_is_found_upright(family: str, render, look_at, straight_ca
 def test_nearer_than_either_library_and_than_corner_refinement(render, look_at) -> None:
     camera = Camera(480, 360, 420.0, 418.0, 242.3, 176.8)
     ours, theirs, refined = [], [], []
-    peer = Detector(families="tag36h11", quad_decimate=1.0)
+    peer = apriltag_detector("tag36h11")
     stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 40, 1e-3)
     for tilt, azimuth, roll in ((8, 20, 0), (35, 200, 70), (30, 100, 185)):
         pose = look_at(GRID, 0.5, tilt, azimuth, roll)
@@ -199,6 +201,33 @@ def test_threads_do_not_share_a_detector(render, look_at, straight_camera) -> No
         thread.join()
     gc.collect()
     assert results == [expected] * 9
+
+
+_THREADS_THAT_END = """
+import gc, threading
+import numpy as np
+from motorcade.tracking.markers import APRILTAG_FAMILIES, detect_markers
+
+def work():
+    picture = np.random.default_rng(0).integers(0, 256, (200, 200)).astype(np.uint8)
+    for family in APRILTAG_FAMILIES:
+        detect_markers(picture, family)
+
+for _ in range(5):
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    gc.collect()
+    kept = [np.ones(size) for size in range(1, 200)]
+"""
+
+
+def test_threads_may_end_with_their_detectors() -> None:
+    """The library's own destructor corrupts memory, which aborts a process soon after."""
+    done = subprocess.run(
+        [sys.executable, "-c", _THREADS_THAT_END], capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stderr.decode()
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 2), (2, 500), (5, 5), (6, 6), (7, 300)])
