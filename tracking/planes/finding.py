@@ -1,0 +1,225 @@
+"""Dominant planes among points: random samples, scored by truncated residuals, refined, removed.
+
+Half of the samples take their points close together, which finds small planes; half take them
+anywhere, which finds large ones exactly. The best samples are refined before the winner is chosen
+(locally optimised RANSAC), and the winner's points are taken out before the next search.
+
+It finds planes that hold a good share of the points; random clutter holds such shares too where
+noise is a good part of the scene's size. Two parallel planes closer than 6 sigma become one.
+
+Sources: Fischler & Bolles 1981; MSAC, Torr & Zisserman 2000; LO-RANSAC, Chum et al. 2003.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from motorcade.ga import FloatArray, IntArray, checked_floats
+from motorcade.tracking.planes.fitting import (
+    LEAST_SPREAD,
+    checked_points,
+    checked_sigma,
+    fit_plane,
+    spread_axes,
+)
+from motorcade.tracking.planes.plane import Plane
+
+__all__ = ["FoundPlanes", "find_planes"]
+
+FEWEST = 12
+_INLIER = 3.0  # sigma
+_ASIDE = 6.0  # sigma: nearer points are not searched again, so that no plane is found twice
+_AGREEING = np.cos(np.deg2rad(25.0))
+_SAMPLES, _POOL, _NEAR = 300, 60, 6
+_SCORED = 1500
+_REFINED, _ROUNDS = 10, 3
+_FINAL_ROUNDS = 10
+
+
+@dataclass(frozen=True, eq=False)
+class FoundPlanes:
+    """Planes and the points that belong to them.
+
+    Fields:
+        planes: the one with most points first.
+        labels: index of each point's plane, ``(n,)`` or the shape of a depth image; -1 for none.
+    """
+
+    planes: tuple[Plane, ...]
+    labels: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Cloud:
+    points: FloatArray
+    sigma: FloatArray
+    normals: FloatArray | None
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def part(self, chosen: NDArray[np.generic]) -> _Cloud:
+        normals = None if self.normals is None else self.normals[chosen]
+        return _Cloud(self.points[chosen], self.sigma[chosen], normals)
+
+    def residuals(self, normals: FloatArray, distances: FloatArray) -> FloatArray:
+        """Distances ``(h, n)`` from h planes in units of the noise; infinite across the normals."""
+        off = normals @ self.points.T
+        off -= distances[:, None]
+        off /= self.sigma
+        np.abs(off, out=off)
+        if self.normals is not None:
+            off[np.abs(normals @ self.normals.T) < _AGREEING] = np.inf
+        return off
+
+
+def find_planes(
+    points_m: ArrayLike,
+    sigma_m: ArrayLike,
+    rng: np.random.Generator,
+    *,
+    seen_from_m: ArrayLike = (0.0, 0.0, 0.0),
+    normals: ArrayLike | None = None,
+    most: int = 6,
+    least_share: float = 0.04,
+) -> FoundPlanes:
+    """Find the planes that hold most points.
+
+    Args:
+        points_m: ``(n, 3)``, 12 or more.
+        sigma_m: noise of a point across a plane, one number or ``(n,)``; a point belongs to a plane
+            within 3 of it.
+        rng: of the samples; the same state finds the same planes.
+        seen_from_m: where the camera was; normals point to its side.
+        normals: ``(n, 3)`` unit normals of the surface at the points, of either sign; with them a
+            point belongs to a plane only if it is turned like it, within 25 degrees.
+        most: how many planes to look for.
+        least_share: of all points, that a plane must hold.
+
+    Returns:
+        Planes by falling support, none where none holds enough points.
+
+    Raises:
+        ValueError: too few points, NaN, points on one line, noise that is not above zero, counts
+            or shares out of range.
+    """
+    points = checked_points(points_m, "find_planes(points_m)", FEWEST)
+    sigma = checked_sigma(sigma_m, len(points), "find_planes(sigma_m)")
+    if most < 1 or not 0.0 < least_share <= 1.0:
+        raise ValueError(
+            f"find_planes: expected most >= 1 and 0 < least_share <= 1, got {most}, {least_share}"
+        )
+    eye = checked_floats(seen_from_m, "find_planes(seen_from_m)", (3,))
+    if not _spanning(points, sigma):
+        raise ValueError("find_planes(points_m): expected points that do not lie on one line")
+    cloud = _Cloud(points, sigma, _checked_normals(normals, len(points)))
+    least = max(FEWEST, int(np.ceil(least_share * len(points))))
+    found: list[Plane] = []
+    members: list[IntArray] = []
+    left = np.arange(len(points))
+    while len(found) < most and len(left) >= least:
+        rest = cloud.part(left)
+        plane = _dominant(rest, eye, rng)
+        if plane is None:
+            break
+        off = rest.residuals(plane.normal[None], np.array([plane.distance_m]))[0]
+        if np.count_nonzero(off < _INLIER) < least:
+            break
+        found.append(plane)
+        members.append(left[off < _INLIER])
+        left = left[off >= _ASIDE]
+    order = np.argsort([-len(own) for own in members], kind="stable")
+    labels = np.full(len(points), -1, dtype=np.int64)
+    for rank, which in enumerate(order):
+        labels[members[which]] = rank
+    return FoundPlanes(tuple(found[which] for which in order), labels)
+
+
+def _dominant(cloud: _Cloud, eye: FloatArray, rng: np.random.Generator) -> Plane | None:
+    """The plane with the best score, refined on all points; None where no sample gives one."""
+    scored = cloud
+    if len(cloud) > _SCORED:
+        scored = cloud.part(rng.choice(len(cloud), _SCORED, replace=False))
+    normals, distances = _sampled(scored.points, rng)
+    if len(normals) == 0:
+        return None
+    order = np.argsort(_score(scored.residuals(normals, distances)), kind="stable")[:_REFINED]
+    best, best_score = None, np.inf
+    for which in order:
+        form = _refined(scored, (normals[which], float(distances[which])), _ROUNDS)
+        if form is not None:
+            score = float(_score(scored.residuals(form[0][None], np.array([form[1]])))[0])
+            if score < best_score:
+                best, best_score = form, score
+    if best is not None:
+        best = _refined(cloud, best, _FINAL_ROUNDS)
+    if best is None:
+        return None
+    inside = cloud.residuals(best[0][None], np.array([best[1]]))[0] < _INLIER
+    own = cloud.part(inside)
+    return fit_plane(own.points, own.sigma, towards_m=eye) if _usable(own) else None
+
+
+def _sampled(points: FloatArray, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+    """Planes through three points each: normals ``(h, 3)`` and distances ``(h,)``."""
+    drawn = rng.integers(0, len(points), (_SAMPLES, _POOL))
+    near = drawn[: _SAMPLES // 2]
+    reach = np.sum((points[near] - points[near[:, :1]]) ** 2, axis=-1)
+    nearest = np.argsort(reach, axis=1, kind="stable")[:, 1 : _NEAR + 1]
+    near = np.take_along_axis(near, nearest, axis=1)[:, [0, _NEAR // 2, _NEAR - 1]]
+    corners = points[np.concatenate([near, drawn[_SAMPLES // 2 :, :3]])]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normals, axis=-1)
+    reach = np.max(np.abs(corners[:, 1:] - corners[:, :1]), axis=(1, 2))
+    good = length > 1e-9 * reach**2
+    good &= length > 0.0
+    normals = normals[good] / length[good, None]
+    return normals, np.sum(normals * corners[good, 0], axis=-1)
+
+
+def _score(residuals: FloatArray) -> FloatArray:
+    """Truncated sums of squares ``(h,)``; lower is better."""
+    return np.asarray(np.sum(np.minimum(residuals, _INLIER) ** 2, axis=1))
+
+
+def _refined(
+    cloud: _Cloud, form: tuple[FloatArray, float], rounds: int
+) -> tuple[FloatArray, float] | None:
+    """Fit to the points within reach, again and again; None where these fix no plane."""
+    inside = None
+    for _ in range(rounds):
+        now = cloud.residuals(form[0][None], np.array([form[1]]))[0] < _INLIER
+        if inside is not None and np.array_equal(now, inside):
+            break
+        inside = now
+        own = cloud.part(inside)
+        if not _usable(own):
+            return None
+        centre, _, axes = spread_axes(own.points, own.sigma**-2.0)
+        form = (axes[:, 0], float(axes[:, 0] @ centre))
+    return form
+
+
+def _usable(cloud: _Cloud) -> bool:
+    return len(cloud) >= 3 and _spanning(cloud.points, cloud.sigma)
+
+
+def _spanning(points: FloatArray, sigma: FloatArray) -> bool:
+    """Whether points spread across a line by more than their noise."""
+    spread = spread_axes(points, sigma**-2.0)[1]
+    return bool(spread[1] > LEAST_SPREAD**2 * len(points))
+
+
+def _checked_normals(normals: ArrayLike | None, count: int) -> FloatArray | None:
+    if normals is None:
+        return None
+    given = checked_floats(normals, "find_planes(normals)", (3,))
+    length = np.linalg.norm(given, axis=-1)
+    if given.shape != (count, 3) or np.any(np.abs(length - 1.0) > 1e-6):
+        raise ValueError(
+            f"find_planes(normals): expected {count} unit vectors, got shape {given.shape}"
+        )
+    return given

@@ -1,0 +1,124 @@
+"""A bounded plane: where it lies, how far it reaches, and how well it is known.
+
+Points of the plane satisfy ``normal . x = distance_m``; in the conformal model that is the vector
+``normal + distance_m e∞``. "World" is the frame of the points that the plane was found in.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from motorcade.ga import FloatArray, Motor, Multivector, checked_floats, frozen
+from motorcade.ga.algebra import conformal
+
+__all__ = ["Plane"]
+
+_INSIDE_M = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """A plane with its own frame: z is the normal, x its longest direction, the origin its middle.
+
+    Fields:
+        world_T_plane: the frame; the plane is its z = 0.
+        outline: ``(k, 2)`` x and y of a convex outline in that frame, metres, anticlockwise seen
+            from where the normal points.
+        support: how many points it was fitted to.
+        rms_m: root mean square distance of these from it.
+        covariance: ``(3, 3)`` of tilt about the frame's x (rad), about its y (rad), and shift along
+            its z (m).
+
+    Raises:
+        ValueError: a batch of frames, fewer than three corners, corners that run clockwise, a
+            negative error, or a covariance that is not symmetric.
+    """
+
+    world_T_plane: Motor
+    outline: FloatArray
+    support: int
+    rms_m: float
+    covariance: FloatArray
+
+    def __post_init__(self) -> None:
+        if self.world_T_plane.shape != ():
+            raise ValueError(
+                f"Plane.world_T_plane: expected one pose, got shape {self.world_T_plane.shape}"
+            )
+        outline = frozen(checked_floats(self.outline, "Plane.outline", (2,)))
+        if outline.ndim != 2 or len(outline) < 3 or _signed_area(outline) <= 0.0:
+            raise ValueError(
+                "Plane.outline: expected three or more corners anticlockwise, "
+                f"got shape {outline.shape}"
+            )
+        covariance = frozen(checked_floats(self.covariance, "Plane.covariance", (3, 3)))
+        if covariance.shape != (3, 3) or not np.allclose(covariance, covariance.T):
+            raise ValueError("Plane.covariance: expected one symmetric 3 by 3 matrix")
+        if self.support < 3 or not (np.isfinite(self.rms_m) and self.rms_m >= 0.0):
+            raise ValueError(
+                "Plane: expected 3 or more points and an error from 0 on, "
+                f"got support={self.support}, rms_m={self.rms_m}"
+            )
+        object.__setattr__(self, "outline", outline)
+        object.__setattr__(self, "covariance", covariance)
+
+    @property
+    def normal(self) -> FloatArray:
+        """Unit normal ``(3,)``."""
+        return self.world_T_plane.rotor.apply([0.0, 0.0, 1.0])
+
+    @property
+    def centre_m(self) -> FloatArray:
+        """The frame's origin ``(3,)``: mean of the points it was fitted to."""
+        return self.world_T_plane.translation_m
+
+    @property
+    def distance_m(self) -> float:
+        """Distance from the world's origin along the normal; negative if it lies behind."""
+        return float(self.normal @ self.centre_m)
+
+    @property
+    def outline_m(self) -> FloatArray:
+        """The outline ``(k, 3)`` in the world."""
+        return self.world_T_plane.apply(np.pad(self.outline, ((0, 0), (0, 1))))
+
+    @property
+    def size_m(self) -> tuple[float, float]:
+        """Extent along the frame's x and y."""
+        along, across = np.ptp(self.outline, axis=0)
+        return float(along), float(across)
+
+    @property
+    def area_m2(self) -> float:
+        """Area inside the outline."""
+        return _signed_area(self.outline)
+
+    def as_conformal(self) -> Multivector:
+        """The vector ``normal + distance_m e∞`` of conformal geometric algebra."""
+        return conformal.plane(self.normal, self.distance_m)
+
+    def distances_m(self, points_m: ArrayLike) -> FloatArray:
+        """Signed distances ``(*)`` of points ``(*, 3)``, above zero where the normal points."""
+        points = checked_floats(points_m, "Plane.distances_m(points_m)", (3,))
+        return np.asarray(points @ self.normal - self.distance_m)
+
+    def holds(self, points_m: ArrayLike) -> NDArray[np.bool_]:
+        """Whether points ``(*, 3)``, dropped onto the plane, lie inside the outline."""
+        points = checked_floats(points_m, "Plane.holds(points_m)", (3,))
+        local = self.world_T_plane.inverse().apply(points)[..., None, :2] - self.outline
+        edge = np.roll(self.outline, -1, axis=0) - self.outline
+        side = edge[:, 0] * local[..., 1] - edge[:, 1] * local[..., 0]
+        return np.asarray(np.all(side >= -_INSIDE_M, axis=-1))
+
+    def moved(self, motion: Motor) -> Plane:
+        """The same plane after a rigid motion, or in another frame: ``other_T_world``."""
+        return replace(self, world_T_plane=motion @ self.world_T_plane)
+
+
+def _signed_area(outline: FloatArray) -> float:
+    """Area of a polygon ``(k, 2)``, negative if it runs clockwise."""
+    x, y = outline.T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
