@@ -1,0 +1,151 @@
+"""A map of markers from a recording alone, and rigs tracked by a map.
+
+The world is the frame of the marker that was seen most; what cannot be hung on it is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.mapping.adjust import Adjusted, adjust
+from motorcade.tracking.markers.mapping.bootstrap import hang_markers, place_frames
+from motorcade.tracking.markers.mapping.rig import RigSightings, gather
+from motorcade.tracking.markers.marker_map import MarkerMap
+from motorcade.tracking.pose import TrackingError
+
+__all__ = ["MappedRecording", "map_markers", "track_rig"]
+
+_SYNC_S = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class MappedRecording:
+    """Where markers and rig were.
+
+    Args:
+        marker_map: the markers.
+        trajectory: ``world_T_rig`` of the frames that show a marker of the map.
+        rig_T_camera: by camera; those that were not given are estimated.
+        time_ns: ``(F,)`` stamps of all frames.
+        error_px: ``(N,)`` root mean square reprojection errors of all sightings that took part.
+        left_out: ids that were seen, but never beside a marker of the map.
+    """
+
+    marker_map: MarkerMap
+    trajectory: Trajectory
+    rig_T_camera: Mapping[str, Motor]
+    time_ns: IntArray
+    error_px: FloatArray
+    left_out: tuple[int, ...]
+
+
+def map_markers(
+    streams: Mapping[str, CornerStream],
+    side_m: Mapping[int, float],
+    rig_T_camera: Mapping[str, Motor] | None = None,
+    *,
+    sync_s: float = _SYNC_S,
+) -> MappedRecording:
+    """Estimate where markers stand and where the rig was, from corners alone.
+
+    Planar poses are resolved over time for each camera; pairs of markers seen together hang into a
+    first map; a bundle adjustment refines everything. Markers must not move.
+
+    Args:
+        streams: by camera, at least one.
+        side_m: side of each marker's black square, metres, by id: they give the scale.
+        rig_T_camera: of the cameras whose place on the rig is known, at least one; None puts the
+            rig into the first camera.
+        sync_s: stamps of different cameras that are so near count as one frame.
+
+    Raises:
+        ValueError: no streams, no camera with a known place, a marker without a size.
+        TrackingError: nothing seen, or a camera that never sees a marker together with others.
+    """
+    if not streams:
+        raise ValueError("streams: expected at least one camera, got none")
+    known = {next(iter(streams)): Motor.identity()} if rig_T_camera is None else rig_T_camera
+    seen = gather(streams, known, side_m, sync_s)
+    if len(seen) == 0:
+        raise TrackingError("streams: expected markers, got none")
+    world_T_marker, reached = hang_markers(seen)
+    world_T_rig, placed = place_frames(seen, world_T_marker, reached)
+    held = np.arange(len(reached)) == np.argmax(np.bincount(seen.marker))
+    result = adjust(_part(seen, reached), world_T_rig, world_T_marker, held)
+    poses = result.world_T_marker[reached]
+    marker_map = MarkerMap(
+        seen.marker_ids[reached], seen.side_m[reached], poses.rotor, poses.translation_m
+    )
+    return _mapped(marker_map, result, placed, list(streams), seen.marker_ids[~reached])
+
+
+def track_rig(
+    marker_map: MarkerMap,
+    streams: Mapping[str, CornerStream],
+    rig_T_camera: Mapping[str, Motor] | None = None,
+    *,
+    sync_s: float = _SYNC_S,
+) -> MappedRecording:
+    """Where a rig was, by a map that stands; markers that are not in it are passed over.
+
+    Args:
+        marker_map: the markers, which stay where they are.
+        streams: by camera, at least one.
+        rig_T_camera: see `map_markers`.
+        sync_s: see `map_markers`.
+
+    Raises:
+        ValueError: no streams, no camera with a known place.
+        TrackingError: no marker of the map seen.
+    """
+    if not streams:
+        raise ValueError("streams: expected at least one camera, got none")
+    known = {next(iter(streams)): Motor.identity()} if rig_T_camera is None else rig_T_camera
+    mapped = {name: _of_map(stream, marker_map) for name, stream in streams.items()}
+    seen = gather(mapped, known, marker_map.sides, sync_s)
+    if len(seen) == 0:
+        raise TrackingError("streams: expected markers of the map, got none")
+    rows = np.searchsorted(marker_map.marker_ids, seen.marker_ids)
+    world_T_marker = marker_map.world_T_marker[rows]
+    everywhere = np.ones(len(rows), dtype=bool)
+    world_T_rig, placed = place_frames(seen, world_T_marker, everywhere)
+    result = adjust(seen, world_T_rig, world_T_marker, everywhere)
+    return _mapped(marker_map, result, placed, list(streams), np.zeros(0, np.int64))
+
+
+def _part(seen: RigSightings, reached: NDArray[np.bool_]) -> RigSightings:
+    return seen.only(np.flatnonzero(reached[seen.marker]))
+
+
+def _of_map(stream: CornerStream, marker_map: MarkerMap) -> CornerStream:
+    own = np.isin(stream.marker_ids, marker_map.marker_ids)
+    return replace(
+        stream,
+        frame=stream.frame[own],
+        marker_ids=stream.marker_ids[own],
+        corners_px=stream.corners_px[own],
+    )
+
+
+def _mapped(
+    marker_map: MarkerMap,
+    result: Adjusted,
+    placed: NDArray[np.bool_],
+    names: list[str],
+    left_out: IntArray,
+) -> MappedRecording:
+    stamps = result.seen.time_ns
+    return MappedRecording(
+        marker_map,
+        Trajectory(stamps[placed], result.world_T_rig[placed], "world", "rig"),
+        {name: result.seen.rig_T_camera[which] for which, name in enumerate(names)},
+        stamps,
+        result.error_px,
+        tuple(left_out.tolist()),
+    )
