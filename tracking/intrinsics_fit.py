@@ -104,10 +104,10 @@ class _Normal:
 
     def step(self) -> tuple[FloatArray, FloatArray]:
         """Changes of the camera ``(p,)`` and of the poses ``(V, 6)``."""
-        camera: FloatArray = np.linalg.solve(*self.reduced())
+        camera = np.asarray(np.linalg.solve(*self.reduced()), np.float64)
         right = self.poses_right - self.mixed @ camera
-        poses: FloatArray = np.linalg.solve(self.poses, right[..., None])[..., 0]
-        return camera, poses
+        poses = np.asarray(np.linalg.solve(self.poses, right[..., None]), np.float64)
+        return camera, poses[..., 0]
 
 
 def fit_camera(seen: Observations, camera: Camera, camera_T_board: FloatArray) -> Fit:

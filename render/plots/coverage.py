@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from motorcade.render.plots.style import COLOURS, house_style, new_figure
 
 __all__ = ["plot_coverage"]
 
-_LIGHT = {"ink": "#222222", "grid": "#dddddd", "page": "#ffffff"}
 _CELLS = (8, 6)
 
 
@@ -66,12 +66,11 @@ def plot_coverage(
     return data.getvalue()
 
 
-def _light() -> dict[str, str]:
-    ink, grid, page = _LIGHT["ink"], _LIGHT["grid"], _LIGHT["page"]
-    inked = ("axes.labelcolor", "axes.titlecolor", "legend.labelcolor", "text.color")
-    inked = (*inked, "xtick.color", "ytick.color")
+def _light() -> Any:
+    """Matplotlib settings for a white page, in place of colours that a page would set."""
+    ink = ("axes.labelcolor", "axes.titlecolor", "legend.labelcolor", "text.color")
     return {
-        **dict.fromkeys(inked, ink),
-        **dict.fromkeys(("axes.edgecolor", "grid.color"), grid),
-        **dict.fromkeys(("axes.facecolor", "figure.facecolor"), page),
+        **dict.fromkeys((*ink, "xtick.color", "ytick.color"), "#222222"),
+        **dict.fromkeys(("axes.edgecolor", "grid.color"), "#dddddd"),
+        **dict.fromkeys(("axes.facecolor", "figure.facecolor"), "#ffffff"),
     }
