@@ -16,13 +16,14 @@ from motorcade.replays.recording import open_recording
 from motorcade.replays.trajectory_files import write_trajectory
 
 README = Path(__file__).resolve().parents[2] / "README.md"
+GUIDE = README.parent / "docs" / "which_smoother.md"
 
 if not README.exists():
     pytest.skip("no README here: an installed wheel is tested", allow_module_level=True)
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+def blocks(language: str, page: Path = README) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
 
 
 @pytest.fixture
@@ -65,6 +66,11 @@ def test_python_blocks_run(number: int, folder: Path, monkeypatch: pytest.Monkey
     if "codegen" in code:
         pytest.importorskip("casadi", reason="CasADi, which only code generation needs, is missing")
     exec(compile(code, f"README block {number}", "exec"), {})
+
+
+@pytest.mark.parametrize("number", range(len(blocks("python", GUIDE))))
+def test_python_blocks_of_the_guide_to_smoothers_run(number: int) -> None:
+    exec(compile(blocks("python", GUIDE)[number], f"guide block {number}", "exec"), {})
 
 
 def generate_code(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
