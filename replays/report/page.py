@@ -71,7 +71,7 @@ def _video_caption(findings: Findings) -> str:
     film = findings.overlay
     return (
         f"{film.frames} undistorted frames, the character drawn from the smoothed path; it or its "
-        f"shadow is in view in {film.frames_with_character} of them."
+        f"shadow is in view in {film.frames_with_character} of them. It stands on {film.stands_on}."
     )
 
 

@@ -57,6 +57,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
         and {
             "frames": film.frames,
             "frames_with_character": film.frames_with_character,
+            "stands_on": film.stands_on,
             "seconds": film.seconds,
         },
     }

@@ -22,11 +22,12 @@ from motorcade.replays.stages.smoothed import Smoothed
 
 @dataclass(frozen=True)
 class Overlay:
-    """A video file, how many of its frames show something drawn, and what making it took."""
+    """A video, how many of its frames show something drawn, and on what the character stands."""
 
     path: Path
     frames_with_character: int
     frames: int
+    stands_on: str
     seconds: float = field(metadata=ASIDE)
 
 
@@ -63,7 +64,13 @@ def overlay(
         write_video(file, footage.counted(pictures), recording.frames.time_ns)
     except RenderUnavailable as missing:
         raise Unavailable(str(missing)) from missing
-    return Overlay(file, footage.drawn_into, len(recording.frames), time.perf_counter() - start)
+    return Overlay(
+        file,
+        footage.drawn_into,
+        len(recording.frames),
+        placed.stands_on,
+        time.perf_counter() - start,
+    )
 
 
 class _Footage:
