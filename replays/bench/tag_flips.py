@@ -1,4 +1,4 @@
-"""`motorcade bench flips`: how often the chosen planar pose of a marker is the wrong one.
+"""`motorcade bench tracking`, flips: how often the chosen planar pose of a marker is the wrong one.
 
 On TagSLAM's recordings, against the reference beside them. A step is a marker seen in two
 consecutive frames that have a reference (at most 0.3 s apart); it is a flip if the chosen normal,
@@ -9,6 +9,7 @@ stands beside it. A detection without an answer counts as wrong, and its steps a
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
@@ -25,12 +26,20 @@ from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
     Resolution,
     Sightings,
+    best_single,
     pose_stream,
     resolve,
     resolve_online,
 )
 
-__all__ = ["Flips", "bench_flips", "count_flips", "flips_table", "reference_rotors"]
+__all__ = [
+    "Flips",
+    "bench_flips",
+    "count_flips",
+    "flips_table",
+    "reference_rotors",
+    "tagslam_folder",
+]
 
 RECORDINGS = ("test_24", "test_23")
 LAGS = (0, 1, 2, 5, 10)
@@ -135,14 +144,8 @@ def _normals(stream: CornerStream, answer: Resolution) -> FloatArray:
     return normals
 
 
-def _best(sightings: Sightings) -> Resolution:
-    """What one picture says: the smaller reprojection error."""
-    count = len(sightings)
-    return Resolution(sightings, np.zeros(count, np.int64), np.full(count, 0.5))
-
-
 def _methods() -> Iterator[tuple[str, Callable[[Sightings], Resolution]]]:
-    yield "best reprojection", _best
+    yield "best reprojection", best_single
     for lag in LAGS:
         yield f"online, {lag} frames late", lambda seen, lag=lag: resolve_online(seen, lag)
     yield "whole recording", resolve
@@ -152,12 +155,13 @@ def bench_flips(folder: Path | None = None) -> list[dict[str, Any]]:
     """Count flips of every method on every recording that is there.
 
     Args:
-        folder: where TagSLAM's recordings lie; None looks where the tests do.
+        folder: where TagSLAM's recordings lie; None looks in `MOTORCADE_DATA`, or else in
+            `../shared/data`.
     """
     rows = []
     root = folder or tagslam_folder()
     for name in RECORDINGS:
-        if root is None or not tagslam.recognise(root / name):
+        if not tagslam.recognise(root / name):
             continue
         recording = tagslam.read(root / name)
         stream = recording.streams["cam0"]
@@ -176,13 +180,9 @@ def bench_flips(folder: Path | None = None) -> list[dict[str, Any]]:
     return rows
 
 
-def tagslam_folder() -> Path | None:
-    """The folder of TagSLAM's recordings: in `MOTORCADE_DATA`, or else in `../shared/data`."""
-    import os
-
-    named = os.environ.get("MOTORCADE_DATA")
-    data = Path(named) if named else Path(__file__).resolve().parents[3] / "shared" / "data"
-    return data / "tags" / "tagslam" if (data / "tags" / "tagslam").is_dir() else None
+def tagslam_folder() -> Path:
+    """Where TagSLAM's recordings lie, if they do."""
+    return Path(os.environ.get("MOTORCADE_DATA") or "../shared/data") / "tags" / "tagslam"
 
 
 def flips_table(rows: list[Mapping[str, Any]]) -> str:
@@ -196,7 +196,3 @@ def flips_table(rows: list[Mapping[str, Any]]) -> str:
         wrong = f"{row['wrong']} of {row['detections']}, {row['wrong_percent']:.2f} %"
         lines.append(f"{name:<34}{flips:>12}{wrong:>22}{row['milliseconds_a_frame']:>12.2f}")
     return "\n".join(lines)
-
-
-if __name__ == "__main__":
-    print(flips_table(bench_flips()))

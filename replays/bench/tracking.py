@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from motorcade.replays.bench.tag_flips import bench_flips, flips_table
+from motorcade.replays.bench.tag_map import bench_map, map_table
 from motorcade.replays.bench.tag_markers import bench_markers, markers_table
 
 __all__ = ["PARTS", "bench_tracking", "tracking_table"]
@@ -13,6 +14,7 @@ __all__ = ["PARTS", "bench_tracking", "tracking_table"]
 PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "markers": (bench_markers, markers_table),
     "flips": (bench_flips, flips_table),
+    "map": (bench_map, map_table),
 }
 """Every part by name: what measures it, and what prints it."""
 

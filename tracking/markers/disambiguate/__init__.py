@@ -12,13 +12,14 @@ from motorcade.tracking.markers.disambiguate.chains import (
     most_probable,
 )
 from motorcade.tracking.markers.disambiguate.online import FixedLagResolver, resolve_online
-from motorcade.tracking.markers.disambiguate.resolving import Resolution, resolve
+from motorcade.tracking.markers.disambiguate.resolving import Resolution, best_single, resolve
 from motorcade.tracking.markers.disambiguate.sightings import Sightings, pose_stream
 
 __all__ = [
     "FixedLagResolver",
     "Resolution",
     "Sightings",
+    "best_single",
     "chain_probabilities",
     "forward_messages",
     "most_probable",

@@ -65,8 +65,9 @@ def chain_probabilities(first: FloatArray, unary: FloatArray, steps: FloatArray)
         backward = _from_zero(_soft_minimum(ahead, -1))
         found.append(forward[..., step - 1, :] + backward)
     costs = _from_zero(np.stack(found[::-1], axis=-2))
-    likelihood = np.exp(-costs)
-    return likelihood / likelihood.sum(axis=-1, keepdims=True)
+    likelihood: FloatArray = np.exp(-costs)
+    likelihood /= likelihood.sum(axis=-1, keepdims=True)
+    return likelihood
 
 
 def _soft_minimum(costs: FloatArray, axis: int) -> FloatArray:
@@ -75,7 +76,8 @@ def _soft_minimum(costs: FloatArray, axis: int) -> FloatArray:
     least = np.where(np.isfinite(least), least, 0.0)
     with np.errstate(divide="ignore"):
         soft = least - np.log(np.sum(np.exp(least - costs), axis=axis, keepdims=True))
-    return np.squeeze(soft, axis=axis)
+    squeezed: FloatArray = np.squeeze(soft, axis=axis)
+    return squeezed
 
 
 def _from_zero(costs: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ from motorcade.tracking.markers.disambiguate.solving import Recent, solve
 from motorcade.tracking.markers.disambiguate.states import empty_memory
 from motorcade.tracking.markers.disambiguate.window import Window, corner_noise_px
 
-__all__ = ["Resolution", "corner_noise_or", "resolve"]
+__all__ = ["Resolution", "best_single", "corner_noise_or", "resolve"]
 
 _ROUNDS = 12
 
@@ -87,6 +87,19 @@ def resolve(sightings: Sightings, sigma_px: float | None = None) -> Resolution:
     solution = solve(window, Rotor.stack(cameras), empty_memory(), _ROUNDS)
     chosen = np.take_along_axis(solution.candidates, solution.choice[:, None], axis=-1)[:, 0]
     return Resolution(sightings, solution.choice, chosen)
+
+
+def best_single(sightings: Sightings, sigma_px: float | None = None) -> Resolution:
+    """What each sighting says alone: the smaller reprojection error, and how probable that is.
+
+    Raises:
+        ValueError: a noise that is not above zero.
+    """
+    if len(sightings) == 0:
+        return Resolution(sightings, np.zeros(0, np.int64), np.zeros(0))
+    window = Window.of(sightings, corner_noise_or(sightings.error_px[:, 0], sigma_px))
+    choice = np.argmin(window.evidence, axis=-1)
+    return Resolution(sightings, choice, 1.0 / np.exp(-window.evidence).sum(axis=-1))
 
 
 def corner_noise_or(error_px: FloatArray, sigma_px: float | None) -> float:

@@ -113,7 +113,8 @@ def _moved(window: Window, orientations: Orientations, memory: Memory, row: IntA
     noise = noise + ((_TURN_RAD_S * elapsed_s) ** 2)[:, None, None, None, None] * np.eye(3)
     half = 0.5 * np.einsum("naci,nacij,nacj->nac", vector, np.linalg.inv(noise), vector)
     vague = np.linalg.slogdet(noise)[1] - np.linalg.slogdet(window.covariance)[1][:, None]
-    return misfit(half) + 0.5 * vague
+    cost: FloatArray = misfit(half) + 0.5 * vague
+    return cost
 
 
 def _previous(

@@ -9,7 +9,7 @@ sighting keeps wrong ones from pulling. Sources: Triggs et al. 2000; Huber 1964;
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,7 +113,7 @@ def _stepped(
     keys = _Keys(seen, held)
     for row in range(len(seen)):
         names = keys.of(row)
-        terms: list[int | FloatArray] = []
+        terms: list[Any] = []
         for part, key in enumerate(names):
             if key is not None:
                 terms += [key, scaled[row, part]]
@@ -187,9 +187,8 @@ def _squares(state: Adjusted) -> FloatArray:
     """Sum of squared residuals ``(N,)`` of each sighting."""
     seen = state.seen
     residuals = residuals_px(seen, state.world_T_rig[seen.frame], state.world_T_marker[seen.marker])
-    hidden: NDArray[np.bool_] = ~np.isfinite(residuals).all(axis=(-1, -2))
     squares: FloatArray = np.sum(residuals**2, axis=(-1, -2))
-    return np.where(hidden, _NO_IMAGE_PX**2, squares)
+    return np.where(np.isfinite(squares), squares, _NO_IMAGE_PX**2)
 
 
 def _loss(state: Adjusted) -> float:

@@ -51,6 +51,7 @@ def map_markers(
     rig_T_camera: Mapping[str, Motor] | None = None,
     *,
     sync_s: float = _SYNC_S,
+    over_time: bool = True,
 ) -> MappedRecording:
     """Estimate where markers stand and where the rig was, from corners alone.
 
@@ -63,6 +64,7 @@ def map_markers(
         rig_T_camera: of the cameras whose place on the rig is known, at least one; None puts the
             rig into the first camera.
         sync_s: stamps of different cameras that are so near count as one frame.
+        over_time: resolve planar poses over time; False shows what that is worth.
 
     Raises:
         ValueError: no streams, no camera with a known place, a marker without a size.
@@ -71,7 +73,7 @@ def map_markers(
     if not streams:
         raise ValueError("streams: expected at least one camera, got none")
     known = {next(iter(streams)): Motor.identity()} if rig_T_camera is None else rig_T_camera
-    seen = gather(streams, known, side_m, sync_s)
+    seen = gather(streams, known, side_m, sync_s, over_time)
     if len(seen) == 0:
         raise TrackingError("streams: expected markers, got none")
     world_T_marker, reached = hang_markers(seen)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.tracking.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
-from motorcade.tracking.markers.disambiguate import pose_stream, resolve
+from motorcade.tracking.markers.disambiguate import best_single, pose_stream, resolve
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.mapping.agreement import agreed
 from motorcade.tracking.pose import TrackingError
@@ -77,6 +77,7 @@ def gather(
     rig_T_camera: Mapping[str, Motor],
     side_m: Mapping[int, float],
     sync_s: float,
+    over_time: bool = True,
 ) -> RigSightings:
     """Bring the streams of a rig's cameras together, planar poses resolved over time.
 
@@ -86,6 +87,8 @@ def gather(
             in one frame.
         side_m: side of each marker's black square, metres, by id.
         sync_s: stamps so near are one frame; the rig counts as still meanwhile.
+        over_time: choose between planar poses over the whole recording; otherwise by the smaller
+            reprojection error of each single sighting.
 
     Raises:
         ValueError: no camera with a pose, a marker without a size, a time below 0.
@@ -99,7 +102,7 @@ def gather(
         raise ValueError(f"sync_s: expected seconds of at least 0, got {sync_s}")
     frame_ns, frames = _frames([streams[name].time_ns for name in names], sync_s)
     parts = [
-        (frames[which], np.int64(which), *_resolved(streams[name], side_m))
+        (frames[which], np.int64(which), *_resolved(streams[name], side_m, over_time))
         for which, name in enumerate(names)
     ]
     frame = np.concatenate([own[rows] for own, _, rows, *_ in parts])
@@ -127,11 +130,11 @@ def gather(
 
 
 def _resolved(
-    stream: CornerStream, side_m: Mapping[int, float]
+    stream: CornerStream, side_m: Mapping[int, float], over_time: bool
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
     """Frame, id, corners, chosen pose and its probability of each sighting with a pose."""
     seen = pose_stream(stream, side_m)
-    answer = resolve(seen)
+    answer = resolve(seen) if over_time else best_single(seen)
     keys = zip(stream.frame.tolist(), stream.marker_ids.tolist(), strict=True)
     place = {key: row for row, key in enumerate(keys)}
     rows = [place[key] for key in zip(seen.frame.tolist(), seen.marker_ids.tolist(), strict=True)]
