@@ -57,15 +57,15 @@ def around(look_at, camera: Camera, rng, count: int, tilt_deg: float = 45.0) -> 
 
 @every_camera
 def test_known_cameras_come_back_within_what_is_claimed(camera: Camera, look_at, rng) -> None:
-    """Ten calibrations: errors over their claimed deviations are standard normal."""
+    """Six calibrations: errors over their claimed deviations are standard normal."""
     scores = []
-    for _ in range(10):
+    for _ in range(6):
         views = seen_by(camera, around(look_at, camera, rng, 40), 0.2, rng)[:14]
         found = calibrate(views, (camera.width, camera.height), camera.model)
         assert found.used.all()
         assert found.rmse_px == pytest.approx(0.2 * np.sqrt(2.0), rel=0.1)
         scores.append((truth_of(found.camera) - truth_of(camera)) / found.deviation)
-    assert np.abs(np.mean(scores, axis=0)).max() < 1.3
+    assert np.abs(np.mean(scores, axis=0)).max() < 1.5
     assert 0.7 < np.sqrt(np.mean(np.square(scores))) < 1.3
 
 
@@ -103,14 +103,14 @@ def test_as_opencv_calibrates(look_at, rng) -> None:
 def test_pictures_of_every_kind_of_board(board, render, look_at, rng) -> None:
     camera = Camera(480, 360, 300.0, 301.0, 238.0, 183.0, "radtan", (-0.28, 0.07, 2e-4, -3e-4))
     views = []
-    for index in range(10):
-        tilt, azimuth = 20.0 + 25.0 * (index % 2), 36.0 * index
-        aside = Motor.from_twist([*rng.uniform(-0.2, 0.2, 2), 0.0, 0.0, 0.0, 0.0])
+    for index in range(8):
+        tilt, azimuth = 20.0 + 25.0 * (index % 2), 45.0 * index
+        aside = Motor.from_twist([*rng.uniform(-0.12, 0.12, 2), 0.0, 0.0, 0.0, 0.0])
         pose = look_at(board, 0.36, tilt, azimuth, 77.0 * index) @ aside
         found = board.detect(render(board, camera, pose, blur_px=0.8, noise=2.0, seed=index))
         if found is not None:
             views.append(found)
-    assert len(views) >= 7
+    assert len(views) >= 6
     found = calibrate(views, (480, 360), "radtan")
     away = np.abs(truth_of(found.camera) - truth_of(camera))
     assert found.rmse_px < 0.25
