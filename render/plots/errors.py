@@ -7,7 +7,13 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from motorcade.render.plots.style import as_svg, house_style, line_style, new_figure
+from motorcade.render.plots.style import (
+    as_svg,
+    house_style,
+    label_plainly,
+    line_style,
+    new_figure,
+)
 
 Series = tuple[NDArray[Any], NDArray[Any]]
 
@@ -30,8 +36,6 @@ def plot_series(
     each line thinner than the one before it and on top, so that lines that coincide are all seen,
     and leaves the legend to the page. `limits` are the ends of the axis of values.
     """
-    from matplotlib.ticker import LogFormatter
-
     with house_style():
         figure, (axes,) = new_figure(width_in, height_in)
         for start, end in shaded_s:
@@ -41,9 +45,7 @@ def plot_series(
             axes.plot(time_s, values, **(line_style(name) | nest))
         if log_scale:
             axes.set_yscale("log")
-            # 10 and 0.1 rather than powers of ten.
-            axes.yaxis.set_major_formatter(LogFormatter())
-            axes.yaxis.set_minor_formatter(LogFormatter())
+            label_plainly(axes.yaxis)
         if limits is not None:
             axes.set_ylim(*limits)
         axes.set_title(title)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 INK, GRID, PAGE = "#123456", "#abcdef", "#fedcba"
@@ -30,7 +31,7 @@ COLOURS = {
     "euler_unwrapped": "#cc79a7",
     "euler": "#d55e00",
 }
-"""One colour a name, the same in every plot of every report; no plot has both of two that share one."""
+"""One colour a name, the same in every report; no plot has both of two that share one."""
 
 _VARIABLES = {INK: "var(--ink)", GRID: "var(--grid)", PAGE: "var(--page)"}
 
@@ -90,6 +91,18 @@ def line_style(name: str) -> dict[str, Any]:
         "linewidth": emphasis.get(name, 1.1),
         "zorder": 5.0 if name == "truth" else 3.0 if name == "motor" else 2.0,
     }
+
+
+def label_plainly(axis: Axis) -> None:
+    """Label a logarithmic axis with 0.1 and 10 rather than with powers."""
+    from matplotlib.ticker import LogFormatter
+
+    class Plain(LogFormatter):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return f"{x:g}" if super().__call__(x, pos) else ""
+
+    axis.set_major_formatter(Plain())
+    axis.set_minor_formatter(Plain())
 
 
 def as_svg(figure: Figure) -> str:

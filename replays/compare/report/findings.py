@@ -88,8 +88,8 @@ def _best(results: Results) -> Iterator[str]:
     ties = [_name(row) for row in rows[1:] if row["ties_with_best"]]
     tie = f"It ties with {listed(ties)}." if ties else "No other one ties with it."
     yield (
-        f"Of {len(rows)} smoothers (a method in a representation) that gave a result in all "
-        f"{places} pairs of motion and degradation, {_name(rows[0])} leaves least error and "
+        f"Of {len(rows)} smoothers (a method in a representation) with a result in every pair of "
+        f"motion and degradation ({places}), {_name(rows[0])} leaves least error and "
         f"shaking: {_left(rows[0])}. {tie}"
     )
     first: dict[str, Mapping[str, Any]] = {}
