@@ -22,10 +22,10 @@ def fuzz() -> ModuleType:
 @pytest.mark.parametrize("seed", [2, 3])
 def test_only_script_errors_come_out_of_random_scripts(seed: int) -> None:
     pytest.importorskip("casadi")
-    counts = fuzz().run(700, seed)
+    counts = fuzz().run(350, seed)
     assert counts.faults == []
-    assert sum(counts.results.values()) > 40
-    assert sum(counts.errors.values()) > 200
+    assert sum(counts.results.values()) > 20
+    assert sum(counts.errors.values()) > 100
 
 
 @pytest.mark.parametrize("kind", ["bytes", "tokens", "examples", "grammar", "nesting", "huge"])

@@ -259,7 +259,7 @@ def test_an_expression_means_what_the_plain_evaluator_says(tree: Tree) -> None:
     check(evaluate(parse(text), **VARIABLES)["x"], meant(tree, KNOWN))
 
 
-@settings(CALM, max_examples=150)
+@settings(CALM, max_examples=60)
 @given(st.data())
 def test_statements_run_in_order_and_names_are_assigned_again(data: st.DataObject) -> None:
     names, lines, expected = dict(KNOWN), ["u = s + t;"], {}
@@ -281,7 +281,7 @@ def test_statements_run_in_order_and_names_are_assigned_again(data: st.DataObjec
         check(found[name], value)
 
 
-@CALM
+@settings(CALM, max_examples=120)
 @given(trees((*BASIS_NAMES, "_P(1)", "_P(2)", "y")), trees(BASIS_NAMES), trees(BASIS_NAMES))
 def test_a_macro_is_its_body_with_the_arguments_in_place(body: Tree, a: Tree, b: Tree) -> None:
     first, second = meant(a, KNOWN), meant(b, KNOWN)

@@ -219,7 +219,7 @@ PIECES = [
     ),
     *("?y = e1*e2;", "x = 2;", "m = { _P(1) + e1 }", "?z = m(x)/x;", "return x", "Normalize("),
 ]
-FUZZ = settings(max_examples=2000, deadline=None, suppress_health_check=list(HealthCheck))
+FUZZ = settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
 
 
 def only_script_errors(text: str) -> None:
