@@ -100,8 +100,13 @@ class Mapper:
         if self.settings.adjust:
             self.adjust_window()
         self._located_then = int(np.count_nonzero(self.map.located[keyframe.ids]))
-        alive = self.map.alive[keyframe.ids]
-        return keyframe.ids[alive], keyframe.px[alive]
+        return self.followed()
+
+    def followed(self) -> tuple[IntArray, FloatArray]:
+        """Numbers and pixels of all that the newest keyframe sees and that is still believed."""
+        newest = self.map.keyframes[-1]
+        alive = self.map.alive[newest.ids]
+        return newest.ids[alive], newest.px[alive]
 
     def depths(self, picture: Picture, px: FloatArray) -> FloatArray:
         """Depths ``(n,)`` at pixels from the depth image or the right picture; NaN elsewhere."""

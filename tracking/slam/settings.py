@@ -19,10 +19,9 @@ class SlamSettings:
         features: corners followed in a picture of 640 x 480, spread over a grid; more in a larger one.
         window: newest keyframes that each local adjustment moves.
         adjust: adjust the window at each keyframe; off shows what that is worth.
-        close_loops: look for places seen before; off shows what that is worth.
+        close_loops: look for places seen before, where lengths are metres; off shows its worth.
         baseline_m: distance of the right camera of a rectified stereo pair; None without one.
         depth_sigma_px: noise of a depth, as disparity of a pair 8 cm apart (or of the stereo pair).
-        seed: of everything that samples.
 
     Raises:
         ValueError: a count or length that is not above zero.
@@ -34,12 +33,10 @@ class SlamSettings:
     close_loops: bool = True
     baseline_m: float | None = None
     depth_sigma_px: float = 0.5
-    seed: int = 0
 
     def __post_init__(self) -> None:
         check_count(self.features, "SlamSettings.features", 50)
         check_count(self.window, "SlamSettings.window", 3)
-        check_count(self.seed, "SlamSettings.seed", 0)
         check_length(self.depth_sigma_px, "SlamSettings.depth_sigma_px")
         if self.baseline_m is not None:
             check_length(self.baseline_m, "SlamSettings.baseline_m")

@@ -19,6 +19,7 @@ from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.slam.features import DepthImage, Picture, find_corners
 from motorcade.tracking.slam.geometry import PosedPicture, inverse, refine_pose
 from motorcade.tracking.slam.initialise import FEWEST_CORNERS, Start, TwoViewInitialiser
+from motorcade.tracking.slam.loops import close_loop, find_loop
 from motorcade.tracking.slam.map import MapSnapshot, SlamMap
 from motorcade.tracking.slam.mapper import Mapper
 from motorcade.tracking.slam.relocalise import candidates, verified
@@ -31,6 +32,7 @@ State = Literal["initialising", "tracking", "lost", "relocalised"]
 SLAM_STATES: tuple[State, ...] = ("initialising", "tracking", "lost", "relocalised")
 _FEWEST_WITH_DEPTH = 60
 _CANDIDATES = 4
+_LOOP_ITERATIONS = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +111,7 @@ class VisualSlam:
         self._initialiser = TwoViewInitialiser(self._matrix, self.settings.features)
         self._state: State = "initialising"
         self._metric = False
+        self._loops = 0
         self._frames: list[tuple[int, State]] = []
         self._remembered: list[_Remembered] = []
         self._seconds = {"tracking": 0.0, "mapping": 0.0}
@@ -172,7 +175,7 @@ class VisualSlam:
             ),
             map=self._map.snapshot(),
             metric=self._metric,
-            loops=0,
+            loops=self._loops,
             seconds=dict(self._seconds),
         )
 
@@ -247,6 +250,13 @@ class VisualSlam:
         started = time.perf_counter()
         tracker = self._tracker
         ids, px = self._mapper.insert(picture, posed.camera_T_world, tracker.ids, tracker.px)
+        if self.settings.close_loops and self._metric:
+            loop = find_loop(self._map, self.settings.features, self._matrix)
+            if loop is not None:
+                close_loop(self._map, loop)
+                self._mapper.adjust_all(_LOOP_ITERATIONS)
+                self._loops += 1
+                ids, px = self._mapper.followed()
         pose = self._map.keyframes[-1].camera_T_world
         tracker.accept(picture, pose, ids, px)
         self._remember(picture.time_ns, pose, posed.covariance)

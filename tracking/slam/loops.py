@@ -1,0 +1,173 @@
+"""Loops: the camera is back where it was, and the map is made to agree with that.
+
+A keyframe that looks like one far back along the map is matched to it; if one pose explains the
+matches, the drift between the two passes is spread over all keyframes by a pose graph (gtsam), and
+points move with the keyframe that first saw them. Lengths must be metres: with one camera alone
+the unit drifts too, and rigid poses cannot take that out.
+
+Source: pose graph over keyframes that share points, Mur-Artal & Tardos 2017.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray
+from motorcade.tracking.slam.features import Corners, find_corners
+from motorcade.tracking.slam.geometry import inverse, moved, project, refine_pose
+from motorcade.tracking.slam.map import SlamMap
+from motorcade.tracking.slam.relocalise import candidates, verified
+
+__all__ = ["Loop", "close_loop", "find_loop"]
+
+_APART = 10  # keyframes between the two passes, at least
+_CANDIDATES = 3
+_FEWEST_AGREEING = 40
+_SHARED = 15
+_ALIKE_PX = 6.0
+_MOST_BITS = 64
+_SIGMA_RAD, _SIGMA_SHARE = 0.01, 0.01  # of an edge that one point holds
+_FIXED = 1e6  # points that would hold a keyframe as if nailed down
+_EDGE_SHARED = 30
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """The newest keyframe recognised an old one.
+
+    Args:
+        old, new: rows of the keyframes.
+        new_T_world: ``(4, 4)`` the newest keyframe's pose as the old part of the map has it.
+        ids, px: ``(n,)``, ``(n, 2)`` old points that the newest keyframe sees, and where.
+    """
+
+    old: int
+    new: int
+    new_T_world: FloatArray
+    ids: IntArray
+    px: FloatArray
+
+
+def find_loop(slam_map: SlamMap, features: int, matrix: FloatArray) -> Loop | None:
+    """Look for an old keyframe that the newest one sees again but does not share points with."""
+    new = len(slam_map.keyframes) - 1
+    newest = slam_map.keyframes[new]
+    if newest.gray is None:
+        return None
+    strangers = np.flatnonzero(slam_map.shared(newest.ids) < _SHARED)
+    strangers = strangers[strangers <= new - _APART]
+    if not len(strangers):
+        return None
+    corners = find_corners(newest.gray, features)
+    rows = candidates(slam_map, corners, _CANDIDATES, strangers)
+    found = verified(slam_map, corners, rows, matrix)
+    if found is None:
+        return None
+    ids, px = _more_matches(slam_map, corners, found.keyframe, found.posed.camera_T_world, matrix)
+    if len(ids) < _FEWEST_AGREEING:
+        return None
+    posed = refine_pose(found.posed.camera_T_world, slam_map.places[ids], px, matrix)
+    agreeing = posed.inliers
+    if np.count_nonzero(agreeing) < _FEWEST_AGREEING or not np.isfinite(posed.covariance).all():
+        return None
+    ids, px = ids[agreeing], px[agreeing]
+    return Loop(found.keyframe, new, posed.camera_T_world, ids, px)
+
+
+def _more_matches(
+    slam_map: SlamMap, corners: Corners, keyframe: int, pose: FloatArray, matrix: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Points of a keyframe and its neighbours, each with the corner alike that lies where it should."""
+    around = range(max(keyframe - 2, 0), min(keyframe + 3, len(slam_map.keyframes)))
+    ids = np.unique(np.concatenate([slam_map.keyframes[row].ids for row in around]))
+    ids = ids[slam_map.located[ids]]
+    expected, _ = project(pose, slam_map.places[ids], matrix)
+    usable = np.isfinite(expected[:, 0])
+    ids, expected = ids[usable], expected[usable]
+    apart = np.linalg.norm(expected[:, None] - corners.px[None], axis=-1)
+    bits = np.unpackbits(
+        slam_map.descriptors[ids][:, None] ^ corners.descriptors[None], axis=-1
+    ).sum(axis=-1)
+    cost = np.where(apart < _ALIKE_PX, bits, 1000)
+    best = np.argmin(cost, axis=1)
+    mutual = np.argmin(cost, axis=0)[best] == np.arange(len(ids))
+    good = mutual & (cost[np.arange(len(ids)), best] < _MOST_BITS)
+    return ids[good], corners.px[best[good]]
+
+
+def close_loop(slam_map: SlamMap, loop: Loop) -> None:
+    """Spread the drift over the keyframes, move the points along, and join the two passes."""
+    before = np.stack([one.camera_T_world for one in slam_map.keyframes])
+    after = _optimised(slam_map, before, loop)
+    owner = np.full(len(slam_map.alive), -1)
+    for row in reversed(range(len(before))):
+        owner[slam_map.keyframes[row].ids] = row
+    for row, keyframe in enumerate(slam_map.keyframes):
+        mine = np.flatnonzero((owner == row) & slam_map.located)
+        in_camera = moved(before[row], slam_map.places[mine])
+        slam_map.places[mine] = moved(inverse(after[row]), in_camera)
+        keyframe.camera_T_world = after[row]
+    _join(slam_map, loop)
+
+
+def _join(slam_map: SlamMap, loop: Loop) -> None:
+    """Let the newest keyframe see the old points, in place of its own corners beside them."""
+    newest = slam_map.keyframes[loop.new]
+    _, first = np.unique(loop.ids, return_index=True)
+    ids, px = loop.ids[first], loop.px[first]
+    fresh = ~np.isin(ids, newest.ids)
+    ids, px = ids[fresh], px[fresh]
+    newest.ids = np.concatenate([newest.ids, ids])
+    newest.px = np.concatenate([newest.px, px])
+    newest.depth = np.concatenate([newest.depth, np.full(len(ids), np.nan)])
+    order = np.argsort(newest.ids)
+    newest.ids, newest.px, newest.depth = (
+        newest.ids[order], newest.px[order], newest.depth[order],
+    )  # fmt: skip
+
+
+def _optimised(slam_map: SlamMap, before: FloatArray, loop: Loop) -> FloatArray:
+    """Poses ``(k, 4, 4)`` after the loop."""
+    import gtsam
+
+    world_T = [gtsam.Pose3(pose) for pose in inverse(before)]
+    depth = _typical_depth(slam_map)
+    graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+    for row, node in enumerate(world_T):
+        values.insert(row, node)
+    graph.add(gtsam.PriorFactorPose3(0, world_T[0], _noise(_FIXED, depth)))
+    for a, b, count in _edges(slam_map):
+        relative = world_T[a].inverse() * world_T[b]
+        graph.add(gtsam.BetweenFactorPose3(a, b, relative, _noise(count, depth)))
+    seen = world_T[loop.old].inverse() * gtsam.Pose3(inverse(loop.new_T_world))
+    noise = _noise(len(loop.ids), depth)
+    graph.add(gtsam.BetweenFactorPose3(loop.old, loop.new, seen, noise))
+    result = gtsam.LevenbergMarquardtOptimizer(graph, values).optimize()
+    return inverse(np.stack([result.atPose3(row).matrix() for row in range(len(before))]))
+
+
+def _noise(count: float, depth: float) -> Any:
+    """Of an edge that `count` points hold, in a map whose points lie `depth` away."""
+    import gtsam
+
+    sigmas = np.array([_SIGMA_RAD] * 3 + [_SIGMA_SHARE * depth] * 3)
+    return gtsam.noiseModel.Diagonal.Sigmas(sigmas / np.sqrt(count))
+
+
+def _typical_depth(slam_map: SlamMap) -> float:
+    newest = slam_map.keyframes[-1]
+    ids = newest.ids[slam_map.located[newest.ids]]
+    return float(np.median(moved(newest.camera_T_world, slam_map.places[ids])[:, 2]))
+
+
+def _edges(slam_map: SlamMap) -> Iterator[tuple[int, int, int]]:
+    """Neighbours in time, and keyframes that share many points: rows, and how many they share."""
+    for row, keyframe in enumerate(slam_map.keyframes[:-1]):
+        shared = slam_map.shared(keyframe.ids)
+        for other in range(row + 1, len(slam_map.keyframes)):
+            if other == row + 1 or shared[other] >= _EDGE_SHARED:
+                yield row, other, max(int(shared[other]), 1)
