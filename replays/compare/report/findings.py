@@ -44,11 +44,12 @@ class Findings:
 
 def findings(results: Results) -> Findings:
     """All that can be said."""
+    several = len(results.motions) > 1
     return Findings(
         best=tuple(_best(results)),
         representations=tuple(_over_all(results)),
-        at_their_best=tuple(_at_their_best(results)),
-        does_not_matter=tuple(_by_motion(results)),
+        at_their_best=tuple(_at_their_best(results)) if several else (),
+        does_not_matter=tuple(_by_motion(results)) if several else (),
         wins=tuple(_wins(results)),
         artifacts=tuple(_artifacts(results)),
         frames=tuple(_frames(results)),

@@ -173,7 +173,7 @@ def _facts(results: Results) -> list[tuple[str, str]]:
         ("smoothers: methods × representations",
          f"{len(results.methods)} × {len(results.representations)}"),
         ("motions × degradations", f"{len(results.motions)} × {len(results.degradations)}"),
-        ("test seeds a place", str(seeds)),
+        (f"test {results.drawn_from} a place", str(seeds)),
         ("paths to smooth", f"{places * seeds:,}"),
     ]  # fmt: skip
 

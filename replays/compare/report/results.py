@@ -79,6 +79,11 @@ class Results:
         return cls(told, figures)
 
     @property
+    def drawn_from(self) -> str:
+        """What intervals are drawn from: "seeds", or "blocks" of a recording."""
+        return "blocks" if "blocks" in self.told["plan"] else "seeds"
+
+    @property
     def motions(self) -> list[str]:
         """As the plan lists them."""
         return list(self.told["plan"]["motions"])
