@@ -48,7 +48,7 @@ class Sensor:
     baseline_m: float = 0.12
     noise: float = 1.0
     depth_noise_px: float = 0.0
-    exposures: int = 8
+    exposures: int = 5
 
     def __post_init__(self) -> None:
         if self.camera.model != "pinhole":

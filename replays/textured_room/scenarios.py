@@ -98,7 +98,7 @@ class Scenario:
         return np.asarray(middle_s + self.exposure_s * parts)
 
 
-_NOISY = Sensor(depth_noise_px=2.0 * _DEPTH_NOISE_PX, noise=4.0, exposures=9)
+_NOISY = Sensor(depth_noise_px=2.0 * _DEPTH_NOISE_PX, noise=4.0, exposures=5)
 SCENARIOS: dict[str, Scenario] = {
     "handheld": Scenario(handheld, 200),
     "loop": Scenario(loop, round(LOOP_S * RATE_HZ) + 30),

@@ -11,7 +11,7 @@ from motorcade.replays.readers.frames import PictureFrames
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.replays.stages.placed import placed
 from motorcade.replays.stages.smoothed import Smoothed
-from motorcade.replays.textured_room import scenario, write_recording
+from motorcade.replays.textured_room import Scenario, handheld, scenario, write_recording
 from motorcade.tracking import Checkerboard
 
 
@@ -67,12 +67,16 @@ def test_a_board_goes_before_the_plane_and_the_floor_can_be_asked_for(
 
 
 def test_without_depth_it_stands_on_the_floor_and_a_plane_is_refused(
-    looking_down: Recording,
+    looking_down: Recording, tmp_path: Path
 ) -> None:
     frames = looking_down.frames
     assert isinstance(frames, PictureFrames)
     blind = replace(looking_down, frames=replace(frames, depth_files=()))
     assert placed(blind, smoothed(blind)).stands_on == "the world's z = 0 m"
+    covered = Scenario(handheld, 3, covered=(0, 3))
+    write_recording(tmp_path / "covered", covered, name="room")
+    unseen = open_recording(tmp_path / "covered")
+    assert placed(unseen, smoothed(unseen)).stands_on == "the world's z = 0 m"
     with pytest.raises(ValueError, match=r"room: placed\.on=plane, but no plane"):
         placed(blind, smoothed(blind), on="plane")
     with pytest.raises(ValueError, match=r"room: placed\.on=board, but no board is known"):

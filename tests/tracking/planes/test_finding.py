@@ -69,9 +69,9 @@ def test_found_planes_move_with_the_points(rng: np.random.Generator) -> None:
 
 
 def test_a_small_plane_in_much_clutter_is_found(rng: np.random.Generator) -> None:
-    points = rng.uniform(-2.0, 2.0, (4000, 3))
-    patch = rng.uniform((0.0, 0.0), (0.6, 0.6), (600, 2))
-    points[:600] = np.column_stack([patch, 1.0 + SIGMA_M * rng.standard_normal(600)])
+    points = rng.uniform(-2.0, 2.0, (6000, 3))
+    patch = rng.uniform((0.0, 0.0), (0.6, 0.6), (400, 2))
+    points[:400] = np.column_stack([patch, 1.0 + SIGMA_M * rng.standard_normal(400)])
     found = find_planes(points, SIGMA_M, rng, most=1)
     assert len(found.planes) == 1
     assert tilt_deg(found.planes[0], [0.0, 0.0, -1.0]) < 1.0
