@@ -68,9 +68,12 @@ def _scalar(x: Multivector) -> Any:
 
 
 def _vanishes(part: Any, beside: Any) -> bool:
-    """Whether a coefficient is zero, exactly or to rounding beside a scalar."""
+    """Whether a coefficient is zero, exactly or to rounding beside the largest scalar of a batch.
+
+    A row whose own scalar cancels has kept the rounding of the terms that did.
+    """
     if is_numeric(part):
-        size = np.abs(beside) if is_numeric(beside) else 0.0
+        size = np.max(np.abs(beside), initial=0.0) if is_numeric(beside) else 0.0
         return bool(np.all(np.abs(part) <= _ROUNDING * size))
     return is_zero_somewhere(part)
 

@@ -247,3 +247,12 @@ def test_log_exp_and_sqrt_of_multivectors() -> None:
     for name in ("back", "same", "near"):
         assert max(abs(v) for v in made[name].values) < 1e-14
     assert made["unit"].scalar_part() == pytest.approx(1.0, abs=1e-15)
+
+
+def test_rounding_beside_a_scalar_is_measured_by_the_batch() -> None:
+    script = parse("?angle = acos(x + left*e1^e2);")
+    cosines = np.array([1.0, 0.5, 1e-17])
+    made = evaluate(script, x=cosines, left=np.full(3, 1e-16))
+    np.testing.assert_allclose(made["angle"].scalar_part(), np.arccos(cosines), atol=1e-15)
+    with pytest.raises(ScriptError, match="expected a scalar, got a multivector with"):
+        evaluate(script, x=cosines, left=np.array([0.0, 0.0, 1e-11]))
