@@ -12,7 +12,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, IntArray
 
-__all__ = ["chain_probabilities", "forward_messages", "most_probable"]
+__all__ = ["chain_cost", "chain_probabilities", "forward_messages", "most_probable"]
 
 
 def most_probable(first: FloatArray, unary: FloatArray, steps: FloatArray) -> IntArray:
@@ -48,6 +48,20 @@ def forward_messages(first: FloatArray, unary: FloatArray, steps: FloatArray) ->
         reached = messages[-1][..., :, None] + steps[..., step - 1, :, :]
         messages.append(_from_zero(_soft_minimum(reached, -2) + unary[..., step, :]))
     return np.stack(messages, axis=-2)
+
+
+def chain_cost(first: FloatArray, unary: FloatArray, steps: FloatArray) -> FloatArray:
+    """What all evidence says against the chain ``(*)``: ``-log`` of the sum over all sequences.
+
+    Raises:
+        ValueError: shapes that do not agree.
+    """
+    count = _checked(first, unary, steps)
+    cost = first + unary[..., 0, :]
+    for step in range(1, count):
+        reached = cost[..., :, None] + steps[..., step - 1, :, :]
+        cost = _soft_minimum(reached, -2) + unary[..., step, :]
+    return _soft_minimum(cost, -1)
 
 
 def chain_probabilities(first: FloatArray, unary: FloatArray, steps: FloatArray) -> FloatArray:

@@ -10,7 +10,11 @@ import numpy as np
 
 from motorcade.ga import Rotor
 from motorcade.tracking.checks import check_count
-from motorcade.tracking.markers.disambiguate.resolving import Resolution, corner_noise_or
+from motorcade.tracking.markers.disambiguate.resolving import (
+    Resolution,
+    corner_noise_or,
+    explained,
+)
 from motorcade.tracking.markers.disambiguate.sightings import Sightings
 from motorcade.tracking.markers.disambiguate.solving import Recent, Solution, remembered, solve
 from motorcade.tracking.markers.disambiguate.states import empty_memory
@@ -87,7 +91,11 @@ class FixedLagResolver:
         window = Window.of(Sightings.joined(self._frames), sigma_px)
         if len(window.sightings) == 0:
             return None
-        solution = solve(window, Rotor.stack(self._cameras), self._memory, _ROUNDS)
+        cameras = Rotor.stack(self._cameras)
+        if len(self._memory.marker_ids) == 0:
+            solution = explained(window, cameras, _ROUNDS)
+        else:
+            solution = solve(window, cameras, self._memory, _ROUNDS)
         settled = solution.orientations.world_R_camera
         self._cameras = [settled[row] for row in range(len(settled))]
         newest = solution.candidates[window.sightings.of_frame(len(settled) - 1)]

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor, checked_floats, frozen
 from motorcade.tracking.markers.disambiguate.sightings import Sightings
-from motorcade.tracking.markers.disambiguate.solving import Recent, solve
+from motorcade.tracking.markers.disambiguate.solving import Recent, Solution, solve
 from motorcade.tracking.markers.disambiguate.states import empty_memory
 from motorcade.tracking.markers.disambiguate.window import Window, corner_noise_px
 
-__all__ = ["Resolution", "best_single", "corner_noise_or", "resolve"]
+__all__ = ["Resolution", "best_single", "corner_noise_or", "explained", "resolve"]
 
 _ROUNDS = 12
+# Against the candidates of the first explanation where the second one is looked for, nats.
+_REVERSED = 6.0
+_CERTAIN = 500.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +67,10 @@ class Resolution:
 def resolve(sightings: Sightings, sigma_px: float | None = None) -> Resolution:
     """The most probable candidates of a whole recording.
 
+    Small markers seen from afar leave two explanations of everything: the scene, and the scene with
+    all candidates exchanged and the camera turning the other way (Necker's reversal). Both are
+    tried, and weighed by all evidence together.
+
     Breaks down where every marker of a frame is ambiguous and none was seen before, and where
     markers are moved one by one; the probabilities say so.
 
@@ -77,16 +84,34 @@ def resolve(sightings: Sightings, sigma_px: float | None = None) -> Resolution:
     if len(sightings) == 0:
         return Resolution(sightings, np.zeros(0, np.int64), np.zeros(0))
     window = Window.of(sightings, corner_noise_or(sightings.error_px[:, 0], sigma_px))
-    recent, cameras = Recent(), [Rotor.identity()]
-    for row in range(len(sightings.time_ns)):
-        now = window.of_frame(row)
-        if row:
-            elapsed_s = 1e-9 * float(sightings.time_ns[row] - sightings.time_ns[row - 1])
-            cameras.append(recent.vote(now, cameras[-1], elapsed_s))
-        recent.see(now, cameras[-1], now.evidence)
-    solution = solve(window, Rotor.stack(cameras), empty_memory(), _ROUNDS)
+    solution = explained(window, _placed(window, window.evidence), _ROUNDS)
     chosen = np.take_along_axis(solution.candidates, solution.choice[:, None], axis=-1)[:, 0]
     return Resolution(sightings, solution.choice, chosen)
+
+
+def explained(window: Window, cameras: Rotor, rounds: int) -> Solution:
+    """The better of two explanations of a window without a past, with the doubt between them."""
+    first = solve(window, cameras, empty_memory(), rounds)
+    exchanged = _REVERSED * (np.arange(2) == first.choice[:, None])
+    second = solve(window, _placed(window, exchanged), empty_memory(), rounds)
+    ahead = np.clip(second.cost - first.cost, -_CERTAIN, _CERTAIN)
+    share = 1.0 / (1.0 + np.exp(-ahead))
+    both = share * first.candidates + (1.0 - share) * second.candidates
+    return replace(first if ahead >= 0.0 else second, candidates=both)
+
+
+def _placed(window: Window, evidence: FloatArray) -> Rotor:
+    """Every frame's camera by vote against the markers' last sightings."""
+    stamps = window.sightings.time_ns
+    recent, cameras = Recent(), [Rotor.identity()]
+    for row in range(len(stamps)):
+        rows = window.sightings.of_frame(row)
+        now = replace(window.of_frame(row), evidence=evidence[rows])
+        if row:
+            elapsed_s = 1e-9 * float(stamps[row] - stamps[row - 1])
+            cameras.append(recent.vote(now, cameras[-1], elapsed_s))
+        recent.see(now, cameras[-1], now.evidence)
+    return Rotor.stack(cameras)
 
 
 def best_single(sightings: Sightings, sigma_px: float | None = None) -> Resolution:

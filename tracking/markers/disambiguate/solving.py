@@ -8,6 +8,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Rotor
 from motorcade.tracking.markers.disambiguate.chains import (
+    chain_cost,
     chain_probabilities,
     forward_messages,
     most_probable,
@@ -44,6 +45,11 @@ class Solution:
     chains: Chains
     choice: IntArray
     candidates: FloatArray
+
+    @property
+    def cost(self) -> float:
+        """What all evidence says against these orientations, nats."""
+        return float(chain_cost(self.chains.first, self.chains.unary, self.chains.steps).sum())
 
 
 def solve(window: Window, cameras: Rotor, memory: Memory, rounds: int) -> Solution:

@@ -1,0 +1,239 @@
+"""Planar flips over time: the optimum is the optimum, the truth is found, the doubt is honest."""
+
+from itertools import pairwise, product
+
+import numpy as np
+import pytest
+
+from motorcade.ga import Motor, Rotor
+from motorcade.tracking.markers.disambiguate import (
+    FixedLagResolver,
+    Resolution,
+    Sightings,
+    best_single,
+    chain_probabilities,
+    forward_messages,
+    most_probable,
+    pose_stream,
+    resolve,
+    resolve_online,
+)
+
+
+def right_choice(scene, sightings: Sightings) -> np.ndarray:
+    """The candidate nearest to the true orientation, ``(N,)``."""
+    true = scene.camera_T_marker().rotor
+    return np.argmin((true[:, None].inverse() @ sightings.camera_T_marker.rotor).angle(), axis=-1)
+
+
+def wrong(answer: Resolution, scene) -> int:
+    return int(np.count_nonzero(answer.choice != right_choice(scene, answer.sightings)))
+
+
+# Chains ------------------------------------------------------------------------------------------
+
+
+def random_chain(rng, count: int, states: int, batch: tuple[int, ...] = ()):
+    first = rng.exponential(1.0, (*batch, states))
+    unary = rng.exponential(2.0, (*batch, count, states))
+    steps = rng.exponential(2.0, (*batch, count - 1, states, states))
+    steps[rng.random(steps.shape) < 0.1] = np.inf
+    return first, unary, steps
+
+
+def total(first, unary, steps, path) -> float:
+    cost = first[path[0]] + sum(unary[t, s] for t, s in enumerate(path))
+    return cost + sum(steps[t, a, b] for t, (a, b) in enumerate(pairwise(path)))
+
+
+@pytest.mark.parametrize(("count", "states"), [(1, 2), (2, 3), (6, 2), (5, 4)])
+def test_the_most_probable_sequence_is_that_of_all_sequences(count, states, rng) -> None:
+    for _ in range(20):
+        chain = random_chain(rng, count, states)
+        paths = list(product(range(states), repeat=count))
+        costs = np.array([total(*chain, path) for path in paths])
+        if not np.isfinite(costs).any():
+            continue
+        assert tuple(most_probable(*chain)) == paths[int(np.argmin(costs))]
+
+
+@pytest.mark.parametrize(("count", "states"), [(1, 2), (6, 2), (5, 4)])
+def test_probabilities_are_sums_over_all_sequences(count, states, rng) -> None:
+    chain = random_chain(rng, count, states)
+    expected = np.zeros((count, states))
+    for path in product(range(states), repeat=count):
+        expected[np.arange(count), path] += np.exp(-total(*chain, path))
+    expected /= expected.sum(axis=-1, keepdims=True)
+    np.testing.assert_allclose(chain_probabilities(*chain), expected, atol=1e-12)
+    last = np.exp(-forward_messages(*chain)[-1])
+    np.testing.assert_allclose(last / last.sum(), expected[-1], atol=1e-12)
+
+
+def test_chains_in_a_batch_are_the_single_ones(rng) -> None:
+    chain = random_chain(rng, 7, 3, (4, 2))
+    for at in np.ndindex(4, 2):
+        single = tuple(part[at] for part in chain)
+        np.testing.assert_array_equal(most_probable(*chain)[at], most_probable(*single))
+        np.testing.assert_allclose(
+            chain_probabilities(*chain)[at], chain_probabilities(*single), atol=1e-14
+        )
+
+
+def test_long_chains_neither_over_nor_underflow(rng) -> None:
+    first, unary, steps = random_chain(rng, 3000, 2)
+    steps = np.where(np.isinf(steps), 3.0, steps)
+    found = chain_probabilities(first, 500.0 * unary, 500.0 * steps)
+    assert np.isfinite(found).all()
+    np.testing.assert_allclose(found.sum(axis=-1), 1.0)
+
+
+def test_chains_whose_shapes_disagree_are_refused(rng) -> None:
+    first, unary, steps = random_chain(rng, 4, 2)
+    with pytest.raises(ValueError, match="first, steps"):
+        most_probable(first, unary, steps[:-1])
+    with pytest.raises(ValueError, match="first, steps"):
+        chain_probabilities(first[:1], unary, steps)
+
+
+# Whole recordings --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_time_resolves_what_single_pictures_cannot(make_scene, seed: int) -> None:
+    scene = make_scene(30, 12, seed)
+    sightings = pose_stream(scene.stream, scene.side_m)
+    alone, together = wrong(best_single(sightings), scene), wrong(resolve(sightings), scene)
+    assert alone > 15
+    assert together <= 0.1 * alone
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_growing_lag_comes_to_agree_with_the_whole_recording(make_scene, seed: int) -> None:
+    scene = make_scene(20, 10, seed)
+    sightings = pose_stream(scene.stream, scene.side_m)
+    whole = resolve(sightings, 0.3).choice
+    apart = [
+        np.count_nonzero(resolve_online(sightings, lag, 0.3).choice != whole) for lag in (0, 4, 20)
+    ]
+    assert apart[0] >= apart[1] >= apart[2] == 0
+
+
+def test_the_resolver_answers_each_frame_once_and_in_order(make_scene) -> None:
+    scene = make_scene(9, 6, 4)
+    sightings = pose_stream(scene.stream, scene.side_m)
+    resolver = FixedLagResolver(3)
+    answers = [resolver.update(sightings.of_frames(np.array([row]))) for row in range(9)]
+    assert [one is None for one in answers] == [True] * 3 + [False] * 6
+    stamps = [one.sightings.time_ns[0] for one in [*answers[3:], *resolver.finish()]]
+    np.testing.assert_array_equal(stamps, sightings.time_ns)
+    assert resolver.finish() == ()
+
+
+def test_what_the_future_holds_does_not_change_an_answer_given(make_scene) -> None:
+    scene = make_scene(12, 8, 5)
+    sightings = pose_stream(scene.stream, scene.side_m)
+    early = resolve_online(sightings.of_frames(np.arange(8)), 2, 0.3)
+    late = resolve_online(sightings, 2, 0.3)
+    settled = np.count_nonzero(sightings.frame < 6)
+    np.testing.assert_array_equal(early.choice[:settled], late.choice[:settled])
+    np.testing.assert_array_equal(early.probability[:settled], late.probability[:settled])
+
+
+def test_a_marker_that_is_carried_is_resolved_beside_the_others(scenes) -> None:
+    rng = np.random.default_rng(6)
+    frames, markers = 40, 9
+    cameras, still = scenes.path(frames, rng), scenes.wall(markers, rng)
+    swing = np.linspace(0.0, 4.0, frames)[:, None] * [0.25, 0.2, 0.1]
+    carried = Rotor.from_rotation_vector(swing) @ still[0].rotor.reshape(1)
+    moving = np.tile(still.coefficients, (frames, 1, 1))
+    held = Motor.from_rotor_translation(carried, still[0].translation_m + 0.1 * swing)
+    moving[:, 0] = held.coefficients
+    sides = dict.fromkeys(range(markers), 0.06)
+    scene = scenes.seen_by(scenes.camera, cameras, Motor(moving), sides, 0.3, rng)
+    sightings = pose_stream(scene.stream, sides)
+    own = sightings.marker_ids == 0
+    right = right_choice(scene, sightings)
+    alone = np.count_nonzero((best_single(sightings).choice != right) & own)
+    together = np.count_nonzero((resolve(sightings).choice != right) & own)
+    assert np.count_nonzero(own) > 20
+    assert together <= 0.5 * alone
+
+
+def test_probabilities_come_true_as_often_as_they_say(make_scene) -> None:
+    """Few frames and small markers, so that doubt remains; pooled over many scenes."""
+    probability, hit = [], []
+    for seed in range(60):
+        scene = make_scene(1 + seed % 3, 5, 100 + seed, side_m=0.05, noise_px=0.4)
+        sightings = pose_stream(scene.stream, scene.side_m)
+        answer = resolve(sightings, 0.4)
+        probability.append(answer.probability)
+        hit.append(answer.choice == right_choice(scene, sightings))
+    said, came = np.concatenate(probability), np.concatenate(hit)
+    edges = [0.0, 0.7, 0.9, 0.98, 1.01]
+    for low, high in pairwise(edges):
+        part = (said >= low) & (said < high)
+        assert np.count_nonzero(part) > 20
+        doubt = np.sqrt(said[part].mean() * (1.0 - said[part].mean()) / np.count_nonzero(part))
+        assert abs(came[part].mean() - said[part].mean()) < 3.0 * doubt + 0.05
+
+
+def test_ambiguity_of_a_frame_is_that_of_its_least_sure_choice(make_scene) -> None:
+    scene = make_scene(3, 5, 8)
+    answer = resolve(pose_stream(scene.stream, scene.side_m))
+    for frame, ambiguity in enumerate(answer.frame_ambiguity):
+        own = answer.probability[answer.sightings.frame == frame]
+        assert ambiguity == 1.0 - own.min()
+
+
+def test_frames_without_markers_count_as_frames(make_scene) -> None:
+    scene = make_scene(8, 6, 9)
+    sightings = pose_stream(scene.stream, scene.side_m)
+    kept = (sightings.frame < 3) | (sightings.frame > 5)
+    thinned = Sightings(
+        sightings.time_ns, sightings.frame[kept], sightings.marker_ids[kept],
+        sightings.camera_T_marker[kept], sightings.error_px[kept],
+        sightings.rotation_covariance[kept],
+    )  # fmt: skip
+    for answer in (resolve(thinned), resolve_online(thinned, 0), resolve_online(thinned, 2)):
+        assert len(answer.choice) == np.count_nonzero(kept)
+        assert np.all(answer.frame_ambiguity[3:6] == 0.0)
+    nothing = thinned.of_frames(np.arange(3, 6))
+    assert len(resolve(nothing).choice) == len(resolve_online(nothing, 1).choice) == 0
+
+
+def test_the_covariance_of_a_turn_is_that_of_many_noisy_sightings(scenes) -> None:
+    """Monte Carlo through IPPE, for a marker so tilted that the second candidate is far."""
+    rng = np.random.default_rng(10)
+    tilted = Rotor.from_rotation_vector([0.0, 0.8, 0.3])
+    marker = Motor.from_rotor_translation(tilted, [0.05, 0.0, 0.0]).reshape(1)
+    cameras = scenes.path(1, rng)
+    poses = Motor(np.repeat(cameras.coefficients, 400, axis=0))
+    scene = scenes.seen_by(scenes.camera, poses, marker, {0: 0.3}, 0.2, rng)
+    sightings = pose_stream(scene.stream, scene.side_m)
+    true = (cameras[0].inverse() @ marker[0]).rotor
+    turns = (sightings.camera_T_marker[:, 0].rotor @ true.inverse().reshape(1)).as_rotation_vector()
+    expected = 0.2**2 * sightings.rotation_covariance[:, 0].mean(axis=0)
+    ratio = np.linalg.eigvals(np.linalg.solve(expected, turns.T @ turns / len(turns)))
+    assert np.all((ratio.real > 0.75) & (ratio.real < 1.4))
+
+
+def test_bad_input_is_refused_by_name(make_scene) -> None:
+    scene = make_scene(3, 4, 11)
+    sightings = pose_stream(scene.stream, scene.side_m)
+    with pytest.raises(ValueError, match=r"side_m: expected the size of marker 0"):
+        pose_stream(scene.stream, {})
+    with pytest.raises(ValueError, match="sigma_px"):
+        resolve(sightings, 0.0)
+    with pytest.raises(ValueError, match="lag_frames"):
+        FixedLagResolver(-1)
+    with pytest.raises(ValueError, match="one frame"):
+        FixedLagResolver(1).update(sightings)
+    resolver = FixedLagResolver(1)
+    resolver.update(sightings.of_frames(np.array([1])))
+    with pytest.raises(ValueError, match="stamp after"):
+        resolver.update(sightings.of_frames(np.array([0])))
+    with pytest.raises(ValueError, match="each id once"):
+        Sightings(
+            sightings.time_ns[:1], np.zeros(2, int), np.zeros(2, int), Motor.identity((2, 2)),
+            np.zeros((2, 2)), np.zeros((2, 2, 3, 3)),
+        )  # fmt: skip
