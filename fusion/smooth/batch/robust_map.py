@@ -15,35 +15,37 @@ the poses that make up the longest smooth chain (see `consistent`), and the loss
 from wide to its own width (graduated non-convexity: A. Blake, A. Zisserman, Visual Reconstruction,
 1987); only then are the poses left out judged by their residuals as all others are.
 
-Across a run of wrong poses nothing is known but the motion model, so that the error there grows
-with the length of the run. A path that leaps for good, as when a map is corrected, is torn smooth.
-Time is linear in the poses, and some 11 KiB a pose are needed.
+Runs of wrong poses that are a flat marker's other candidate are mirrored back (see `mirrored`).
+Across any other run of wrong poses nothing is known but the motion model, so that the error there
+grows with the length of the run. A path that leaps for good, as when a map is corrected, is torn
+smooth. Time is linear in the poses, and some 11 KiB a pose are needed.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smooth.batch.charts import Between, Chart, component_sizes
-from motorcade.fusion.smooth.batch.consistent import Sizes, bridged, consistent_poses
-from motorcade.fusion.smooth.batch.tridiagonal import Equations, prior_cost, solved
+from motorcade.fusion.smooth.batch.consistent import Sizes, consistent_poses
+from motorcade.fusion.smooth.batch.mirrored import mirrored_back
+from motorcade.fusion.smooth.batch.problem import (
+    LAST_STEPS,
+    Problem,
+    loss_weights,
+    rigid_poses,
+    with_rigid,
+)
 from motorcade.fusion.smooth.checks import checked_length, checked_positive
 from motorcade.fusion.smooth.representations import Representation, representation_named, restored
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import FloatArray, Trajectory
 
 __all__ = ["LOSSES", "RobustPath", "estimate_path", "robust_map"]
 
 LOSSES = ("cauchy", "huber", "squares")
-# The loss is this much wider than its own width at first, and halves until it is not.
-_WIDEST = 8.0
-_MAX_STEPS = 60
-# Largest move of a last step, in deviations of the noise.
-_CONVERGED = 1e-5
-_NO_MORE_DAMPING = 1e8
+# Poses that count less are rejected; runs of them may be read otherwise so many times.
+_REJECTED, _READINGS = 0.1, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,18 +56,21 @@ class RobustPath:
         trajectory: the estimate, with the stamps and frames of the measured one.
         weight: ``(N,)`` 1 where a measured pose counts fully, towards 0 where it is rejected.
         distance: ``(N,)`` of measured from estimated poses, in deviations of the noise.
+        mirrored: ``(N,)`` poses that were read as a flat marker's other candidate, see `mirrored`;
+            weight and distance are of the poses as they were measured.
         velocity: ``(N, d)`` in the representation's vectors; on motors the body twist.
     """
 
     trajectory: Trajectory
     weight: FloatArray
     distance: FloatArray
+    mirrored: NDArray[np.bool_]
     velocity: FloatArray
 
     @property
     def rejected(self) -> NDArray[np.bool_]:
         """Poses ``(N,)`` that count less than a tenth."""
-        return np.asarray(self.weight < 0.1, dtype=np.bool_)
+        return np.asarray(self.weight < _REJECTED, dtype=np.bool_)
 
 
 def robust_map(
@@ -145,152 +150,43 @@ def estimate_path(
         Sizes(noise_m, acceleration_m_s2),
         Sizes(noise_scale, scale_acceleration_s2),
     )
-    return _Problem.of(trajectory, chosen, sizes).solved(trajectory, loss, width)
+    return _estimated(trajectory, chosen, sizes, loss, width)
 
 
-class _State(NamedTuple):
-    """Coordinates ``(N, D)`` and velocities ``(N, d)``."""
-
-    coordinates: FloatArray
-    velocity: FloatArray
-
-
-class _Linear(NamedTuple):
-    """A state with its residuals and their derivatives."""
-
-    state: _State
-    steps: Between
-    measured: Between
-    squares: FloatArray
-
-
-class _Problem:
-    """Measured poses and the model; see the module."""
-
-    def __init__(
-        self,
-        representation: Representation,
-        time_s: FloatArray,
-        measured: FloatArray,
-        sizes: tuple[FloatArray, FloatArray],
-        start: NDArray[np.bool_],
-    ) -> None:
-        self.representation = representation
-        self.interval_s = np.diff(time_s)
-        self.measured = measured
-        self.noise, self.density = sizes
-        self.start = start
-        self.chart = Chart(representation)
-
-    @classmethod
-    def of(
-        cls,
-        trajectory: Trajectory,
-        representation: Representation,
-        sizes: tuple[Sizes, Sizes, Sizes],
-    ) -> _Problem:
-        poses = trajectory.poses
-        start = consistent_poses(trajectory.time_s, _rigid(poses), sizes[0], sizes[1])
-        measured = representation.coordinates(poses)
-        d = representation.difference(measured[:1], measured[:1]).shape[-1]
-        noise = component_sizes(representation, d, *(size.noise for size in sizes))
-        density = component_sizes(representation, d, *(size.acceleration for size in sizes))
-        return cls(representation, trajectory.time_s, measured, (noise, density), start)
-
-    def solved(self, trajectory: Trajectory, loss: str, width: float) -> RobustPath:
-        guess = self._first_guess(trajectory)
-        follow = self.representation.following
-        pairs = zip(self.measured, guess.coordinates, strict=True)
-        self.measured = np.stack([follow(theirs, ours) for theirs, ours in pairs])
-        linear = self._linearised(guess)
-        wide = _WIDEST * width
-        while loss != "squares" and wide > width:
-            linear = self._descended(linear, loss, wide, self.start, steps=3)
-            wide *= 0.5
-        everyone = np.ones_like(self.start)
-        linear = self._descended(linear, loss, width, everyone, _MAX_STEPS)
-        return RobustPath(
-            restored(self.representation, linear.state.coordinates, trajectory),
-            _weights(linear.squares, loss, width),
-            np.sqrt(linear.squares),
-            linear.state.velocity,
-        )
-
-    def _first_guess(self, trajectory: Trajectory) -> _State:
-        """The poses of the chain, and what lies between them."""
-        poses, time_s = trajectory.poses, trajectory.time_s
-        rigid = bridged(time_s, _rigid(poses), self.start)
-        guess: Motor | Similarity = rigid
-        if isinstance(poses, Similarity):
-            log_scale = np.interp(time_s, time_s[self.start], np.log(poses.scale[self.start]))
-            guess = Similarity.from_motor_scale(rigid, np.exp(log_scale))
-        coordinates = self.representation.coordinates(guess)
-        steps = self.representation.difference(coordinates[1:], coordinates[:-1])
-        rate = steps / self.interval_s[:, None]
-        velocity = np.concatenate([rate[:1], 0.5 * (rate[1:] + rate[:-1]), rate[-1:]])
-        return _State(coordinates, velocity)
-
-    def _linearised(self, state: _State) -> _Linear:
-        x = state.coordinates
-        measured = self.chart.between(self.measured, x)
-        squares = np.sum((measured.vector / self.noise) ** 2, axis=1)
-        return _Linear(state, self.chart.between(x[:-1], x[1:]), measured, squares)
-
-    def _descended(
-        self, linear: _Linear, loss: str, width: float, among: NDArray[np.bool_], steps: int
-    ) -> _Linear:
-        """Lower the cost of a loss over some of the poses until it does not fall any more."""
-        damping = 0.0
-        cost = self._cost(linear, loss, width, among)
-        for _ in range(steps):
-            weight = _weights(linear.squares, loss, width) * among
-            information = weight[:, None] * self.noise**-2.0
-            equations = Equations.of(
-                self.interval_s, self.density, linear.steps, linear.state.velocity,
-                linear.measured, information,
-            )  # fmt: skip
-            while True:
-                move = solved(equations, damping)
-                tried = self._linearised(self._moved(linear.state, move))
-                found = self._cost(tried, loss, width, among)
-                if found <= cost * (1.0 + 1e-12) or damping > _NO_MORE_DAMPING:
-                    break
-                damping = max(10.0 * damping, 1e-6)
-            if found > cost * (1.0 + 1e-12):
-                return linear
-            linear, cost, damping = tried, found, 0.1 * damping
-            if np.max(np.abs(move[:, : len(self.noise)]) / self.noise) < _CONVERGED:
+def _estimated(
+    trajectory: Trajectory,
+    representation: Representation,
+    sizes: tuple[Sizes, Sizes, Sizes],
+    loss: str,
+    width: float,
+) -> RobustPath:
+    """The path, where need be again with runs of rejected poses mirrored back."""
+    time_s, poses = trajectory.time_s, trajectory.poses
+    kept = consistent_poses(time_s, rigid_poses(poses), *sizes[:2])
+    mirrored = np.zeros_like(kept)
+    for reading in range(_READINGS):
+        if loss != "squares":
+            rigid, read = mirrored_back(time_s, rigid_poses(poses), kept, sizes, width)
+            if reading and not np.any(read):
                 break
-        return linear
-
-    def _moved(self, state: _State, move: FloatArray) -> _State:
-        d = state.velocity.shape[1]
-        coordinates = self.representation.moved(state.coordinates, move[:, :d])
-        return _State(coordinates, state.velocity + move[:, d:])
-
-    def _cost(self, linear: _Linear, loss: str, width: float, among: NDArray[np.bool_]) -> float:
-        prior = prior_cost(self.interval_s, self.density, linear.steps, linear.state.velocity)
-        return prior + float(np.sum(_charged(linear.squares, loss, width)[among]))
-
-
-def _rigid(poses: Motor | Similarity) -> Motor:
-    return poses.as_motor_scale()[0] if isinstance(poses, Similarity) else poses
-
-
-def _charged(squares: FloatArray, loss: str, width: float) -> FloatArray:
-    """``ρ(s)``, equal to s where it is small."""
-    if loss == "cauchy":
-        return np.asarray(width**2 * np.log1p(squares / width**2), dtype=np.float64)
-    if loss == "huber":
-        beyond = 2.0 * width * np.sqrt(squares) - width**2
-        return np.where(squares <= width**2, squares, beyond)
-    return squares
-
-
-def _weights(squares: FloatArray, loss: str, width: float) -> FloatArray:
-    """``ρ'(s)``."""
-    if loss == "cauchy":
-        return np.asarray(1.0 / (1.0 + squares / width**2), dtype=np.float64)
-    if loss == "huber":
-        return np.asarray(width / np.sqrt(np.maximum(squares, width**2)), dtype=np.float64)
-    return np.ones_like(squares)
+            poses, mirrored = with_rigid(poses, rigid), mirrored | read
+        if reading or np.any(mirrored):
+            kept = consistent_poses(time_s, rigid_poses(poses), *sizes[:2])
+        problem = Problem(representation, time_s, poses, kept, sizes)
+        linear = problem.descended(
+            problem.narrowed(loss, width), loss, width, np.ones_like(kept), LAST_STEPS
+        )
+        if loss == "squares":
+            break
+        kept = loss_weights(linear.squares, loss, width) >= _REJECTED
+    squares = linear.squares
+    if np.any(mirrored):
+        problem.measured = representation.coordinates(trajectory.poses)
+        squares = np.where(mirrored, problem.linearised(linear.state).squares, squares)
+    return RobustPath(
+        restored(representation, linear.state.coordinates, trajectory),
+        loss_weights(squares, loss, width),
+        np.sqrt(squares),
+        mirrored,
+        linear.state.velocity,
+    )

@@ -96,7 +96,9 @@ def prior_cost(
 
 
 def solved(equations: Equations, damping: float) -> FloatArray:
-    """Steps ``(N, s)``; `damping` adds that part of the diagonal to it (Marquardt).
+    """Steps ``(N, s)``, or ``(N, s, k)`` for k right-hand sides.
+
+    `damping` adds that part of the diagonal to it (Marquardt).
 
     Raises:
         ModuleNotFoundError: scipy is missing.
@@ -107,7 +109,7 @@ def solved(equations: Equations, damping: float) -> FloatArray:
         raise ModuleNotFoundError(
             'robust_map needs scipy: pip install "motorcade[pipeline]" brings it', name="scipy"
         ) from missing
-    count, size = equations.right.shape
+    count, size = equations.right.shape[:2]
     band = np.zeros((2 * size, count * size))
     for column in range(size):
         own = slice(column, None, size)
@@ -116,13 +118,14 @@ def solved(equations: Equations, damping: float) -> FloatArray:
         band[size - column : 2 * size - column, upto] = equations.below[:, :, column].T
     band[0] *= 1.0 + damping
     try:
-        made = solveh_banded(band, equations.right.ravel(), overwrite_ab=True, lower=True)
+        right = equations.right.reshape(count * size, *equations.right.shape[2:])
+        made = solveh_banded(band, right, overwrite_ab=True, lower=True)
     except np.linalg.LinAlgError as lost:
         raise ValueError(
             "acceleration, noise: expected a motion model that rounding leaves solvable, got "
             "accelerations too small for the noise and the stamps"
         ) from lost
-    return np.asarray(made, dtype=np.float64).reshape(count, size)
+    return np.asarray(made, dtype=np.float64).reshape(equations.right.shape)
 
 
 def _weights(
