@@ -196,9 +196,7 @@ def _step(bundle: Bundle, linear: _Linear, damping: float) -> tuple[FloatArray, 
     return pose_step, -(inverted @ pull[..., None])[..., 0]
 
 
-def _crossed(
-    bundle: Bundle, cross: FloatArray, slot: IntArray
-) -> list[tuple[slice, FloatArray]]:
+def _crossed(bundle: Bundle, cross: FloatArray, slot: IntArray) -> list[tuple[slice, FloatArray]]:
     """Blocks of points and their coupling ``(block, 3, 6 f)`` with the f free poses."""
     free = int(slot.max()) + 1
     usable = slot[bundle.pose_of] >= 0
@@ -231,4 +229,7 @@ def _product(a: FloatArray, b: FloatArray) -> FloatArray:
 
 def _damped(hessian: FloatArray, damping: float) -> FloatArray:
     diagonal = np.einsum("...ii->...i", hessian)
-    return hessian + (damping * diagonal + 1e-9)[..., None] * np.eye(hessian.shape[-1])
+    damped: FloatArray = hessian + (damping * diagonal + 1e-9)[..., None] * np.eye(
+        hessian.shape[-1]
+    )
+    return damped

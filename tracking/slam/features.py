@@ -126,7 +126,10 @@ def follow(
     A corner is found if following it back ends where it began.
 
     Args:
-        px: ``(n, 2)`` in `before`; guess: ``(n, 2)`` about where in `after`.
+        before: the picture that holds the corners.
+        after: the picture to find them in.
+        px: ``(n, 2)`` in `before`.
+        guess: ``(n, 2)`` about where in `after`.
     """
     if not len(px):
         return np.zeros((0, 2)), np.zeros(0, dtype=np.bool_)
@@ -179,6 +182,9 @@ def stereo_depth(
     """Depths ``(n,)`` of pixels of a rectified pair; NaN where the right picture shows no match.
 
     Args:
+        left: the picture that holds the pixels.
+        right: the other one, its rows level with `left`.
+        px: ``(n, 2)``.
         disparity_px_m: focal length (pixels) times baseline (metres).
     """
     there, found = follow(left, right, px, px)

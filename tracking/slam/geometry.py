@@ -127,7 +127,8 @@ def refine_pose(
 
     Args:
         camera_T_world: the start, ``(4, 4)``.
-        points: ``(n, 3)``; px: ``(n, 2)`` where they were seen.
+        points: ``(n, 3)``.
+        px: ``(n, 2)`` where they were seen.
         matrix: ``(3, 3)`` intrinsics.
 
     Points behind the camera count as outliers. With fewer than six inliers, or points that do not
@@ -152,7 +153,7 @@ def refine_pose(
 def _described(
     pose: FloatArray, points: FloatArray, px: FloatArray, matrix: FloatArray
 ) -> PosedPicture:
-    residuals, jacobian, weight = _linearised(pose, points, px, matrix)
+    _, jacobian, _ = _linearised(pose, points, px, matrix)
     seen, _ = project(pose, points, matrix)
     error = np.linalg.norm(seen - px, axis=-1)
     inliers = np.nan_to_num(error, nan=np.inf) <= OUTLIER_PX

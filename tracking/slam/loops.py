@@ -81,7 +81,7 @@ def find_loop(slam_map: SlamMap, features: int, matrix: FloatArray) -> Loop | No
 def _more_matches(
     slam_map: SlamMap, corners: Corners, keyframe: int, pose: FloatArray, matrix: FloatArray
 ) -> tuple[IntArray, FloatArray]:
-    """Points of a keyframe and its neighbours, each with the corner alike that lies where it should."""
+    """Points of a keyframe and its neighbours, with the corners alike that lie near enough."""
     around = range(max(keyframe - 2, 0), min(keyframe + 3, len(slam_map.keyframes)))
     ids = np.unique(np.concatenate([slam_map.keyframes[row].ids for row in around]))
     ids = ids[slam_map.located[ids]]

@@ -82,7 +82,7 @@ class MapSnapshot:
             object.__setattr__(self, name, own)
         if self.world_T_camera.shape != (k,):
             raise ValueError(
-                f"MapSnapshot.world_T_camera: expected shape {(k,)}, got {self.world_T_camera.shape}"
+                f"MapSnapshot.world_T_camera: expected {(k,)}, got {self.world_T_camera.shape}"
             )
         for name, limit in (("keyframe_of", k), ("point_of", p)):
             rows = getattr(self, name)
@@ -114,7 +114,7 @@ class MapSnapshot:
             OSError: a file that cannot be read.
         """
         try:
-            with np.load(path, allow_pickle=False) as stored:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
                 if str(stored["format"]) != _FORMAT:
                     raise ValueError(f"expected the format '{_FORMAT}', got '{stored['format']}'")
                 return cls(

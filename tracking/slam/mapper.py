@@ -65,7 +65,7 @@ class Mapper:
             return True
         _, then, now = np.intersect1d(newest.ids, ids, assume_unique=True, return_indices=True)
         motion = np.linalg.norm(newest.px[then] - px[now], axis=1)
-        return float(np.median(motion)) > _MOVED_SHARE * picture.gray.shape[1]
+        return bool(np.median(motion) > _MOVED_SHARE * picture.gray.shape[1])
 
     def append(self, picture: Picture, pose: FloatArray, ids: IntArray, px: FloatArray) -> Keyframe:
         """Make a keyframe of a picture; points with a measured depth and no place get one."""
@@ -192,7 +192,7 @@ class Mapper:
     def _adjust(
         self, rows: IntArray, fixed_count: int, points: IntArray, iterations: int = 8
     ) -> None:
-        """Adjust points and keyframes `rows`, of which the first `fixed_count` stay (at least 1)."""
+        """Adjust points and keyframes `rows`, whose first `fixed_count` (at least 1) stay."""
         if not len(points) or len(rows) < 2:
             return
         slot = np.full(len(self.map.alive), -1)

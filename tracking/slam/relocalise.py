@@ -62,9 +62,7 @@ def candidates(
     return np.asarray(rows[best[score[best] >= _FEWEST_MATCHES]])
 
 
-def matched(
-    slam_map: SlamMap, corners: Corners, keyframe: int
-) -> tuple[IntArray, IntArray]:
+def matched(slam_map: SlamMap, corners: Corners, keyframe: int) -> tuple[IntArray, IntArray]:
     """Rows of corners, and numbers of the points of one keyframe that they match."""
     ids = slam_map.keyframes[keyframe].ids
     ids = ids[slam_map.located[ids]]
@@ -82,7 +80,7 @@ def matched(
 def verified(
     slam_map: SlamMap, corners: Corners, rows: IntArray, matrix: FloatArray
 ) -> Found | None:
-    """The keyframe of `rows` with most matches that one pose explains; None where none has enough."""
+    """The keyframe of `rows` with most matches that one pose explains, or None."""
     best: Found | None = None
     for keyframe in rows:
         corner, ids = matched(slam_map, corners, int(keyframe))

@@ -16,7 +16,7 @@ class SlamSettings:
     """How much is tracked and mapped.
 
     Fields:
-        features: corners followed in a picture of 640 x 480, spread over a grid; more in a larger one.
+        features: corners followed in a picture of 640 x 480 (more in a larger one), spread out.
         window: newest keyframes that each local adjustment moves.
         adjust: adjust the window at each keyframe; off shows what that is worth.
         close_loops: look for places seen before, where lengths are metres; off shows its worth.

@@ -171,7 +171,8 @@ class VisualSlam:
             time_ns=np.array([stamp for stamp, _ in self._frames], dtype=np.int64),
             states=tuple(state for _, state in self._frames),
             online=_trajectory(
-                [one.time_ns for one in seen], [one.online for one in seen if one.online is not None]
+                [one.time_ns for one in seen],
+                [one.online for one in seen if one.online is not None],
             ),
             map=self._map.snapshot(),
             metric=self._metric,
@@ -185,7 +186,9 @@ class VisualSlam:
         if picture.depth_m is not None or picture.right is not None:
             return self._started_with_depth(picture)
         start = self._initialiser.feed(picture)
-        return TrackedFrame(picture.time_ns, "initialising") if start is None else self._begun(start)
+        return (
+            TrackedFrame(picture.time_ns, "initialising") if start is None else self._begun(start)
+        )
 
     def _started_with_depth(self, picture: Picture) -> TrackedFrame:
         corners = find_corners(picture.gray, self.settings.features)
@@ -290,9 +293,7 @@ class VisualSlam:
         newest = len(self._map.keyframes) - 1
         camera_T_keyframe = pose @ inverse(self._map.keyframes[newest].camera_T_world)
         given = np.array(pose) if online else None
-        self._remembered.append(
-            _Remembered(time_ns, newest, camera_T_keyframe, covariance, given)
-        )
+        self._remembered.append(_Remembered(time_ns, newest, camera_T_keyframe, covariance, given))
 
     def _picture(
         self, time_ns: int, gray: GrayImage, depth_m: DepthImage | None, right: GrayImage | None
@@ -302,7 +303,9 @@ class VisualSlam:
         if self._frames and time_ns <= self._frames[-1][0]:
             raise ValueError(f"time_ns: expected more than {self._frames[-1][0]}, got {time_ns}")
         if right is not None and self.settings.baseline_m is None:
-            raise ValueError("right: expected SlamSettings.baseline_m with a right picture, got None")
+            raise ValueError(
+                "right: expected SlamSettings.baseline_m with a right picture, got None"
+            )
         straight = self.camera.undistort_image(checked_gray(gray))
         depth = None if depth_m is None else self.camera.undistort_depth(depth_m)
         other = None if right is None else self.camera.undistort_image(checked_gray(right))
@@ -314,9 +317,7 @@ def _frame(
 ) -> TrackedFrame:
     world_T_camera = Motor.from_matrix(inverse(pose))
     count = int(np.count_nonzero(posed.inliers))
-    return TrackedFrame(
-        picture.time_ns, state, world_T_camera, posed.covariance, count, keyframe
-    )
+    return TrackedFrame(picture.time_ns, state, world_T_camera, posed.covariance, count, keyframe)
 
 
 def _trajectory(stamps: list[int], poses: list[FloatArray]) -> Trajectory | None:

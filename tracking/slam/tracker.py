@@ -37,7 +37,9 @@ def trusted(posed: PosedPicture | None, px: FloatArray, shape: tuple[int, ...]) 
     """Whether a pose stands on enough corners, on enough of them all, and on enough of the picture.
 
     Args:
-        px: ``(n, 2)`` the corners it was fitted to; shape: (height, width).
+        posed: the pose; None is never trusted.
+        px: ``(n, 2)`` the corners it was fitted to.
+        shape: (height, width) of the picture.
     """
     if posed is None:
         return False

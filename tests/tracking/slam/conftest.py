@@ -13,9 +13,9 @@ from motorcade.tracking import Camera
 CAMERA = Camera(400, 300, 320.0, 320.0, 199.5, 149.5)
 HALF_M = np.array([1.1, 0.8, 2.4])
 TEXEL_M = 0.01
-STEP_NS = 33_333_333
 
 View = Callable[[Motor], tuple[np.ndarray, np.ndarray]]
+Poses = Callable[..., list[Motor]]
 
 
 @lru_cache(maxsize=1)
@@ -70,7 +70,25 @@ def view() -> View:
     return rendered
 
 
-def swaying(count: int) -> list[Motor]:
+@pytest.fixture(scope="session")
+def half_m() -> np.ndarray:
+    """Half the size of the room, whose middle is the world's origin."""
+    return HALF_M
+
+
+@pytest.fixture(scope="session")
+def swaying() -> Poses:
+    """See `_swaying`."""
+    return _swaying
+
+
+@pytest.fixture(scope="session")
+def turning() -> Poses:
+    """See `_turning`."""
+    return _turning
+
+
+def _swaying(count: int) -> list[Motor]:
     """A hand that sways through the room and turns a little: poses of frames at 30 Hz."""
     t = np.arange(count) / 30.0
     place = np.stack([0.4 * np.sin(1.1 * t), 0.2 * np.sin(1.7 * t), 0.3 * np.sin(0.8 * t)], axis=1)
@@ -79,8 +97,10 @@ def swaying(count: int) -> list[Motor]:
     return list(poses)
 
 
-def turning(count: int, radians: float) -> list[Motor]:
+def _turning(count: int, radians: float) -> list[Motor]:
     """A camera that turns on the spot."""
     angle = np.linspace(0.0, radians, count)
     turn = np.stack([0.1 * np.sin(angle), angle, 0.0 * angle], axis=1)
-    return list(Motor.from_rotor_translation(Rotor.from_rotation_vector(turn), np.zeros((count, 3))))
+    return list(
+        Motor.from_rotor_translation(Rotor.from_rotation_vector(turn), np.zeros((count, 3)))
+    )

@@ -17,8 +17,11 @@ from motorcade.tracking.slam import (
     VisualSlam,
 )
 
-from .conftest import CAMERA, STEP_NS, View, swaying, turning
+View = Callable[[Motor], tuple[np.ndarray, np.ndarray]]
+Poses = Callable[..., list[Motor]]
 
+CAMERA = Camera(400, 300, 320.0, 320.0, 199.5, 149.5)  # as the room is rendered
+STEP_NS = 33_333_333
 COUNT, BLACK = 45, range(20, 30)
 Ran = tuple[SlamResult, list[TrackedFrame]]
 
@@ -34,7 +37,7 @@ def ran(view: View, poses: list[Motor], depth: bool, black: range = range(0)) ->
 
 
 @pytest.fixture(scope="module")
-def with_depth(view: View) -> Ran:
+def with_depth(view: View, swaying: Poses) -> Ran:
     return ran(view, swaying(COUNT), depth=True)
 
 
@@ -53,7 +56,9 @@ def truth_of(trajectory: Trajectory | None, poses: list[Motor]) -> tuple[np.ndar
     return trajectory.motors.translation_m, places[trajectory.time_ns // STEP_NS]
 
 
-def test_a_room_with_depth_is_tracked_in_metres_at_every_frame(with_depth: Ran) -> None:
+def test_a_room_with_depth_is_tracked_in_metres_at_every_frame(
+    with_depth: Ran, swaying: Poses
+) -> None:
     result, frames = with_depth
     poses = swaying(COUNT)
     assert [frame.state for frame in frames] == ["tracking"] * COUNT
@@ -76,7 +81,7 @@ def test_covariances_are_those_of_poses_and_small(with_depth: Ran) -> None:
     assert np.sqrt(result.covariance[1:, range(3, 6), range(3, 6)]).max() < 0.02
 
 
-def test_one_camera_finds_the_same_path_up_to_scale(view: View) -> None:
+def test_one_camera_finds_the_same_path_up_to_scale(view: View, swaying: Poses) -> None:
     result, frames = ran(view, swaying(COUNT), depth=False)
     assert not result.metric
     assert Counter(frame.state for frame in frames)["tracking"] > COUNT // 2
@@ -85,7 +90,7 @@ def test_one_camera_finds_the_same_path_up_to_scale(view: View) -> None:
     assert umeyama_rmse(ours, truth, scaled=True) < 0.005
 
 
-def test_the_same_pictures_give_the_same_bytes(view: View, with_depth: Ran) -> None:
+def test_the_same_pictures_give_the_same_bytes(view: View, swaying: Poses, with_depth: Ran) -> None:
     again, _ = ran(view, swaying(COUNT), depth=True)
     first = with_depth[0]
     assert first.trajectory is not None
@@ -97,7 +102,7 @@ def test_the_same_pictures_give_the_same_bytes(view: View, with_depth: Ran) -> N
     assert first.map.points.tobytes() == again.map.points.tobytes()
 
 
-def test_black_frames_are_lost_and_the_camera_is_found_again(view: View) -> None:
+def test_black_frames_are_lost_and_the_camera_is_found_again(view: View, swaying: Poses) -> None:
     poses = swaying(COUNT)
     result, frames = ran(view, poses, depth=True, black=BLACK)
     assert all(frames[index].state == "lost" for index in BLACK)
@@ -109,7 +114,7 @@ def test_black_frames_are_lost_and_the_camera_is_found_again(view: View) -> None
     assert umeyama_rmse(ours, truth, scaled=False) < 0.005
 
 
-def test_a_camera_that_only_turns_has_no_map(view: View) -> None:
+def test_a_camera_that_only_turns_has_no_map(view: View, turning: Poses) -> None:
     result, frames = ran(view, turning(25, 0.4), depth=False)
     assert {frame.state for frame in frames} == {"initialising"}
     assert result.trajectory is None
@@ -127,7 +132,9 @@ def test_a_room_without_texture_has_no_pose(rng: np.random.Generator) -> None:
     assert slam.finish().trajectory is None
 
 
-def test_another_scene_cut_in_is_not_believed(view: View, rng: np.random.Generator) -> None:
+def test_another_scene_cut_in_is_not_believed(
+    view: View, swaying: Poses, rng: np.random.Generator
+) -> None:
     slam = VisualSlam(CAMERA)
     for index, pose in enumerate(swaying(8)):
         assert slam.track(index * STEP_NS, *view(pose)).state == "tracking"
@@ -150,12 +157,12 @@ def test_a_map_survives_saving(with_depth: Ran, tmp_path: Path) -> None:
         MapSnapshot.load(tmp_path / "torn.npz")
 
 
-def test_points_of_the_map_lie_on_the_walls(with_depth: Ran) -> None:
-    from .conftest import HALF_M
-
+def test_points_of_the_map_lie_on_the_walls(
+    with_depth: Ran, swaying: Poses, half_m: np.ndarray
+) -> None:
     points = swaying(1)[0].apply(with_depth[0].map.points)
     assert len(points) > 300
-    from_wall = np.abs(np.max(np.abs(points) / HALF_M, axis=1) - 1.0)
+    from_wall = np.abs(np.max(np.abs(points) / half_m, axis=1) - 1.0)
     assert np.median(from_wall) < 0.005
     assert np.quantile(from_wall, 0.95) < 0.03
 
@@ -166,12 +173,12 @@ GRAY = np.zeros((CAMERA.height, CAMERA.width), dtype=np.uint8)
 @pytest.mark.parametrize(
     ("feed", "message"),
     [
-        (lambda slam: slam.track(1, GRAY[:-1]), "image: expected 400 x 300"),
+        (lambda slam: slam.track(1, GRAY[:-1]), r"image: expected 400 x 300"),
         (lambda slam: slam.track(1, GRAY, np.ones((3, 3), dtype=np.float32)), "depth_m: expected"),
         (lambda slam: slam.track(0, GRAY), "time_ns: expected more than 0"),
         (lambda slam: slam.track(1.5, GRAY), "time_ns: expected whole"),
         (lambda slam: slam.track(1, GRAY.astype(float)), "image: expected a grey uint8"),
-        (lambda slam: slam.track(1, GRAY, None, GRAY), "right: expected SlamSettings.baseline_m"),
+        (lambda slam: slam.track(1, GRAY, None, GRAY), "right: expected SlamSettings\\.baseline_m"),
     ],
 )
 def test_bad_frames_are_refused(feed: Callable[[VisualSlam], object], message: str) -> None:
