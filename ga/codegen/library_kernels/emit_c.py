@@ -16,7 +16,7 @@ from motorcade.ga.codegen.precision import PRECISIONS, Precision
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.shared.templates import C_LOGIC, Templates
 
-__all__ = ["c_function", "c_source", "c_table"]
+__all__ = ["c_source", "c_table"]
 
 _NOTE = "Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions; edit those."
 _FUNCTIONS = {

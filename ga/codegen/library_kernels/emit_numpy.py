@@ -15,7 +15,7 @@ from motorcade.ga.codegen.precision import PRECISIONS, Precision
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, Templates
 
-__all__ = ["numpy_function", "numpy_source", "numpy_table"]
+__all__ = ["numpy_source", "numpy_table"]
 
 _NOTE = "Written by ``python -m motorcade.ga.codegen`` from ga/kernels/definitions; edit those."
 _LOGIC = COMPARISONS | {"and": "({} & {})", "or": "({} | {})"}

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from motorcade.ga.codegen.interpret import NUMPY_OPERATIONS
 from motorcade.ga.codegen.tape import Node, Tape
 
-__all__ = ["POINTS", "sample_inputs", "sampled"]
+__all__ = ["POINTS", "sampled"]
 
 POINTS = 16
 _SEED = 20170215

@@ -15,12 +15,10 @@ from motorcade.ga.codegen.targets.shared.text import WIDTH, call, description, v
 
 __all__ = [
     "ArrayLibrary",
-    "ArrayTemplates",
     "array_module",
     "assignments",
     "listed",
     "module",
-    "nested_results",
 ]
 
 _LITERAL = re.compile(r"-?[0-9.]+(e[+-]?[0-9]+)?")
