@@ -173,7 +173,7 @@ def rotation_covariance(camera: Camera, camera_T_marker: Motor, points_m: FloatA
     arms = seen - seen.mean(axis=-2, keepdims=True)
     by_turn = np.cross(arms[..., None, :], by_point)
     jacobian = np.concatenate([by_turn, by_point], axis=-1)
-    jacobian = jacobian.reshape(*seen.shape[:-2], -1, 6)
+    jacobian = jacobian.reshape(*seen.shape[:-2], 8, 6)
     jacobian = np.nan_to_num(jacobian)  # a corner without an image tells nothing
     information = jacobian.swapaxes(-1, -2) @ jacobian
     slack = np.diag([1.0] * 3 + [1e-3] * 3) * _LEAST_INFORMATION

@@ -1,0 +1,185 @@
+"""Maps of markers: the layout, the path and the rig come back from corners alone."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.ga import Motor, Rotor
+from motorcade.tracking import TrackingError
+from motorcade.tracking.markers.mapping import map_markers, track_rig
+from motorcade.tracking.markers.mapping.reprojection import linearised, residuals_px
+from motorcade.tracking.markers.mapping.rig import gather
+from motorcade.tracking.markers.marker_map import MarkerMap
+
+RIG_T_RIGHT = Motor.from_rotor_translation(
+    Rotor.from_rotation_vector([0.02, 0.2, -0.05]), [0.12, 0.01, -0.02]
+)
+SIDES = {0: 0.16, **dict.fromkeys(range(1, 9), 0.1)}
+
+
+@pytest.fixture(scope="module")
+def rig(scenes):
+    """Two cameras on a rig before nine markers; the second one's stamps are 3 ms late."""
+    rng = np.random.default_rng(3)
+    path, wall = scenes.path(25, rng), scenes.wall(9, rng)
+    left = scenes.seen_by(scenes.camera, path, wall, SIDES, 0.2, rng)
+    path_right = path @ RIG_T_RIGHT.reshape(1)
+    right = scenes.seen_by(scenes.camera, path_right, wall, SIDES, 0.2, rng, start_ns=1_003_000_000)
+    return path, wall, {"left": left.stream, "right": right.stream}
+
+
+def apart(found: Motor, true: Motor) -> tuple[float, float]:
+    """Largest difference in metres and degrees."""
+    motion = found.inverse() @ true
+    return (
+        float(np.linalg.norm(motion.translation_m, axis=-1).max()),
+        float(np.degrees(motion.rotor.angle()).max()),
+    )
+
+
+def test_layout_path_and_rig_come_back(rig) -> None:
+    path, wall, streams = rig
+    found = map_markers(streams, SIDES)
+    markers = found.marker_map
+    assert found.left_out == ()
+    np.testing.assert_array_equal(markers.marker_ids, np.arange(9))
+    anchor = int(np.argmin(np.linalg.norm(markers.world_T_marker.as_twist(), axis=-1)))
+    world_T_ours = wall[anchor].reshape(1)
+    metres, degrees = apart(world_T_ours @ markers.world_T_marker, wall)
+    assert metres < 0.006
+    assert degrees < 1.0
+    metres, degrees = apart(world_T_ours @ found.trajectory.motors, path)
+    assert metres < 0.012
+    assert degrees < 0.5
+    metres, degrees = apart(found.rig_T_camera["right"], RIG_T_RIGHT)
+    assert metres < 0.002
+    assert degrees < 0.1
+
+
+def test_a_given_camera_stays_where_it_was_given(rig) -> None:
+    _, _, streams = rig
+    known = {"left": Motor.identity(), "right": RIG_T_RIGHT}
+    found = map_markers(streams, SIDES, known)
+    given = found.rig_T_camera["right"].coefficients
+    np.testing.assert_array_equal(given, RIG_T_RIGHT.coefficients)
+
+
+def test_the_map_tracks_its_own_recording_and_a_part_of_it(rig) -> None:
+    _, _, streams = rig
+    found = map_markers(streams, SIDES)
+    again = track_rig(found.marker_map, streams, found.rig_T_camera)
+    metres, degrees = apart(again.trajectory.motors, found.trajectory.motors)
+    assert metres < 1e-3
+    assert degrees < 0.05
+    alone = track_rig(found.marker_map, {"left": streams["left"]})
+    assert apart(alone.trajectory.motors, found.trajectory.motors)[0] < 0.02
+
+
+def test_the_derivatives_are_those_of_differences(rig) -> None:
+    path, wall, streams = rig
+    known = {"left": Motor.identity(), "right": RIG_T_RIGHT}
+    seen = gather(streams, known, SIDES, 0.05).only(np.arange(12))
+    poses, markers = path[seen.frame], wall[seen.marker]
+    residuals, jacobians = linearised(seen, poses, markers)
+    np.testing.assert_allclose(residuals, residuals_px(seen, poses, markers).reshape(-1, 8))
+    for axis, step in enumerate(1e-6 * np.eye(6)):
+        nudge = Motor.from_twist(step)
+        one = nudge.reshape(1)
+        moved = [
+            residuals_px(seen, poses @ one, markers),
+            residuals_px(seen, poses, markers @ one),
+            residuals_px(replace(seen, rig_T_camera=seen.rig_T_camera @ one), poses, markers),
+        ]
+        for part, changed in enumerate(moved):
+            slope = (changed.reshape(-1, 8) - residuals) / 1e-6
+            np.testing.assert_allclose(jacobians[:, part, :, axis], slope, rtol=1e-3, atol=0.05)
+
+
+def test_markers_never_seen_beside_the_others_are_left_out_and_named(scenes) -> None:
+    rng = np.random.default_rng(4)
+    path, wall = scenes.path(10, rng), scenes.wall(6, rng)
+    stream = scenes.seen_by(
+        scenes.camera, path, wall, dict.fromkeys(range(6), 0.12), 0.2, rng
+    ).stream
+    early = stream.frame < 6
+    kept = (early & (stream.marker_ids < 4)) | (~early & (stream.marker_ids >= 4))
+    split = replace(
+        stream,
+        frame=stream.frame[kept],
+        marker_ids=stream.marker_ids[kept],
+        corners_px=stream.corners_px[kept],
+    )
+    found = map_markers({"one": split}, dict.fromkeys(range(6), 0.12))
+    assert found.left_out == (4, 5)
+    np.testing.assert_array_equal(found.trajectory.time_ns, stream.time_ns[:6])
+
+
+def test_the_same_map_gives_the_same_bytes_also_after_reading(rig, tmp_path: Path) -> None:
+    _, _, streams = rig
+    for name in ("once", "twice"):
+        map_markers(streams, SIDES).marker_map.save(tmp_path / name)
+    read = MarkerMap.load(tmp_path / "once")
+    read.save(tmp_path / "again")
+    once = (tmp_path / "once").read_bytes()
+    assert once == (tmp_path / "twice").read_bytes() == (tmp_path / "again").read_bytes()
+    assert read.sides == SIDES
+    corner = read.world_T_marker[2].apply([0.1, -0.1, 0.0])
+    np.testing.assert_allclose(read.points_m[4 * 2 + 2], corner)
+
+
+GOOD = {"id": 1, "side_m": 0.1, "quaternion_wxyz": [1, 0, 0, 0], "translation_m": [0, 0, 0]}
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"side_m": 0.0}, "above 0"),
+        ({"side_m": "wide"}, "not a marker map"),
+        ({"quaternion_wxyz": [2, 0, 0, 0]}, "unit"),
+        ({"quaternion_wxyz": [1, 0, 0]}, "not a marker map"),
+        ({"translation_m": [0, 0, float("nan")]}, "origin_m"),
+        ({"id": True}, "whole numbers"),
+        ({"id": 10**30}, "not a marker map"),
+    ],
+)
+def test_maps_that_make_no_sense_are_refused(change, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "map.json"
+    MarkerMap(np.array([1]), np.array([0.1]), Rotor.identity((1,)), np.zeros((1, 3))).save(path)
+    content = json.loads(path.read_text())
+    content["markers"] = [GOOD | change]
+    path.write_text(json.dumps(content))
+    with pytest.raises(ValueError, match=said):
+        MarkerMap.load(path)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{", "[" * 10**5, '{"format": "motorcade marker map 1"}']
+)
+def test_files_that_are_no_maps_are_refused(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "map.json"
+    path.write_text(text)
+    with pytest.raises(ValueError, match="not a marker map"):
+        MarkerMap.load(path)
+
+
+def test_maps_of_nothing_are_refused(rig) -> None:
+    _, _, streams = rig
+    empty = replace(
+        streams["left"],
+        frame=np.zeros(0, int),
+        marker_ids=np.zeros(0, int),
+        corners_px=np.zeros((0, 4, 2)),
+    )
+    with pytest.raises(ValueError, match="streams"):
+        map_markers({}, SIDES)
+    with pytest.raises(TrackingError, match="expected markers"):
+        map_markers({"left": empty}, SIDES)
+    with pytest.raises(TrackingError, match="right: expected a marker seen together"):
+        map_markers({"left": streams["left"], "right": empty}, SIDES)
+    with pytest.raises(ValueError, match="rig_T_camera"):
+        map_markers(streams, SIDES, {"top": Motor.identity()})
+    with pytest.raises(ValueError, match="sync_s"):
+        map_markers(streams, SIDES, sync_s=float("nan"))
