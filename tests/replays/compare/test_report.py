@@ -13,13 +13,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
+from motorcade.render.plots.style import COLOURS
 from motorcade.replays.compare.cells import Cell, Row, Setting, inputs_of, run_cell
 from motorcade.replays.compare.guide import guide
-from motorcade.replays.compare.plan import Plan
-from motorcade.replays.compare.report import Results, write_report
+from motorcade.replays.compare.plan import DEGRADATIONS, Plan
+from motorcade.replays.compare.report import Results, names, write_report
 from motorcade.replays.compare.report.findings import findings
 from motorcade.replays.compare.report.names import METRICS, shown
 from motorcade.replays.compare.report.results import Ratio, tied
+from motorcade.replays.compare.ruler import METRICS as RULER_METRICS
 from motorcade.replays.compare.statistics import Sample
 from motorcade.replays.compare.tables import Outcome, write_tables
 from motorcade.replays.compare.traits import Trait, run_trait
@@ -330,6 +334,17 @@ def test_the_guide_is_written_from_the_figures(results: Results, swapped: Result
 )
 def test_ties(ratio: Ratio, tie: bool) -> None:
     assert tied(ratio) == tie
+
+
+def test_everything_that_can_be_compared_has_a_name_and_a_line() -> None:
+    assert set(names.METHODS) == set(METHODS)
+    assert set(names.REPRESENTATIONS) == set(REPRESENTATIONS)
+    assert set(names.MOTIONS) == set(MOTIONS)
+    assert set(names.DEGRADATIONS) == set(names.LABELS) == {*DEGRADATIONS, "recorded"}
+    assert set(names.METRICS) == {"score", *RULER_METRICS}
+    for method in names.CAUSAL:
+        assert "causal" in names.METHODS[method]
+    assert set(COLOURS) >= set(REPRESENTATIONS)
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:
