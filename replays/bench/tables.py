@@ -114,12 +114,25 @@ def _tracking_table(found: Mapping[str, Any]) -> str:
     return tracking_table(found)
 
 
+def _bench_slam() -> Any:
+    from motorcade.replays.bench.slam import bench_slam
+
+    return bench_slam()
+
+
+def _slam_table(found: Mapping[str, Any]) -> str:
+    from motorcade.replays.bench.slam import slam_table
+
+    return slam_table(found)
+
+
 SUITES: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "blend": (bench_blend, blend_table),
     "accuracy": (measure_accuracy, accuracy_table),
     "table3": (measure_table3, print_table3),
     "smooth": (_bench_smooth, _smooth_table),
     "lag": (_bench_lag, _lag_table),
+    "slam": (_bench_slam, _slam_table),
     "tracking": (_bench_tracking, _tracking_table),
 }
 """Every suite by name: what measures it, and what prints it."""

@@ -1,0 +1,111 @@
+"""Visual SLAM on every recording present: accuracy of every frame, and milliseconds a frame.
+
+Where lengths are metres the paths are compared after a rigid alignment, with one camera alone after
+a similarity. Nothing is tuned a recording. The recordings lie where MOTORCADE_DATA says.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga import Trajectory
+
+__all__ = ["bench_slam", "slam_table"]
+
+_RUNS = (
+    ("7scenes_redkitchen", "depth"),
+    ("7scenes_redkitchen", "one camera"),
+    ("kitti_short", "one camera"),
+    ("vamr_board", "one camera"),
+)
+_MANIFESTS = Path(__file__).parents[2] / "docs" / "manifests"
+
+
+def bench_slam() -> dict[str, Any]:
+    """Run every recording that is present, with the window's adjustment and without it."""
+    rows, left_out = [], []
+    folder = os.environ.get("MOTORCADE_DATA")
+    for name, kind in _RUNS:
+        root = None if folder is None else Path(folder) / "replays" / name
+        if root is None or not root.is_dir():
+            left_out.append(f"{name}: not below MOTORCADE_DATA ({folder})")
+            continue
+        rows += [_run(root, kind, adjust) for adjust in (True, False)]
+    return {"rows": rows, "left_out": sorted(set(left_out))}
+
+
+def _run(root: Path, kind: str, adjust: bool) -> dict[str, Any]:
+    from motorcade.replays.recording import open_recording
+    from motorcade.tracking.slam import SlamSettings, VisualSlam
+
+    manifest = _MANIFESTS / f"{root.name}.toml"
+    recording = open_recording(root, manifest if manifest.is_file() else None)
+    if recording.camera is None or recording.truth is None:
+        raise ValueError(f"{root}: expected a camera and a truth, got a recording without")
+    slam = VisualSlam(recording.camera, SlamSettings(adjust=adjust))
+    spent = []
+    for frame in recording.frames:
+        gray = frame.gray()
+        depth_m = frame.depth_m() if kind == "depth" else None
+        start = perf_counter()
+        slam.track(frame.time_ns, gray, depth_m)
+        spent.append(1e3 * (perf_counter() - start))
+    start = perf_counter()
+    result = slam.finish()
+    row: dict[str, Any] = {
+        "recording": root.name, "kind": kind, "adjusted": adjust, "frames": len(spent),
+        "states": dict(Counter(result.states)), "keyframes": len(result.map.time_ns),
+        "frame_mean_ms": float(np.mean(spent)), "frame_median_ms": float(np.median(spent)),
+        "frame_p95_ms": float(np.quantile(spent, 0.95)), "finish_s": perf_counter() - start,
+    }  # fmt: skip
+    for name, path in (("final", result.trajectory), ("online", result.online)):
+        row[name] = None if path is None else _figures(path, recording.truth, result.metric)
+    return row
+
+
+def _figures(path: Trajectory, truth: Trajectory, metric: bool) -> dict[str, Any]:
+    from motorcade.fusion.metrics import evaluate
+
+    found = evaluate(path, truth, align="se3" if metric else "sim3")
+    first = evaluate(path[:100], truth, align="se3" if metric else "sim3")
+    length_m = float(np.linalg.norm(np.diff(truth.poses.translation_m, axis=0), axis=1).sum())
+    expected = truth.motors_at(path.time_ns[[0, -1]])
+    turns = [poses[0].inverse() @ poses[1] for poses in (expected, path.motors[[0, -1]])]
+    apart_rad = float((turns[0].inverse() @ turns[1]).rotor.angle())
+    return {
+        "poses": len(path),
+        "ape_rmse_m": found.ape_m.rmse,
+        "first_100_ape_rmse_m": first.ape_m.rmse,
+        "rotation_rmse_deg": found.rotation_deg.rmse,
+        "ape_over_path": found.ape_m.rmse / length_m,
+        "end_rotation_deg_m": float(np.degrees(apart_rad)) / length_m,
+    }
+
+
+def slam_table(found: Mapping[str, Any]) -> str:
+    """A line a run and path."""
+    heads = ("APE mm", "0-99 mm", "APE/path%", "end deg/m", "ms")
+    lines = [f"{'visual SLAM, every frame':<60}{'poses':>9}" + "".join(f"{h:>10}" for h in heads)]
+    for row in found["rows"]:
+        for which in ("online", "final"):
+            path = row[which]
+            switch = "" if row["adjusted"] else ", not adjusted"
+            name = f"{row['recording']}, {row['kind']}{switch}, {which}"
+            if path is None:
+                lines.append(f"{name:<60} no pose: {row['states']}")
+                continue
+            poses = f"{path['poses']}/{row['frames']}"
+            lines.append(
+                f"{name:<60}{poses:>9}{1e3 * path['ape_rmse_m']:>10.2f}"
+                f"{1e3 * path['first_100_ape_rmse_m']:>10.2f}{100 * path['ape_over_path']:>10.3f}"
+                f"{path['end_rotation_deg_m']:>10.4f}{row['frame_mean_ms']:>10.1f}"
+            )
+    lines += [f"left out: {reason}" for reason in found["left_out"]]
+    return "\n".join(lines)
