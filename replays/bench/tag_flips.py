@@ -13,6 +13,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -147,7 +148,7 @@ def _normals(stream: CornerStream, answer: Resolution) -> FloatArray:
 def _methods() -> Iterator[tuple[str, Callable[[Sightings], Resolution]]]:
     yield "best reprojection", best_single
     for lag in LAGS:
-        yield f"online, {lag} frames late", lambda seen, lag=lag: resolve_online(seen, lag)
+        yield f"online, {lag} frames late", partial(resolve_online, lag_frames=lag)
     yield "whole recording", resolve
 
 

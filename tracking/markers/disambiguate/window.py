@@ -143,7 +143,7 @@ def misfit(half: FloatArray, freedom: int = _TURN_FREEDOM) -> FloatArray:
 
 
 def trust(half: FloatArray) -> FloatArray:
-    """How much a turn at such a distance counts in a mean, one at none (its maximum) 7 / 4."""
+    """How much a turn at such a distance counts in a mean; fades as heavy tails have it."""
     weight: FloatArray = (_TAIL + _TURN_FREEDOM) / (_TAIL + 2.0 * half)
     return weight
 

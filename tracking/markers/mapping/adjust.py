@@ -8,6 +8,7 @@ sighting keeps wrong ones from pulling. Sources: Triggs et al. 2000; Huber 1964;
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -107,17 +108,18 @@ def _stepped(
 
     seen = state.seen
     graph = gtsam.GaussianFactorGraph()
+    make: Callable[..., gtsam.JacobianFactor] = gtsam.JacobianFactor  # one to three poses
     unit = gtsam.noiseModel.Unit.Create(8)
     scaled = jacobians * weight[:, None, None, None]
     wanted = -residuals * weight[:, None]
     keys = _Keys(seen, held)
     for row in range(len(seen)):
         names = keys.of(row)
-        terms: list[Any] = []
+        terms: tuple[Any, ...] = ()
         for part, key in enumerate(names):
             if key is not None:
-                terms += [key, scaled[row, part]]
-        graph.add(gtsam.JacobianFactor(*terms, wanted[row], unit))
+                terms += (key, scaled[row, part])
+        graph.add(make(*terms, wanted[row], unit))
     for key, diagonal in keys.diagonals(scaled).items():
         root = np.diag(np.sqrt(damping * diagonal))
         graph.add(gtsam.JacobianFactor(key, root, np.zeros(6), gtsam.noiseModel.Unit.Create(6)))
