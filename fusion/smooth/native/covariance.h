@@ -156,6 +156,26 @@ template <std::size_t N, std::size_t S> struct Covariance {
         return made;
     }
 
+    // p Fᵀ predicted⁻¹ times a residual: what the filtered state gains from one behind its prediction.
+    [[gnu::noinline]] Vector<ALL> gained(const Covariance &predicted, const Square<N> &turn, double dt,
+                                         const Vector<ALL> &residual) const {
+        auto way = Cholesky<ALL>(predicted.p).solved(residual);
+        const auto turn_back = [&] {
+            Vector<N> first{};
+            for (std::size_t k = 0; k < N; ++k)
+                for (std::size_t i = 0; i < N; ++i) first[i] += turn[k][i] * way[k];
+            for (std::size_t i = 0; i < N; ++i) way[i] = first[i];
+        };
+        turn_back();
+        for (std::size_t i = ALL; i-- > N;)
+            way[i] += dt * way[i - N] + (i >= 2 * N ? 0.5 * dt * dt * way[(i + ALL - 2 * N) % ALL] : 0.0);
+        turn_back();
+        Vector<ALL> made{};
+        for (std::size_t i = 0; i < ALL; ++i)
+            for (std::size_t j = 0; j < ALL; ++j) made[i] += p[i][j] * way[j];
+        return made;
+    }
+
     // The covariance before a prediction from the smoothed one behind it: with K = 1 - share, p becomes
     // F⁻¹ (K p Kᵀ + K Q) F⁻ᵀ, with the inverse step's `turn`.
     [[gnu::noinline]] void brought_back(const Square<ALL> &share, const Vector<N> &densities,

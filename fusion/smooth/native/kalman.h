@@ -123,14 +123,24 @@ public:
         std::array<V, S> residual{R::difference(later.pose, predicted)};
         for (std::size_t i = 0; i < Order; ++i) residual[i + 1] = sum(later.rates[i], scaled(-1.0, made.rates[i]));
         auto correction = residual;
+        // Over a long way the path back is no more linear in what is corrected at its end; what is
+        // known of the filtered state then bounds how far it goes.
+        const bool far = COUPLED > 0 && (turned(way) > FARTHEST || turned(residual[0]) > FARTHEST);
+        std::array<V, S> bounded{};
         each_group(made, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first, std::size_t end) {
             const auto noise = process<N>(first);
-            covariance.carry(turn<N>(way, 0.5), dt);
+            const auto half = turn<N>(way, 0.5);
+            covariance.carry(half, dt);
             covariance.add_noise(noise, dt);
             for (std::size_t at = first; at < end; at += N) {
                 Vector<N * S> part;
                 for (std::size_t i = 0; i < S; ++i)
                     for (std::size_t c = 0; c < N; ++c) part[i * N + c] = residual[i][at + c];
+                if (far) {
+                    const auto gained = group<N>(filtered, at).gained(covariance, half, dt, part);
+                    for (std::size_t i = 0; i < S; ++i)
+                        for (std::size_t c = 0; c < N; ++c) bounded[i][at + c] = gained[i * N + c];
+                }
                 part = covariance.noise_share(noise, dt, part);
                 for (std::size_t i = 0; i < S; ++i)
                     for (std::size_t c = 0; c < N; ++c) correction[i][at + c] -= part[i * N + c];
@@ -141,6 +151,11 @@ public:
                 covariance.brought_back(share, noise, turn<N>(way, -0.5), dt);
             }
         });
+        if (far) {
+            made.pose = R::moved(filtered.pose, bounded[0]);
+            for (std::size_t i = 0; i < Order; ++i) made.rates[i] = sum(filtered.rates[i], bounded[i + 1]);
+            return made;
+        }
         for (std::size_t i = 0; i < Order; ++i) made.rates[i] = sum(made.rates[i], correction[i + 1]);
         made.rates = drifted(made.rates, -dt);
         made.pose = unprojected<R>(unprojected<R>(predicted, correction[0]), scaled(-1.0, travel(made, dt)));
@@ -154,6 +169,8 @@ public:
     }
 
 private:
+    // Turn in rad up to which a step is taken back along its own motion.
+    static constexpr double FARTHEST = 1.0;
     static constexpr double TAU = 6.283185307179586;
 
     // Calls `action<N>(covariance, first component, end)`: once for what couples, and for each block
@@ -198,6 +215,9 @@ private:
         }
         return made;
     }
+
+    // Radians of a way, where poses compose.
+    static double turned(const V &way) { return std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]); }
 
     static V travel(const State &state, double dt) {
         auto made = scaled(dt, state.rates[0]);

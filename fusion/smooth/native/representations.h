@@ -276,7 +276,7 @@ template <Representation R> struct WithScale {
         return with(R::moved(rigid(base), first<R::freedom>(v)), base.back() + v.back());
     }
     static X unprojected(const X &base, const V &v)
-        requires requires { R::unprojected(rigid(base), first<R::freedom>(v)); }
+        requires requires(Vector<R::size> x, Vector<R::freedom> u) { R::unprojected(x, u); }
     {
         return with(R::unprojected(rigid(base), first<R::freedom>(v)), base.back() + v.back());
     }

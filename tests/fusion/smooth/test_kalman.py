@@ -277,3 +277,24 @@ def test_quaternions_are_filtered_as_four_numbers_and_projected_once(
     found = REPRESENTATIONS["quaternion"].coordinates(smoothed.poses)[:, :4]
     found *= np.sign(np.sum(found[:1] * expected[:1]))
     np.testing.assert_allclose(found, expected, atol=2e-6)
+
+
+@pytest.mark.parametrize("representation", ["motor", "rotor", "similarity"])
+@pytest.mark.parametrize("gap_s", [1.0, 3.0, 30.0])
+def test_long_gaps_do_not_make_the_smoother_run_away(
+    representation: str, gap_s: float, rng: np.random.Generator
+) -> None:
+    """Keyframes as of monocular odometry: an acceleration carried over a gap says little."""
+    time_s = np.cumsum(np.concatenate([[0.0], rng.uniform(0.06, 0.3, 39)]))
+    time_s[20:] += gap_s
+    turn = np.stack([np.sin(0.9 * time_s), 0.6 * np.sin(1.3 * time_s), np.cos(0.7 * time_s)], -1)
+    twists = np.concatenate([0.5 * turn, 0.3 * turn[:, ::-1]], axis=-1)
+    noise = 0.002 * rng.standard_normal((40, 6))
+    poses = Motor.from_twist(twists) @ Motor.from_twist(noise)
+    path = Trajectory(np.round(1e9 * time_s).astype(np.int64), poses)
+    found = smooth(
+        path, "rts_constant_acceleration", representation,
+        jerk_m_s3=3.0, angular_jerk_rad_s3=3.0, noise_m=0.002, noise_rad=0.002,
+    )  # fmt: skip
+    apart = (path.poses.inverse() @ found.poses).as_twist()
+    assert np.abs(apart).max() < 0.02
