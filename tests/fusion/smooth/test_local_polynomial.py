@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.fusion import smooth as smoothing
+from motorcade import fusion
 from motorcade.fusion.smooth import REPRESENTATIONS
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
 
@@ -13,9 +13,7 @@ from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
 def smooth(
     path: Trajectory, representation: str = "motor", window_s: float = 0.3, order: int = 2
 ) -> Trajectory:
-    return smoothing.smooth(
-        path, "local_polynomial", representation, window_s=window_s, order=order
-    )
+    return fusion.smooth(path, "local_polynomial", representation, window_s=window_s, order=order)
 
 
 SCREW = np.array([0.3, 1.0, 0.5, 0.1, 0.2, -0.4])

@@ -1,0 +1,29 @@
+"""The one line that people come for: `fusion.smooth` is the function, and its room stays a room."""
+
+import pickle
+import subprocess
+import sys
+
+import motorcade.fusion.smooth.checks  # noqa: F401  (a module of the room does not displace it)
+from motorcade import fusion
+from motorcade.fusion import smooth
+from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.smooth import METHODS
+from motorcade.fusion.smooth import smooth as from_the_room
+
+
+def test_smooth_is_the_function_wherever_it_is_imported_from() -> None:
+    assert fusion.smooth is smooth is from_the_room
+    assert pickle.loads(pickle.dumps(smooth)) is smooth
+    path = MOTIONS["screw"].sampled(30.0, 1.0)
+    assert len(fusion.smooth(path, method="gaussian", representation="motor")) == len(path)
+    assert "gaussian" in METHODS
+
+
+def test_the_room_is_light_to_import() -> None:
+    code = (
+        "import sys, motorcade.fusion; "
+        "heavy = {'scipy', 'casadi', 'gtsam', 'cv2', 'matplotlib'} & set(sys.modules); "
+        "sys.exit(f'imported {sorted(heavy)}' if heavy else 0)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
