@@ -298,3 +298,18 @@ def test_long_gaps_do_not_make_the_smoother_run_away(
     )  # fmt: skip
     apart = (path.poses.inverse() @ found.poses).as_twist()
     assert np.abs(apart).max() < 0.02
+
+
+@pytest.mark.parametrize("motion", ["handheld", "zoom"])
+@pytest.mark.parametrize("name", ["quaternion", "dual_quaternion"])
+def test_components_do_as_well_as_motors_on_calm_motion(
+    name: str, motion: str, rng: np.random.Generator
+) -> None:
+    truth = MOTIONS[motion].sampled(30.0, 6.0)
+    noisy = Gaussian(0.005, 0.01).apply(truth, rng)
+    off = {}
+    for representation in (name, "motor"):
+        path = smooth(noisy, "rts_constant_acceleration", representation)
+        turns = truth.poses.rotor.inverse() @ path.poses.rotor
+        off[representation] = float(np.sqrt(np.mean(turns.as_rotation_vector() ** 2)))
+    assert off[name] < 1.1 * off["motor"]
