@@ -1,4 +1,4 @@
-"""Stage `camera_poses`: where the camera was, from its board or simulated from the truth."""
+"""Stage `camera_poses`: where the camera was, by its board, by SLAM, or simulated."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from motorcade.ga import FloatArray, IntArray
 from motorcade.replays.artifacts import ASIDE, new_file
 from motorcade.replays.progress import track
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.slam_poses import slam_poses
 from motorcade.tracking import PoseMeasurements, track_board
 
-Origin = Literal["board", "simulated"]
+Origin = Literal["board", "slam", "simulated"]
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,8 @@ class CameraPoses:
     `reprojection_px` (N,) belongs to the measurements; it is NaN where nothing was reprojected.
     `board_track` holds the corners and both planar candidates of every frame (read it with
     `tracking.BoardTrack.load`); simulated poses have none. `seconds` is what tracking took,
-    reading and decoding the images included.
+    reading and decoding the images included. `metric` is False where the unit of length is free
+    (SLAM by one camera alone).
     """
 
     measurements: PoseMeasurements
@@ -36,12 +38,13 @@ class CameraPoses:
     origin: Origin
     board_track: Path | None
     seconds: float = field(metadata=ASIDE)
+    metric: bool = True
 
 
 def camera_poses(
     recording: Recording,
     *,
-    source: Literal["auto", "board", "simulated"] = "auto",
+    source: Literal["auto", "board", "slam", "simulated"] = "auto",
     rate_hz: float = 20.0,
     sigma_m: float = 0.01,
     sigma_deg: float = 0.5,
@@ -50,6 +53,8 @@ def camera_poses(
 ) -> CameraPoses:
     """Track the recording's board; where it has none, simulate measurements from its truth.
 
+    `source=slam` needs neither: the world is then the first camera that has a pose.
+
     `rate_hz`, `sigma_m` and `sigma_deg` (an axis) and `seed` shape the simulation. `blackouts_s`
     (start, end, start, end, … in seconds after the first stamp) are spans in which no pose is
     measured, whatever the source. Raises ValueError where the recording has neither.
@@ -57,10 +62,12 @@ def camera_poses(
     spans = _spans(blackouts_s)
     if source == "board" or (source == "auto" and recording.board is not None):
         return _tracked(recording, spans)
+    if source == "slam":
+        return _mapped(recording, spans)
     if recording.truth is None:
         raise ValueError(
             f"{recording.name}: no board to track and no truth to simulate poses from; "
-            "describe the board in a manifest ([board] type = ...)"
+            "describe the board in a manifest ([board] type = ...), or set camera_poses.source=slam"
         )
     simulated = simulate_camera_poses(
         recording.truth, rate_hz, sigma_m, np.deg2rad(sigma_deg), np.random.default_rng(seed)
@@ -99,6 +106,20 @@ def _tracked(recording: Recording, spans: FloatArray) -> CameraPoses:
         "board",
         board_track,
         seconds,
+    )
+
+
+def _mapped(recording: Recording, spans: FloatArray) -> CameraPoses:
+    found = slam_poses(recording)
+    seen = ~_inside(found.measurements.trajectory.time_ns, spans)
+    return CameraPoses(
+        _chosen(found.measurements, seen),
+        recording.frames.time_ns,
+        np.full(np.count_nonzero(seen), np.nan),
+        "slam",
+        None,
+        found.seconds,
+        found.metric,
     )
 
 

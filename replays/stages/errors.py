@@ -67,8 +67,9 @@ def errors(
 ) -> Errors:
     """Evaluate every path.
 
-    `align=auto` aligns (se3) where the poses were tracked, since the board's frame need not be
-    the truth's, and not where they were simulated from the truth. Without a truth only the jitter
+    `align=auto` aligns (se3) where the poses were tracked, since the board's or the first camera's
+    frame need not be the truth's, with the scale (sim3) where their unit of length is free, and not
+    at all where they were simulated from the truth. Without a truth only the jitter
     above `jitter_above_hz` is told.
     """
     paths = {"measured": camera_poses.measurements.trajectory, "fused": fused.trajectory}
@@ -82,10 +83,16 @@ def errors(
             name: _figures_without_truth(path, jitter_above_hz) for name, path in paths.items()
         }
         return Errors("none", _joined(figures, stuck), {}, shake)
-    how: Align = ("se3" if camera_poses.origin == "board" else "none") if align == "auto" else align
+    how: Align = _fitting(camera_poses) if align == "auto" else align
     figures = {name: _figures(path, truth, how) for name, path in paths.items()}
     series = {name: _series(path, truth, how, start_ns) for name, path in paths.items()}
     return Errors(how, _joined(figures, stuck), series, shake)
+
+
+def _fitting(camera_poses: CameraPoses) -> Align:
+    if camera_poses.origin == "simulated":
+        return "none"
+    return "se3" if camera_poses.metric else "sim3"
 
 
 def _figures(path: Trajectory, truth: Trajectory, align: Align) -> dict[str, float | None]:

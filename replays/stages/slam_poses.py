@@ -1,0 +1,62 @@
+"""Camera poses by visual SLAM: no board needed; the world is the first camera that has a pose."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.ga import FloatArray
+from motorcade.replays.progress import track
+from motorcade.replays.recording import Recording
+from motorcade.tracking import PoseMeasurements
+
+__all__ = ["SlamPoses", "slam_poses"]
+
+_SIGMA_FLOOR_RAD, _SIGMA_FLOOR_M = 1e-4, 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class SlamPoses:
+    """What SLAM measured.
+
+    Args:
+        measurements: `world_T_camera` of the frames that have a pose.
+        metric: whether lengths are metres; with one camera alone their unit is free.
+        seconds: time it took, reading and decoding included.
+    """
+
+    measurements: PoseMeasurements
+    metric: bool
+    seconds: float
+
+
+def slam_poses(recording: Recording) -> SlamPoses:
+    """Track a recording by what it sees, with its depth where it has one.
+
+    The covariance is that of each frame's pose within the map; that the map itself drifts is not
+    in it.
+
+    Raises:
+        ValueError: no camera known, or nothing in the pictures from which a map could start.
+    """
+    from motorcade.tracking.slam import VisualSlam
+
+    if recording.camera is None:
+        raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
+    start = time.perf_counter()
+    slam = VisualSlam(recording.camera)
+    for frame in track(recording.frames, "mapping", len(recording.frames)):
+        slam.track(frame.time_ns, frame.gray(), frame.depth_m())
+    found = slam.finish()
+    if found.trajectory is None:
+        raise ValueError(
+            f"{recording.name}: visual SLAM found no pose: too little texture, or a camera that "
+            "only turns; camera_poses.source=simulated or a board would do"
+        )
+    floor = np.repeat((_SIGMA_FLOOR_RAD**2, _SIGMA_FLOOR_M**2), 3)
+    covariance: FloatArray = found.covariance + np.diag(floor)
+    from_first = found.trajectory.transformed_by(left=found.trajectory.motors[0].inverse())
+    seconds = time.perf_counter() - start
+    return SlamPoses(PoseMeasurements(from_first, covariance), found.metric, seconds)
