@@ -8,7 +8,7 @@ import numpy as np
 
 from motorcade.ga import Trajectory
 
-__all__ = ["checked_cutoff", "checked_length", "checked_order", "checked_positive"]
+__all__ = ["checked_cutoff", "checked_length", "checked_order", "checked_positive", "in_double"]
 
 LARGEST_ORDER = 5
 
@@ -45,3 +45,9 @@ def checked_cutoff(cutoff_hz: float, trajectory: Trajectory, name: str = "cutoff
             f"{name}: expected below half the sampling rate, {nyquist:.6g} Hz, got {cutoff_hz}"
         )
     return cutoff
+
+
+def in_double(trajectory: Trajectory) -> Trajectory:
+    """The trajectory in float64, in which all estimates are made."""
+    poses = trajectory.poses.astype(np.float64)
+    return Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)

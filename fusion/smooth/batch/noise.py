@@ -23,6 +23,7 @@ from motorcade.fusion.smooth.causal import (
     ConstantVelocityFilter,
     KalmanFilter,
 )
+from motorcade.fusion.smooth.checks import in_double
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
 
 __all__ = ["FEWEST_POSES", "NoiseModel", "estimate_noise"]
@@ -82,6 +83,7 @@ def estimate_noise(
             f"trajectory: expected at least {FEWEST_POSES} poses to tell noise from motion, got "
             f"{len(trajectory)}"
         )
+    trajectory = in_double(trajectory)
     wide = kept = _chain(trajectory, *_first_sizes(trajectory))
     if not np.all(wide):
         _, sizes, _ = _likeliest(_stretches(trajectory[wide]), 1, representation)

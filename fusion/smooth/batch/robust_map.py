@@ -37,7 +37,7 @@ from motorcade.fusion.smooth.batch.problem import (
     rigid_poses,
     with_rigid,
 )
-from motorcade.fusion.smooth.checks import checked_length, checked_positive
+from motorcade.fusion.smooth.checks import checked_length, checked_positive, in_double
 from motorcade.fusion.smooth.representations import Representation, representation_named, restored
 from motorcade.ga import FloatArray, Trajectory
 
@@ -150,7 +150,7 @@ def estimate_path(
         Sizes(noise_m, acceleration_m_s2),
         Sizes(noise_scale, scale_acceleration_s2),
     )
-    return _estimated(trajectory, chosen, sizes, loss, width)
+    return _estimated(in_double(trajectory), chosen, sizes, loss, width)
 
 
 def _estimated(

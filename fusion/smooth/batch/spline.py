@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.fusion.smooth.checks import checked_length, checked_positive
+from motorcade.fusion.smooth.checks import checked_length, checked_positive, in_double
 from motorcade.fusion.smooth.representations import Representation, restored
 from motorcade.ga import CumulativeBSpline, FloatArray, Motor, Similarity, Trajectory
 from motorcade.ga.splines import ORDER, bridged_gaps, cumulative_weights, located, segments_of
@@ -39,6 +39,7 @@ def spline(
     """
     spacing_s = checked_positive(knot_spacing_s, "knot_spacing_s", "seconds")
     checked_length(trajectory, 2, "spline")
+    trajectory = in_double(trajectory)
     name, poses = representation.name, trajectory.poses
     if name in ("motor", "similarity"):
         if not isinstance(poses, Similarity):
