@@ -112,7 +112,7 @@ def _rank_among_equals(values: IntArray) -> IntArray:
 
 
 def _orb(count: int) -> Any:
-    return cv2.ORB_create(
+    return cv2.ORB.create(
         nfeatures=count, scaleFactor=1.4, nlevels=4, edgeThreshold=19, patchSize=31,
         fastThreshold=_FAST_THRESHOLD, scoreType=cv2.ORB_HARRIS_SCORE,
     )  # fmt: skip

@@ -128,7 +128,7 @@ def two_views(first_px: FloatArray, px: FloatArray, matrix: FloatArray) -> TwoVi
 
 def _homography_score(homography: FloatArray, first_px: FloatArray, px: FloatArray) -> float:
     forth = _squared(_mapped(homography, first_px), px)
-    back = _squared(_mapped(np.linalg.inv(homography), px), first_px)
+    back = _squared(_mapped(np.linalg.inv(homography).astype(np.float64), px), first_px)
     return sum(float(np.maximum(_CHI2_POINT - d, 0.0).sum()) for d in (forth, back))
 
 
