@@ -22,7 +22,7 @@ def checked_positive(value: float, name: str, unit: str) -> float:
 
 def checked_order(order: int) -> int:
     """The order of a polynomial, 0 to 5, or ValueError."""
-    if int(order) != order or not 0 <= order <= LARGEST_ORDER:
+    if not isfinite(order) or int(order) != order or not 0 <= order <= LARGEST_ORDER:
         raise ValueError(f"order: expected 0 to {LARGEST_ORDER}, got {order}")
     return int(order)
 

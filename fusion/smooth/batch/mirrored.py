@@ -66,6 +66,8 @@ def mirrored_back(
         if last - first < _SHORTEST:
             continue
         part = slice(max(0, first - _AROUND), min(len(poses), last + _AROUND))
+        if not np.any(kept[part]):
+            continue  # nothing is left around the run to read it by
         run = slice(first - part.start, last - part.start)
         read = _Run(time_s[part], poses[part], kept[part], run, sizes, width).read()
         if read is not None:

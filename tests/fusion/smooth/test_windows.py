@@ -170,3 +170,9 @@ def test_bad_settings_are_refused(
     path = noisy_path(rng, even(20))
     with pytest.raises(ValueError, match=message):
         smooth(path, method, **parameters)
+
+
+def test_an_order_beyond_all_bounds_is_refused(rng: np.random.Generator) -> None:
+    path = Trajectory(np.arange(9) * 33_333_333, Motor.random(rng, (9,)))
+    with pytest.raises(ValueError, match="order: expected 0 to 5, got inf"):
+        smooth(path, "gaussian", order=float("inf"))
