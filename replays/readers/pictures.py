@@ -89,10 +89,11 @@ def read_gray(path: Path, field: str | None, size: tuple[int, int] | None) -> Im
     flags = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION
     picture = _decode(path, data, field, flags)
     if picture.dtype == np.uint16:
-        picture = picture * (255.0 / max(int(picture.max()), 1))
-    elif picture.dtype != np.uint8:
+        shown = picture.astype(np.float64) * (255.0 / max(int(picture.max()), 1))
+        return np.asarray(np.rint(shown), dtype=np.uint8)
+    if picture.dtype != np.uint8:
         raise refusal(path, f"expected 8 or 16 bits a pixel, got {picture.dtype}", field=field)
-    return np.rint(picture).astype(np.uint8)
+    return np.asarray(picture, dtype=np.uint8)
 
 
 def read_depth(

@@ -189,9 +189,9 @@ def test_bad_frames_are_refused(feed: Callable[[VisualSlam], object], message: s
 
 
 def test_bad_settings_are_refused() -> None:
-    with pytest.raises(ValueError, match="SlamSettings.features"):
+    with pytest.raises(ValueError, match=r"SlamSettings\.features"):
         SlamSettings(features=3)
-    with pytest.raises(ValueError, match="SlamSettings.baseline_m"):
+    with pytest.raises(ValueError, match=r"SlamSettings\.baseline_m"):
         SlamSettings(baseline_m=-1.0)
     with pytest.raises(ValueError, match="expected at least one frame"):
         VisualSlam(Camera(64, 48, 50.0, 50.0, 32.0, 24.0)).finish()
