@@ -13,7 +13,7 @@ from motorcade.ga import FloatArray
 from motorcade.replays.atomic import write_bytes
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers.frames import pictures_in
-from motorcade.replays.readers.manifest_camera import camera_toml
+from motorcade.replays.readers.manifest.camera import camera_toml
 from motorcade.replays.readers.pictures import SUFFIXES, read_gray
 from motorcade.replays.recording import Frame, ImageArray
 from motorcade.tracking import (

@@ -9,8 +9,8 @@ import pytest
 
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.cli import main
-from motorcade.replays.readers.manifest_board import read_board
-from motorcade.replays.readers.manifest_camera import read_camera
+from motorcade.replays.readers.manifest.board import read_board
+from motorcade.replays.readers.manifest.camera import read_camera
 from motorcade.replays.recording import open_recording
 from motorcade.tracking import (
     Camera,

@@ -11,9 +11,9 @@ import pytest
 
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers import manifest
-from motorcade.replays.readers.manifest_board import BOARD_KEYS
-from motorcade.replays.readers.manifest_camera import CAMERA_KEYS
-from motorcade.replays.readers.manifest_truth import TRUTH_KEYS
+from motorcade.replays.readers.manifest.board import BOARD_KEYS
+from motorcade.replays.readers.manifest.camera import CAMERA_KEYS
+from motorcade.replays.readers.manifest.truth import TRUTH_KEYS
 from motorcade.replays.recording import open_recording
 
 Make = Callable[..., Any]

@@ -11,7 +11,7 @@ from motorcade.replays.readers.calibration import (
     read_numbers,
     yaml_camera,
 )
-from motorcade.replays.readers.manifest_section import Section, load_toml
+from motorcade.replays.readers.manifest.section import Section, load_toml
 from motorcade.tracking.camera import Camera
 
 __all__ = ["CAMERA_KEYS", "camera_toml", "read_camera", "section_camera"]

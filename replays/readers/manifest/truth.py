@@ -27,7 +27,7 @@ from motorcade.ga import IntArray, Motor, Rotor, Trajectory
 from motorcade.replays.errors import refusal
 from motorcade.replays.readers.calibration import read_numbers, transform
 from motorcade.replays.readers.frames import natural
-from motorcade.replays.readers.manifest_section import Section
+from motorcade.replays.readers.manifest.section import Section
 from motorcade.replays.readers.tables import read_table
 from motorcade.replays.trajectory_files import even_stamps, read_times, read_trajectory
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from motorcade.replays.errors import RecordingError
-from motorcade.replays.readers.manifest_section import Section, load_toml
+from motorcade.replays.readers.manifest.section import Section, load_toml
 from motorcade.tracking.boards import (
     Board,
     CharucoBoard,

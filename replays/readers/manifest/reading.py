@@ -25,10 +25,10 @@ from motorcade.replays.readers.frames import (
     refuse_gaps,
 )
 from motorcade.replays.readers.inertial import read_imu, read_noise
-from motorcade.replays.readers.manifest_board import section_board
-from motorcade.replays.readers.manifest_camera import CAMERA_KEYS, section_camera
-from motorcade.replays.readers.manifest_section import Section, load_toml
-from motorcade.replays.readers.manifest_truth import TRUTH_KEYS, read_truth
+from motorcade.replays.readers.manifest.board import section_board
+from motorcade.replays.readers.manifest.camera import CAMERA_KEYS, section_camera
+from motorcade.replays.readers.manifest.section import Section, load_toml
+from motorcade.replays.readers.manifest.truth import TRUTH_KEYS, read_truth
 from motorcade.replays.readers.tables import UNITS
 from motorcade.replays.readers.video import VideoFrames
 from motorcade.replays.recording import FrameSequence, Recording

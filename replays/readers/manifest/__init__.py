@@ -1,0 +1,7 @@
+"""Manifests: TOML files that describe recordings; one file a table, put together in `reading`."""
+
+from __future__ import annotations
+
+from motorcade.replays.readers.manifest.reading import FRAMES_KEYS, IMU_KEYS, LOCAL_NAME, read
+
+__all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "read"]
