@@ -3,8 +3,10 @@
 Minimised is the sum over the poses of squared rotation (rad) and displacement (m) left between
 pose and spline, plus a very small multiple of the squared fourth differences of the screws from
 control to control. That term decides what the poses leave open, such as the outermost controls.
-Gauss-Newton with exact derivatives (Sommer et al., CVPR 2020, carried over to rigid motions); a
-segment touches six controls, so the normal equations are a band and the cost is linear in time.
+Gauss-Newton with exact derivatives (Sommer et al., CVPR 2020, carried over to rigid motions),
+damped after Levenberg and Marquardt where a step would raise the sum, as it may far from poses that
+are plainly wrong; a segment touches six controls, so the normal equations are a band and the time
+is linear in the poses.
 
 Twists are (rotation, translation); a control moves by ``C exp(step)``, a pose by ``S exp(J step)``.
 """
@@ -21,7 +23,10 @@ from motorcade.ga.versors.motor import Motor
 
 __all__ = ["fit_controls", "twist_adjoint"]
 
-_MAX_STEPS = 30
+_MAX_STEPS = 100
+# Damping of steps that would raise the sum of squares, as a share of the diagonal.
+_LEAST_DAMPING = 1e-3
+_ROUNDING = 1e-12
 # Largest step of any control that shapes a pose by a tenth or more, rad and m.
 _CONVERGED = 1e-9
 _SMOOTHNESS = 1e-6
@@ -47,13 +52,19 @@ def fit_controls(
     Raises:
         ModuleNotFoundError: scipy is missing.
     """
+    damping, equations = 0.0, _normal_equations(controls, segment, weights, poses)
     for _ in range(_MAX_STEPS):
-        blocks, gradient = _normal_equations(controls, segment, weights, poses)
-        step = _solve_band(blocks, gradient)
-        controls = controls @ Motor.from_twist(step)
+        step = _solve_band(equations, damping)
+        moved = controls @ Motor.from_twist(step)
         # The six weights of a pose sum to one, most of it on the middle two controls.
-        if float(np.max(np.abs(step[2:-2]))) < _CONVERGED:
-            return controls
+        if float(np.max(np.abs(step[2:-2]))) < _CONVERGED * (1.0 + damping):
+            return moved
+        reached = _normal_equations(moved, segment, weights, poses)
+        if reached.cost <= equations.cost * (1.0 + _ROUNDING):
+            controls, equations = moved, reached
+            damping = damping / 8.0 if damping > _LEAST_DAMPING else 0.0
+        else:
+            damping = max(_LEAST_DAMPING, 4.0 * damping)
     return None
 
 
@@ -157,18 +168,26 @@ def _residuals(pose: Motor, target: Motor) -> FloatArray:
     return np.concatenate([turn, shift], axis=-1)
 
 
+class _Equations(NamedTuple):
+    """Blocks ``(n - 5, 36, 36)`` and gradients ``(n - 5, 36)``, one a segment; sum of squares."""
+
+    blocks: FloatArray
+    gradient: FloatArray
+    cost: float
+
+
 def _normal_equations(
     controls: Motor, segment: IntArray, weights: FloatArray, poses: Motor
-) -> tuple[FloatArray, FloatArray]:
-    """Blocks ``(n - 5, 36, 36)`` and gradients ``(n - 5, 36)``, one a segment."""
+) -> _Equations:
     chain, segments = _Chain.of(controls), len(controls) - 5
     blocks = np.zeros((segments, 36, 36))
-    gradient = np.zeros((segments, 36))
+    gradient, cost = np.zeros((segments, 36)), 0.0
     for start in range(0, len(segment), _CHUNK):
         part = slice(start, start + _CHUNK)
         pose, jacobian = _pose_jacobians(chain, segment[part], weights[:, part])
         turned = np.swapaxes(jacobian, -1, -2)
         residual = _residuals(pose, poses[part])
+        cost += float(np.sum(residual**2))
         firsts = np.flatnonzero(np.diff(segment[part], prepend=-1))
         owners = segment[part][firsts]
         blocks[owners] += np.add.reduceat(turned @ jacobian, firsts, axis=0)
@@ -178,11 +197,12 @@ def _normal_equations(
     turned = strength * np.swapaxes(jacobian, -1, -2)
     blocks += turned @ jacobian
     gradient -= (turned @ rough[..., None])[..., 0]
-    return blocks, gradient
+    return _Equations(blocks, gradient, cost + strength * float(np.sum(rough**2)))
 
 
-def _solve_band(blocks: FloatArray, gradient: FloatArray) -> FloatArray:
+def _solve_band(equations: _Equations, damping: float) -> FloatArray:
     """Steps ``(n, 6)`` of all controls from the overlapping equations of the segments."""
+    blocks, gradient = equations.blocks, equations.gradient
     try:
         from scipy.linalg import solveh_banded
     except ModuleNotFoundError as missing:
@@ -198,5 +218,5 @@ def _solve_band(blocks: FloatArray, gradient: FloatArray) -> FloatArray:
         right[own] += gradient[:, column]
         band[: 36 - column, own] += blocks[:, column:, column].T
     # The smoothness term leaves out steps that are polynomials over the whole spline.
-    band[0] += 1e-14 * np.max(band[0])
+    band[0] += 1e-14 * np.max(band[0]) + damping * band[0]
     return np.asarray(solveh_banded(band, right, lower=True)).reshape(-1, 6)

@@ -40,6 +40,8 @@ ORDER = 6
 # An interval between poses longer than both of these is a gap: nothing tells how to curve there.
 _GAP_KNOTS = 4.0
 _GAP_MEDIANS = 3.0
+# Steps whose median tells the rate of a motion.
+_RATE_STEPS = 15
 
 
 def _basis_polynomials() -> FloatArray:
@@ -199,6 +201,13 @@ class CumulativeBSpline(_CumulativeBSpline[Motor]):
             raise ValueError("CumulativeBSpline.fit(trajectory): expected two poses or more, got 1")
         segments, spacing = segments_of(trajectory, knot_spacing_s)
         bridged = bridged_gaps(trajectory, spacing)
+        turn_rad = _fastest_rad_s(bridged) * spacing
+        if turn_rad > np.pi:
+            raise ValueError(
+                "knot_spacing_s: expected knots short enough for the motion, which turns by less "
+                f"than half a turn from one to the next, got {knot_spacing_s} s and {turn_rad:.1f} "
+                "rad"
+            )
         segment, fraction = located(bridged.time_s, spacing, segments)
         fitted = fit_controls(
             _first_guess(trajectory, segments), segment,
@@ -219,6 +228,16 @@ class CumulativeBSpline(_CumulativeBSpline[Motor]):
             ValueError: NaN or infinity, or times outside the span.
         """
         return sampled_motion(self.twists(time_s))
+
+
+def _fastest_rad_s(trajectory: Trajectory) -> float:
+    """Largest angular rate, by medians of neighbouring steps: single wrong poses do not count."""
+    rotors = trajectory.motors.rotor
+    turns = (rotors[:-1].inverse() @ rotors[1:]).as_rotation_vector()
+    rates = turns / np.diff(trajectory.time_s)[:, None]
+    width = min(_RATE_STEPS, len(rates))
+    medians = np.median(np.lib.stride_tricks.sliding_window_view(rates, width, axis=0), axis=-1)
+    return float(np.max(np.linalg.norm(medians, axis=-1)))
 
 
 def _check_spacing(knot_spacing_s: float) -> None:

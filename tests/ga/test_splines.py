@@ -309,3 +309,20 @@ def test_a_recorded_flight_agrees_with_its_velocity_and_imu(data_dir: Path) -> N
     whole = len(felt) // 400 * 400
     over_2_s = (force - felt)[:whole].reshape(-1, 400, 3).mean(axis=1)
     assert np.all(np.std(over_2_s, axis=0) < 0.04)
+
+
+def test_plainly_wrong_poses_do_not_keep_a_fit_from_settling(rng: np.random.Generator) -> None:
+    """Undamped steps leap to and fro between them."""
+    time_s = np.arange(0, 6, 1 / 30)
+    path = Motor.from_rotor_translation(
+        Rotor.from_rotation_vector(np.sin(np.outer(time_s, [1.0, 1.3, 0.7]))),
+        np.cos(np.outer(time_s, [0.8, 0.5, 1.1])),
+    )
+    coefficients = np.array(path.coefficients)
+    wrong = rng.choice(len(time_s), 9, replace=False)
+    coefficients[wrong] = (path[wrong] @ Motor.random(rng, (9,))).coefficients
+    spoiled = Trajectory((time_s * 1e9).astype(np.int64), Motor(coefficients))
+    for spacing in (0.12, 0.3, 0.6):
+        fitted = CumulativeBSpline.fit(spoiled, spacing)
+        off = (fitted.at(spoiled.time_ns).inverse() @ path).as_twist()
+        assert np.median(np.abs(off)) < 0.5
