@@ -6,7 +6,6 @@ a similarity. Nothing is tuned a recording. The recordings lie where MOTORCADE_D
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import Trajectory
+from motorcade.replays.bench.data import data_folder
 
 __all__ = ["bench_slam", "slam_table"]
 
@@ -31,11 +31,11 @@ _MANIFESTS = Path(__file__).parents[2] / "docs" / "manifests"
 def bench_slam() -> dict[str, Any]:
     """Run every recording that is present, with the window's adjustment and without it."""
     rows, left_out = [], []
-    folder = os.environ.get("MOTORCADE_DATA")
+    folder = data_folder()
     for name, kind in _RUNS:
-        root = None if folder is None else Path(folder) / "replays" / name
-        if root is None or not root.is_dir():
-            left_out.append(f"{name}: not below MOTORCADE_DATA ({folder})")
+        root = folder / "replays" / name
+        if not root.is_dir():
+            left_out.append(f"{name}: not below {folder}; set MOTORCADE_DATA")
             continue
         rows += [_run(root, kind, adjust) for adjust in (True, False)]
     return {"rows": rows, "left_out": sorted(set(left_out))}

@@ -9,7 +9,6 @@ stands beside it. A detection without an answer counts as wrong, and its steps a
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
@@ -21,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Rotor
+from motorcade.replays.bench.data import data_folder
 from motorcade.replays.readers import tagslam
 from motorcade.replays.readers.tagslam_reference import TagSlamReference, read_reference
 from motorcade.tracking.markers.corner_stream import CornerStream
@@ -183,7 +183,7 @@ def bench_flips(folder: Path | None = None) -> list[dict[str, Any]]:
 
 def tagslam_folder() -> Path:
     """Where TagSLAM's recordings lie, if they do."""
-    return Path(os.environ.get("MOTORCADE_DATA") or "../shared/data") / "tags" / "tagslam"
+    return data_folder() / "tags" / "tagslam"
 
 
 def flips_table(rows: list[Mapping[str, Any]]) -> str:

@@ -7,13 +7,14 @@ time is the median of the thread's own seconds, so that other load on the machin
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
 from typing import Any
+
+from motorcade.replays.bench.data import data_folder
 
 __all__ = ["bench_markers", "markers_table", "measure_pictures"]
 
@@ -24,7 +25,7 @@ _FOLDERS = ("rotations", "multi", "photos")
 
 def bench_markers() -> dict[str, Any]:
     """Markers found and milliseconds for each folder of pictures, each way."""
-    folder = Path(os.environ.get("MOTORCADE_DATA") or "../shared/data") / "tags"
+    folder = data_folder() / "tags"
     rows = []
     for name in _FOLDERS:
         files = sorted(

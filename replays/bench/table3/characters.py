@@ -8,7 +8,6 @@ not depend on the numbers.
 from __future__ import annotations
 
 import json
-import os
 import struct
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +17,7 @@ import numpy as np
 
 from motorcade.ga import Motor, Rotor
 
-__all__ = ["BlendedCharacter", "characters", "data_folder", "random_character"]
+__all__ = ["BlendedCharacter", "characters", "random_character"]
 
 # The paper names 43 to 54 joints and 4881 to 135976 triangles; its first character is Astroboy.
 RIGS = (
@@ -44,12 +43,6 @@ class BlendedCharacter:
     def joints(self) -> int:
         """How many joints it has."""
         return len(self.first.coefficients)
-
-
-def data_folder() -> Path | None:
-    """The folder of recordings and rigs that ``MOTORCADE_DATA`` names."""
-    named = os.environ.get("MOTORCADE_DATA")
-    return Path(named) if named else None
 
 
 def characters(folder: Path | None) -> list[BlendedCharacter]:

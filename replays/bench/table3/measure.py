@@ -18,11 +18,11 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Motor, kernels
 from motorcade.replays.bench.blend import SCALARS, on_one_core
+from motorcade.replays.bench.data import data_folder
 from motorcade.replays.bench.glm import NotMeasured, compile_glm, measure_glm
 from motorcade.replays.bench.table3.characters import (
     BlendedCharacter,
     characters,
-    data_folder,
     random_character,
 )
 from motorcade.replays.bench.table3.methods import (
