@@ -28,6 +28,9 @@ Image = NDArray[np.uint8]
 Depth = NDArray[np.float32]
 
 
+_CAMERA = Camera(640, 480, 525.0, 525.0, 319.5, 239.5)
+
+
 @dataclass(frozen=True)
 class Sensor:
     """What looks at the room, and how badly.
@@ -44,7 +47,7 @@ class Sensor:
             noise.
     """
 
-    camera: Camera = Camera(640, 480, 525.0, 525.0, 319.5, 239.5)  # noqa: RUF009
+    camera: Camera = _CAMERA
     baseline_m: float = 0.12
     noise: float = 1.0
     depth_noise_px: float = 0.0

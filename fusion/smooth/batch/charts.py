@@ -75,8 +75,9 @@ class Chart:
         """
         here, there = self._representation.poses(base), self._representation.poses(target)
         if self._representation.name == "similarity":
-            step = here.inverse() @ there  # type: ignore[operator]
-            assert isinstance(step, Similarity)
+            assert isinstance(here, Similarity)
+            assert isinstance(there, Similarity)
+            step = here.inverse() @ there
             rotor, shift, scale = step.as_rotor_translation_scale()
             return _numbers(rotor, shift, np.log(scale)), None
         beside = None
