@@ -1,12 +1,14 @@
-"""Camera poses simulated from a truth: noisy, at a camera's rate.
+"""Camera poses simulated from a truth: noisy, at a camera's rate, as well or badly as one may ask.
 
-They stand in for a tracker where a recording has a truth but no images to track.
+They stand in for a tracker where a recording has a truth but no images to track. What goes wrong
+beyond noise is a degradation: outliers, blackouts, stamps that are late, or several in turn.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from motorcade.fusion.motions.degradations import Degradation
 from motorcade.ga import Motor, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
@@ -19,6 +21,7 @@ def simulate_camera_poses(
     sigma_m: float,
     sigma_rad: float,
     rng: np.random.Generator,
+    degradation: Degradation | None = None,
 ) -> PoseMeasurements:
     """Measure `truth` at `rate_hz` with independent Gaussian errors in the camera's axes.
 
@@ -28,6 +31,9 @@ def simulate_camera_poses(
         sigma_m: deviation of the position an axis, above zero.
         sigma_rad: deviation of the rotation an axis; both also make the measurements' covariance.
         rng: source of the errors.
+        degradation: what happens to the noisy poses besides, such as
+            ``InTurn((Outliers(0.02, 0.5, 0.5), Blackouts(2.0, 15.0), Latency(0.02)))``; the
+            covariances do not tell of it.
 
     Raises:
         ValueError: a rate or deviation that is not positive.
@@ -41,4 +47,6 @@ def simulate_camera_poses(
     sigma = np.repeat([sigma_rad, sigma_m], 3)
     noise = Motor.from_twist(sigma * rng.standard_normal((count, 6)))
     measured = truth.resampled(truth.time_ns[0] + offsets).transformed_by(right=noise)
-    return PoseMeasurements(measured, np.tile(np.diag(sigma**2), (count, 1, 1)))
+    if degradation is not None:
+        measured = degradation.apply(measured, rng)
+    return PoseMeasurements(measured, np.tile(np.diag(sigma**2), (len(measured), 1, 1)))

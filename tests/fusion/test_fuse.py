@@ -11,6 +11,7 @@ import pytest
 from motorcade.fusion.filter import FilterSettings, Fused, fuse
 from motorcade.fusion.imu import ImuStream
 from motorcade.fusion.metrics import absolute_translation_m, associate, rotation_rad, tilt_rad
+from motorcade.fusion.motions.degradations import Blackouts, InTurn, Latency, Outliers
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
 from motorcade.replays.readers.euroc import read as read_euroc
@@ -216,6 +217,21 @@ def test_simulated_poses_have_their_noise_and_rate(handheld):
     ]:
         with pytest.raises(ValueError, match=message):
             simulate_camera_poses(truth, *arguments)
+
+
+def test_simulated_poses_can_be_spoilt_besides(handheld):
+    truth = handheld.trajectory(200.0, 40.0)
+    spoilt = InTurn((Outliers(0.1, 0.5, 0.5), Blackouts(2.0, 15.0), Latency(0.02)))
+    plain, found = (
+        simulate_camera_poses(truth, 20.0, 0.01, 0.02, np.random.default_rng(3), how)
+        for how in (None, spoilt)
+    )
+    assert len(plain) - len(found) == 80
+    assert len(found.covariance) == len(found)
+    seen = np.isin(plain.trajectory.time_ns, found.trajectory.time_ns - 20_000_000)
+    assert np.count_nonzero(seen) == len(found)
+    apart = (plain.trajectory.motors[seen].inverse() @ found.trajectory.motors).as_twist()
+    assert 0.05 < np.mean(np.abs(apart).max(axis=1) > 1e-9) < 0.15
 
 
 # A real flight ----------------------------------------------------------------------------------

@@ -10,9 +10,15 @@ from motorcade.fusion.motions.degradations.poses import (
     Quantised,
     wrong_planar_pose,
 )
-from motorcade.fusion.motions.degradations.stamps import DroppedFrames, Latency, StampJitter
+from motorcade.fusion.motions.degradations.stamps import (
+    Blackouts,
+    DroppedFrames,
+    Latency,
+    StampJitter,
+)
 
 __all__ = [
+    "Blackouts",
     "Degradation",
     "DroppedFrames",
     "Gaussian",

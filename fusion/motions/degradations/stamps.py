@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.fusion.motions.degradations.base import (
     Degradation,
@@ -15,9 +16,9 @@ from motorcade.fusion.motions.degradations.base import (
     check_runs,
     runs,
 )
-from motorcade.ga import IntArray, Trajectory
+from motorcade.ga import FloatArray, IntArray, Trajectory
 
-__all__ = ["DroppedFrames", "Latency", "StampJitter"]
+__all__ = ["Blackouts", "DroppedFrames", "Latency", "StampJitter"]
 
 # Neighbours that move towards each other by this part of the gap between them stay in order.
 _REACH = 0.49
@@ -69,6 +70,49 @@ class DroppedFrames(Degradation):
         lost = runs(rng, len(trajectory), self.share, self._mean_run())
         lost[0] = False
         return trajectory[~lost]
+
+
+@dataclass(frozen=True)
+class Blackouts(Degradation):
+    """No pose at all for `length_s` every `every_s`, the first time `every_s` after the first pose.
+
+    A blackout that would not end before the path does is left out.
+
+    Args:
+        length_s: of each blackout, above zero and below `every_s`.
+        every_s: from the start of one to the start of the next.
+    """
+
+    length_s: float
+    every_s: float
+
+    def __post_init__(self) -> None:
+        check_number(self, "every_s", 1e-9)
+        check_number(self, "length_s", 1e-9, self.every_s)
+
+    def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
+        """Leave the poses outside the blackouts."""
+        offset_s = (trajectory.time_ns - trajectory.time_ns[0]) * 1e-9
+        return trajectory[~self.dark(offset_s, trajectory.duration_s)]
+
+    def spans_s(self, duration_s: float) -> FloatArray:
+        """Start and end ``(K, 2)`` of every blackout on a path so long, in seconds from its start.
+
+        Poses are missing from each start on, up to but not at the end.
+        """
+        count = max(0, int(np.floor((duration_s - self.length_s) / self.every_s + 1e-9)))
+        starts: FloatArray = self.every_s * np.arange(1.0, count + 1.0)
+        return np.stack([starts, starts + self.length_s], axis=-1)
+
+    def dark(self, offset_s: FloatArray, duration_s: float) -> NDArray[np.bool_]:
+        """Which times ``(N,)`` after the start of a path so long lie in a blackout.
+
+        Times within half a microsecond of an edge count as on it.
+        """
+        seconds = np.round(offset_s, 6)[:, None]
+        start, end = self.spans_s(duration_s).T
+        dark: NDArray[np.bool_] = ((seconds >= start) & (seconds < end)).any(axis=1)
+        return dark
 
 
 @dataclass(frozen=True)

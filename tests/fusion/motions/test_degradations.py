@@ -12,6 +12,7 @@ from scipy import stats
 from motorcade.fusion.metrics import log_scales, position_lag_s, without_scale
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import (
+    Blackouts,
     DroppedFrames,
     Gaussian,
     InTurn,
@@ -33,6 +34,7 @@ ALL = (
     StampJitter(2e-3),
     DroppedFrames(0.1),
     DroppedFrames(0.1, 8.0),
+    Blackouts(2.0, 15.0),
     Latency(0.05),
     Latency(0.05, 0.01, known=True),
 )
@@ -206,6 +208,19 @@ def test_dropped_frames_have_their_share_and_bursts(truth, rng, share, mean_run)
     assert len(DroppedFrames(0.99).apply(truth[:2], rng)) >= 1
 
 
+def test_blackouts_take_every_pose_of_their_spans_and_no_other(truth, rng):
+    blackouts, short = Blackouts(2.0, 15.0), truth[: 30 * 47]
+    spoiled = blackouts.apply(short, rng)
+    offset_s = (spoiled.time_ns - short.time_ns[0]) * 1e-9
+    gaps = np.flatnonzero(np.diff(offset_s) > 0.1)
+    # The third would end at 47 s, after the last pose at 46.97 s.
+    np.testing.assert_allclose(offset_s[gaps], [15.0 - 1 / 30, 30.0 - 1 / 30], atol=1e-8)
+    np.testing.assert_allclose(offset_s[gaps + 1], [17.0, 32.0], atol=1e-8)
+    assert len(short) - len(spoiled) == 2 * 60
+    np.testing.assert_array_equal(blackouts.spans_s(47.0)[-1], [45.0, 47.0])
+    assert len(blackouts.apply(truth[:100], rng)) == 100
+
+
 def test_latency_shifts_what_is_not_known_of_it(truth, rng):
     short = truth[:600]
     late = Latency(0.05).apply(short, rng)
@@ -252,6 +267,9 @@ def test_several_apply_in_turn(truth):
         (lambda: DroppedFrames(1.0), "DroppedFrames.share"),
         (lambda: DroppedFrames(-0.1), "DroppedFrames.share"),
         (lambda: DroppedFrames(0.1, 0.0), "DroppedFrames.mean_run"),
+        (lambda: Blackouts(0.0, 1.0), "Blackouts.length_s"),
+        (lambda: Blackouts(2.0, 1.0), "Blackouts.length_s"),
+        (lambda: Blackouts(1.0, np.inf), "Blackouts.every_s"),
         (lambda: Latency(0.0), "delay_s"),
         (lambda: Latency(0.1, -1.0), "spread_s"),
         (lambda: wrong_planar_pose(Motor.identity(), [0, 0, 1], [0, 0, 2]), "length 1"),
