@@ -137,12 +137,14 @@ def export(run: Run, out: Path, about_it: dict[str, Any]) -> dict[str, Any]:
         "unavailable": dict(run.unavailable),
     }
     film, pages = run.outputs.get("overlay"), run.outputs.get("report")
+    poses = run.outputs.get("camera_poses")
     summary = account if pages is None else json.loads(pages.summary.read_text(encoding="utf-8"))
     written = set()
     for name, trajectory in trajectories(run).items():
         written.add(out / "trajectories" / f"{name}.tum")
         write_trajectory(trajectory, out / "trajectories" / f"{name}.tum")
     sources = {"overlay.mp4": film and film.path}
+    sources |= {"marker_map.json": poses and poses.marker_map}
     sources |= {"report.html": pages and pages.page, "report.json": pages and pages.summary}
     for name, source in sources.items():
         if source is not None:

@@ -23,6 +23,7 @@ from motorcade.replays.errors import refusal
 if TYPE_CHECKING:
     from motorcade.fusion.imu.noise import ImuNoise
     from motorcade.fusion.imu.stream import ImuStream
+    from motorcade.replays.loose_markers import LooseMarkers
     from motorcade.tracking.boards import Board
     from motorcade.tracking.camera import Camera
 
@@ -103,14 +104,17 @@ class Recording:
     Fields:
         name: for people; the folder's name unless a manifest says otherwise.
         root: the folder, or the video file.
-        layout: "euroc", "seven_scenes", "tum_rgbd", "kitti", "images", "video" or "synthetic".
+        layout: "euroc", "seven_scenes", "tum_rgbd", "kitti", "tagslam", "images", "video" or
+            "synthetic".
         frames: the pictures.
         camera: intrinsics, of the pictures' size.
         imu, imu_noise: angular rate and specific force; noise densities and bias walks.
         imu_T_camera: where the camera sits on the IMU (camera coordinates to IMU coordinates).
         board: a board in view, and where it stands in the world (identity: it is the world).
+        markers: markers in view that are no board.
         truth: world_T_camera. Its stamps need not be the frames' own, nor cover all of them.
         settings: knobs of the pipeline that suit this recording, each "stage.knob=value".
+        damaged: what is said of each picture that was left out because it is damaged.
 
     Raises:
         RecordingError: no frames, or a pose that is not a single one.
@@ -126,8 +130,10 @@ class Recording:
     imu_T_camera: Motor | None = None
     board: Board | None = None
     world_T_board: Motor = field(default_factory=Motor.identity)
+    markers: LooseMarkers | None = None
     truth: Trajectory | None = None
     settings: tuple[str, ...] = ()
+    damaged: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.frames) == 0:
@@ -181,6 +187,8 @@ class Recording:
         for label in ("imu_T_camera", "world_T_board"):
             motor = getattr(self, label)
             yield label, b"" if motor is None else _bytes(motor.coefficients)
+        yield "markers", b"" if self.markers is None else self.markers.content()
+        yield "damaged", repr(self.damaged).encode()
         yield "frame stamps", _bytes(self.frames.time_ns)
         if self.imu is not None:
             yield "imu stamps", _bytes(self.imu.time_ns)
@@ -198,7 +206,7 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
     Args:
         path: the recording. Known layouts: EuRoC (`mav0/cam0/data.csv`), TUM RGB-D (`rgb.txt`),
             7-Scenes (`frame-000000.color.png`), KITTI odometry (`calib.txt` beside `image_0`),
-            a video file, and any folder with a manifest.
+            TagSLAM's recorded corners (`tag_detections.bag`), a video file, and any folder with a manifest.
         manifest: TOML file that describes the recording or adds to its layout (see
             `docs/manifests`). It may lie anywhere. Without it, `motorcade.toml` in the folder is
             used where there is one; since that one came with the recording, it may not point

@@ -7,7 +7,15 @@ from pathlib import Path
 from typing import Protocol
 
 from motorcade.replays.errors import refusal
-from motorcade.replays.readers import euroc, kitti, seven_scenes, tum_rgbd, video
+from motorcade.replays.readers import (
+    euroc,
+    kitti,
+    seven_scenes,
+    tagslam,
+    tagslam_recording,
+    tum_rgbd,
+    video,
+)
 from motorcade.replays.recording import Recording
 
 __all__ = ["find_layout", "read_layout"]
@@ -24,6 +32,7 @@ _LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (
     (tum_rgbd.recognise, tum_rgbd.read, "TUM RGB-D (rgb.txt)"),
     (seven_scenes.recognise, seven_scenes.read, "7-Scenes (frame-000000.color.png)"),
     (kitti.recognise, kitti.read, "KITTI (calib.txt beside image_2, image_0 or image_l)"),
+    (tagslam.recognise, tagslam_recording.read, "TagSLAM's corners (tag_detections.bag)"),
     (video.recognise, video.read, "a video file"),
 )
 

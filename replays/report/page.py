@@ -11,18 +11,19 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import kernels
+from motorcade.replays.readers.corner_frames import CornerFrames
 from motorcade.replays.report.findings import Findings
 from motorcade.replays.report.pictures import plots
 from motorcade.replays.report.summary import COLUMNS, shown_columns, shown_value
 
+MOST_NAMED = 3
 TEMPLATE = Path(__file__).with_name("template.html")
 NO_VIDEO = (
     "there is no headless OpenGL on this machine. Debian and Ubuntu bring it with "
     "apt-get install libegl1 libgl1-mesa-dri; then run the same command again."
 )
-ORIGINS = {
-    "board": "tracked from the board in the images",
-    "simulated": "simulated from the truth, with noise",
+NO_PICTURES = "the recording holds corners of markers and no pictures to draw into."
+IMU_ORIGINS = {
     "recorded": "recorded",
     "reference": "simulated from the truth",
     "tracked": "simulated along the tracked path (it knows nothing that the images did not)",
@@ -42,7 +43,7 @@ def page(findings: Findings) -> str:
         headline=_headline(findings),
         video=_video(findings),
         video_caption=_video_caption(findings),
-        no_video=NO_VIDEO,
+        no_video=_no_video(findings),
         facts=_facts(findings),
         errors_caption=_errors_caption(findings),
         columns=[f"{COLUMNS[key][0]} ({COLUMNS[key][1]})" for key in keys],
@@ -55,7 +56,14 @@ def page(findings: Findings) -> str:
 
 def _headline(findings: Findings) -> str:
     poses, imu = findings.camera_poses, findings.imu
-    return f"Camera poses {ORIGINS[poses.origin]}; IMU {ORIGINS[imu.origin]}."
+    told = f"Camera poses {poses.account}; IMU {IMU_ORIGINS[imu.origin]}."
+    if poses.passed_over:
+        told += f" Passed over: {'; '.join(poses.passed_over)}."
+    damaged = findings.recording.damaged
+    if damaged:
+        told += f" {len(damaged)} damaged pictures were left out: {'; '.join(damaged[:MOST_NAMED])}"
+        told += " and others." if len(damaged) > MOST_NAMED else "."
+    return told
 
 
 def _video(findings: Findings) -> str | None:
@@ -63,6 +71,11 @@ def _video(findings: Findings) -> str | None:
         return None
     encoded = base64.b64encode(findings.overlay.path.read_bytes()).decode("ascii")
     return f"data:video/mp4;base64,{encoded}"
+
+
+def _no_video(findings: Findings) -> str:
+    corners = isinstance(findings.recording.frames, CornerFrames)
+    return NO_PICTURES if corners else NO_VIDEO
 
 
 def _video_caption(findings: Findings) -> str:
@@ -82,8 +95,11 @@ def _facts(findings: Findings) -> list[dict[str, str]]:
     facts = [("frames with a pose", f"{measured} of {len(poses.sought_ns)}")]
     if findings.frames_per_second is not None:
         facts.append(("frames/s tracked, reading included", f"{findings.frames_per_second:.0f}"))
-        median = float(np.median(poses.reprojection_px))
+    if np.any(np.isfinite(poses.reprojection_px)):
+        median = float(np.nanmedian(poses.reprojection_px))
         facts.append(("median reprojection error", f"{median:.2f} px"))
+    if not poses.metric:
+        facts.append(("scale: lengths have no unit", "free"))
     motor = findings.errors.figures.get("motor", {})
     if motor.get("ape_rmse_m") is not None:
         facts.append(

@@ -30,9 +30,13 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "recording": findings.recording.name,
         "camera_poses": {
             "origin": poses.origin,
+            "account": poses.account,
+            "passed_over": list(poses.passed_over),
+            "scale": "metric" if poses.metric else "free",
             "sought": len(poses.sought_ns),
             "measured": len(poses.measurements.trajectory),
             "reprojection_median_px": float(np.median(poses.reprojection_px)),
+            "damaged_pictures": list(findings.recording.damaged),
             "seconds": poses.seconds,
             "frames_per_s": findings.frames_per_second,
         },

@@ -1,9 +1,12 @@
-"""Stage `camera_poses`: where the camera was, by its board, by SLAM, or simulated."""
+"""Stage `camera_poses`: where the camera was, by its board, loose markers, SLAM, or simulated."""
 
 from __future__ import annotations
 
+import logging
 import time
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -14,11 +17,16 @@ from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import FloatArray, IntArray
 from motorcade.replays.artifacts import ASIDE, new_file
 from motorcade.replays.progress import track
+from motorcade.replays.readers.corner_frames import CornerFrames
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.marker_poses import marker_poses
 from motorcade.replays.stages.slam_poses import slam_poses
-from motorcade.tracking import PoseMeasurements, track_board
+from motorcade.tracking import PoseMeasurements, TrackingError, track_board
 
-Origin = Literal["board", "slam", "simulated"]
+log = logging.getLogger("motorcade.camera_poses")
+
+Origin = Literal["board", "tags", "slam", "simulated"]
+_Way = Callable[[Recording], "CameraPoses"]
 
 
 @dataclass(frozen=True)
@@ -27,60 +35,94 @@ class CameraPoses:
 
     `reprojection_px` (N,) belongs to the measurements; it is NaN where nothing was reprojected.
     `board_track` holds the corners and both planar candidates of every frame (read it with
-    `tracking.BoardTrack.load`); simulated poses have none. `seconds` is what tracking took,
-    reading and decoding the images included. `metric` is False where the unit of length is free
-    (SLAM by one camera alone).
+    `tracking.BoardTrack.load`), `marker_map` where loose markers stand (`MarkerMap.load`), `points`
+    (p, 3) what SLAM mapped; each is there for its own origin only. `metric` is False where the unit
+    of length is free (SLAM by one camera alone). `account` says in one line how the poses were
+    found, and `passed_over` what was tried before, with the reason. `seconds` is what tracking
+    took, reading and decoding the images included.
     """
 
     measurements: PoseMeasurements
     sought_ns: IntArray
     reprojection_px: FloatArray
     origin: Origin
-    board_track: Path | None
-    seconds: float = field(metadata=ASIDE)
+    account: str
+    board_track: Path | None = None
+    marker_map: Path | None = None
+    points: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     metric: bool = True
+    passed_over: tuple[str, ...] = ()
+    seconds: float = field(default=0.0, metadata=ASIDE)
 
 
 def camera_poses(
     recording: Recording,
     *,
-    source: Literal["auto", "board", "slam", "simulated"] = "auto",
+    source: Literal["auto", "board", "tags", "slam", "simulated"] = "auto",
     rate_hz: float = 20.0,
     sigma_m: float = 0.01,
     sigma_deg: float = 0.5,
     blackouts_s: tuple[float, ...] = (),
     seed: int = 0,
 ) -> CameraPoses:
-    """Track the recording's board; where it has none, simulate measurements from its truth.
+    """Find the camera's poses by what the recording offers.
 
-    `source=slam` needs neither: the world is then the first camera that has a pose.
+    `source=auto` tries in turn, and says what it passed over: the board, if the recording names
+    one and it is seen; loose markers, if a family is named or corners were recorded; visual SLAM,
+    with depth where there is some, else by one camera with free scale; last a simulation from the
+    truth. The world is the board's, the marker's that was seen most, or the first camera's.
 
     `rate_hz`, `sigma_m` and `sigma_deg` (an axis) and `seed` shape the simulation. `blackouts_s`
     (start, end, start, end, … in seconds after the first stamp) are spans in which no pose is
-    measured, whatever the source. Raises ValueError where the recording has neither.
+    measured, whatever the source. Raises ValueError where the source asked for is not there, and
+    where nothing gives a pose.
     """
     spans = _spans(blackouts_s)
-    if source == "board" or (source == "auto" and recording.board is not None):
-        return _tracked(recording, spans)
-    if source == "slam":
-        return _mapped(recording, spans)
-    if recording.truth is None:
+    sigma_rad = float(np.deg2rad(sigma_deg))
+    ways: dict[str, _Way] = {
+        "board": _by_board,
+        "tags": _by_markers,
+        "slam": _by_slam,
+        "simulated": partial(
+            _simulated, rate_hz=rate_hz, sigma_m=sigma_m, sigma_rad=sigma_rad, seed=seed
+        ),
+    }
+    found = _first_that_works(recording, ways) if source == "auto" else ways[source](recording)
+    return _without(found, spans)
+
+
+def _first_that_works(recording: Recording, ways: Mapping[str, _Way]) -> CameraPoses:
+    passed_over: list[str] = []
+    for name in _offered(recording):
+        try:
+            found = ways[name](recording)
+        except TrackingError as nothing:
+            log.warning("camera_poses: %s passed over: %s", name, nothing)
+            passed_over.append(f"{name}: {nothing}")
+            continue
+        return replace(found, passed_over=tuple(passed_over))
+    if recording.camera is None:
         raise ValueError(
-            f"{recording.name}: no board to track and no truth to simulate poses from; "
-            "describe the board in a manifest ([board] type = ...), or set camera_poses.source=slam"
+            f"{recording.name}: no camera known, so its poses cannot be tracked; describe it in a "
+            "manifest ([camera] fx = ..., fy = ..., cx = ..., cy = ...)"
         )
-    simulated = simulate_camera_poses(
-        recording.truth, rate_hz, sigma_m, np.deg2rad(sigma_deg), np.random.default_rng(seed)
-    )
-    sought = simulated.trajectory.time_ns
-    seen = ~_inside(sought, spans)
-    nothing_reprojected = np.full(np.count_nonzero(seen), np.nan)
-    return CameraPoses(
-        _chosen(simulated, seen), sought, nothing_reprojected, "simulated", None, seconds=0.0
-    )
+    raise ValueError(f"{recording.name}: no camera pose found; {'; '.join(passed_over)}")
 
 
-def _tracked(recording: Recording, spans: FloatArray) -> CameraPoses:
+def _offered(recording: Recording) -> list[str]:
+    """The ways that a recording offers, the surest first."""
+    pictures = not isinstance(recording.frames, CornerFrames)
+    tracked = recording.camera is not None
+    offered = {
+        "board": tracked and pictures and recording.board is not None,
+        "tags": tracked and (not pictures or recording.markers is not None),
+        "slam": tracked and pictures,
+        "simulated": recording.truth is not None,
+    }
+    return [name for name, here in offered.items() if here]
+
+
+def _by_board(recording: Recording) -> CameraPoses:
     if recording.board is None or recording.camera is None:
         missing = "camera" if recording.camera is None else "board"
         raise ValueError(f"{recording.name}: no {missing} known; describe it in a manifest")
@@ -91,42 +133,83 @@ def _tracked(recording: Recording, spans: FloatArray) -> CameraPoses:
         recording.camera,
         recording.board,
     )
-    seconds = time.perf_counter() - start
     on_board = tracked.measurements
-    seen = ~_inside(on_board.trajectory.time_ns, spans)
-    in_world = PoseMeasurements(
-        on_board.trajectory.transformed_by(left=recording.world_T_board), on_board.covariance
-    )
     board_track = new_file("board_track.npz")
     tracked.save(board_track)
     return CameraPoses(
-        _chosen(in_world, seen),
+        PoseMeasurements(
+            on_board.trajectory.transformed_by(left=recording.world_T_board), on_board.covariance
+        ),
         frames.time_ns,
-        tracked.error_px[seen],
+        tracked.error_px,
         "board",
-        board_track,
-        seconds,
+        f"tracked by the {recording.board.name} in the images",
+        board_track=board_track,
+        seconds=time.perf_counter() - start,
     )
 
 
-def _mapped(recording: Recording, spans: FloatArray) -> CameraPoses:
-    found = slam_poses(recording)
-    seen = ~_inside(found.measurements.trajectory.time_ns, spans)
+def _by_markers(recording: Recording) -> CameraPoses:
+    found = marker_poses(recording)
+    recorded = isinstance(recording.frames, CornerFrames)
+    known = recording.markers is not None and recording.markers.marker_map is not None
+    where = "where a map places them" if known else "mapped from this recording alone"
+    marker_map = new_file("marker_map.json")
+    found.marker_map.save(marker_map)
     return CameraPoses(
-        _chosen(found.measurements, seen),
-        recording.frames.time_ns,
-        np.full(np.count_nonzero(seen), np.nan),
-        "slam",
-        None,
-        found.seconds,
-        found.metric,
+        found.measurements,
+        found.sought_ns,
+        found.error_px,
+        "tags",
+        f"tracked by the {'recorded corners' if recorded else 'images'} of "
+        f"{len(found.marker_map)} loose markers, {where}"
+        + (f"; {len(found.left_out)} markers never seen beside them" if found.left_out else ""),
+        marker_map=marker_map,
+        seconds=found.seconds,
     )
 
 
-def _chosen(measurements: PoseMeasurements, seen: NDArray[np.bool_]) -> PoseMeasurements:
+def _by_slam(recording: Recording) -> CameraPoses:
+    found = slam_poses(recording)
+    return CameraPoses(
+        found.measurements,
+        recording.frames.time_ns,
+        np.full(len(found.measurements), np.nan),
+        "slam",
+        "tracked by visual SLAM "
+        + ("with depth" if found.metric else "by one camera (scale: free, lengths have no unit)"),
+        points=found.points,
+        metric=found.metric,
+        seconds=found.seconds,
+    )
+
+
+def _simulated(
+    recording: Recording, *, rate_hz: float, sigma_m: float, sigma_rad: float, seed: int
+) -> CameraPoses:
+    if recording.truth is None:
+        raise ValueError(f"{recording.name}: no truth to simulate camera poses from")
+    simulated = simulate_camera_poses(
+        recording.truth, rate_hz, sigma_m, sigma_rad, np.random.default_rng(seed)
+    )
+    return CameraPoses(
+        simulated,
+        simulated.trajectory.time_ns,
+        np.full(len(simulated), np.nan),
+        "simulated",
+        "simulated from the truth, with noise",
+    )
+
+
+def _without(found: CameraPoses, spans: FloatArray) -> CameraPoses:
+    """The poses less those measured within the spans, counted from the first stamp sought."""
+    seen = ~_inside(found.measurements.trajectory.time_ns, spans, int(found.sought_ns[0]))
     if not np.any(seen):
         raise ValueError("camera_poses.blackouts_s: no measured pose is left; shorten the spans")
-    return PoseMeasurements(measurements.trajectory[seen], measurements.covariance[seen])
+    left = PoseMeasurements(
+        found.measurements.trajectory[seen], found.measurements.covariance[seen]
+    )
+    return replace(found, measurements=left, reprojection_px=found.reprojection_px[seen])
 
 
 def _spans(blackouts_s: tuple[float, ...]) -> FloatArray:
@@ -140,8 +223,8 @@ def _spans(blackouts_s: tuple[float, ...]) -> FloatArray:
     return spans
 
 
-def _inside(time_ns: IntArray, spans: FloatArray) -> NDArray[np.bool_]:
-    seconds = (time_ns - time_ns[0]) * 1e-9
+def _inside(time_ns: IntArray, spans: FloatArray, first_ns: int) -> NDArray[np.bool_]:
+    seconds = (time_ns - first_ns) * 1e-9
     inside = np.zeros(seconds.shape, dtype=np.bool_)
     for start, end in spans:
         inside |= (seconds >= start) & (seconds < end)

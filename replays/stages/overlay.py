@@ -15,6 +15,7 @@ from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.replays.artifacts import ASIDE, new_file
 from motorcade.replays.graph import Unavailable
 from motorcade.replays.progress import track
+from motorcade.replays.readers.corner_frames import CornerFrames
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.placed import Placed, character_named
 from motorcade.replays.stages.smoothed import Smoothed
@@ -42,11 +43,13 @@ def overlay(
 
     `representation` says along which of the smoothed paths; without it, the first of them.
     Frames without a pose (before the first, after the last) are shown as they are. Where the
-    recording has depth, what is nearer hides the character. Raises `Unavailable` without OpenGL,
-    and ValueError without a camera or for a representation that was not smoothed.
+    recording has depth, what is nearer hides the character. Raises `Unavailable` without OpenGL and
+    for recordings of corners, which hold no pictures, and ValueError without a camera or for a representation that was not smoothed.
     """
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
+    if isinstance(recording.frames, CornerFrames):
+        raise Unavailable("the recording holds corners of markers and no pictures to draw into")
     path = _chosen(smoothed, representation)
     character = character_named(placed.character)
     start = time.perf_counter()

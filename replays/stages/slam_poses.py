@@ -10,7 +10,7 @@ import numpy as np
 from motorcade.ga import FloatArray
 from motorcade.replays.progress import track
 from motorcade.replays.recording import Recording
-from motorcade.tracking import PoseMeasurements
+from motorcade.tracking import PoseMeasurements, TrackingError
 
 __all__ = ["SlamPoses", "slam_poses"]
 
@@ -24,11 +24,13 @@ class SlamPoses:
     Args:
         measurements: `world_T_camera` of the frames that have a pose.
         metric: whether lengths are metres; with one camera alone their unit is free.
+        points: ``(p, 3)`` of the map, in the same world.
         seconds: time it took, reading and decoding included.
     """
 
     measurements: PoseMeasurements
     metric: bool
+    points: FloatArray
     seconds: float
 
 
@@ -39,7 +41,8 @@ def slam_poses(recording: Recording) -> SlamPoses:
     in it.
 
     Raises:
-        ValueError: no camera known, or nothing in the pictures from which a map could start.
+        ValueError: no camera known.
+        TrackingError: nothing in the pictures from which a map could start.
     """
     from motorcade.tracking.slam import VisualSlam
 
@@ -51,12 +54,16 @@ def slam_poses(recording: Recording) -> SlamPoses:
         slam.track(frame.time_ns, frame.gray(), frame.depth_m())
     found = slam.finish()
     if found.trajectory is None:
-        raise ValueError(
+        raise TrackingError(
             f"{recording.name}: visual SLAM found no pose: too little texture, or a camera that "
             "only turns; camera_poses.source=simulated or a board would do"
         )
     floor = np.repeat((_SIGMA_FLOOR_RAD**2, _SIGMA_FLOOR_M**2), 3)
     covariance: FloatArray = found.covariance + np.diag(floor)
-    from_first = found.trajectory.transformed_by(left=found.trajectory.motors[0].inverse())
-    seconds = time.perf_counter() - start
-    return SlamPoses(PoseMeasurements(from_first, covariance), found.metric, seconds)
+    first_T_world = found.trajectory.motors[0].inverse()
+    return SlamPoses(
+        PoseMeasurements(found.trajectory.transformed_by(left=first_T_world), covariance),
+        found.metric,
+        first_T_world.apply(found.map.points),
+        time.perf_counter() - start,
+    )

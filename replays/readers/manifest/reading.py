@@ -27,6 +27,7 @@ from motorcade.replays.readers.frames import (
 from motorcade.replays.readers.inertial import read_imu, read_noise
 from motorcade.replays.readers.manifest.board import section_board
 from motorcade.replays.readers.manifest.camera import CAMERA_KEYS, section_camera
+from motorcade.replays.readers.manifest.markers import MARKERS_KEYS, section_markers
 from motorcade.replays.readers.manifest.section import Section, load_toml
 from motorcade.replays.readers.manifest.truth import TRUTH_KEYS, read_truth
 from motorcade.replays.readers.tables import UNITS
@@ -39,7 +40,7 @@ from motorcade.tracking.camera import Camera
 __all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "read"]
 
 LOCAL_NAME = "motorcade.toml"
-_TOP = ("name", "settings", "frames", "camera", "board", "truth", "imu")
+_TOP = ("name", "settings", "frames", "camera", "board", "markers", "truth", "imu")
 FRAMES_KEYS = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
 IMU_KEYS = ("file", "noise_file", "imu_T_camera")
 
@@ -79,6 +80,9 @@ class _Manifest:
         if "board" in self.top:
             board, world_T_board = self._board()
             made = replace(made, board=board, world_T_board=world_T_board)
+        if "markers" in self.top:
+            section = self._section("markers", MARKERS_KEYS)
+            made = replace(made, markers=section_markers(section, self._file))
         if "imu" in self.top:
             made = self._with_imu(made)
         if "truth" in self.top:

@@ -23,7 +23,7 @@ from motorcade.tracking.pose import SIGMA_FLOOR_PX
 if TYPE_CHECKING:
     import gtsam
 
-__all__ = ["Adjusted", "adjust"]
+__all__ = ["Adjusted", "adjust", "pose_covariance"]
 
 # Huber's loss turns linear where the eight residuals of a sighting exceed so many deviations.
 _HUBER = 4.0
@@ -32,6 +32,8 @@ _SETTLED = 1e-6  # share of the loss that an iteration must still gain
 _ROUNDS = 2
 # What a sighting with a corner behind the camera counts.
 _NO_IMAGE_PX = 1000.0
+# A frame whose corners leave a direction free is known there to a radian or ten metres.
+_VAGUE = np.diag(1.0 / np.repeat([1.0, 10.0], 3) ** 2)
 _MEDIAN_CHI2 = 7.344  # median of chi squared with eight degrees of freedom
 
 
@@ -74,14 +76,36 @@ def adjust(
     return state
 
 
+def pose_covariance(state: Adjusted) -> FloatArray:
+    """Covariance ``(F, 6, 6)`` of each frame's pose, markers and cameras taken as they stand.
+
+    Of the right perturbation, rotation (rad) then translation (m); sightings count as Huber's loss
+    has them.
+    """
+    seen = state.seen
+    residuals, jacobians = linearised(
+        seen, state.world_T_rig[seen.frame], state.world_T_marker[seen.marker]
+    )
+    scaled = jacobians[:, 0] * _weight(residuals, state.sigma_px)[:, None, None]
+    information = np.tile(_VAGUE, (len(seen.time_ns), 1, 1))
+    np.add.at(information, seen.frame, scaled.swapaxes(-1, -2) @ scaled)
+    covariance: FloatArray = np.linalg.inv(information)
+    return 0.5 * (covariance + covariance.swapaxes(-1, -2))
+
+
+def _weight(residuals: FloatArray, sigma_px: float) -> FloatArray:
+    """Factor ``(N,)`` on each sighting's residuals ``(N, 8)``: Huber's, over the noise."""
+    size = np.linalg.norm(residuals, axis=-1) / sigma_px
+    return np.asarray(np.sqrt(np.minimum(1.0, _HUBER / np.maximum(size, 1e-12))) / sigma_px)
+
+
 def _optimised(state: Adjusted, held: NDArray[np.bool_]) -> Adjusted:
     loss, damping = _loss(state), 1e-4
     for _ in range(_ITERATIONS):
         residuals, jacobians = linearised(
             state.seen, state.world_T_rig[state.seen.frame], state.world_T_marker[state.seen.marker]
         )
-        size = np.linalg.norm(residuals, axis=-1) / state.sigma_px
-        weight = np.sqrt(np.minimum(1.0, _HUBER / np.maximum(size, 1e-12))) / state.sigma_px
+        weight = _weight(residuals, state.sigma_px)
         before = loss
         while damping < 1e8:
             tried = _stepped(state, residuals, jacobians, weight, held, damping)

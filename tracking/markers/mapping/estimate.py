@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
 from motorcade.tracking.markers.corner_stream import CornerStream
-from motorcade.tracking.markers.mapping.adjust import Adjusted, adjust
+from motorcade.tracking.markers.mapping.adjust import Adjusted, adjust, pose_covariance
 from motorcade.tracking.markers.mapping.bootstrap import hang_markers, place_frames
 from motorcade.tracking.markers.mapping.rig import RigSightings, gather
 from motorcade.tracking.markers.marker_map import MarkerMap
@@ -30,7 +30,10 @@ class MappedRecording:
 
     Args:
         marker_map: the markers.
-        trajectory: ``world_T_rig`` of the frames that show a marker of the map.
+        trajectory: ``world_T_rig`` of the n frames that show a marker of the map.
+        covariance: ``(n, 6, 6)`` of these poses within the map, right perturbation, rotation (rad)
+            then translation (m). That a planar pose may be the wrong one is not in it.
+        frame_error_px: ``(n,)`` root mean square reprojection error of each of these frames.
         rig_T_camera: by camera; those that were not given are estimated.
         time_ns: ``(F,)`` stamps of all frames.
         error_px: ``(N,)`` root mean square reprojection errors of all sightings that took part.
@@ -39,6 +42,8 @@ class MappedRecording:
 
     marker_map: MarkerMap
     trajectory: Trajectory
+    covariance: FloatArray
+    frame_error_px: FloatArray
     rig_T_camera: Mapping[str, Motor]
     time_ns: IntArray
     error_px: FloatArray
@@ -146,8 +151,18 @@ def _mapped(
     return MappedRecording(
         marker_map,
         Trajectory(stamps[placed], result.world_T_rig[placed], "world", "rig"),
+        pose_covariance(result)[placed],
+        _frame_error_px(result)[placed],
         {name: result.seen.rig_T_camera[which] for which, name in enumerate(names)},
         stamps,
         result.error_px,
         tuple(left_out.tolist()),
     )
+
+
+def _frame_error_px(result: Adjusted) -> FloatArray:
+    """Of every frame ``(F,)``; 0 where nothing is seen."""
+    count = len(result.seen.time_ns)
+    squares = np.bincount(result.seen.frame, result.error_px**2, minlength=count)
+    seen = np.bincount(result.seen.frame, minlength=count)
+    return np.asarray(np.sqrt(squares / np.maximum(seen, 1)))
