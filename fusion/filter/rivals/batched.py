@@ -1,0 +1,227 @@
+"""The forward pass in any error coordinates, over many runs of one experiment at once.
+
+Between measurements errors are carried in the moving frame, as the filter on motors carries them,
+and changed to the coordinates and back at the ends: by the chain rule that is the linearisation of
+the motion in those coordinates. Predictions, gate and the doubt after measurements left out in a
+row are the filter's own rules.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.filter.error_state import FilterSettings
+from motorcade.fusion.filter.extended_pose import ERROR_SIZE
+from motorcade.fusion.filter.increments import Intervals, increments, process_noise, transitions
+from motorcade.fusion.filter.rivals.coordinates import ErrorCoordinates, State
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
+from motorcade.tracking.measurements import PoseMeasurements
+
+__all__ = ["Estimates", "Runs", "filter_runs"]
+
+_VELOCITY_SIGMA_M_S, _GYRO_BIAS_SIGMA_RAD_S, _ACCEL_BIAS_SIGMA_M_S2 = 20.0, 0.1, 0.5
+_GROSS, _CONSECUTIVE_REJECTIONS = 10.0, 5
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """What R runs of one experiment measured; all have the same stamps.
+
+    Fields:
+        time_ns: ``(N,)`` of the inertial samples.
+        angular_rate_rad_s, specific_force_m_s2: ``(R, N, 3)``.
+        nodes: ``(M,)`` rising indices of the samples at whose stamps a pose was measured.
+        world_T_imu: the measured poses ``(R, M)``.
+        covariance: ``(6, 6)`` of each, right perturbation, rotation (rad) first.
+    """
+
+    time_ns: IntArray
+    angular_rate_rad_s: FloatArray
+    specific_force_m_s2: FloatArray
+    nodes: IntArray
+    world_T_imu: Motor
+    covariance: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.angular_rate_rad_s)
+
+    def run(self, index: int) -> tuple[PoseMeasurements, ImuStream]:
+        """One run as the filter on motors takes it."""
+        path = Trajectory(self.time_ns[self.nodes], self.world_T_imu[index], "world", "imu")
+        covariance = np.tile(self.covariance, (len(self.nodes), 1, 1))
+        stream = ImuStream(
+            self.time_ns, self.angular_rate_rad_s[index], self.specific_force_m_s2[index]
+        )
+        return PoseMeasurements(path, covariance), stream
+
+
+@dataclass(frozen=True, eq=False)
+class Estimates:
+    """What R runs knew at the M measured stamps, after each measurement.
+
+    Fields:
+        state: ``(R, M)``.
+        covariance: ``(R, M, 15, 15)`` in the error coordinates of the filter.
+        nis: ``(R, M)`` normalised innovations squared, six degrees of freedom; NaN at the start.
+        accepted: ``(R, M)`` false where a measurement was left out.
+    """
+
+    state: State
+    covariance: FloatArray
+    nis: FloatArray
+    accepted: NDArray[np.bool_]
+
+
+def filter_runs(
+    runs: Runs, noise: ImuNoise, coordinates: ErrorCoordinates, settings: FilterSettings
+) -> Estimates:
+    """Filter every run from its first measurement to its last, each for itself.
+
+    Args:
+        runs: the data.
+        noise: densities of the IMU.
+        coordinates: of the error.
+        settings: gravity, gate and initial tilt error, as of `fuse`.
+    """
+    state, covariance = _start(runs, coordinates, settings)
+    gate = _Gate(settings.gate, len(runs))
+    states, covariances = [state], [covariance]
+    nis = np.full((len(runs), len(runs.nodes)), np.nan)
+    accepted = np.ones(nis.shape, dtype=np.bool_)
+    for i in range(1, len(runs.nodes)):
+        start, end = int(runs.nodes[i - 1]), int(runs.nodes[i])
+        data = _between(runs, start, end)
+        state, covariance = _predicted(state, covariance, data, noise, coordinates, settings)
+        state, covariance, nis[:, i], accepted[:, i] = _updated(
+            state, covariance, runs.world_T_imu[:, i], runs.covariance, coordinates, gate
+        )
+        states.append(state)
+        covariances.append(covariance)
+    return Estimates(_joined(states), np.stack(covariances, axis=1), nis, accepted)
+
+
+class _Gate:
+    """How far to believe a measurement, run by run; the rule of the filter on motors."""
+
+    def __init__(self, probability: float, runs: int) -> None:
+        from scipy.special import gammaincinv
+
+        self._limit = 2.0 * float(gammaincinv(3.0, probability))
+        self._left_out = np.zeros(runs, dtype=np.int64)
+
+    def judge(self, nis: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """Factors on the covariance (0: leave out), and where the prediction is doubted."""
+        gross = ~(nis <= _GROSS * self._limit)
+        self._left_out = np.where(gross, self._left_out + 1, 0)
+        doubted = self._left_out > _CONSECUTIVE_REJECTIONS
+        self._left_out[doubted] = 0
+        factor = np.where(gross, np.where(doubted, 1.0, 0.0), np.maximum(1.0, nis / self._limit))
+        return factor, doubted
+
+
+def _start(
+    runs: Runs, coordinates: ErrorCoordinates, settings: FilterSettings
+) -> tuple[State, FloatArray]:
+    """The first measurement as a state: at rest, biases zero, with room for both to be wrong."""
+    count, pose, tilt = len(runs), runs.world_T_imu[:, 0], settings.initial_tilt_error_rad
+    rotor = Rotor.from_rotation_vector([tilt, 0.0, 0.0]) @ pose.rotor
+    state = State(rotor, pose.translation_m, np.zeros((count, 3)), np.zeros((count, 6)))
+    sigma = [0.0, 0.0, _VELOCITY_SIGMA_M_S, _GYRO_BIAS_SIGMA_RAD_S, _ACCEL_BIAS_SIGMA_M_S2]
+    body = np.tile(np.diag(np.repeat(sigma, 3) ** 2), (count, 1, 1))
+    body[:, :6, :6] = runs.covariance
+    level = rotor.as_matrix()[:, :2]
+    body[:, :3, :3] += tilt**2 * level.swapaxes(-1, -2) @ level
+    return state, _carried(coordinates.from_body(state), body)
+
+
+def _between(runs: Runs, start: int, end: int) -> Intervals:
+    """Data of the intervals between two samples: lengths ``(K,)``, rate and force ``(R, K, 3)``."""
+    dt_s = np.diff(runs.time_ns[start : end + 1]) * 1e-9
+    rate, force = (
+        0.5 * (values[:, start:end] + values[:, start + 1 : end + 1])
+        for values in (runs.angular_rate_rad_s, runs.specific_force_m_s2)
+    )
+    return Intervals(dt_s, rate, force)
+
+
+def _predicted(
+    state: State, covariance: FloatArray, data: Intervals, noise: ImuNoise,
+    coordinates: ErrorCoordinates, settings: FilterSettings,
+) -> tuple[State, FloatArray]:  # fmt: skip
+    """State and covariance after some intervals."""
+    body = _carried(np.linalg.inv(coordinates.from_body(state)), covariance)
+    added = process_noise(data.dt_s, noise)
+    fall = np.array([0.0, 0.0, -settings.gravity_m_s2])
+    rotor, position, velocity = state.rotor, state.position_m, state.velocity_m_s
+    for k, dt in enumerate(data.dt_s):
+        interval = Intervals(np.full(len(body), dt), data.rate_rad_s[:, k], data.force_m_s2[:, k])
+        step = increments(interval, state.bias[:, :3], state.bias[:, 3:])
+        body = _carried(transitions(step), body) + added[k]
+        position = position + velocity * dt + 0.5 * fall * dt**2 + rotor.apply(step.position_m)
+        velocity = velocity + fall * dt + rotor.apply(step.velocity_m_s)
+        rotor = coordinates.turned(rotor, step.turn_rad)
+    after = State(rotor, position, velocity, state.bias)
+    return after, _carried(coordinates.from_body(after), body)
+
+
+def _updated(
+    state: State, covariance: FloatArray, measured: Motor, spread: FloatArray,
+    coordinates: ErrorCoordinates, gate: _Gate,
+) -> tuple[State, FloatArray, FloatArray, NDArray[np.bool_]]:  # fmt: skip
+    """Kalman's update with poses of the IMU, in Joseph's form; the matrix is the identity."""
+    seen = State(measured.rotor, measured.translation_m, state.velocity_m_s, state.bias)
+    innovation = coordinates.difference(state, seen)[:, :6]
+    spread = coordinates.measurement_noise(state, spread)
+    nis = np.sum(innovation * _solved(covariance[:, :6, :6] + spread, innovation), axis=-1)
+    factor, doubted = gate.judge(nis)
+    believed = factor > 0.0
+    if np.any(doubted):
+        doubt = _carried(coordinates.from_body(state), _doubt(state, seen))
+        covariance = covariance + doubted[:, None, None] * doubt
+    spread = spread * np.where(believed, factor, 1.0)[:, None, None]
+    total = covariance[:, :6, :6] + spread
+    gain = np.linalg.solve(total, covariance[:, :6]).swapaxes(-1, -2)
+    gain = gain * believed[:, None, None]
+    rest = np.tile(np.eye(ERROR_SIZE), (len(gain), 1, 1))
+    rest[:, :, :6] -= gain
+    covariance = _carried(rest, covariance) + _carried(gain, spread)
+    correction = (gain @ innovation[..., None])[..., 0]
+    covariance = 0.5 * (covariance + covariance.swapaxes(-1, -2))
+    return coordinates.moved(state, correction), covariance, nis, believed
+
+
+def _doubt(state: State, seen: State) -> FloatArray:
+    """Covariance in the moving frame that makes room for an innovation, see the filter's."""
+    predicted, measured = (
+        Motor.from_rotor_translation(one.rotor, one.position_m) for one in (state, seen)
+    )
+    innovation = (predicted.inverse() @ measured).as_twist() ** 2
+    turn, shift = np.sum(innovation[:, :3], axis=-1), np.sum(innovation[:, 3:], axis=-1)
+    nothing = np.zeros_like(turn)
+    sizes = [turn, shift, shift + _VELOCITY_SIGMA_M_S**2 / 100, nothing, nothing]
+    return np.repeat(np.stack(sizes, axis=-1), 3, axis=-1)[:, None] * np.eye(ERROR_SIZE)
+
+
+def _carried(matrix: NDArray[Any], covariance: FloatArray) -> FloatArray:
+    product: FloatArray = matrix @ covariance @ matrix.swapaxes(-1, -2)
+    return product
+
+
+def _solved(matrix: FloatArray, vector: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.solve(matrix, vector[..., None])[..., 0], dtype=np.float64)
+
+
+def _joined(states: list[State]) -> State:
+    """States at M stamps, ``(R)`` each, as one ``(R, M)``."""
+    return State(
+        Rotor(np.stack([one.rotor.coefficients for one in states], axis=1)),
+        np.stack([one.position_m for one in states], axis=1),
+        np.stack([one.velocity_m_s for one in states], axis=1),
+        np.stack([one.bias for one in states], axis=1),
+    )

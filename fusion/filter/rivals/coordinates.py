@@ -1,0 +1,165 @@
+"""Error coordinates: how the difference of two states is written as 15 numbers.
+
+Each way comes with its own addition and difference, and with the matrix that carries errors of the
+filter on motors, which stand in the moving frame, into it. All numbers come in the same order:
+rotation (rad), position (m), velocity (m/s), gyroscope bias, accelerometer bias. All arrays have
+the runs in front.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.fusion.filter.extended_pose import ERROR_SIZE
+from motorcade.ga import FloatArray, Rotor
+
+__all__ = ["ErrorCoordinates", "EulerAngles", "ExactEulerAngles", "QuaternionTranslation", "State"]
+
+# Euler rates are divided by the cosine of the middle angle, kept at least this far from zero.
+_LEAST_COSINE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """States of R runs: ``world_T_imu``, velocity in the world, biases of gyro and accelerometer.
+
+    Fields:
+        rotor: ``(R)``.
+        position_m, velocity_m_s: ``(R, 3)``.
+        bias: ``(R, 6)``, rad/s and m/s².
+    """
+
+    rotor: Rotor
+    position_m: FloatArray
+    velocity_m_s: FloatArray
+    bias: FloatArray
+
+
+class ErrorCoordinates(ABC):
+    """One way to write the error of a state."""
+
+    @abstractmethod
+    def rotation_difference(self, rotor: Rotor, other: Rotor) -> FloatArray:
+        """What leads from orientations to others ``(R, 3)``."""
+
+    @abstractmethod
+    def rotated(self, rotor: Rotor, error: FloatArray) -> Rotor:
+        """Orientations moved by errors ``(R, 3)``."""
+
+    @abstractmethod
+    def rotation_from_body(self, rotor: Rotor) -> FloatArray:
+        """Matrices ``(R, 3, 3)`` from small turns in the moving frame to these coordinates."""
+
+    def turned(self, rotor: Rotor, turn_rad: FloatArray) -> Rotor:
+        """Orientations ``(R)`` after turns ``(R, 3)`` in the moving frame."""
+        return rotor @ Rotor.from_rotation_vector(turn_rad)
+
+    def measurement_noise(self, state: State, covariance: FloatArray) -> FloatArray:
+        """Covariances ``(R, 6, 6)`` of measured poses, given that of the right perturbation."""
+        carrier = self.from_body(state)[..., :6, :6]
+        noise: FloatArray = carrier @ covariance @ carrier.swapaxes(-1, -2)
+        return noise
+
+    def difference(self, state: State, other: State) -> FloatArray:
+        """The error ``(R, 15)`` that leads from a state to the other."""
+        return np.concatenate(
+            [
+                self.rotation_difference(state.rotor, other.rotor),
+                other.position_m - state.position_m,
+                other.velocity_m_s - state.velocity_m_s,
+                other.bias - state.bias,
+            ],
+            axis=-1,
+        )
+
+    def moved(self, state: State, error: FloatArray) -> State:
+        """The state an error ``(R, 15)`` away."""
+        return State(
+            self.rotated(state.rotor, error[..., :3]),
+            state.position_m + error[..., 3:6],
+            state.velocity_m_s + error[..., 6:9],
+            state.bias + error[..., 9:],
+        )
+
+    def from_body(self, state: State) -> FloatArray:
+        """Matrices ``(R, 15, 15)`` from small errors on the right of an extended pose to these."""
+        rotor = state.rotor
+        matrices = np.tile(np.eye(ERROR_SIZE), (*rotor.shape, 1, 1))
+        matrices[..., :3, :3] = self.rotation_from_body(rotor)
+        matrices[..., 3:6, 3:6] = matrices[..., 6:9, 6:9] = rotor.as_matrix()
+        return matrices
+
+
+class QuaternionTranslation(ErrorCoordinates):
+    """The error-state filter as commonly written: turn in the moving frame, position in the world.
+
+    Source: J. Solà, Quaternion kinematics for the error-state Kalman filter, arXiv:1711.02508,
+    2017 (section 5, local angular errors), also known as the multiplicative filter.
+    """
+
+    def rotation_difference(self, rotor: Rotor, other: Rotor) -> FloatArray:
+        """Rotation vectors ``(*, 3)`` in the moving frame."""
+        return (rotor.inverse() @ other).as_rotation_vector()
+
+    def rotated(self, rotor: Rotor, error: FloatArray) -> Rotor:
+        """``q Exp(error)``."""
+        return rotor @ Rotor.from_rotation_vector(error)
+
+    def rotation_from_body(self, rotor: Rotor) -> FloatArray:
+        """The identity."""
+        return np.tile(np.eye(3), (*rotor.shape, 1, 1))
+
+
+class ExactEulerAngles(ErrorCoordinates):
+    """Three angles, intrinsic x-y′-z″, added and subtracted one by one; all else converted exactly.
+
+    Differences are wrapped to (-π, π]. Motion is composed as rotations, and the noise of a measured
+    orientation is carried into angles where the estimate stands. Breaks down at gimbal lock, where
+    a middle angle of ±π/2 divides by zero.
+    """
+
+    def rotation_difference(self, rotor: Rotor, other: Rotor) -> FloatArray:
+        """Differences of the angles ``(*, 3)``."""
+        apart = other.as_euler() - rotor.as_euler()
+        wrapped: FloatArray = np.pi - np.mod(np.pi - apart, 2.0 * np.pi)
+        return wrapped
+
+    def rotated(self, rotor: Rotor, error: FloatArray) -> Rotor:
+        """Angles plus errors."""
+        return Rotor.from_euler(rotor.as_euler() + error)
+
+    def rotation_from_body(self, rotor: Rotor) -> FloatArray:
+        """Rates of the angles for angular rates in the moving frame."""
+        _, middle, last = np.moveaxis(rotor.as_euler(), -1, 0)
+        cosine = np.copysign(np.maximum(np.abs(np.cos(middle)), _LEAST_COSINE), np.cos(middle))
+        tangent = np.sin(middle) / cosine
+        sin, cos, zero = np.sin(last), np.cos(last), np.zeros_like(last)
+        rows = [
+            [cos / cosine, -sin / cosine, zero],
+            [sin, cos, zero],
+            [-cos * tangent, sin * tangent, zero + 1.0],
+        ]
+        return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+class EulerAngles(ExactEulerAngles):
+    """The extended Kalman filter on Euler angles as practitioners write it.
+
+    Angles are integrated by their rates, one Euler step a sample, and a measured orientation is
+    three angles with the noise that its covariance states, taken as that of the angles.
+    """
+
+    def turned(self, rotor: Rotor, turn_rad: FloatArray) -> Rotor:
+        """Angles plus their rates times the interval."""
+        rates = self.rotation_from_body(rotor) @ turn_rad[..., None]
+        return Rotor.from_euler(rotor.as_euler() + rates[..., 0])
+
+    def measurement_noise(self, state: State, covariance: FloatArray) -> FloatArray:
+        """The turn's covariance as it is; the position's in the world."""
+        carrier = self.from_body(state)[..., :6, :6]
+        carrier[..., :3, :3] = np.eye(3)
+        noise: FloatArray = carrier @ covariance @ carrier.swapaxes(-1, -2)
+        return noise
