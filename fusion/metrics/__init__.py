@@ -16,6 +16,7 @@ from motorcade.fusion.metrics.artifacts.overshoot import (
     position_overshoot_m,
     rotation_overshoot_rad,
 )
+from motorcade.fusion.metrics.consistency import Consistency, chi2_bounds, normalised_squared
 from motorcade.fusion.metrics.cost import seconds_per_pose
 from motorcade.fusion.metrics.errors.pose_error import (
     Align,
@@ -46,6 +47,7 @@ from motorcade.fusion.metrics.smooth_path import NotObservableError
 __all__ = [
     "Align",
     "Alignment",
+    "Consistency",
     "Drift",
     "EnergyExcess",
     "Evaluation",
@@ -62,6 +64,7 @@ __all__ = [
     "alignment_of",
     "angular_rate_lag_s",
     "associate",
+    "chi2_bounds",
     "drift_by_length",
     "energy_excess_above",
     "evaluate",
@@ -71,6 +74,7 @@ __all__ = [
     "jitter_above",
     "log_dimensionless_jerk",
     "log_scales",
+    "normalised_squared",
     "path_over_geodesic",
     "position_lag_s",
     "position_overshoot_m",
