@@ -1,0 +1,1 @@
+"""The orientation filter, compiled from the C++ headers beside this file."""

@@ -1,0 +1,50 @@
+"""Orientation from gyroscope and accelerometer; see motorcade.fusion.orientation."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, IntArray
+
+class Settings:
+    def __init__(
+        self,
+        *,
+        gyro_density: float,
+        gyro_walk: float,
+        accel_density: float,
+        gyro_scale: float,
+        gyro_wander: float,
+        first_bias: float,
+        first_tilt: float,
+        speed: float,
+        speed_time: float,
+        gravity: float,
+        interval: float,
+        rest_rate: float,
+        rest_force: float,
+        rest_after: float,
+        averaged: bool,
+    ) -> None: ...
+
+class Stream:
+    def __init__(self, settings: Settings) -> None: ...
+    def update(
+        self, time_ns: int, rate: FloatArray, force: FloatArray, out: FloatArray
+    ) -> None: ...
+    @property
+    def bias(self) -> list[float]: ...
+    @property
+    def at_rest(self) -> bool: ...
+    @property
+    def tilt_deviation(self) -> float: ...
+
+def run(
+    settings: Settings,
+    rates: FloatArray,
+    forces: FloatArray,
+    time_ns: IntArray,
+    backward: bool,
+    rotors: FloatArray,
+    biases: FloatArray,
+    rest: NDArray[np.bool_],
+) -> None: ...

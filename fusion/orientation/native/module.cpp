@@ -1,0 +1,164 @@
+// Binds the orientation filter to Python; see motorcade.fusion.orientation. Settings come checked.
+// The interpreter lock is released for whole streams, not for single samples.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "backward.h"
+#include "filter.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace motorcade::orientation;
+
+namespace {
+
+using Vector = nb::ndarray<const double, nb::shape<3>, nb::device::cpu>;
+using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Stamps = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using MadeRotor = nb::ndarray<double, nb::shape<4>, nb::c_contig, nb::device::cpu>;
+using MadeRotors = nb::ndarray<double, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
+using MadeVectors = nb::ndarray<double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using MadeFlags = nb::ndarray<bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+Three finite(const Vector &given, const char *name) {
+    Three made;
+    for (std::size_t i = 0; i < 3; ++i) {
+        made[i] = given(i);
+        if (!std::isfinite(made[i])) throw std::invalid_argument(std::string(name) + ": expected finite numbers");
+    }
+    return made;
+}
+
+// A filter fed sample by sample.
+class Stream {
+public:
+    explicit Stream(const Settings &settings) : filter_(settings) {}
+
+    void update(std::int64_t time_ns, const Vector &rate, const Vector &force, const MadeRotor &out) {
+        const Three turned = finite(rate, "angular_rate_rad_s"), felt = finite(force, "specific_force_m_s2");
+        if (!begun_) {
+            filter_.begin(turned, felt);
+            begun_ = true;
+        } else {
+            if (time_ns <= last_ns_)
+                throw std::invalid_argument("time_ns: expected a stamp after " + std::to_string(last_ns_) + ", got " +
+                                            std::to_string(time_ns));
+            const double dt = 1e-9 * static_cast<double>(time_ns - last_ns_);
+            if (filter_.leaves_gap(dt)) filter_.correct(nullptr);
+            if (filter_.carry(turned, felt, dt)) filter_.correct(nullptr);
+        }
+        last_ns_ = time_ns;
+        std::copy(filter_.rotor().begin(), filter_.rotor().end(), out.data());
+    }
+
+    const Three &bias() const { return filter_.bias(); }
+    bool at_rest() const { return filter_.at_rest(); }
+    double tilt_deviation() const { return filter_.tilt_deviation(); }
+
+private:
+    Filter filter_;
+    bool begun_ = false;
+    std::int64_t last_ns_ = 0;
+};
+
+struct Made {
+    double *rotors, *biases;
+    bool *rest;
+
+    void put(std::size_t k, const Four &rotor, const Three &bias) const {
+        std::copy(rotor.begin(), rotor.end(), rotors + 4 * k);
+        std::copy(bias.begin(), bias.end(), biases + 3 * k);
+    }
+};
+
+// A whole stream forwards. With nodes it keeps them for the pass backwards, and what it puts out is
+// then each sample before the correction that it may bring.
+void forward(Filter &filter, const Three *rates, const Three *forces, const std::int64_t *time_ns, std::size_t count,
+             const Made &made, std::vector<Node> *nodes) {
+    const auto correct = [&](std::size_t end) {
+        if (nodes) nodes->emplace_back().end = end;
+        filter.correct(nodes ? &nodes->back() : nullptr);
+    };
+    filter.begin(rates[0], forces[0]);
+    made.put(0, filter.rotor(), filter.bias());
+    made.rest[0] = false;
+    for (std::size_t k = 1; k < count; ++k) {
+        const double dt = 1e-9 * static_cast<double>(time_ns[k] - time_ns[k - 1]);
+        if (filter.leaves_gap(dt)) correct(k - 1);
+        const bool full = filter.carry(rates[k], forces[k], dt);
+        if (nodes) made.put(k, filter.rotor(), filter.bias());
+        if (full || (nodes && k + 1 == count && filter.gathered())) correct(k);
+        if (!nodes) made.put(k, filter.rotor(), filter.bias());
+        made.rest[k] = filter.at_rest();
+    }
+}
+
+// Adds to every sample what all later measurements say, along a line from node to node.
+void add_corrections(const Made &made, const std::vector<Node> &nodes, const std::vector<State> &later) {
+    std::size_t k = 0;
+    for (std::size_t m = 0; m < nodes.size(); ++m) {
+        const Node &node = nodes[m];
+        const std::size_t first = k;
+        for (; k <= node.end; ++k) {
+            const double place = static_cast<double>(k + 1 - first) / static_cast<double>(node.end + 1 - first);
+            State error;
+            for (std::size_t i = 0; i < ERRORS; ++i) {
+                const double end = node.added[i] + later[m][i];
+                error[i] = m == 0 ? end : later[m - 1][i] + place * (end - later[m - 1][i]);
+            }
+            Four rotor;
+            std::copy_n(made.rotors + 4 * k, 4, rotor.begin());
+            Three bias;
+            for (std::size_t i = 0; i < 3; ++i) bias[i] = made.biases[3 * k + i] + error[BIAS + i];
+            made.put(k, motorcade::smooth::product(Filter::turn_of(error), rotor), bias);
+        }
+    }
+}
+
+void run(const Settings &settings, const Vectors &rates, const Vectors &forces, const Stamps &time_ns, bool backward,
+         const MadeRotors &rotors, const MadeVectors &biases, const MadeFlags &rest) {
+    const std::size_t count = time_ns.shape(0);
+    for (const std::size_t rows : {rates.shape(0), forces.shape(0), rotors.shape(0), biases.shape(0), rest.shape(0)})
+        if (rows != count || count == 0) throw std::invalid_argument("run: expected arrays of equal length");
+    const Made made{rotors.data(), biases.data(), rest.data()};
+    const auto *turned = reinterpret_cast<const Three *>(rates.data());
+    const auto *felt = reinterpret_cast<const Three *>(forces.data());
+    nb::gil_scoped_release unlocked;
+    Filter filter(settings);
+    std::vector<Node> nodes;
+    forward(filter, turned, felt, time_ns.data(), count, made, backward ? &nodes : nullptr);
+    if (backward) add_corrections(made, nodes, corrections(nodes, settings));
+}
+
+}  // namespace
+
+NB_MODULE(_orientation, module) {
+    module.doc() = "Orientation from gyroscope and accelerometer; see motorcade.fusion.orientation.";
+    nb::class_<Settings>(module, "Settings")
+        .def("__init__",
+             [](Settings *made, double gyro_density, double gyro_walk, double accel_density, double gyro_scale,
+                double gyro_wander, double first_bias, double first_tilt, double speed, double speed_time,
+                double gravity, double interval, double rest_rate, double rest_force, double rest_after,
+                bool averaged) {
+                 new (made) Settings{gyro_density, gyro_walk,  accel_density, gyro_scale, gyro_wander,
+                                     first_bias,   first_tilt, speed,         speed_time, gravity,
+                                     interval,     rest_rate,  rest_force,    rest_after, averaged};
+             },
+             nb::kw_only(), "gyro_density"_a, "gyro_walk"_a, "accel_density"_a, "gyro_scale"_a, "gyro_wander"_a,
+             "first_bias"_a, "first_tilt"_a, "speed"_a, "speed_time"_a, "gravity"_a, "interval"_a, "rest_rate"_a,
+             "rest_force"_a, "rest_after"_a, "averaged"_a);
+    nb::class_<Stream>(module, "Stream")
+        .def(nb::init<const Settings &>(), "settings"_a)
+        .def("update", &Stream::update, "time_ns"_a, "rate"_a, "force"_a, "out"_a)
+        .def_prop_ro("bias", &Stream::bias)
+        .def_prop_ro("at_rest", &Stream::at_rest)
+        .def_prop_ro("tilt_deviation", &Stream::tilt_deviation);
+    module.def("run", &run, "settings"_a, "rates"_a, "forces"_a, "time_ns"_a, "backward"_a, "rotors"_a, "biases"_a,
+               "rest"_a);
+}
