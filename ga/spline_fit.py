@@ -27,6 +27,9 @@ _MAX_STEPS = 100
 # Damping of steps that would raise the sum of squares, as a share of the diagonal.
 _LEAST_DAMPING = 1e-3
 _ROUNDING = 1e-12
+# After so many steps in a row, each changing the sum of squares by less than this share, it is as
+# small as it gets: beside plainly wrong poses steps may go to and fro within its rounding.
+_LEVEL_STEPS, _LEVEL = 8, 1e-10
 # Largest step of any control that shapes a pose by a tenth or more, rad and m.
 _CONVERGED = 1e-9
 _SMOOTHNESS = 1e-6
@@ -53,6 +56,7 @@ def fit_controls(
         ModuleNotFoundError: scipy is missing.
     """
     damping, equations = 0.0, _normal_equations(controls, segment, weights, poses)
+    level = 0
     for _ in range(_MAX_STEPS):
         step = _solve_band(equations, damping)
         moved = controls @ Motor.from_twist(step)
@@ -60,6 +64,10 @@ def fit_controls(
         if float(np.max(np.abs(step[2:-2]))) < _CONVERGED * (1.0 + damping):
             return moved
         reached = _normal_equations(moved, segment, weights, poses)
+        flat = abs(reached.cost - equations.cost) <= _LEVEL * equations.cost
+        level = level + 1 if flat else 0
+        if level == _LEVEL_STEPS:
+            return moved
         if reached.cost <= equations.cost * (1.0 + _ROUNDING):
             controls, equations = moved, reached
             damping = damping / 8.0 if damping > _LEAST_DAMPING else 0.0

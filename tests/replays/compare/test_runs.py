@@ -16,6 +16,7 @@ from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
 from motorcade.replays.compare import run
+from motorcade.replays.compare.cells import Setting, inputs_of
 from motorcade.replays.compare.own_data import compare_recorded
 from motorcade.replays.compare.plan import DEGRADATIONS, SLOW, Plan, quick, standard
 from motorcade.replays.compare.ruler import METRICS
@@ -262,3 +263,9 @@ def test_own_files_are_compared_from_the_command_line(
     assert main(words) == 0
     assert "gaussian" in capsys.readouterr().out
     assert json.loads((tmp_path / "out" / "results.json").read_text())["plan"]["align"] == "se3"
+
+
+def test_splines_settle_beside_poses_that_are_plainly_wrong() -> None:
+    path, _ = inputs_of("distant_circle", "outliers_and_flips", 102, 30.0, 12.0)
+    made = Setting("spline", "motor", (("knot_spacing_s", 0.6),)).smooth(path)
+    assert np.max(np.linalg.norm(made.poses.translation_m - path.poses.translation_m, axis=1)) < 5.0
