@@ -10,6 +10,7 @@ from motorcade.fusion.filter.rivals.coordinates import (
     ErrorCoordinates,
     EulerAngles,
     ExactEulerAngles,
+    ExtendedPose,
     QuaternionTranslation,
     State,
 )
@@ -19,6 +20,7 @@ __all__ = [
     "Estimates",
     "EulerAngles",
     "ExactEulerAngles",
+    "ExtendedPose",
     "QuaternionTranslation",
     "Runs",
     "State",

@@ -8,19 +8,26 @@ row are the filter's own rules.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.filter.error_state import FilterSettings
+from motorcade.fusion.filter import FilterSettings
 from motorcade.fusion.filter.extended_pose import ERROR_SIZE
-from motorcade.fusion.filter.increments import Intervals, increments, process_noise, transitions
+from motorcade.fusion.filter.increments import (
+    Increments,
+    Intervals,
+    increments,
+    process_noise,
+    transitions,
+)
 from motorcade.fusion.filter.rivals.coordinates import ErrorCoordinates, State
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
+from motorcade.ga import FloatArray, IntArray, Motor, Rotor
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["Estimates", "Runs", "filter_runs"]
@@ -51,14 +58,32 @@ class Runs:
     def __len__(self) -> int:
         return len(self.angular_rate_rad_s)
 
-    def run(self, index: int) -> tuple[PoseMeasurements, ImuStream]:
-        """One run as the filter on motors takes it."""
-        path = Trajectory(self.time_ns[self.nodes], self.world_T_imu[index], "world", "imu")
-        covariance = np.tile(self.covariance, (len(self.nodes), 1, 1))
-        stream = ImuStream(
-            self.time_ns, self.angular_rate_rad_s[index], self.specific_force_m_s2[index]
+    @classmethod
+    def of(cls, recorded: Sequence[tuple[PoseMeasurements, ImuStream]]) -> Runs:
+        """Recordings as the filter on motors takes them, of the IMU's own pose.
+
+        Raises:
+            ValueError: stamps or covariances that differ, or poses at other stamps than samples'.
+        """
+        measured, streams = zip(*recorded, strict=True)
+        time_ns, stamps = streams[0].time_ns, measured[0].trajectory.time_ns
+        covariance = measured[0].covariance[0]
+        for poses, stream in recorded:
+            same = np.array_equal(stream.time_ns, time_ns) and np.array_equal(
+                poses.trajectory.time_ns, stamps
+            )
+            if not same or np.any(poses.covariance != covariance):
+                raise ValueError("recorded: expected the same stamps and covariances in all runs")
+        if not np.all(np.isin(stamps, time_ns)):
+            raise ValueError("recorded: expected poses at stamps of inertial samples")
+        return cls(
+            time_ns,
+            np.stack([one.angular_rate_rad_s for one in streams]),
+            np.stack([one.specific_force_m_s2 for one in streams]),
+            np.searchsorted(time_ns, stamps).astype(np.int64),
+            Motor.stack([one.trajectory.motors for one in measured]),
+            covariance,
         )
-        return PoseMeasurements(path, covariance), stream
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +128,7 @@ def filter_runs(
         )
         states.append(state)
         covariances.append(covariance)
-    return Estimates(_joined(states), np.stack(covariances, axis=1), nis, accepted)
+    return Estimates(State.stacked(states, axis=1), np.stack(covariances, axis=1), nis, accepted)
 
 
 class _Gate:
@@ -159,15 +184,32 @@ def _predicted(
     added = process_noise(data.dt_s, noise)
     fall = np.array([0.0, 0.0, -settings.gravity_m_s2])
     rotor, position, velocity = state.rotor, state.position_m, state.velocity_m_s
+    step, matrices = _steps(state, data)
     for k, dt in enumerate(data.dt_s):
-        interval = Intervals(np.full(len(body), dt), data.rate_rad_s[:, k], data.force_m_s2[:, k])
-        step = increments(interval, state.bias[:, :3], state.bias[:, 3:])
-        body = _carried(transitions(step), body) + added[k]
-        position = position + velocity * dt + 0.5 * fall * dt**2 + rotor.apply(step.position_m)
-        velocity = velocity + fall * dt + rotor.apply(step.velocity_m_s)
-        rotor = coordinates.turned(rotor, step.turn_rad)
+        body = _carried(matrices[:, k], body) + added[k]
+        position = (
+            position + velocity * dt + 0.5 * fall * dt**2 + rotor.apply(step.position_m[:, k])
+        )
+        velocity = velocity + fall * dt + rotor.apply(step.velocity_m_s[:, k])
+        rotor = coordinates.turned(rotor, step.turn_rad[:, k])
     after = State(rotor, position, velocity, state.bias)
     return after, _carried(coordinates.from_body(after), body)
+
+
+def _steps(state: State, data: Intervals) -> tuple[Increments, FloatArray]:
+    """Increments ``(R, K, …)`` and transitions ``(R, K, 15, 15)`` of all intervals at once."""
+    shape = data.rate_rad_s.shape[:2]
+    flat = Intervals(
+        np.tile(data.dt_s, shape[0]),
+        data.rate_rad_s.reshape(-1, 3),
+        data.force_m_s2.reshape(-1, 3),
+    )
+    bias = np.repeat(state.bias, shape[1], axis=0)
+    steps = increments(flat, bias[:, :3], bias[:, 3:])
+    matrices = transitions(steps)
+    parts = (getattr(steps, field.name) for field in fields(steps))
+    each = Increments(*(part.reshape(*shape, *part.shape[1:]) for part in parts))
+    return each, matrices.reshape(*shape, *matrices.shape[1:])
 
 
 def _updated(
@@ -215,13 +257,3 @@ def _carried(matrix: NDArray[Any], covariance: FloatArray) -> FloatArray:
 
 def _solved(matrix: FloatArray, vector: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.solve(matrix, vector[..., None])[..., 0], dtype=np.float64)
-
-
-def _joined(states: list[State]) -> State:
-    """States at M stamps, ``(R)`` each, as one ``(R, M)``."""
-    return State(
-        Rotor(np.stack([one.rotor.coefficients for one in states], axis=1)),
-        np.stack([one.position_m for one in states], axis=1),
-        np.stack([one.velocity_m_s for one in states], axis=1),
-        np.stack([one.bias for one in states], axis=1),
-    )

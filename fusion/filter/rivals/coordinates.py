@@ -9,14 +9,22 @@ the runs in front.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.fusion.filter.extended_pose import ERROR_SIZE
+from motorcade.fusion.filter.extended_pose import ERROR_SIZE, corrected, extended_pose
 from motorcade.ga import FloatArray, Rotor
 
-__all__ = ["ErrorCoordinates", "EulerAngles", "ExactEulerAngles", "QuaternionTranslation", "State"]
+__all__ = [
+    "ErrorCoordinates",
+    "EulerAngles",
+    "ExactEulerAngles",
+    "ExtendedPose",
+    "QuaternionTranslation",
+    "State",
+]
 
 # Euler rates are divided by the cosine of the middle angle, kept at least this far from zero.
 _LEAST_COSINE = 1e-3
@@ -36,6 +44,16 @@ class State:
     position_m: FloatArray
     velocity_m_s: FloatArray
     bias: FloatArray
+
+    @classmethod
+    def stacked(cls, states: Sequence[State], axis: int = 0) -> State:
+        """States of one shape as one, with a further axis."""
+        return cls(
+            Rotor(np.stack([one.rotor.coefficients for one in states], axis)),
+            np.stack([one.position_m for one in states], axis),
+            np.stack([one.velocity_m_s for one in states], axis),
+            np.stack([one.bias for one in states], axis),
+        )
 
 
 class ErrorCoordinates(ABC):
@@ -91,6 +109,42 @@ class ErrorCoordinates(ABC):
         matrices[..., :3, :3] = self.rotation_from_body(rotor)
         matrices[..., 3:6, 3:6] = matrices[..., 6:9, 6:9] = rotor.as_matrix()
         return matrices
+
+
+class ExtendedPose(ErrorCoordinates):
+    """The filter's own: on the right of the pair of motors, position and velocity turning along."""
+
+    def rotation_difference(self, rotor: Rotor, other: Rotor) -> FloatArray:
+        """Rotation vectors ``(*, 3)`` in the moving frame."""
+        return (rotor.inverse() @ other).as_rotation_vector()
+
+    def rotated(self, rotor: Rotor, error: FloatArray) -> Rotor:
+        """``R Exp(error)``."""
+        return rotor @ Rotor.from_rotation_vector(error)
+
+    def rotation_from_body(self, rotor: Rotor) -> FloatArray:
+        """The identity."""
+        return np.tile(np.eye(3), (*rotor.shape, 1, 1))
+
+    def difference(self, state: State, other: State) -> FloatArray:
+        """Logarithms of one extended pose seen from the other, and the biases' differences."""
+        ours, theirs = (
+            extended_pose(one.rotor, one.position_m, one.velocity_m_s) for one in (state, other)
+        )
+        twists = (ours.inverse() @ theirs).as_twist()
+        return np.concatenate(
+            [twists[..., 0, :], twists[..., 1, 3:], other.bias - state.bias], axis=-1
+        )
+
+    def moved(self, state: State, error: FloatArray) -> State:
+        """The extended pose times the exponential of the error."""
+        pose = corrected(extended_pose(state.rotor, state.position_m, state.velocity_m_s), error)
+        position, velocity = np.moveaxis(pose.translation_m, -2, 0)
+        return State(pose[..., 0].rotor, position, velocity, state.bias + error[..., 9:])
+
+    def from_body(self, state: State) -> FloatArray:
+        """The identity."""
+        return np.tile(np.eye(ERROR_SIZE), (*state.rotor.shape, 1, 1))
 
 
 class QuaternionTranslation(ErrorCoordinates):

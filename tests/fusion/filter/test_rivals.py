@@ -2,88 +2,61 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from motorcade.fusion.filter import FilterSettings, fuse
-from motorcade.fusion.filter.extended_pose import corrected, extended_pose
 from motorcade.fusion.filter.rivals import (
     EulerAngles,
     ExactEulerAngles,
+    ExtendedPose,
     QuaternionTranslation,
     Runs,
     State,
     filter_runs,
 )
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.fusion.imu import ImuNoise, ImuStream
+from motorcade.ga import Motor, Rotor
+from motorcade.tracking.measurements import PoseMeasurements
 
 ALL = (QuaternionTranslation(), EulerAngles(), ExactEulerAngles())
+# Of the recordings that the fixture `record` simulates.
+NOISE = ImuNoise(2e-3, 2e-4, 2e-2, 3e-3)
+Recorded = list[tuple[PoseMeasurements, ImuStream]]
 TILT_RAD = np.deg2rad(5.0)
-
-
-class OnMotors(QuaternionTranslation):
-    """The coordinates of `fuse`: on the right of the extended pose."""
-
-    def difference(self, state: State, other: State) -> FloatArray:
-        ours, theirs = (
-            extended_pose(one.rotor, one.position_m, one.velocity_m_s) for one in (state, other)
-        )
-        twists = (ours.inverse() @ theirs).as_twist()
-        biases = other.bias - state.bias
-        return np.concatenate([twists[..., 0, :], twists[..., 1, 3:], biases], axis=-1)
-
-    def moved(self, state: State, error: FloatArray) -> State:
-        pose = corrected(extended_pose(state.rotor, state.position_m, state.velocity_m_s), error)
-        position, velocity = np.moveaxis(pose.translation_m, -2, 0)
-        return State(pose[..., 0].rotor, position, velocity, state.bias + error[..., 9:])
-
-    def from_body(self, state: State) -> FloatArray:
-        return np.tile(np.eye(15), (*state.rotor.shape, 1, 1))
 
 
 @pytest.fixture
 def recorded(record):
     """Three runs of a recording, some of their poses off moderately or grossly."""
 
-    def make(duration_s: float = 4.0, spoilt: bool = True) -> tuple[list, Runs]:
-        each = [record(np.random.default_rng(seed), duration_s) for seed in range(3)]
-        each = [replace(one, mount=Motor.identity()) for one in each]
-        imu_T_camera = record(np.random.default_rng(0), duration_s).mount
-        poses = [one.measurements.trajectory.motors @ imu_T_camera.inverse() for one in each]
-        rng = np.random.default_rng(11)
-        off = np.zeros((3, len(poses[0]), 6))
-        if spoilt:
-            off[:, 10::9] = 0.05 * rng.standard_normal(off[:, 10::9].shape)
-            off[:, 14::13] = rng.standard_normal(off[:, 14::13].shape)
-            off[1, 40:49] = rng.standard_normal(6)  # more in a row than it takes to doubt
-        seen = Motor(np.stack([one.coefficients for one in poses])) @ Motor.from_twist(off)
-        stream = each[0].imu
-        nodes = np.searchsorted(stream.time_ns, each[0].measurements.trajectory.time_ns)
-        runs = Runs(
-            stream.time_ns,
-            np.stack([one.imu.angular_rate_rad_s for one in each]),
-            np.stack([one.imu.specific_force_m_s2 for one in each]),
-            nodes, seen, np.diag(np.repeat([0.0087, 0.01], 3) ** 2),
-        )  # fmt: skip
-        return each, runs
+    def make(duration_s: float = 4.0, spoilt: bool = True) -> Recorded:
+        made, rng = [], np.random.default_rng(11)
+        for i in range(3):
+            one = record(np.random.default_rng(i), duration_s)
+            off = np.zeros((len(one.measurements), 6))
+            if spoilt:
+                off[10::9] = 0.05 * rng.standard_normal(off[10::9].shape)
+                off[14::13] = rng.standard_normal(off[14::13].shape)
+                if i == 1:
+                    off[40:49] = rng.standard_normal(6)  # more in a row than it takes to doubt
+            turned = one.mount.inverse() @ Motor.from_twist(off)
+            path = one.measurements.trajectory.transformed_by(right=turned, child="imu")
+            made.append((PoseMeasurements(path, one.measurements.covariance), one.imu))
+        return made
 
     return make
 
 
 def test_in_the_coordinates_of_motors_it_is_fuse(recorded):
     """Outliers, weighed down, left out and doubted, and a wrong start included."""
-    each, runs = recorded()
+    runs = recorded()
     settings = FilterSettings(initial_tilt_error_rad=TILT_RAD)
-    found = filter_runs(runs, each[0].noise, OnMotors(), settings)
+    found = filter_runs(Runs.of(runs), NOISE, ExtendedPose(), settings)
     assert np.count_nonzero(~found.accepted) > 10
-    for i in range(len(runs)):
-        measured, imu = runs.run(i)
-        one = fuse(
-            measured, imu, each[0].noise, Motor.identity(), settings=settings, smoothed=False
-        )
+    for i, (measured, imu) in enumerate(runs):
+        one = fuse(measured, imu, NOISE, Motor.identity(), settings=settings, smoothed=False)
         np.testing.assert_array_equal(one.accepted, found.accepted[i])
         np.testing.assert_allclose(found.nis[i], one.nis, rtol=1e-6)
         np.testing.assert_allclose(found.covariance[i], one.state_covariance, rtol=1e-6, atol=1e-12)
@@ -96,11 +69,10 @@ def test_in_the_coordinates_of_motors_it_is_fuse(recorded):
 @pytest.mark.parametrize("coordinates", ALL, ids=lambda one: type(one).__name__)
 def test_they_agree_with_fuse_where_errors_are_small(recorded, coordinates):
     """Far from gimbal lock, once settled: to a small part of the deviation."""
-    each, runs = recorded(6.0, spoilt=False)
-    found = filter_runs(runs, each[0].noise, coordinates, FilterSettings())
-    for i in range(len(runs)):
-        measured, imu = runs.run(i)
-        one = fuse(measured, imu, each[0].noise, Motor.identity(), smoothed=False)
+    runs = recorded(6.0, spoilt=False)
+    found = filter_runs(Runs.of(runs), NOISE, coordinates, FilterSettings())
+    for i, (measured, imu) in enumerate(runs):
+        one = fuse(measured, imu, NOISE, Motor.identity(), smoothed=False)
         sigma_m = np.sqrt(np.diagonal(one.covariance, axis1=1, axis2=2)[:, 3:])
         apart_m = one.trajectory.motors.translation_m - found.state.position_m[i]
         assert np.max(np.abs(apart_m / sigma_m)[20:]) < 0.3
@@ -113,7 +85,7 @@ def some_states(rng, count=50) -> State:
     return State(rotor, *rng.standard_normal((2, count, 3)), rng.standard_normal((count, 6)))
 
 
-@pytest.mark.parametrize("coordinates", [*ALL, OnMotors()], ids=lambda one: type(one).__name__)
+@pytest.mark.parametrize("coordinates", [*ALL, ExtendedPose()], ids=lambda one: type(one).__name__)
 def test_differences_undo_moves(coordinates, rng):
     state, error = some_states(rng), 0.1 * rng.standard_normal((50, 15))
     moved = coordinates.moved(state, error)
@@ -123,7 +95,7 @@ def test_differences_undo_moves(coordinates, rng):
 @pytest.mark.parametrize("coordinates", ALL, ids=lambda one: type(one).__name__)
 def test_small_errors_of_motors_are_carried_into_the_coordinates(coordinates, rng):
     state, error = some_states(rng), 1e-6 * rng.standard_normal((50, 15))
-    found = coordinates.difference(state, OnMotors().moved(state, error))
+    found = coordinates.difference(state, ExtendedPose().moved(state, error))
     carried = (coordinates.from_body(state) @ error[..., None])[..., 0]
     np.testing.assert_allclose(found, carried, atol=3e-10)
 

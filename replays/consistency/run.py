@@ -1,0 +1,202 @@
+"""Many runs of every filter on every motion, over the cores, and what they come to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import Any
+
+import numpy as np
+
+from motorcade.fusion.metrics.consistency import Consistency
+from motorcade.ga import FloatArray
+from motorcade.replays.consistency.experiment import (
+    FILTERS,
+    PARTS,
+    Experiment,
+    Judged,
+    judge,
+    simulate,
+)
+from motorcade.replays.progress import track
+
+__all__ = ["Plan", "Verdict", "as_json", "run_plan"]
+
+_RUNS_A_JOB = 20
+_INNOVATION_FREEDOM = 6
+# Errors are told of once the wrong start is forgotten.
+_SETTLED_S = 5.0
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to compare.
+
+    Fields:
+        motions: names of rigid motions.
+        filters: names of filters.
+        runs: of each motion; every filter sees the same ones.
+        seed: of the first run, the next have those that follow.
+        duration_s: of a run.
+
+    Raises:
+        ValueError: an unknown name, none at all, or a number out of its range.
+    """
+
+    motions: tuple[str, ...] = ("gimbal_crossing", "handheld", "walk_and_look")
+    filters: tuple[str, ...] = ("motor", "quaternion", "euler")
+    runs: int = 100
+    seed: int = 0
+    duration_s: float = 120.0
+
+    def __post_init__(self) -> None:
+        if not self.motions or not self.filters:
+            raise ValueError("Plan: expected one motion and one filter or more, got none")
+        for name in self.filters:
+            if name not in FILTERS:
+                raise ValueError(
+                    f"Plan.filters: expected some of {', '.join(FILTERS)}, got {name!r}"
+                )
+        if self.runs < 1 or self.seed < 0:
+            raise ValueError(
+                f"Plan: expected runs >= 1 and seed >= 0, got {self.runs} and {self.seed}"
+            )
+        if not 2.0 * _SETTLED_S <= self.duration_s < np.inf:
+            raise ValueError(
+                f"Plan.duration_s: expected {2.0 * _SETTLED_S:g} or more, got {self.duration_s}"
+            )
+        for experiment in self.experiments():
+            experiment.path()
+
+    def experiments(self) -> tuple[Experiment, ...]:
+        """One a motion."""
+        return tuple(Experiment(name, self.duration_s) for name in self.motions)
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What all runs of one filter on one motion come to; arrays are over the measured stamps.
+
+    Fields:
+        time_s: from the start.
+        nees: by part of the state.
+        nis: of the innovations, without the first stamp.
+        rotation_rms_deg, position_rms_m: over the runs, stamp by stamp.
+        rotation_worst_deg: of any run at any stamp after five seconds.
+        left_out: measurements that the gate refused, of all runs.
+    """
+
+    time_s: FloatArray
+    nees: Mapping[str, Consistency]
+    nis: Consistency
+    rotation_rms_deg: FloatArray
+    position_rms_m: FloatArray
+    rotation_worst_deg: float
+    left_out: int
+
+    @property
+    def settled(self) -> slice:
+        """Stamps after five seconds."""
+        return slice(int(np.searchsorted(self.time_s, _SETTLED_S)), None)
+
+
+def run_plan(plan: Plan, workers: int = 1) -> dict[str, dict[str, Verdict]]:
+    """Verdicts by motion and filter; the same plan gives the same ones with any `workers`."""
+    if workers < 1:
+        raise ValueError(f"workers: expected 1 or more, got {workers}")
+    last = plan.seed + plan.runs
+    parts = [
+        range(start, min(start + _RUNS_A_JOB, last))
+        for start in range(plan.seed, last, _RUNS_A_JOB)
+    ]
+    jobs = [_Job(one, plan.filters, part) for one in plan.experiments() for part in parts]
+    with ExitStack() as stack:
+        done: Iterable[dict[str, Judged]]
+        if workers == 1:
+            done = map(_done, jobs)
+        else:
+            pool = ProcessPoolExecutor(min(workers, len(jobs)), mp_context=get_context("spawn"))
+            done = stack.enter_context(pool).map(_done, jobs)
+        judged = list(track(done, "runs", len(jobs)))
+    count = len(parts)
+    return {
+        motion: _verdicts(plan, judged[i * count : (i + 1) * count])
+        for i, motion in enumerate(plan.motions)
+    }
+
+
+def as_json(plan: Plan, verdicts: Mapping[str, Mapping[str, Verdict]]) -> dict[str, Any]:
+    """The figures as a JSON-ready tree: a row a motion and filter; keys carry units."""
+    return {
+        "runs": plan.runs,
+        "seed": plan.seed,
+        "duration_s": plan.duration_s,
+        "probability": 0.95,
+        "rows": [
+            {"motion": motion, "filter": name, **_row(verdict)}
+            for motion, of in verdicts.items()
+            for name, verdict in of.items()
+        ],
+    }
+
+
+def _row(verdict: Verdict) -> dict[str, Any]:
+    judged = {f"nees_{part}": one for part, one in verdict.nees.items()} | {"nis": verdict.nis}
+    row: dict[str, Any] = {}
+    for name, one in judged.items():
+        row[f"{name}_share_within"] = one.share_within
+        row[f"{name}_over_expected"] = one.ratio
+    rotation, position = (
+        float(np.sqrt(np.mean(values[verdict.settled] ** 2)))
+        for values in (verdict.rotation_rms_deg, verdict.position_rms_m)
+    )
+    return row | {
+        "rotation_rmse_deg": rotation,
+        "rotation_worst_deg": verdict.rotation_worst_deg,
+        "position_rmse_m": position,
+        "left_out": verdict.left_out,
+    }
+
+
+@dataclass(frozen=True)
+class _Job:
+    experiment: Experiment
+    filters: tuple[str, ...]
+    seeds: range
+
+
+def _done(job: _Job) -> dict[str, Judged]:
+    simulated = simulate(job.experiment, job.seeds)
+    return {name: judge(simulated, job.experiment, name) for name in job.filters}
+
+
+def _verdicts(plan: Plan, judged: Sequence[Mapping[str, Judged]]) -> dict[str, Verdict]:
+    return {name: _verdict([one[name] for one in judged]) for name in plan.filters}
+
+
+def _verdict(parts: Sequence[Judged]) -> Verdict:
+    """Of all runs, from those of each job."""
+
+    def joined(values: Sequence[FloatArray]) -> FloatArray:
+        return np.concatenate(values)
+
+    time_s = parts[0].time_s
+    rotation = np.rad2deg(joined([one.rotation_rad for one in parts]))
+    position = joined([one.position_m for one in parts])
+    nis = joined([one.nis for one in parts])[:, 1:]
+    settled = int(np.searchsorted(time_s, _SETTLED_S))
+    return Verdict(
+        time_s,
+        {
+            part: Consistency.of(joined([one.nees[part] for one in parts]), at.stop - at.start)
+            for part, at in PARTS.items()
+        },
+        Consistency.of(nis, _INNOVATION_FREEDOM),
+        np.sqrt(np.mean(rotation**2, axis=0)),
+        np.sqrt(np.mean(position**2, axis=0)),
+        float(rotation[:, settled:].max()),
+        int(sum(np.sum(one.left_out) for one in parts)),
+    )
