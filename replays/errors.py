@@ -12,7 +12,7 @@ import stat
 from collections.abc import Iterable
 from pathlib import Path
 
-__all__ = ["RecordingError", "did_you_mean", "one_line", "read_bounded", "refusal"]
+__all__ = ["DamagedError", "RecordingError", "did_you_mean", "one_line", "read_bounded", "refusal"]
 
 
 _PATH_SHOWN = 300
@@ -20,6 +20,10 @@ _PATH_SHOWN = 300
 
 class RecordingError(ValueError):
     """A recording, trajectory file or manifest cannot be used as it is; the message says why."""
+
+
+class DamagedError(RecordingError):
+    """A file is empty, truncated or corrupt: if it is a picture, the others may still be used."""
 
 
 def refusal(
@@ -73,8 +77,9 @@ def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> byte
     """Read a whole regular file of at most `limit_bytes`.
 
     Raises:
-        RecordingError: missing, not a regular file (a pipe would hang), empty, larger than the
-            limit, or unreadable.
+        DamagedError: empty.
+        RecordingError: missing, not a regular file (a pipe would hang), larger than the limit, or
+            unreadable.
     """
     try:
         about = path.stat()
@@ -93,7 +98,7 @@ def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> byte
         reason = getattr(fault, "strerror", None) or str(fault)
         raise refusal(path, f"cannot be read: {reason}", field=field) from fault
     if not data:
-        raise refusal(path, "the file is empty", field=field)
+        raise DamagedError(str(refusal(path, "the file is empty", field=field)))
     return data
 
 

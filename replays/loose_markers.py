@@ -1,4 +1,4 @@
-"""Markers in view that make up no board: they stand anywhere, and may be mapped by the recording."""
+"""Markers in view that make up no board: they stand anywhere, and the recording may map them."""
 
 from __future__ import annotations
 

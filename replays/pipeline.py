@@ -7,6 +7,7 @@ recording ─┬─ camera_poses ─┬─ fused ── smoothed ─┬─ error
 from __future__ import annotations
 
 import json
+import logging
 import os
 import platform
 import re
@@ -34,6 +35,8 @@ from motorcade.replays.stages.placed import placed
 from motorcade.replays.stages.report import report
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.trajectory_files import write_trajectory
+
+log = logging.getLogger("motorcade.pipeline")
 
 OUR_TRAJECTORY = re.compile(r"(camera_poses|fused|smoothed)_[a-z_]+\.tum")
 STAGES = (camera_poses, imu, fused, smoothed, convergence, errors, placed, overlay, report)
@@ -67,7 +70,9 @@ def run_job(job: Job) -> dict[str, Any]:
     knobs = parse_knobs((*recording.settings, *job.settings), graph)
     graph.needed(job.until)
     require_writable(job.out)
-    recording.check()
+    recording = recording.intact()
+    for told in recording.damaged:
+        log.warning("left out: %s", told)
     run = graph.run(job.until, {"recording": recording}, job.cache or job.out / ".cache", knobs)
     return export(run, job.out, about(job, recording))
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -92,6 +92,14 @@ class FrameSequence(Protocol):
         """
         ...
 
+    def intact(self, camera: Camera | None) -> tuple[FrameSequence, tuple[str, ...]]:
+        """Give the sequence without damaged pictures, and what is said of each left out.
+
+        Raises:
+            RecordingError: a picture that is missing or of another size, or too much damage.
+        """
+        ...
+
     def content(self) -> Iterator[bytes]:
         """Give all that the pictures depend on, in blocks and a stable order, for a digest."""
         ...
@@ -156,6 +164,19 @@ class Recording:
             RecordingError: the first fault found.
         """
         self.frames.check(self.camera)
+        self._check_overlap()
+
+    def intact(self) -> Recording:
+        """Check everything, but leave damaged pictures out and name them in `damaged`.
+
+        Raises:
+            RecordingError: a fault that leaving out single pictures does not mend.
+        """
+        frames, told = self.frames.intact(self.camera)
+        self._check_overlap()
+        return replace(self, frames=frames, damaged=(*self.damaged, *told)) if told else self
+
+    def _check_overlap(self) -> None:
         if self.imu is None:
             return
         frames, imu = self.frames.time_ns, self.imu.time_ns
@@ -206,7 +227,8 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
     Args:
         path: the recording. Known layouts: EuRoC (`mav0/cam0/data.csv`), TUM RGB-D (`rgb.txt`),
             7-Scenes (`frame-000000.color.png`), KITTI odometry (`calib.txt` beside `image_0`),
-            TagSLAM's recorded corners (`tag_detections.bag`), a video file, and any folder with a manifest.
+            TagSLAM's recorded corners (`tag_detections.bag`), a video file, and any folder with a
+            manifest.
         manifest: TOML file that describes the recording or adds to its layout (see
             `docs/manifests`). It may lie anywhere. Without it, `motorcade.toml` in the folder is
             used where there is one; since that one came with the recording, it may not point

@@ -57,6 +57,10 @@ class CornerFrames:
     def check(self, camera: Camera | None) -> None:
         """Nothing is left to look at: all was read when the recording was opened."""
 
+    def intact(self, camera: Camera | None) -> tuple[CornerFrames, tuple[str, ...]]:
+        """All of it: nothing can be damaged that was read."""
+        return self, ()
+
     def content(self) -> Iterator[bytes]:
         """All numbers, in the order of the cameras."""
         for name, stream in self.streams.items():

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from motorcade.ga import IntArray
-from motorcade.replays.errors import one_line, read_bounded, refusal
+from motorcade.replays.errors import DamagedError, one_line, read_bounded, refusal
 from motorcade.replays.readers import pictures
 from motorcade.replays.recording import Frame
 
@@ -87,9 +87,45 @@ class PictureFrames:
         Raises:
             RecordingError: the first picture that is missing, truncated or of another size.
         """
+        for fault in self._damage(camera).values():
+            raise fault
+
+    def intact(self, camera: Camera | None) -> tuple[PictureFrames, tuple[str, ...]]:
+        """Leave out what is truncated or corrupt: a frame, or a frame's depth alone.
+
+        Raises:
+            RecordingError: a picture that is missing or of another size, or damage in half of the
+                frames or more.
+        """
+        damage = self._damage(camera)
+        if not damage:
+            return self, ()
+        told = tuple(str(fault) for fault in damage.values())
+        if 2 * len(damage) >= len(self):
+            problem = f"{len(damage)} of {len(self)} frames are damaged, the first: {told[0]}"
+            raise refusal(self.files[0].parent, problem)
+        whole = [index for index, path in enumerate(self.files) if path not in damage]
+        depth = [None if path in damage else path for path in self.depth_files]
+        intact = replace(
+            self,
+            files=tuple(self.files[index] for index in whole),
+            time_ns=self.time_ns[whole],
+            depth_files=tuple(depth[index] for index in whole) if depth else (),
+        )
+        return intact, told
+
+    def _damage(self, camera: Camera | None) -> dict[Path, DamagedError]:
+        """What is wrong with each damaged file; other faults are raised."""
         size = self.size if camera is None else (camera.width, camera.height)
+        damage: dict[Path, DamagedError] = {}
+        depth = set(self.depth_files)
         for path, field in self._all_files():
-            pictures.read_picture_bytes(path, field, size)
+            advice = pictures.UNALIGNED if path in depth else pictures.ANOTHER_SIZE
+            try:
+                pictures.read_picture_bytes(path, field, size, advice)
+            except DamagedError as fault:
+                damage[path] = fault
+        return damage
 
     def content(self) -> Iterator[bytes]:
         """The bytes of all pictures, each after its length."""

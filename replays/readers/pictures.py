@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.replays.errors import one_line, read_bounded, refusal
+from motorcade.replays.errors import DamagedError, one_line, read_bounded, refusal
 from motorcade.replays.recording import DepthArray, ImageArray
 
 __all__ = [
@@ -35,27 +35,38 @@ _JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 _PNM_HEADER = re.compile(rb"P[56]" + 3 * rb"(?:\s|#[^\n]*\n)+(\d{1,9})" + rb"\s")
 _TRUNCATED = "the picture is truncated"
 _COPY_AGAIN = "copy the file again"
+ANOTHER_SIZE = "correct the camera's width and height, or leave the picture out"
+UNALIGNED = "depth has to lie on the colour camera's pixels: register it to that camera first"
 
 
-def read_picture_bytes(path: Path, field: str | None, size: tuple[int, int] | None) -> bytes:
+def read_picture_bytes(
+    path: Path, field: str | None, size: tuple[int, int] | None, advice: str = ANOTHER_SIZE
+) -> bytes:
     """Read a picture file and check that it is whole and has this size (width, height).
 
+    `advice` is what to do about another size.
+
     Raises:
-        RecordingError: missing, truncated, corrupt, an unknown format, or another size.
+        DamagedError: empty, truncated, corrupt, or no picture at all.
+        RecordingError: missing, or another size.
     """
     data = read_bounded(path, FILE_LIMIT, field)
     try:
         found = picture_size(data)
     except ValueError as fault:
-        raise refusal(path, str(fault), field=field, advice=_COPY_AGAIN) from fault
+        raise _damaged(path, str(fault), field) from fault
     if size is not None and found != size:
         raise refusal(
             path,
             f"expected {size[0]} x {size[1]} pixels as the camera has, got {found[0]} x {found[1]}",
             field=field,
-            advice="correct the camera's width and height, or leave the picture out",
+            advice=advice,
         )
     return data
+
+
+def _damaged(path: Path, problem: str, field: str | None) -> DamagedError:
+    return DamagedError(str(refusal(path, problem, field=field, advice=_COPY_AGAIN)))
 
 
 def read_picture(path: Path, field: str, size: tuple[int, int] | None) -> ImageArray:
@@ -104,7 +115,7 @@ def read_depth(
     Raises:
         RecordingError: as `read_picture_bytes`, and what is not one channel of 16 bits.
     """
-    data = read_picture_bytes(path, field, size)
+    data = read_picture_bytes(path, field, size, UNALIGNED)
     stored = _decode(path, data, field, cv2.IMREAD_UNCHANGED)
     if stored.dtype != np.uint16 or stored.ndim != 2:
         raise refusal(
@@ -143,9 +154,9 @@ def _decode(path: Path, data: bytes, field: str | None, flags: int) -> NDArray[n
     try:
         picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags)
     except cv2.error as fault:
-        raise refusal(path, problem, field=field, advice=_COPY_AGAIN) from fault
+        raise _damaged(path, problem, field) from fault
     if picture is None:
-        raise refusal(path, problem, field=field, advice=_COPY_AGAIN)
+        raise _damaged(path, problem, field)
     return np.asarray(picture)
 
 

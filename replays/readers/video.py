@@ -109,6 +109,11 @@ class VideoFrames:
                 advice="correct the camera's width and height",
             )
 
+    def intact(self, camera: Camera | None) -> tuple[VideoFrames, tuple[str, ...]]:
+        """All of it; raises as `check`."""
+        self.check(camera)
+        return self, ()
+
     def content(self) -> Iterator[bytes]:
         """The file's bytes."""
         try:

@@ -44,7 +44,8 @@ def overlay(
     `representation` says along which of the smoothed paths; without it, the first of them.
     Frames without a pose (before the first, after the last) are shown as they are. Where the
     recording has depth, what is nearer hides the character. Raises `Unavailable` without OpenGL and
-    for recordings of corners, which hold no pictures, and ValueError without a camera or for a representation that was not smoothed.
+    for recordings of corners, which hold no pictures, and ValueError without a camera or for a
+    representation that was not smoothed.
     """
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")

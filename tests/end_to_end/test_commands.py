@@ -208,8 +208,6 @@ def test_bad_recordings_end_in_one_line_and_leave_earlier_results(
     broken = tmp_path / "broken"
     shutil.copytree(board_recording, broken)
     whole = (broken / "012.png").read_bytes()
-    (broken / "012.png").write_bytes(whole[: len(whole) // 2])
-    assert "012.png" in refused(capsys, "run", broken, "--out", out)
     (broken / "012.png").unlink()
     assert "a picture is missing" in refused(capsys, "run", broken, "--out", out)
     (broken / "012.png").write_bytes(whole)

@@ -13,6 +13,7 @@ from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers import manifest
 from motorcade.replays.readers.manifest.board import BOARD_KEYS
 from motorcade.replays.readers.manifest.camera import CAMERA_KEYS
+from motorcade.replays.readers.manifest.markers import MARKERS_KEYS
 from motorcade.replays.readers.manifest.truth import TRUTH_KEYS
 from motorcade.replays.recording import open_recording
 
@@ -55,5 +56,14 @@ def test_the_example_of_every_key_opens_and_names_every_key(make: Make) -> None:
     assert recording.imu_noise is not None
     text = example.read_text()
     boards = {key for keys in BOARD_KEYS.values() for key in keys}
-    known = {*manifest.FRAMES_KEYS, *CAMERA_KEYS, *manifest.IMU_KEYS, *TRUTH_KEYS, *boards}
+    assert recording.markers is not None
+    assert recording.markers.side_m == 0.08
+    known = {
+        *manifest.FRAMES_KEYS,
+        *MARKERS_KEYS,
+        *CAMERA_KEYS,
+        *manifest.IMU_KEYS,
+        *TRUTH_KEYS,
+        *boards,
+    }
     assert {key for key in known if key not in text} == set()

@@ -301,6 +301,18 @@ MISTAKES = {
         FRAMES + BOARD + f"world_T_board = {(2 * np.eye(4)).tolist()}\n",
         "world_T_board: expected a rotation",
     ),
+    "markers' family": (
+        FRAMES + '[markers]\nfamily = "tag36"\nside_m = 0.1\n',
+        r"\[markers\] family: expected one of",
+    ),
+    "markers' side": (
+        FRAMES + '[markers]\nfamily = "tag36h11"\nside_m = 0\n',
+        r"\[markers\] side_m: expected a number from",
+    ),
+    "markers' map": (
+        FRAMES + '[markers]\nfamily = "tag36h11"\nside_m = 0.1\nmap_file = "map.json"\n',
+        r"\[markers\] map_file: .*map\.json",
+    ),
     "truth format": (FRAMES + TRUTH.replace("matrix4", "mat"), "format: expected one of tum"),
     "truth file": (FRAMES + TRUTH.replace("poses", "pose"), r"pose\.txt: the file is missing"),
     "no convention": (

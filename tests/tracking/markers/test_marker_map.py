@@ -183,3 +183,20 @@ def test_maps_of_nothing_are_refused(rig) -> None:
         map_markers(streams, SIDES, {"top": Motor.identity()})
     with pytest.raises(ValueError, match="sync_s"):
         map_markers(streams, SIDES, sync_s=float("nan"))
+
+
+def test_the_covariance_of_tracked_poses_is_their_scatter(scenes) -> None:
+    """Errors against the true map, squared in units of the covariance, are six in the mean."""
+    rng = np.random.default_rng(8)
+    path, wall = scenes.path(60, rng), scenes.wall(9, rng)
+    scene = scenes.seen_by(scenes.camera, path, wall, SIDES, 0.3, rng)
+    known = MarkerMap(
+        np.arange(9), np.array([SIDES[one] for one in range(9)]), wall.rotor, wall.translation_m
+    )
+    found = track_rig(known, {"camera": scene.stream})
+    assert len(found.trajectory) == len(found.covariance) == len(found.frame_error_px) == 60
+    twist = (found.trajectory.motors.inverse() @ path).as_twist()
+    squares = np.einsum("ni,nij,nj->n", twist, np.linalg.inv(found.covariance), twist)
+    assert squares.mean() / 6.0 == pytest.approx(1.0, abs=0.35)
+    # Two coordinates a corner, 0.3 pixels each.
+    assert np.sqrt(np.mean(found.frame_error_px**2)) == pytest.approx(0.3 * np.sqrt(2), rel=0.15)

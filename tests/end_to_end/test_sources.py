@@ -1,0 +1,151 @@
+"""Where poses come from, through the command: board, loose markers, recorded corners, SLAM."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from motorcade.fusion.metrics import evaluate
+from motorcade.ga import Motor, Trajectory
+from motorcade.replays.bench.tag_flips import tagslam_folder
+from motorcade.replays.bench.tag_scene import TagScene, handheld_path, wall_of_markers
+from motorcade.replays.cli import main
+from motorcade.replays.textured_room import scenario, write_recording
+from motorcade.replays.trajectory_files import even_stamps, read_trajectory, write_trajectory
+from motorcade.tracking import Camera
+from motorcade.tracking.markers.marker_map import MarkerMap
+
+CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)
+TABLES = """
+[frames]
+images = "*.png"
+rate_hz = 20.0
+[camera]
+model = "pinhole"
+fx = 300.0
+fy = 300.0
+cx = 159.5
+cy = 119.5
+[truth]
+file = "truth.tum"
+format = "tum"
+convention = "world_T_camera"
+"""
+MARKERS = '[markers]\nfamily = "tag36h11"\nside_m = 0.1\n'
+PLAIN = ("--set", "smoothed.representations=motor")
+
+
+def report(out: Path, *arguments: object) -> dict[str, Any]:
+    assert main(["run", *map(str, arguments), *PLAIN, "--out", str(out)]) == 0
+    found: dict[str, Any] = json.loads((out / "report.json").read_text())
+    return found
+
+
+@pytest.fixture(scope="module")
+def tags(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Motor]:
+    """Pictures of six loose markers on a wall, which a manifest names by their family."""
+    folder = tmp_path_factory.mktemp("tags") / "tags"
+    folder.mkdir()
+    rng = np.random.default_rng(4)
+    wall = wall_of_markers(3, 2, 0.16, 30.0, rng)
+    scene = TagScene(CAMERA, "tag36h11", np.arange(6), 0.1, wall)
+    path = handheld_path(16, 0.7)
+    for index in range(16):
+        cv2.imwrite(str(folder / f"{index:02d}.png"), scene.picture(path[index], rng))
+    write_trajectory(Trajectory(even_stamps(16, 20.0), path), folder / "truth.tum")
+    (folder / "motorcade.toml").write_text(TABLES + MARKERS)
+    return folder, wall
+
+
+def test_loose_markers_are_mapped_and_the_map_serves_again(
+    tags: tuple[Path, Motor], tmp_path: Path
+) -> None:
+    folder, wall = tags
+    found = report(tmp_path / "first", folder)
+    assert found["camera_poses"]["origin"] == "tags"
+    assert "6 loose markers, mapped from this recording alone" in found["camera_poses"]["account"]
+    assert found["camera_poses"]["measured"] == 16
+    assert found["align"] == "se3"
+    assert found["errors"]["measured"]["ape_rmse_m"] < 0.002
+    made = MarkerMap.load(tmp_path / "first" / "marker_map.json")
+    base = int(np.argmin(np.linalg.norm(made.world_T_marker.as_twist(), axis=-1)))
+    apart = (wall[base].reshape(1) @ made.world_T_marker).inverse() @ wall
+    assert np.linalg.norm(apart.translation_m, axis=-1).max() < 0.003
+    # The true map, given by hand: the poses are then in its world, with nothing to align.
+    known = MarkerMap(np.arange(6), np.full(6, 0.1), wall.rotor, wall.translation_m)
+    known.save(folder / "known.json")
+    manifest = tmp_path / "known.toml"
+    manifest.write_text(TABLES + MARKERS + 'map_file = "known.json"\n')
+    again = report(tmp_path / "again", folder, "--manifest", manifest, "--set", "errors.align=none")
+    assert "where a map places them" in again["camera_poses"]["account"]
+    assert again["errors"]["measured"]["ape_rmse_m"] < 0.002
+    assert again["errors"]["measured"]["rotation_rmse_deg"] < 0.3
+
+
+def test_a_board_that_is_named_but_never_seen_is_passed_over_and_said(
+    tags: tuple[Path, Motor], tmp_path: Path
+) -> None:
+    folder, _ = tags
+    manifest = tmp_path / "board.toml"
+    board = '[board]\ntype = "checkerboard"\ncolumns = 9\nrows = 6\nsquare_m = 0.04\n'
+    manifest.write_text(TABLES + MARKERS + board)
+    found = report(tmp_path, folder, "--manifest", manifest)
+    assert found["camera_poses"]["origin"] == "tags"
+    (passed,) = found["camera_poses"]["passed_over"]
+    assert passed.startswith("board: frames: expected some that show checkerboard")
+    assert "Passed over: board" in (tmp_path / "report.html").read_text()
+
+
+@pytest.mark.slow
+def test_without_board_or_markers_slam_gives_a_path_of_free_scale(tmp_path: Path) -> None:
+    folder = tmp_path / "room"
+    write_recording(folder, scenario("handheld", frames=60), name="room")
+    found = report(tmp_path / "depth", folder, "--set", "errors.align=auto")
+    assert (found["camera_poses"]["origin"], found["camera_poses"]["scale"]) == ("slam", "metric")
+    assert found["align"] == "se3"
+    assert found["errors"]["measured"]["ape_rmse_m"] < 0.005
+    (folder / "depth.txt").unlink()
+    (folder / "groundtruth.txt").unlink()
+    found = report(tmp_path / "one", folder)
+    assert (found["camera_poses"]["origin"], found["camera_poses"]["scale"]) == ("slam", "free")
+    assert "scale: free" in (tmp_path / "one" / "report.html").read_text()
+    path = read_trajectory(tmp_path / "one" / "trajectories" / "camera_poses_motor.tum")
+    truth = scenario("handheld", frames=60).truth()
+    assert evaluate(path, truth, align="sim3").ape_m.rmse < 0.005
+
+
+def test_recorded_corners_run_to_a_report_without_a_video(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    source = tagslam_folder() / "test_23"
+    if not source.is_dir():
+        pytest.skip("no recordings of tags here: set MOTORCADE_DATA to the recordings' folder")
+    folder = tmp_path / "test_23"
+    shutil.copytree(source, folder)
+    found = report(tmp_path / "out", folder)
+    assert "overlay: left out: the recording holds corners" in caplog.text
+    assert found["camera_poses"]["origin"] == "tags"
+    assert "recorded corners of 8 loose markers" in found["camera_poses"]["account"]
+    # The markers are carried past a camera at rest: the reference is seen from them.
+    assert found["errors"]["measured"]["ape_rmse_m"] < 0.002
+    assert found["overlay"] is None
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "corners of markers and no pictures" in page
+    assert not (tmp_path / "out" / "overlay.mp4").exists()
+    assert len(MarkerMap.load(tmp_path / "out" / "marker_map.json")) == 8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "ape_m", "measured"), [("test_21", 0.015, 402), ("test_24", 0.08, 58)]
+)
+def test_tagslam_recordings_agree_with_their_reference(
+    name: str, ape_m: float, measured: int, data_dir: Path, tmp_path: Path
+) -> None:
+    found = report(tmp_path, data_dir / "tags" / "tagslam" / name)
+    assert found["camera_poses"]["measured"] == measured
+    assert found["errors"]["measured"]["ape_rmse_m"] <= ape_m
