@@ -1,6 +1,6 @@
 """Filtering: camera poses fused with an IMU on the group of extended poses."""
 
-from motorcade.fusion.filter.error_state import FilterSettings
 from motorcade.fusion.filter.fuse import Fused, fuse
+from motorcade.fusion.filter.settings import FilterSettings, RestDetection
 
-__all__ = ["FilterSettings", "Fused", "fuse"]
+__all__ = ["FilterSettings", "Fused", "RestDetection", "fuse"]

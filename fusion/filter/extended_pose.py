@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Motor, Rotor
 
-__all__ = ["ERROR_SIZE", "corrected", "extended_pose", "joined", "skew"]
+__all__ = ["ERROR_SIZE", "corrected", "extended_pose", "joined", "motor_adjoint", "skew"]
 
 ERROR_SIZE = 15
 
@@ -36,6 +36,15 @@ def joined(first: FloatArray, second: FloatArray) -> FloatArray:
     """The one error ``(15,)`` that does what `first` and then `second` do."""
     twists = (Motor.from_twist(_pairs(first)) @ Motor.from_twist(_pairs(second))).as_twist()
     return np.concatenate([twists[0], twists[1, 3:], first[9:] + second[9:]])
+
+
+def motor_adjoint(motor: Motor) -> FloatArray:
+    """Adjoint ``(*, 6, 6)`` on twists, rotation first: ``m Exp(ξ) = Exp(Ad ξ) m``."""
+    rotation, shift = motor.rotor.as_matrix(), motor.translation_m
+    adjoint = np.zeros((*shift.shape[:-1], 6, 6))
+    adjoint[..., :3, :3] = adjoint[..., 3:, 3:] = rotation
+    adjoint[..., 3:, :3] = np.cross(shift[..., None, :], rotation.swapaxes(-1, -2)).swapaxes(-1, -2)
+    return adjoint
 
 
 def skew(vectors: FloatArray) -> FloatArray:

@@ -7,19 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.filter.error_state import (
-    FilterSettings,
-    filter_forwards,
-    motor_adjoint,
-)
-from motorcade.fusion.filter.extended_pose import corrected
-from motorcade.fusion.filter.smoother import smooth_backwards
+from motorcade.fusion.filter.extended_pose import motor_adjoint
+from motorcade.fusion.filter.native._filter import Engine
+from motorcade.fusion.filter.settings import FilterSettings, engine
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
-__all__ = ["Fused", "fuse"]
+__all__ = ["Fused", "camera_covariance", "fuse"]
+
+CAMERA_POSE = 1
+_MOUNT = slice(17, 23)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,10 +31,15 @@ class Fused:
         gyro_bias_rad_s, accel_bias_m_s2: ``(N, 3)``.
         covariance: ``(N, 6, 6)`` of the camera pose, right perturbation, rotation (rad) first.
         state_covariance: ``(N, 15, 15)`` of the IMU's state: rotation (rad), position (m) and
-            velocity (m/s) of the right perturbation, in the IMU's axes, then both biases.
+            velocity (m/s) of the right perturbation, in the IMU's axes, then both biases. Where
+            more is estimated ``(N, 24, 24)``: tilt of gravity (2, rad), right perturbation of
+            `imu_T_camera` (6), time offset (s); variances of what is not estimated are zero.
         nis: ``(N,)`` normalised innovations squared of the forward pass, six degrees of freedom;
             NaN where nothing was measured and at the start.
         accepted: ``(N,)`` false where a measurement was left out.
+        gravity_m_s2: ``(N, 3)`` in the world.
+        imu_T_camera: Motor ``(N,)``.
+        time_offset_s: ``(N,)``; a camera's stamp plus this is the IMU's time.
     """
 
     trajectory: Trajectory
@@ -46,6 +50,9 @@ class Fused:
     state_covariance: FloatArray
     nis: FloatArray
     accepted: NDArray[np.bool_]
+    gravity_m_s2: FloatArray
+    imu_T_camera: Motor
+    time_offset_s: FloatArray
 
 
 def fuse(
@@ -57,63 +64,134 @@ def fuse(
     *,
     settings: FilterSettings | None = None,
     smoothed: bool = True,
+    time_offset_s: float = 0.0,
 ) -> Fused:
-    """Fuse measured camera poses with an IMU.
+    """Fuse measured camera poses with an IMU, by the code of `PoseFilter`.
 
-    Inertial data are integrated at their full rate; memory grows by about 8 kB a sample (a
-    quarter of an hour at 200 Hz: 1.4 GB). Where the world's z is not up the accelerometer
-    contradicts the camera, and the tilt ends up in its bias as far as the motion allows.
+    Inertial data are integrated at their full rate. Memory: 56 bytes a sample, about 4 kB a
+    measurement and 2 kB a stamp asked for (an hour at 200 Hz with poses at 20 Hz: 0.5 GB). Where
+    the world's z is not up the accelerometer contradicts the camera, and the tilt ends up in its
+    bias as far as the motion allows, unless `FilterSettings.gravity_sigma_rad` is set.
 
     Args:
         measurements: ``world_T_camera`` with covariances; the world's z is up.
         imu: must cover the measurements that are to be used: the others are left out. A hole in
-            it is bridged linearly, which nothing accounts for.
+            it is bridged by the line between the samples on both sides, with the uncertainty that
+            `FilterSettings` states.
         noise: the IMU's densities and bias walks. Those of a data sheet are too small for a
             sensor that is carried or flown; `ImuNoise.scaled` until the mean NIS is about 6.
         imu_T_camera: pose of the camera on the IMU.
-        stamps_ns: rising stamps at which the path is wanted, measured there or not; by default
-            those of the measurements. Stamps before the first measurement or outside the IMU's
-            span are left out.
-        settings: gravity, gate, initial tilt error.
+        stamps_ns: rising stamps of the IMU's clock at which the path is wanted, measured there or
+            not; by default those of the measurements. Stamps before the first measurement or
+            outside the IMU's span are left out.
+        settings: gravity, gate, initial tilt error, what else to estimate.
         smoothed: look ahead as well (backward pass); without it every estimate knows only its
-            past, as if it ran live.
+            past, as if it ran live, and `nis` and `accepted` are as judged live.
+        time_offset_s: what is added to the measurements' stamps to be the IMU's time; a first
+            guess where `FilterSettings.time_offset_sigma_s` is above zero.
 
     Raises:
         ValueError: the IMU and the measurements do not overlap in time, or `stamps_ns` are no
             rising integers or none of them can be served.
     """
-    used = _covered(measurements, imu)
-    wanted = _wanted(used, imu, stamps_ns)
-    run = filter_forwards(
-        used, imu, noise, imu_T_camera, _nodes(used, imu, wanted), settings or FilterSettings()
-    )
-    chosen = np.searchsorted(run.time_ns, wanted)
-    errors, covariance = smooth_backwards(run) if smoothed else (None, run.covariance)
-    state = run.extended(slice(None))[chosen]
-    bias, covariance = run.bias[chosen], covariance[chosen]
-    if errors is not None:
-        state, bias = corrected(state, errors[chosen]), bias + errors[chosen, 9:]
+    chosen = settings or FilterSettings()
+    shift_ns = round(time_offset_s * 1e9)
+    used = _covered(measurements, imu, shift_ns)
+    wanted = _wanted(used, imu, stamps_ns, shift_ns)
+    run = engine(chosen, noise, imu_T_camera, time_offset_s)
+    made = _Made.empty(len(wanted), chosen.error_size)
+    columns = [
+        np.ascontiguousarray(values)
+        for values in (imu.time_ns, imu.angular_rate_rad_s, imu.specific_force_m_s2)
+    ]
+    run.samples(*(values[:1] for values in columns))
+    _add_poses(run, used)
+    run.outputs(np.ascontiguousarray(wanted), *made.arrays, smoothed)
+    run.samples(*(values[1:] for values in columns))
+    if smoothed:
+        run.smooth()
+    nis, accepted = _judged(run, used.trajectory.time_ns + shift_ns, wanted, live=not smoothed)
+    return made.fused(wanted, measurements.trajectory, nis, accepted, chosen.gravity_m_s2)
+
+
+@dataclass(frozen=True, eq=False)
+class _Made:
+    """What the compiled filter fills, one row a stamp; `others` are plumb, mount and offset."""
+
+    pose: FloatArray
+    velocity: FloatArray
+    bias: FloatArray
+    covariance: FloatArray
+    others: FloatArray
+
+    @classmethod
+    def empty(cls, count: int, size: int) -> _Made:
+        shapes = ((count, 8), (count, 3), (count, 6), (count, size, size), (count, 13))
+        return cls(*(np.zeros(shape) for shape in shapes))
+
+    @property
+    def arrays(self) -> tuple[FloatArray, ...]:
+        return self.pose, self.velocity, self.bias, self.covariance, self.others
+
+    def fused(
+        self, wanted: IntArray, measured: Trajectory, nis: FloatArray,
+        accepted: NDArray[np.bool_], gravity_m_s2: float,
+    ) -> Fused:  # fmt: skip
+        """The result, seen from the camera."""
+        mount = Motor.normalize(self.others[:, 4:12])
+        poses = Motor.normalize(self.pose) @ mount
+        return Fused(
+            trajectory=Trajectory(wanted, poses, measured.parent, measured.child),
+            velocity_m_s=self.velocity,
+            gyro_bias_rad_s=self.bias[:, :3],
+            accel_bias_m_s2=self.bias[:, 3:],
+            covariance=camera_covariance(self.covariance, mount),
+            state_covariance=self.covariance,
+            nis=nis,
+            accepted=accepted,
+            gravity_m_s2=Rotor(self.others[:, :4]).apply(np.array([0.0, 0.0, -gravity_m_s2])),
+            imu_T_camera=mount,
+            time_offset_s=self.others[:, 12],
+        )
+
+
+def camera_covariance(covariance: FloatArray, imu_T_camera: Motor) -> FloatArray:
+    """Covariance ``(*, 6, 6)`` of the camera's pose from that of the state ``(*, N, N)``."""
     adjoint = motor_adjoint(imu_T_camera.inverse())
-    return Fused(
-        trajectory=Trajectory(
-            wanted,
-            state[:, 0] @ imu_T_camera,
-            measurements.trajectory.parent,
-            measurements.trajectory.child,
-        ),
-        velocity_m_s=state[:, 1].translation_m,
-        gyro_bias_rad_s=bias[:, :3],
-        accel_bias_m_s2=bias[:, 3:],
-        covariance=adjoint @ covariance[:, :6, :6] @ adjoint.T,
-        state_covariance=covariance,
-        nis=run.nis[chosen],
-        accepted=run.accepted[chosen],
-    )
+    effect = np.zeros((*adjoint.shape[:-1], covariance.shape[-1]))
+    effect[..., :6] = adjoint
+    if covariance.shape[-1] > _MOUNT.stop:
+        effect[..., _MOUNT] = np.eye(6)
+    seen: FloatArray = effect @ covariance @ np.swapaxes(effect, -1, -2)
+    return seen
 
 
-def _covered(measurements: PoseMeasurements, imu: ImuStream) -> PoseMeasurements:
+def _add_poses(run: Engine, measurements: PoseMeasurements) -> None:
+    poses = measurements.trajectory.motors.coefficients
+    rows = np.hstack([poses, measurements.covariance.reshape(-1, 36)])
+    for number, (time_ns, row) in enumerate(
+        zip(measurements.trajectory.time_ns.tolist(), rows, strict=True)
+    ):
+        run.add(CAMERA_POSE, time_ns, number, row)
+
+
+def _judged(
+    run: Engine, measured_ns: IntArray, wanted: IntArray, *, live: bool
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """By wanted stamp, the innovation of the measurement there and whether it was believed."""
+    about, values = run.judged()
+    nis, accepted = np.full(len(wanted), np.nan), np.ones(len(wanted), dtype=np.bool_)
+    real = (about[:, 2] == CAMERA_POSE) & (about[:, 1] >= 0)
+    stamps, values = measured_ns[about[real, 1]], values[real, 2:] if live else values[real, :2]
+    row = np.minimum(np.searchsorted(wanted, stamps), len(wanted) - 1)
+    here = wanted[row] == stamps
+    nis[row[here]], accepted[row[here]] = values[here, 0], values[here, 1] > 0.0
+    return nis, accepted
+
+
+def _covered(measurements: PoseMeasurements, imu: ImuStream, shift_ns: int) -> PoseMeasurements:
     first, last = int(imu.time_ns[0]), int(imu.time_ns[-1])
-    stamps = measurements.trajectory.time_ns
+    stamps = measurements.trajectory.time_ns + shift_ns
     covered = (stamps >= first) & (stamps <= last)
     if not np.any(covered):
         raise ValueError(
@@ -123,10 +201,13 @@ def _covered(measurements: PoseMeasurements, imu: ImuStream) -> PoseMeasurements
     return PoseMeasurements(measurements.trajectory[covered], measurements.covariance[covered])
 
 
-def _wanted(measurements: PoseMeasurements, imu: ImuStream, stamps_ns: IntArray | None) -> IntArray:
-    start, last = measurements.trajectory.time_ns[0], imu.time_ns[-1]
+def _wanted(
+    measurements: PoseMeasurements, imu: ImuStream, stamps_ns: IntArray | None, shift_ns: int
+) -> IntArray:
+    measured_ns = measurements.trajectory.time_ns + shift_ns
+    start, last = measured_ns[0], imu.time_ns[-1]
     if stamps_ns is None:
-        return measurements.trajectory.time_ns
+        return measured_ns
     given = np.asarray(stamps_ns)
     if given.dtype.kind != "i" or given.ndim != 1 or np.any(np.diff(given) <= 0):
         raise ValueError("stamps_ns: expected rising integer nanoseconds (M,), got others")
@@ -134,10 +215,3 @@ def _wanted(measurements: PoseMeasurements, imu: ImuStream, stamps_ns: IntArray 
     if wanted.size == 0:
         raise ValueError(f"stamps_ns: expected some within [{start}, {last}], got none")
     return wanted
-
-
-def _nodes(measurements: PoseMeasurements, imu: ImuStream, wanted: IntArray) -> IntArray:
-    """All stamps the filter stops at: measured, wanted, and the IMU's own between them."""
-    stops = np.union1d(measurements.trajectory.time_ns, wanted)
-    own = imu.time_ns[(imu.time_ns > stops[0]) & (imu.time_ns < stops[-1])]
-    return np.union1d(stops, own).astype(np.int64)

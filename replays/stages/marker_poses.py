@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.fusion.filter.error_state import motor_adjoint
+from motorcade.fusion.filter.extended_pose import motor_adjoint
 from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.replays.loose_markers import LooseMarkers
 from motorcade.replays.progress import track

@@ -1,0 +1,127 @@
+"""The model as C: one function a definition, straight lines of doubles, by the generator's tapes.
+
+``void name(const double pose[8], …, double next_pose[8], …)``; results may not overlap anything
+that is read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from motorcade.fusion.filter.model.measurements import MEASUREMENTS
+from motorcade.fusion.filter.model.motion import MOTION
+from motorcade.fusion.filter.model.symbols import Definition
+from motorcade.ga.codegen.expressions import component_name, statements
+from motorcade.ga.codegen.passes.like_terms import collected
+from motorcade.ga.codegen.precision import DOUBLE
+from motorcade.ga.codegen.tape import Operand, Tape
+from motorcade.ga.codegen.targets.c import c_dialect
+from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, indented
+from motorcade.ga.codegen.targets.shared.text import call
+from motorcade.ga.codegen.trace import trace
+
+__all__ = ["GENERATED", "model_files", "tape_of", "write_model"]
+
+GENERATED = Path(__file__).resolve().parents[1] / "native" / "generated"
+_NOTE = "Written by `python -m motorcade.fusion.filter.model`; edit fusion/filter/model."
+_GROUPS = {"motion": MOTION, "measurements": MEASUREMENTS}
+
+
+def model_files() -> dict[str, str]:
+    """Name and text of each generated file.
+
+    Raises:
+        ModuleNotFoundError: without CasADi or mpmath, which only this needs.
+    """
+    files = {"model.h": _header()}
+    for group, definitions in _GROUPS.items():
+        parts = [
+            comment([f"The filter's {group}.", _NOTE]),
+            '#include "model.h"\n\n#include <math.h>',
+        ]
+        parts += [_function(definition) for definition in definitions]
+        files[f"{group}.c"] = "\n\n".join(parts) + "\n"
+    return files
+
+
+def write_model(folder: Path) -> list[Path]:
+    """Write the generated files into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    files = model_files()
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return [folder / name for name in files]
+
+
+def tape_of(definition: Definition) -> Tape:
+    """The operations of a definition."""
+    return collected(
+        trace(definition.name, definition.inputs, definition.outputs, definition.define)
+    )
+
+
+def _header() -> str:
+    declared = [
+        line
+        for definitions in _GROUPS.values()
+        for definition in definitions
+        for line in (_told(definition), f"{_head(definition)};", "")
+    ]
+    return "\n".join([
+        comment(["The filter's model: its motion, its measurements and their derivatives.", _NOTE]),
+        "#ifndef MOTORCADE_FILTER_MODEL_H", "#define MOTORCADE_FILTER_MODEL_H", "",
+        "#ifdef __cplusplus", 'extern "C" {', "#endif", "",
+        *declared,
+        "#ifdef __cplusplus", "}", "#endif", "", "#endif",
+    ]) + "\n"  # fmt: skip
+
+
+def _told(definition: Definition) -> str:
+    sides = (("in", definition.inputs), ("out", definition.outputs))
+    operands = [
+        f"{side} {operand.name}: {' '.join(operand.components)}"
+        for side, given in sides
+        for operand in given
+        if operand.components != (operand.name,)
+    ]
+    return comment([*definition.summary, *operands])
+
+
+def _head(definition: Definition) -> str:
+    parameters = [
+        f"double {operand.name}" if operand.width == 1 else f"const double {_array(operand)}"
+        for operand in definition.inputs
+    ] + [f"double {_array(operand)}" for operand in definition.outputs]
+    return "\n".join(call(f"void {definition.name}", parameters, ""))
+
+
+def _array(operand: Operand) -> str:
+    return f"{operand.name}[{operand.width}]"
+
+
+def _function(definition: Definition) -> str:
+    tape = tape_of(definition)
+    written = statements(tape, c_dialect(DOUBLE))
+    body = [
+        *(line for operand in definition.inputs for line in _load(operand, tape)),
+        *declarations(written.body, "const double", "const _Bool"),
+        *(
+            f"{operand.name}[{i}] = {value};"
+            for operand, row in zip(definition.outputs, written.results, strict=True)
+            for i, value in enumerate(row)
+        ),
+    ]
+    return "\n".join([_head(definition), "{", *indented(body), "}"])
+
+
+def _load(operand: Operand, tape: Tape) -> Sequence[str]:
+    read = tape.components_read(operand.name)
+    if operand.width == 1:
+        return [] if read else [f"(void){operand.name};"]
+    if not read:
+        return [f"(void){operand.name};"]
+    items = [
+        f"{component_name(operand.name, i, operand.width)} = {operand.name}[{i}]" for i in read
+    ]
+    return [f"const double {', '.join(items[i : i + 4])};" for i in range(0, len(items), 4)]

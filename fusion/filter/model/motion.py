@@ -1,0 +1,173 @@
+"""How a moving IMU's state goes on over one interval of constant rate and force, and its error.
+
+    M' = T(v Δt + ½ g Δt²) M ΔM,    v' = v + g Δt + R Δv ~R,    ΔM = T(Δp) ΔR
+
+with the turn φ = (rate - bias) Δt, ``ΔR = exp(-½ φ·e)``, ``Δv = ∫₀¹ Exp(sφ) ds f Δt`` and
+``Δp = ∫₀¹ (1-s) Exp(sφ) ds f Δt²`` of the force f = force - bias, holds exactly. Errors stand on
+the right of the extended pose, ``true = (M Exp(φ, ρ), v + R ν ~R)``; their motion does not depend
+on the state (A. Barrau and S. Bonnabel, The invariant extended Kalman filter as a stable observer,
+IEEE TAC 62(4), 2017), so that its derivative is taken at the origin, at rest, where it is shortest.
+Only where the direction of gravity is sought does it depend on the attitude.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from motorcade.fusion.filter.model.symbols import (
+    Definition,
+    Numbers,
+    blocks,
+    cross,
+    derivative,
+    disturbed,
+    error_of,
+    motor_at,
+    rotated,
+    symbols,
+    translated,
+    turn_functions,
+)
+from motorcade.ga.algebra import Multivector
+from motorcade.ga.codegen.tape import Operand
+from motorcade.ga.kernels.definitions import elements as on
+
+__all__ = ["MOTION", "advanced", "increment"]
+
+_R, _P, _V, _BG, _BA = (slice(3 * i, 3 * i + 3) for i in range(5))
+_AT_REST = [1.0, *[0.0] * 7]
+
+
+def increment(rate: Numbers, force: Numbers, dt: Any) -> tuple[Multivector, Numbers, Numbers]:
+    """The rotor ΔR, and Δv and Δp in the axes at the interval's start; biases are taken off."""
+    turn = [value * dt for value in rate]
+    cosine, sinc, third, fourth = turn_functions(sum(value * value for value in turn))
+    rotor = on.rotor_of([cosine, *(-0.5 * sinc * value for value in turn)])
+    once = cross(turn, force)
+    twice = cross(turn, once)
+    second = 0.5 * sinc * sinc  # (1 - cos x) / x²
+    velocity = [
+        dt * (f + second * a + third * b) for f, a, b in zip(force, once, twice, strict=True)
+    ]
+    position = [
+        dt * dt * (0.5 * f + third * a + fourth * b)
+        for f, a, b in zip(force, once, twice, strict=True)
+    ]
+    return rotor, velocity, position
+
+
+def advanced(
+    pose: Numbers, velocity: Numbers, rate: Numbers, force: Numbers, dt: Any, gravity: Numbers
+) -> tuple[Multivector, Numbers]:
+    """Motor and velocity after an interval."""
+    motor, rotor, _ = motor_at(pose)
+    turn, gained, moved = increment(rate, force, dt)
+    fallen = [v * dt + 0.5 * g * dt * dt for v, g in zip(velocity, gravity, strict=True)]
+    faster = rotated(rotor, gained)
+    return (
+        translated(fallen) * motor * (translated(moved) * turn),
+        [v + g * dt + a for v, g, a in zip(velocity, gravity, faster, strict=True)],
+    )
+
+
+def _less(values: Numbers, bias: Numbers) -> Numbers:
+    return [value - off for value, off in zip(values, bias, strict=True)]
+
+
+def _step(
+    pose: Numbers, velocity: Numbers, bias: Numbers, rate: Numbers, force: Numbers, dt: Numbers,
+    gravity: Numbers,
+) -> list[Numbers]:  # fmt: skip
+    """The next pose, kept unit by ``m (3 - m ~m) / 2``, and the next velocity."""
+    motor, faster = advanced(
+        pose, velocity, _less(rate, bias[:3]), _less(force, bias[3:]), dt[0], gravity
+    )
+    excess = on.dual_of(on.dual_numbers(motor * ~motor))
+    return [on.motor_numbers(motor * (1.5 - 0.5 * excess)), faster]
+
+
+def _transition(bias: Numbers, rate: Numbers, force: Numbers, dt: Numbers) -> list[Numbers]:
+    """Blocks of the matrix that carries the error over the interval; see `MOTION`."""
+    xi = symbols("xi", 15)
+    error = [xi[i] for i in range(15)]
+    plain = _less(rate, bias[:3]), _less(force, bias[3:])
+    sensed = _less(plain[0], error[_BG]), _less(plain[1], error[_BA])
+    still = [0.0, 0.0, 0.0]
+    begun = on.motor_numbers(disturbed(on.motor_of(_AT_REST), error[:6]))
+    ended, _ = advanced(_AT_REST, still, *plain, dt[0], still)
+    moved, faster = _from(begun, error[_V], *sensed, dt[0])
+    turn, gained, _ = increment(*plain, dt[0])
+    seen = rotated(~turn, _less(faster, gained))
+    values = [*error_of(~ended * moved), *seen]
+    matrix = derivative(values, xi)
+    pairs = ((_R, _R), (_P, _R), (_V, _R), (_R, _BG), (_P, _BG), (_V, _BG), (_P, _BA), (_V, _BA))
+    return [blocks(matrix, row, column) for row, column in pairs]
+
+
+def _from(
+    pose: Numbers, velocity: Numbers, rate: Numbers, force: Numbers, dt: Any
+) -> tuple[Multivector, Numbers]:
+    """`advanced` from a pose that is unit to first order only, without gravity."""
+    return advanced(pose, velocity, rate, force, dt, [0.0, 0.0, 0.0])
+
+
+def _gravity(plumb: Numbers, size: Numbers) -> list[Numbers]:
+    """Gravity in the world: ``-z`` of the world turned by the plumb's rotor."""
+    return [rotated(on.rotor_of(plumb), [0.0, 0.0, -size[0]])]
+
+
+def _gravity_effect(pose: Numbers, plumb: Numbers, size: Numbers, dt: Numbers) -> list[Numbers]:
+    """What tilting the plumb does to the error's velocity, in the axes of the pose at the end."""
+    tilt = symbols("tilt", 2)
+    rotor, upright = on.rotor_of(pose[:4]), on.rotor_of(plumb)
+    tilted = upright + upright * on.angles_of([-0.5 * tilt[0], -0.5 * tilt[1], 0.0])
+    fall = rotated(~rotor, rotated(tilted, [0.0, 0.0, -size[0]]))
+    matrix = derivative(fall, tilt)
+    return [[dt[0] * value for value in blocks(matrix, slice(0, 3), slice(0, 2))]]
+
+
+def _matrix(name: str, columns: int = 3) -> Operand:
+    return on.components(name, 3, columns)
+
+
+_POSE, _VELOCITY = on.motor("pose"), on.points("velocity")
+_BIAS = Operand("bias", tuple(f"{kind}_{axis}" for kind in ("gyro", "accel") for axis in "xyz"))
+_RATE, _FORCE, _DT = on.points("rate"), on.points("force"), on.numbers("dt")
+_PLUMB, _SIZE = on.rotor("plumb"), on.numbers("size")
+
+MOTION = (
+    Definition(
+        "motorcade_step",
+        ("The state after an interval dt (s) of constant rate (rad/s) and force (m/s²), which are",
+         "what the sensor read; |rate - bias| dt must be at most 3 rad."),
+        (_POSE, _VELOCITY, _BIAS, _RATE, _FORCE, _DT, on.points("gravity")),
+        (on.motor("next_pose"), on.points("next_velocity")),
+        _step,
+    ),
+    Definition(
+        "motorcade_transition",
+        ("The error's transition over that interval, in blocks of 3x3 by rows: turn_turn is also",
+         "that of position and of velocity on themselves, and dt times it that of position on",
+         "velocity; the others are zero, biases stay."),
+        (_BIAS, _RATE, _FORCE, _DT),
+        (_matrix("turn_turn"), _matrix("position_turn"), _matrix("velocity_turn"),
+         _matrix("turn_gyro"), _matrix("position_gyro"), _matrix("velocity_gyro"),
+         _matrix("position_accel"), _matrix("velocity_accel")),
+        _transition,
+    ),
+    Definition(
+        "motorcade_gravity",
+        ("Gravity (m/s²) in the world: its size along -z turned by the plumb's rotor.",),
+        (_PLUMB, _SIZE),
+        (on.points("gravity"),),
+        _gravity,
+    ),
+    Definition(
+        "motorcade_gravity_effect",
+        ("What a tilt of the plumb, an error on its right about its x and y, adds over dt (s) to",
+         "the error's velocity, 3x2 by rows, in the axes of the pose; dt/2 times it to position."),
+        (_POSE, _PLUMB, _SIZE, _DT),
+        (_matrix("velocity_tilt", 2),),
+        _gravity_effect,
+    ),
+)  # fmt: skip

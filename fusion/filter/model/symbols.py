@@ -1,0 +1,143 @@
+"""What definitions are made of: versors and vectors over symbols, first-order errors, functions.
+
+An error ξ = (φ, ρ) stands on the right of a motor: ``M (1 - ½ φ·e - ½ ρ∞)``, which is
+``M Exp(ξ)`` to first order; derivatives at ξ = 0 are those of the exponential.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from motorcade.ga.algebra import Multivector
+from motorcade.ga.codegen.library_kernels.fit import fitted, horner
+from motorcade.ga.codegen.precision import DOUBLE
+from motorcade.ga.codegen.tape import Operand
+from motorcade.ga.kernels.definitions import elements as on
+
+__all__ = [
+    "Definition",
+    "Numbers",
+    "blocks",
+    "cross",
+    "derivative",
+    "disturbed",
+    "error_of",
+    "motor_at",
+    "rotated",
+    "symbols",
+    "translated",
+    "turn_functions",
+]  # fmt: skip
+
+Numbers = list[Any]
+
+LARGEST_TURN_RAD = 3.0
+"""Turns of one step are held below this: the functions of it are polynomials of its square."""
+
+
+@dataclass(frozen=True)
+class Definition:
+    """One C function: vectors in, vectors out."""
+
+    name: str
+    summary: tuple[str, ...]
+    inputs: tuple[Operand, ...]
+    outputs: tuple[Operand, ...]
+    define: Callable[..., Sequence[Numbers]]
+
+
+def symbols(name: str, count: int) -> Any:
+    """A CasADi vector."""
+    import casadi as ca
+
+    return ca.SX.sym(name, count)
+
+
+def disturbed(pose: Multivector, error: Numbers) -> Multivector:
+    """The motor with an error ``(6,)`` on its right, to first order."""
+    half = on.bivector_of([-0.5 * value for value in error])
+    return pose + pose * half
+
+
+def error_of(motor: Multivector) -> Numbers:
+    """The twist ``(6,)`` of a motor near one, to first order."""
+    return [-2 * value for value in on.bivector_numbers(motor)]
+
+
+def translated(by: Numbers) -> Multivector:
+    """The translator ``1 - ½ t∞``."""
+    return on.motor_of([1.0, 0.0, 0.0, 0.0, *(-0.5 * value for value in by), 0.0])
+
+
+def rotated(rotor: Multivector, vector: Numbers) -> Numbers:
+    """``R x ~R``."""
+    return on.vector_numbers(rotor * on.vector(vector) * ~rotor)
+
+
+def cross(turn: Numbers, vector: Numbers) -> Numbers:
+    """``φ × x``, the commutator of a vector with the bivector of a turn."""
+    plane, x = on.angles_of(turn), on.vector(vector)
+    return on.vector_numbers(0.5 * (x * plane - plane * x))
+
+
+def motor_at(numbers: Numbers) -> tuple[Multivector, Multivector, Numbers]:
+    """A motor of eight coefficients, its rotor and its translation."""
+    motor, rotor = on.motor_of(numbers), on.rotor_of(numbers[:4])
+    return motor, rotor, on.translation_numbers(motor * ~rotor)
+
+
+def derivative(values: Numbers, by: Any) -> Any:
+    """Jacobian of numbers by a CasADi vector, at its zero."""
+    import casadi as ca
+
+    column = ca.vertcat(*map(ca.SX, values))
+    return ca.substitute(ca.jacobian(column, by), by, ca.SX.zeros(by.shape[0]))
+
+
+def blocks(matrix: Any, rows: slice, columns: slice) -> Numbers:
+    """A part of a matrix by rows."""
+    part = matrix[rows, columns]
+    return [part[i, j] for i in range(part.shape[0]) for j in range(part.shape[1])]
+
+
+def turn_functions(square: Any) -> tuple[Any, Any, Any, Any]:
+    """``cos ½x``, ``sin(½x) / ½x``, ``(x - sin x) / x³`` and ``(½x² - 1 + cos x) / x⁴`` of x².
+
+    For x up to `LARGEST_TURN_RAD`, as polynomials that can be differentiated at zero.
+    """
+    last, error = LARGEST_TURN_RAD**2 + 0.1, DOUBLE.epsilon / 16
+    return tuple(  # type: ignore[return-value]
+        horner(fitted(function, 0, last, error), square)
+        for function in (_cosine_half, _sinc_half, _third, _fourth)
+    )
+
+
+def _cosine_half(y: Any) -> Any:
+    import mpmath as mp
+
+    return mp.cos(mp.sqrt(y) / 2)
+
+
+def _sinc_half(y: Any) -> Any:
+    import mpmath as mp
+
+    half = mp.sqrt(y) / 2
+    return mp.sin(half) / half
+
+
+def _third(y: Any) -> Any:
+    import mpmath as mp
+
+    with mp.extradps(40):
+        x = mp.sqrt(y)
+        return (x - mp.sin(x)) / x**3
+
+
+def _fourth(y: Any) -> Any:
+    import mpmath as mp
+
+    with mp.extradps(60):
+        x = mp.sqrt(y)
+        return (y / 2 - 1 + mp.cos(x)) / y**2

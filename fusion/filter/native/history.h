@@ -1,0 +1,130 @@
+// Going back: doing things again from a state that was kept, giving a prediction up where what is
+// measured denies it, and forgetting what is too old to be asked for.
+
+#pragma once
+
+#include "timeline.h"
+
+namespace motorcade::filter {
+
+// Does events [from, to) again, from the nearest state kept before them.
+template <std::size_t N> void Timeline<N>::replay(std::size_t from, std::size_t to) {
+    std::size_t first = 0;
+    if (from == 0) {
+        started_ = false;
+        streak_.clear();
+    } else {
+        std::size_t kept = from - 1;
+        while (events_[kept].covariance.empty()) --kept;
+        now_ = events_[kept].after;
+        unpack(events_[kept].covariance, p_);
+        seek(events_[kept].time_ns);
+        first = kept + 1;
+        streak_.clear();
+        for (std::size_t k = first; k-- > 0;) {
+            if (!events_[k].measures()) continue;
+            if (events_[k].factor > 0.0 || k == 0) break;
+            streak_.push_front(k);
+        }
+        while (streak_.size() > settings_.patience) streak_.pop_front();
+    }
+    for (std::size_t k = first; k < to; ++k) process(k);
+}
+
+// So many measurements in a row denied the prediction: would they agree with each other, had it been
+// given up at the first of them? Then it is, from there on; the start itself where nothing else had
+// been believed yet. Otherwise all stays as it was.
+template <std::size_t N> void Timeline<N>::reopen() {
+    const std::deque<std::size_t> denied = streak_;
+    const std::size_t first = denied.front();
+    std::size_t target = first;
+    while (target > 0 && !(events_[target - 1].measures() && events_[target - 1].factor > 0.0)) --target;
+    target = target == 1 && !forgotten_ ? 0 : first;
+    const std::vector<Event> before(events_.begin() + static_cast<std::ptrdiff_t>(target),
+                                    events_.begin() + static_cast<std::ptrdiff_t>(next_));
+    const State state = now_;
+    const Matrix<N> covariance = p_;
+    const std::int64_t time_ns = time_ns_;
+    const std::size_t sample = sample_;
+
+    const Event &witness = events_[first];
+    double turned = 0.0, moved = 0.0;
+    for (std::size_t a = 0; a < witness.size; ++a)
+        (witness.size == 6 && a < 3 ? turned : moved) += witness.linear[a] * witness.linear[a];
+    const bool fast = witness.kind == Kind::velocity, seen = witness.kind == Kind::corners;
+    Event &given_up = events_[target];
+    given_up.doubted = true;
+    const std::array<double, 5> &start = settings_.start_sigma;
+    const double room[5] = {seen ? 1.0 : turned, seen ? 1.0 : fast ? 0.0 : moved,
+                            moved + 0.01 * start[2] * start[2], 0.01 * start[3] * start[3],
+                            0.01 * start[4] * start[4]};
+    std::copy_n(room, 5, given_up.doubt);
+    replay(target, next_);
+
+    std::size_t agree = 0;
+    for (const std::size_t k : denied) agree += events_[k].factor > 0.0;
+    if (2 * agree > denied.size()) {
+        ++reopened_;
+        return;
+    }
+    std::copy(before.begin(), before.end(), events_.begin() + static_cast<std::ptrdiff_t>(target));
+    now_ = state;
+    p_ = covariance;
+    time_ns_ = time_ns;
+    sample_ = sample;
+    started_ = true;
+    streak_ = denied;
+    streak_.pop_front();
+}
+
+template <std::size_t N> void Timeline<N>::doubt(const Event &event) {
+    for (std::size_t k = 0; k < 15; ++k) p_.row[k][k] += event.doubt[k / 3];
+}
+
+template <std::size_t N> void Timeline<N>::keep_residual(Event &event, const Innovation<N> &innovation) {
+    event.size = innovation.size;
+    event.linear.assign(innovation.residual, innovation.residual + innovation.size);
+}
+
+// Keeps the state at the last sample, and lets go of what lies farther back than the history.
+template <std::size_t N> void Timeline<N>::keep_and_forget() {
+    unchecked_ = 0;
+    std::int64_t oldest = samples_.back().time_ns - settings_.history_ns;
+    if (started_) {
+        Event check;
+        check.time_ns = check.stamp_ns = time_ns_;
+        events_.insert(events_.begin() + static_cast<std::ptrdiff_t>(next_), check);
+        process(next_++);
+        while (next_ > 2 && events_[1].time_ns <= oldest && !events_[1].covariance.empty()) {
+            events_.pop_front();
+            --next_;
+            forgotten_ = true;
+            if (!streak_.empty() && streak_.front() <= 1) streak_.pop_front();
+            for (std::size_t &k : streak_) --k;
+        }
+        oldest = events_.front().time_ns;
+    }
+    while (samples_.size() > 2 && samples_[1].time_ns <= oldest) {
+        samples_.pop_front();
+        if (started_) --sample_;
+    }
+}
+
+template <std::size_t N> void Timeline<N>::write(Event &event) {
+    if (sink.pose == nullptr || (event.judged && !sink.final)) return;
+    const std::size_t row = event.number;
+    for (std::size_t i = 0; i < N; ++i) std::copy_n(p_.row[i], N, sink.covariance + (N * row + i) * N);
+    put(row);
+}
+
+template <std::size_t N> void Timeline<N>::put(std::size_t row) const {
+    std::copy_n(now_.pose, 8, sink.pose + 8 * row);
+    std::copy_n(now_.velocity, 3, sink.velocity + 3 * row);
+    std::copy_n(now_.bias, 6, sink.bias + 6 * row);
+    double *others = sink.others + 13 * row;
+    std::copy_n(now_.plumb, 4, others);
+    std::copy_n(now_.mount, 8, others + 4);
+    others[12] = now_.delay_s;
+}
+
+}  // namespace motorcade::filter

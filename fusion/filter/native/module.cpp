@@ -1,0 +1,218 @@
+// Binds the filter to Python. Arrays come checked and C-ordered; see motorcade.fusion.filter.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/unique_ptr.h>
+
+#include <memory>
+
+#include "rest.h"
+#include "smoother.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace motorcade::filter;
+
+namespace {
+
+using Flat = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Stamps = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Made = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using MadeCubes = nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+
+// A row of three doubles, held while it is read; faster than nanobind's ndarray.
+class Three {
+public:
+    Three(nb::handle given, const char *name) {
+        if (PyObject_GetBuffer(given.ptr(), &view_, PyBUF_STRIDES | PyBUF_FORMAT) != 0) throw nb::python_error();
+        if (view_.ndim == 1 && view_.shape[0] == 3 && view_.format[0] == 'd' && view_.format[1] == '\0') return;
+        PyBuffer_Release(&view_);
+        throw std::invalid_argument(std::string(name) + ": expected three numbers of float64");
+    }
+    Three(const Three &) = delete;
+    Three &operator=(const Three &) = delete;
+    ~Three() { PyBuffer_Release(&view_); }
+    void read(double *to) const {
+        for (Py_ssize_t k = 0; k < 3; ++k)
+            to[k] = *reinterpret_cast<const double *>(static_cast<const char *>(view_.buf) + view_.strides[0] * k);
+    }
+
+private:
+    Py_buffer view_{};
+};
+
+template <class T> nb::object array(const std::vector<T> &values, std::initializer_list<std::size_t> shape) {
+    auto *memory = new T[std::max<std::size_t>(1, values.size())];
+    std::copy(values.begin(), values.end(), memory);
+    nb::capsule owner(memory, [](void *data) noexcept { delete[] static_cast<T *>(data); });
+    return nb::cast(nb::ndarray<nb::numpy, T>(memory, shape.size(), shape.begin(), owner));
+}
+
+// The filter with or without the states that most runs know.
+class Engine {
+public:
+    virtual ~Engine() = default;
+    virtual void imu(std::int64_t time_ns, nb::handle rate, nb::handle force) = 0;
+    virtual void samples(const Stamps &time_ns, const Rows &rate, const Rows &force) = 0;
+    virtual void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data) = 0;
+    virtual void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity, const Made &bias,
+                         const MadeCubes &covariance, const Made &others, bool final) = 0;
+    virtual void smooth() = 0;
+    virtual nb::object state() const = 0;
+    virtual nb::object judged() const = 0;
+    virtual nb::tuple held() const = 0;
+};
+
+template <std::size_t N> class EngineOf final : public Engine {
+public:
+    EngineOf(const Settings &settings, const State &first, const Rest &rest)
+        : filter_(settings, first), rest_(rest), gravity_(settings.gravity_m_s2) {}
+
+    void imu(std::int64_t time_ns, nb::handle rate, nb::handle force) override {
+        const Three given_rate(rate, "gyro"), given_force(force, "accel");
+        Sample sample;
+        sample.time_ns = time_ns;
+        given_rate.read(sample.read.rate);
+        given_force.read(sample.read.force);
+        one(sample);
+    }
+
+    void samples(const Stamps &time_ns, const Rows &rate, const Rows &force) override {
+        expect(rate.shape(1) == 3 && force.shape(1) == 3 && rate.shape(0) == time_ns.shape(0) &&
+                   force.shape(0) == time_ns.shape(0),
+               "imu: expected stamps (N,), rates and forces (N, 3)");
+        nb::gil_scoped_release unlocked;
+        for (std::size_t k = 0; k < time_ns.shape(0); ++k) {
+            Sample sample;
+            sample.time_ns = time_ns.data()[k];
+            std::copy_n(rate.data() + 3 * k, 3, sample.read.rate);
+            std::copy_n(force.data() + 3 * k, 3, sample.read.force);
+            one(sample);
+        }
+    }
+
+    void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data) override {
+        Event event;
+        event.kind = static_cast<Kind>(kind);
+        event.stamp_ns = time_ns;
+        event.number = number;
+        event.data.assign(data.data(), data.data() + data.shape(0));
+        filter_.add(std::move(event));
+    }
+
+    void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity, const Made &bias,
+                 const MadeCubes &covariance, const Made &others, bool final) override {
+        const std::size_t count = time_ns.shape(0);
+        expect(pose.shape(0) == count && pose.shape(1) == 8 && velocity.shape(0) == count && velocity.shape(1) == 3 &&
+                   bias.shape(0) == count && bias.shape(1) == 6 && covariance.shape(0) == count &&
+                   covariance.shape(1) == N && covariance.shape(2) == N && others.shape(0) == count &&
+                   others.shape(1) == 13,
+               "outputs: expected arrays of one row a stamp");
+        filter_.sink = {pose.data(), velocity.data(), bias.data(), covariance.data(), others.data(), final};
+        for (std::size_t k = 0; k < count; ++k) {
+            Event event;
+            event.kind = Kind::output;
+            event.stamp_ns = time_ns.data()[k];
+            event.number = k;
+            filter_.add(std::move(event));
+        }
+    }
+
+    void smooth() override {
+        nb::gil_scoped_release unlocked;
+        filter_.smooth();
+    }
+
+    nb::object state() const override {
+        if (!filter_.started()) return nb::none();
+        const State &at = filter_.state();
+        std::vector<double> covariance;
+        for (std::size_t i = 0; i < N; ++i)
+            covariance.insert(covariance.end(), filter_.covariance().row[i], filter_.covariance().row[i] + N);
+        const auto of = [](const double *given, std::size_t n) { return array(std::vector<double>(given, given + n), {n}); };
+        return nb::make_tuple(filter_.time_ns(), of(at.pose, 8), of(at.velocity, 3), of(at.bias, 6), of(at.plumb, 4),
+                              of(at.mount, 8), at.delay_s, array(covariance, {N, N}));
+    }
+
+    nb::object judged() const override {
+        std::vector<std::int64_t> whole;
+        std::vector<double> real;
+        for (const Event &event : filter_.events()) {
+            if (!event.measures() || !event.judged) continue;
+            whole.insert(whole.end(), {event.stamp_ns, static_cast<std::int64_t>(event.number),
+                                       static_cast<std::int64_t>(event.kind), static_cast<std::int64_t>(event.size)});
+            real.insert(real.end(), {event.nis, event.factor, event.live_nis, event.live_factor});
+        }
+        const std::size_t count = whole.size() / 4;
+        return nb::make_tuple(array(whole, {count, 4}), array(real, {count, 4}));
+    }
+
+    nb::tuple held() const override {
+        return nb::make_tuple(filter_.kept_samples(), filter_.events().size(), filter_.reopened());
+    }
+
+private:
+    void one(const Sample &sample) {
+        filter_.imu(sample);
+        if (!rest_.wanted() || !filter_.started()) return;
+        if (!rest_.found(sample, filter_.state(), gravity_)) return;
+        Event still;
+        still.kind = Kind::velocity;
+        still.stamp_ns = sample.time_ns;
+        still.number = Rest::number;
+        still.data = rest_.measurement();
+        filter_.add(std::move(still));
+    }
+
+    Filter<N> filter_;
+    Rest rest_;
+    double gravity_;
+};
+
+std::unique_ptr<Engine> engine(const std::array<double, 5> &model, const std::array<double, 6> &start,
+                               const std::array<double, 4> &known, const std::array<double, widest + 1> &gate,
+                               double gross, std::size_t patience, const std::array<double, 3> &hole, double history_s,
+                               std::size_t check_every, const std::array<double, 8> &mount, double delay_s,
+                               const std::array<double, 5> &rest) {
+    const auto square = [](double x) { return x * x; };
+    Settings made;
+    made.gravity_m_s2 = model[0];
+    made.noise = {square(model[1]), square(model[3]), square(model[2]), square(model[4])};
+    std::copy_n(start.begin(), 5, made.start_sigma.begin());
+    made.start_tilt_rad = start[5];
+    made.known_sigma = known;
+    made.gate = gate;
+    made.gross = gross;
+    made.patience = patience;
+    made.hole_ns = static_cast<std::int64_t>(hole[0] * 1e9);
+    made.hole_rate = hole[1];
+    made.hole_force = hole[2];
+    made.history_ns = history_s < 1e9 ? static_cast<std::int64_t>(history_s * 1e9) : INT64_MAX / 2;
+    made.check_every = check_every;
+    State first;
+    std::copy(mount.begin(), mount.end(), first.mount);
+    first.delay_s = delay_s;
+    const bool sought = known[0] > 0.0 || known[1] > 0.0 || known[2] > 0.0 || known[3] > 0.0;
+    if (sought) return std::make_unique<EngineOf<24>>(made, first, Rest(rest));
+    return std::make_unique<EngineOf<15>>(made, first, Rest(rest));
+}
+
+}  // namespace
+
+NB_MODULE(_filter, module) {
+    module.doc() = "The pose filter; see motorcade.fusion.filter.";
+    nb::class_<Engine>(module, "Engine")
+        .def("imu", &Engine::imu, "time_ns"_a, "gyro"_a, "accel"_a)
+        .def("samples", &Engine::samples, "time_ns"_a, "gyro"_a, "accel"_a)
+        .def("add", &Engine::add, "kind"_a, "time_ns"_a, "number"_a, "data"_a)
+        .def("outputs", &Engine::outputs, "time_ns"_a, "pose"_a, "velocity"_a, "bias"_a, "covariance"_a, "others"_a,
+             "final"_a)
+        .def("smooth", &Engine::smooth)
+        .def("state", &Engine::state)
+        .def("judged", &Engine::judged)
+        .def("held", &Engine::held);
+    module.def("engine", &engine, "model"_a, "start"_a, "known"_a, "gate"_a, "gross"_a, "patience"_a, "hole"_a,
+               "history_s"_a, "check_every"_a, "mount"_a, "delay_s"_a, "rest"_a);
+}

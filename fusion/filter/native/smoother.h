@@ -1,0 +1,105 @@
+// The backward pass: every estimate gets to know what came after it. Its carrier is not a state but
+// the gradient λ of what is unlikely about the later measurements, with its curvature Λ, taken
+// against the flow of time through the transposed transitions: no covariance is inverted, and none
+// but those of the moments asked for need be kept (G. J. Bierman, Fixed interval smoothing with
+// discrete measurements, International Journal of Control 18(1), 1973). Transitions are made again
+// from the samples, event by event.
+
+#pragma once
+
+#include "history.h"
+
+namespace motorcade::filter {
+
+template <std::size_t N> class Filter final : public Timeline<N> {
+public:
+    using Timeline<N>::Timeline;
+
+    // Rewrites what the sink holds for the moments passed so far. The state ends where it started.
+    void smooth() {
+        Matrix<N> curvature;
+        double gradient[N] = {};
+        for (std::size_t i = this->next_; i-- > 0;) {
+            const Event &event = this->events_[i];
+            if (event.kind == Kind::output) rewrite(event, gradient, curvature);
+            if (event.measures() && event.factor > 0.0 && i > 0) take_in(event, gradient, curvature);
+            if (i > 0) carry_back(this->events_[i - 1], event.time_ns, gradient, curvature);
+        }
+    }
+
+private:
+    void carry_back(const Event &from, std::int64_t to, double *gradient, Matrix<N> &curvature) {
+        std::vector<Transition> steps;
+        this->now_ = from.after;
+        this->seek(from.time_ns);
+        this->advance(to, [&steps](const Transition &f, const Densities &) { steps.push_back(f); });
+        for (std::size_t k = steps.size(); k-- > 0;) propagate_back(curvature, gradient, steps[k]);
+        symmetrise(curvature);
+    }
+
+    // λ becomes (1 - K H)' λ - H' S⁻¹ y, and Λ likewise with H' S⁻¹ H added.
+    void take_in(const Event &event, double *gradient, Matrix<N> &curvature) {
+        const std::size_t m = event.size;
+        const double *residual = event.linear.data(), *effect = residual + m, *gain = effect + m * N,
+                     *inverse = gain + N * m;
+        Innovation<N> seen;
+        Gain<N> by;
+        seen.size = m;
+        double pull[widest];
+        for (std::size_t a = 0; a < m; ++a) {
+            std::copy_n(effect + a * N, N, seen.effect[a]);
+            pull[a] = 0.0;
+            for (std::size_t i = 0; i < N; ++i) pull[a] += (by.gain[i][a] = gain[i * m + a]) * gradient[i];
+            for (std::size_t b = 0; b < m; ++b) pull[a] += inverse[a * m + b] * residual[b];
+        }
+        for (std::size_t a = 0; a < m; ++a)
+            for (std::size_t k = 0; k < N; ++k) gradient[k] -= seen.effect[a][k] * pull[a];
+        Matrix<N> once, across;
+        reduced_across(curvature, seen, by, once);
+        transpose<N>(once.row, across.row);
+        reduced_across(across, seen, by, curvature);
+        for (std::size_t a = 0; a < m; ++a) {
+            double sum[Matrix<N>::width] = {};
+            for (std::size_t b = 0; b < m; ++b)
+                for (std::size_t k = 0; k < N; ++k) sum[k] += inverse[a * m + b] * seen.effect[b][k];
+            for (std::size_t i = 0; i < N; ++i)
+                add<Matrix<N>::width>(curvature.row[i], seen.effect[a][i], sum);
+        }
+        symmetrise(curvature);
+    }
+
+    // (1 - K H)' X.
+    static void reduced_across(const Matrix<N> &x, const Innovation<N> &seen, const Gain<N> &by, Matrix<N> &made) {
+        made = x;
+        for (std::size_t a = 0; a < seen.size; ++a) {
+            double pulled[Matrix<N>::width] = {};
+            for (std::size_t i = 0; i < N; ++i) add<Matrix<N>::width>(pulled, by.gain[i][a], x.row[i]);
+            for (std::size_t k = 0; k < N; ++k) add<Matrix<N>::width>(made.row[k], -seen.effect[a][k], pulled);
+        }
+    }
+
+    // x Exp(-P λ) and P - P Λ P in place of what the forward pass wrote.
+    void rewrite(const Event &event, const double *gradient, const Matrix<N> &curvature) {
+        const std::size_t row = event.number;
+        const Sink &sink = this->sink;
+        double *given = sink.covariance + row * N * N;
+        Matrix<N> p, product, made;
+        double error[N] = {};
+        for (std::size_t i = 0; i < N; ++i) {
+            std::copy_n(given + i * N, N, p.row[i]);
+            for (std::size_t k = 0; k < N; ++k) error[i] -= p.row[i][k] * gradient[k];
+        }
+        for (std::size_t i = 0; i < N; ++i)
+            for (std::size_t k = 0; k < N; ++k) add<Matrix<N>::width>(product.row[i], curvature.row[i][k], p.row[k]);
+        made = p;
+        for (std::size_t i = 0; i < N; ++i)
+            for (std::size_t k = 0; k < N; ++k) add<Matrix<N>::width>(made.row[i], -p.row[i][k], product.row[k]);
+        symmetrise(made);
+        for (std::size_t i = 0; i < N; ++i) std::copy_n(made.row[i], N, given + i * N);
+        this->now_ = event.after;
+        correct<N>(this->now_, error);
+        this->put(row);
+    }
+};
+
+}  // namespace motorcade::filter

@@ -1,0 +1,76 @@
+// The filter's state, and how inertial data and corrections move it: the generated model, called.
+
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "covariance.h"
+#include "generated/model.h"
+
+namespace motorcade::filter {
+
+struct State {
+    double pose[8] = {1.0};  // world_T_imu
+    double velocity[3] = {}; // in the world
+    double bias[6] = {};     // gyroscope, accelerometer
+    double plumb[4] = {1.0}; // turns -z of the world to where gravity points
+    double mount[8] = {1.0}; // imu_T_camera
+    double delay_s = 0.0;    // a camera's stamp plus this is the IMU's time
+};
+
+struct Reading {
+    double rate[3], force[3];
+};
+
+constexpr double largest_turn_rad = 3.0;  // of one step of the generated model
+
+template <std::size_t N> inline void correct(State &state, const double *error) {
+    State moved = state;
+    motorcade_corrected(state.pose, state.velocity, error, moved.pose, moved.velocity);
+    for (std::size_t i = 0; i < 6; ++i) moved.bias[i] += error[gyro + i];
+    if constexpr (N > 15) {
+        const double leaning[6] = {error[tilt], error[tilt + 1], 0.0, 0.0, 0.0, 0.0};
+        const double upright[8] = {state.plumb[0], state.plumb[1], state.plumb[2], state.plumb[3]};
+        double turned[8];
+        motorcade_moved(upright, leaning, turned);
+        std::copy_n(turned, 4, moved.plumb);
+        motorcade_moved(state.mount, error + mounting, moved.mount);
+        moved.delay_s += error[delay];
+    }
+    state = moved;
+}
+
+// Gravity, and over one interval of constant readings the state and the error's transition.
+class Motion {
+public:
+    explicit Motion(double gravity_m_s2) : size_(gravity_m_s2) {}
+
+    void gravity(const State &state, double *made) const { motorcade_gravity(state.plumb, size_, made); }
+
+    // How many equal parts an interval must have for the generated model to hold.
+    static int parts(const State &state, const Reading &read, double dt) {
+        double square = 0.0;
+        for (int i = 0; i < 3; ++i) square += (read.rate[i] - state.bias[i]) * (read.rate[i] - state.bias[i]);
+        return square * dt * dt < largest_turn_rad * largest_turn_rad
+                   ? 1
+                   : static_cast<int>(std::sqrt(square) * dt / largest_turn_rad) + 1;
+    }
+
+    template <std::size_t N> void step(State &state, const Reading &read, double dt, const double *fall, Transition &made) const {
+        double pose[8], faster[3];
+        motorcade_transition(state.bias, read.rate, read.force, dt, made.turn_turn, made.position_turn,
+                             made.velocity_turn, made.turn_gyro, made.position_gyro, made.velocity_gyro,
+                             made.position_accel, made.velocity_accel);
+        made.dt = dt;
+        motorcade_step(state.pose, state.velocity, state.bias, read.rate, read.force, dt, fall, pose, faster);
+        std::copy_n(pose, 8, state.pose);
+        std::copy_n(faster, 3, state.velocity);
+        if constexpr (N > 15) motorcade_gravity_effect(state.pose, state.plumb, size_, dt, made.velocity_tilt);
+    }
+
+private:
+    double size_;
+};
+
+}  // namespace motorcade::filter

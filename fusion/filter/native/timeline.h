@@ -1,0 +1,318 @@
+// Inertial samples and events in the order of time, and the state that is carried along them. Live
+// streams and whole recordings go through the same code: samples are added one after another, events
+// wait until the samples reach them, and one that comes late is put where it belongs, after which
+// everything since is done again from the nearest state that was kept.
+
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <stdexcept>
+#include <string>
+
+#include "measurement.h"
+
+namespace motorcade::filter {
+
+struct Sample {
+    std::int64_t time_ns;
+    Reading read;
+};
+
+struct Settings {
+    double gravity_m_s2;
+    Densities noise;
+    std::array<double, 5> start_sigma;             // turn, position, velocity, both biases, at the start
+    double start_tilt_rad;                         // how wrong the start is made on purpose
+    std::array<double, 4> known_sigma;             // tilt, mount's turn and shift, time offset
+    std::array<double, widest + 1> gate;           // of χ², by degrees of freedom
+    double gross;                                  // beyond so many gates a measurement is left out
+    std::size_t patience;                          // measurements left out in a row before doubt
+    std::int64_t hole_ns;                          // longer intervals between samples lack data
+    double hole_rate, hole_force;                  // deviations of what was not felt in them
+    std::int64_t history_ns;                       // how late an event may come
+    std::size_t check_every;                       // samples between kept states; 0: at events only
+};
+
+// Where the path is written as it passes the moments asked for; rows by the events' numbers.
+struct Sink {
+    double *pose = nullptr, *velocity = nullptr, *bias = nullptr, *covariance = nullptr, *others = nullptr;
+    bool final = false;  // also when things are done again
+};
+
+inline void expect(bool holds, const std::string &what) {
+    if (!holds) throw std::invalid_argument(what);
+}
+
+template <std::size_t N> class Timeline {
+public:
+    Timeline(const Settings &settings, const State &first)
+        : settings_(settings), motion_(settings.gravity_m_s2), first_(first) {}
+    // Adds a sample and carries everything to it.
+    void imu(const Sample &sample) {
+        if (!samples_.empty())
+            expect(sample.time_ns > samples_.back().time_ns,
+                   "imu: expected a stamp after " + std::to_string(samples_.back().time_ns) + ", got " +
+                       std::to_string(sample.time_ns));
+        double total = 0.0;
+        for (int i = 0; i < 3; ++i) total += 0.0 * sample.read.rate[i] + 0.0 * sample.read.force[i];
+        expect(total == 0.0, "imu: expected finite numbers, got others");
+        samples_.push_back(sample);
+        catch_up();
+        if (settings_.check_every != 0 && ++unchecked_ >= settings_.check_every) keep_and_forget();
+    }
+
+    // Takes an event at any time that the history still holds.
+    void add(Event &&event) {
+        event.time_ns = event.stamp_ns;
+        if (N > 15 && (event.kind == Kind::camera_pose || event.kind == Kind::corners)) {
+            event.shift_s = started_ ? now_.delay_s : first_.delay_s;
+            event.time_ns += static_cast<std::int64_t>(std::llround(event.shift_s * 1e9));
+            event.shift_s = 1e-9 * static_cast<double>(event.time_ns - event.stamp_ns);
+        }
+        check_time(event);
+        const auto later = [](const Event &one, const Event &other) { return one.before(other); };
+        const auto place = std::upper_bound(events_.begin(), events_.end(), event, later);
+        const auto index = static_cast<std::size_t>(place - events_.begin());
+        events_.insert(place, std::move(event));
+        if (index < next_) {
+            next_ = next_ + 1;
+            replay(index, next_);
+        }
+        if (!samples_.empty()) catch_up();
+    }
+
+    bool started() const { return started_; }
+    const State &state() const { return now_; }
+    const Matrix<N> &covariance() const { return p_; }
+    std::int64_t time_ns() const { return time_ns_; }
+    const std::deque<Event> &events() const { return events_; }
+    std::size_t done() const { return next_; }
+    std::size_t reopened() const { return reopened_; }
+    std::size_t kept_samples() const { return samples_.size(); }
+    Sink sink;
+
+protected:
+    // Carries the state to a moment within the samples; `each` sees every transition.
+    template <class Each> void advance(std::int64_t to, Each &&each) {
+        double fall[3];
+        motion_.gravity(now_, fall);
+        while (time_ns_ < to && sample_ + 1 < samples_.size()) {
+            const Sample &one = samples_[sample_], &next = samples_[sample_ + 1];
+            const std::int64_t end = std::min(to, next.time_ns);
+            const Reading here = reading(time_ns_), there = end == next.time_ns ? next.read : reading(end);
+            Reading mean;
+            for (int i = 0; i < 3; ++i) {
+                mean.rate[i] = 0.5 * (here.rate[i] + there.rate[i]);
+                mean.force[i] = 0.5 * (here.force[i] + there.force[i]);
+            }
+            const double whole = 1e-9 * static_cast<double>(end - time_ns_);
+            const Densities noise = densities(next.time_ns - one.time_ns);
+            const int parts = Motion::parts(now_, mean, whole);
+            for (int k = 0; k < parts; ++k) {
+                Transition transition;
+                motion_.step<N>(now_, mean, whole / parts, fall, transition);
+                each(transition, noise);
+            }
+            time_ns_ = end;
+            if (end == next.time_ns) ++sample_;
+        }
+    }
+
+    void seek(std::int64_t time_ns) {
+        const auto after = std::upper_bound(samples_.begin(), samples_.end(), time_ns,
+                                            [](std::int64_t t, const Sample &s) { return t < s.time_ns; });
+        sample_ = static_cast<std::size_t>(after - samples_.begin()) - 1;
+        time_ns_ = time_ns;
+    }
+
+    void carry(std::int64_t to) {
+        advance(to, [this](const Transition &f, const Densities &q) { propagate(p_, f, q); });
+    }
+
+    void put(std::size_t row) const;  // the state but its covariance, into the sink
+
+    Settings settings_;
+    Motion motion_;
+    State first_, now_;
+    Matrix<N> p_;
+    std::int64_t time_ns_ = 0;
+    std::size_t sample_ = 0;
+    std::deque<Sample> samples_;
+    std::deque<Event> events_;
+    std::size_t next_ = 0;  // of the events, the first that waits
+    bool started_ = false;
+
+private:
+    Reading reading(std::int64_t t) const {
+        const Sample &one = samples_[sample_];
+        if (t == one.time_ns) return one.read;
+        const Sample &next = samples_[sample_ + 1];
+        const double part = static_cast<double>(t - one.time_ns) / static_cast<double>(next.time_ns - one.time_ns);
+        Reading made;
+        for (int i = 0; i < 3; ++i) {
+            made.rate[i] = one.read.rate[i] + part * (next.read.rate[i] - one.read.rate[i]);
+            made.force[i] = one.read.force[i] + part * (next.read.force[i] - one.read.force[i]);
+        }
+        return made;
+    }
+
+    // Through a hole in the data, rate and force may have been anything by a constant deviation.
+    Densities densities(std::int64_t interval_ns) const {
+        Densities made = settings_.noise;
+        if (interval_ns <= settings_.hole_ns) return made;
+        const double length = 1e-9 * static_cast<double>(interval_ns);
+        made.rate += settings_.hole_rate * settings_.hole_rate * length;
+        made.force += settings_.hole_force * settings_.hole_force * length;
+        return made;
+    }
+
+    void check_time(const Event &event) const {
+        const bool starts = event.kind == Kind::camera_pose || event.kind == Kind::imu_pose;
+        const std::string got = std::to_string(event.stamp_ns);
+        expect(!samples_.empty() && event.time_ns >= samples_.front().time_ns,
+               samples_.empty() ? "time_ns: expected inertial data before measurements, got " + got
+                                : "time_ns: expected a stamp from " + std::to_string(samples_.front().time_ns) +
+                                      " on, where inertial data begin, got " + got);
+        if (events_.empty()) {
+            expect(starts, "time_ns: expected a measured pose to start from, got another measurement at " + got);
+            return;
+        }
+        const std::int64_t first = events_.front().time_ns;
+        expect(event.time_ns >= first,
+               (forgotten_ ? "time_ns: expected a stamp from " + std::to_string(first) + " on, which the history holds, got "
+                           : "time_ns: expected a stamp from the start at " + std::to_string(first) + " on, got ") + got);
+    }
+
+    void catch_up() {
+        const std::int64_t horizon = samples_.back().time_ns;
+        while (next_ < events_.size() && events_[next_].time_ns <= horizon) {
+            process(next_++);
+            if (streak_.size() >= settings_.patience) reopen();
+        }
+        if (started_) carry(horizon);
+    }
+
+    void process(std::size_t index) {
+        Event &event = events_[index];
+        if (!started_) {
+            start(event);
+        } else {
+            carry(event.time_ns);
+            if (event.measures()) measure(event, index);
+        }
+        event.after = now_;
+        if (event.kind == Kind::output)
+            write(event);
+        else
+            event.covariance = packed(p_);
+        if (!event.judged) {
+            event.live_nis = event.nis;
+            event.live_factor = event.factor;
+        }
+        event.judged = true;
+    }
+
+    // The first pose as a state: at rest, biases zero, with room for both to be wrong.
+    void start(Event &event) {
+        static constexpr double one[8] = {1.0};
+        double spread[36];
+        seek(event.time_ns);
+        now_ = first_;
+        const double *mount = event.kind == Kind::camera_pose ? first_.mount : one;
+        motorcade_start(event.data.data(), mount, now_.pose, spread);
+        p_ = Matrix<N>();
+        for (std::size_t i = 0; i < 6; ++i)
+            for (std::size_t j = 0; j < 6; ++j)
+                for (std::size_t a = 0; a < 6; ++a)
+                    for (std::size_t b = 0; b < 6; ++b)
+                        p_.row[i][j] += spread[6 * i + a] * event.data[8 + 6 * a + b] * spread[6 * j + b];
+        symmetrise(p_);
+        for (std::size_t k = 0; k < 15; ++k) p_.row[k][k] += settings_.start_sigma[k / 3] * settings_.start_sigma[k / 3];
+        if constexpr (N > 15)
+            for (std::size_t k = tilt; k < N; ++k) {
+                const double sigma = settings_.known_sigma[k < mounting ? 0 : k < mounting + 3 ? 1 : k < delay ? 2 : 3];
+                p_.row[k][k] = sigma * sigma;
+            }
+        lean();
+        started_ = true;
+        event.factor = event.doubted ? 0.0 : 1.0;
+        event.nis = std::nan("");
+        if (event.doubted) doubt(event);
+    }
+
+    // A start that is wrong on purpose: turned about the world's x, with room for that in its tilt.
+    void lean() {
+        const double angle = settings_.start_tilt_rad;
+        double axes[9], error[9] = {}, pose[8], speed[3];
+        if (angle == 0.0) return;
+        motorcade_velocity_effect(now_.pose, axes);
+        for (std::size_t i = 0; i < 3; ++i) error[i] = angle * axes[i];
+        motorcade_corrected(now_.pose, now_.velocity, error, pose, speed);
+        std::copy_n(pose, 8, now_.pose);
+        motorcade_velocity_effect(now_.pose, axes);
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j)
+                p_.row[i][j] += angle * angle * (axes[i] * axes[j] + axes[3 + i] * axes[3 + j]);
+    }
+
+    void measure(Event &event, std::size_t index) {
+        Innovation<N> innovation;
+        Gain<N> gain;
+        if (event.doubted) doubt(event);
+        event.linear.clear();
+        event.factor = 0.0;
+        event.nis = std::nan("");
+        const bool predicted = Prediction<N>(now_, reading(time_ns_)).of(event, innovation) &&
+                               weigh(p_, innovation, 1.0, gain);
+        if (predicted) {
+            event.nis = gain.nis;
+            event.factor = judged(gain.nis, innovation.size);
+        }
+        keep_residual(event, innovation);
+        if (event.factor == 0.0) {
+            streak_.push_back(index);
+            return;
+        }
+        streak_.clear();
+        if (event.factor > 1.0) weigh(p_, innovation, event.factor, gain);
+        apply(event, innovation, gain);
+    }
+
+    void apply(Event &event, const Innovation<N> &innovation, const Gain<N> &gain) {
+        const std::size_t m = innovation.size;
+        double error[N] = {};
+        for (std::size_t i = 0; i < N; ++i)
+            for (std::size_t a = 0; a < m; ++a) error[i] += gain.gain[i][a] * innovation.residual[a];
+        update(p_, innovation, event.factor, gain);
+        correct<N>(now_, error);
+        event.size = m;
+        event.linear.assign(innovation.residual, innovation.residual + m);
+        for (std::size_t a = 0; a < m; ++a)
+            event.linear.insert(event.linear.end(), innovation.effect[a], innovation.effect[a] + N);
+        for (std::size_t i = 0; i < N; ++i) event.linear.insert(event.linear.end(), gain.gain[i], gain.gain[i] + m);
+        for (std::size_t a = 0; a < m; ++a)
+            event.linear.insert(event.linear.end(), gain.inverse[a], gain.inverse[a] + m);
+    }
+
+    double judged(double nis, std::size_t freedom) const {
+        const double limit = settings_.gate[freedom];
+        if (!(nis <= settings_.gross * limit)) return 0.0;
+        return nis <= limit ? 1.0 : nis / limit;
+    }
+
+    // See history.h.
+    void replay(std::size_t from, std::size_t to);
+    void reopen();
+    void doubt(const Event &event);
+    void keep_residual(Event &event, const Innovation<N> &innovation);
+    void keep_and_forget();
+    void write(Event &event);
+
+    std::deque<std::size_t> streak_;  // measurements left out in a row, the last ones
+    std::size_t unchecked_ = 0, reopened_ = 0;
+    bool forgotten_ = false;
+};
+
+}  // namespace motorcade::filter
