@@ -12,6 +12,7 @@ from motorcade.replays.cli import (
     bench,
     calibrate,
     compare,
+    consistency,
     demo,
     detect,
     evaluate,
@@ -21,6 +22,7 @@ from motorcade.replays.cli import (
     run,
     simulate_imu,
     smooth,
+    sync,
 )
 from motorcade.replays.cli.arguments import one_line
 
@@ -33,9 +35,11 @@ COMMANDS = (
     smooth,
     evaluate,
     simulate_imu,
+    sync,
     graph,
     generate,
     compare,
+    consistency,
     bench,
 )
 

@@ -1,0 +1,7 @@
+"""Camera and IMU brought together: time offset and mount estimated from what both recorded."""
+
+from __future__ import annotations
+
+from motorcade.fusion.sync.synchronise import Synchronised, synchronise
+
+__all__ = ["Synchronised", "synchronise"]

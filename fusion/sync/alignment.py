@@ -1,0 +1,329 @@
+"""The map of all unknowns of a camera path beside an IMU: maximum a posteriori, by Gauss-Newton.
+
+States stand at the camera's stamps, carried to the IMU's clock: pose, velocity, both biases. They
+share the time offset, the mount, gravity and the scale of the camera's world. Between states stand
+preintegrated samples, summed up again at every step at the offset and the biases of the moment, so
+that nothing is linearised but where it stands. Wrong poses lose their weight (Cauchy's loss); the
+noise of the others is estimated along the way.
+
+Sources: T. Qin and S. Shen, Online temporal calibration for monocular visual-inertial systems,
+IROS 2018; C. Campos, J. Montiel, J. Tardós, Inertial-only optimization for visual-inertial
+initialization, ICRA 2020.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.preintegration import Preintegrated, preintegrate
+from motorcade.fusion.sync.model import interval_residuals, pose_residuals
+from motorcade.fusion.sync.normal_equations import Bordered, Solved
+from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+
+__all__ = ["Aligned", "Beliefs", "Shared", "align", "covered"]
+
+_ITERATIONS = 30
+_SETTLED = 0.1  # of its own deviation, the most that an unknown still moves
+_GYRO_BIAS_SIGMA_RAD_S = 0.1
+_ACCEL_BIAS_SIGMA_M_S2 = 0.5
+_CAUCHY = 16.8  # χ² with six degrees of freedom exceeds it in one of a hundred poses
+_MEDIAN_CHI2 = 2.366  # median of χ² with three degrees of freedom
+_SMALLEST_SIGMA = 1e-6
+_FASTEST = 100.0  # most that a variance may grow or shrink in one step
+# Preintegration over a single step is rank deficient; far below any sensor's noise.
+_JITTER = np.repeat([1e-9, 1e-8, 1e-8, 1e-10, 1e-10], 3) ** 2
+# How the shared unknowns stand in a row.
+OFFSET, ROTATION, LEVER, GRAVITY, SCALE = (
+    slice(0, 1), slice(1, 4), slice(4, 7), slice(7, 10), slice(10, 11)
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Shared:
+    """Unknowns that belong to the recording.
+
+    Fields:
+        offset_s: IMU's clock minus the camera's.
+        imu_T_camera: the mount.
+        gravity_m_s2: ``(3,)`` in the camera's world.
+        scale: metres a unit of the camera's world.
+    """
+
+    offset_s: float
+    imu_T_camera: Motor
+    gravity_m_s2: FloatArray
+    scale: float = 1.0
+
+
+@dataclass(frozen=True)
+class Beliefs:
+    """Deviations of what is known beforehand; 0 holds an unknown where it starts."""
+
+    offset_s: float
+    rotation_rad: float
+    lever_m: float
+    gravity_m_s2: float
+    log_scale: float
+
+    @property
+    def sigma(self) -> FloatArray:
+        """``(11,)``; gravity's holds for its size alone."""
+        values = [self.offset_s, self.rotation_rad, self.lever_m, self.gravity_m_s2]
+        return np.append(np.repeat(values, [1, 3, 3, 3]), self.log_scale)
+
+
+@dataclass(frozen=True, eq=False)
+class Aligned:
+    """Where the estimate stands, or has ended.
+
+    Fields:
+        shared: unknowns of the recording.
+        covariance: ``(11, 11)`` of offset (s), mount (right perturbation: rotation in rad, lever
+            in m, camera's axes), gravity (m/s²) and logarithm of the scale; 0 where held.
+        time_ns: ``(N,)`` on the camera's clock.
+        world_T_imu: Motor ``(N,)``, in metres.
+        velocity_m_s: ``(N, 3)``; bias: ``(N, 6)`` of gyroscope and accelerometer.
+        sigma: rad and m, an axis, of the camera's poses.
+        weight: ``(N,)`` of the poses, up to 1.
+        noise: of the IMU, as found; at least what was stated.
+    """
+
+    shared: Shared
+    covariance: FloatArray
+    time_ns: IntArray
+    world_T_imu: Motor
+    velocity_m_s: FloatArray
+    bias: FloatArray
+    sigma: tuple[float, float]
+    weight: FloatArray
+    noise: ImuNoise
+
+    @property
+    def imu_ns(self) -> IntArray:
+        """Stamps ``(N,)`` on the IMU's clock."""
+        return self.time_ns + round(self.shared.offset_s * 1e9)
+
+
+def covered(camera: Trajectory, imu: ImuStream, offset_s: float, margin_s: float) -> Trajectory:
+    """The poses that the IMU covers at an offset and `margin_s` to either side of it.
+
+    Raises:
+        ValueError: fewer than three.
+    """
+    shift, margin = round(offset_s * 1e9), round(margin_s * 1e9)
+    stamps = camera.time_ns + shift
+    inside = (stamps - margin >= imu.time_ns[0]) & (stamps + margin <= imu.time_ns[-1])
+    if np.count_nonzero(inside) < 3:
+        raise ValueError(
+            "camera and imu: expected three poses or more that the IMU covers, got "
+            f"{np.count_nonzero(inside)} at an offset of {offset_s:.3f} s"
+        )
+    return camera[inside]
+
+
+def align(
+    camera: Trajectory,
+    imu: ImuStream,
+    noise: ImuNoise,
+    start: Shared,
+    beliefs: Beliefs,
+    sigma: tuple[float, float] = (np.deg2rad(0.5), 0.01),
+) -> Aligned:
+    """Estimate everything from `start` on.
+
+    Args:
+        camera: ``world_T_camera``; the IMU covers them with room to shift.
+        imu: the stream.
+        noise: its densities and walks.
+        start: where to start.
+        beliefs: what is known of `start`.
+        sigma: a first guess at the poses' noise, rad and m, an axis.
+
+    Raises:
+        ValueError: poses that move off the IMU's span, motion that determines nothing, or no
+            settling.
+    """
+    state = _first(camera, start, sigma, noise)
+    free = beliefs.sigma > 0.0
+    for iteration in range(_ITERATIONS):
+        biases = state.bias[:-1, :3], state.bias[:-1, 3:]
+        summed = preintegrate(imu, state.imu_ns, state.noise, *biases)
+        rate = imu.at(state.imu_ns).angular_rate_rad_s
+        intervals = _Intervals.of(state, summed)
+        solved = _equations(state, camera, intervals, rate, start, beliefs).solve(free)
+        state = _stepped(state, solved, rate)
+        if iteration:
+            grown = intervals.excess(solved)
+            state = replace(_judged(state, camera), noise=_at_least(noise, state.noise, grown))
+        sigmas = np.sqrt(np.diag(solved.covariance))
+        if iteration > 2 and np.all(np.abs(solved.shared) <= _SETTLED * sigmas):
+            return replace(state, covariance=solved.covariance)
+    raise ValueError(
+        f"camera and imu: expected an estimate that settles, got none in {_ITERATIONS} steps"
+    )
+
+
+def _first(
+    camera: Trajectory, start: Shared, sigma: tuple[float, float], noise: ImuNoise
+) -> Aligned:
+    """States at the measured poses, at rest."""
+    count = len(camera)
+    poses = _in_metres(camera, start.scale) @ start.imu_T_camera.inverse()
+    return Aligned(
+        start, np.zeros((11, 11)), camera.time_ns, poses, np.zeros((count, 3)),
+        np.zeros((count, 6)), sigma, np.ones(count), noise,
+    )  # fmt: skip
+
+
+def _in_metres(camera: Trajectory, scale: float) -> Motor:
+    motors = camera.motors
+    return Motor.from_rotor_translation(motors.rotor, scale * motors.translation_m)
+
+
+def _equations(
+    state: Aligned, camera: Trajectory, intervals: _Intervals, rate: FloatArray, start: Shared,
+    beliefs: Beliefs,
+) -> Bordered:  # fmt: skip
+    equations = Bordered(len(state.time_ns), 15, 11)
+    _add_poses(equations, state, camera, rate)
+    intervals.add_to(equations)
+    biases = np.repeat([_GYRO_BIAS_SIGMA_RAD_S, _ACCEL_BIAS_SIGMA_M_S2], 3)
+    equations.add_prior(0, slice(9, 15), state.bias[0], biases)
+    _add_beliefs(equations, state.shared, start, beliefs)
+    return equations
+
+
+def _twists(state: Aligned, rate: FloatArray) -> FloatArray:
+    own = state.world_T_imu.rotor.inverse().apply(state.velocity_m_s)
+    return np.concatenate([rate - state.bias[:, :3], own], axis=-1)
+
+
+def _add_poses(equations: Bordered, state: Aligned, camera: Trajectory, rate: FloatArray) -> None:
+    measured = _in_metres(camera, state.shared.scale).coefficients
+    residual, slope = pose_residuals(
+        state.world_T_imu.coefficients, _twists(state, rate),
+        state.shared.imu_T_camera.coefficients, measured,
+    )  # fmt: skip
+    root = np.sqrt(state.weight)[:, None] / np.repeat(state.sigma, 3)
+    residual, slope = root * residual, root[..., None] * slope
+    own, shared = np.zeros((*residual.shape, 15)), np.zeros((*residual.shape, 11))
+    own[..., :6] = slope[..., :6]
+    shared[..., OFFSET.start : LEVER.stop] = slope[..., 6:13]
+    shared[..., SCALE] = slope[..., 13:]
+    equations.add_states(residual, own, shared)
+
+
+@dataclass(frozen=True, eq=False)
+class _Intervals:
+    """Residuals ``(N - 1, 15)`` of all intervals, derivatives by both ends and what is shared."""
+
+    residual: FloatArray
+    start: FloatArray
+    end: FloatArray
+    shared: FloatArray
+    covariance: FloatArray
+
+    @classmethod
+    def of(cls, state: Aligned, summed: Preintegrated) -> _Intervals:
+        poses, velocity = state.world_T_imu.coefficients, state.velocity_m_s
+        residual, slope = interval_residuals(
+            (poses[:-1], poses[1:]), (velocity[:-1], velocity[1:]), np.diff(state.bias, axis=0),
+            state.shared.gravity_m_s2, summed.motion.coefficients.reshape(-1, 16),
+            summed.bias_jacobian, summed.duration_s,
+        )  # fmt: skip
+        shared = np.zeros((*residual.shape, 11))
+        shared[..., GRAVITY] = slope[..., 30:]
+        covariance = summed.covariance + np.diag(_JITTER)
+        return cls(residual, slope[..., :15], slope[..., 15:30], shared, covariance)
+
+    def add_to(self, equations: Bordered) -> None:
+        factor = np.linalg.cholesky(self.covariance)
+        white = [
+            np.linalg.solve(factor, one)
+            for one in (self.residual[..., None], self.start, self.end, self.shared)
+        ]
+        equations.add_intervals(white[0][..., 0], *white[1:])
+
+    def excess(self, solved: Solved) -> FloatArray:
+        """Variances of gyroscope, accelerometer and their walks, over those that were assumed.
+
+        What is left after the step, over what should be left: the residuals' own part of their
+        covariance, without what the unknowns took of them (Förstner 1979).
+        """
+        step, known = solved.states[..., None], self.covariance
+        moved = self.start @ step[:-1] + self.end @ step[1:]
+        left = self.residual[..., None] + moved + self.shared @ solved.shared[:, None]
+        expected = known - solved.interval_covariance(self.start, self.end, self.shared)
+        ratios = []
+        for first in (0, 6, 9, 12):  # rows that this noise rules: turn, velocity, biases
+            rows = slice(first, first + 3)
+            inverse = np.linalg.inv(known[:, rows, rows])
+            found = np.sum(left[:, rows] * (inverse @ left[:, rows]))
+            ratios.append(found / np.einsum("kij,kji->", inverse, expected[:, rows, rows]))
+        return np.array(ratios)
+
+
+def _at_least(stated: ImuNoise, now: ImuNoise, grown: FloatArray) -> ImuNoise:
+    """The noise of the moment with its variances grown or shrunk, but never below the stated."""
+    factors = np.sqrt(np.clip(grown, 1 / _FASTEST, _FASTEST))
+    return ImuNoise(
+        max(stated.gyro_density_rad_s_rthz, now.gyro_density_rad_s_rthz * factors[0]),
+        max(stated.gyro_walk_rad_s2_rthz, now.gyro_walk_rad_s2_rthz * factors[2]),
+        max(stated.accel_density_m_s2_rthz, now.accel_density_m_s2_rthz * factors[1]),
+        max(stated.accel_walk_m_s3_rthz, now.accel_walk_m_s3_rthz * factors[3]),
+    )
+
+
+def _add_beliefs(equations: Bordered, now: Shared, start: Shared, beliefs: Beliefs) -> None:
+    size = float(np.linalg.norm(now.gravity_m_s2))
+    expected = float(np.linalg.norm(start.gravity_m_s2))
+    mount = (start.imu_T_camera.inverse() @ now.imu_T_camera).as_twist()
+    error = np.concatenate(
+        [
+            [now.offset_s - start.offset_s],
+            mount,
+            [size - expected],
+            [np.log(now.scale / start.scale)],
+        ]
+    )
+    slope = np.zeros((9, 11))
+    slope[np.arange(7), np.arange(7)] = slope[8, 10] = 1.0
+    slope[7, GRAVITY] = now.gravity_m_s2 / size
+    sigma = beliefs.sigma[[0, 1, 2, 3, 4, 5, 6, 7, 10]]
+    known = (sigma > 0.0) & np.isfinite(sigma)
+    equations.add_shared_prior(error[known] / sigma[known], slope[known] / sigma[known, None])
+
+
+def _stepped(state: Aligned, solved: Solved, rate: FloatArray) -> Aligned:
+    """All unknowns moved; a later offset takes the states along their paths."""
+    step, shared = solved.states, state.shared
+    later = float(solved.shared[0])
+    moved = state.world_T_imu @ Motor.from_twist(step[:, :6] + later * _twists(state, rate))
+    return replace(
+        state,
+        shared=Shared(
+            shared.offset_s + later,
+            shared.imu_T_camera @ Motor.from_twist(solved.shared[1:7]),
+            shared.gravity_m_s2 + solved.shared[GRAVITY],
+            shared.scale * float(np.exp(solved.shared[10])),
+        ),
+        world_T_imu=moved,
+        velocity_m_s=state.velocity_m_s + step[:, 6:9],
+        bias=state.bias + step[:, 9:],
+    )
+
+
+def _judged(state: Aligned, camera: Trajectory) -> Aligned:
+    """The poses' noise from the residuals' medians, and each pose's weight by it."""
+    expected = state.world_T_imu @ state.shared.imu_T_camera
+    apart = (_in_metres(camera, state.shared.scale).inverse() @ expected).as_twist()
+    squares = np.stack([np.sum(apart[:, part] ** 2, axis=-1) for part in (slice(3), slice(3, 6))])
+    variance = np.median(squares, axis=-1) / _MEDIAN_CHI2
+    variance = np.maximum(variance, _SMALLEST_SIGMA**2)
+    chi2 = np.sum(squares / variance[:, None], axis=0)
+    turn, shift = np.sqrt(variance)
+    return replace(state, sigma=(float(turn), float(shift)), weight=1.0 / (1.0 + chi2 / _CAUCHY))

@@ -1,0 +1,157 @@
+"""The residuals of camera and IMU with their derivatives, by CasADi over the project's algebra.
+
+Every unknown enters as a small step from where the last iteration stands, so that products of
+motors are all that is needed: ``M Exp(ξ)`` is ``M (1 + B)`` with ``B = -½ ξ``, to first order and
+with exact derivatives. Residuals are twice the bivector of a motor near one: its logarithm to third
+order, and bounded where it is far.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from motorcade.ga import FloatArray
+from motorcade.ga.algebra import Multivector
+from motorcade.ga.kernels.definitions import elements as on
+
+__all__ = ["interval_residuals", "pose_residuals"]
+
+
+def interval_residuals(
+    poses: tuple[FloatArray, FloatArray],
+    velocities: tuple[FloatArray, FloatArray],
+    bias_steps: FloatArray,
+    gravity: FloatArray,
+    motion: FloatArray,
+    bias_jacobian: FloatArray,
+    duration_s: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """What K preintegrated intervals miss between the states at their ends.
+
+    Args:
+        poses: coefficients ``(K, 8)`` of ``world_T_imu`` at starts and ends.
+        velocities: ``(K, 3)`` in the world at starts and ends.
+        bias_steps: ``(K, 6)``, biases at the ends minus those at the starts.
+        gravity: ``(3,)`` in the world.
+        motion: ``(K, 16)`` coefficients of the preintegrated pair of motors, at the start's biases.
+        bias_jacobian: ``(K, 9, 6)`` of it.
+        duration_s: ``(K,)``.
+
+    Returns:
+        Residuals ``(K, 15)``, rotation, position, velocity, biases, and their derivatives
+        ``(K, 15, 33)`` by the start's pose, velocity, biases, the end's, and gravity.
+    """
+    count = len(duration_s)
+    jacobian = bias_jacobian.transpose(0, 2, 1).reshape(count, 54)  # CasADi's order is by columns
+    gravities = np.broadcast_to(gravity, (count, 3))
+    return _evaluated(
+        _interval(),
+        [*poses, *velocities, bias_steps, gravities, motion, jacobian, duration_s[:, None]],
+    )
+
+
+def pose_residuals(
+    poses: FloatArray, twists: FloatArray, mount: FloatArray, measured: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """How far N measured poses of the camera are from those that the IMU's poses imply.
+
+    Args:
+        poses: coefficients ``(N, 8)`` of ``world_T_imu``.
+        twists: ``(N, 6)`` of the IMU, rad/s and m/s: where a later time would find it.
+        mount: ``(8,)`` of ``imu_T_camera``.
+        measured: ``(N, 8)`` of ``world_T_camera``, scaled to metres.
+
+    Returns:
+        Residuals ``(N, 6)`` in the camera's axes, and their derivatives ``(N, 6, 14)`` by the
+        pose, the time offset (s), the mount, and the logarithm of the measurements' scale.
+    """
+    mounts = np.broadcast_to(mount, (len(poses), 8))
+    return _evaluated(_pose(), [poses, twists, mounts, measured])
+
+
+def _evaluated(function: Any, given: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Residuals ``(n, r)`` and derivatives ``(n, r, u)`` of n rows."""
+    count = len(given[0])
+    residual, jacobian = function.map(count)(*(np.ascontiguousarray(one.T) for one in given))
+    rows = residual.shape[0]
+    matrices = jacobian.full().reshape(rows, count, -1).transpose(1, 0, 2)
+    return residual.full().T, matrices
+
+
+@cache
+def _interval() -> Any:
+    """CasADi's function of one interval."""
+    import casadi as ca
+
+    sizes = (8, 8, 3, 3, 6, 3, 16, 54, 1)
+    inputs = [ca.SX.sym(f"input{i}", size) for i, size in enumerate(sizes)]
+    start, end, v0, v1, bias_step, fall, motion, jacobian, dt = inputs
+    step = ca.SX.sym("step", 33)
+    pose0, pose1 = _moved(start, step[:6]), _moved(end, step[15:21])
+    v0, v1, fall = v0 + step[6:9], v1 + step[21:24], fall + step[30:]
+    # Gravity and the first velocity taken back: the pose and the velocity that force alone makes.
+    place = ~pose0 * _translator(-(v0 * dt + 0.5 * fall * dt**2)) * pose1
+    speed = ~_turned(pose0, v0) * _translator(-fall * dt) * _turned(pose1, v1)
+    summed = [on.motor_of(_listed(motion[8 * i : 8 * i + 8])) for i in range(2)]
+    moved, gained = (_difference(a, b) for a, b in zip(summed, (place, speed), strict=True))
+    by_bias = ca.reshape(jacobian, 9, 6) @ step[9:15]
+    residual = ca.vertcat(moved, gained[3:]) - by_bias
+    residual = ca.vertcat(residual, bias_step + step[24:30] - step[9:15])
+    return _with_derivative("interval", inputs, residual, step)
+
+
+@cache
+def _pose() -> Any:
+    """CasADi's function of one measured pose."""
+    import casadi as ca
+
+    inputs = [ca.SX.sym(f"input{i}", size) for i, size in enumerate((8, 6, 8, 8))]
+    pose, twist, mount, measured = inputs
+    step = ca.SX.sym("step", 14)
+    later = _moved(pose, step[:6] + step[6] * twist)
+    expected = later * _moved(mount, step[7:13])
+    grown = ca.vertcat(measured[:4], measured[4:] * (1 + step[13]))
+    residual = _difference(on.motor_of(_listed(grown)), expected)
+    return _with_derivative("pose", inputs, residual, step)
+
+
+def _with_derivative(name: str, inputs: list[Any], residual: Any, step: Any) -> Any:
+    import casadi as ca
+
+    derivative = ca.jacobian(residual, step)
+    zero = ca.DM.zeros(step.shape[0])
+    outputs = [ca.substitute(one, step, zero) for one in (residual, derivative)]
+    return ca.Function(name, inputs, [outputs[0], ca.densify(outputs[1])])
+
+
+def _listed(column: Any) -> list[Any]:
+    return [column[i] for i in range(column.shape[0])]
+
+
+def _moved(motor: Any, twist: Any) -> Multivector:
+    """``M (1 - ½ twist)``."""
+    made: Multivector = on.motor_of(_listed(motor)) * (1 + on.bivector_of(_listed(-0.5 * twist)))
+    return made
+
+
+def _translator(shift: Any) -> Multivector:
+    made: Multivector = 1 + on.moved_of(_listed(-0.5 * shift))
+    return made
+
+
+def _turned(pose: Multivector, velocity: Any) -> Multivector:
+    """The motor of a pose's rotor, with the velocity in place of the position."""
+    made: Multivector = _translator(velocity) * on.rotor_of(on.motor_numbers(pose)[:4])
+    return made
+
+
+def _difference(measured: Multivector, expected: Multivector) -> Any:
+    """Twist from one motor to the other, with the sign that turns the short way."""
+    import casadi as ca
+
+    between = on.motor_numbers(~measured * expected)
+    sign = ca.if_else(between[0] < 0, -1, 1)
+    return -2 * sign * ca.vertcat(*between[1:7])

@@ -1,0 +1,129 @@
+"""`synchronise`: the time offset between a camera and an IMU, and how one sits on the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.sync.alignment import GRAVITY, Beliefs, Shared, align, covered
+from motorcade.fusion.sync.rates import match_rates
+from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+
+__all__ = ["Synchronised", "synchronise"]
+
+_STANDARD_GRAVITY_M_S2 = 9.81
+# Gravity between the equator and the poles, at sea level and above.
+_GRAVITY_SIGMA_M_S2 = 0.02
+_LEVER_SIGMA_M = 1.0
+_MARGIN_S = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Synchronised:
+    """How a camera and an IMU belong together.
+
+    Fields:
+        offset_s: what the IMU's clock shows at an event minus what the camera's shows.
+        imu_T_camera: pose of the camera on the IMU.
+        gravity_m_s2: ``(3,)`` in the world of the camera's poses.
+        covariance: ``(10, 10)`` of offset (s), mount (right perturbation in the camera's axes:
+            rotation in rad, lever arm in m) and gravity (m/s²).
+        gyro_bias_rad_s: ``(N, 3)``; accel_bias_m_s2: ``(N, 3)``, at the poses that were used.
+        time_ns: ``(N,)`` their stamps on the camera's clock.
+        correlation: of the norms of both angular rates at the start's offset.
+        camera_sigma_rad, camera_sigma_m: noise of the camera's poses, an axis, as found.
+        imu_noise: the IMU's noise as found, never below the stated: vibration and faults of scale
+            and axes show here, and a filter that uses it weighs the sensor as it is.
+    """
+
+    offset_s: float
+    imu_T_camera: Motor
+    gravity_m_s2: FloatArray
+    covariance: FloatArray
+    gyro_bias_rad_s: FloatArray
+    accel_bias_m_s2: FloatArray
+    time_ns: IntArray
+    correlation: float
+    camera_sigma_rad: float
+    camera_sigma_m: float
+    imu_noise: ImuNoise
+
+    @property
+    def offset_sigma_s(self) -> float:
+        """Deviation of the offset."""
+        return float(np.sqrt(self.covariance[0, 0]))
+
+    @property
+    def rotation_sigma_rad(self) -> FloatArray:
+        """Deviations ``(3,)`` of the mount's rotation about the camera's axes."""
+        return np.sqrt(np.diag(self.covariance)[1:4])
+
+    @property
+    def lever_arm_sigma_m(self) -> FloatArray:
+        """Deviations ``(3,)`` of the camera's place along the IMU's axes."""
+        turn = self.imu_T_camera.rotor.as_matrix()
+        return np.sqrt(np.diag(turn @ self.covariance[4:7, 4:7] @ turn.T))
+
+    def on_imu_clock(self, camera: Trajectory) -> Trajectory:
+        """The same poses with the IMU's stamps."""
+        stamps = camera.time_ns + round(self.offset_s * 1e9)
+        return Trajectory(stamps, camera.poses, camera.parent, camera.child)
+
+
+def synchronise(
+    camera: Trajectory, imu: ImuStream, noise: ImuNoise, *, search_s: float = 2.0
+) -> Synchronised:
+    """Estimate time offset and mount from a metric camera path and an IMU that moved with it.
+
+    Angular rates give offset and rotation to start from; everything is then estimated together,
+    with the biases and gravity. The stated uncertainty believes that errors of the camera's poses
+    are independent from one to the next: those of a smoothed path are not, and it is then too
+    small. A direction in which the motion tells nothing (the lever arm along the only axis of
+    rotation) keeps the uncertainty that it starts with: 1 m, half a turn. A motion that repeats
+    itself within `search_s` can be matched a period off.
+
+    Args:
+        camera: ``world_T_camera``, metres, on the camera's clock; its world may lean.
+        imu: the stream, on its own clock.
+        noise: the IMU's densities and bias walks.
+        search_s: how far from zero the offset may be.
+
+    Raises:
+        ValueError: streams that overlap for less than 2 s or 20 poses, angular rates that do not
+            match (too little rotation, or another motion), an estimate that does not settle, or
+            a search that is not above zero.
+    """
+    if not 0.0 < search_s < np.inf:
+        raise ValueError(f"search_s: expected seconds above 0, got {search_s}")
+    match = match_rates(camera, imu, search_s)
+    used = covered(camera, imu, match.offset_s, _MARGIN_S)
+    mount = Motor.from_rotor_translation(match.imu_R_camera, np.zeros(3))
+    start = Shared(match.offset_s, mount, _gravity(used, imu, match.offset_s, mount))
+    beliefs = Beliefs(search_s, np.pi, _LEVER_SIGMA_M, _GRAVITY_SIGMA_M_S2, 0.0)
+    found = align(used, imu, noise, start, beliefs)
+    return Synchronised(
+        found.shared.offset_s,
+        found.shared.imu_T_camera,
+        found.shared.gravity_m_s2,
+        found.covariance[: GRAVITY.stop, : GRAVITY.stop],
+        found.bias[:, :3],
+        found.bias[:, 3:],
+        found.time_ns,
+        match.correlation,
+        *found.sigma,
+        found.noise,
+    )
+
+
+def _gravity(camera: Trajectory, imu: ImuStream, offset_s: float, mount: Motor) -> FloatArray:
+    """Against the mean of the specific force in the world: accelerations cancel over time."""
+    force = imu.at(camera.time_ns + round(offset_s * 1e9)).specific_force_m_s2
+    up = np.mean((camera.motors @ mount.inverse()).rotor.apply(force), axis=0)
+    size = float(np.linalg.norm(up))
+    if size == 0.0:
+        raise ValueError("imu: expected specific forces, got zeros")
+    fall: FloatArray = -_STANDARD_GRAVITY_M_S2 / size * up
+    return fall

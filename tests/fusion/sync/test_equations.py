@@ -1,0 +1,134 @@
+"""Under the estimate: derivatives against differences, the solver against dense algebra."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.sync.model import interval_residuals, pose_residuals
+from motorcade.fusion.sync.normal_equations import Bordered
+from motorcade.ga import FloatArray, Motor, Rotor
+
+GRAVITY = np.array([0.3, -0.2, -9.8])
+
+
+def moved(motor: FloatArray, twist: FloatArray) -> FloatArray:
+    return (Motor(motor) @ Motor.from_twist(twist)).coefficients
+
+
+def test_an_interval_between_states_that_fit_leaves_nothing(rng):
+    """Ends carried by hand from starts and increments, in plain vectors."""
+    start = Motor.random(rng, (5,))
+    velocity, dt = rng.standard_normal((5, 3)), rng.uniform(0.05, 0.3, 5)
+    turn = Rotor.from_rotation_vector(0.3 * rng.standard_normal((5, 3)))
+    shift, gain = rng.standard_normal((2, 5, 3))
+    seconds = dt[:, None]
+    place = start.translation_m + velocity * seconds + 0.5 * GRAVITY * seconds**2
+    end = Motor.from_rotor_translation(start.rotor @ turn, place + start.rotor.apply(shift))
+    later = velocity + GRAVITY * seconds + start.rotor.apply(gain)
+    pair = np.stack([Motor.from_rotor_translation(turn, one).coefficients for one in (shift, gain)],
+                    axis=1)  # fmt: skip
+    residual, _ = interval_residuals(
+        (start.coefficients, end.coefficients), (velocity, later), np.zeros((5, 6)), GRAVITY,
+        pair.reshape(5, 16), np.zeros((5, 9, 6)), dt,
+    )  # fmt: skip
+    np.testing.assert_allclose(residual, 0.0, atol=1e-12)
+
+
+def test_derivatives_of_an_interval_are_differences(rng):
+    near = 0.01 * rng.standard_normal((4, 12))
+    start, end = Motor.random(rng).coefficients[None], Motor.random(rng).coefficients[None]
+    v0, v1, biases = rng.standard_normal((1, 3)), rng.standard_normal((1, 3)), np.zeros((1, 6))
+    jacobian, dt = rng.standard_normal((1, 9, 6)), np.array([0.2])
+    # Increments near what the states imply, so that residuals are small.
+    relative = (Motor(start).inverse() @ Motor(end)).rotor
+    back = Motor(start).rotor.inverse()
+    place = back.apply(
+        Motor(end).translation_m - Motor(start).translation_m - v0 * 0.2 - 0.02 * GRAVITY
+    )
+    gain = back.apply(v1 - v0 - 0.2 * GRAVITY)
+    pair = [
+        moved(Motor.from_rotor_translation(relative, one).coefficients, near[:1, part])
+        for one, part in ((place, slice(6)), (gain, slice(6, 12)))
+    ]
+    motion = np.concatenate(pair, axis=-1)
+
+    def residual(step: FloatArray) -> FloatArray:
+        # What the start's biases change in the preintegrated motion, done to it.
+        by_bias = jacobian[0] @ step[9:15]
+        twists = by_bias[:6], np.concatenate([by_bias[:3], by_bias[6:]])
+        own = [moved(one, twist) for one, twist in zip(pair, twists, strict=True)]
+        return interval_residuals(
+            (moved(start, step[:6]), moved(end, step[15:21])),
+            (v0 + step[6:9], v1 + step[21:24]), biases + step[24:30] - step[9:15],
+            GRAVITY + step[30:], np.concatenate(own, axis=-1), jacobian, dt,
+        )[0][0]  # fmt: skip
+
+    _, slope = interval_residuals((start, end), (v0, v1), biases, GRAVITY, motion, jacobian, dt)
+    numeric = np.stack(
+        [(residual(one) - residual(-one)) / 2e-6 for one in 1e-6 * np.eye(33)], axis=-1
+    )
+    # By the biases derivatives are taken where residuals are zero: off by the residuals' size.
+    np.testing.assert_allclose(slope[0], numeric, atol=0.1)
+    others = np.r_[:9, 15:33]
+    np.testing.assert_allclose(slope[0][:, others], numeric[:, others], atol=1e-7)
+
+
+def test_derivatives_of_a_pose_are_differences(rng):
+    pose, mount = Motor.random(rng, (1,)), Motor.random(rng)
+    twist = rng.standard_normal((1, 6))
+    off = Motor.from_twist(0.01 * rng.standard_normal((1, 6)))
+    measured = pose @ mount @ off
+
+    def residual(step: FloatArray) -> FloatArray:
+        there = moved(pose.coefficients, step[:6] + step[6] * twist)
+        grown = measured.coefficients.copy()
+        grown[:, 4:] *= np.exp(step[13])
+        return pose_residuals(there, twist, moved(mount.coefficients, step[7:13]), grown)[0][0]
+
+    slope = pose_residuals(pose.coefficients, twist, mount.coefficients, measured.coefficients)[1]
+    numeric = np.stack(
+        [(residual(one) - residual(-one)) / 2e-6 for one in 1e-6 * np.eye(14)], axis=-1
+    )
+    np.testing.assert_allclose(slope[0], numeric, atol=1e-7)
+    found = residual(np.zeros(14))
+    np.testing.assert_allclose(found, -off.as_twist()[0], atol=2e-6)
+
+
+@pytest.mark.parametrize("free", [[True, True], [True, False]])
+def test_the_chain_is_solved_as_the_dense_system(rng, free):
+    count, size, shared = 5, 3, 2
+    own, by_shared = rng.standard_normal((count, 4, size)), rng.standard_normal((count, 4, shared))
+    start, end = rng.standard_normal((2, count - 1, 3, size))
+    between = rng.standard_normal((count - 1, 3, shared))
+    first, second = rng.standard_normal((count, 4)), rng.standard_normal((count - 1, 3))
+    equations = Bordered(count, size, shared)
+    equations.add_states(first, own, by_shared)
+    equations.add_intervals(second, start, end, between)
+    solved = equations.solve(np.array(free))
+
+    rows = []
+    for k in range(count):
+        block = np.zeros((4, count * size + shared))
+        block[:, k * size : (k + 1) * size], block[:, -shared:] = own[k], by_shared[k]
+        rows.append(block)
+    for k in range(count - 1):
+        block = np.zeros((3, count * size + shared))
+        block[:, k * size : (k + 1) * size] = start[k]
+        block[:, (k + 1) * size : (k + 2) * size], block[:, -shared:] = end[k], between[k]
+        rows.append(block)
+    matrix = np.concatenate(rows)
+    kept = np.append(np.ones(count * size, dtype=bool), free)
+    residual = np.concatenate([first.ravel(), second.ravel()])
+    expected = np.linalg.lstsq(matrix[:, kept], -residual, rcond=None)[0]
+    np.testing.assert_allclose(solved.states.ravel(), expected[: count * size])
+    np.testing.assert_allclose(solved.shared[free], expected[count * size :])
+    covariance = np.linalg.inv(matrix[:, kept].T @ matrix[:, kept])
+    np.testing.assert_allclose(
+        solved.covariance[np.ix_(free, free)], covariance[count * size :, count * size :]
+    )
+    intervals = np.concatenate(rows[count:])[:, kept]
+    spread = (intervals @ covariance @ intervals.T).reshape(count - 1, 3, count - 1, 3)
+    found = solved.interval_covariance(start, end, between)
+    for k in range(count - 1):
+        np.testing.assert_allclose(found[k], spread[k, :, k])
