@@ -29,17 +29,21 @@ def plot_series(
     width_in: float = 9.0,
     nested: bool = False,
     limits: tuple[float, float] | None = None,
+    band: tuple[float, float] | None = None,
 ) -> str:
     """`series` maps a name of `style.COLOURS` to (seconds (N,), values (N,)); an `<svg>` element.
 
     Spans of `shaded_s` (start, end in seconds) are tinted: blackouts, lost frames. `nested` draws
     each line thinner than the one before it and on top, so that lines that coincide are all seen,
-    and leaves the legend to the page. `limits` are the ends of the axis of values.
+    and leaves the legend to the page. `limits` are the ends of the axis of values;
+    values between those of `band` are tinted.
     """
     with house_style():
         figure, (axes,) = new_figure(width_in, height_in)
         for start, end in shaded_s:
             axes.axvspan(start, end, color="#999999", alpha=0.25, linewidth=0)
+        if band is not None:
+            axes.axhspan(*band, color="#999999", alpha=0.4, linewidth=0)
         for i, (name, (time_s, values)) in enumerate(series.items()):
             nest = {"linewidth": max(3.4 - 0.5 * i, 0.7), "zorder": 2.0 + i} if nested else {}
             axes.plot(time_s, values, **(line_style(name) | nest))

@@ -30,6 +30,7 @@ COLOURS = {
     "quaternion": "#e69f00",
     "euler_unwrapped": "#cc79a7",
     "euler": "#d55e00",
+    "euler_exact": "#cc79a7",
 }
 """One colour a name, the same in every report; no plot has both of two that share one."""
 
@@ -116,3 +117,10 @@ def as_svg(figure: Figure) -> str:
     for colour, variable in _VARIABLES.items():
         svg = svg.replace(colour, variable)
     return svg
+
+
+def with_own_ids(svg: str, mark: str) -> str:
+    """The same picture with ids that no other picture on the page has, given marks that differ."""
+    svg = re.sub(r'\bid="([^"]+)"', rf'id="{mark}-\1"', svg)
+    svg = re.sub(r"url\(#([^)]+)\)", rf"url(#{mark}-\1)", svg)
+    return re.sub(r'xlink:href="#([^"]+)"', rf'xlink:href="#{mark}-\1"', svg)

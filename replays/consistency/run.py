@@ -23,7 +23,7 @@ from motorcade.replays.consistency.experiment import (
 )
 from motorcade.replays.progress import track
 
-__all__ = ["Plan", "Verdict", "as_json", "run_plan"]
+__all__ = ["Plan", "Verdict", "as_json", "as_table", "run_plan"]
 
 _RUNS_A_JOB = 20
 _INNOVATION_FREEDOM = 6
@@ -141,6 +141,24 @@ def as_json(plan: Plan, verdicts: Mapping[str, Mapping[str, Verdict]]) -> dict[s
             for name, verdict in of.items()
         ],
     }
+
+
+def as_table(figures: Mapping[str, Any]) -> str:
+    """The figures of `as_json` as aligned text: shares of steps within the bounds, and errors."""
+    judged = [*(f"nees_{part}" for part in PARTS), "nis"]
+    heads = (*PARTS, "NIS", "rotation", "worst", "position", "left out")
+    lines = [
+        f"steps within the 95 % bounds of {figures['runs']} runs of {figures['duration_s']:g} s",
+        f"{'':<34}" + "".join(f"{head:>10}" for head in heads),
+    ]
+    for row in figures["rows"]:
+        shares = "".join(f"{100 * row[f'{name}_share_within']:>8.1f} %" for name in judged)
+        errors = (
+            f"{row['rotation_rmse_deg']:>9.3g}°{row['rotation_worst_deg']:>9.3g}°"
+            f"{1e3 * row['position_rmse_m']:>7.3g} mm{row['left_out']:>10}"
+        )
+        lines.append(f"{row['motion'] + ', ' + row['filter']:<34}{shares}{errors}")
+    return "\n".join(lines)
 
 
 def _row(verdict: Verdict) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray
 from motorcade.render.plots import plot_series
+from motorcade.render.plots.style import with_own_ids
 from motorcade.replays.compare.report.names import LABELS
 from motorcade.replays.compare.report.replayed import Replayed
 
@@ -40,7 +40,8 @@ def small_panels(drawn: Sequence[Replayed]) -> list[Panel]:
             series, "", "rotation error (°)", log_scale=True, width_in=3.6, height_in=1.9,
             nested=True, limits=limits,
         )  # fmt: skip
-        panels.append(Panel(one.motion, "", _apart(svg, f"small-{one.motion}"), tuple(values)))
+        svg = with_own_ids(svg, f"small-{one.motion}")
+        panels.append(Panel(one.motion, "", svg, tuple(values)))
     return panels
 
 
@@ -63,7 +64,7 @@ def large_panels(drawn: Replayed) -> list[Panel]:
         svg = plot_series(series, "", unit, log_scale=True, height_in=2.6, nested=True)
         caption = f"`{drawn.method}` with {LABELS[drawn.degradation]}"
         mark = f"{drawn.degradation}-{drawn.method}-{title.split()[0]}"
-        panels.append(Panel(title, caption, _apart(svg, mark), tuple(ordered)))
+        panels.append(Panel(title, caption, with_own_ids(svg, mark), tuple(ordered)))
     return panels
 
 
@@ -72,10 +73,3 @@ def _nested(values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     return {n: v for n, v in values.items() if n != "truth"} | {
         n: v for n, v in values.items() if n == "truth"
     }
-
-
-def _apart(svg: str, mark: str) -> str:
-    """The same picture with names that no other picture on the page has."""
-    svg = re.sub(r'\bid="([^"]+)"', rf'id="{mark}-\1"', svg)
-    svg = re.sub(r"url\(#([^)]+)\)", rf"url(#{mark}-\1)", svg)
-    return re.sub(r'xlink:href="#([^"]+)"', rf'xlink:href="#{mark}-\1"', svg)
