@@ -105,12 +105,13 @@ class Renderer:
             [np.stack([tile.right_m, tile.down_m, tile.corner_m], axis=-1) for tile in tiles]
         )
 
-    def view(self, world_T_camera: Motor, rng: np.random.Generator) -> View:
+    def view(self, world_T_camera: Motor, rng: np.random.Generator, *, light: float = 1.0) -> View:
         """See from one pose ``()``, or blurred over several ``(n,)``, whose middle is the view's.
 
         Args:
             world_T_camera: pose of the left camera.
             rng: of the noise; unused where there is none.
+            light: how bright what is seen is, against full light; the depth needs none.
 
         Raises:
             ValueError: more than one leading dimension.
@@ -122,8 +123,8 @@ class Renderer:
         left, right = ([self.draw(pose) for pose in path] for path in (poses, poses @ aside))
         depth = left[len(left) // 2][1]
         noise = self.sensor.noise
-        gray = _exposed(_averaged(left), noise, rng)
-        other = _exposed(_averaged(right), noise, rng)
+        gray = _exposed(np.float32(light) * _averaged(left), noise, rng)
+        other = _exposed(np.float32(light) * _averaged(right), noise, rng)
         return View(gray, self._measured(depth, rng), other)
 
     def draw(self, world_T_camera: Motor) -> tuple[Image, Depth]:

@@ -4,7 +4,9 @@
 name         what happens
 ============ =====================================================================================
 ``handheld`` sway on the spot, everything in order
-``loop``     once around the block and 30 frames more: the start is out of view for most of it
+``loop``     once around the block and 30 frames more: the start is out of view for most of it;
+             beyond the block the light goes down to a seventh and comes back, so that what is
+             tracked there drifts by centimetres, which coming back to the start can tell
 ``turning``  pure rotation about the lens: nothing can be triangulated
 ``covered``  as handheld, with a hand over the lenses for 30 frames in the middle
 ``blank``    as handheld, in a room without texture
@@ -41,12 +43,14 @@ class Scenario:
         sensor: what looks.
         exposure_s: how long each picture is exposed, its stamp in the middle; 0 for no blur.
         covered: first frame in which nothing is seen, and the first after it.
+        darkened: first frame in which the light goes down, and the first after it is back;
+            least_light: what is left of it in the middle of them. The noise stays.
         textured: whether the room has texture.
         seed: of the textures and of the noise.
 
     Raises:
         ValueError: fewer than two frames, a negative exposure, or frames covered that run
-            backwards.
+            backwards, or no light at all.
     """
 
     path: Path
@@ -54,6 +58,8 @@ class Scenario:
     sensor: Sensor = field(default_factory=lambda: Sensor(depth_noise_px=_DEPTH_NOISE_PX))
     exposure_s: float = 0.0
     covered: tuple[int, int] = (0, 0)
+    darkened: tuple[int, int] = (0, 0)
+    least_light: float = 1.0
     textured: bool = True
     seed: int = 0
 
@@ -62,9 +68,14 @@ class Scenario:
             raise ValueError(f"Scenario.frames: expected 2 or more, got {self.frames}")
         if not (np.isfinite(self.exposure_s) and self.exposure_s >= 0.0):
             raise ValueError(f"Scenario.exposure_s: expected 0 or more, got {self.exposure_s}")
-        first, after = self.covered
-        if not 0 <= first <= after:
-            raise ValueError(f"Scenario.covered: expected first <= after, got {self.covered}")
+        for name in ("covered", "darkened"):
+            first, after = getattr(self, name)
+            if not 0 <= first <= after:
+                raise ValueError(f"Scenario.{name}: expected first <= after, got {(first, after)}")
+        if not 0.0 < self.least_light <= 1.0:
+            raise ValueError(
+                f"Scenario.least_light: expected above 0 and up to 1, got {self.least_light}"
+            )
 
     def truth(self) -> Trajectory:
         """The exact poses of all frames."""
@@ -82,7 +93,16 @@ class Scenario:
             if self.covered[0] <= number < self.covered[1]:
                 yield View.covered(self.sensor, rng)
                 continue
-            yield renderer.view(self.path(self._exposed_s(time_ns * 1e-9)), rng)
+            exposed = self.path(self._exposed_s(time_ns * 1e-9))
+            yield renderer.view(exposed, rng, light=self.light(number))
+
+    def light(self, number: int) -> float:
+        """How bright a frame is; 1 in full light."""
+        first, after = self.darkened
+        if not first <= number < after:
+            return 1.0
+        depth = np.sqrt(np.sin(np.pi * (number - first) / (after - first)))
+        return float(self.least_light**depth)
 
     def renderer(self) -> Renderer:
         """The room of this seed, and the sensor that looks at it."""
@@ -101,12 +121,15 @@ class Scenario:
 _NOISY = Sensor(depth_noise_px=2.0 * _DEPTH_NOISE_PX, noise=4.0, exposures=5)
 SCENARIOS: dict[str, Scenario] = {
     "handheld": Scenario(handheld, 200),
-    "loop": Scenario(loop, round(LOOP_S * RATE_HZ) + 30),
+    "loop": Scenario(
+        loop, round(LOOP_S * RATE_HZ) + 30, darkened=(120, 270), least_light=0.15,
+        sensor=Sensor(depth_noise_px=_DEPTH_NOISE_PX, noise=2.0),
+    ),
     "turning": Scenario(turning, 150),
     "covered": Scenario(handheld, 200, covered=(85, 115)),
     "blank": Scenario(handheld, 60, textured=False),
     "blurred": Scenario(handheld, 200, sensor=_NOISY, exposure_s=0.025),
-}
+}  # fmt: skip
 
 
 def scenario(name: str, *, seed: int = 0, frames: int | None = None) -> Scenario:

@@ -6,15 +6,10 @@ VINS-Mono (Qin et al. 2018) for corners followed between them.
 
 from __future__ import annotations
 
-from motorcade.tracking.slam.map import MapSnapshot
+from motorcade.tracking.slam.mapping.map import MapSnapshot
+from motorcade.tracking.slam.results import SLAM_STATES, SlamResult, State, TrackedFrame
 from motorcade.tracking.slam.settings import SlamSettings
-from motorcade.tracking.slam.slam import (
-    SLAM_STATES,
-    SlamResult,
-    State,
-    TrackedFrame,
-    VisualSlam,
-)
+from motorcade.tracking.slam.slam import VisualSlam
 
 __all__ = [
     "SLAM_STATES",

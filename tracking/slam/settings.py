@@ -18,8 +18,12 @@ class SlamSettings:
     Fields:
         features: corners followed in a picture of 640 x 480 (more in a larger one), spread out.
         window: newest keyframes that each local adjustment moves.
-        adjust: adjust the window at each keyframe; off shows what that is worth.
+        adjust: adjust the window at each keyframe, and the whole map after a loop and at the end;
+            off shows what that is worth.
         close_loops: look for places seen before, where lengths are metres; off shows its worth.
+        threads: map in a second thread, so that no frame waits for a keyframe to be worked in. What
+            comes out then depends on how fast that goes; without, the same pictures give the same
+            bytes.
         baseline_m: distance of the right camera of a rectified stereo pair; None without one.
         depth_sigma_px: noise of a depth, as disparity of a pair 8 cm apart (or of the stereo pair).
 
@@ -31,6 +35,7 @@ class SlamSettings:
     window: int = 10
     adjust: bool = True
     close_loops: bool = True
+    threads: bool = False
     baseline_m: float | None = None
     depth_sigma_px: float = 0.5
 

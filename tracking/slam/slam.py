@@ -8,89 +8,36 @@ comparison that frees the scale makes sense.
 from __future__ import annotations
 
 import time
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.tracking.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.slam.features import DepthImage, Picture, find_corners
 from motorcade.tracking.slam.geometry import PosedPicture, inverse, refine_pose
 from motorcade.tracking.slam.initialise import FEWEST_CORNERS, Start, TwoViewInitialiser
-from motorcade.tracking.slam.loops import close_loop, find_loop
-from motorcade.tracking.slam.map import MapSnapshot, SlamMap
-from motorcade.tracking.slam.mapper import Mapper
-from motorcade.tracking.slam.relocalise import candidates, verified
+from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
+from motorcade.tracking.slam.mapping.mapper import Grown, Mapper
+from motorcade.tracking.slam.mapping.relocalise import candidates, verified
+from motorcade.tracking.slam.results import Diary, SlamResult, State, TrackedFrame
 from motorcade.tracking.slam.settings import SlamSettings
-from motorcade.tracking.slam.tracker import Tracker, trusted
+from motorcade.tracking.slam.tracker import Followed, Tracker, trusted
 
-__all__ = ["SLAM_STATES", "SlamResult", "State", "TrackedFrame", "VisualSlam"]
+__all__ = ["VisualSlam"]
 
-State = Literal["initialising", "tracking", "lost", "relocalised"]
-SLAM_STATES: tuple[State, ...] = ("initialising", "tracking", "lost", "relocalised")
 _FEWEST_WITH_DEPTH = 60
 _CANDIDATES = 4
-_LOOP_ITERATIONS = 10
 
 
 @dataclass(frozen=True, eq=False)
-class TrackedFrame:
-    """What is known of a frame as soon as it has been seen.
+class _Anchor:
+    """The keyframe that poses are told from: its row, and the pose it had when it was tracked."""
 
-    Args:
-        time_ns: stamp; state: one of `SLAM_STATES`.
-        world_T_camera: the pose; None while initialising or lost.
-        covariance: ``(6, 6)`` of the right perturbation, rotation (rad) then translation.
-        inliers: corners that agree with the pose.
-        keyframe: whether the map grew by it.
-    """
-
-    time_ns: int
-    state: State
-    world_T_camera: Motor | None = None
-    covariance: FloatArray | None = None
-    inliers: int = 0
-    keyframe: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class SlamResult:
-    """A whole recording.
-
-    Args:
-        trajectory: world_T_camera of every frame that has a pose, as the final map corrects it;
-            None if there is none.
-        covariance: ``(n, 6, 6)`` of these poses within the map, rotation (rad) then translation.
-        time_ns: ``(f,)`` stamps of all frames; states: theirs.
-        online: world_T_camera as given at the time, of the frames that had a pose then.
-        map: keyframes and points.
-        metric: whether lengths are metres.
-        loops: how many loops were closed.
-        seconds: time spent a part: "tracking", "mapping".
-    """
-
-    trajectory: Trajectory | None
-    covariance: FloatArray
-    time_ns: np.ndarray
-    states: tuple[State, ...]
-    online: Trajectory | None
-    map: MapSnapshot
-    metric: bool
-    loops: int
-    seconds: dict[str, float]
-
-
-@dataclass(frozen=True, eq=False)
-class _Remembered:
-    """A frame's pose relative to a keyframe, which is all that is kept of it."""
-
-    time_ns: int
-    keyframe: int
-    camera_T_keyframe: FloatArray
-    covariance: FloatArray
-    online: FloatArray | None
+    row: int
+    camera_T_world: FloatArray
 
 
 class VisualSlam:
@@ -99,21 +46,33 @@ class VisualSlam:
     Args:
         camera: the camera; its lens is taken out of every picture first.
         settings: see `SlamSettings`.
+        known: a map to go on in. The camera is lost until it is found there; then it is tracked.
+        extend: whether a known map grows by what is seen; if not, it is left as it is.
     """
 
-    def __init__(self, camera: Camera, settings: SlamSettings | None = None) -> None:
+    def __init__(
+        self,
+        camera: Camera,
+        settings: SlamSettings | None = None,
+        *,
+        known: MapSnapshot | None = None,
+        extend: bool = False,
+    ) -> None:
         self.camera = camera
         self.settings = (settings or SlamSettings()).for_size(camera.width, camera.height)
         self._matrix = np.array(camera.matrix)
-        self._map = SlamMap()
+        self._map = SlamMap() if known is None else SlamMap.of(known)
+        self._grows = known is None or extend
         self._mapper = Mapper(self._map, self._matrix, self.settings)
-        self._tracker = Tracker(self._map, self._matrix)
+        self._mapper.metric = known is not None and known.metric
+        self._tracker = Tracker(self._matrix)
         self._initialiser = TwoViewInitialiser(self._matrix, self.settings.features)
-        self._state: State = "initialising"
-        self._metric = False
+        self._state: State = "initialising" if known is None else "lost"
         self._loops = 0
-        self._frames: list[tuple[int, State]] = []
-        self._remembered: list[_Remembered] = []
+        self._diary = Diary()
+        self._anchor = _Anchor(0, np.eye(4))
+        self._worker: ThreadPoolExecutor | None = None
+        self._growing: Future[Grown] | None = None
         self._seconds = {"tracking": 0.0, "mapping": 0.0}
 
     def track(
@@ -136,8 +95,10 @@ class VisualSlam:
                 picture without a baseline.
         """
         started = time.perf_counter()
-        mapped = self._seconds["mapping"]
+        waited = self._seconds["mapping"]
         picture = self._picture(time_ns, gray, depth_m, right)
+        if self._growing is not None and self._growing.done():
+            self._settle()
         if self._state == "initialising":
             frame = self._initialised(picture)
         elif self._state == "lost":
@@ -145,9 +106,11 @@ class VisualSlam:
         else:
             frame = self._tracked(picture)
         self._state = frame.state
-        self._frames.append((frame.time_ns, frame.state))
+        self._diary.frames.append((frame.time_ns, frame.state))
         spent = time.perf_counter() - started
-        self._seconds["tracking"] += spent - (self._seconds["mapping"] - mapped)
+        if not self.settings.threads:
+            spent -= self._seconds["mapping"] - waited
+        self._seconds["tracking"] += spent
         return frame
 
     def finish(self, *, adjust: bool = True) -> SlamResult:
@@ -156,28 +119,16 @@ class VisualSlam:
         Raises:
             ValueError: no frame was tracked at all.
         """
-        if not self._frames:
+        if not self._diary.frames:
             raise ValueError("VisualSlam.finish: expected at least one frame, got none")
-        if adjust and self.settings.adjust:
+        self._settle()
+        if self._worker is not None:
+            self._worker.shutdown()
+            self._worker = None
+        if adjust and self.settings.adjust and self._grows:
             self._mapper.adjust_all()
-        kept = sorted(self._remembered, key=lambda one: one.time_ns)
-        final = [
-            one.camera_T_keyframe @ self._map.keyframes[one.keyframe].camera_T_world for one in kept
-        ]
-        seen = [one for one in kept if one.online is not None]
-        return SlamResult(
-            trajectory=_trajectory([one.time_ns for one in kept], final),
-            covariance=np.array([one.covariance for one in kept]).reshape(-1, 6, 6),
-            time_ns=np.array([stamp for stamp, _ in self._frames], dtype=np.int64),
-            states=tuple(state for _, state in self._frames),
-            online=_trajectory(
-                [one.time_ns for one in seen],
-                [one.online for one in seen if one.online is not None],
-            ),
-            map=self._map.snapshot(),
-            metric=self._metric,
-            loops=self._loops,
-            seconds=dict(self._seconds),
+        return self._diary.result(
+            self._map, metric=self._mapper.metric, loops=self._loops, seconds=dict(self._seconds)
         )
 
     # Frames in each state ------------------------------------------------------------------------
@@ -195,10 +146,10 @@ class VisualSlam:
         known = np.isfinite(self._mapper.depths(picture, corners.px))
         if len(corners) < FEWEST_CORNERS or np.count_nonzero(known) < _FEWEST_WITH_DEPTH:
             return TrackedFrame(picture.time_ns, "initialising")
-        self._metric = True
-        ids = self._map.add_points(corners.descriptors)
-        ids, px = self._mapper.insert(picture, np.eye(4), ids, corners.px)
-        self._tracker.restart(picture, np.eye(4), ids, px)
+        self._mapper.metric = True
+        grown = self._mapper.grow(picture, np.eye(4), *_nothing())
+        self._tracker.restart(grown.followed)
+        self._tracker.anchor(grown.followed, np.eye(4))
         covariance = np.eye(6) * 1e-12  # the world is this camera
         self._remember(picture.time_ns, np.eye(4), covariance)
         return TrackedFrame(
@@ -225,8 +176,11 @@ class VisualSlam:
                 self._remember(stamp, pose, posed.covariance, online=False)
         located, alive = self._map.located[ids], self._map.alive[ids]
         posed = self._refined(second_pose, ids[located], start.second_px[located])
-        self._tracker.restart(start.second, second_pose, ids[alive], start.second_px[alive])
-        return self._mapped(start.second, posed, "tracking")
+        places = self._map.places[ids[alive]]
+        self._tracker.restart(
+            Followed(start.second, second_pose, ids[alive], start.second_px[alive], places)
+        )
+        return self._mapped(start.second, posed)
 
     def _refined(self, pose: FloatArray, ids: IntArray, px: FloatArray) -> PosedPicture:
         return refine_pose(pose, self._map.places[ids], px, self._matrix)
@@ -243,45 +197,62 @@ class VisualSlam:
         posed = self._tracker.step(picture)
         if posed is None:
             return TrackedFrame(picture.time_ns, "lost")
-        if self._mapper.wants(picture, self._tracker.ids, self._tracker.px):
-            return self._mapped(picture, posed, "tracking")
+        if self._growing is None and self._tracker.wants_keyframe():
+            if self._grows:
+                return self._mapped(picture, posed)
+            followed = self._tracker.followed
+            self._tracker.anchor(self._mapper.seen_again(followed), followed.camera_T_world)
         self._remember(picture.time_ns, posed.camera_T_world, posed.covariance)
         return _frame(picture, posed, "tracking", posed.camera_T_world, False)
 
-    def _mapped(self, picture: Picture, posed: PosedPicture, state: State) -> TrackedFrame:
-        """Make a keyframe of a tracked picture; its pose is then what the adjustment says."""
-        started = time.perf_counter()
-        tracker = self._tracker
-        ids, px = self._mapper.insert(picture, posed.camera_T_world, tracker.ids, tracker.px)
-        if self.settings.close_loops and self._metric:
-            loop = find_loop(self._map, self.settings.features, self._matrix)
-            if loop is not None:
-                close_loop(self._map, loop)
-                self._mapper.adjust_all(_LOOP_ITERATIONS)
-                self._loops += 1
-                ids, px = self._mapper.followed()
-        pose = self._map.keyframes[-1].camera_T_world
-        tracker.accept(picture, pose, ids, px)
+    def _mapped(self, picture: Picture, posed: PosedPicture) -> TrackedFrame:
+        """Make a keyframe of a tracked picture; without threads its pose is the adjusted one."""
+        pose = posed.camera_T_world
+        followed = self._tracker.followed
+        work = (picture, pose, followed.ids, followed.px)
+        self._anchor = _Anchor(len(self._map.keyframes), pose)
+        if self.settings.threads:
+            self._worker = self._worker or ThreadPoolExecutor(1, "slam mapping")
+            self._growing = self._worker.submit(self._mapper.grow, *work)
+        else:
+            self._take(self._mapper.grow(*work))
+            pose = self._anchor.camera_T_world
         self._remember(picture.time_ns, pose, posed.covariance)
-        self._seconds["mapping"] += time.perf_counter() - started
-        return _frame(picture, posed, state, pose, True)
+        return _frame(picture, posed, "tracking", pose, True)
+
+    def _settle(self) -> None:
+        """Wait for the keyframe that is being made, if one is, and take over what became of it."""
+        if self._growing is None:
+            return
+        growing, self._growing = self._growing, None
+        self._take(growing.result())
+
+    def _take(self, grown: Grown) -> None:
+        self._tracker.anchor(grown.followed, self._anchor.camera_T_world)
+        self._anchor = _Anchor(self._anchor.row, grown.followed.camera_T_world)
+        self._loops += grown.closed
+        self._seconds["mapping"] += grown.seconds
 
     def _relocalised(self, picture: Picture) -> TrackedFrame:
         """Look for the map in the picture; what is found is sharpened before it is believed."""
+        self._settle()
         corners = find_corners(picture.gray, self.settings.features)
         rows = candidates(self._map, corners, _CANDIDATES)
         found = verified(self._map, corners, rows, self._matrix)
         if found is None:
             return TrackedFrame(picture.time_ns, "lost")
-        nothing = np.zeros(0, dtype=np.int64)
-        ids, px = self._mapper.recover(picture, found.posed.camera_T_world, nothing)
+        ids, px = self._mapper.recover(picture, found.posed.camera_T_world, _nothing()[0])
         if len(ids) < len(found.ids):
             ids, px = found.ids, found.px
         posed = self._refined(found.posed.camera_T_world, ids, px)
         if not trusted(posed, px, picture.gray.shape):
             return TrackedFrame(picture.time_ns, "lost")
-        kept = posed.inliers
-        self._tracker.restart(picture, posed.camera_T_world, ids[kept], px[kept])
+        ids, px = ids[posed.inliers], px[posed.inliers]
+        self._tracker.restart(
+            Followed(picture, posed.camera_T_world, ids, px, self._map.places[ids])
+        )
+        row = found.keyframe
+        self._anchor = _Anchor(row, np.array(self._map.keyframes[row].camera_T_world))
         self._remember(picture.time_ns, posed.camera_T_world, posed.covariance)
         return _frame(picture, posed, "relocalised", posed.camera_T_world, False)
 
@@ -290,18 +261,19 @@ class VisualSlam:
     def _remember(
         self, time_ns: int, pose: FloatArray, covariance: FloatArray, *, online: bool = True
     ) -> None:
-        newest = len(self._map.keyframes) - 1
-        camera_T_keyframe = pose @ inverse(self._map.keyframes[newest].camera_T_world)
+        relative = pose @ inverse(self._anchor.camera_T_world)
         given = np.array(pose) if online else None
-        self._remembered.append(_Remembered(time_ns, newest, camera_T_keyframe, covariance, given))
+        self._diary.note(time_ns, self._anchor.row, relative, covariance, given)
 
     def _picture(
         self, time_ns: int, gray: GrayImage, depth_m: DepthImage | None, right: GrayImage | None
     ) -> Picture:
         if isinstance(time_ns, bool) or not isinstance(time_ns, (int, np.integer)):
             raise ValueError(f"time_ns: expected whole nanoseconds, got {time_ns!r}")
-        if self._frames and time_ns <= self._frames[-1][0]:
-            raise ValueError(f"time_ns: expected more than {self._frames[-1][0]}, got {time_ns}")
+        if self._diary.frames and time_ns <= self._diary.frames[-1][0]:
+            raise ValueError(
+                f"time_ns: expected more than {self._diary.frames[-1][0]}, got {time_ns}"
+            )
         if right is not None and self.settings.baseline_m is None:
             raise ValueError(
                 "right: expected SlamSettings.baseline_m with a right picture, got None"
@@ -320,8 +292,6 @@ def _frame(
     return TrackedFrame(picture.time_ns, state, world_T_camera, posed.covariance, count, keyframe)
 
 
-def _trajectory(stamps: list[int], poses: list[FloatArray]) -> Trajectory | None:
-    if not stamps:
-        return None
-    world_T_camera = Motor.from_matrix(inverse(np.stack(poses)))
-    return Trajectory(np.array(stamps, dtype=np.int64), world_T_camera)
+def _nothing() -> tuple[IntArray, FloatArray]:
+    """No points, nowhere."""
+    return np.zeros(0, dtype=np.int64), np.zeros((0, 2))

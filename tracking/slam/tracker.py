@@ -21,9 +21,8 @@ from motorcade.tracking.slam.geometry import (
     project,
     refine_pose,
 )
-from motorcade.tracking.slam.map import SlamMap
 
-__all__ = ["Tracker", "trusted"]
+__all__ = ["Followed", "Tracker", "trusted"]
 
 _FEWEST_INLIERS = 25
 _LEAST_SHARE = 0.4
@@ -31,6 +30,9 @@ _GOOD_SHARE = 0.75
 _CELLS, _FEWEST_CELLS = 48, 6
 _EPIPOLAR_PX = 3.0
 _NEIGHBOURS = 3
+_KEPT_SHARE = 0.8
+_MOVED_SHARE = 0.06
+_FEW_POINTS = 150
 
 
 def trusted(posed: PosedPicture | None, px: FloatArray, shape: tuple[int, ...]) -> bool:
@@ -51,66 +53,145 @@ def trusted(posed: PosedPicture | None, px: FloatArray, shape: tuple[int, ...]) 
 
 
 @dataclass(frozen=True, eq=False)
+class Followed:
+    """Points of the map in one picture, as they are followed from there.
+
+    What the tracker knows of the map is copied here, so the map may change meanwhile.
+
+    Args:
+        picture: the picture; camera_T_world: its pose ``(4, 4)``.
+        ids: ``(n,)`` numbers of the points; px: ``(n, 2)`` where they are seen.
+        places: ``(n, 3)`` where they are in the world, NaN where that is not known yet.
+    """
+
+    picture: Picture
+    camera_T_world: FloatArray
+    ids: IntArray
+    px: FloatArray
+    places: FloatArray
+
+    @property
+    def located(self) -> BoolArray:
+        """Which points ``(n,)`` have a place."""
+        known: BoolArray = np.isfinite(self.places[:, 0])
+        return known
+
+
+@dataclass(frozen=True, eq=False)
 class _Moment:
     time_ns: int
     world_T_camera: Motor
 
 
 class Tracker:
-    """Follows the map through pictures.
+    """Follows points of the map through pictures; it never looks at the map itself.
 
     Args:
-        slam_map: the map; matrix: ``(3, 3)`` intrinsics.
+        matrix: ``(3, 3)`` intrinsics.
     """
 
-    def __init__(self, slam_map: SlamMap, matrix: FloatArray) -> None:
-        self.map = slam_map
+    def __init__(self, matrix: FloatArray) -> None:
         self.matrix = matrix
-        self.ids: IntArray = np.zeros(0, dtype=np.int64)
-        self.px: FloatArray = np.zeros((0, 2))
-        self._picture: Picture | None = None
+        self._followed: Followed | None = None
+        self._reference: Followed | None = None
+        self._located_then = 0
         self._moments: list[_Moment] = []
 
-    def restart(
-        self, picture: Picture, camera_T_world: FloatArray, ids: IntArray, px: FloatArray
-    ) -> None:
+    @property
+    def followed(self) -> Followed:
+        """What is followed, in the newest picture.
+
+        Raises:
+            RuntimeError: nothing is followed.
+        """
+        if self._followed is None:
+            raise RuntimeError("Tracker.followed: expected a picture that was tracked, got none")
+        return self._followed
+
+    def restart(self, followed: Followed) -> None:
         """Go on from a pose that was found otherwise; what the motion was is forgotten."""
         self._moments = []
-        self.accept(picture, camera_T_world, ids, px)
+        self._reference = followed
+        self._accept(followed)
 
-    def accept(
-        self, picture: Picture, camera_T_world: FloatArray, ids: IntArray, px: FloatArray
-    ) -> None:
-        """Take this picture, pose and corners as where the next picture is followed from."""
-        self._picture, self.ids, self.px = picture, ids, px
-        moment = _Moment(picture.time_ns, Motor.from_matrix(inverse(camera_T_world)))
-        if self._moments and self._moments[-1].time_ns == picture.time_ns:
-            self._moments.pop()
-        self._moments = [*self._moments[-1:], moment]
+    def anchor(self, keyframe: Followed, before: FloatArray) -> None:
+        """Take over what the map made of a picture that was tracked: the newest, or one before.
+
+        New points are followed from the keyframe to the newest picture; poses since then move as
+        the keyframe moved.
+
+        Args:
+            keyframe: the keyframe with its points, as the map has it now.
+            before: camera_T_world ``(4, 4)`` the keyframe had when it was tracked.
+        """
+        self._reference = keyframe
+        self._located_then = int(np.count_nonzero(keyframe.located))
+        last = self._followed
+        if last is None:
+            return
+        if last.picture.time_ns == keyframe.picture.time_ns:
+            self._accept(keyframe)
+            return
+        correction = inverse(before) @ keyframe.camera_T_world
+        moved_back = Motor.from_matrix(inverse(correction))
+        self._moments = [
+            _Moment(one.time_ns, moved_back @ one.world_T_camera) for one in self._moments
+        ]
+        pose = last.camera_T_world @ correction
+        _, rows, last_rows = np.intersect1d(
+            keyframe.ids, last.ids, assume_unique=True, return_indices=True
+        )
+        px = self._guess(keyframe, pose)
+        px[rows] = last.px[last_rows]
+        new = np.setdiff1d(np.arange(len(px)), rows)
+        px[new], found = follow(keyframe.picture.gray, last.picture.gray, keyframe.px[new], px[new])
+        kept = np.sort(np.concatenate([rows, new[found]]))
+        self._followed = Followed(
+            last.picture, pose, keyframe.ids[kept], px[kept], keyframe.places[kept]
+        )
+
+    def wants_keyframe(self) -> bool:
+        """Whether the newest picture should become a keyframe, by what is followed in it."""
+        now, then = self.followed, self._reference
+        located = int(np.count_nonzero(now.located))
+        if then is None or located < max(_FEW_POINTS, _KEPT_SHARE * self._located_then):
+            return True
+        _, one, other = np.intersect1d(then.ids, now.ids, assume_unique=True, return_indices=True)
+        motion = np.linalg.norm(then.px[one] - now.px[other], axis=1)
+        return bool(np.median(motion) > _MOVED_SHARE * now.picture.gray.shape[1])
 
     def step(self, picture: Picture) -> PosedPicture | None:
         """Find the pose of the next picture; None where it is lost.
 
-        On success `ids` and `px` hold the corners that agree. On failure nothing is kept.
+        On success `followed` holds the corners that agree. On failure nothing is kept.
         """
-        before = self._picture
+        before = self._followed
         if before is None:
             return None
         predicted = self._predicted(picture.time_ns)
-        alive = self.map.alive[self.ids]
-        ids, old_px = self.ids[alive], self.px[alive]
-        px, found = follow(before.gray, picture.gray, old_px, self._guess(predicted, ids, old_px))
-        ids, px, old_px = ids[found], px[found], old_px[found]
-        located = self.map.located[ids]
-        posed = self._posed(predicted, self.map.places[ids[located]], px[located])
+        guess = self._guess(before, predicted)
+        px, found = follow(before.picture.gray, picture.gray, before.px, guess)
+        ids, places = before.ids[found], before.places[found]
+        px, old_px = px[found], before.px[found]
+        located = np.isfinite(places[:, 0])
+        posed = self._posed(predicted, places[located], px[located])
         if not trusted(posed, px[located], picture.gray.shape) or posed is None:
-            self._picture, self._moments = None, []
+            self._followed, self._moments = None, []
             return None
         kept = np.ones(len(ids), dtype=np.bool_)
         kept[located] = posed.inliers
         kept[~located] = self._on_epipolar_line(posed, old_px[~located], px[~located])
-        self.accept(picture, posed.camera_T_world, ids[kept], px[kept])
+        self._accept(Followed(picture, posed.camera_T_world, ids[kept], px[kept], places[kept]))
         return posed
+
+    def _accept(self, followed: Followed) -> None:
+        """Take this picture, pose and corners as where the next picture is followed from."""
+        self._followed = followed
+        time_ns = followed.picture.time_ns
+        moment = _Moment(time_ns, Motor.from_matrix(inverse(followed.camera_T_world)))
+        if self._moments and self._moments[-1].time_ns == time_ns:
+            self._moments.pop()
+        self._moments = [*self._moments[-1:], moment]
 
     def _predicted(self, time_ns: int) -> FloatArray:
         """The pose at a stamp if the motion goes on as it was."""
@@ -123,21 +204,22 @@ class Tracker:
             pose = pose @ Motor.from_twist(min(share, 3.0) * motion)
         return pose.inverse().as_matrix()
 
-    def _guess(self, predicted: FloatArray, ids: IntArray, px: FloatArray) -> FloatArray:
+    def _guess(self, start: Followed, pose: FloatArray) -> FloatArray:
         """Where corners should be: by their place, or else moved as their neighbours with one."""
-        last = inverse(self._moments[-1].world_T_camera.as_matrix())
-        located = self.map.located[ids]
-        places = self.map.places[ids[located]]
-        motion = project(predicted, places, self.matrix)[0] - project(last, places, self.matrix)[0]
+        located = start.located
+        places = start.places[located]
+        there, _ = project(pose, places, self.matrix)
+        motion = there - project(start.camera_T_world, places, self.matrix)[0]
         usable = np.isfinite(motion[:, 0])
-        guess = px.copy()
+        guess = start.px.copy()
         if np.count_nonzero(usable) < _NEIGHBOURS:
             return guess
-        known = px[located][usable]
-        apart = np.sum((px[:, None] - known[None]) ** 2, axis=-1)
-        near = np.argpartition(apart, _NEIGHBOURS - 1, axis=1)[:, :_NEIGHBOURS]
-        guess += np.median(motion[usable][near], axis=1)
+        known = start.px[located][usable]
         rows = np.flatnonzero(located)[usable]
+        strange = np.setdiff1d(np.arange(len(guess)), rows)
+        apart = np.sum((guess[strange, None] - known[None]) ** 2, axis=-1)
+        near = np.argpartition(apart, _NEIGHBOURS - 1, axis=1)[:, :_NEIGHBOURS]
+        guess[strange] += np.median(motion[usable][near], axis=1)
         guess[rows] = known + motion[usable]
         return guess
 

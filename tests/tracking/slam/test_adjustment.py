@@ -4,8 +4,8 @@ import gtsam
 import numpy as np
 import pytest
 
-from motorcade.tracking.slam.adjustment import Bundle, adjust
 from motorcade.tracking.slam.geometry import exp, inverse, moved, project
+from motorcade.tracking.slam.mapping.adjustment import Bundle, adjust
 
 MATRIX = np.array([[400.0, 0.0, 320.0], [0.0, 400.0, 240.0], [0.0, 0.0, 1.0]])
 FB, SIGMA = 32.0, 0.5

@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from motorcade.tracking.slam.geometry import exp, inverse, moved
-from motorcade.tracking.slam.loops import Loop, close_loop
-from motorcade.tracking.slam.map import Keyframe, SlamMap
+from motorcade.tracking.slam.geometry import exp, inverse, moved, project
+from motorcade.tracking.slam.mapping.loops import Loop, close_loop
+from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 
 COUNT, SHARED = 24, 12
+MATRIX = np.array([[300.0, 0.0, 160.0], [0.0, 300.0, 120.0], [0.0, 0.0, 1.0]])
+SHAPE = (240, 320)
 
 
 def _ring(rng: np.random.Generator) -> tuple[SlamMap, np.ndarray, np.ndarray]:
@@ -47,7 +49,7 @@ def test_a_closed_loop_takes_out_most_of_the_drift(rng: np.random.Generator) -> 
     points_before = np.linalg.norm(slam_map.places - places, axis=1).mean()
     ids = np.arange(SHARED)
     px = rng.uniform(0.0, 300.0, (SHARED, 2))
-    close_loop(slam_map, Loop(0, COUNT - 1, truth[-1], ids, px))
+    close_loop(slam_map, Loop(0, COUNT - 1, truth[-1], ids, px), MATRIX, SHAPE)
     assert before > 0.1
     assert _worst_m(slam_map, truth) < before / 3.0
     assert np.linalg.norm(slam_map.places - places, axis=1).mean() < points_before / 3.0
@@ -56,8 +58,43 @@ def test_a_closed_loop_takes_out_most_of_the_drift(rng: np.random.Generator) -> 
 def test_the_newest_keyframe_then_sees_the_old_points(rng: np.random.Generator) -> None:
     slam_map, truth, _ = _ring(rng)
     px = rng.uniform(0.0, 300.0, (SHARED, 2))
-    close_loop(slam_map, Loop(0, COUNT - 1, truth[-1], np.arange(SHARED), px))
+    close_loop(slam_map, Loop(0, COUNT - 1, truth[-1], np.arange(SHARED), px), MATRIX, SHAPE)
     newest = slam_map.keyframes[-1]
     assert np.array_equal(newest.ids, np.unique(newest.ids))
     assert np.array_equal(newest.px[np.isin(newest.ids, np.arange(SHARED))], px)
     assert len(newest.ids) == len(newest.px) == len(newest.depth)
+
+
+def test_points_mapped_twice_become_one(rng: np.random.Generator) -> None:
+    slam_map, truth, _ = _ring(rng)
+    slam_map.descriptors[:] = rng.integers(0, 256, slam_map.descriptors.shape)
+    old, new = slam_map.keyframes[0], slam_map.keyframes[-1]
+    # What the last keyframe mapped is what the first one mapped, drifted and seen anew.
+    twins = new.ids[-SHARED:]
+    slam_map.descriptors[twins] = slam_map.descriptors[old.ids]
+    slam_map.places[twins] = moved(
+        inverse(new.camera_T_world) @ truth[-1], slam_map.places[old.ids]
+    )
+    new.px[-SHARED:] = project(truth[-1], slam_map.places[old.ids], MATRIX)[0]
+    seen = np.all((new.px[-SHARED:] > 12.0) & (new.px[-SHARED:] < (307.0, 227.0)), axis=1)
+    assert np.count_nonzero(seen) >= 3
+    close_loop(slam_map, Loop(0, COUNT - 1, truth[-1], old.ids, new.px[-SHARED:]), MATRIX, SHAPE)
+    merged = ~slam_map.alive[twins]
+    assert np.count_nonzero(merged[seen]) >= np.count_nonzero(seen) - 2
+    assert not np.isin(twins[merged], new.ids).any()
+    assert np.isin(old.ids[merged], new.ids).all()
+
+
+def test_merging_keeps_one_observation_a_keyframe(rng: np.random.Generator) -> None:
+    slam_map, _, _ = _ring(rng)
+    both = slam_map.keyframes[1]  # sees the points of keyframe 0 and its own
+    own = both.px[both.ids < SHARED].copy()
+    own[:] = 7.0
+    both.px[both.ids < SHARED] = 7.0
+    slam_map.merge(np.arange(SHARED, 2 * SHARED), np.arange(SHARED))
+    assert np.array_equal(both.ids, np.arange(SHARED))
+    assert np.array_equal(both.px, own)
+    later = slam_map.keyframes[2]
+    assert np.array_equal(later.ids, np.unique(later.ids))
+    assert np.isin(np.arange(SHARED), later.ids).all()
+    assert not slam_map.alive[SHARED : 2 * SHARED].any()

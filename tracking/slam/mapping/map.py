@@ -19,7 +19,7 @@ from motorcade.tracking.slam.geometry import BoolArray, inverse
 
 __all__ = ["Keyframe", "MapSnapshot", "SlamMap"]
 
-_FORMAT = "motorcade slam map 1"
+_FORMAT = "motorcade slam map 2"
 
 
 @dataclass(eq=False)
@@ -41,8 +41,8 @@ class Keyframe:
     depth: FloatArray
     gray: GrayImage | None
 
-    def keep(self, kept: BoolArray) -> None:
-        """Drop the other observations."""
+    def keep(self, kept: BoolArray | IntArray) -> None:
+        """Drop the other observations; rows are put in the order given."""
         self.ids, self.px, self.depth = self.ids[kept], self.px[kept], self.depth[kept]
 
 
@@ -54,6 +54,7 @@ class MapSnapshot:
         time_ns: ``(k,)`` stamps of the keyframes; world_T_camera: Motor ``(k,)``.
         points: ``(p, 3)`` located points; descriptors: ``(p, 32)`` uint8.
         keyframe_of, point_of: ``(n,)`` rows of each observation; px ``(n, 2)``; depth ``(n,)``.
+        metric: whether lengths are metres.
 
     Raises:
         ValueError: lengths that do not agree, or observations of what is not there.
@@ -67,6 +68,7 @@ class MapSnapshot:
     point_of: IntArray
     px: FloatArray
     depth: FloatArray
+    metric: bool
 
     def __post_init__(self) -> None:
         k, p, n = len(self.time_ns), len(self.points), len(self.keyframe_of)
@@ -102,7 +104,7 @@ class MapSnapshot:
             path, format=np.array(_FORMAT), time_ns=self.time_ns,
             world_T_camera=self.world_T_camera.coefficients, points=self.points,
             descriptors=self.descriptors, keyframe_of=self.keyframe_of, point_of=self.point_of,
-            px=self.px, depth=self.depth,
+            px=self.px, depth=self.depth, metric=np.array(self.metric),
         )  # fmt: skip
 
     @classmethod
@@ -120,7 +122,7 @@ class MapSnapshot:
                 return cls(
                     stored["time_ns"], Motor(stored["world_T_camera"]), stored["points"],
                     stored["descriptors"], stored["keyframe_of"], stored["point_of"],
-                    stored["px"], stored["depth"],
+                    stored["px"], stored["depth"], bool(stored["metric"]),
                 )  # fmt: skip
         except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as fault:
             raise ValueError(f"{path}: not a saved map: {fault}") from fault
@@ -181,13 +183,45 @@ class SlamMap:
             np.concatenate([one.depth for one in chosen]),
         )
 
+    def merge(self, gone: IntArray, kept: IntArray) -> None:
+        """Let every keyframe that saw a point `gone` ``(n,)`` have seen `kept` ``(n,)`` instead.
+
+        None of the one may stand in the other. A keyframe that saw both keeps what it saw of the
+        kept one.
+        """
+        renamed = np.arange(self._count)
+        renamed[gone] = kept
+        self.alive[gone] = False
+        for keyframe in self.keyframes:
+            ids = renamed[keyframe.ids]
+            order = np.lexsort((ids != keyframe.ids, ids))
+            _, first = np.unique(ids[order], return_index=True)
+            keyframe.keep(order[first])
+            keyframe.ids = renamed[keyframe.ids]
+
     def shared(self, ids: IntArray) -> IntArray:
         """How many of the points `ids` each keyframe ``(k,)`` sees."""
         wanted = np.zeros(self._count, dtype=np.bool_)
         wanted[ids] = True
         return np.array([np.count_nonzero(wanted[one.ids]) for one in self.keyframes])
 
-    def snapshot(self) -> MapSnapshot:
+    @classmethod
+    def of(cls, stored: MapSnapshot) -> SlamMap:
+        """A map that goes on from a stored one; its keyframes have no pictures any more."""
+        found = cls()
+        ids = found.add_points(stored.descriptors)
+        found.places[:] = stored.points
+        poses = inverse(stored.world_T_camera.as_matrix())
+        for row, (time_ns, pose) in enumerate(zip(stored.time_ns.tolist(), poses, strict=True)):
+            mine = stored.keyframe_of == row
+            keyframe = Keyframe(
+                time_ns, pose, ids[stored.point_of[mine]], stored.px[mine], stored.depth[mine], None
+            )
+            keyframe.keep(np.argsort(keyframe.ids))
+            found.keyframes.append(keyframe)
+        return found
+
+    def snapshot(self, metric: bool) -> MapSnapshot:
         """Keyframes, located points and their observations, frozen."""
         rows = np.arange(len(self.keyframes))
         row_of = np.full(self._count, -1)
@@ -195,7 +229,7 @@ class SlamMap:
             nobody = np.zeros(0, dtype=np.int64)
             return MapSnapshot(
                 nobody, Motor.identity((0,)), np.zeros((0, 3)), self.descriptors[:0], nobody,
-                nobody, np.zeros((0, 2)), np.zeros(0),
+                nobody, np.zeros((0, 2)), np.zeros(0), metric,
             )  # fmt: skip
         owner, ids, px, depth = self.observations(rows)
         seen = self.located[ids]
@@ -206,7 +240,7 @@ class SlamMap:
         return MapSnapshot(
             np.array([one.time_ns for one in self.keyframes], dtype=np.int64),
             Motor.from_matrix(inverse(poses)),
-            self.places[used], self.descriptors[used], owner, row_of[ids], px, depth,
+            self.places[used], self.descriptors[used], owner, row_of[ids], px, depth, metric,
         )  # fmt: skip
 
 

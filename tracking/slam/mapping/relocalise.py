@@ -15,7 +15,7 @@ import numpy as np
 from motorcade.ga import FloatArray, IntArray
 from motorcade.tracking.slam.features import Corners, Descriptors
 from motorcade.tracking.slam.geometry import PosedPicture, pose_by_sampling
-from motorcade.tracking.slam.map import SlamMap
+from motorcade.tracking.slam.mapping.map import SlamMap
 
 __all__ = ["Found", "candidates", "matched", "verified"]
 

@@ -19,7 +19,7 @@ from motorcade.tracking.slam.geometry import BoolArray, exp
 __all__ = ["Adjusted", "Bundle", "adjust"]
 
 _HUBER = 1.5
-_BLOCK = 512
+_BLOCK = 256
 _SMALL = 32
 
 
@@ -183,22 +183,28 @@ def _step(bundle: Bundle, linear: _Linear, damping: float) -> tuple[FloatArray, 
         system[at, at] = _damped(pose_hessian[pose], damping)
     right = pose_gradient[free].ravel()
     blocks = _crossed(bundle, shifted @ linear.by_pose, slot)
-    for points, cross in blocks:
+    for points, columns, cross in blocks:
         scaled = inverted[points] @ cross
-        system -= _product(cross, scaled)
-        right = right - np.einsum("pij,pi->j", scaled, point_gradient[points])
+        system[np.ix_(columns, columns)] -= _product(cross, scaled)
+        right[columns] -= np.einsum("pij,pi->j", scaled, point_gradient[points])
     pose_step = np.zeros((k, 6))
     if len(free):
         pose_step[free] = -np.linalg.solve(system, right).reshape(-1, 6)
     pull = point_gradient.copy()
-    for points, cross in blocks:
-        pull[points] += cross @ pose_step[free].ravel()
+    for points, columns, cross in blocks:
+        pull[points] += cross @ pose_step[free].ravel()[columns]
     return pose_step, -(inverted @ pull[..., None])[..., 0]
 
 
-def _crossed(bundle: Bundle, cross: FloatArray, slot: IntArray) -> list[tuple[slice, FloatArray]]:
-    """Blocks of points and their coupling ``(block, 3, 6 f)`` with the f free poses."""
-    free = int(slot.max()) + 1
+def _crossed(
+    bundle: Bundle, cross: FloatArray, slot: IntArray
+) -> list[tuple[slice, IntArray, FloatArray]]:
+    """Blocks of points, columns ``(6 f,)`` of the f free poses that see any of them, and their
+    coupling ``(block, 3, 6 f)``.
+
+    Points made one after the other are seen by few poses, so a long path costs no more than the
+    sum of its parts.
+    """
     usable = slot[bundle.pose_of] >= 0
     pose_of, point_of = slot[bundle.pose_of[usable]], bundle.point_of[usable]
     order = np.argsort(point_of, kind="stable")
@@ -207,9 +213,11 @@ def _crossed(bundle: Bundle, cross: FloatArray, slot: IntArray) -> list[tuple[sl
     for start in range(0, len(bundle.points), _BLOCK):
         stop = min(start + _BLOCK, len(bundle.points))
         mine = slice(*np.searchsorted(point_of, (start, stop)))
-        block = np.zeros((stop - start, 3, free, 6))
-        block[point_of[mine] - start, :, pose_of[mine]] = cross[mine]
-        blocks.append((slice(start, stop), block.reshape(stop - start, 3, 6 * free)))
+        seeing, place = np.unique(pose_of[mine], return_inverse=True)
+        block = np.zeros((stop - start, 3, len(seeing), 6))
+        block[point_of[mine] - start, :, place] = cross[mine]
+        columns = (6 * seeing[:, None] + np.arange(6)).ravel()
+        blocks.append((slice(start, stop), columns, block.reshape(stop - start, 3, len(columns))))
     return blocks
 
 

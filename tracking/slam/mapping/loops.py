@@ -18,9 +18,11 @@ import numpy as np
 
 from motorcade.ga import FloatArray, IntArray
 from motorcade.tracking.slam.features import Corners, find_corners
-from motorcade.tracking.slam.geometry import inverse, moved, project, refine_pose
-from motorcade.tracking.slam.map import SlamMap
-from motorcade.tracking.slam.relocalise import candidates, verified
+from motorcade.tracking.slam.geometry import BoolArray, inverse, moved, refine_pose
+from motorcade.tracking.slam.mapping.map import SlamMap
+from motorcade.tracking.slam.mapping.matching import alike_where_expected, in_view
+from motorcade.tracking.slam.mapping.relocalise import Found, candidates, verified
+from motorcade.tracking.slam.tracker import trusted
 
 __all__ = ["Loop", "close_loop", "find_loop"]
 
@@ -29,7 +31,8 @@ _CANDIDATES = 3
 _FEWEST_AGREEING = 40
 _SHARED = 15
 _ALIKE_PX = 6.0
-_MOST_BITS = 64
+_SAME_PX = 4.0
+_AROUND = 5  # keyframes to each side of the old one that count as the same place
 _SIGMA_RAD, _SIGMA_SHARE = 0.01, 0.01  # of an edge that one point holds
 _FIXED = 1e6  # points that would hold a keyframe as if nailed down
 _EDGE_SHARED = 30
@@ -53,12 +56,12 @@ class Loop:
 
 
 def find_loop(slam_map: SlamMap, features: int, matrix: FloatArray) -> Loop | None:
-    """Look for an old keyframe that the newest one sees again but does not share points with."""
+    """Look for an old keyframe that the newest one sees again but the map does not tie it to."""
     new = len(slam_map.keyframes) - 1
     newest = slam_map.keyframes[new]
     if newest.gray is None:
         return None
-    strangers = np.flatnonzero(slam_map.shared(newest.ids) < _SHARED)
+    strangers = np.flatnonzero(~_tied(slam_map, newest.ids))
     strangers = strangers[strangers <= new - _APART]
     if not len(strangers):
         return None
@@ -67,39 +70,51 @@ def find_loop(slam_map: SlamMap, features: int, matrix: FloatArray) -> Loop | No
     found = verified(slam_map, corners, rows, matrix)
     if found is None:
         return None
-    ids, px = _more_matches(slam_map, corners, found.keyframe, found.posed.camera_T_world, matrix)
+    shape = newest.gray.shape
+    ids, px = _more_matches(slam_map, corners, found, matrix, shape)
     if len(ids) < _FEWEST_AGREEING:
         return None
     posed = refine_pose(found.posed.camera_T_world, slam_map.places[ids], px, matrix)
     agreeing = posed.inliers
-    if np.count_nonzero(agreeing) < _FEWEST_AGREEING or not np.isfinite(posed.covariance).all():
+    if np.count_nonzero(agreeing) < _FEWEST_AGREEING or not trusted(posed, px, shape):
         return None
-    ids, px = ids[agreeing], px[agreeing]
-    return Loop(found.keyframe, new, posed.camera_T_world, ids, px)
+    return Loop(found.keyframe, new, posed.camera_T_world, ids[agreeing], px[agreeing])
+
+
+def _tied(slam_map: SlamMap, ids: IntArray) -> BoolArray:
+    """Keyframes ``(k,)`` that share points with these, or with keyframes that do."""
+    near = np.flatnonzero(slam_map.shared(ids) >= _SHARED)
+    if not len(near):
+        return np.zeros(len(slam_map.keyframes), dtype=np.bool_)
+    tied: BoolArray = slam_map.shared(slam_map.observations(near)[1]) >= _SHARED
+    return tied
 
 
 def _more_matches(
-    slam_map: SlamMap, corners: Corners, keyframe: int, pose: FloatArray, matrix: FloatArray
+    slam_map: SlamMap, corners: Corners, found: Found, matrix: FloatArray, shape: tuple[int, ...]
 ) -> tuple[IntArray, FloatArray]:
     """Points of a keyframe and its neighbours, with the corners alike that lie near enough."""
-    around = range(max(keyframe - 2, 0), min(keyframe + 3, len(slam_map.keyframes)))
-    ids = np.unique(np.concatenate([slam_map.keyframes[row].ids for row in around]))
-    ids = ids[slam_map.located[ids]]
-    expected, _ = project(pose, slam_map.places[ids], matrix)
-    usable = np.isfinite(expected[:, 0])
-    ids, expected = ids[usable], expected[usable]
-    apart = np.linalg.norm(expected[:, None] - corners.px[None], axis=-1)
-    bits = np.unpackbits(
-        slam_map.descriptors[ids][:, None] ^ corners.descriptors[None], axis=-1
-    ).sum(axis=-1)
-    cost = np.where(apart < _ALIKE_PX, bits, 1000)
-    best = np.argmin(cost, axis=1)
-    mutual = np.argmin(cost, axis=0)[best] == np.arange(len(ids))
-    good = mutual & (cost[np.arange(len(ids)), best] < _MOST_BITS)
-    return ids[good], corners.px[best[good]]
+    ids, expected = _around(slam_map, found.keyframe, found.posed.camera_T_world, matrix, shape)
+    points, rows = alike_where_expected(expected, slam_map.descriptors[ids], corners, _ALIKE_PX)
+    return ids[points], corners.px[rows]
 
 
-def close_loop(slam_map: SlamMap, loop: Loop) -> None:
+def _around(
+    slam_map: SlamMap, row: int, pose: FloatArray, matrix: FloatArray, shape: tuple[int, ...]
+) -> tuple[IntArray, FloatArray]:
+    """Points seen by a keyframe or its neighbours that a pose has in view, and where."""
+    taken = np.zeros(len(slam_map.alive), dtype=np.bool_)
+    ids, px = [], []
+    for keyframe in slam_map.keyframes[max(row - _AROUND, 0) : row + _AROUND + 1]:
+        usable, expected = in_view(slam_map, keyframe, keyframe.ids, pose, matrix, shape)
+        usable &= ~taken[keyframe.ids]
+        ids.append(keyframe.ids[usable])
+        px.append(expected[usable])
+        taken[ids[-1]] = True
+    return np.concatenate(ids), np.concatenate(px)
+
+
+def close_loop(slam_map: SlamMap, loop: Loop, matrix: FloatArray, shape: tuple[int, ...]) -> None:
     """Spread the drift over the keyframes, move the points along, and join the two passes."""
     before = np.stack([one.camera_T_world for one in slam_map.keyframes])
     after = _optimised(slam_map, before, loop)
@@ -111,23 +126,35 @@ def close_loop(slam_map: SlamMap, loop: Loop) -> None:
         in_camera = moved(before[row], slam_map.places[mine])
         slam_map.places[mine] = moved(inverse(after[row]), in_camera)
         keyframe.camera_T_world = after[row]
+    _fuse(slam_map, loop, matrix, shape)
     _join(slam_map, loop)
 
 
 def _join(slam_map: SlamMap, loop: Loop) -> None:
-    """Let the newest keyframe see the old points, in place of its own corners beside them."""
+    """Let the newest keyframe see the old points that were not fused with its own."""
     newest = slam_map.keyframes[loop.new]
     _, first = np.unique(loop.ids, return_index=True)
     ids, px = loop.ids[first], loop.px[first]
     fresh = ~np.isin(ids, newest.ids)
-    ids, px = ids[fresh], px[fresh]
-    newest.ids = np.concatenate([newest.ids, ids])
-    newest.px = np.concatenate([newest.px, px])
-    newest.depth = np.concatenate([newest.depth, np.full(len(ids), np.nan)])
-    order = np.argsort(newest.ids)
-    newest.ids, newest.px, newest.depth = (
-        newest.ids[order], newest.px[order], newest.depth[order],
-    )  # fmt: skip
+    newest.ids = np.concatenate([newest.ids, ids[fresh]])
+    newest.px = np.concatenate([newest.px, px[fresh]])
+    newest.depth = np.concatenate([newest.depth, np.full(np.count_nonzero(fresh), np.nan)])
+    newest.keep(np.argsort(newest.ids))
+
+
+def _fuse(slam_map: SlamMap, loop: Loop, matrix: FloatArray, shape: tuple[int, ...]) -> None:
+    """Make one of points that both passes mapped, so that the map holds together there."""
+    for row in range(max(loop.new - _AROUND, 0), loop.new + 1):
+        keyframe = slam_map.keyframes[row]
+        ids, expected = _around(slam_map, loop.old, keyframe.camera_T_world, matrix, shape)
+        strange = ~np.isin(ids, keyframe.ids)
+        ids, expected = ids[strange], expected[strange]
+        own = keyframe.ids[slam_map.located[keyframe.ids]]
+        own = own[~np.isin(own, slam_map.observations(np.arange(loop.old + _AROUND + 1))[1])]
+        px = keyframe.px[np.isin(keyframe.ids, own)]
+        corners = Corners(px, slam_map.descriptors[own])
+        points, rows = alike_where_expected(expected, slam_map.descriptors[ids], corners, _SAME_PX)
+        slam_map.merge(own[rows], ids[points])
 
 
 def _optimised(slam_map: SlamMap, before: FloatArray, loop: Loop) -> FloatArray:

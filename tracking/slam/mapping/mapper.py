@@ -5,11 +5,14 @@ Sources: keyframes and culling after Mur-Artal & Tardos 2017; tracks as in Qin e
 
 from __future__ import annotations
 
+import time
+from dataclasses import dataclass
+
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray
-from motorcade.tracking.slam.adjustment import Adjusted, Bundle, adjust
 from motorcade.tracking.slam.features import (
+    Corners,
     Picture,
     depth_at,
     find_corners,
@@ -24,14 +27,16 @@ from motorcade.tracking.slam.geometry import (
     project,
     triangulate,
 )
-from motorcade.tracking.slam.map import Keyframe, SlamMap
+from motorcade.tracking.slam.mapping.adjustment import Adjusted, Bundle, adjust
+from motorcade.tracking.slam.mapping.loops import close_loop, find_loop
+from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
+from motorcade.tracking.slam.mapping.matching import alike_where_expected, in_view
 from motorcade.tracking.slam.settings import SlamSettings
+from motorcade.tracking.slam.tracker import Followed
 
-__all__ = ["Mapper"]
+__all__ = ["Grown", "Mapper"]
 
-_KEPT_SHARE = 0.8
-_MOVED_SHARE = 0.06
-_FEW_POINTS = 150
+_LOOP_ITERATIONS = 10
 _PARALLAX_RAD = np.deg2rad(1.0)
 _GOOD_PX = 2.0
 _DEPTH_BASELINE_M = 0.08
@@ -39,14 +44,32 @@ _MOST_FIXED = 10
 _PICTURES_KEPT = 30
 _RECOVERED_FROM = 3
 _FEWEST_HIDDEN = 15
-_SCALE_CHANGE = 1.5
+_AROUND = 3  # keyframes before and after an old one, whose points may come into view
+_ALIKE_PX = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class Grown:
+    """What became of a keyframe.
+
+    Args:
+        followed: its points, to be followed from here; closed: whether it closed a loop.
+        seconds: what it took.
+    """
+
+    followed: Followed
+    closed: bool
+    seconds: float
 
 
 class Mapper:
     """Adds keyframes to a map and keeps it consistent.
 
     Args:
-        slam_map: the map; matrix: ``(3, 3)`` intrinsics.
+        slam_map: the map; matrix: ``(3, 3)`` intrinsics; settings: see `SlamSettings`.
+
+    Fields:
+        metric: whether lengths are metres; loops are closed only then.
     """
 
     def __init__(self, slam_map: SlamMap, matrix: FloatArray, settings: SlamSettings) -> None:
@@ -55,23 +78,34 @@ class Mapper:
         self.settings = settings
         baseline_m = settings.baseline_m or _DEPTH_BASELINE_M
         self.disparity_px_m = float(matrix[0, 0]) * baseline_m
-        self._located_then = 0
+        self.metric = False
 
-    def wants(self, picture: Picture, ids: IntArray, px: FloatArray) -> bool:
-        """Whether this picture should become a keyframe, by what is followed in it."""
-        newest = self.map.keyframes[-1]
-        located = int(np.count_nonzero(self.map.located[ids]))
-        if located < max(_FEW_POINTS, _KEPT_SHARE * self._located_then):
-            return True
-        _, then, now = np.intersect1d(newest.ids, ids, assume_unique=True, return_indices=True)
-        motion = np.linalg.norm(newest.px[then] - px[now], axis=1)
-        return bool(np.median(motion) > _MOVED_SHARE * picture.gray.shape[1])
+    def grow(self, picture: Picture, pose: FloatArray, ids: IntArray, px: FloatArray) -> Grown:
+        """Make a keyframe of a tracked picture, and close a loop where it shows one.
+
+        Args:
+            picture: the picture.
+            pose: camera_T_world ``(4, 4)`` as tracked.
+            ids: ``(n,)`` points followed in it.
+            px: ``(n, 2)`` where.
+        """
+        started = time.perf_counter()
+        self.insert(picture, pose, ids, px)
+        loop = None
+        if self.settings.close_loops and self.metric:
+            loop = find_loop(self.map, self.settings.features, self.matrix)
+        if loop is not None:
+            close_loop(self.map, loop, self.matrix, picture.gray.shape)
+            if self.settings.adjust:
+                self.adjust_all(_LOOP_ITERATIONS)
+        followed = self.followed(picture)
+        return Grown(followed, loop is not None, time.perf_counter() - started)
 
     def append(self, picture: Picture, pose: FloatArray, ids: IntArray, px: FloatArray) -> Keyframe:
         """Make a keyframe of a picture; points with a measured depth and no place get one."""
         order = np.argsort(ids)
         ids, px = ids[order], px[order]
-        depth = self.depths(picture, px)
+        depth = self.depths(picture, px) if self.metric else np.full(len(px), np.nan)
         keyframe = Keyframe(picture.time_ns, np.array(pose), ids, px, depth, picture.gray)
         self.map.keyframes.append(keyframe)
         if len(self.map.keyframes) > _PICTURES_KEPT:
@@ -82,31 +116,41 @@ class Mapper:
         self.map.places[ids[new]] = moved(inverse(pose), in_camera)
         return keyframe
 
-    def insert(
-        self, picture: Picture, pose: FloatArray, ids: IntArray, px: FloatArray
-    ) -> tuple[IntArray, FloatArray]:
-        """Make a keyframe, fill it with corners, locate points and adjust the window.
-
-        Returns:
-            numbers and pixels of all that is to be followed from here.
-        """
+    def insert(self, picture: Picture, pose: FloatArray, ids: IntArray, px: FloatArray) -> None:
+        """Make a keyframe, fill it with corners, locate points and adjust the window."""
         found_ids, found_px = self.recover(picture, pose, ids)
         ids, px = np.concatenate([ids, found_ids]), np.concatenate([px, found_px])
         corners = find_corners(picture.gray, self.settings.features, px)
-        ids = np.concatenate([ids, self.map.add_points(corners.descriptors)])
-        px = np.concatenate([px, corners.px])
-        keyframe = self.append(picture, pose, ids, px)
+        known_ids, rows = self.recognised(picture, pose, ids, corners)
+        new = np.setdiff1d(np.arange(len(corners)), rows)
+        ids = np.concatenate([ids, known_ids, self.map.add_points(corners.descriptors[new])])
+        px = np.concatenate([px, corners.px[rows], corners.px[new]])
+        self.append(picture, pose, ids, px)
         self.triangulate_newest()
         if self.settings.adjust:
             self.adjust_window()
-        self._located_then = int(np.count_nonzero(self.map.located[keyframe.ids]))
-        return self.followed()
 
-    def followed(self) -> tuple[IntArray, FloatArray]:
-        """Numbers and pixels of all that the newest keyframe sees and that is still believed."""
+    def followed(self, picture: Picture) -> Followed:
+        """All that the newest keyframe, made of this picture, sees and that is still believed."""
         newest = self.map.keyframes[-1]
         alive = self.map.alive[newest.ids]
-        return newest.ids[alive], newest.px[alive]
+        ids = newest.ids[alive]
+        places = self.map.places[ids]
+        return Followed(picture, np.array(newest.camera_T_world), ids, newest.px[alive], places)
+
+    def seen_again(self, followed: Followed) -> Followed:
+        """Add points of the map, as it is, that the picture shows beside those followed in it."""
+        picture, pose, ids, px = (
+            followed.picture,
+            followed.camera_T_world,
+            followed.ids,
+            followed.px,
+        )
+        corners = find_corners(picture.gray, self.settings.features, px)
+        more, rows = self.recognised(picture, pose, ids, corners)
+        ids, px = np.concatenate([ids, more]), np.concatenate([px, corners.px[rows]])
+        order = np.argsort(ids)
+        return Followed(picture, pose, ids[order], px[order], self.map.places[ids[order]])
 
     def depths(self, picture: Picture, px: FloatArray) -> FloatArray:
         """Depths ``(n,)`` at pixels from the depth image or the right picture; NaN elsewhere."""
@@ -123,20 +167,15 @@ class Mapper:
 
         They are followed from the keyframe's own picture, so they come back without drift.
         """
-        height, width = picture.gray.shape
         followed = np.zeros(len(self.map.alive), dtype=np.bool_)
         followed[ids] = True
         all_ids, all_px = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 2))]
         hidden = []
         for keyframe in self.map.keyframes[-_PICTURES_KEPT:]:
-            places = self.map.places[keyframe.ids]
-            usable = self.map.located[keyframe.ids] & ~followed[keyframe.ids]
-            expected, depth = project(pose, places, self.matrix)
-            then = moved(keyframe.camera_T_world, places)[:, 2]
-            with np.errstate(invalid="ignore", divide="ignore"):
-                near = np.abs(np.log(depth / then)) < np.log(_SCALE_CHANGE)
-                inside = np.all((expected > 0) & (expected < (width, height)), axis=1)
-            rows = np.flatnonzero(usable & near & inside)
+            usable, expected = in_view(
+                self.map, keyframe, keyframe.ids, pose, self.matrix, picture.gray.shape
+            )
+            rows = np.flatnonzero(usable & ~followed[keyframe.ids])
             if len(rows) >= _FEWEST_HIDDEN and keyframe.gray is not None:
                 hidden.append((len(rows), keyframe, rows, expected))
         hidden.sort(key=lambda one: -one[0])
@@ -151,6 +190,36 @@ class Mapper:
             all_px.append(px[found])
             followed[all_ids[-1]] = True
         return np.concatenate(all_ids), np.concatenate(all_px)
+
+    def recognised(
+        self, picture: Picture, pose: FloatArray, ids: IntArray, corners: Corners
+    ) -> tuple[IntArray, IntArray]:
+        """Points of long ago that new corners look like, where they should be; and whose rows.
+
+        Looked for where the camera has been before: around old keyframes that share points with
+        what is followed now.
+        """
+        old = sum(one.gray is None for one in self.map.keyframes)
+        shared = self.map.shared(ids)[:old]
+        near = np.flatnonzero(shared >= _FEWEST_HIDDEN)
+        around = np.unique(near[:, None] + np.arange(-_AROUND, _AROUND + 1))
+        taken = np.zeros(len(self.map.alive), dtype=np.bool_)
+        taken[ids] = True
+        found, expected = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 2))]
+        for row in around[(around >= 0) & (around < old)]:
+            keyframe = self.map.keyframes[row]
+            usable, px = in_view(
+                self.map, keyframe, keyframe.ids, pose, self.matrix, picture.gray.shape
+            )
+            usable &= ~taken[keyframe.ids]
+            found.append(keyframe.ids[usable])
+            expected.append(px[usable])
+            taken[found[-1]] = True
+        known = np.concatenate(found)
+        points, rows = alike_where_expected(
+            np.concatenate(expected), self.map.descriptors[known], corners, _ALIKE_PX
+        )
+        return known[points], rows
 
     def triangulate_newest(self) -> None:
         """Locate points that the newest keyframe and an older one of the window see."""

@@ -1,0 +1,72 @@
+"""Points of the map matched to corners of a picture: near where they should be, and alike.
+
+Likeness is the number of bits in which ORB's descriptors differ (Rublee et al. 2011).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray
+from motorcade.tracking.slam.features import Corners, Descriptors
+from motorcade.tracking.slam.geometry import BoolArray, moved, to_pixels
+from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
+
+__all__ = ["alike_where_expected", "in_view"]
+
+_MOST_BITS = 64
+_SCALE_CHANGE = 1.5
+_BORDER_PX = 12.0
+
+
+def in_view(
+    slam_map: SlamMap, seen_by: Keyframe, ids: IntArray, pose: FloatArray, matrix: FloatArray,
+    shape: tuple[int, ...],
+) -> tuple[BoolArray, FloatArray]:  # fmt: skip
+    """Which points ``(n,)`` a pose should see about as large as a keyframe did, and where.
+
+    Args:
+        slam_map: the map.
+        seen_by: the keyframe.
+        ids: ``(n,)`` points it saw.
+        pose: camera_T_world ``(4, 4)``.
+        matrix: ``(3, 3)`` intrinsics.
+        shape: (height, width) of the picture.
+    """
+    places = slam_map.places[ids]
+    expected, depth = to_pixels(moved(pose, places), matrix)
+    then = moved(seen_by.camera_T_world, places)[:, 2]
+    limit = (shape[1] - 1 - _BORDER_PX, shape[0] - 1 - _BORDER_PX)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        near = np.abs(np.log(depth / then)) < np.log(_SCALE_CHANGE)
+        inside = np.all((expected >= _BORDER_PX) & (expected <= limit), axis=1)
+    usable: BoolArray = slam_map.located[ids] & near & inside
+    return usable, expected
+
+
+def alike_where_expected(
+    expected_px: FloatArray, descriptors: Descriptors, corners: Corners, radius_px: float
+) -> tuple[IntArray, IntArray]:
+    """Rows of points and of corners that are each other's best match.
+
+    Args:
+        expected_px: ``(n, 2)`` where the points should be.
+        descriptors: ``(n, 32)`` theirs.
+        corners: those of the picture.
+        radius_px: how far off a corner may be.
+    """
+    apart = np.abs(expected_px[:, None] - corners.px[None])
+    points, rows = np.nonzero(np.all(apart <= radius_px, axis=-1))
+    one, other = (
+        np.ascontiguousarray(d).view(np.uint64) for d in (descriptors, corners.descriptors)
+    )
+    bits = np.bitwise_count(one[points] ^ other[rows]).sum(axis=1)
+    alike = bits <= _MOST_BITS
+    points, rows, bits = points[alike], rows[alike], bits[alike]
+    order = np.lexsort((rows, points, bits))
+    points, rows = points[order], rows[order]
+    best = np.zeros(len(points), dtype=np.int64)
+    for owner in (points, rows):
+        best[np.unique(owner, return_index=True)[1]] += 1
+    chosen = best == 2
+    return points[chosen], rows[chosen]

@@ -1,0 +1,131 @@
+"""What visual SLAM says: of a frame as soon as it has been seen, and of a whole recording.
+
+Of every frame only its state and its pose relative to a keyframe are kept, so that a map that is
+corrected later corrects it too, and memory grows with keyframes (whose corners are kept), hardly
+with frames.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.tracking.slam.geometry import inverse
+from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
+
+__all__ = ["SLAM_STATES", "Diary", "SlamResult", "State", "TrackedFrame"]
+
+State = Literal["initialising", "tracking", "lost", "relocalised"]
+SLAM_STATES: tuple[State, ...] = ("initialising", "tracking", "lost", "relocalised")
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedFrame:
+    """What is known of a frame as soon as it has been seen.
+
+    Args:
+        time_ns: stamp; state: one of `SLAM_STATES`.
+        world_T_camera: the pose; None while initialising or lost.
+        covariance: ``(6, 6)`` of the right perturbation, rotation (rad) then translation.
+        inliers: corners that agree with the pose.
+        keyframe: whether the map grew by it.
+    """
+
+    time_ns: int
+    state: State
+    world_T_camera: Motor | None = None
+    covariance: FloatArray | None = None
+    inliers: int = 0
+    keyframe: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class SlamResult:
+    """A whole recording.
+
+    Args:
+        trajectory: world_T_camera of every frame that has a pose, as the final map corrects it;
+            None if there is none.
+        covariance: ``(n, 6, 6)`` of these poses within the map, rotation (rad) then translation.
+        time_ns: ``(f,)`` stamps of all frames; states: theirs.
+        online: world_T_camera as given at the time, of the frames that had a pose then.
+        map: keyframes and points.
+        metric: whether lengths are metres.
+        loops: how many loops were closed.
+        seconds: time spent a part: "tracking", "mapping".
+    """
+
+    trajectory: Trajectory | None
+    covariance: FloatArray
+    time_ns: np.ndarray
+    states: tuple[State, ...]
+    online: Trajectory | None
+    map: MapSnapshot
+    metric: bool
+    loops: int
+    seconds: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class _Entry:
+    """A frame's pose relative to a keyframe."""
+
+    time_ns: int
+    keyframe: int
+    camera_T_keyframe: FloatArray
+    covariance: FloatArray
+    online: FloatArray | None
+
+
+class Diary:
+    """State and pose of every frame so far."""
+
+    def __init__(self) -> None:
+        self.frames: list[tuple[int, State]] = []
+        self._entries: list[_Entry] = []
+
+    def note(
+        self, time_ns: int, keyframe: int, camera_T_keyframe: FloatArray, covariance: FloatArray,
+        online: FloatArray | None,
+    ) -> None:  # fmt: skip
+        """Remember a frame by a keyframe near it.
+
+        Args:
+            time_ns: its stamp.
+            keyframe: row of the keyframe, which may still have to be made.
+            camera_T_keyframe: ``(4, 4)``.
+            covariance: ``(6, 6)``.
+            online: camera_T_world ``(4, 4)`` as given at the time; None where none was given.
+        """
+        self._entries.append(_Entry(time_ns, keyframe, camera_T_keyframe, covariance, online))
+
+    def result(
+        self, slam_map: SlamMap, *, metric: bool, loops: int, seconds: dict[str, float]
+    ) -> SlamResult:
+        """Everything, by the map as it is now."""
+        kept = sorted(self._entries, key=lambda one: one.time_ns)
+        final = [
+            one.camera_T_keyframe @ slam_map.keyframes[one.keyframe].camera_T_world for one in kept
+        ]
+        seen = [(one.time_ns, one.online) for one in kept if one.online is not None]
+        return SlamResult(
+            trajectory=_trajectory([one.time_ns for one in kept], final),
+            covariance=np.array([one.covariance for one in kept]).reshape(-1, 6, 6),
+            time_ns=np.array([stamp for stamp, _ in self.frames], dtype=np.int64),
+            states=tuple(state for _, state in self.frames),
+            online=_trajectory([stamp for stamp, _ in seen], [pose for _, pose in seen]),
+            map=slam_map.snapshot(metric),
+            metric=metric,
+            loops=loops,
+            seconds=seconds,
+        )
+
+
+def _trajectory(stamps: list[int], poses: list[FloatArray]) -> Trajectory | None:
+    if not stamps:
+        return None
+    world_T_camera = Motor.from_matrix(inverse(np.stack(poses)))
+    return Trajectory(np.array(stamps, dtype=np.int64), world_T_camera)
