@@ -47,8 +47,9 @@ inline constexpr double GAP_RATE = 0.5;
 inline constexpr double REST_SPEED = 0.01;
 // Time over which rest compares readings with their average.
 inline constexpr double REST_AVERAGE_S = 0.5;
-// Rate in rest that the bias cannot explain, in deviations, is a slow turn.
-inline constexpr double REST_GATE = 4.0;
+// A rate in rest beyond this many deviations of the bias, of its own scatter and of what may still
+// turn at rest (0.1°/s) is a slow turn.
+inline constexpr double REST_GATE = 4.0, REST_RATE = 1.75e-3;
 
 inline double square(double x) { return x * x; }
 
@@ -216,7 +217,10 @@ private:
             mean_force_[i] += blend * (force - mean_force_[i]);
             rates += square(rate - mean_rate_[i]);
             forces += square(force - mean_force_[i]);
-            const double spread = covariance_[BIAS + i][BIAS + i] + square(set_.rest_rate / REST_GATE);
+            // By differences of neighbours, in which a turn that begins counts once.
+            scatter_[i] = blend == 1.0 ? 0.0 : scatter_[i] + blend * (0.5 * square(rate - before_rate_[i]) - scatter_[i]);
+            before_rate_[i] = rate;
+            const double spread = covariance_[BIAS + i][BIAS + i] + square(REST_RATE) + scatter_[i];
             beyond = std::max(beyond, square(mean_rate_[i] - bias_[i]) / spread);
         }
         const bool quiet = !gap_ && rates < square(set_.rest_rate) && forces < square(set_.rest_force) &&
@@ -270,9 +274,9 @@ private:
     void measure_rest(State &added, Node *node) {
         for (std::uint8_t axis = 0; axis < 2; ++axis)
             measure(Kind::velocity, axis, -velocity_[axis], square(REST_SPEED), added, node);
-        const double noise = square(set_.gyro_density) / elapsed_;
+        const double noise = square(set_.gyro_density) / elapsed_ + square(REST_RATE);
         for (std::uint8_t axis = 0; axis < 3; ++axis)
-            measure(Kind::bias, axis, swept_[axis] / elapsed_ - bias_[axis], noise, added, node);
+            measure(Kind::bias, axis, swept_[axis] / elapsed_ - bias_[axis], noise + scatter_[axis], added, node);
     }
 
     // One number at a time: residual = slope · error + noise; earlier ones of the instant count.
@@ -328,7 +332,7 @@ private:
     bool gap_ = false;
     // rest
     bool watched_ = false;
-    Three mean_rate_{}, mean_force_{};
+    Three mean_rate_{}, mean_force_{}, scatter_{}, before_rate_{};
     double still_ = 0.0;
 };
 
