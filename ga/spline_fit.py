@@ -27,9 +27,10 @@ _MAX_STEPS = 100
 # Damping of steps that would raise the sum of squares, as a share of the diagonal.
 _LEAST_DAMPING = 1e-3
 _ROUNDING = 1e-12
-# After so many steps in a row, each changing the sum of squares by less than this share, it is as
-# small as it gets: beside plainly wrong poses steps may go to and fro within its rounding.
-_LEVEL_STEPS, _LEVEL = 8, 1e-10
+# Beside plainly wrong poses steps may never end: then the sum is as small as it gets after so many
+# in a row that change it by less than this share, or where none is left but with this damping.
+_LEVEL_STEPS, _LEVEL = 4, 1e-9
+_MOST_DAMPING = 1.0
 # Largest step of any control that shapes a pose by a tenth or more, rad and m.
 _CONVERGED = 1e-9
 _SMOOTHNESS = 1e-6
@@ -66,13 +67,13 @@ def fit_controls(
         reached = _normal_equations(moved, segment, weights, poses)
         flat = abs(reached.cost - equations.cost) <= _LEVEL * equations.cost
         level = level + 1 if flat else 0
-        if level == _LEVEL_STEPS:
-            return moved
         if reached.cost <= equations.cost * (1.0 + _ROUNDING):
             controls, equations = moved, reached
             damping = damping / 8.0 if damping > _LEAST_DAMPING else 0.0
         else:
             damping = max(_LEAST_DAMPING, 4.0 * damping)
+        if level == _LEVEL_STEPS or damping > _MOST_DAMPING:
+            return controls
     return None
 
 
@@ -133,9 +134,8 @@ class _Chain(NamedTuple):
     @classmethod
     def of(cls, controls: Motor) -> _Chain:
         screws = (controls[:-1].inverse() @ controls[1:]).as_twist()
-        by_next: FloatArray = np.linalg.inv(_right_jacobian(screws)).astype(np.float64)
-        by_last: FloatArray = np.linalg.inv(_right_jacobian(-screws)).astype(np.float64)
-        return cls(controls, screws, by_next, -by_last)
+        both: FloatArray = np.linalg.inv(_right_jacobian(np.stack([screws, -screws])))
+        return cls(controls, screws, both[0], -both[1])
 
 
 def _pose_jacobians(
@@ -145,15 +145,16 @@ def _pose_jacobians(
     jacobian = np.zeros((len(segment), 6, 6, 6))
     pose = Motor.identity((len(segment),))
     carried = np.broadcast_to(np.eye(6), (len(segment), 6, 6))
+    parts = weights[..., None] * chain.screws[segment + np.arange(5)[:, None]]
+    weighed = weights[..., None, None] * _right_jacobian(parts)
+    factors = Motor.from_twist(parts)
+    back = twist_adjoint(factors.inverse())
     for j in range(4, -1, -1):
-        weight = weights[j][:, None]
-        part = weight * chain.screws[segment + j]
-        effect = carried @ (weight[..., None] * _right_jacobian(part))
+        effect = carried @ weighed[j]
         jacobian[:, :, j + 1] += effect @ chain.by_next[segment + j]
         jacobian[:, :, j] += effect @ chain.by_last[segment + j]
-        factor = Motor.from_twist(part)
-        pose = factor @ pose
-        carried = carried @ twist_adjoint(factor.inverse())
+        pose = factors[j] @ pose
+        carried = carried @ back[j]
     jacobian[:, :, 0] += carried
     return chain.controls[segment] @ pose, jacobian.reshape(-1, 6, 36)
 
