@@ -30,6 +30,7 @@ class Character:
         joints: (V, 4) joint numbers.
         weights: (V, 4) shares of these joints, not negative, summing to 1.
         clips: motions of this skeleton with different names.
+        notices: what was left out or assumed when it was read from a file.
 
     Raises:
         ValueError: a shape, an index or a weight out of range, or a clip for another skeleton.
@@ -43,6 +44,7 @@ class Character:
     joints: IntArray
     weights: FloatArray
     clips: tuple[Clip, ...] = ()
+    notices: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         count = len(np.asarray(self.vertices))

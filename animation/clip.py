@@ -1,15 +1,19 @@
 """Clip: local poses of a skeleton sampled over time.
 
-Between samples every joint follows the screw from one pose to the next. A looped clip ends in the
+Between samples every joint follows the screw from one pose to the next, or the path of constant
+growth where its scale changes. A looped clip ends in the
 pose it began with and repeats; any other clip holds its first and last pose outside its span.
 """
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, Motor, checked_floats, frozen
+from motorcade.ga import FloatArray, IntArray, Motor, Similarity, Versor, checked_floats, frozen
+
+Poses = TypeVar("Poses", bound=Versor)
 
 # How far, in metres and radians, the ends of a loop may lie apart.
 LOOP_TOLERANCE = 1e-6
@@ -22,18 +26,23 @@ class Clip:
     Args:
         name: what it is called.
         time_s: (F,) strictly increasing, F at least 1.
-        poses: Motor (F, J), local poses `parent_T_joint`.
+        poses: Motor (F, J), local poses `parent_T_joint`; Similarity (F, J) only where joints
+            grow or shrink over time, relative to the rest pose of the skeleton.
         looped: whether the motion repeats; its last pose must then equal its first.
+        key_count: how many keys the fullest channel of its file had, where the motion is sampled
+            more finely; by default the number of samples.
 
     Raises:
-        ValueError: an empty name, times that do not increase, shapes that do not fit, or a loop
-            whose ends differ by more than 1e-6 m or rad.
+        ValueError: an empty name, times that do not increase, shapes that do not fit, a count of
+            keys outside 1 to F, or a loop whose ends differ by more than 1e-6 m, rad or in the
+            logarithm of scale.
     """
 
     name: str
     time_s: FloatArray
-    poses: Motor
+    poses: Motor | Similarity
     looped: bool = False
+    key_count: int = 0
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -51,12 +60,17 @@ class Clip:
             )
         if self.looped:
             self._check_loop(times)
+        if not 0 <= self.key_count <= times.size:
+            raise ValueError(
+                f"Clip.key_count of '{self.name}': expected 1 to {times.size}, got {self.key_count}"
+            )
+        object.__setattr__(self, "key_count", self.key_count or times.size)
         object.__setattr__(self, "time_s", frozen(times))
 
     def _check_loop(self, times: FloatArray) -> None:
         if times.size < 2:
             raise ValueError(f"Clip '{self.name}': a loop needs two samples or more, got one")
-        gap = float(np.max(np.abs((self.poses[0].inverse() @ self.poses[-1]).as_twist())))
+        gap = float(np.max(np.abs(_gap(self.poses))))
         if gap > LOOP_TOLERANCE:
             raise ValueError(
                 f"Clip.poses of '{self.name}': expected the last pose of a loop to equal the "
@@ -68,7 +82,7 @@ class Clip:
         """Seconds from the first sample to the last; the period of a loop."""
         return float(self.time_s[-1] - self.time_s[0])
 
-    def at(self, time_s: ArrayLike) -> Motor:
+    def at(self, time_s: ArrayLike) -> Motor | Similarity:
         """Local poses (*, J) at times (*) in seconds on the clip's own clock.
 
         Raises:
@@ -85,4 +99,14 @@ class Clip:
         before = np.searchsorted(self.time_s, clock, side="right") - 1
         before = np.clip(before, 0, len(self.time_s) - 2)
         fraction = (clock - self.time_s[before]) / np.diff(self.time_s)[before]
-        return self.poses[before].interpolate(self.poses[before + 1], fraction[..., None])
+        return _between(self.poses, before, fraction)
+
+
+def _gap(poses: Poses) -> FloatArray:
+    """Coordinates of what lies between the first poses and the last."""
+    return -2.0 * (poses[0].inverse() @ poses[-1]).log()
+
+
+def _between(poses: Poses, before: IntArray, fraction: FloatArray) -> Poses:
+    """Poses on the way from samples `before` to those after them."""
+    return poses[before].interpolate(poses[before + 1], fraction[..., None])

@@ -1,15 +1,19 @@
 """Skeleton: a tree of joints, each placed in its parent by a motor.
 
 A joint's local pose is `parent_T_joint`, the root's is `character_T_joint`; a pose of the whole
-skeleton is a Motor of shape (*, J). Joints stand in an order in which parents come first.
+skeleton is a Motor of shape (*, J), or a Similarity where joints grow or shrink. Joints stand in
+an order in which parents come first.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
-from motorcade.ga import IntArray, Motor, kernels
+from motorcade.ga import IntArray, Motor, Similarity, Versor, kernels
+
+Poses = TypeVar("Poses", bound=Versor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +70,10 @@ class Skeleton:
             raise ValueError(f"Skeleton: expected one of its joints, got '{name}'")
         return self.names.index(name)
 
-    def world(self, local: Motor) -> Motor:
+    def world(self, local: Poses) -> Poses:
         """Poses `character_T_joint` (*, J) from local poses `parent_T_joint` (*, J).
+
+        Takes motors, or similarities, whose scale children inherit.
 
         Raises:
             ValueError: a last dimension other than the number of joints.
@@ -77,10 +83,12 @@ class Skeleton:
                 f"Skeleton.world(local): expected shape (*, {len(self)}), got {local.shape}"
             )
         poses = np.array(local.coefficients)
+        growing = isinstance(local, Similarity)
+        compose = kernels.similarity_compose if growing else kernels.compose
         for joints in self._levels[1:]:
             above = poses[..., self.parents[joints], :]
-            poses[..., joints, :] = kernels.compose(above, poses[..., joints, :])
-        return Motor(poses)
+            poses[..., joints, :] = compose(above, poses[..., joints, :])
+        return type(local)(poses)
 
     @cached_property
     def rest_world(self) -> Motor:

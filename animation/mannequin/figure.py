@@ -16,7 +16,7 @@ from motorcade.animation.mannequin.proportions import (
 )
 from motorcade.animation.mannequin.walk import walk
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import Motor, Rotor
+from motorcade.ga import Motor, Rotor, Similarity
 
 
 def mannequin(height_m: float = REFERENCE_HEIGHT_M) -> Character:
@@ -67,6 +67,6 @@ def _skeleton() -> Skeleton:
     return Skeleton(names, parents, Motor.from_rotor_translation(rotors, offsets))
 
 
-def _scaled(poses: Motor, scale: float) -> Motor:
+def _scaled(poses: Motor | Similarity, scale: float) -> Motor:
     """The same turns with all distances scaled."""
     return Motor.from_rotor_translation(poses.rotor, scale * poses.translation_m)

@@ -1,0 +1,10 @@
+"""Character and motion files: read into frozen values, and written as glTF.
+
+Files are not trusted: sizes, depths and counts are limited (see `limits`), XML entities and
+files outside the folder are refused, and whatever is wrong is a `FormatError`.
+"""
+
+from motorcade.animation.formats.door import SUFFIXES, Motion, read_character, read_motion
+from motorcade.animation.formats.errors import FormatError
+
+__all__ = ["SUFFIXES", "FormatError", "Motion", "read_character", "read_motion"]

@@ -1,0 +1,184 @@
+"""BVH: a skeleton and its motion as Euler angles, without a mesh.
+
+Joints turn by the angles of their channels in the order in which these stand (intrinsic). Neither
+the unit nor the axis that is up is stated.
+Source: Meredith and Maddock, Motion Capture File Formats Explained (2001).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.limits import MAX_DEPTH, MAX_NODES, MAX_POSES, read_bounded
+from motorcade.animation.formats.rig.curves import great_arc, with_times
+from motorcade.animation.formats.rig.transforms import Transforms
+from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip
+from motorcade.ga import FloatArray, Rotor
+
+__all__ = ["read_bvh"]
+
+POSITIONS = {"Xposition": 0, "Yposition": 1, "Zposition": 2}
+ROTATIONS = {"Xrotation": 0, "Yrotation": 1, "Zrotation": 2}
+
+
+class _Hierarchy:
+    """Joints of a file: names, parents, offsets, channels."""
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+        self.parents: list[int] = []
+        self.offsets: list[list[float]] = []
+        self.channels: list[list[str]] = []
+
+
+def read_bvh(path: Path) -> Rig:
+    """Read a `.bvh`.
+
+    The rest pose is that of all angles zero, its root where the file's offset puts it.
+
+    Raises:
+        FormatError: a file that is not consistent.
+    """
+    text = read_bounded(path).decode("utf-8", "replace")
+    head, found, body = text.partition("MOTION")
+    if not found:
+        raise FormatError("file: expected a section MOTION, got none")
+    words = head.split()
+    if len(words) > 40 * MAX_NODES:
+        raise expected("HIERARCHY", f"at most {MAX_NODES} joints", "more")
+    tree = _hierarchy(words)
+    times, values = _frames(body, sum(map(len, tree.channels)))
+    return _rig(tree, times, values, path.stem[:200])
+
+
+def _hierarchy(words: list[str]) -> _Hierarchy:
+    made = _Hierarchy()
+    stack: list[int] = []
+    at = 0
+
+    def word() -> str:
+        nonlocal at
+        at += 1
+        if at > len(words):
+            raise expected("HIERARCHY", "a closing brace", "the end of the section")
+        return words[at - 1]
+
+    if word() != "HIERARCHY":
+        raise expected("file", "HIERARCHY", words[0])
+    while at < len(words):
+        kind = word()
+        if kind in ("ROOT", "JOINT"):
+            if (kind == "ROOT") != (not stack):
+                raise expected("HIERARCHY", "ROOT outside and JOINT inside of joints", kind)
+            name = word()
+            while at < len(words) and words[at] != "{":
+                name += " " + word()
+            word()
+            made.names.append(name[:200])
+            made.parents.append(stack[-1] if stack else -1)
+            made.offsets.append([0.0, 0.0, 0.0])
+            made.channels.append([])
+            stack.append(len(made.names) - 1)
+            if len(stack) > MAX_DEPTH or len(made.names) > MAX_NODES:
+                raise expected("HIERARCHY", f"{MAX_DEPTH} levels, {MAX_NODES} joints", "more")
+        elif kind == "OFFSET" and stack:
+            made.offsets[stack[-1]] = [_number(word()) for _ in range(3)]
+        elif kind == "CHANNELS" and stack:
+            count = _number(word())
+            if count not in range(7):
+                raise expected("CHANNELS", "0 to 6", count)
+            names = [word() for _ in range(int(count))]
+            if any(one not in POSITIONS and one not in ROTATIONS for one in names):
+                raise expected("CHANNELS", "names such as Xrotation", names)
+            made.channels[stack[-1]] = names
+        elif kind == "End" and stack:
+            for wanted in ("Site", "{", "OFFSET"):
+                got = word()
+                if got != wanted:
+                    raise expected("End Site", wanted, got)
+            for _ in range(3):
+                _number(word())  # ends of limbs are no joints
+            if word() != "}":
+                raise expected("End Site", "a closing brace", words[at - 1])
+        elif kind == "}" and stack:
+            stack.pop()
+        else:
+            raise expected("HIERARCHY", "a joint, OFFSET, CHANNELS, End or a brace", kind)
+    if stack or not made.names:
+        raise expected("HIERARCHY", "joints with closed braces", f"{len(stack)} open")
+    return made
+
+
+def _frames(body: str, width: int) -> tuple[FloatArray, FloatArray]:
+    """Times (F,) and channel values (F, C)."""
+    words = body.split(None, 6)
+    if len(words) < 5 or words[0] != "Frames:" or words[2:4] != ["Frame", "Time:"]:
+        raise expected("MOTION", "Frames: and Frame Time:", " ".join(words[:4]))
+    count, step = _number(words[1]), _number(words[4])
+    if count != int(count) or not 1 <= count <= MAX_POSES or not 1e-6 <= step <= 1e4:
+        raise expected("MOTION", "a count of frames and a time of 1e-6 s or more", words[1])
+    rest = body.split(None, 5)[5] if len(words) > 5 else ""
+    parts = rest.split()
+    frames = int(count)
+    if len(parts) < frames * width or frames * max(width, 1) > 8 * MAX_POSES:
+        raise expected("MOTION", f"{frames} frames of {width} numbers", f"{len(parts)} numbers")
+    try:
+        values = np.array(parts[: frames * width], dtype=np.float64)
+    except ValueError as fault:
+        raise FormatError(f"MOTION: expected numbers, {fault}") from fault
+    if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > 1e9:
+        raise expected("MOTION", "finite numbers up to 1e9", "others")
+    return np.linspace(0.0, (frames - 1) * step, frames), values.reshape(frames, width)
+
+
+def _rig(tree: _Hierarchy, times: FloatArray, values: FloatArray, name: str) -> Rig:
+    joints = len(tree.names)
+    offsets = np.array(tree.offsets)
+    wxyz = np.zeros((len(times), joints, 4))
+    wxyz[..., 0] = 1.0
+    places = np.repeat(offsets[None], len(times), axis=0)
+    start = 0
+    for joint, channels in enumerate(tree.channels):
+        columns = values[:, start : start + len(channels)]
+        start += len(channels)
+        turn = Rotor.identity()
+        for column, channel in zip(columns.T, channels, strict=True):
+            if channel in POSITIONS:
+                places[:, joint, POSITIONS[channel]] = column
+                continue
+            vector = np.zeros((len(times), 3))
+            vector[:, ROTATIONS[channel]] = np.radians(column)
+            turn = turn @ Rotor.from_rotation_vector(vector)
+        wxyz[:, joint] = turn.as_quaternion()
+
+    def at(wanted: FloatArray) -> Transforms:
+        turned = great_arc(times, wxyz, wanted)
+        return Transforms(turned, with_times(times, places, wanted), np.ones(turned.shape[:-1]))
+
+    clip = RigClip(name, times, at, np.arange(joints))
+    rest = Transforms.from_parts(
+        np.tile([1.0, 0.0, 0.0, 0.0], (joints, 1)), offsets, np.ones((joints, 3))
+    )
+    parents = np.array(tree.parents)
+    return Rig(
+        NodeTree(tuple(tree.names), parents, rest), tuple(range(joints)), (), (clip,),
+        up=None, forward=None, unit_m=None,
+    )  # fmt: skip
+
+
+def _number(word: str) -> float:
+    """A finite number.
+
+    Raises:
+        FormatError: anything else.
+    """
+    try:
+        value = float(word)
+    except ValueError as fault:
+        raise expected("HIERARCHY", "a number", word) from fault
+    if not abs(value) < 1e9:
+        raise expected("HIERARCHY", "a finite number up to 1e9", word)
+    return value

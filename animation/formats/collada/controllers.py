@@ -1,0 +1,169 @@
+"""Skins of a Collada document, and meshes that hang on nodes without one, as surfaces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motorcade.animation.formats.collada.geometry import Part, read_geometry
+from motorcade.animation.formats.collada.library import Library, inputs_of, matrices_of, number
+from motorcade.animation.formats.collada.materials import Materials
+from motorcade.animation.formats.collada.scene import Scene
+from motorcade.animation.formats.collada.xml import Element
+from motorcade.animation.formats.errors import expected
+from motorcade.animation.formats.rig.values import Skin, Surface
+from motorcade.ga import FloatArray, IntArray
+
+__all__ = ["Controllers"]
+
+MOST_INFLUENCES = 64
+
+
+class Controllers:
+    """Reads the surfaces of one document; `notices` gathers what was left out.
+
+    Args:
+        library: the document.
+        scene: its nodes.
+        materials: its colours.
+    """
+
+    def __init__(self, library: Library, scene: Scene, materials: Materials) -> None:
+        self._library = library
+        self._scene = scene
+        self._materials = materials
+        self.notices: list[str] = []
+
+    def surfaces(self) -> tuple[tuple[Surface, ...], tuple[int, ...]]:
+        """Surfaces of every node, and the nodes that skins call joints.
+
+        Raises:
+            FormatError: sources that are missing or do not fit, or joints that are no nodes.
+        """
+        made: list[Surface] = []
+        joints: set[int] = set()
+        for node, element in enumerate(self._scene.elements):
+            for instance in element.all("instance_controller"):
+                skin = self._skin_of(instance.get("url"))
+                if skin is not None:
+                    surfaces, held = self._skinned(skin, instance, node)
+                    made += surfaces
+                    joints.update(held)
+            for instance in element.all("instance_geometry"):
+                made += self._hanging(instance, node)
+        return tuple(made), tuple(sorted(joints))
+
+    def _skin_of(self, url: str) -> Element | None:
+        controller = self._library.named(url, "controller", "instance_controller")
+        skin = controller.first("skin")
+        if skin is None:
+            self.notices.append(f"'{controller.get('id')[:60]}' morphs a mesh: left out")
+        return skin
+
+    def _hanging(self, instance: Element, node: int) -> list[Surface]:
+        geometry = self._library.named(instance.get("url"), "geometry", "instance_geometry")
+        if geometry.first("mesh") is None:
+            self.notices.append(f"'{geometry.get('id')[:60]}' is no mesh: left out")
+            return []
+        parts, told = read_geometry(self._library, geometry)
+        self.notices += told
+        name = (geometry.get("name") or geometry.get("id"))[:60]
+        return [
+            Surface(name, node, part.vertices, part.normals, part.triangles,
+                    self._materials.colors(part, instance))
+            for part in parts
+        ]  # fmt: skip
+
+    def _skinned(
+        self, element: Element, instance: Element, node: int
+    ) -> tuple[list[Surface], list[int]]:
+        geometry = self._library.named(element.get("source"), "geometry", "skin source")
+        name = (geometry.get("name") or geometry.get("id"))[:60]
+        parts, told = read_geometry(self._library, geometry)
+        self.notices += told
+        skin = self._skin(element, name)
+        numbers, weights = self._influences(element, name, len(skin.nodes))
+        made = []
+        for part in parts:
+            if part.positions.max(initial=0) >= len(numbers):
+                raise expected(f"skin of '{name}'", "weights of every vertex", len(numbers))
+            made.append(self._carried(part, instance, node, name, skin, numbers, weights))
+        return made, skin.nodes.tolist()
+
+    def _carried(
+        self,
+        part: Part,
+        instance: Element,
+        node: int,
+        name: str,
+        skin: Skin,
+        numbers: IntArray,
+        weights: FloatArray,
+    ) -> Surface:
+        held = part.positions
+        return Surface(
+            name, node, part.vertices, part.normals, part.triangles,
+            self._materials.colors(part, instance), skin, numbers[held], weights[held],
+        )  # fmt: skip
+
+    def _skin(self, element: Element, name: str) -> Skin:
+        """Joints and inverse bind matrices, with the bind shape of the mesh folded in."""
+        inputs = inputs_of(element.needed("joints"))
+        if "JOINT" not in inputs or "INV_BIND_MATRIX" not in inputs:
+            raise expected(f"skin of '{name}'", "JOINT and INV_BIND_MATRIX", sorted(inputs))
+        called = self._library.names(inputs["JOINT"].get("source"), "JOINT")
+        values = self._library.source(
+            inputs["INV_BIND_MATRIX"].get("source"), "INV_BIND_MATRIX", 16
+        )
+        if not called or len(values) < len(called):
+            raise expected(f"skin of '{name}'", f"{len(called)} bind matrices", len(values))
+        nodes = []
+        for one in called:
+            node = self._scene.joint(one)
+            if node is None:
+                raise expected(f"skin of '{name}'", "joints that are nodes of the scene", one)
+            nodes.append(node)
+        matrices = matrices_of(values[: len(called)])
+        shape = element.first("bind_shape_matrix")
+        if shape is not None:
+            matrices = matrices @ shape.floats(16).reshape(4, 4)
+        return self._without_repeats(np.array(nodes), matrices, name)
+
+    def _without_repeats(self, nodes: IntArray, matrices: FloatArray, name: str) -> Skin:
+        if len(set(nodes.tolist())) < len(nodes):
+            raise expected(f"skin of '{name}'", "different joints", "one twice")
+        return Skin(nodes, matrices)
+
+    def _influences(self, element: Element, name: str, joints: int) -> tuple[IntArray, FloatArray]:
+        """Joint numbers (P, K) and weights (P, K) of the mesh's positions."""
+        given = element.needed("vertex_weights")
+        inputs = inputs_of(given)
+        if "JOINT" not in inputs or "WEIGHT" not in inputs:
+            raise expected(f"weights of '{name}'", "JOINT and WEIGHT", sorted(inputs))
+        shares = self._library.source(inputs["WEIGHT"].get("source"), "WEIGHT", 1)[:, 0]
+        at = {
+            semantic: number(one.get("offset") or "0", f"weights of '{name}'", 0, 63)
+            for semantic, one in inputs.items()
+        }
+        stride = 1 + max(at.values())
+        counts = given.needed("vcount").integers()
+        pairs = given.needed("v").integers()
+        if counts.min(initial=0) < 0 or counts.sum() * stride != len(pairs):
+            raise expected(f"weights of '{name}'", f"{counts.sum()} pairs", len(pairs))
+        if counts.max(initial=0) > MOST_INFLUENCES:
+            raise expected(f"weights of '{name}'", f"at most {MOST_INFLUENCES} a vertex",
+                           counts.max())  # fmt: skip
+        pairs = pairs.reshape(-1, stride)
+        which, share = pairs[:, at["JOINT"]], pairs[:, at["WEIGHT"]]
+        if np.any(which < -1) or np.any(which >= joints):
+            raise expected(f"weights of '{name}'", f"joints below {joints}", which.max())
+        if len(share) and (share.min() < 0 or share.max() >= len(shares)):
+            raise expected(f"weights of '{name}'", f"weights below {len(shares)}", share.max())
+        width = max(int(counts.max(initial=0)), 1)
+        rows = np.repeat(np.arange(len(counts)), counts)
+        columns = np.arange(len(pairs)) - np.repeat(np.cumsum(counts) - counts, counts)
+        numbers = np.zeros((len(counts), width), dtype=np.int64)
+        weights = np.zeros((len(counts), width))
+        # Joint −1 means the bind shape itself: that share stays without a joint.
+        numbers[rows, columns] = np.maximum(which, 0)
+        weights[rows, columns] = np.where(which >= 0, shares[share], 0.0)
+        return numbers, weights

@@ -1,0 +1,100 @@
+"""The one way in: a character or motion file by its suffix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from motorcade.animation.character import Character
+from motorcade.animation.clip import Clip
+from motorcade.animation.formats.bvh import read_bvh
+from motorcade.animation.formats.collada import read_collada
+from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.fbx import read_fbx
+from motorcade.animation.formats.gltf import read_gltf
+from motorcade.animation.formats.md5 import read_md5_mesh, read_md5_motion
+from motorcade.animation.formats.rig import Rig, assemble_character, assemble_motion
+from motorcade.animation.skeleton import Skeleton
+
+__all__ = ["SUFFIXES", "Motion", "read_character", "read_motion"]
+
+READERS: dict[str, Callable[[Path], Rig]] = {
+    ".glb": read_gltf,
+    ".gltf": read_gltf,
+    ".dae": read_collada,
+    ".md5mesh": read_md5_mesh,
+    ".md5anim": read_md5_motion,
+    ".bvh": read_bvh,
+    ".fbx": read_fbx,
+}
+SUFFIXES = tuple(READERS)
+"""Suffixes of the files that can be read."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A skeleton with clips, and no mesh.
+
+    Args:
+        skeleton: with J joints; its rest pose is that in which the file's nodes stand.
+        clips: motions of this skeleton.
+        notices: what was left out or assumed when it was read.
+    """
+
+    skeleton: Skeleton
+    clips: tuple[Clip, ...]
+    notices: tuple[str, ...]
+
+
+def read_character(path: Path | str, *, unit_m: float | None = None) -> Character:
+    """Read a skinned mesh with its skeleton and clips: metres, z up, facing +x, soles at z = 0.
+
+    Joint frames are rigid; constant scale of the rig ends in the mesh. What was left out or
+    assumed stands in `Character.notices`.
+
+    Args:
+        path: `.glb`, `.gltf`, `.dae`, `.md5mesh` (with the `.md5anim` of the same name beside
+            it) or `.fbx`.
+        unit_m: length of the file's unit, where the caller knows better than the file.
+
+    Raises:
+        FormatError: a file that cannot be read, breaks its format or a limit of size, names a
+            file outside its folder, or has no mesh that joints carry.
+    """
+    given = Path(path)
+    try:
+        return assemble_character(_rig(given, unit_m), unit_m)
+    except FormatError as fault:
+        raise fault.in_file(given) from fault
+    except ValueError as fault:  # what Skeleton, Clip or Character refuse
+        raise FormatError(str(fault)).in_file(given) from fault
+
+
+def read_motion(path: Path | str, *, unit_m: float | None = None) -> Motion:
+    """Read a skeleton with its clips; meshes are not looked at.
+
+    Args:
+        path: any file that `read_character` takes, or `.bvh`, or `.md5anim`.
+        unit_m: length of the file's unit, where the caller knows better than the file.
+
+    Raises:
+        FormatError: see `read_character`; no joints.
+    """
+    given = Path(path)
+    try:
+        made = assemble_motion(_rig(given, unit_m), unit_m)
+    except FormatError as fault:
+        raise fault.in_file(given) from fault
+    except ValueError as fault:
+        raise FormatError(str(fault)).in_file(given) from fault
+    return Motion(made.skeleton, made.clips, made.notices)
+
+
+def _rig(path: Path, unit_m: float | None) -> Rig:
+    if unit_m is not None and not 1e-6 <= unit_m <= 1e6:
+        raise expected("unit_m", "metres from 1e-6 to 1e6", unit_m)
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise expected("suffix", f"one of {', '.join(SUFFIXES)}", path.suffix or "none")
+    return reader(path)

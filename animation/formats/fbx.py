@@ -1,0 +1,102 @@
+"""FBX by way of `assimp`: the program of that name turns the file into glTF, which is then read.
+
+The program runs without a shell, in a folder of its own, within limits of time, memory and size;
+its node names and numbers are taken as they come. FBX states its unit in centimetres, which the
+program drops: it is read from the file here.
+"""
+
+from __future__ import annotations
+
+import re
+import resource
+import shutil
+import struct
+import subprocess
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+from motorcade.animation.formats.errors import FormatError, shown
+from motorcade.animation.formats.gltf import read_gltf
+from motorcade.animation.formats.limits import MAX_FILE_BYTES, read_bounded
+from motorcade.animation.formats.rig.values import Rig
+
+__all__ = ["read_fbx"]
+
+TIME_LIMIT_S = 60.0
+MEMORY_LIMIT_BYTES = 4 << 30
+BINARY_UNIT = re.compile(
+    rb"UnitScaleFactorS\x06\0\0\0doubleS\x06\0\0\0NumberS\0\0\0\0D(.{8})", re.S
+)
+TEXT_UNIT = re.compile(rb'"UnitScaleFactor",\s*"double",\s*"Number",\s*"",\s*([0-9.eE+-]{1,30})')
+
+
+def read_fbx(path: Path) -> Rig:
+    """Read an `.fbx`.
+
+    Raises:
+        FormatError: the program is not installed, fails, or takes too long; or what `read_gltf`
+            refuses.
+    """
+    program = shutil.which("assimp")
+    if program is None:
+        raise FormatError(
+            "FBX is read by the program assimp, which is not installed; on Debian and Ubuntu "
+            "the package assimp-utils brings it"
+        )
+    data = read_bounded(path)
+    with tempfile.TemporaryDirectory(prefix="motorcade-fbx-") as folder:
+        given = Path(folder) / "given.fbx"
+        made = Path(folder) / "made.glb"
+        given.write_bytes(data)
+        _export(program, given, made)
+        rig = read_gltf(made)
+    unit_m = _unit_m(data)
+    if unit_m is not None:
+        rig = replace(rig, unit_m=unit_m, unit_checked=False)
+    return replace(rig, clips=tuple(
+        replace(clip, name=clip.name or path.stem) for clip in rig.clips
+    ))  # fmt: skip
+
+
+def _export(program: str, given: Path, made: Path) -> None:
+    try:
+        done = subprocess.run(
+            [program, "export", str(given), str(made)],
+            cwd=given.parent,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=TIME_LIMIT_S,
+            preexec_fn=_limit,
+            check=False,
+        )
+    except subprocess.TimeoutExpired as fault:
+        raise FormatError(f"assimp: expected an end within {TIME_LIMIT_S:g} s, got none") from fault
+    except OSError as fault:
+        raise FormatError(f"assimp: cannot be run: {fault.strerror}") from fault
+    if done.returncode != 0 or not made.is_file():
+        lines = (done.stdout + done.stderr).decode("utf-8", "replace").strip().splitlines()
+        raise FormatError(f"assimp: {shown(lines[-1] if lines else 'failed', 200)}")
+
+
+def _limit() -> None:
+    """In the program's own process: bounds of memory, of files and of processor time."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_LIMIT_BYTES, MEMORY_LIMIT_BYTES))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (MAX_FILE_BYTES, MAX_FILE_BYTES))
+    resource.setrlimit(resource.RLIMIT_CPU, (int(TIME_LIMIT_S), int(TIME_LIMIT_S)))
+
+
+def _unit_m(data: bytes) -> float | None:
+    """Metres a unit, or None where the file does not say."""
+    binary, text = BINARY_UNIT.search(data), TEXT_UNIT.search(data)
+    value = 0.0
+    if binary is not None:
+        value = struct.unpack("<d", binary[1])[0]
+    elif text is not None:
+        try:
+            value = float(text[1])
+        except ValueError as fault:
+            raise FormatError("UnitScaleFactor: expected a number, got another text") from fault
+    if not 1e-4 <= value <= 1e6:
+        return None
+    return 0.01 * value

@@ -1,0 +1,160 @@
+"""Accessors: typed arrays in the buffers of a glTF file, decoded once each.
+
+Normalised integers become numbers from 0 or −1 to 1, sparse entries are written over what they
+replace, interleaved data is taken apart.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.gltf.container import Document
+from motorcade.animation.formats.gltf.fields import integer, table
+from motorcade.animation.formats.limits import MAX_VALUES
+from motorcade.ga import FloatArray, IntArray
+
+__all__ = ["Accessors"]
+
+TYPES: dict[int, np.dtype[Any]] = {
+    5120: np.dtype("<i1"), 5121: np.dtype("<u1"), 5122: np.dtype("<i2"), 5123: np.dtype("<u2"),
+    5125: np.dtype("<u4"), 5126: np.dtype("<f4"),
+}  # fmt: skip
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+
+
+class Accessors:
+    """Reads the accessors of one document.
+
+    Args:
+        document: whose accessors.
+    """
+
+    def __init__(self, document: Document) -> None:
+        self._document = document
+        self._entries = document.entries("accessors")
+        self._views = document.entries("bufferViews")
+        self._read: dict[int, NDArray[Any]] = {}
+        self._total = 0
+
+    def floats(self, index: object, field: str, kind: str) -> FloatArray:
+        """Values (n, width), or (n,) for scalars, as float64; normalised integers are divided.
+
+        Raises:
+            FormatError: another type, out of range, NaN or infinity.
+        """
+        raw = self._raw(index, field, kind)
+        if raw.dtype.kind == "f":
+            made = raw.astype(np.float64)
+            if not np.isfinite(made).all():
+                raise expected(field, "finite numbers", "NaN or infinity")
+            return made
+        entry = self._entries[int(index)]  # type: ignore[call-overload]
+        made = raw.astype(np.float64)
+        if entry.get("normalized") is True:
+            made = np.maximum(made / np.iinfo(raw.dtype).max, -1.0)
+        return made
+
+    def integers(self, index: object, field: str, kind: str) -> IntArray:
+        """Whole numbers (n, width), or (n,) for scalars.
+
+        Raises:
+            FormatError: another type, or out of range.
+        """
+        raw = self._raw(index, field, kind)
+        if raw.dtype.kind == "f":
+            raise expected(field, "integers", "floating-point numbers")
+        return raw.astype(np.int64)
+
+    def unread(self, index: object, field: str, kind: str) -> NDArray[Any]:
+        """Values as they are stored, perhaps in the buffer's own memory; NaN may be among them."""
+        return self._raw(index, field, kind)
+
+    def is_plain(self, index: object) -> bool:
+        """Whether the values of an accessor that was read are floats."""
+        return self._read[int(index)].dtype.kind == "f"  # type: ignore[call-overload]
+
+    def _raw(self, index: object, field: str, kind: str) -> NDArray[Any]:
+        number = integer(index, field, 0, len(self._entries) - 1)
+        known = self._read.get(number)
+        entry = table(self._entries[number], field)
+        if entry.get("type") != kind:
+            raise expected(f"accessors[{number}].type", kind, entry.get("type"))
+        if known is not None:
+            return known
+        made = self._decode(entry, number)
+        self._read[number] = made
+        return made
+
+    def _decode(self, entry: dict[str, Any], number: int) -> NDArray[Any]:
+        width = WIDTHS[entry["type"]]
+        kind = _component(entry, f"accessors[{number}]")
+        count = integer(entry.get("count"), f"accessors[{number}].count", 1, MAX_VALUES // width)
+        self._total += count * width
+        if self._total > MAX_VALUES:
+            raise FormatError(f"accessors: expected at most {MAX_VALUES} numbers in all, got more")
+        if "bufferView" in entry:
+            offset = entry.get("byteOffset", 0)
+            made = self._view(entry["bufferView"], offset, number, kind, count, width)
+        else:
+            made = np.zeros((count, width), kind)
+        if "sparse" in entry:
+            made = self._sparse(table(entry["sparse"], f"accessors[{number}].sparse"), number, made)
+        return made[:, 0] if width == 1 else made
+
+    def _view(
+        self, view: object, offset: object, number: int, kind: np.dtype[Any], count: int, width: int
+    ) -> NDArray[Any]:
+        """An array (count, width) over a buffer view; nothing is copied."""
+        field = f"accessors[{number}]"
+        which = integer(view, f"{field}.bufferView", 0, len(self._views) - 1)
+        entry = table(self._views[which], f"bufferViews[{which}]")
+        buffers = self._document.buffers
+        whole = integer(entry.get("buffer"), f"bufferViews[{which}].buffer", 0, len(buffers) - 1)
+        data = buffers[whole]
+        start = integer(
+            entry.get("byteOffset", 0), f"bufferViews[{which}].byteOffset", 0, len(data)
+        )
+        length = integer(
+            entry.get("byteLength"), f"bufferViews[{which}].byteLength", 1, len(data) - start
+        )
+        item = kind.itemsize * width
+        stride = entry.get("byteStride", item)
+        if stride != item:
+            stride = integer(stride, f"bufferViews[{which}].byteStride", item, 252)
+        first = offset if type(offset) is int and 0 <= offset <= length else -1
+        if first < 0 or first + (count - 1) * stride + item > length:
+            raise expected(f"{field}.count", f"values within the {length} bytes of its view", count)
+        return np.ndarray((count, width), kind, data, start + first, (stride, kind.itemsize))
+
+    def _sparse(self, entry: dict[str, Any], number: int, base: NDArray[Any]) -> NDArray[Any]:
+        field = f"accessors[{number}].sparse"
+        count = integer(entry.get("count"), f"{field}.count", 1, len(base))
+        at = table(entry.get("indices"), f"{field}.indices")
+        kind = _component(at, f"{field}.indices")
+        if kind.kind != "u":
+            raise expected(f"{field}.indices.componentType", "unsigned integers", "others")
+        rows = self._view(at.get("bufferView"), at.get("byteOffset", 0), number, kind, count, 1)
+        values = table(entry.get("values"), f"{field}.values")
+        new = self._view(
+            values.get("bufferView"), values.get("byteOffset", 0), number, base.dtype, count,
+            base.shape[1],
+        )  # fmt: skip
+        where = rows[:, 0].astype(np.int64)
+        if where.max() >= len(base) or np.any(np.diff(where) <= 0):
+            raise expected(f"{field}.indices", f"increasing numbers below {len(base)}", "others")
+        made = base.copy()
+        made[where] = new
+        return made
+
+
+def _component(entry: dict[str, Any], field: str) -> np.dtype[Any]:
+    """The type that a number stands for."""
+    given = entry.get("componentType")
+    kind = TYPES.get(given) if type(given) is int else None
+    if kind is None:
+        raise expected(f"{field}.componentType", "5120 to 5126", given)
+    return kind

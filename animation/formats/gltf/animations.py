@@ -1,0 +1,192 @@
+"""Animations of a glTF document as clips.
+
+Channels with the same path, keys and interpolation are evaluated together: exporters write
+hundreds a clip.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.gltf.accessors import Accessors
+from motorcade.animation.formats.gltf.container import Document
+from motorcade.animation.formats.gltf.fields import integer, listed, table
+from motorcade.animation.formats.gltf.nodes import Nodes
+from motorcade.animation.formats.rig.curves import (
+    before_jumps,
+    great_arc,
+    hermite,
+    stepped,
+    with_times,
+)
+from motorcade.animation.formats.rig.transforms import Transforms
+from motorcade.animation.formats.rig.values import RigClip
+from motorcade.ga import FloatArray
+
+__all__ = ["read_animations"]
+
+PATHS = {"rotation": "VEC4", "translation": "VEC3", "scale": "VEC3"}
+INTERPOLATIONS = ("LINEAR", "STEP", "CUBICSPLINE")
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Channels C that share path, keys (K,) and interpolation."""
+
+    path: str
+    interpolation: str
+    keys: FloatArray
+    nodes: np.ndarray
+    values: FloatArray
+    """(K, C, 3 or 4), or (K, 3, C, 3 or 4) with the slopes of cubic splines around."""
+
+    def at(self, times: FloatArray) -> FloatArray:
+        """Values (n, C, 3 or 4); quaternions as xyzw, not yet of length 1."""
+        if self.interpolation == "STEP":
+            return stepped(self.keys, self.values, times)
+        if self.interpolation == "CUBICSPLINE":
+            into, values, out = (self.values[:, part] for part in range(3))
+            return hermite(self.keys, values, into, out, times)
+        if self.path == "rotation":
+            return great_arc(self.keys, self.values, times)
+        return with_times(self.keys, self.values, times)
+
+
+def read_animations(
+    document: Document, accessors: Accessors, nodes: Nodes
+) -> tuple[tuple[RigClip, ...], list[str]]:
+    """Clips of a document, and what was left out.
+
+    Raises:
+        FormatError: keys that do not increase, NaN, or outputs that do not fit their inputs.
+    """
+    clips, left_out = [], 0
+    keys: dict[int, FloatArray] = {}
+    for number, given in enumerate(document.entries("animations")):
+        field = f"animations[{number}]"
+        groups, skipped = _groups(table(given, field), field, accessors, nodes, keys)
+        left_out += skipped
+        if groups:
+            clips.append(_clip(table(given, field), groups, nodes))
+    notices = [f"{left_out} channels that move no joint are left out"] if left_out else []
+    return tuple(clips), notices
+
+
+def _clip(given: dict[str, Any], groups: list[_Group], nodes: Nodes) -> RigClip:
+    times = np.unique(np.concatenate([group.keys for group in groups]))
+    count = max(len(group.keys) for group in groups)
+    jumps = [before_jumps(group.keys) for group in groups if group.interpolation == "STEP"]
+    if jumps:
+        times = np.unique(np.concatenate([times, *jumps]))
+    wxyz, places, scales = nodes.parts
+    blocks = nodes.tree.rest.blocks
+    moved = np.unique(np.concatenate([group.nodes for group in groups]))
+
+    def at(wanted: FloatArray) -> Transforms:
+        parts = {
+            "rotation": np.repeat(wxyz[None], len(wanted), axis=0),
+            "translation": np.repeat(places[None], len(wanted), axis=0),
+            "scale": np.repeat(scales[None], len(wanted), axis=0),
+        }
+        for group in groups:
+            values = group.at(wanted)
+            if group.path == "rotation":
+                values = values[..., [3, 0, 1, 2]]
+            parts[group.path][:, group.nodes] = values
+        made = Transforms.from_parts(parts["rotation"], parts["translation"], parts["scale"])
+        if blocks is None:
+            return made
+        own = np.array(made.as_blocks())
+        still = np.setdiff1d(np.arange(len(wxyz)), moved)
+        own[:, still] = blocks[still]
+        return Transforms(made.wxyz, made.translation, made.scale, own)
+
+    extras = given.get("extras")
+    return RigClip(
+        str(given.get("name", ""))[:200],
+        times,
+        at,
+        moved,
+        straight=all(group.interpolation == "LINEAR" for group in groups),
+        looped=isinstance(extras, dict) and extras.get("looped") is True,
+        key_count=count,
+    )
+
+
+def _groups(
+    given: dict[str, Any],
+    field: str,
+    accessors: Accessors,
+    nodes: Nodes,
+    keys: dict[int, FloatArray],
+) -> tuple[list[_Group], int]:
+    """Channels of an animation by path, keys and interpolation; and how many move no node."""
+    samplers = listed(given.get("samplers"), f"{field}.samplers")
+    number = nodes.number
+    gathered: dict[tuple[str, str, bytes], tuple[FloatArray, list[int], list[Any]]] = {}
+    skipped = 0
+    known: dict[int, bytes] = {}
+    for channel in listed(given.get("channels"), f"{field}.channels"):
+        if type(channel) is not dict or type(channel.get("target")) is not dict:
+            raise expected(f"{field}.channels", "objects with a target", channel)
+        target = channel["target"]
+        path = target.get("path")
+        if type(path) is not str or path not in PATHS or "node" not in target:
+            skipped += 1
+            continue
+        node = integer(target["node"], f"{field} target.node", 0, len(number) - 1)
+        which = integer(channel.get("sampler"), f"{field} sampler", 0, len(samplers) - 1)
+        sampler = table(samplers[which], f"{field}.samplers[{which}]")
+        interpolation = sampler.get("interpolation", "LINEAR")
+        if interpolation not in INTERPOLATIONS:
+            raise expected(f"{field}.samplers[{which}]", "LINEAR, STEP or CUBICSPLINE",
+                           interpolation)  # fmt: skip
+        source = integer(sampler.get("input"), f"{field}.samplers[{which}].input", 0, 1 << 30)
+        if source not in keys:
+            keys[source] = _keys(accessors, source, f"{field}.samplers[{which}].input")
+        if source not in known:
+            known[source] = keys[source].tobytes()
+        output = accessors.unread(sampler.get("output"), f"{field} {path}", PATHS[path])
+        if output.dtype.kind != "f":
+            output = accessors.floats(sampler.get("output"), f"{field} {path}", PATHS[path])
+        times = keys[source]
+        if len(output) != len(times) * (3 if interpolation == "CUBICSPLINE" else 1):
+            raise expected(f"{field}.samplers[{which}].output", f"{len(times)} keys", len(output))
+        group = gathered.setdefault((path, interpolation, known[source]), (times, [], []))
+        group[1].append(node)
+        group[2].append(output)
+    return [
+        _group(path, interpolation, times, number[held], values, field)
+        for (path, interpolation, _), (times, held, values) in gathered.items()
+    ], skipped
+
+
+def _group(
+    path: str,
+    interpolation: str,
+    keys: FloatArray,
+    nodes: np.ndarray,
+    values: list[Any],
+    field: str,
+) -> _Group:
+    stacked = np.stack(values, axis=1).astype(np.float64)
+    if not np.isfinite(stacked).all() or np.abs(stacked).max() > 1e9:
+        raise expected(f"{field} {path}", "finite keys up to 1e9", "others")
+    turns = path == "rotation" and interpolation != "CUBICSPLINE"
+    if turns and not np.all(np.einsum("kci,kci->kc", stacked, stacked) > 1e-12):
+        raise expected(f"{field} rotation", "quaternions", "one of length zero")
+    if interpolation == "CUBICSPLINE":
+        stacked = stacked.reshape(len(keys), 3, len(values), -1)
+    return _Group(path, interpolation, keys, nodes, stacked)
+
+
+def _keys(accessors: Accessors, source: int, field: str) -> FloatArray:
+    """Key times in seconds."""
+    times = accessors.floats(source, field, "SCALAR")
+    if np.any(np.diff(times) <= 0.0) or np.abs(times).max() > 1e6:
+        raise FormatError(f"{field}: expected increasing seconds up to 1e6, got others")
+    return times

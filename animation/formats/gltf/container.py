@@ -1,0 +1,157 @@
+"""The outer shape of glTF files: the JSON document and its binary buffers."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.gltf.fields import integer, listed, table, text
+from motorcade.animation.formats.limits import MAX_FILE_BYTES, beside, read_bounded
+
+__all__ = ["Document", "open_gltf"]
+
+MAGIC = b"glTF"
+JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
+UNDERSTOOD = {
+    "KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit", "KHR_mesh_quantization",
+    "KHR_texture_transform", "KHR_materials_specular", "KHR_materials_ior",
+    "KHR_materials_emissive_strength", "KHR_lights_punctual",
+}  # fmt: skip
+"""Extensions that may be required: they change nothing that is read here, or are read."""
+
+
+class Document:
+    """A glTF document: its JSON, its buffers and the folder that it lies in.
+
+    Args:
+        root: the JSON document.
+        buffers: the bytes of each buffer.
+        folder: where files that it names are looked for.
+    """
+
+    def __init__(self, root: dict[str, Any], buffers: list[bytes], folder: Path) -> None:
+        self.root = root
+        self.buffers = buffers
+        self.folder = folder
+
+    def entries(self, name: str) -> list[Any]:
+        """A list of the document; empty where it is missing."""
+        return listed(self.root.get(name, []), name)
+
+    def entry(self, name: str, index: object, field: str) -> dict[str, Any]:
+        """One entry of a list of the document; `field` is what pointed at it."""
+        entries = self.entries(name)
+        number = integer(index, field, 0, len(entries) - 1)
+        return table(entries[number], f"{name}[{number}]")
+
+
+def open_gltf(path: Path) -> Document:
+    """Read a `.glb` or `.gltf` with its buffers.
+
+    Raises:
+        FormatError: not glTF 2.0, cut off, a required extension that is not understood, or
+            buffers that are missing, shorter than said or outside the file's folder.
+    """
+    data = read_bounded(path)
+    binary = None
+    if data[:4] == MAGIC:
+        data, binary = _chunks(data)
+    try:
+        root = json.loads(data.decode("utf-8-sig"), parse_constant=_refuse_constant)
+    except (UnicodeDecodeError, json.JSONDecodeError) as fault:
+        raise FormatError(f"JSON: expected a document, got {fault}") from fault
+    except RecursionError as fault:
+        raise FormatError("JSON: expected a document, got one nested too deeply") from fault
+    except ValueError as fault:  # integers of thousands of digits
+        raise FormatError(f"JSON: {fault}") from fault
+    root = table(root, "document")
+    version = text(table(root.get("asset"), "asset").get("version"), "asset.version")
+    if version.split(".")[0] != "2":
+        raise expected("asset.version", "2.0", version)
+    for name in listed(root.get("extensionsRequired", []), "extensionsRequired"):
+        if text(name, "extensionsRequired") not in UNDERSTOOD:
+            raise expected("extensionsRequired", "extensions that are understood here", name)
+    folder = path.parent
+    return Document(root, _buffers(root, binary, folder), folder)
+
+
+def embedded(uri: str, field: str) -> bytes:
+    """The bytes of a `data:` address."""
+    head, comma, body = uri.partition(",")
+    if not comma or not head.endswith(";base64"):
+        raise expected(field, "base64 data", uri)
+    try:
+        return base64.b64decode(body, validate=True)
+    except (binascii.Error, ValueError) as fault:
+        raise expected(field, "base64 data", fault) from fault
+
+
+def _chunks(data: bytes) -> tuple[bytes, bytes | None]:
+    """JSON and binary chunk of a `.glb`."""
+    if len(data) < 20:
+        raise expected("header", "20 bytes or more", len(data))
+    version, length = struct.unpack_from("<II", data, 4)
+    if version != 2:
+        raise expected("header version", "2", version)
+    if length > len(data):
+        raise expected("header length", f"at most {len(data)}, the size of the file", length)
+    document, binary, start = None, None, 12
+    while start + 8 <= length:
+        size, kind = struct.unpack_from("<II", data, start)
+        body = data[start + 8 : start + 8 + size]
+        if len(body) < size:
+            raise expected("chunk length", f"at most {len(body)}, what is left", size)
+        if kind == JSON_CHUNK and document is None:
+            document = body
+        elif kind == BINARY_CHUNK and binary is None:
+            binary = body
+        start += 8 + size
+    if document is None:
+        raise FormatError("chunks: expected a JSON chunk, got none")
+    return document, binary
+
+
+def _buffers(root: dict[str, Any], binary: bytes | None, folder: Path) -> list[bytes]:
+    """The bytes of every buffer."""
+    made: list[bytes] = []
+    total = 0
+    for number, given in enumerate(listed(root.get("buffers", []), "buffers")):
+        field = f"buffers[{number}]"
+        entry = table(given, field)
+        length = integer(entry.get("byteLength"), f"{field}.byteLength", 0, MAX_FILE_BYTES)
+        if "uri" in entry:
+            data = load(text(entry["uri"], f"{field}.uri"), folder, f"{field}.uri")
+        elif number == 0 and binary is not None:
+            data = binary
+        else:
+            data = b""  # as of compressed meshes, whose extension brings its own
+        if len(data) < length:
+            raise expected(f"{field}.byteLength", f"at most {len(data)}, what there is", length)
+        total += len(data)
+        if total > 2 * MAX_FILE_BYTES:
+            raise expected("buffers", f"at most {2 * MAX_FILE_BYTES} bytes", total)
+        made.append(data[:length] if length < len(data) else data)
+    return made
+
+
+def load(uri: str, folder: Path, field: str) -> bytes:
+    """Bytes behind an address: embedded, or in a file of the same folder."""
+    if uri.startswith("data:"):
+        return embedded(uri, field)
+    named = beside(folder, uri, field)
+    try:
+        return read_bounded(named)
+    except FormatError as fault:
+        raise FormatError(f"{field} '{named.name}': {fault}") from fault
+
+
+def _refuse_constant(name: str) -> float:
+    raise FormatError(f"JSON: expected numbers, got {name}")
+
+
+__all__ += ["embedded", "load"]

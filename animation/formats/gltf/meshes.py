@@ -1,0 +1,168 @@
+"""Meshes and skins of a glTF document as surfaces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.gltf.accessors import Accessors
+from motorcade.animation.formats.gltf.container import Document
+from motorcade.animation.formats.gltf.fields import integer, listed, table
+from motorcade.animation.formats.gltf.materials import Materials
+from motorcade.animation.formats.gltf.nodes import Nodes
+from motorcade.animation.formats.rig.values import Skin, Surface
+from motorcade.ga import FloatArray, IntArray
+
+__all__ = ["Meshes"]
+
+STRIP, FAN, TRIANGLES = 5, 6, 4
+
+
+class Meshes:
+    """Reads the surfaces of one document; `notices` gathers what was left out.
+
+    Args:
+        document: whose meshes.
+        accessors: its arrays.
+        nodes: its nodes.
+    """
+
+    def __init__(self, document: Document, accessors: Accessors, nodes: Nodes) -> None:
+        self._document = document
+        self._accessors = accessors
+        self._nodes = nodes
+        self._materials = Materials(document)
+        self._morphs = 0
+        self._lines = 0
+
+    @property
+    def notices(self) -> list[str]:
+        """What was left out or assumed."""
+        told = list(self._materials.notices)
+        if self._morphs:
+            told.append(f"morph targets of {self._morphs} meshes are left out")
+        if self._lines:
+            told.append(f"{self._lines} meshes of points or lines are left out")
+        return told
+
+    def surfaces(self) -> tuple[tuple[Surface, ...], tuple[int, ...]]:
+        """Surfaces of every node with a mesh, and the nodes that skins call joints.
+
+        Raises:
+            FormatError: attributes that are missing, of the wrong type or length, or out of range.
+        """
+        skins: dict[int, Skin] = {}
+        joints: set[int] = set()
+        for number in range(len(self._document.entries("skins"))):
+            skins[number] = self._skin(number)
+            joints.update(skins[number].nodes.tolist())
+        made = []
+        for node, given in enumerate(self._nodes.given):
+            if "mesh" not in given:
+                continue
+            mesh = self._document.entry("meshes", given["mesh"], f"node {node} mesh")
+            skin = None
+            if "skin" in given:
+                skin = skins[integer(given["skin"], f"node {node} skin", 0, len(skins) - 1)]
+            name = str(given.get("name") or mesh.get("name") or f"mesh {given['mesh']}")[:100]
+            for part in listed(mesh.get("primitives"), f"mesh '{name}'.primitives"):
+                surface = self._surface(table(part, f"mesh '{name}'"), name, node, skin)
+                if surface is not None:
+                    made.append(surface)
+        return tuple(made), tuple(sorted(joints))
+
+    def _skin(self, number: int) -> Skin:
+        given = table(self._document.entries("skins")[number], f"skins[{number}]")
+        field = f"skins[{number}].joints"
+        count = len(self._nodes.number)
+        listed_joints = [
+            integer(one, field, 0, count - 1) for one in listed(given.get("joints"), field)
+        ]
+        if not listed_joints or len(set(listed_joints)) < len(listed_joints):
+            raise expected(field, "one or more different nodes", given.get("joints"))
+        nodes = self._nodes.number[listed_joints]
+        matrices = np.repeat(np.eye(4)[None], len(nodes), axis=0)
+        if "inverseBindMatrices" in given:
+            field = f"skins[{number}].inverseBindMatrices"
+            read = self._accessors.floats(given["inverseBindMatrices"], field, "MAT4")
+            if len(read) < len(nodes) or np.abs(read).max() > 1e9:
+                raise expected(field, f"{len(nodes)} matrices of numbers up to 1e9", len(read))
+            matrices = read[: len(nodes)].reshape(-1, 4, 4).swapaxes(1, 2)
+        return Skin(nodes, matrices)
+
+    def _surface(
+        self, part: dict[str, Any], name: str, node: int, skin: Skin | None
+    ) -> Surface | None:
+        mode = integer(part.get("mode", TRIANGLES), f"mesh '{name}'.mode", 0, 6)
+        if mode not in (TRIANGLES, STRIP, FAN):
+            self._lines += 1
+            return None
+        self._morphs += "targets" in part
+        given = table(part.get("attributes"), f"mesh '{name}'.attributes")
+        if "KHR_draco_mesh_compression" in table(part.get("extensions", {}), "extensions"):
+            raise expected(f"mesh '{name}'", "plain data", "KHR_draco_mesh_compression")
+        if "POSITION" not in given:
+            raise expected(f"mesh '{name}'.attributes", "POSITION", sorted(given))
+        vertices = self._accessors.floats(given["POSITION"], f"'{name}'.POSITION", "VEC3")
+        count = len(vertices)
+        if np.abs(vertices).max() > 1e9:
+            raise expected(f"'{name}'.POSITION", "numbers up to 1e9", np.abs(vertices).max())
+        normals = None
+        if "NORMAL" in given:
+            normals = self._same(given["NORMAL"], f"'{name}'.NORMAL", "VEC3", count)
+        triangles = self._triangles(part, name, count, mode)
+        colors = self._materials.colors(part, given, self._accessors, name, count)
+        if skin is None:
+            return Surface(name, node, vertices, normals, triangles, colors)
+        numbers, weights = self._influences(given, name, count, len(skin.nodes))
+        return Surface(name, node, vertices, normals, triangles, colors, skin, numbers, weights)
+
+    def _same(self, index: object, field: str, kind: str, count: int) -> FloatArray:
+        values = self._accessors.floats(index, field, kind)
+        if len(values) != count:
+            raise expected(field, f"{count} values", len(values))
+        return values
+
+    def _triangles(self, part: dict[str, Any], name: str, count: int, mode: int) -> IntArray:
+        if "indices" in part:
+            field = f"'{name}'.indices"
+            run = self._accessors.integers(part["indices"], field, "SCALAR")
+            if run.min() < 0 or run.max() >= count:
+                raise expected(field, f"numbers below {count}", run.max())
+        else:
+            run = np.arange(count)
+        if mode == TRIANGLES:
+            return run[: len(run) - len(run) % 3].reshape(-1, 3)
+        if len(run) < 3:
+            return np.zeros((0, 3), dtype=np.int64)
+        if mode == FAN:
+            first = np.full(len(run) - 2, run[0])
+            return np.stack([first, run[1:-1], run[2:]], axis=1)
+        made = np.stack([run[:-2], run[1:-1], run[2:]], axis=1)
+        made[1::2] = made[1::2, ::-1]
+        return made
+
+    def _influences(
+        self, given: dict[str, Any], name: str, count: int, joints: int
+    ) -> tuple[IntArray, FloatArray]:
+        numbers, weights = [], []
+        for group in range(16):
+            if f"JOINTS_{group}" not in given:
+                break
+            field = f"'{name}'.JOINTS_{group}"
+            these = self._accessors.integers(given[f"JOINTS_{group}"], field, "VEC4")
+            field = f"'{name}'.WEIGHTS_{group}"
+            shares = self._same(given.get(f"WEIGHTS_{group}"), field, "VEC4", count)
+            if len(these) != count:
+                raise expected(field, f"{count} values", len(these))
+            numbers.append(these)
+            weights.append(shares)
+        if not numbers:
+            raise FormatError(f"'{name}': expected JOINTS_0 on a mesh with a skin, got none")
+        all_numbers, all_weights = np.concatenate(numbers, 1), np.concatenate(weights, 1)
+        used = all_weights != 0.0
+        if np.any((all_numbers >= joints) & used) or np.any(all_numbers < 0):
+            raise expected(f"'{name}'.JOINTS", f"numbers below {joints}", all_numbers.max())
+        return np.where(used, all_numbers, 0), all_weights

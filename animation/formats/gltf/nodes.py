@@ -1,0 +1,108 @@
+"""Nodes of a glTF document, brought into an order in which parents come first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.gltf.container import Document
+from motorcade.animation.formats.gltf.fields import floats, integer, listed, table
+from motorcade.animation.formats.limits import MAX_NODES, check_count
+from motorcade.animation.formats.rig.transforms import Transforms
+from motorcade.animation.formats.rig.values import NodeTree
+from motorcade.ga import FloatArray, IntArray
+
+__all__ = ["Nodes", "read_nodes"]
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """The tree, and where the file's nodes stand in it.
+
+    Args:
+        tree: N nodes in the new order.
+        number: (N,) new number of each of the file's nodes.
+        given: the JSON of the nodes in the new order.
+        parts: rest rotations wxyz (N, 4), translations (N, 3) and scales (N, 3), as given.
+    """
+
+    tree: NodeTree
+    number: IntArray
+    given: list[dict[str, Any]]
+    parts: tuple[FloatArray, FloatArray, FloatArray]
+
+
+def read_nodes(document: Document) -> Nodes:
+    """All nodes of a document.
+
+    Raises:
+        FormatError: a node that is its own ancestor, or has two parents; matrices or parts that
+            are no transforms.
+    """
+    entries = [table(one, f"nodes[{i}]") for i, one in enumerate(document.entries("nodes"))]
+    check_count("nodes", len(entries), MAX_NODES)
+    if not entries:
+        raise FormatError("nodes: expected one or more, got none")
+    children = [
+        [
+            integer(child, f"nodes[{i}].children", 0, len(entries) - 1)
+            for child in listed(one.get("children", []), f"nodes[{i}].children")
+        ]
+        for i, one in enumerate(entries)
+    ]
+    parent = [-1] * len(entries)
+    for node, below in enumerate(children):
+        for child in below:
+            if parent[child] >= 0:
+                raise expected(f"nodes[{child}]", "one parent", f"{parent[child]} and {node}")
+            parent[child] = node
+    order = [node for node in range(len(entries)) if parent[node] < 0][::-1]
+    found: list[int] = []
+    while order:
+        node = order.pop()
+        found.append(node)
+        order += children[node][::-1]
+    if len(found) < len(entries):
+        raise expected("nodes", "a hierarchy", f"a circle of {len(entries) - len(found)} nodes")
+    number = np.empty(len(entries), dtype=np.int64)
+    number[found] = np.arange(len(found))
+    parents = np.array([-1 if parent[node] < 0 else number[parent[node]] for node in found])
+    given = [entries[node] for node in found]
+    names = tuple(str(one.get("name", ""))[:200] for one in given)
+    parts, rest = _rest(given)
+    return Nodes(NodeTree(names, parents, rest), number, given, parts)
+
+
+def _rest(
+    given: list[dict[str, Any]],
+) -> tuple[tuple[FloatArray, FloatArray, FloatArray], Transforms]:
+    """Rest transforms, in parts and whole."""
+    count = len(given)
+    wxyz, places, scales = np.zeros((count, 4)), np.zeros((count, 3)), np.ones((count, 3))
+    wxyz[:, 0] = 1.0
+    matrices: dict[int, FloatArray] = {}
+    for node, one in enumerate(given):
+        if "matrix" in one:
+            matrices[node] = floats(one["matrix"], f"node '{one.get('name', '')}'.matrix", 16)
+            continue
+        if "rotation" in one:
+            wxyz[node] = floats(one["rotation"], "node.rotation", 4)[[3, 0, 1, 2]]
+        if "translation" in one:
+            places[node] = floats(one["translation"], "node.translation", 3)
+        if "scale" in one:
+            scales[node] = floats(one["scale"], "node.scale", 3)
+    rest = Transforms.from_parts(wxyz, places, scales)
+    if not matrices:
+        return (wxyz, places, scales), rest
+    which = np.array(list(matrices))
+    own = np.stack(list(matrices.values())).reshape(-1, 4, 4).swapaxes(1, 2)
+    split = Transforms.from_matrices(own)
+    wxyz[which], places[which], scales[which] = split.wxyz, split.translation, split.scale[:, None]
+    if split.blocks is None and rest.blocks is None:
+        return (wxyz, places, scales), Transforms.from_parts(wxyz, places, scales)
+    whole = rest.as_matrices()
+    whole[which] = own
+    return (wxyz, places, scales), Transforms.from_matrices(whole)

@@ -1,0 +1,43 @@
+"""A glTF file as a rig: metres, y up, facing +z, as the format says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from motorcade.animation.formats.gltf.accessors import Accessors
+from motorcade.animation.formats.gltf.animations import read_animations
+from motorcade.animation.formats.gltf.container import open_gltf
+from motorcade.animation.formats.gltf.meshes import Meshes
+from motorcade.animation.formats.gltf.nodes import read_nodes
+from motorcade.animation.formats.rig.values import Rig
+
+__all__ = ["read_gltf"]
+
+KEEPS_UNITS = "Open Asset Import Library"
+"""A generator that copies numbers from files in other units without converting them."""
+
+
+def read_gltf(path: Path) -> Rig:
+    """Read a `.glb` or `.gltf`.
+
+    Raises:
+        FormatError: see `open_gltf`, `read_nodes`, `Meshes.surfaces`, `read_animations`.
+    """
+    document = open_gltf(path)
+    accessors = Accessors(document)
+    nodes = read_nodes(document)
+    meshes = Meshes(document, accessors, nodes)
+    surfaces, joints = meshes.surfaces()
+    clips, told = read_animations(document, accessors, nodes)
+    generator = document.root["asset"].get("generator")
+    return Rig(
+        nodes.tree,
+        joints,
+        surfaces,
+        clips,
+        up=(0.0, 1.0, 0.0),
+        forward=(0.0, 0.0, 1.0),
+        unit_m=1.0,
+        unit_checked=isinstance(generator, str) and KEEPS_UNITS in generator,
+        notices=(*meshes.notices, *told),
+    )

@@ -1,0 +1,79 @@
+"""Textures, only to be sampled at vertices: the colour of a texture's nearest pixel.
+
+Pillow decodes; nothing but the four formats below is tried, and no picture of more than
+MAX_IMAGE_PIXELS.
+"""
+
+from __future__ import annotations
+
+import io
+import warnings
+
+import numpy as np
+
+from motorcade.animation.formats.errors import FormatError
+from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS
+from motorcade.ga import FloatArray
+
+__all__ = ["Texture", "decode_texture", "to_linear", "to_srgb"]
+
+FORMATS = ("PNG", "JPEG", "TGA", "BMP")
+
+
+class Texture:
+    """An sRGB picture to be sampled.
+
+    Args:
+        pixels: (h, w, 3) uint8, top row first.
+    """
+
+    def __init__(self, pixels: np.ndarray[tuple[int, int, int], np.dtype[np.uint8]]) -> None:
+        self._pixels = pixels
+
+    def at(self, uv: FloatArray) -> FloatArray:
+        """Colours (V, 3), sRGB, at coordinates (V, 2) from the upper left corner, repeating."""
+        height, width = self._pixels.shape[:2]
+        parts = np.mod(uv, 1.0)
+        columns = np.minimum((parts[:, 0] * width).astype(np.int64), width - 1)
+        rows = np.minimum((parts[:, 1] * height).astype(np.int64), height - 1)
+        return self._pixels[rows, columns] / 255.0
+
+
+def decode_texture(data: bytes) -> Texture:
+    """Decode a PNG, JPEG, TGA or BMP.
+
+    Raises:
+        FormatError: another format, a broken picture, or one that is too large.
+        ModuleNotFoundError: Pillow is not installed.
+    """
+    from PIL import Image
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # its own limit of size is replaced by ours
+            with Image.open(io.BytesIO(data), formats=FORMATS) as opened:
+                if opened.width * opened.height > MAX_IMAGE_PIXELS:
+                    raise FormatError(
+                        f"expected at most {MAX_IMAGE_PIXELS} pixels, got "
+                        f"{opened.width} x {opened.height}"
+                    )
+                return Texture(np.asarray(opened.convert("RGB")))
+    except FormatError:
+        raise
+    except Exception as fault:  # decoders raise whatever comes to hand on broken pictures
+        raise FormatError(f"expected a picture, got {type(fault).__name__}") from fault
+
+
+def to_linear(srgb: FloatArray) -> FloatArray:
+    """Linear light of sRGB values from 0 to 1."""
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((np.maximum(srgb, 0.0) + 0.055) / 1.055) ** 2.4)
+
+
+def to_srgb(linear: FloatArray) -> FloatArray:
+    """Values (sRGB) of linear light, both from 0 to 1; what lies outside is clipped."""
+    inside = np.clip(linear, 0.0, 1.0)
+    return np.clip(
+        np.where(inside <= 0.0031308, 12.92 * inside, 1.055 * inside ** (1.0 / 2.4) - 0.055),
+        0.0,
+        1.0,
+    )

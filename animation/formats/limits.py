@@ -1,0 +1,86 @@
+"""How large an untrusted file and what it unpacks to may be, and which files it may name.
+
+The limits are far above any character in use, and low enough that a hostile file is refused
+before it fills the memory.
+"""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+from urllib.parse import unquote
+
+from motorcade.animation.formats.errors import FormatError, expected, shown
+
+__all__ = [
+    "MAX_DEPTH",
+    "MAX_FILE_BYTES",
+    "MAX_IMAGE_PIXELS",
+    "MAX_NODES",
+    "MAX_POSES",
+    "MAX_VALUES",
+    "beside",
+    "check_count",
+    "read_bounded",
+]
+
+MAX_FILE_BYTES = 256 << 20
+MAX_VALUES = 32 << 20
+"""Numbers that one file may unpack to, over all its arrays."""
+MAX_POSES = 4 << 20
+"""Local poses of all clips together: samples times nodes."""
+MAX_NODES = 20_000
+MAX_DEPTH = 512
+"""Levels of the hierarchy, and of nested XML elements."""
+MAX_IMAGE_PIXELS = 64 << 20
+
+
+def read_bounded(path: Path, limit_bytes: int = MAX_FILE_BYTES) -> bytes:
+    """Read a whole regular file.
+
+    Raises:
+        FormatError: missing, not a regular file, empty, larger than the limit, or unreadable.
+    """
+    try:
+        about = path.stat()
+        if not stat.S_ISREG(about.st_mode):
+            raise FormatError("expected a file, got a folder or a device")
+        if about.st_size > limit_bytes:
+            raise FormatError(f"expected at most {limit_bytes} bytes, got {about.st_size}")
+        data = path.read_bytes()
+    except OSError as fault:
+        raise FormatError(f"cannot be read: {fault.strerror}") from fault
+    if not data:
+        raise FormatError("the file is empty")
+    return data
+
+
+def beside(folder: Path, uri: str, field: str) -> Path:
+    """The file that a relative address names, inside `folder` or below.
+
+    Raises:
+        FormatError: an absolute path, another scheme, or a way out of the folder, by `..` or by a
+            symbolic link.
+    """
+    name = unquote(uri).replace("\\", "/")
+    if name.startswith("/") or ":" in name or "\0" in name or len(name) > 1000:
+        raise expected(field, "the name of a file beside this one", uri)
+    home = folder.resolve()
+    try:
+        named = (home / name).resolve()
+    except (OSError, RuntimeError) as fault:  # links in a circle, names that are too long
+        raise expected(field, "the name of a file beside this one", uri) from fault
+    if not named.is_relative_to(home):
+        raise expected(field, "a file inside the folder of this one", uri)
+    return named
+
+
+def check_count(field: str, count: int, limit: int) -> int:
+    """`count` where it is from 0 to `limit`.
+
+    Raises:
+        FormatError: negative, or more than the limit.
+    """
+    if not 0 <= count <= limit:
+        raise FormatError(f"{shown(field)}: expected at most {limit}, got {count}")
+    return count

@@ -1,0 +1,172 @@
+"""`.md5mesh`: joints in world poses, vertices as weighted points in the joints' frames."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.images import Texture, decode_texture
+from motorcade.animation.formats.limits import MAX_NODES, beside, read_bounded
+from motorcade.animation.formats.md5.motion import read_clip
+from motorcade.animation.formats.md5.words import Words, orientation
+from motorcade.animation.formats.rig.transforms import Transforms
+from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip, Skin, Surface
+from motorcade.ga import FloatArray, IntArray, Motor
+
+__all__ = ["read_md5_mesh"]
+
+MOST = 1 << 21
+MOST_INFLUENCES = 64
+PLAIN = (0.8, 0.8, 0.8)
+
+
+def read_md5_mesh(path: Path) -> Rig:
+    """Read a `.md5mesh`, and as its clip the `.md5anim` of the same name beside it, if any.
+
+    Raises:
+        FormatError: a file that is not consistent, or a motion of other joints.
+    """
+    words = Words(read_bounded(path))
+    words.need("MD5Version")
+    words.integer("MD5Version", 10, 10)
+    if words.peek() == "commandline":
+        words.word("commandline")
+        words.word("commandline")
+    words.need("numJoints")
+    count = words.integer("numJoints", 1, MAX_NODES)
+    words.need("numMeshes")
+    meshes = words.integer("numMeshes", 0, 10_000)
+    names, parents, world = _joints(words, count)
+    tree = NodeTree(names, parents, _local(parents, world))
+    skin = Skin(np.arange(count), world.inverse().as_matrix())
+    notices: list[str] = []
+    textures: dict[str, Texture | None] = {}
+    surfaces = []
+    for number in range(meshes):
+        surface = _mesh(words, number, world, skin, path.parent, textures, notices)
+        if surface is not None:
+            surfaces.append(surface)
+    motion = path.with_suffix(".md5anim")
+    clips: tuple[RigClip, ...] = ()
+    if motion.is_file():
+        clips = (read_clip(motion, names, parents),)
+    return Rig(
+        tree, tuple(range(count)), tuple(surfaces), clips,
+        up=(0.0, 0.0, 1.0), forward=None, unit_m=None, notices=tuple(notices),
+    )  # fmt: skip
+
+
+def _joints(words: Words, count: int) -> tuple[tuple[str, ...], IntArray, Motor]:
+    """Names, parents and world poses."""
+    words.need("joints", "{")
+    names, parents, numbers = [], [], []
+    for joint in range(count):
+        names.append(words.word("joint name")[:200])
+        parents.append(words.integer(f"parent of joint {joint}", -1, joint - 1))
+        numbers.append(words.floats(6, f"joint '{names[-1]}'"))
+    words.need("}")
+    values = np.stack(numbers)
+    world = Motor.from_quaternion_translation(_unit(orientation(values[:, 3:])), values[:, :3])
+    return tuple(names), np.array(parents), world
+
+
+def _local(parents: IntArray, world: Motor) -> Transforms:
+    local = np.array(world.coefficients)
+    held = np.flatnonzero(parents >= 0)
+    if len(held):
+        local[held] = (world[parents[held]].inverse() @ world[held]).coefficients
+    wxyz, places = Motor(local).as_quaternion_translation()
+    return Transforms(wxyz, places, np.ones(len(parents)))
+
+
+def _unit(wxyz: FloatArray) -> FloatArray:
+    unit: FloatArray = wxyz / np.linalg.norm(wxyz, axis=-1, keepdims=True)
+    return unit
+
+
+def _mesh(
+    words: Words,
+    number: int,
+    world: Motor,
+    skin: Skin,
+    folder: Path,
+    textures: dict[str, Texture | None],
+    notices: list[str],
+) -> Surface | None:
+    words.need("mesh", "{")
+    shader = ""
+    if words.peek() == "shader":
+        words.word("shader")
+        shader = words.word("shader")
+    vertices = _rows(words, "numverts", "vert", 5)
+    triangles = _rows(words, "numtris", "tri", 4)
+    weights = _rows(words, "numweights", "weight", 6)
+    words.need("}")
+    if not len(vertices):
+        return None
+    field = f"mesh {number}"
+    first, counts = _whole(vertices[:, 3], field), _whole(vertices[:, 4], field)
+    if counts.min() < 1 or counts.max() > MOST_INFLUENCES:
+        raise expected(field, f"1 to {MOST_INFLUENCES} weights a vertex", counts.max())
+    if first.min() < 0 or (first + counts).max() > len(weights):
+        raise expected(field, f"weights below {len(weights)}", (first + counts).max())
+    corners = _whole(triangles[:, 1:], field)
+    if corners.size and (corners.min() < 0 or corners.max() >= len(vertices)):
+        raise expected(field, f"vertices below {len(vertices)}", corners.max())
+    carriers = _whole(weights[:, 1], field)
+    if carriers.min() < 0 or carriers.max() >= len(skin.nodes):
+        raise expected(field, f"joints below {len(skin.nodes)}", carriers.max())
+    slots = np.arange(int(counts.max()))
+    rows = np.minimum(first[:, None] + slots, len(weights) - 1)
+    shares = np.where(slots < counts[:, None], weights[rows, 2], 0.0)
+    points = world[carriers].apply(weights[:, 3:])
+    total = shares.sum(axis=1)
+    if np.any(shares < 0.0) or np.any(total <= 1e-6):
+        raise expected(field, "weights of 0 or more with a sum above 0", "others")
+    placed = np.einsum("vk,vkj->vj", shares / total[:, None], points[rows])
+    uv = vertices[:, 1:3]
+    texture = _texture(shader, folder, textures, notices)
+    colors = np.tile(PLAIN, (len(placed), 1)) if texture is None else texture.at(uv)
+    return Surface(
+        shader or field, 0, placed, None, corners[:, ::-1], colors, skin,
+        np.where(shares > 0.0, carriers[rows], 0), shares,
+    )  # fmt: skip
+
+
+def _rows(words: Words, count_name: str, name: str, width: int) -> FloatArray:
+    """Numbers (n, width) of `n` rows that open with a name; the first is the row's number."""
+    words.need(count_name)
+    count = words.integer(count_name, 0, MOST)
+    rows = []
+    for row in range(count):
+        words.need(name)
+        values = words.floats(width, f"{name} {row}")
+        if values[0] != row:
+            raise expected(f"{name} {row}", f"number {row}", values[0])
+        rows.append(values)
+    return np.stack(rows) if rows else np.zeros((0, width))
+
+
+def _whole(values: FloatArray, field: str) -> IntArray:
+    made = values.astype(np.int64)
+    if not np.array_equal(made, values):
+        raise expected(field, "whole numbers", "others")
+    return made
+
+
+def _texture(
+    shader: str, folder: Path, textures: dict[str, Texture | None], notices: list[str]
+) -> Texture | None:
+    if shader not in textures:
+        textures[shader] = None
+        try:
+            if shader:
+                path = beside(folder, shader, "shader")
+                textures[shader] = decode_texture(read_bounded(path))
+        except FormatError as fault:
+            notices.append(
+                f"texture '{shader[:60]}' was not read ({fault}): plain colours stand in"
+            )
+    return textures[shader]

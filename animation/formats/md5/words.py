@@ -1,0 +1,112 @@
+"""Words of an MD5 file: numbers, quoted strings, brackets; comments are dropped."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from motorcade.animation.formats.errors import FormatError, expected, shown
+from motorcade.ga import FloatArray
+
+__all__ = ["Words", "orientation"]
+
+WORD = re.compile(r'//[^\n]*|"([^"\n]*)"|([(){}])|([^\s(){}"]+)')
+MOST_WORDS = 20_000_000
+
+
+class Words:
+    """Reads an MD5 file word by word; brackets around numbers are passed over.
+
+    Args:
+        data: the file.
+    """
+
+    def __init__(self, data: bytes) -> None:
+        text = data.decode("utf-8", "replace")
+        self._words = [match[0] for match in WORD.finditer(text) if not match[0].startswith("//")]
+        self._at = 0
+
+    @property
+    def done(self) -> bool:
+        """Whether nothing is left."""
+        return self._at >= len(self._words)
+
+    def peek(self) -> str:
+        """The next word; empty at the end."""
+        return "" if self.done else self._words[self._at]
+
+    def word(self, field: str) -> str:
+        """The next word, without quotes.
+
+        Raises:
+            FormatError: the file ends.
+        """
+        if self.done:
+            raise expected(field, "a word", "the end of the file")
+        self._at += 1
+        return self._words[self._at - 1].strip('"')
+
+    def need(self, *wanted: str) -> None:
+        """Pass over these words.
+
+        Raises:
+            FormatError: others stand there.
+        """
+        for one in wanted:
+            got = self.word(one)
+            if got != one:
+                raise expected("file", f"'{one}'", got)
+
+    def integer(self, field: str, low: int, high: int) -> int:
+        """A whole number in a range.
+
+        Raises:
+            FormatError: anything else.
+        """
+        word = self.word(field)
+        if not re.fullmatch(r"-?\d{1,9}", word, re.ASCII) or not low <= int(word) <= high:
+            raise expected(field, f"a whole number from {low} to {high}", word)
+        return int(word)
+
+    def floats(self, count: int, field: str) -> FloatArray:
+        """The next `count` numbers, whatever brackets stand between them.
+
+        Raises:
+            FormatError: other words, the end of the file, NaN or infinity.
+        """
+        found: list[str] = []
+        while len(found) < count and not self.done:
+            word = self._words[self._at]
+            self._at += 1
+            if word not in "()":
+                found.append(word)
+        if self.peek() == ")":
+            self._at += 1
+        try:
+            values = np.array(found, dtype=np.float64) if found else np.zeros(0)
+        except ValueError as fault:
+            raise FormatError(f"{field}: expected numbers, {shown(fault)}") from fault
+        if len(values) != count:
+            raise expected(field, f"{count} numbers", len(values))
+        if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > 1e9:
+            raise expected(field, "finite numbers up to 1e9", "others")
+        return values
+
+    def skip_block(self) -> None:
+        """Pass over a block in braces."""
+        self.need("{")
+        while self.word("a closing brace") != "}":
+            pass
+
+
+def orientation(xyz: FloatArray) -> FloatArray:
+    """Quaternions wxyz (*, 4) from their last three parts (*, 3); the first is negative or 0.
+
+    Raises:
+        FormatError: parts longer than 1.
+    """
+    rest = 1.0 - np.sum(xyz * xyz, axis=-1, keepdims=True)
+    if np.any(rest < -0.01):
+        raise expected("orientation", "parts of a unit quaternion", "longer ones")
+    return np.concatenate([-np.sqrt(np.maximum(rest, 0.0)), xyz], axis=-1)

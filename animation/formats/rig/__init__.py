@@ -1,0 +1,29 @@
+"""What a file says about a character before it becomes one, and the way there.
+
+Readers fill in a `Rig`: nodes with local transforms of any scale, surfaces, clips as functions
+of time, axes and unit of the file. `assembled` turns it into a character in metres whose joint
+frames are rigid.
+"""
+
+from motorcade.animation.formats.rig.assemble import assemble_character, assemble_motion
+from motorcade.animation.formats.rig.transforms import Transforms
+from motorcade.animation.formats.rig.values import (
+    NodeTree,
+    Rig,
+    RigClip,
+    Skin,
+    Surface,
+    transforms_over,
+)
+
+__all__ = [
+    "NodeTree",
+    "Rig",
+    "RigClip",
+    "Skin",
+    "Surface",
+    "Transforms",
+    "assemble_character",
+    "assemble_motion",
+    "transforms_over",
+]

@@ -1,0 +1,229 @@
+"""From what a file says to a `Character`, or to a skeleton with clips."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation.character import Character
+from motorcade.animation.clip import Clip
+from motorcade.animation.formats.errors import FormatError
+from motorcade.animation.formats.rig.axes import axes_of, guessed_unit_m, is_plausible
+from motorcade.animation.formats.rig.binding import Binding, bind
+from motorcade.animation.formats.rig.joints import Joints, joints_of
+from motorcade.animation.formats.rig.poses import JointPoses, World, joint_poses
+from motorcade.animation.formats.rig.sampling import Sampler
+from motorcade.animation.formats.rig.surfaces import BoundMesh, bound_mesh
+from motorcade.animation.formats.rig.values import Rig, RigClip
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, Motor, Rotor, Similarity
+
+__all__ = ["Assembled", "assemble_character", "assemble_motion"]
+
+CONSTANT_SCALE = 1e-4
+"""Scales that stay this near to the rest's, as a share of it, count as constant."""
+
+
+@dataclass(frozen=True, eq=False)
+class Assembled:
+    """A skeleton, its clips, and what was assumed or left out."""
+
+    skeleton: Skeleton
+    clips: tuple[Clip, ...]
+    notices: tuple[str, ...]
+
+
+def assemble_character(rig: Rig, unit_m: float | None) -> Character:
+    """A character out of a rig with surfaces.
+
+    Args:
+        rig: what the file says.
+        unit_m: length of the file's unit, where the caller knows it better than the file.
+
+    Raises:
+        FormatError: nothing that joints carry, or values that make no character.
+    """
+    if not rig.surfaces:
+        raise FormatError("meshes: expected one or more, got none; read_motion reads the rest")
+    stage = _Stage.of(rig, unit_m)
+    binding = bind(stage.joints, stage.rest, rig.surfaces)
+    mesh = bound_mesh(rig.tree, stage.joints, binding, rig.surfaces)
+    notices = [*stage.notices, *mesh.notices, *_lost(stage.rest, mesh)]
+    soles_m = float(mesh.vertices[:, 2].min())
+    lift = Motor.from_rotor_translation(Rotor.identity(), (0.0, 0.0, -soles_m))
+    skeleton = _skeleton(stage.joints, lift @ binding.world)
+    vertices = mesh.vertices - (0.0, 0.0, soles_m)
+    if not binding.agrees:
+        notices.append("its nodes stand in another pose than that in which the mesh was bound")
+        soles_m = _lowest(skeleton, vertices, mesh, stage.rest, binding)
+    stage = replace(stage, world=replace(stage.world, lowered_m=soles_m))
+    watched = _carrying(stage.joints, mesh)
+    height_m = float(max(vertices[:, 2].max(), 1e-6))
+    clips, told = stage.clips(rig, binding.scale, height_m, watched)
+    return Character(
+        skeleton,
+        vertices,
+        mesh.normals,
+        mesh.triangles,
+        mesh.colors,
+        mesh.joints,
+        mesh.weights,
+        clips,
+        (*notices, *told),
+    )
+
+
+def assemble_motion(rig: Rig, unit_m: float | None) -> Assembled:
+    """A skeleton at the rest of its nodes, with clips; meshes are not looked at.
+
+    Raises:
+        FormatError: no joints, or values that make no skeleton.
+    """
+    stage = _Stage.of(rig, unit_m)
+    local = stage.rest.motors()[0]
+    skeleton = Skeleton(stage.joints.names, stage.joints.parents, local)
+    height_m = float(np.ptp(skeleton.rest_world.translation_m, axis=0).max())
+    everything = np.ones(len(skeleton), dtype=bool)
+    clips, told = stage.clips(rig, stage.rest.scale[0], max(height_m, 1e-6), everything)
+    return Assembled(skeleton, clips, (*stage.notices, *told))
+
+
+@dataclass(frozen=True, eq=False)
+class _Stage:
+    """Joints, the lie of the file's world, and the pose (1, J) in which the nodes stand."""
+
+    joints: Joints
+    world: World
+    rest: JointPoses
+    notices: tuple[str, ...]
+
+    @staticmethod
+    def of(rig: Rig, unit_m: float | None) -> _Stage:
+        joints = joints_of(rig)
+        plain = joint_poses(rig.tree, joints, rig.tree.rest[None], World(Rotor.identity(), 1.0))
+        skeleton = Skeleton(joints.names, joints.parents, plain.motors()[0])
+        places = skeleton.rest_world.translation_m
+        axes = axes_of(rig, joints, places)
+        notices = [*rig.notices, *axes.notices]
+        unit = unit_m if unit_m is not None else rig.unit_m
+        height = max(float(np.ptp(axes.turn.apply(places)[:, 2])), _tallest(rig))
+        unsure = rig.unit_checked and unit_m is None and not is_plausible(height * (unit or 1.0))
+        if unit is None or unsure:
+            unit, told = guessed_unit_m(height)
+            notices.append(told)
+        if joints.renamed:
+            notices.append(f"{joints.renamed} joints without a name of their own were named")
+        world = World(axes.turn, unit)
+        rest = joint_poses(rig.tree, joints, rig.tree.rest[None], world)
+        mirrored = int(np.count_nonzero(rest.scale[0] < 0.0))
+        if mirrored:
+            notices.append(f"{mirrored} joints are mirrored: their frames stay right-handed")
+        return _Stage(joints, world, rest, tuple(notices))
+
+    def clips(
+        self, rig: Rig, reference: FloatArray, height_m: float, watched: NDArray[np.bool_]
+    ) -> tuple[tuple[Clip, ...], list[str]]:
+        """Clips over joints of reference scales (J,)."""
+        if not rig.clips:
+            return (), []
+        sampler = Sampler(rig.tree, self.joints, self.world, height_m, watched)
+        sampled = sampler(rig.clips)
+        motors = sampled.poses.motors()
+        growth = sampled.poses.scale / reference
+        notices: list[str] = []
+        if np.any(growth <= 0.0):
+            notices.append("clips turn joints inside out: their mirroring was left out")
+            growth = np.abs(growth)
+        names: set[str] = set()
+        made: list[Clip] = []
+        for number, given in enumerate(rig.clips):
+            name = _new_name(given.name, names)
+            names.add(name)
+            if name != given.name:
+                notices.append(f"a clip called '{given.name}' is now '{name}'")
+            where = slice(sampled.starts[number], sampled.starts[number + 1])
+            poses = _growing(self.joints, motors[where], growth[where])
+            made.append(_clip(given, name, sampled.times[number], poses))
+        return tuple(made), notices
+
+
+def _clip(given: RigClip, name: str, times: FloatArray, poses: Motor | Similarity) -> Clip:
+    keys = given.key_count or len(given.key_times)
+    if given.looped and len(times) > 1:
+        try:
+            return Clip(name, times, poses, looped=True, key_count=keys)
+        except ValueError as fault:
+            raise FormatError(f"animation '{name}': said to repeat, but {fault}") from fault
+    return Clip(name, times, poses, key_count=keys)
+
+
+def _growing(joints: Joints, motors: Motor, growth: FloatArray) -> Motor | Similarity:
+    """Poses (F, J), as similarities only where joints (F, J) really grow or shrink."""
+    if np.abs(growth - 1.0).max(initial=0.0) <= CONSTANT_SCALE:
+        return motors
+    above = np.where(joints.parents < 0, 1.0, growth[:, joints.parents])
+    steps = motors.translation_m / above[..., None]
+    return Similarity.from_rotor_translation_scale(motors.rotor, steps, growth / above)
+
+
+def _lowest(
+    skeleton: Skeleton, vertices: FloatArray, mesh: BoundMesh, rest: JointPoses, binding: Binding
+) -> float:
+    """Height of the lowest vertex in the pose in which the nodes stand."""
+    world = skeleton.world(rest.motors()[0]).as_matrix()
+    world[:, :3, :3] *= np.abs(rest.scale[0] / binding.scale)[:, None, None]
+    moved = (world @ skeleton.rest_world_inverse.as_matrix())[:, 2]
+    heights = np.einsum("vki,vi->vk", moved[mesh.joints, :3], vertices) + moved[mesh.joints, 3]
+    return float(np.sum(heights * mesh.weights, axis=1).min())
+
+
+def _lost(rest: JointPoses, mesh: BoundMesh) -> list[str]:
+    """What shear and uneven scales move vertices by around their joints, in the nodes' pose."""
+    if rest.lost is None:
+        return []
+    share = np.linalg.norm(rest.lost[0], axis=(1, 2)) / np.abs(rest.scale[0])
+    most = float(share[np.unique(mesh.joints[mesh.weights > 0.0])].max())
+    if most < 1e-4:
+        return []
+    return [
+        "joints have shear or different scales an axis: the nearest uniform scales stand in, off "
+        f"by up to {100.0 * most:.2g} % of the distance from a joint"
+    ]
+
+
+def _carrying(joints: Joints, mesh: BoundMesh) -> NDArray[np.bool_]:
+    """Whether each joint (J,) or one below it carries vertices."""
+    used = np.zeros(len(joints.nodes), dtype=bool)
+    used[mesh.joints[mesh.weights > 0.0]] = True
+    for joint in range(len(used) - 1, -1, -1):
+        if used[joint] and joints.parents[joint] >= 0:
+            used[joints.parents[joint]] = True
+    return used
+
+
+def _skeleton(joints: Joints, world: Motor) -> Skeleton:
+    """A skeleton whose rest pose is `character_T_joint` (J,)."""
+    local = np.array(world.coefficients)
+    held = np.flatnonzero(joints.parents >= 0)
+    if len(held):
+        inside = world[joints.parents[held]].inverse() @ world[held]
+        local[held] = inside.coefficients
+    return Skeleton(joints.names, joints.parents, Motor.normalize(local))
+
+
+def _new_name(wanted: str, taken: set[str]) -> str:
+    """A name that is not taken yet."""
+    name, count = wanted or "motion", 1
+    while name in taken:
+        count += 1
+        name = f"{wanted or 'motion'}#{count}"
+    return name
+
+
+def _tallest(rig: Rig) -> float:
+    """Largest side of the surfaces' boxes in the file's unit; 0 without any."""
+    return max(
+        (float(np.ptp(surface.vertices, axis=0).max()) for surface in rig.surfaces), default=0.0
+    )

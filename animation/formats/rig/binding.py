@@ -1,0 +1,152 @@
+"""The bind pose: where joints and vertices stand when the mesh is at rest.
+
+A file says where a joint was when its mesh was bound by ``joint_T_mesh``. The mesh itself may
+then be placed at will: it is put where the joints' rest transforms put it, if they all agree,
+and upright in the middle of them if the nodes stand in some pose of a motion instead.
+
+With ``K`` the placing of the mesh, a joint's frame at rest is the rigid part of
+``K inverse(joint_T_mesh)`` and its reference scale the rest of it: the constant scale of a rig,
+in the mesh, in the nodes or in both, ends there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.rig.joints import Joints
+from motorcade.animation.formats.rig.poses import JointPoses
+from motorcade.animation.formats.rig.transforms import Transforms
+from motorcade.animation.formats.rig.values import Skin, Surface
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, IntArray, Motor, Rotor
+
+__all__ = ["Binding", "bind"]
+
+# Placings that differ by less, as a share of the mesh's size, are one.
+AGREEING = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Binding:
+    """Rest frames of the joints.
+
+    Args:
+        world: Motor (J,) `character_T_joint` at rest.
+        scale: (J,) reference scale: metres for a unit of the joint's frame in the file.
+        agrees: whether the nodes' rest pose is the bind pose.
+    """
+
+    world: Motor
+    scale: FloatArray
+    agrees: bool
+
+    def frames(self) -> FloatArray:
+        """Matrices (J, 4, 4) from the joints' frames in the file to character space."""
+        made: FloatArray = self.world.as_matrix()
+        made[:, :3, :3] *= self.scale[:, None, None]
+        return made
+
+
+def bind(joints: Joints, rest: JointPoses, surfaces: tuple[Surface, ...]) -> Binding:
+    """Rest frames from the skin that carries most triangles, else from the nodes.
+
+    Args:
+        joints: the joints.
+        rest: the pose (1, J) in which the nodes stand.
+        surfaces: meshes; the skinned ones count.
+
+    Raises:
+        FormatError: an inverse bind matrix without an inverse.
+    """
+    local = rest.motors()[0]
+    world = Skeleton(joints.names, joints.parents, local).rest_world
+    scale = rest.scale[0]
+    main = max(surfaces, key=lambda one: (one.skin is not None, len(one.triangles)))
+    skin = main.skin
+    if skin is None:
+        return Binding(world, scale.copy(), agrees=True)
+    numbers = np.searchsorted(joints.nodes, skin.nodes)
+    _check_invertible(skin)
+    placing, agrees = _placing(main, skin, numbers, world, scale)
+    full = skin.inverse_bind.copy()
+    full[:, 3] = (0.0, 0.0, 0.0, 1.0)
+    bound = Transforms.from_matrices(placing @ np.linalg.inv(full))
+    coefficients, scales = np.array(world.coefficients), scale.copy()
+    fixed = np.zeros(len(scales), dtype=bool)
+    fixed[numbers] = True
+    coefficients[numbers] = bound.rigid().coefficients
+    scales[numbers] = bound.scale
+    for joint, parent in enumerate(joints.parents.tolist()):
+        if fixed[joint] or parent < 0:
+            continue
+        ratio = scales[parent] / scale[parent]
+        step = local[joint]
+        moved = Motor.from_rotor_translation(step.rotor, ratio * step.translation_m)
+        coefficients[joint] = (Motor(coefficients[parent]) @ moved).coefficients
+        scales[joint] = ratio * scale[joint]
+    return Binding(Motor(coefficients), scales, agrees)
+
+
+def _placing(
+    main: Surface, skin: Skin, numbers: IntArray, world: Motor, scale: FloatArray
+) -> tuple[FloatArray, bool]:
+    """Matrix (4, 4) that places the mesh, and whether all joints agree on it."""
+    frames = world[numbers].as_matrix()
+    frames[:, :3, :3] *= scale[numbers, None, None]
+    placings = frames @ skin.inverse_bind
+    mass = np.bincount(
+        main.influences.reshape(-1), main.weights.reshape(-1), minlength=len(numbers)
+    )[: len(numbers)]
+    if not (np.isfinite(mass).all() and mass.sum() > 0.0):
+        raise expected(f"weights of '{main.name}'", "a sum above zero", mass.sum())
+    low, high = main.vertices.min(axis=0), main.vertices.max(axis=0)
+    box = np.array([low, high])
+    corners = np.stack([box[[i, j, k], [0, 1, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    placed = np.einsum("mij,cj->mci", placings[:, :3, :3], corners) + placings[:, None, :3, 3]
+    heaviest = int(np.argmax(mass))
+    size = float(np.linalg.norm(np.ptp(placed[heaviest], axis=0)))
+    apart = np.linalg.norm(placed - placed[heaviest], axis=-1).max(axis=-1)
+    if apart[mass > 0.0].max() <= AGREEING * max(size, 1e-12):
+        return placings[heaviest], True
+    root = int(np.argmin(numbers))
+    point = np.linalg.solve(skin.inverse_bind[root, :3, :3], -skin.inverse_bind[root, :3, 3])
+    return _upright(
+        placings,
+        np.asarray(mass / mass.sum()),
+        np.asarray(point),
+        world[numbers[root]].translation_m,
+    ), False
+
+
+def _upright(
+    placings: FloatArray, mass: FloatArray, point: FloatArray, place: FloatArray
+) -> FloatArray:
+    """One placing amid those of a posed skeleton, turned by quarters, `point` put in `place`."""
+    near = Transforms.from_matrices(placings)
+    scale = float(np.median(near.scale[mass > 0.0]))
+    turns = Rotor.from_quaternion(near.wxyz).as_matrix()
+    mean = np.einsum("m,mij->ij", mass, turns)
+    u, _, vt = np.linalg.svd(mean)
+    turn = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
+    quarter = np.round(turn)
+    if abs(np.linalg.det(quarter) - 1.0) < 1e-9 and np.abs(quarter).sum() == 3.0:
+        turn = quarter
+    made = np.eye(4)
+    made[:3, :3] = scale * turn
+    made[:3, 3] = place - made[:3, :3] @ point
+    return made
+
+
+def _check_invertible(skin: Skin) -> None:
+    """Refuse inverse bind matrices that have no inverse."""
+    blocks = skin.inverse_bind[:, :3, :3]
+    size = np.abs(blocks).max(axis=(1, 2))
+    singular = ~(np.abs(np.linalg.det(blocks)) > 1e-9 * size**3) | ~(size > 1e-9)
+    if singular.any():
+        raise FormatError(
+            "inverse bind matrices: expected invertible ones, got "
+            f"{int(np.count_nonzero(singular))} that are not"
+        )

@@ -1,0 +1,92 @@
+"""Keys into values between them: steps, lines, great arcs and cubic splines, many at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motorcade.ga import FloatArray
+
+__all__ = ["arcs", "before_jumps", "between", "great_arc", "hermite", "stepped", "with_times"]
+
+JUMP_S = 1e-6
+"""How long before a step its old value is sampled last."""
+
+
+def between(keys: FloatArray, times: FloatArray) -> tuple[np.ndarray, FloatArray]:
+    """The key (n,) at or before each time, and the fraction (n,) of the way to the next.
+
+    Times outside are held at the ends.
+    """
+    if len(keys) == 1:
+        return np.zeros(len(times), dtype=np.int64), np.zeros(len(times))
+    before = np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 2)
+    fraction = (times - keys[before]) / (keys[before + 1] - keys[before])
+    return before, np.clip(fraction, 0.0, 1.0)
+
+
+def with_times(keys: FloatArray, values: FloatArray, times: FloatArray) -> FloatArray:
+    """Values (n, ...) at times on straight lines between keys (K,) with values (K, ...)."""
+    if len(keys) == len(times) and np.array_equal(keys, times):
+        return values
+    before, fraction = between(keys, times)
+    after = np.minimum(before + 1, len(keys) - 1)
+    share = fraction.reshape(-1, *[1] * (values.ndim - 1))
+    made: FloatArray = values[before] + share * (values[after] - values[before])
+    return made
+
+
+def great_arc(keys: FloatArray, wxyz: FloatArray, times: FloatArray) -> FloatArray:
+    """Quaternions (n, ..., 4) at times, turning evenly and the short way between keys."""
+    if len(keys) == len(times) and np.array_equal(keys, times):
+        return wxyz
+    before, fraction = between(keys, times)
+    after = np.minimum(before + 1, len(keys) - 1)
+    share = fraction.reshape(-1, *[1] * (wxyz.ndim - 2))
+    return arcs(_unit(wxyz[before]), _unit(wxyz[after]), share)
+
+
+def arcs(start: FloatArray, end: FloatArray, share: FloatArray) -> FloatArray:
+    """Unit quaternions (*, 4) a share (*) of the short way from `start` to `end`."""
+    cosine = np.einsum("...i,...i->...", start, end)
+    angle = np.arccos(np.minimum(np.abs(cosine), 1.0))
+    sine = np.sin(angle)
+    flat = sine < 1e-6
+    safe = np.where(flat, 1.0, sine)
+    first = np.where(flat, 1.0 - share, np.sin((1.0 - share) * angle) / safe)
+    second = np.where(flat, share, np.sin(share * angle) / safe)
+    second = np.where(cosine < 0.0, -second, second)
+    return _unit(first[..., None] * start + second[..., None] * end)
+
+
+def stepped(keys: FloatArray, values: FloatArray, times: FloatArray) -> FloatArray:
+    """Values of the last key at or before each time; of the first key before it."""
+    return values[np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 1)]
+
+
+def hermite(
+    keys: FloatArray, values: FloatArray, into: FloatArray, out: FloatArray, times: FloatArray
+) -> FloatArray:
+    """Values (n, ...) on cubics with slopes a second `into` and `out` of the keys (K, ...)."""
+    before, fraction = between(keys, times)
+    after = np.minimum(before + 1, len(keys) - 1)
+    shape = (-1, *[1] * (values.ndim - 1))
+    u = fraction.reshape(shape)
+    step = (keys[after] - keys[before]).reshape(shape)
+    made: FloatArray = (
+        (1.0 + 2.0 * u) * (1.0 - u) ** 2 * values[before]
+        + u * (1.0 - u) ** 2 * step * out[before]
+        + u**2 * (3.0 - 2.0 * u) * values[after]
+        + u**2 * (u - 1.0) * step * into[after]
+    )
+    return made
+
+
+def before_jumps(keys: FloatArray) -> FloatArray:
+    """Times just before the steps at keys (K,)."""
+    times = keys[1:] - JUMP_S
+    return times[times > keys[:-1]]
+
+
+def _unit(wxyz: FloatArray) -> FloatArray:
+    length = np.sqrt(np.einsum("...i,...i->...", wxyz, wxyz))[..., None]
+    return wxyz / np.where(length > 0.0, length, 1.0)

@@ -1,0 +1,192 @@
+"""Clips sampled so finely that screws between samples follow what the file means.
+
+Between keys files interpolate turns and translations apart, or angles, or curves; a `Clip`
+follows the screw. Where the two would part by more than a share of the figure's height, samples
+are set between the keys.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation.formats.errors import FormatError
+from motorcade.animation.formats.limits import MAX_POSES
+from motorcade.animation.formats.rig.curves import arcs
+from motorcade.animation.formats.rig.joints import Joints
+from motorcade.animation.formats.rig.poses import JointPoses, World, joint_poses
+from motorcade.animation.formats.rig.transforms import Transforms
+from motorcade.animation.formats.rig.values import NodeTree, RigClip
+from motorcade.ga import FloatArray, IntArray
+
+__all__ = ["Sampled", "Sampler", "divided", "parts_of_steps"]
+
+PARTING_TOLERANCE = 2e-5
+"""How far screws and the file may part between samples, as a share of the figure's height."""
+MOST_PARTS = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """Clips of one rig, sampled one after the other.
+
+    Args:
+        times: for each clip its (F,) seconds.
+        poses: of all clips, in the same order.
+        starts: (C + 1,) where each clip begins among the poses.
+    """
+
+    times: list[FloatArray]
+    poses: JointPoses
+    starts: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Sampler:
+    """Samples clips on the nodes of one rig.
+
+    Args:
+        tree: the nodes.
+        joints: which of them are joints.
+        world: how the file's world lies in character space.
+        height_m: of the figure; tolerances are shares of it.
+        watched: (J,) whether a joint's path between keys matters: controls that carry nothing
+            may part.
+    """
+
+    tree: NodeTree
+    joints: Joints
+    world: World
+    height_m: float
+    watched: NDArray[np.bool_]
+
+    def __call__(self, clips: tuple[RigClip, ...]) -> Sampled:
+        """Sample at the keys, then between them where that is needed.
+
+        Raises:
+            FormatError: no clips, or more poses than the limit.
+        """
+        times = [clip.key_times for clip in clips]
+        poses = self._poses(clips, times)
+        starts = np.cumsum([0, *map(len, times)])
+        tolerance = PARTING_TOLERANCE * self.height_m
+        parts = self._parts(clips, times, poses, starts, tolerance)
+        if parts.max(initial=1) == 1:
+            return Sampled(times, poses, starts)
+        finer = [
+            divided(at, parts[start : start + len(at) - 1])
+            for at, start in zip(times, starts, strict=False)
+        ]
+        self._check(finer)
+        made = _straight(poses, parts)
+        ends = np.cumsum([0, *map(len, finer)])
+        for number in self._curved(clips):
+            if len(finer[number]) == len(times[number]):
+                continue
+            own = self._poses((clips[number],), [finer[number]])
+            where = slice(ends[number], ends[number + 1])
+            made.wxyz[where], made.translation_m[where] = own.wxyz, own.translation_m
+            made.scale[where] = own.scale
+        return Sampled(finer, made, ends)
+
+    def _curved(self, clips: tuple[RigClip, ...]) -> list[int]:
+        """Clips whose joints do not go straight between keys."""
+        curved = []
+        long = [chain for chain in self.joints.chains if len(chain) > 1]
+        for number, clip in enumerate(clips):
+            moving = set(clip.nodes.tolist())
+            if not clip.straight or any(len(moving.intersection(chain)) > 1 for chain in long):
+                curved.append(number)
+        return curved
+
+    def _parts(
+        self,
+        clips: tuple[RigClip, ...],
+        times: list[FloatArray],
+        poses: JointPoses,
+        starts: IntArray,
+        tolerance: float,
+    ) -> IntArray:
+        """Into how many parts (F,) the step after each sample must go; 1 at the ends of clips."""
+        parts = np.ones(len(poses.scale), dtype=np.int64)
+        if len(parts) > 1:
+            watched = np.flatnonzero(self.watched)
+            parts[:-1] = parts_of_steps(
+                poses.wxyz[:, watched], poses.translation_m[:, watched], tolerance
+            )
+        for number in self._curved(clips):
+            if len(times[number]) > 1:
+                where = slice(starts[number], starts[number + 1] - 1)
+                parts[where] = self._measured(clips[number], times[number], tolerance)
+        parts[starts[1:] - 1] = 1
+        return parts
+
+    def _measured(self, clip: RigClip, times: FloatArray, tolerance: float) -> IntArray:
+        """Parts (F - 1,) for each step, from how far the middles of the screws lie off."""
+        middles = 0.5 * (times[1:] + times[:-1])
+        both = self._poses((clip,), [np.sort(np.concatenate([times, middles]))])
+        motors = both.motors()[:, self.watched]
+        off = motors[:-2:2].interpolate(motors[2::2], 0.5).inverse() @ motors[1::2]
+        apart = np.linalg.norm(off.translation_m, axis=-1) + off.rotor.angle() * self.height_m
+        return _parts_for(apart.max(axis=-1, initial=0.0), tolerance)
+
+    def _check(self, times: list[FloatArray]) -> None:
+        total = sum(map(len, times))
+        if total * len(self.tree.names) > MAX_POSES:
+            raise FormatError(
+                f"animations: expected at most {MAX_POSES} samples times nodes, got "
+                f"{total} times {len(self.tree.names)}"
+            )
+
+    def _poses(self, clips: tuple[RigClip, ...], times: list[FloatArray]) -> JointPoses:
+        """Poses of all clips at their times, computed together."""
+        self._check(times)
+        nodes = Transforms.concatenate([clip.at(at) for clip, at in zip(clips, times, strict=True)])
+        return joint_poses(self.tree, self.joints, nodes, self.world)
+
+
+def parts_of_steps(wxyz: FloatArray, translation_m: FloatArray, tolerance: float) -> IntArray:
+    """Into how many parts (F - 1,) steps between poses (F, J) must go.
+
+    A screw that turns by θ while it moves by d leaves the straight line by d θ / 8 at most; n
+    parts divide that by n².
+    """
+    cosine = np.abs(np.einsum("fji,fji->fj", wxyz[1:], wxyz[:-1]))
+    step = np.diff(translation_m, axis=0)
+    # d² θ² with θ² < 8.7 (1 - cos(θ/2)), the worst being at θ = π.
+    squares = np.einsum("fji,fji->fj", step, step) * 9.9 * (1.0 - np.minimum(cosine, 1.0))
+    return _parts_for(np.sqrt(squares.max(axis=-1, initial=0.0)) / 8.0, tolerance)
+
+
+def divided(times: FloatArray, parts: IntArray) -> FloatArray:
+    """Times (F,) with every step divided into so many (F - 1,) equal parts."""
+    step = np.repeat(np.diff(times) / parts, parts)
+    first = np.repeat(times[:-1], parts)
+    return np.concatenate([first + _counts(parts) * step, times[-1:]])
+
+
+def _straight(poses: JointPoses, parts: IntArray) -> JointPoses:
+    """Poses with steps divided: great arcs of turns, lines of translations and scales."""
+    before = np.repeat(np.arange(len(parts)), parts)
+    counts = _counts(parts)
+    wxyz, places = poses.wxyz[before], poses.translation_m[before]
+    scale = poses.scale[before]
+    new = np.flatnonzero(counts)
+    start, end = before[new], before[new] + 1
+    share = (counts[new] / parts[start])[:, None]
+    wxyz[new] = arcs(poses.wxyz[start], poses.wxyz[end], share)
+    places[new] += share[..., None] * (poses.translation_m[end] - places[new])
+    scale[new] += share * (poses.scale[end] - scale[new])
+    return JointPoses(wxyz, places, scale, None)
+
+
+def _counts(parts: IntArray) -> IntArray:
+    """0, 1, ... up to each number of parts, one after the other."""
+    return np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)
+
+
+def _parts_for(apart: FloatArray, tolerance: float) -> IntArray:
+    wanted = np.ceil(np.sqrt(apart / max(tolerance, 1e-12)))
+    return np.clip(wanted, 1, MOST_PARTS).astype(np.int64)

@@ -1,0 +1,156 @@
+"""What the readers hand over: nodes, surfaces, clips, axes and unit, as they stand in the file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.limits import MAX_DEPTH, MAX_NODES, check_count
+from motorcade.animation.formats.rig.transforms import Transforms
+from motorcade.ga import FloatArray, IntArray
+
+__all__ = ["NodeTree", "Rig", "RigClip", "Skin", "Surface", "transforms_over"]
+
+
+@dataclass(frozen=True, eq=False)
+class NodeTree:
+    """Nodes of a scene, parents before their children.
+
+    Args:
+        names: N names; they may repeat or be empty.
+        parents: (N,) number of each node's parent, smaller than its own; −1 for a root.
+        rest: Transforms (N,), `parent_T_node`.
+
+    Raises:
+        FormatError: no nodes, more than the limit, or deeper than the limit.
+    """
+
+    names: tuple[str, ...]
+    parents: IntArray
+    rest: Transforms
+
+    def __post_init__(self) -> None:
+        check_count("nodes", len(self.names), MAX_NODES)
+        if not self.names:
+            raise FormatError("nodes: expected one or more, got none")
+        if self.depth.max() >= MAX_DEPTH:
+            raise expected("nodes", f"at most {MAX_DEPTH} levels", int(self.depth.max()) + 1)
+
+    @property
+    def depth(self) -> IntArray:
+        """Distance (N,) of each node from its root."""
+        depth = np.zeros(len(self.names), dtype=np.int64)
+        for node, parent in enumerate(self.parents.tolist()):
+            depth[node] = 0 if parent < 0 else depth[parent] + 1
+        return depth
+
+    @property
+    def levels(self) -> list[IntArray]:
+        """Node numbers by their distance from the root."""
+        depth = self.depth
+        return [np.flatnonzero(depth == level) for level in range(int(depth.max()) + 1)]
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """The joints that carry a surface.
+
+    Args:
+        nodes: (M,) node numbers.
+        inverse_bind: (M, 4, 4), `joint_T_mesh` in the pose in which the mesh was bound.
+    """
+
+    nodes: IntArray
+    inverse_bind: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Triangles that hang on a node, or are carried by a skin.
+
+    Args:
+        name: for messages.
+        node: the node it hangs on; only used without a skin.
+        vertices: (V, 3) in the mesh's own frame and the file's unit.
+        normals: (V, 3), or None where the file has none.
+        triangles: (T, 3) vertex numbers, counter-clockwise seen from outside.
+        colors: (V, 3) sRGB, 0 to 1.
+        skin: what carries it, or None.
+        influences: (V, K) numbers of joints of the skin.
+        weights: (V, K) their shares, 0 or more.
+    """
+
+    name: str
+    node: int
+    vertices: FloatArray
+    normals: FloatArray | None
+    triangles: IntArray
+    colors: FloatArray
+    skin: Skin | None = None
+    influences: IntArray = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int64))
+    weights: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+
+
+@dataclass(frozen=True, eq=False)
+class RigClip:
+    """A motion of the nodes.
+
+    Args:
+        name: what it is called; it may repeat or be empty.
+        key_times: (F,) strictly increasing seconds: those at which the file has a key, and those
+            just before its steps.
+        at: Transforms (n, N) at times (n,) from the first key to the last.
+        nodes: (A,) numbers of the nodes that it moves.
+        straight: whether between keys turns follow the great arc and translations a line.
+        looped: whether the file says that it repeats.
+        key_count: how many keys the fullest channel has; by default the number of `key_times`.
+    """
+
+    name: str
+    key_times: FloatArray
+    at: Callable[[FloatArray], Transforms]
+    nodes: IntArray
+    straight: bool = True
+    looped: bool = False
+    key_count: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """A character or motion as its file describes it.
+
+    Args:
+        tree: all nodes of the file.
+        joints: numbers of the nodes that the file calls joints; empty where it names none.
+        surfaces: meshes.
+        clips: motions.
+        up: unit vector (3,) of the file's frame, or None where it does not say.
+        forward: unit vector (3,) that characters of this format face, or None.
+        unit_m: length of one unit in metres, or None where the file does not say.
+        unit_checked: whether `unit_m` is only believed of figures of a plausible height.
+        notices: what was left out or assumed so far.
+    """
+
+    tree: NodeTree
+    joints: tuple[int, ...]
+    surfaces: tuple[Surface, ...]
+    clips: tuple[RigClip, ...]
+    up: tuple[float, float, float] | None
+    forward: tuple[float, float, float] | None
+    unit_m: float | None
+    unit_checked: bool = False
+    notices: tuple[str, ...] = ()
+
+
+def transforms_over(rest: Transforms, count: int) -> Transforms:
+    """The rest transforms (N,) repeated as writable arrays (count, N)."""
+    blocks = rest.blocks
+    return Transforms(
+        np.repeat(rest.wxyz[None], count, axis=0),
+        np.repeat(rest.translation[None], count, axis=0),
+        np.repeat(rest.scale[None], count, axis=0),
+        None if blocks is None else np.repeat(blocks[None], count, axis=0),
+    )
