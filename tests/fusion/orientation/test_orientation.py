@@ -122,8 +122,8 @@ def test_axes_may_be_named_anew(smooth, rng):
     np.testing.assert_allclose(up[:, 2], up[0, 2], atol=1e-9)
 
 
-def test_smoothing_is_the_least_squares_of_its_own_model(rng):
-    """Small errors make the model linear: the result must not change when it is smoothed anew.
+def test_smoothing_carries_later_knowledge_back():
+    """What only later samples tell holds for the first as well.
 
     A noise-free sensor at rest but for a constant bias: all of the stream, its first sample too,
     must come out level with the bias that only later samples tell.
