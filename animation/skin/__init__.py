@@ -1,5 +1,7 @@
-"""Skinning: from a pose of the skeleton to the mesh in character space."""
+"""Skinning: a character's mesh carried by its joints."""
 
-from motorcade.animation.skin.linear import skin
+from motorcade.animation.skin.palette import SKIN_METHODS, SkinMethod, palette
+from motorcade.animation.skin.skinner import Skinner
+from motorcade.animation.skin.skinning import skin
 
-__all__ = ["skin"]
+__all__ = ["SKIN_METHODS", "SkinMethod", "Skinner", "palette", "skin"]

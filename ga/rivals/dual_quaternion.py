@@ -19,12 +19,13 @@ from motorcade.ga.rivals.quaternion import (
 __all__ = [
     "dual_quaternion_apply", "dual_quaternion_as_quaternion_translation", "dual_quaternion_blend",
     "dual_quaternion_conjugate", "dual_quaternion_exp",
-    "dual_quaternion_from_quaternion_translation", "dual_quaternion_log",
+    "dual_quaternion_from_quaternion_translation", "dual_quaternion_log", "dual_quaternion_mean",
     "dual_quaternion_multiply", "dual_quaternion_normalize", "dual_quaternion_screw",
 ]  # fmt: skip
 
 # Below this sine of half the angle a screw has no axis left and is a plain translation.
 _NO_AXIS = 1e-12
+_MEAN_STEPS = 100
 
 
 def dual_quaternion_from_quaternion_translation(
@@ -183,3 +184,29 @@ def _power(q: FloatArray, exponent: FloatArray) -> FloatArray:
                             exponent * q[..., 6:7], exponent * q[..., 7:8]), axis=-1
     )  # fmt: skip
     return np.where(turns, screw, slide)
+
+
+def dual_quaternion_mean(q: ArrayLike, weights: ArrayLike) -> FloatArray:
+    """The mean of ``(*, K, 8)`` with shares ``(*, K)`` that sum to one, to ``(*, 8)``.
+
+    Dual quaternion iterative blending: from the linear blend, steps by the weighted logarithm
+    until none is left (1e-12 half radians or half metres). Of two it is the screw interpolation.
+
+    Raises:
+        ValueError: as `dual_quaternion_blend`, or rotations so far apart that the steps do not
+            settle within 100.
+    """
+    given, share = checked_floats(q, "q", (8,)), checked_floats(weights, "weights", ())
+    if given.shape[-2:-1] == (2,):
+        return dual_quaternion_screw(given[..., 0, :], given[..., 1, :], share[..., 1])
+    middle = dual_quaternion_blend(given, share)
+    for _ in range(_MEAN_STEPS):
+        away = dual_quaternion_multiply(dual_quaternion_conjugate(middle)[..., None, :], given)
+        step = np.sum(share[..., None] * dual_quaternion_log(away), axis=-2)
+        middle = dual_quaternion_multiply(middle, dual_quaternion_exp(step))
+        if np.max(np.abs(step), initial=0.0) <= 1e-12:
+            return middle
+    raise ValueError(
+        "q: expected rotations close enough to have one mean, got steps of "
+        f"{float(np.max(np.abs(step))):.3g} after {_MEAN_STEPS} rounds"
+    )

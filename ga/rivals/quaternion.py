@@ -15,11 +15,13 @@ from motorcade.ga.arrays import FloatArray, checked_floats
 __all__ = [
     "quaternion_apply", "quaternion_as_matrix", "quaternion_as_rotation_vector",
     "quaternion_conjugate", "quaternion_from_matrix", "quaternion_from_rotation_vector",
-    "quaternion_multiply", "quaternion_nlerp", "quaternion_normalize", "quaternion_slerp",
+    "quaternion_mean", "quaternion_multiply", "quaternion_nlerp", "quaternion_normalize",
+    "quaternion_slerp",
 ]  # fmt: skip
 
 # Below this angle between two quaternions the sines of slerp cancel, and the chord is the arc.
 _PARALLEL_RAD = 1e-8
+_MEAN_STEPS = 100
 
 
 def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
@@ -135,6 +137,32 @@ def quaternion_nlerp(
     """Linear interpolation and division by the norm, ``(*, 4)``: same path, uneven speed."""
     first, second, steps = _pair(a, b, fraction, short_way)
     return quaternion_normalize((1.0 - steps) * first + steps * second)
+
+
+def quaternion_mean(q: ArrayLike, weights: ArrayLike) -> FloatArray:
+    """The mean rotation of ``(*, K, 4)`` with shares ``(*, K)`` that sum to one, to ``(*, 4)``.
+
+    Of two it is slerp. Of more it is found by steps of the weighted rotation vectors (Buss and
+    Fillmore, 2001) from the first of the K, until none is longer than 1e-12 rad.
+
+    Raises:
+        ValueError: wrong dimensions, NaN or infinity, or rotations so far apart that the steps do
+            not settle within 100.
+    """
+    given, share = checked_floats(q, "q", (4,)), checked_floats(weights, "weights", ())
+    if given.shape[-2:-1] == (2,):
+        return quaternion_slerp(given[..., 0, :], given[..., 1, :], share[..., 1])
+    middle = given[..., 0, :]
+    for _ in range(_MEAN_STEPS):
+        away = quaternion_multiply(quaternion_conjugate(middle)[..., None, :], given)
+        step = np.sum(share[..., None] * quaternion_as_rotation_vector(away), axis=-2)
+        middle = quaternion_multiply(middle, quaternion_from_rotation_vector(step))
+        if np.max(np.abs(step), initial=0.0) <= 1e-12:
+            return quaternion_normalize(middle)
+    raise ValueError(
+        "q: expected rotations close enough to have one mean, got steps of "
+        f"{float(np.max(np.abs(step))):.3g} rad after {_MEAN_STEPS} rounds"
+    )
 
 
 def _pair(

@@ -13,11 +13,12 @@ from motorcade.ga.kernels.definitions import (
     rotors,
     similarities,
     similarity_conversions,
+    skinning,
 )
 
 __all__ = ["KERNELS"]
 
 KERNELS = (
     *motors.KERNELS, *conversions.KERNELS, *blends.KERNELS, *rotors.KERNELS,
-    *similarities.KERNELS, *similarity_conversions.KERNELS,
+    *similarities.KERNELS, *similarity_conversions.KERNELS, *skinning.KERNELS,
 )  # fmt: skip

@@ -11,12 +11,12 @@ from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.functions import select
 from motorcade.ga.kernels.definitions.similarities import Parts, joined, scalar, split
 
-__all__ = ["KERNELS"]
+__all__ = ["KERNELS", "grown_rotor"]
 
 Numbers = list[Any]
 
 
-def _grown_rotor(s: Parts) -> Multivector:
+def grown_rotor(s: Parts) -> Multivector:
     """``√ρ R``: A + B or, where these cancel, the inverse of ``~(A - B)``."""
     shrunk = s.turned - s.grown
     small = scalar(s.turned * ~s.grown) < 0
@@ -32,7 +32,7 @@ def _translation(s: Parts, grown_rotor: Multivector) -> Numbers:
 def _matrix_rows(m: Numbers) -> Numbers:
     """The 3×4 matrix by rows: images of e1, e2, e3, and the translation."""
     s = split(m)
-    rotor = _grown_rotor(s)
+    rotor = grown_rotor(s)
     axes = [on.vector([float(i == k) for i in range(3)]) for k in range(3)]
     columns = [on.vector_numbers(rotor * axis * ~rotor) for axis in axes]
     columns.append(_translation(s, rotor))
@@ -41,7 +41,7 @@ def _matrix_rows(m: Numbers) -> Numbers:
 
 def _apply(precision: Precision, m: Numbers, x: Numbers) -> list[Numbers]:
     s = split(m)
-    rotor = _grown_rotor(s)
+    rotor = grown_rotor(s)
     turned = on.vector_numbers(rotor * on.vector(x) * ~rotor)
     return [[a + b for a, b in zip(turned, _translation(s, rotor), strict=True)]]
 
@@ -58,7 +58,7 @@ def _rotor_translation_scale(precision: Precision, m: Numbers) -> list[Numbers]:
     import casadi as ca
 
     s = split(m)
-    grown = _grown_rotor(s)
+    grown = grown_rotor(s)
     rotor = s.turned * (1 / ca.sqrt(scalar(s.turned * ~s.turned)))
     scale = scalar(grown * ~grown)
     return [[*on.rotor_numbers(rotor), *_translation(s, grown), scale]]

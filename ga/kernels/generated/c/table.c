@@ -80,6 +80,14 @@ void motorcade_rotor_translation_scale_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_rotor_translation_scale_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_similarity_of_motor_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_similarity_of_motor_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_carry_motor_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_carry_motor_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_carry_dual_quaternion_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_carry_dual_quaternion_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_carry_similarity_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_carry_similarity_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_carry_matrix_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_carry_matrix_f64(MOTORCADE_ARGUMENTS(double));
 
 const struct motorcade_kernel motorcade_kernels[] = {
     {"compose", 2, 1, {8, 8, 8},
@@ -160,6 +168,14 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_rotor_translation_scale_f32, motorcade_rotor_translation_scale_f64},
     {"similarity_of_motor", 2, 1, {8, 1, 12},
      motorcade_similarity_of_motor_f32, motorcade_similarity_of_motor_f64},
+    {"carry_motor", 3, 1, {8, 3, 3, 6},
+     motorcade_carry_motor_f32, motorcade_carry_motor_f64},
+    {"carry_dual_quaternion", 3, 1, {8, 3, 3, 6},
+     motorcade_carry_dual_quaternion_f32, motorcade_carry_dual_quaternion_f64},
+    {"carry_similarity", 3, 1, {12, 3, 3, 6},
+     motorcade_carry_similarity_f32, motorcade_carry_similarity_f64},
+    {"carry_matrix", 3, 1, {12, 3, 3, 6},
+     motorcade_carry_matrix_f32, motorcade_carry_matrix_f64},
 };
 const size_t motorcade_kernel_count =
     sizeof motorcade_kernels / sizeof motorcade_kernels[0];

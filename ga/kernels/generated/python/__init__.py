@@ -46,4 +46,8 @@ KERNELS: dict[str, tuple[str, tuple[int, ...], int]] = {
     "similarity_matrix44": ("similarity_conversions", (12,), 16),
     "rotor_translation_scale": ("similarity_conversions", (12,), 8),
     "similarity_of_motor": ("similarity_conversions", (8, 1), 12),
+    "carry_motor": ("skinning", (8, 3, 3), 6),
+    "carry_dual_quaternion": ("skinning", (8, 3, 3), 6),
+    "carry_similarity": ("skinning", (12, 3, 3), 6),
+    "carry_matrix": ("skinning", (12, 3, 3), 6),
 }

@@ -1,0 +1,129 @@
+"""Layers: poses over one another with weights, masks of joints, and additive poses on top.
+
+What a runtime blends: several layers by weight (each joint by itself where a layer has a mask),
+down to the rest pose where hardly anything weighs on a joint, then what is to be added.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
+from motorcade.ga import FloatArray, Motor, checked_floats, frozen
+
+__all__ = ["Layer", "added", "additive", "blend_layers"]
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """A pose that takes part in a blend.
+
+    Args:
+        pose: local poses ``(*, J)``; of an additive layer what `additive` gives.
+        weight: its share beside the other layers', not negative.
+        mask: ``(J,)`` factors on the weight, 0 to 1 a joint; None for the whole body.
+
+    Raises:
+        ValueError: a weight that is negative or not finite, a mask out of range or of another
+            number of joints.
+    """
+
+    pose: Poses
+    weight: float = 1.0
+    mask: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        if not self.pose.shape:
+            raise ValueError("Layer.pose: expected shape (*, J), got ()")
+        if not (np.isfinite(self.weight) and self.weight >= 0.0):
+            raise ValueError(f"Layer.weight: expected a number from 0 up, got {self.weight}")
+        if self.mask is None:
+            return
+        mask = checked_floats(self.mask, "Layer.mask", ())
+        if mask.shape != self.pose.shape[-1:] or mask.min() < 0.0 or mask.max() > 1.0:
+            raise ValueError(
+                f"Layer.mask: expected {self.pose.shape[-1]} factors from 0 to 1, got shape "
+                f"{mask.shape} from {mask.min(initial=0):g} to {mask.max(initial=0):g}"
+            )
+        object.__setattr__(self, "mask", frozen(mask))
+
+    @property
+    def joint_weights(self) -> FloatArray:
+        """The weight of every joint ``(J,)``."""
+        mask = np.ones(self.pose.shape[-1]) if self.mask is None else self.mask
+        return self.weight * mask
+
+
+def blend_layers(
+    layers: Sequence[Layer],
+    rest: Motor,
+    *,
+    additive_layers: Sequence[Layer] = (),
+    method: BlendMethod = "motor",
+    threshold: float = 0.1,
+) -> Poses:
+    """Blend layers joint by joint, then add the additive ones in their order.
+
+    Args:
+        layers: poses of the same J joints; none gives the rest pose.
+        rest: Motor ``(J,)``, local rest pose.
+        additive_layers: differences, each added by its weight along the screw.
+        method: see `motorcade.animation.blend.methods`.
+        threshold: where the weights on a joint sum to less than this, the rest pose makes up for
+            what is missing, so that a layer fades in and out without a jump.
+
+    Returns:
+        local poses ``(*, J)``.
+
+    Raises:
+        ValueError: another number of joints, a threshold that is not positive, or what
+            `blend_poses` refuses.
+    """
+    if not (np.isfinite(threshold) and threshold > 0.0):
+        raise ValueError(f"blend_layers(threshold): expected a number above 0, got {threshold}")
+    for layer in (*layers, *additive_layers):
+        if layer.pose.shape[-1:] != rest.shape:
+            raise ValueError(
+                f"blend_layers: expected poses of {rest.shape} joints as the rest pose has, got "
+                f"{layer.pose.shape}"
+            )
+    # A layer of no weight would still lend the blend its signs.
+    present = [layer for layer in layers if np.any(layer.joint_weights > 0.0)]
+    weights = [layer.joint_weights for layer in present]
+    missing = np.maximum(0.0, threshold - np.sum(weights, axis=0)) if weights else np.ones(1)
+    poses: list[Poses] = [layer.pose for layer in present]
+    if np.any(missing > 0.0):
+        poses, weights = [*poses, rest], [*weights, np.broadcast_to(missing, rest.shape)]
+    blended = blend_poses(stacked(poses), np.stack(weights), method)
+    for layer in additive_layers:
+        blended = added(blended, layer.pose, layer.joint_weights)
+    return blended
+
+
+def additive(pose: Poses, reference: Poses) -> Poses:
+    """What a pose adds to a reference, in each joint's own axes: ``~reference pose``."""
+    base, other = _alike(reference, pose)
+    return base.inverse() @ other
+
+
+def added(base: Poses, difference: Poses, weights: FloatArray | float = 1.0) -> Poses:
+    """A base with a share of a difference on top, ``base difference^weight``, along the screw.
+
+    Args:
+        base: poses ``(*, J)``.
+        difference: poses ``(*, J)``, from `additive`.
+        weights: a number or one a joint; 1 adds all of it, negative ones take it away.
+    """
+    share = checked_floats(weights, "added(weights)", ())
+    first, other = _alike(base, difference)
+    return first @ type(other).exp(share[..., None] * other.log())
+
+
+def _alike(first: Poses, second: Poses) -> tuple[Motor, Motor]:
+    """Both of one type. (The verbs used on them are those that motors and similarities share.)"""
+    pair = stacked([first, second])
+    return cast(Motor, pair[..., 0, :]), cast(Motor, pair[..., 1, :])

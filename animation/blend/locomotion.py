@@ -1,0 +1,138 @@
+"""Locomotion: cycles of different lengths blended in phase, along a blend space of one parameter.
+
+Walk, jog and run take different times for one cycle. Blended by the clock their steps drift apart;
+blended by phase, the share of the cycle that has passed, every foot keeps its part. The length of
+the blended cycle is the weighted mean of the cycles' lengths.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
+from motorcade.animation.clip import Clip
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, checked_floats, frozen
+
+__all__ = ["BlendSpace", "phase_between"]
+
+
+@dataclass(frozen=True, eq=False)
+class BlendSpace:
+    """Cycles placed along a parameter, such as the speed at which they walk.
+
+    Args:
+        positions: ``(K,)`` rising values of the parameter, one a clip; K at least 2.
+        clips: looped clips of one skeleton, of any lengths.
+        offsets: ``(K,)`` phases at which the clips are alike (see `phase_between`); 0 by default.
+        method: how poses are blended.
+
+    Raises:
+        ValueError: positions that do not rise or are no match for the clips, a clip that is not
+            looped or of another skeleton.
+    """
+
+    positions: FloatArray
+    clips: tuple[Clip, ...]
+    offsets: FloatArray = field(default_factory=lambda: np.zeros(0))
+    method: BlendMethod = "motor"
+
+    def __post_init__(self) -> None:
+        positions = checked_floats(self.positions, "BlendSpace.positions", ())
+        count = len(self.clips)
+        if count < 2 or positions.shape != (count,) or np.any(np.diff(positions) <= 0.0):
+            raise ValueError(
+                "BlendSpace.positions: expected rising numbers, one for each of two clips or more, "
+                f"got {positions} for {count} clips"
+            )
+        joints = self.clips[0].poses.shape[1]
+        for clip in self.clips:
+            if not clip.looped or clip.poses.shape[1] != joints:
+                raise ValueError(
+                    f"BlendSpace.clips: expected loops of {joints} joints, got '{clip.name}' with "
+                    f"{clip.poses.shape[1]}, {'looped' if clip.looped else 'not looped'}"
+                )
+        offsets = checked_floats(self.offsets, "BlendSpace.offsets", ())
+        if not offsets.size:
+            offsets = np.zeros(count)
+        if offsets.shape != (count,):
+            raise ValueError(
+                f"BlendSpace.offsets: expected {count} phases, got shape {offsets.shape}"
+            )
+        object.__setattr__(self, "positions", frozen(positions))
+        object.__setattr__(self, "offsets", frozen(offsets))
+
+    def weights(self, value: ArrayLike) -> FloatArray:
+        """Shares of the clips ``(*, K)`` at values ``(*)``; outside the positions the nearest."""
+        given = checked_floats(value, "BlendSpace.weights(value)", ())
+        columns = [np.interp(given, self.positions, row) for row in np.eye(len(self.clips))]
+        return np.stack(columns, axis=-1)
+
+    def duration_s(self, value: ArrayLike) -> FloatArray:
+        """Seconds ``(*)`` that one cycle takes at values ``(*)``."""
+        lengths = np.array([clip.duration_s for clip in self.clips])
+        seconds: FloatArray = np.sum(self.weights(value) * lengths, axis=-1)
+        return seconds
+
+    def pose(self, value: ArrayLike, phase: ArrayLike) -> Poses:
+        """Local poses ``(*, J)`` at values ``(*)`` and phases ``(*)``, of which 1 is a cycle."""
+        share = self.weights(value)
+        passed = checked_floats(phase, "BlendSpace.pose(phase)", ())
+        sampled = stacked([
+            clip.at(clip.time_s[0] + (passed + offset) * clip.duration_s)
+            for clip, offset in zip(self.clips, self.offsets, strict=True)
+        ])  # fmt: skip
+        return blend_poses(sampled, share, self.method)
+
+    def phases(self, time_s: ArrayLike, value: ArrayLike) -> FloatArray:
+        """Phases ``(N,)`` reached at rising times ``(N,)`` while the parameter goes through values.
+
+        The first is 0; between times the parameter is taken to change evenly.
+
+        Raises:
+            ValueError: times that do not rise or no match for the values.
+        """
+        clock = checked_floats(time_s, "BlendSpace.phases(time_s)", ())
+        values = checked_floats(value, "BlendSpace.phases(value)", ())
+        if clock.ndim != 1 or values.shape != clock.shape or np.any(np.diff(clock) < 0.0):
+            raise ValueError(
+                "BlendSpace.phases: expected rising times (N,) and as many values, got shapes "
+                f"{clock.shape} and {values.shape}"
+            )
+        rate = 1.0 / self.duration_s(values)
+        steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(clock)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def phase_between(
+    first: Clip, second: Clip, skeleton: Skeleton, joints: Sequence[str], samples: int = 64
+) -> float:
+    """The phase of a second cycle at which it is like the start of a first one.
+
+    It is where the heights of the joints named (the feet) fit best over the whole cycle, each
+    made unit in spread so that a run's high steps compare to a walk's, by circular correlation.
+
+    Raises:
+        ValueError: a clip that is not looped, no such joint, or joints that never move.
+    """
+    heights = [_heights(clip, skeleton, joints, samples) for clip in (first, second)]
+    spectra = [np.fft.rfft(height, axis=0) for height in heights]
+    likeness = np.fft.irfft(np.sum(spectra[1] * np.conj(spectra[0]), axis=1), samples)
+    return float(np.argmax(likeness)) / samples
+
+
+def _heights(clip: Clip, skeleton: Skeleton, joints: Sequence[str], samples: int) -> FloatArray:
+    if not clip.looped:
+        raise ValueError(f"phase_between: expected a loop, got '{clip.name}'")
+    numbers = [skeleton.index(name) for name in joints]
+    clock = clip.time_s[0] + clip.duration_s * np.arange(samples) / samples
+    height = skeleton.world(clip.at(clock)).translation_m[:, numbers, 2]
+    spread = np.std(height, axis=0)
+    if not numbers or np.any(spread < 1e-9):
+        raise ValueError(f"phase_between(joints): expected joints that move in '{clip.name}'")
+    centred: FloatArray = (height - np.mean(height, axis=0)) / spread
+    return centred

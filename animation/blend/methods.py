@@ -1,0 +1,207 @@
+"""Ways to blend poses: the methods that the paper compares and their rivals, behind one interface.
+
+Each takes K motors and their shares, and goes its own way through the algebra that it is named
+after, there and back:
+
+=========================  =========================================================================
+``motor``                  CGA motors by logarithms (paper 4.7, 4.8): the screw, at constant speed
+``motor_linear``           CGA motors summed and projected (paper 4.6)
+``similarity``             similarities by logarithms: a spiral where a pose grows
+``similarity_linear``      similarities summed and projected
+``rotor``                  EGA rotors by logarithms beside weighted translations (paper 4.2)
+``rotor_linear``           EGA rotors summed and normalised beside weighted translations
+``dual_quaternion``        dual quaternions by logarithms (ScLERP; of more than two DIB)
+``dual_quaternion_linear`` dual quaternions summed and normalised (DLB)
+``quaternion``             slerp beside weighted translations (of more than two the mean rotation)
+``quaternion_linear``      quaternions summed and normalised (nlerp) beside weighted translations
+``euler``                  angles, intrinsic x-y'-z'', and translations summed as they are
+=========================  =========================================================================
+
+Theory predicts ties, which the tests hold: of rigid poses ``motor``, ``similarity`` and
+``dual_quaternion`` are one blend, and so are the three linear ones; ``rotor`` and ``quaternion``
+too, and their linear twins. All but ``euler`` go the short way round, signs taken from the first.
+Sources: the paper, equations 4.2 to 4.8; Kavan, Collins, Zara, O'Sullivan (2007) for DLB and DIB.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Literal, TypeVar, get_args, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.ga import (
+    DualQuaternion,
+    EulerPose,
+    FloatArray,
+    Motor,
+    QuaternionPose,
+    Similarity,
+    Versor,
+    blend,
+    checked_floats,
+    mean,
+)
+from motorcade.ga.rivals.dual_quaternion import dual_quaternion_mean
+from motorcade.ga.rivals.quaternion import quaternion_mean
+
+__all__ = ["BLEND_METHODS", "BlendMethod", "Poses", "blend_poses", "stacked"]
+
+BlendMethod = Literal[
+    "motor", "motor_linear", "similarity", "similarity_linear", "rotor", "rotor_linear",
+    "dual_quaternion", "dual_quaternion_linear", "quaternion", "quaternion_linear", "euler",
+]  # fmt: skip
+BLEND_METHODS: tuple[BlendMethod, ...] = get_args(BlendMethod)
+
+Poses = Motor | Similarity
+V = TypeVar("V", bound=Versor)
+
+
+@overload
+def blend_poses(poses: Motor, weights: ArrayLike, method: BlendMethod = ...) -> Motor: ...
+
+
+@overload
+def blend_poses(poses: Similarity, weights: ArrayLike, method: BlendMethod = ...) -> Similarity: ...
+
+
+def blend_poses(poses: Poses, weights: ArrayLike, method: BlendMethod = "motor") -> Poses:
+    """Blend K poses of a skeleton's J joints.
+
+    Args:
+        poses: Motor or Similarity ``(*, K, J)``, local poses.
+        weights: ``(*, K)``, or ``(*, K, J)`` for a share of every joint; not negative, and for
+            every joint not all zero. Only their ratios count.
+        method: one of `BLEND_METHODS`. Those of rigid poses blend the scale of similarities
+            beside the rest, as one more number.
+
+    Returns:
+        ``(*, J)``, of the type given.
+
+    Raises:
+        ValueError: an unknown method, shapes that do not fit, weights that are negative, not
+            finite or all zero, or poses that cancel (rotations half a turn apart under a
+            linear method).
+    """
+    if method not in BLEND_METHODS:
+        raise ValueError(
+            f"blend_poses(method): expected one of {', '.join(BLEND_METHODS)}, got {method!r}"
+        )
+    shares = _shares(poses.shape, weights)
+    # The K to blend over go last: (*, J, K).
+    coefficients = np.swapaxes(poses.coefficients, -2, -3)
+    if isinstance(poses, Motor):
+        return _rigid(method, Motor(coefficients), shares)
+    grown = Similarity(coefficients)
+    if method in ("similarity", "similarity_linear"):
+        return _similarities(method, grown, shares)
+    motors, scale = grown.as_motor_scale()
+    rigid = _rigid(method, motors, shares)
+    return Similarity.from_motor_scale(rigid, np.sum(shares * scale, axis=-1))
+
+
+def stacked(poses: Sequence[Poses]) -> Poses:
+    """Poses ``(*, J)`` side by side, ``(*, K, J)``; similarities where one of them is."""
+    grow = any(isinstance(pose, Similarity) for pose in poses)
+    alike = [
+        Similarity.from_motor_scale(pose) if grow and isinstance(pose, Motor) else pose
+        for pose in poses
+    ]
+    shape = np.broadcast_shapes(*(pose.coefficients.shape for pose in alike))
+    spread = np.stack([np.broadcast_to(pose.coefficients, shape) for pose in alike], axis=-3)
+    return Similarity(spread) if grow else Motor(spread)
+
+
+def _shares(shape: tuple[int, ...], weights: ArrayLike) -> FloatArray:
+    """Weights as ``(*, J, K)`` that sum to one."""
+    if len(shape) < 2 or shape[-2] == 0:
+        raise ValueError(f"blend_poses(poses): expected shape (*, K, J), got {shape}")
+    given = checked_floats(weights, "blend_poses(weights)", ())
+    if given.shape == shape[:-1] or (given.ndim == 1 and given.shape == shape[-2:-1]):
+        given = given[..., None]
+    elif given.ndim < 2 or given.shape[-2:] != shape[-2:]:
+        raise ValueError(
+            f"blend_poses(weights): expected shape (*, {shape[-2]}) or (*, {shape[-2]}, "
+            f"{shape[-1]}) for poses of shape {shape}, got {given.shape}"
+        )
+    if np.any(given < 0.0):
+        raise ValueError(f"blend_poses(weights): expected shares >= 0, got {given.min():g}")
+    total = np.sum(given, axis=-2, keepdims=True)
+    if not np.all(total > 0.0):
+        raise ValueError("blend_poses(weights): expected a share above 0 for every joint")
+    return np.swapaxes(np.broadcast_to(given / total, shape), -1, -2)
+
+
+def _rigid(method: BlendMethod, motors: Motor, shares: FloatArray) -> Motor:
+    if method in ("similarity", "similarity_linear"):
+        grown = Similarity.from_motor_scale(motors)
+        return _similarities(method, grown, shares).as_motor_scale()[0]
+    return _RIGID[method](motors, shares)
+
+
+def _similarities(method: BlendMethod, poses: Similarity, shares: FloatArray) -> Similarity:
+    return blend(poses, shares) if method == "similarity_linear" else _on_path(poses, shares)
+
+
+def _on_path(versors: V, shares: FloatArray) -> V:
+    """By logarithms: between two along the path of one parameter, of more their mean."""
+    if versors.shape[-1] == 2:
+        return versors[..., 0].interpolate(versors[..., 1], shares[..., 1])
+    return mean(versors, shares)
+
+
+def _beside(motors: Motor, shares: FloatArray) -> FloatArray:
+    """Weighted translations ``(*, J, 3)`` in metres."""
+    weighted: FloatArray = np.sum(shares[..., None] * motors.translation_m, axis=-2)
+    return weighted
+
+
+def _rotor(motors: Motor, shares: FloatArray) -> Motor:
+    turned = _on_path(motors.rotor, shares)
+    return Motor.from_rotor_translation(turned, _beside(motors, shares))
+
+
+def _rotor_linear(motors: Motor, shares: FloatArray) -> Motor:
+    turned = blend(motors.rotor, shares)
+    return Motor.from_rotor_translation(turned, _beside(motors, shares))
+
+
+def _dual_quaternion(motors: Motor, shares: FloatArray) -> Motor:
+    given = motors.as_dual_quaternion()
+    return Motor.from_dual_quaternion(dual_quaternion_mean(given, shares))
+
+
+def _dual_quaternion_linear(motors: Motor, shares: FloatArray) -> Motor:
+    blended = DualQuaternion(motors.as_dual_quaternion()).blend(shares)
+    return Motor.from_dual_quaternion(blended.coefficients)
+
+
+def _quaternion(motors: Motor, shares: FloatArray) -> Motor:
+    wxyz, _ = motors.as_quaternion_translation()
+    return Motor.from_quaternion_translation(quaternion_mean(wxyz, shares), _beside(motors, shares))
+
+
+def _quaternion_linear(motors: Motor, shares: FloatArray) -> Motor:
+    given = QuaternionPose.from_quaternion_translation(*motors.as_quaternion_translation())
+    return Motor.from_quaternion_translation(*given.blend(shares).as_quaternion_translation())
+
+
+def _euler(motors: Motor, shares: FloatArray) -> Motor:
+    angles, translation = motors.as_euler_translation()
+    given = EulerPose(np.concatenate([angles, translation], axis=-1))
+    blended = given.blend(shares)
+    return Motor.from_euler_translation(blended.angles_rad, blended.translation_m)
+
+
+_RIGID: dict[BlendMethod, Callable[[Motor, FloatArray], Motor]] = {
+    "motor": _on_path,
+    "motor_linear": blend,
+    "rotor": _rotor,
+    "rotor_linear": _rotor_linear,
+    "dual_quaternion": _dual_quaternion,
+    "dual_quaternion_linear": _dual_quaternion_linear,
+    "quaternion": _quaternion,
+    "quaternion_linear": _quaternion_linear,
+    "euler": _euler,
+}

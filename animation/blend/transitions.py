@@ -1,0 +1,152 @@
+"""Transitions from one motion to another: cross-fades, and offsets that die away by inertia.
+
+A motion is anything with `at(time_s)`, local poses ``(*, J)`` at times ``(*)``; transitions are
+motions themselves, so they chain.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.animation.blend.layers import added, additive
+from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
+from motorcade.ga import FloatArray, Motor, Similarity, checked_floats
+
+__all__ = ["CrossFade", "Inertialized", "Motion", "Shifted"]
+
+# Step of the differences from which the velocity at a switch is taken.
+_STEP_S = 1e-3
+
+
+class Motion(Protocol):
+    """Local poses ``(*, J)`` at times ``(*)`` in seconds."""
+
+    def at(self, time_s: ArrayLike) -> Poses:
+        """Local poses at times on the motion's own clock."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Shifted:
+    """A motion on another clock: it is at its own `into_s` when the clock says `start_s`.
+
+    Raises:
+        ValueError: times that are not finite, or a rate that is not positive.
+    """
+
+    motion: Motion
+    start_s: float = 0.0
+    into_s: float = 0.0
+    rate: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check("Shifted", self.start_s, self.rate, "rate")
+        if not np.isfinite(self.into_s):
+            raise ValueError(f"Shifted.into_s: expected seconds, got {self.into_s}")
+
+    def at(self, time_s: ArrayLike) -> Poses:
+        """Local poses at times on the outer clock."""
+        clock = checked_floats(time_s, "Shifted.at(time_s)", ())
+        return self.motion.at((clock - self.start_s) * self.rate + self.into_s)
+
+
+@dataclass(frozen=True, eq=False)
+class CrossFade:
+    """One motion until `start_s`, another from `start_s + duration_s` on, blended in between.
+
+    The share follows ``3 x² - 2 x³``, so that velocities have no step. Both motions go on running
+    meanwhile. With motions in phase feet stay where they are; others slide.
+
+    Raises:
+        ValueError: a start that is not finite, a duration that is not positive.
+    """
+
+    first: Motion
+    second: Motion
+    start_s: float
+    duration_s: float
+    method: BlendMethod = "motor"
+
+    def __post_init__(self) -> None:
+        _check("CrossFade", self.start_s, self.duration_s)
+
+    def at(self, time_s: ArrayLike) -> Poses:
+        """Local poses ``(*, J)``."""
+        clock = checked_floats(time_s, "CrossFade.at(time_s)", ())
+        x = np.clip((clock - self.start_s) / self.duration_s, 0.0, 1.0)
+        share = x * x * (3.0 - 2.0 * x)
+        pair = stacked([self.first.at(clock), self.second.at(clock)])
+        return blend_poses(pair, np.stack([1.0 - share, share], axis=-1), self.method)
+
+
+@dataclass(frozen=True, eq=False)
+class Inertialized:
+    """A switch at once, with what it would make jump carried over and let die away.
+
+    At the switch every joint's pose differs from the new motion's by a twist that changes at some
+    rate; from there a polynomial of fifth degree brings twist, rate and change of rate to zero.
+    Only the new motion runs on, so it costs no second sampling (Bollo, "Inertialization", 2018).
+    A component that already moves towards zero gets less time where it would swing past.
+
+    Raises:
+        ValueError: a start that is not finite, a duration that is not positive.
+    """
+
+    first: Motion
+    second: Motion
+    start_s: float
+    duration_s: float = 0.3
+
+    def __post_init__(self) -> None:
+        _check("Inertialized", self.start_s, self.duration_s)
+
+    @cached_property
+    def _offset(self) -> tuple[FloatArray, FloatArray]:
+        """Twists ``(J, 6 or 7)`` from the new motion to the old one at the switch, and rates."""
+        clock = self.start_s - np.array([_STEP_S, 0.0])
+        twists = additive(self.first.at(clock), self.second.at(clock)).as_twist()
+        return twists[1], (twists[1] - twists[0]) / _STEP_S
+
+    def at(self, time_s: ArrayLike) -> Poses:
+        """Local poses ``(*, J)``."""
+        clock = checked_floats(time_s, "Inertialized.at(time_s)", ())
+        passed = clock - self.start_s
+        twist, rate = self._offset
+        decayed = _decay(twist, rate, self.duration_s, np.maximum(passed, 0.0)[..., None, None])
+        second = self.second.at(clock)
+        kind = Motor if decayed.shape[-1] == 6 else Similarity
+        after = added(second, kind.from_twist(decayed))
+        before = passed < 0.0
+        if not np.any(before):
+            return after
+        pair = stacked([self.first.at(clock), after]).coefficients
+        chosen = np.where(before[..., None, None], pair[..., 0, :, :], pair[..., 1, :, :])
+        return kind(chosen)
+
+
+def _decay(
+    start: FloatArray, rate: FloatArray, duration_s: float, passed: FloatArray
+) -> FloatArray:
+    """From `start` at `rate` to rest at zero within `duration_s`, without swinging past."""
+    closing = start * rate < 0.0
+    # The polynomial stays on its side of zero as long as rate * span >= -5/2 start.
+    limit = np.where(closing, -2.5 * start / np.where(closing, rate, 1.0), np.inf)
+    span = np.maximum(np.minimum(duration_s, limit), 1e-6)
+    x = np.minimum(passed / span, 1.0)
+    # Hermite's basis of fifth degree for a value and a rate at 0; all else is zero.
+    value = 1.0 - x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    slope = x - x**3 * (6.0 - 8.0 * x + 3.0 * x**2)
+    decayed: FloatArray = start * value + rate * span * slope
+    return decayed
+
+
+def _check(name: str, start_s: float, positive: float, field: str = "duration_s") -> None:
+    if not np.isfinite(start_s):
+        raise ValueError(f"{name}.start_s: expected seconds, got {start_s}")
+    if not (np.isfinite(positive) and positive > 0.0):
+        raise ValueError(f"{name}.{field}: expected a number above 0, got {positive}")

@@ -1,0 +1,1 @@
+"""Compiled posing and skinning; see `motorcade.animation.runtime` and `animation.skin`."""

@@ -1,0 +1,90 @@
+// Skinning tile by tile: sums of palette entries into a buffer that stays in the cache, then the
+// generated kernel of the method, then rows of the result. See skin.h.
+
+#include "skin.h"
+
+#include <algorithm>
+#include <array>
+#include <thread>
+
+#include "rows.h"
+
+namespace motorcade::animation {
+namespace {
+
+constexpr std::size_t LANES = MOTORCADE_LANES;
+constexpr std::size_t TILE = 16 * LANES;
+constexpr std::size_t PER_THREAD = 4096;  // vertices that are worth a thread
+
+struct Method {
+    std::size_t width;
+    void (*sum)(const float *, const std::uint16_t *, const float *, std::size_t, float *, std::size_t);
+    void (*carry)(MOTORCADE_ARGUMENTS(float));
+};
+
+const Method &of(Skinning method) {
+    static const std::array<Method, 4> methods{{
+        {12, motorcade_sum_matrices, motorcade_carry_matrix_f32},
+        {8, motorcade_sum_versors, motorcade_carry_dual_quaternion_f32},
+        {8, motorcade_sum_versors, motorcade_carry_motor_f32},
+        {12, motorcade_sum_similarities, motorcade_carry_similarity_f32},
+    }};
+    return methods[static_cast<std::size_t>(method)];
+}
+
+}  // namespace
+
+std::size_t palette_width(Skinning method) { return of(method).width; }
+
+Mesh::Mesh(const double *positions, const double *normals, const std::int64_t *joints,
+           const double *weights, std::size_t count)
+    : count_(count), padded_((count + LANES - 1) / LANES * LANES), rest_(6 * padded_, 0.0F),
+      joints_(4 * padded_, 0), weights_(4 * padded_, 0.0F) {
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+            rest_[k * padded_ + i] = static_cast<float>(positions[3 * i + k]);
+            rest_[(k + 3) * padded_ + i] = static_cast<float>(normals[3 * i + k]);
+        }
+    for (std::size_t i = 0; i < 4 * count; ++i) {
+        joints_[i] = static_cast<std::uint16_t>(joints[i]);
+        weights_[i] = static_cast<float>(weights[i]);
+        joint_count_ = std::max<std::size_t>(joint_count_, joints_[i] + 1U);
+    }
+    // The rest of the last block is carried by the first joint alone.
+    for (std::size_t i = count; i < padded_; ++i) {
+        weights_[4 * i] = 1.0F;
+        rest_[3 * padded_ + i] = 1.0F;
+    }
+}
+
+void Mesh::skin_range(Skinning method, const float *palette, float *positions, float *normals,
+                      std::size_t start, std::size_t end) const {
+    alignas(64) float sums[12 * TILE];
+    alignas(64) float carried[6 * TILE];
+    const Method &by = of(method);
+    const std::ptrdiff_t tile = TILE, padded = static_cast<std::ptrdiff_t>(padded_);
+    const std::ptrdiff_t input_steps[3] = {tile, padded, padded};
+    float *const outputs[1] = {carried};
+    for (std::size_t from = start; from < end; from += TILE) {
+        const std::size_t rows = std::min(TILE, end - from);
+        const std::size_t blocks = (rows + LANES - 1) / LANES;
+        by.sum(palette, joints_.data() + 4 * from, weights_.data() + 4 * from, blocks * LANES, sums, TILE);
+        const float *const inputs[3] = {sums, rest_.data() + from, rest_.data() + 3 * padded_ + from};
+        by.carry(inputs, input_steps, outputs, &tile, blocks);
+        motorcade_write_rows(carried, TILE, rows, positions + 3 * from, normals + 3 * from);
+    }
+}
+
+void Mesh::skin(Skinning method, const float *palette, float *positions, float *normals,
+                unsigned threads) const {
+    const std::size_t shares = std::clamp<std::size_t>(count_ / PER_THREAD, 1, std::max(threads, 1U));
+    const std::size_t share = (count_ / shares + TILE) / TILE * TILE;
+    std::vector<std::thread> others;
+    for (std::size_t start = share; start < count_; start += share)
+        others.emplace_back(&Mesh::skin_range, this, method, palette, positions, normals, start,
+                            std::min(start + share, count_));
+    skin_range(method, palette, positions, normals, 0, std::min(share, count_));
+    for (std::thread &other : others) other.join();
+}
+
+}  // namespace motorcade::animation

@@ -1,0 +1,40 @@
+// Skinning: vertices and normals carried by the weighted sums of their joints' palette entries.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace motorcade::animation {
+
+enum class Skinning { matrix, dual_quaternion, motor, similarity };
+
+// Numbers of one palette entry.
+std::size_t palette_width(Skinning method);
+
+// A mesh in its rest pose, laid out for the kernels: coordinates apart, padded to whole blocks.
+class Mesh {
+public:
+    // `joints` and `weights` have four entries a vertex; positions and normals three numbers.
+    Mesh(const double *positions, const double *normals, const std::int64_t *joints,
+         const double *weights, std::size_t count);
+
+    std::size_t count() const { return count_; }
+    // The highest joint number plus one.
+    std::size_t joints() const { return joint_count_; }
+
+    // Writes rows of three for every vertex. The work is shared among `threads` threads.
+    void skin(Skinning method, const float *palette, float *positions, float *normals,
+              unsigned threads) const;
+
+private:
+    void skin_range(Skinning method, const float *palette, float *positions, float *normals,
+                    std::size_t start, std::size_t end) const;
+
+    std::size_t count_, padded_, joint_count_ = 0;
+    std::vector<float> rest_;  // x, y, z of the positions, then of the normals, apart
+    std::vector<std::uint16_t> joints_;
+    std::vector<float> weights_;
+};
+
+}  // namespace motorcade::animation
