@@ -2,8 +2,9 @@
 
 Between measurements errors are carried in the moving frame, as the filter on motors carries them,
 and changed to the coordinates and back at the ends: by the chain rule that is the linearisation of
-the motion in those coordinates. Predictions, gate and the doubt after measurements left out in a
-row are the filter's own rules.
+the motion in those coordinates. The gate is the filter's, but for one thing: after `patience`
+measurements left out in a row the next one is believed and the prediction doubted, without looking
+back at where that would have been right.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["Estimates", "Runs", "filter_runs"]
 
+# The prior of the filter on motors.
 _VELOCITY_SIGMA_M_S, _GYRO_BIAS_SIGMA_RAD_S, _ACCEL_BIAS_SIGMA_M_S2 = 20.0, 0.1, 0.5
-_GROSS, _CONSECUTIVE_REJECTIONS = 10.0, 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +116,7 @@ def filter_runs(
         settings: gravity, gate and initial tilt error, as of `fuse`.
     """
     state, covariance = _start(runs, coordinates, settings)
-    gate = _Gate(settings.gate, len(runs))
+    gate = _Gate(settings, len(runs))
     states, covariances = [state], [covariance]
     nis = np.full((len(runs), len(runs.nodes)), np.nan)
     accepted = np.ones(nis.shape, dtype=np.bool_)
@@ -132,19 +133,21 @@ def filter_runs(
 
 
 class _Gate:
-    """How far to believe a measurement, run by run; the rule of the filter on motors."""
+    """How far to believe a measurement, run by run."""
 
-    def __init__(self, probability: float, runs: int) -> None:
+    def __init__(self, settings: FilterSettings, runs: int) -> None:
         from scipy.special import gammaincinv
 
-        self._limit = 2.0 * float(gammaincinv(3.0, probability))
+        # χ² with 6 degrees of freedom is a gamma distribution of shape 3 and scale 2.
+        self._limit = 2.0 * float(gammaincinv(3.0, settings.gate))
+        self._gross, self._patience = settings.gross, settings.patience
         self._left_out = np.zeros(runs, dtype=np.int64)
 
     def judge(self, nis: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
         """Factors on the covariance (0: leave out), and where the prediction is doubted."""
-        gross = ~(nis <= _GROSS * self._limit)
+        gross = ~(nis <= self._gross * self._limit)
         self._left_out = np.where(gross, self._left_out + 1, 0)
-        doubted = self._left_out > _CONSECUTIVE_REJECTIONS
+        doubted = self._left_out > self._patience
         self._left_out[doubted] = 0
         factor = np.where(gross, np.where(doubted, 1.0, 0.0), np.maximum(1.0, nis / self._limit))
         return factor, doubted
@@ -239,7 +242,7 @@ def _updated(
 
 
 def _doubt(state: State, seen: State) -> FloatArray:
-    """Covariance in the moving frame that makes room for an innovation, see the filter's."""
+    """Covariance in the moving frame that makes room for an innovation, in velocity as well."""
     predicted, measured = (
         Motor.from_rotor_translation(one.rotor, one.position_m) for one in (state, seen)
     )
