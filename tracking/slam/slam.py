@@ -195,7 +195,12 @@ class VisualSlam:
 
     def _tracked(self, picture: Picture) -> TrackedFrame:
         posed = self._tracker.step(picture)
+        if posed is None and self._growing is not None:
+            # Without the points that are being made the camera would be lost: wait for them.
+            self._settle()
+            posed = self._tracker.step(picture)
         if posed is None:
+            self._tracker.lose()
             return TrackedFrame(picture.time_ns, "lost")
         if self._growing is None and self._tracker.wants_keyframe():
             if self._grows:

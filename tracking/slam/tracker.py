@@ -150,6 +150,10 @@ class Tracker:
             last.picture, pose, keyframe.ids[kept], px[kept], keyframe.places[kept]
         )
 
+    def lose(self) -> None:
+        """Forget what was followed."""
+        self._followed, self._moments = None, []
+
     def wants_keyframe(self) -> bool:
         """Whether the newest picture should become a keyframe, by what is followed in it."""
         now, then = self.followed, self._reference
@@ -163,7 +167,7 @@ class Tracker:
     def step(self, picture: Picture) -> PosedPicture | None:
         """Find the pose of the next picture; None where it is lost.
 
-        On success `followed` holds the corners that agree. On failure nothing is kept.
+        On success `followed` holds the corners that agree; on failure what it held before.
         """
         before = self._followed
         if before is None:
@@ -176,7 +180,6 @@ class Tracker:
         located = np.isfinite(places[:, 0])
         posed = self._posed(predicted, places[located], px[located])
         if not trusted(posed, px[located], picture.gray.shape) or posed is None:
-            self._followed, self._moments = None, []
             return None
         kept = np.ones(len(ids), dtype=np.bool_)
         kept[located] = posed.inliers
