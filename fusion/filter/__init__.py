@@ -1,6 +1,9 @@
-"""Filtering: camera poses fused with an IMU on the group of extended poses."""
+"""Filtering: poses fused with an IMU on the group of extended poses, live and over recordings."""
 
 from motorcade.fusion.filter.fuse import Fused, fuse
+from motorcade.fusion.filter.pose_filter import FilterState, Innovation, PoseFilter
 from motorcade.fusion.filter.settings import FilterSettings, RestDetection
 
-__all__ = ["FilterSettings", "Fused", "RestDetection", "fuse"]
+__all__ = [
+    "FilterSettings", "FilterState", "Fused", "Innovation", "PoseFilter", "RestDetection", "fuse",
+]  # fmt: skip

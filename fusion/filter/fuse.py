@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.filter.extended_pose import motor_adjoint
+from motorcade.fusion.filter.kinds import KINDS
 from motorcade.fusion.filter.native._filter import Engine
 from motorcade.fusion.filter.settings import FilterSettings, engine
 from motorcade.fusion.imu.noise import ImuNoise
@@ -17,7 +18,6 @@ from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["Fused", "camera_covariance", "fuse"]
 
-CAMERA_POSE = 1
 _MOUNT = slice(17, 23)
 
 
@@ -172,7 +172,7 @@ def _add_poses(run: Engine, measurements: PoseMeasurements) -> None:
     for number, (time_ns, row) in enumerate(
         zip(measurements.trajectory.time_ns.tolist(), rows, strict=True)
     ):
-        run.add(CAMERA_POSE, time_ns, number, row)
+        run.add(KINDS["camera_pose"], time_ns, number, row)
 
 
 def _judged(
@@ -181,7 +181,7 @@ def _judged(
     """By wanted stamp, the innovation of the measurement there and whether it was believed."""
     about, values = run.judged()
     nis, accepted = np.full(len(wanted), np.nan), np.ones(len(wanted), dtype=np.bool_)
-    real = (about[:, 2] == CAMERA_POSE) & (about[:, 1] >= 0)
+    real = (about[:, 2] == KINDS["camera_pose"]) & (about[:, 1] >= 0)
     stamps, values = measured_ns[about[real, 1]], values[real, 2:] if live else values[real, :2]
     row = np.minimum(np.searchsorted(wanted, stamps), len(wanted) - 1)
     here = wanted[row] == stamps

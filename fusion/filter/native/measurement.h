@@ -28,6 +28,7 @@ struct Event {
     bool judged = false;
     bool doubted = false;            // the prediction was given up here
     double doubt[5] = {};            // variances added then: turn, position, velocity, both biases
+    double restart[6] = {};          // where a start was wrong: the twist to what was measured next
     State after;
     std::vector<double> covariance;  // after it, packed; empty where none was kept
     // For the backward pass: m, residual, effect (m, N), gain (N, m), inverse (m, m).

@@ -75,11 +75,9 @@ public:
         const auto later = [](const Event &one, const Event &other) { return one.before(other); };
         const auto place = std::upper_bound(events_.begin(), events_.end(), event, later);
         const auto index = static_cast<std::size_t>(place - events_.begin());
+        const bool late = index < next_ || (started_ && event.time_ns < time_ns_);
         events_.insert(place, std::move(event));
-        if (index < next_) {
-            next_ = next_ + 1;
-            replay(index, next_);
-        }
+        if (late) replay(index, ++next_);
         if (!samples_.empty()) catch_up();
     }
 
@@ -169,20 +167,19 @@ private:
     }
 
     void check_time(const Event &event) const {
-        const bool starts = event.kind == Kind::camera_pose || event.kind == Kind::imu_pose;
-        const std::string got = std::to_string(event.stamp_ns);
-        expect(!samples_.empty() && event.time_ns >= samples_.front().time_ns,
-               samples_.empty() ? "time_ns: expected inertial data before measurements, got " + got
-                                : "time_ns: expected a stamp from " + std::to_string(samples_.front().time_ns) +
-                                      " on, where inertial data begin, got " + got);
+        const auto from = [&event](const std::string &what, std::int64_t first) {
+            expect(event.time_ns >= first, "time_ns: expected a stamp from " + what + ", got " + std::to_string(event.stamp_ns));
+        };
+        expect(!samples_.empty(), "time_ns: expected inertial data before measurements, got none so far");
         if (events_.empty()) {
-            expect(starts, "time_ns: expected a measured pose to start from, got another measurement at " + got);
+            from(std::to_string(samples_.front().time_ns) + " on, where inertial data begin", samples_.front().time_ns);
+            expect(event.kind == Kind::camera_pose || event.kind == Kind::imu_pose,
+                   "time_ns: expected a measured pose to start from, got another measurement");
             return;
         }
         const std::int64_t first = events_.front().time_ns;
-        expect(event.time_ns >= first,
-               (forgotten_ ? "time_ns: expected a stamp from " + std::to_string(first) + " on, which the history holds, got "
-                           : "time_ns: expected a stamp from the start at " + std::to_string(first) + " on, got ") + got);
+        from((forgotten_ ? std::to_string(first) + " on, which the history holds" : "the start at " + std::to_string(first) + " on"),
+             first);
     }
 
     void catch_up() {
@@ -217,11 +214,12 @@ private:
     // The first pose as a state: at rest, biases zero, with room for both to be wrong.
     void start(Event &event) {
         static constexpr double one[8] = {1.0};
-        double spread[36];
+        double spread[36], measured[8];
         seek(event.time_ns);
         now_ = first_;
         const double *mount = event.kind == Kind::camera_pose ? first_.mount : one;
-        motorcade_start(event.data.data(), mount, now_.pose, spread);
+        motorcade_moved(event.data.data(), event.restart, measured);
+        motorcade_start(measured, mount, now_.pose, spread);
         p_ = Matrix<N>();
         for (std::size_t i = 0; i < 6; ++i)
             for (std::size_t j = 0; j < 6; ++j)

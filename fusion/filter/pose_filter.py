@@ -1,0 +1,246 @@
+"""`PoseFilter`: the filter fed as data come in, late and out of order where they do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from motorcade.fusion.filter.extended_pose import motor_adjoint
+from motorcade.fusion.filter.kinds import KINDS
+from motorcade.fusion.filter.settings import FilterSettings, engine
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
+from motorcade.tracking.camera import Camera
+
+__all__ = ["FilterState", "Innovation", "PoseFilter"]
+
+_ASYMMETRY = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class FilterState:
+    """What is known at one moment: that of the last inertial sample.
+
+    Fields:
+        time_ns: on the IMU's clock.
+        world_T_imu, velocity_m_s: pose, and velocity in the world ``(3,)``.
+        gyro_bias_rad_s, accel_bias_m_s2: ``(3,)``.
+        gravity_m_s2: in the world ``(3,)``.
+        imu_T_camera, time_offset_s: as estimated, or as given.
+        covariance: ``(15, 15)`` or ``(24, 24)``; see `Fused.state_covariance`.
+    """
+
+    time_ns: int
+    world_T_imu: Motor
+    velocity_m_s: FloatArray
+    gyro_bias_rad_s: FloatArray
+    accel_bias_m_s2: FloatArray
+    gravity_m_s2: FloatArray
+    imu_T_camera: Motor
+    time_offset_s: float
+    covariance: FloatArray
+
+    @property
+    def world_T_camera(self) -> Motor:
+        """Pose of the camera."""
+        return self.world_T_imu @ self.imu_T_camera
+
+
+@dataclass(frozen=True)
+class Innovation:
+    """What became of a measurement.
+
+    Fields:
+        time_ns: the stamp that was given.
+        kind: camera_pose, imu_pose, position, velocity or corners.
+        nis: normalised innovation squared; NaN for the pose that the filter started from, and
+            for corners behind the camera.
+        freedom: its degrees of freedom.
+        weight: 1 where it was believed, less where it was weighed down, 0 where it was left out.
+    """
+
+    time_ns: int
+    kind: str
+    nis: float
+    freedom: int
+    weight: float
+
+
+class PoseFilter:
+    """A filter of pose, velocity and biases that runs along with the data.
+
+    It starts at the first pose that is measured. Measurements wait until inertial data reach
+    their stamps; those that come late are put where they belong and all since is done again, so
+    that the order of arrival changes nothing, to the last bit, within `history_s`. Where several
+    measurements in a row contradict it but not each other, it gives its prediction up (see
+    `FilterSettings.patience`).
+
+    Args:
+        noise: the IMU's; see `fuse`.
+        imu_T_camera: pose of the camera on the IMU.
+        settings: gravity, gate, rest, what else to estimate.
+        time_offset_s: what is added to a camera's stamps to be the IMU's time.
+        history_s: how late a measurement may come; memory is 56 bytes a sample and 4 kB a
+            measurement of that time.
+
+    Raises:
+        ValueError: a history or an offset that is out of range.
+    """
+
+    def __init__(
+        self,
+        noise: ImuNoise,
+        imu_T_camera: Motor | None = None,
+        *,
+        settings: FilterSettings | None = None,
+        time_offset_s: float = 0.0,
+        history_s: float = 2.0,
+    ) -> None:
+        if not (np.isfinite(history_s) and history_s > 0.0):
+            raise ValueError(f"history_s: expected a number above 0, got {history_s}")
+        if not np.isfinite(time_offset_s):
+            raise ValueError(f"time_offset_s: expected a finite number, got {time_offset_s}")
+        self._settings = settings or FilterSettings()
+        mount = Motor.identity() if imu_T_camera is None else imu_T_camera
+        self._engine = engine(self._settings, noise, mount, time_offset_s, history_s)
+        self._measured = 0
+
+    def imu(self, time_ns: int, gyro: ArrayLike, accel: ArrayLike) -> None:
+        """Take a sample of angular rate (rad/s) and specific force (m/s²), ``(3,)`` each.
+
+        Raises:
+            ValueError: a stamp not after the last one, numbers that are not finite.
+        """
+        if type(gyro) is not np.ndarray or type(accel) is not np.ndarray:
+            gyro, accel = np.asarray(gyro, np.float64), np.asarray(accel, np.float64)
+        self._engine.imu(time_ns, gyro, accel)
+
+    def pose(self, time_ns: int, world_T_imu: Motor, covariance: ArrayLike) -> None:
+        """Take a pose of the IMU, with the covariance ``(6, 6)`` of its right perturbation.
+
+        Raises:
+            ValueError: a stamp from before the start or the history, a covariance that is not
+                symmetric and positive definite. So all that follow.
+        """
+        row = np.concatenate([_one(world_T_imu), _spread(covariance, 6)])
+        self._add("imu_pose", time_ns, row)
+
+    def camera_pose(self, time_ns: int, world_T_camera: Motor, covariance: ArrayLike) -> None:
+        """Take a pose of the camera, stamped by the camera's clock; see `pose`."""
+        row = np.concatenate([_one(world_T_camera), _spread(covariance, 6)])
+        self._add("camera_pose", time_ns, row)
+
+    def tag_pose(
+        self, time_ns: int, camera_T_tag: Motor, covariance: ArrayLike, world_T_tag: Motor
+    ) -> None:
+        """Take the pose in which the camera saw a tag that stands at a known place.
+
+        `covariance` is that of the right perturbation of `camera_T_tag`, in the tag's axes.
+        """
+        adjoint = motor_adjoint(camera_T_tag)
+        spread = adjoint @ _spread(covariance, 6).reshape(6, 6) @ adjoint.T
+        self.camera_pose(time_ns, world_T_tag @ camera_T_tag.inverse(), 0.5 * (spread + spread.T))
+
+    def tag(
+        self, time_ns: int, corners_px: ArrayLike, corners_m: ArrayLike, camera: Camera,
+        sigma_px: float = 1.0,
+    ) -> None:  # fmt: skip
+        """Take up to four corners ``(n, 2)`` in pixels of points ``(n, 3)`` of the world.
+
+        The lens's distortion is taken off them first; their noise, `sigma_px` an axis, goes along
+        by its derivative.
+        """
+        pixels = checked_floats(corners_px, "corners_px", (2,))
+        points = checked_floats(corners_m, "corners_m", (3,))
+        if pixels.ndim != 2 or not 1 <= len(pixels) <= 4 or points.shape != (len(pixels), 3):
+            raise ValueError(
+                "corners_px: expected (n, 2) pixels of (n, 3) points with n from 1 to 4, got "
+                f"{pixels.shape} and {points.shape}"
+            )
+        if not (np.isfinite(sigma_px) and sigma_px > 0.0):
+            raise ValueError(f"sigma_px: expected a number above 0, got {sigma_px}")
+        self._add("corners", time_ns, _corner_rows(pixels, points, camera, sigma_px).ravel())
+
+    def position(
+        self, time_ns: int, position_m: ArrayLike, covariance: ArrayLike,
+        arm_m: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> None:  # fmt: skip
+        """Take the place ``(3,)`` in the world of a point `arm_m` from the IMU, in its axes."""
+        place, arm = (
+            _three(value, name) for value, name in ((position_m, "position_m"), (arm_m, "arm_m"))
+        )
+        self._add("position", time_ns, np.concatenate([place, arm, _spread(covariance, 3)]))
+
+    def velocity(self, time_ns: int, velocity_m_s: ArrayLike, covariance: ArrayLike) -> None:
+        """Take the velocity ``(3,)`` of the IMU in the world."""
+        row = np.concatenate([_three(velocity_m_s, "velocity_m_s"), _spread(covariance, 3)])
+        self._add("velocity", time_ns, row)
+
+    @property
+    def state(self) -> FilterState | None:
+        """What is known at the last inertial sample; None before the start."""
+        found = self._engine.state()
+        if found is None:
+            return None
+        time_ns, pose, velocity, bias, plumb, mount, offset_s, covariance = found
+        down = np.array([0.0, 0.0, -self._settings.gravity_m_s2])
+        return FilterState(
+            time_ns, Motor.normalize(pose), velocity, bias[:3], bias[3:], Rotor(plumb).apply(down),
+            Motor.normalize(mount), offset_s, covariance,
+        )  # fmt: skip
+
+    @property
+    def innovations(self) -> tuple[Innovation, ...]:
+        """What became of the measurements that the history holds, by time."""
+        names = {number: name for name, number in KINDS.items()}
+        return tuple(
+            Innovation(time_ns, names[kind], nis, freedom, 1.0 / factor if factor > 0.0 else 0.0)
+            for (time_ns, _, kind, freedom), (nis, factor, _, _) in zip(
+                *(part.tolist() for part in self._engine.judged()), strict=True
+            )
+        )
+
+    def _add(self, kind: str, time_ns: int, row: FloatArray) -> None:
+        self._engine.add(KINDS[kind], time_ns, self._measured, np.ascontiguousarray(row))
+        self._measured += 1
+
+
+def _one(pose: Motor) -> FloatArray:
+    if pose.shape != ():
+        raise ValueError(f"pose: expected one, got {pose.shape}")
+    return pose.coefficients
+
+
+def _three(value: ArrayLike, name: str) -> FloatArray:
+    numbers = checked_floats(value, name, (3,))
+    if numbers.shape != (3,):
+        raise ValueError(f"{name}: expected three numbers, got shape {numbers.shape}")
+    return numbers
+
+
+def _spread(covariance: ArrayLike, size: int) -> NDArray[np.float64]:
+    matrix = checked_floats(covariance, "covariance", (size, size))
+    if matrix.shape != (size, size):
+        raise ValueError(f"covariance: expected shape {(size, size)}, got {matrix.shape}")
+    skew = np.abs(matrix - matrix.T).max()
+    if skew > _ASYMMETRY * np.abs(matrix).max() or np.linalg.eigvalsh(matrix)[0] <= 0.0:
+        raise ValueError("covariance: expected a symmetric positive definite matrix, got another")
+    return matrix.ravel()
+
+
+def _corner_rows(
+    pixels: FloatArray, points: FloatArray, camera: Camera, sigma_px: float
+) -> FloatArray:
+    """Rows of world point, x/z and y/z in the camera, and xx, xy, yy of their covariance."""
+    rays = camera.unproject(pixels)
+    if not np.all(np.isfinite(rays)):
+        raise ValueError("corners_px: expected pixels that the lens reaches, got others")
+    plane = rays / rays[:, 2:]
+    _, effect = camera.project_jacobian(plane)
+    back = np.linalg.inv(effect[:, :, :2])
+    spread = sigma_px**2 * back @ back.swapaxes(-1, -2)
+    return np.column_stack(
+        [points, plane[:, :2], spread[:, 0, 0], spread[:, 0, 1], spread[:, 1, 1]]
+    )
