@@ -1,0 +1,7 @@
+"""Factor graphs over poses and inertial data, optimised by gtsam: batch, fixed lag, odometry."""
+
+from __future__ import annotations
+
+from motorcade.fusion.graph.fuse import fuse_by_graph
+
+__all__ = ["fuse_by_graph"]

@@ -1,0 +1,36 @@
+"""Motors as gtsam's poses and back. Both perturb on the right, rotation first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from motorcade.ga import FloatArray, Motor, Rotor
+
+if TYPE_CHECKING:
+    import gtsam
+
+__all__ = ["as_motor", "as_pose", "as_poses"]
+
+
+def as_pose(motor: Motor) -> gtsam.Pose3:
+    """One motor as a Pose3."""
+    import gtsam
+
+    return gtsam.Pose3(motor.as_matrix())
+
+
+def as_poses(motors: Motor) -> list[gtsam.Pose3]:
+    """Motor ``(N,)`` as a list of Pose3."""
+    import gtsam
+
+    return [gtsam.Pose3(matrix) for matrix in motors.as_matrix()]
+
+
+def as_motor(poses: Sequence[gtsam.Pose3]) -> Motor:
+    """Motor ``(N,)`` of N poses."""
+    turns: FloatArray = np.array([pose.rotation().matrix() for pose in poses])
+    places = np.array([pose.translation() for pose in poses])
+    return Motor.from_rotor_translation(Rotor.from_matrix(turns), places)

@@ -1,0 +1,107 @@
+"""Fixed-lag smoothing: node after node as they come, each revised while it is younger than the lag.
+
+What leaves the window is summed up in its neighbours (marginalised) by gtsam's incremental smoother
+(M. Kaess et al., iSAM2, IJRR 31(2), 2012).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from motorcade.fusion.graph.batch import Smoothed
+from motorcade.fusion.graph.conversions import as_motor
+from motorcade.fusion.graph.inertial import InertialGraph, keys, state_covariance
+from motorcade.ga import FloatArray
+
+if TYPE_CHECKING:
+    import gtsam
+
+__all__ = ["smooth_with_lag"]
+
+# Steps of Gauss and Newton at each node: the loss is not quadratic, and a prediction after long
+# darkness is far off.
+_STEPS = 3
+
+
+def smooth_with_lag(graph: InertialGraph, lag_s: float) -> Smoothed:
+    """States that each know the data up to `lag_s` later.
+
+    Covariances between pose, velocity and biases are left zero: gtsam's smoother gives one variable
+    at a time.
+    """
+    import gtsam
+
+    params = gtsam.ISAM2Params()
+    params.setFactorization(
+        "QR"
+    )  # walks are so slow beside the first doubt that squares lose digits
+    params.relinearizeSkip = 1
+    params.setRelinearizeThreshold(1e-3)
+    smoother = gtsam.IncrementalFixedLagSmoother(lag_s, params)
+    time_s = (graph.time_ns - graph.time_ns[0]) * 1e-9
+    rows, unread = [], 0
+    for index in range(len(time_s)):
+        _add(smoother, graph, index, float(time_s[index]))
+        following = time_s[index + 1] if index + 1 < len(time_s) else np.inf
+        while unread <= index and time_s[unread] < following - lag_s:
+            rows.append(_read(smoother, unread))
+            unread += 1
+    poses, velocity, bias, covariance = zip(*rows, strict=True)
+    motors = as_motor(poses)
+    spread = state_covariance(np.array(covariance), motors)
+    return Smoothed(motors, np.array(velocity), np.array(bias), spread)
+
+
+def _add(
+    smoother: gtsam.IncrementalFixedLagSmoother, graph: InertialGraph, index: int, time_s: float
+) -> None:
+    """One node with its factors, started where the samples carry the one before."""
+    import gtsam
+
+    factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+    node, seen = keys(index), graph.seen(index)
+    if seen is not None:
+        factors.push_back(seen)
+    if index == 0:
+        for prior in graph.priors():
+            factors.push_back(prior)
+        values.insert(node.pose, graph.poses[int(graph.measured[0])])
+        values.insert(node.velocity, np.zeros(3))
+        values.insert(node.bias, gtsam.imuBias.ConstantBias())
+    else:
+        last = keys(index - 1)
+        bias = smoother.calculateEstimateConstantBias(last.bias)
+        summed = graph.summed(index, bias)
+        factors.push_back(graph.motion(index, summed))
+        state = gtsam.NavState(
+            smoother.calculateEstimatePose3(last.pose),
+            smoother.calculateEstimateVector(last.velocity),
+        )
+        there = summed.predict(state, bias)
+        values.insert(node.pose, there.pose())
+        values.insert(node.velocity, there.velocity())
+        values.insert(node.bias, bias)
+    stamps: Any = dict.fromkeys((node.pose, node.velocity, node.bias), time_s)
+    smoother.update(factors, values, stamps)
+    for _ in range(_STEPS - 1):
+        smoother.update()
+
+
+def _read(smoother: gtsam.IncrementalFixedLagSmoother, index: int) -> tuple[Any, ...]:
+    node = keys(index)
+    covariance: FloatArray = np.zeros((15, 15))
+    for key, part in (
+        (node.pose, slice(6)),
+        (node.velocity, slice(6, 9)),
+        (node.bias, slice(9, 15)),
+    ):
+        covariance[part, part] = smoother.marginalCovariance(key)
+    bias = smoother.calculateEstimateConstantBias(node.bias)
+    return (
+        smoother.calculateEstimatePose3(node.pose),
+        smoother.calculateEstimateVector(node.velocity),
+        np.concatenate([bias.gyroscope(), bias.accelerometer()]),
+        covariance,
+    )

@@ -1,0 +1,114 @@
+"""`fuse_by_graph`: what `motorcade.fusion.filter.fuse` does, by a factor graph instead."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motorcade.fusion.filter import FilterSettings, Fused
+from motorcade.fusion.filter.fuse import camera_covariance
+from motorcade.fusion.graph.batch import smooth_all
+from motorcade.fusion.graph.fixed_lag import smooth_with_lag
+from motorcade.fusion.graph.inertial import InertialGraph
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.ga import IntArray, Motor, Trajectory
+from motorcade.tracking.measurements import PoseMeasurements
+
+__all__ = ["fuse_by_graph"]
+
+
+def fuse_by_graph(
+    measurements: PoseMeasurements,
+    imu: ImuStream,
+    noise: ImuNoise,
+    imu_T_camera: Motor,
+    stamps_ns: IntArray | None = None,
+    *,
+    settings: FilterSettings | None = None,
+    lag_s: float | None = None,
+) -> Fused:
+    """Fuse measured camera poses with an IMU by gtsam: all at once, or with a lag.
+
+    Every stamp, measured or wanted, is a node of 15 unknowns with its own covariance: the graph is
+    for frames, not for the IMU's own rate. Of `settings` it takes gravity and the gate: a
+    measurement beyond it loses its weight smoothly, and where the result leaves it `gross` gates
+    away it counts as not accepted. `nis` is NaN: a graph has no innovations.
+
+    Args:
+        measurements: ``world_T_camera`` with covariances; the world's z is up.
+        imu: must cover the measurements that are to be used: the others are left out. Holes are
+            bridged linearly, which nothing accounts for.
+        noise: the IMU's densities and bias walks.
+        imu_T_camera: pose of the camera on the IMU.
+        stamps_ns: as for `fuse`.
+        settings: as for `fuse`.
+        lag_s: None: every estimate knows all the data. Otherwise it knows those up to so many
+            seconds later, as a tracker that may wait; `state_covariance` then lacks what pose,
+            velocity and biases have in common.
+
+    Raises:
+        ValueError: as `fuse`; settings that estimate more than the motion, or look for rest; a lag
+            that is not above zero.
+    """
+    chosen = settings or FilterSettings()
+    if chosen.error_size != 15 or chosen.rest is not None:
+        raise ValueError("settings: expected only motion and biases to estimate, got more")
+    if lag_s is not None and not 0.0 < lag_s < np.inf:
+        raise ValueError(f"lag_s: expected seconds above 0, got {lag_s}")
+    used = _covered(measurements, imu)
+    wanted = _wanted(used.trajectory, imu, stamps_ns)
+    graph = InertialGraph.of(
+        used, imu, noise, imu_T_camera, wanted, chosen.gravity_m_s2, _limit(chosen.gate)
+    )
+    found = smooth_all(graph) if lag_s is None else smooth_with_lag(graph, lag_s)
+    rows = np.searchsorted(graph.time_ns, wanted)
+    path, count = measurements.trajectory, len(wanted)
+    poses = found.world_T_imu[rows] @ imu_T_camera
+    spread = found.covariance[rows]
+    fall = np.array([0.0, 0.0, -chosen.gravity_m_s2])
+    return Fused(
+        trajectory=Trajectory(wanted, poses, path.parent, path.child),
+        velocity_m_s=found.velocity_m_s[rows],
+        gyro_bias_rad_s=found.bias[rows, :3],
+        accel_bias_m_s2=found.bias[rows, 3:],
+        covariance=camera_covariance(spread, imu_T_camera),
+        state_covariance=spread,
+        nis=np.full(count, np.nan),
+        accepted=graph.accepted(found.world_T_imu, chosen.gross)[rows],
+        gravity_m_s2=np.tile(fall, (count, 1)),
+        imu_T_camera=Motor.stack([imu_T_camera] * count),
+        time_offset_s=np.zeros(count),
+    )
+
+
+def _limit(gate: float) -> float:
+    """The squared deviation of a pose's six numbers that the gate lets pass."""
+    from scipy.special import gammaincinv
+
+    # χ² with 6 degrees of freedom is a gamma distribution of shape 3 and scale 2.
+    return float(2.0 * gammaincinv(3.0, gate))
+
+
+def _covered(measurements: PoseMeasurements, imu: ImuStream) -> PoseMeasurements:
+    first, last = int(imu.time_ns[0]), int(imu.time_ns[-1])
+    stamps = measurements.trajectory.time_ns
+    inside = (stamps >= first) & (stamps <= last)
+    if not np.any(inside):
+        raise ValueError(
+            f"measurements and imu: expected spans that overlap, got {stamps[0]} to {stamps[-1]} "
+            f"ns and {first} to {last} ns"
+        )
+    return PoseMeasurements(measurements.trajectory[inside], measurements.covariance[inside])
+
+
+def _wanted(measured: Trajectory, imu: ImuStream, stamps_ns: IntArray | None) -> IntArray:
+    if stamps_ns is None:
+        return measured.time_ns
+    start, last = measured.time_ns[0], imu.time_ns[-1]
+    given = np.asarray(stamps_ns)
+    if given.dtype.kind != "i" or given.ndim != 1 or np.any(np.diff(given) <= 0):
+        raise ValueError("stamps_ns: expected rising integer nanoseconds (M,), got others")
+    wanted: IntArray = given[(given >= start) & (given <= last)].astype(np.int64)
+    if wanted.size == 0:
+        raise ValueError(f"stamps_ns: expected some within [{start}, {last}], got none")
+    return wanted
