@@ -1,12 +1,19 @@
-"""What a recording holds, in a few lines: frames, rates, gaps, calibration, streams, truth."""
+"""What a recording or a character file holds, as JSON-ready values whose keys carry units.
+
+Recordings: frames, rates, gaps, calibration, streams, truth. Characters and motions: joints,
+triangles, influences, clips.
+"""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from motorcade.ga import IntArray
+from motorcade.animation import Character, Clip, Skeleton
+from motorcade.animation.formats import NoMeshError, read_character, read_motion
+from motorcade.ga import FloatArray, IntArray
 from motorcade.replays.recording import Recording
 
 GAP_FACTOR = 2.5
@@ -50,3 +57,77 @@ def _stream(name: str, time_ns: IntArray) -> dict[str, Any]:
     about[f"{name}_gaps"] = int(np.count_nonzero(steps_s > GAP_FACTOR * usual))
     about[f"{name}_longest_gap_s"] = float(steps_s.max())
     return about
+
+
+def describe_character(path: Path, pose: str | None = None) -> dict[str, Any]:
+    """Contents of a character or motion file; a motion has no mesh.
+
+    Positions are in character space: metres, z up, facing +x.
+
+    Args:
+        path: the file.
+        pose: `CLIP@SECONDS`, a moment at which to tell where the joints are; seconds count on
+            the clip's own clock.
+
+    Raises:
+        FormatError: the file cannot be read.
+        ValueError: no such clip, or a pose that is not `CLIP@SECONDS`.
+    """
+    try:
+        character = read_character(path)
+    except NoMeshError:
+        motion = read_motion(path)
+        about: dict[str, Any] = {"name": path.name}
+        skeleton, clips, notices = motion.skeleton, motion.clips, motion.notices
+    else:
+        about = {"name": path.name} | _mesh(character)
+        skeleton, clips, notices = character.skeleton, character.clips, character.notices
+    about |= {
+        "joint_count": len(skeleton),
+        "joints": _joints(skeleton, skeleton.rest_world.translation_m, "rest_position_m"),
+        "clip_count": len(clips),
+        "clips": [
+            {"name": clip.name, "seconds": clip.duration_s, "start_s": float(clip.time_s[0]),
+             "keys": clip.key_count, "samples": len(clip.time_s), "looped": clip.looped}
+            for clip in clips
+        ],
+        "notices": list(notices),
+    }  # fmt: skip
+    if pose is not None:
+        about["pose"] = _posed(skeleton, clips, pose)
+    return about
+
+
+def _mesh(character: Character) -> dict[str, Any]:
+    held = (character.weights > 0.0).sum(axis=1)
+    return {
+        "height_m": character.height_m,
+        "vertices": len(character.vertices),
+        "triangles": len(character.triangles),
+        "influences_max": int(held.max()),
+        "influences_mean": float(held.mean()),
+        "weighted_joints": len(np.unique(character.joints[character.weights > 0.0])),
+    }
+
+
+def _joints(skeleton: Skeleton, places: FloatArray, key: str) -> list[dict[str, Any]]:
+    return [
+        {"name": name, "parent": None if parent < 0 else skeleton.names[parent], key: place}
+        for name, parent, place in zip(
+            skeleton.names, skeleton.parents.tolist(), places.tolist(), strict=True
+        )
+    ]
+
+
+def _posed(skeleton: Skeleton, clips: tuple[Clip, ...], pose: str) -> dict[str, Any]:
+    name, _, seconds = pose.rpartition("@")
+    chosen = next((clip for clip in clips if clip.name == name), None)
+    if chosen is None:
+        listed = ", ".join(f"'{clip.name}'" for clip in clips) or "none"
+        raise ValueError(f"pose: expected CLIP@SECONDS with one of {listed}, got '{pose}'")
+    try:
+        at_s = float(seconds)
+    except ValueError as fault:
+        raise ValueError(f"pose: expected CLIP@SECONDS, got '{pose}'") from fault
+    places = skeleton.world(chosen.at(at_s)).translation_m
+    return {"clip": name, "at_s": at_s, "joints": _joints(skeleton, places, "position_m")}

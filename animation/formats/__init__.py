@@ -5,6 +5,16 @@ files outside the folder are refused, and whatever is wrong is a `FormatError`.
 """
 
 from motorcade.animation.formats.door import SUFFIXES, Motion, read_character, read_motion
-from motorcade.animation.formats.errors import FormatError
+from motorcade.animation.formats.errors import FormatError, NoMeshError
+from motorcade.animation.formats.gltf import CameraPath, write_gltf
 
-__all__ = ["SUFFIXES", "FormatError", "Motion", "read_character", "read_motion"]
+__all__ = [
+    "SUFFIXES",
+    "CameraPath",
+    "FormatError",
+    "Motion",
+    "NoMeshError",
+    "read_character",
+    "read_motion",
+    "write_gltf",
+]

@@ -61,6 +61,7 @@ def read_character(path: Path | str, *, unit_m: float | None = None) -> Characte
     Raises:
         FormatError: a file that cannot be read, breaks its format or a limit of size, names a
             file outside its folder, or has no mesh that joints carry.
+        NoMeshError: a FormatError too: the file holds a motion alone.
     """
     given = Path(path)
     try:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-__all__ = ["FormatError", "expected", "shown"]
+__all__ = ["FormatError", "NoMeshError", "expected", "shown"]
 
 _SHOWN = 80
 
@@ -14,7 +14,11 @@ class FormatError(ValueError):
 
     def in_file(self, path: Path) -> FormatError:
         """The same error, opened by the name of the file it was found in."""
-        return FormatError(f"{shown(str(path), 300)}: {self}")
+        return type(self)(f"{shown(str(path), 300)}: {self}")
+
+
+class NoMeshError(FormatError):
+    """A motion was read where a character was wanted: nothing in the file has a surface."""
 
 
 def expected(field: str, wanted: str, got: object) -> FormatError:

@@ -1,9 +1,10 @@
-"""`motorcade inspect`: what a recording holds."""
+"""`motorcade inspect`: what a recording, a character or a motion file holds."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from motorcade.replays.cli.arguments import Subparsers, new_command, print_json
 
@@ -13,24 +14,62 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser = new_command(
         commands,
         shared,
-        inspect_recording,
+        inspect,
         name="inspect",
-        summary="say what a recording holds: frames, rates, streams, gaps, calibration",
-        example="motorcade inspect images/ --manifest camera.toml --json",
+        summary="say what a recording holds (frames, rates, streams, gaps, calibration) "
+        "or a character (joints, triangles, clips)",
+        example="motorcade inspect images/ --manifest camera.toml --json\n"
+        "  motorcade inspect knight.glb --pose Walking_A@0.5",
     )
-    parser.add_argument("recording", type=Path, metavar="RECORDING")
+    parser.add_argument("recording", type=Path, metavar="RECORDING|CHARACTER")
     parser.add_argument("--manifest", type=Path, metavar="FILE")
+    parser.add_argument(
+        "--pose", metavar="CLIP@SECONDS", help="also tell where a character's joints then are"
+    )
     parser.add_argument("--json", action="store_true", help="machine-readable")
 
 
-def inspect_recording(arguments: argparse.Namespace) -> None:
-    """Open the recording and print its contents."""
-    from motorcade.replays.inspection import describe
+def inspect(arguments: argparse.Namespace) -> None:
+    """Open the recording or character and print its contents."""
+    from motorcade.animation.formats import SUFFIXES
+    from motorcade.replays.inspection import describe, describe_character
     from motorcade.replays.recording import open_recording
 
-    description = describe(open_recording(arguments.recording, arguments.manifest))
+    is_character = arguments.recording.suffix.lower() in SUFFIXES
+    if is_character:
+        description = describe_character(arguments.recording, arguments.pose)
+    elif arguments.pose is not None:
+        raise ValueError(f"--pose: expected a character, got {arguments.recording}")
+    else:
+        description = describe(open_recording(arguments.recording, arguments.manifest))
     if arguments.json:
         print_json(description)
         return
     for key, value in description.items():
+        _print(key, value)
+
+
+def _print(key: str, value: Any) -> None:
+    """A line a value; a line an entry of lists, and what is inside an entry beside it."""
+    if isinstance(value, dict):
+        for inner, entry in value.items():
+            _print(f"{key} {inner}" if inner != "joints" else key, entry)
+        return
+    if not (isinstance(value, list) and value and isinstance(value[0], dict | str)):
         print(f"{key:>28}  {value}")
+        return
+    for entry in value:
+        print(f"{key:>28}  {_entry(entry)}")
+
+
+def _entry(entry: Any) -> str:
+    if not isinstance(entry, dict):
+        return str(entry)
+    parts = []
+    for key, value in entry.items():
+        if isinstance(value, list):
+            value = "(" + ", ".join(f"{number:.4f}" for number in value) + ")"
+        elif isinstance(value, float):
+            value = f"{value:.4g}"
+        parts.append(str(value) if key == "name" else f"{key} {value}")
+    return "  ".join(parts)

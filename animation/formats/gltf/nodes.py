@@ -59,14 +59,7 @@ def read_nodes(document: Document) -> Nodes:
             if parent[child] >= 0:
                 raise expected(f"nodes[{child}]", "one parent", f"{parent[child]} and {node}")
             parent[child] = node
-    order = [node for node in range(len(entries)) if parent[node] < 0][::-1]
-    found: list[int] = []
-    while order:
-        node = order.pop()
-        found.append(node)
-        order += children[node][::-1]
-    if len(found) < len(entries):
-        raise expected("nodes", "a hierarchy", f"a circle of {len(entries) - len(found)} nodes")
+    found = _parents_first(parent, children)
     number = np.empty(len(entries), dtype=np.int64)
     number[found] = np.arange(len(found))
     parents = np.array([-1 if parent[node] < 0 else number[parent[node]] for node in found])
@@ -74,6 +67,21 @@ def read_nodes(document: Document) -> Nodes:
     names = tuple(str(one.get("name", ""))[:200] for one in given)
     parts, rest = _rest(given)
     return Nodes(NodeTree(names, parents, rest), number, given, parts)
+
+
+def _parents_first(parent: list[int], children: list[list[int]]) -> list[int]:
+    """The file's own order where parents stand before their children, else one branch at a time."""
+    if all(above < node for node, above in enumerate(parent)):
+        return list(range(len(parent)))
+    waiting = [node for node in range(len(parent)) if parent[node] < 0][::-1]
+    found: list[int] = []
+    while waiting:
+        node = waiting.pop()
+        found.append(node)
+        waiting += children[node][::-1]
+    if len(found) < len(parent):
+        raise expected("nodes", "a hierarchy", f"a circle of {len(parent) - len(found)} nodes")
+    return found
 
 
 def _rest(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
-from motorcade.animation.formats.errors import FormatError
+from motorcade.animation.formats.errors import FormatError, NoMeshError
 from motorcade.animation.formats.rig.axes import axes_of, guessed_unit_m, is_plausible
 from motorcade.animation.formats.rig.binding import Binding, bind
 from motorcade.animation.formats.rig.joints import Joints, joints_of
@@ -46,7 +46,7 @@ def assemble_character(rig: Rig, unit_m: float | None) -> Character:
         FormatError: nothing that joints carry, or values that make no character.
     """
     if not rig.surfaces:
-        raise FormatError("meshes: expected one or more, got none; read_motion reads the rest")
+        raise NoMeshError("meshes: expected one or more, got none; read_motion reads the rest")
     stage = _Stage.of(rig, unit_m)
     binding = bind(stage.joints, stage.rest, rig.surfaces)
     mesh = bound_mesh(rig.tree, stage.joints, binding, rig.surfaces)
@@ -78,12 +78,19 @@ def assemble_character(rig: Rig, unit_m: float | None) -> Character:
 def assemble_motion(rig: Rig, unit_m: float | None) -> Assembled:
     """A skeleton at the rest of its nodes, with clips; meshes are not looked at.
 
+    A rest pose that lies below the ground is lifted until its lowest joint is at z = 0; clips
+    stay where the file puts them.
+
     Raises:
         FormatError: no joints, or values that make no skeleton.
     """
     stage = _Stage.of(rig, unit_m)
     local = stage.rest.motors()[0]
     skeleton = Skeleton(stage.joints.names, stage.joints.parents, local)
+    lowest_m = float(skeleton.rest_world.translation_m[:, 2].min())
+    if lowest_m < 0.0:
+        lift = Motor.from_rotor_translation(Rotor.identity(), (0.0, 0.0, -lowest_m))
+        skeleton = _skeleton(stage.joints, lift @ skeleton.rest_world)
     height_m = float(np.ptp(skeleton.rest_world.translation_m, axis=0).max())
     everything = np.ones(len(skeleton), dtype=bool)
     clips, told = stage.clips(rig, stage.rest.scale[0], max(height_m, 1e-6), everything)

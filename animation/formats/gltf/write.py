@@ -1,0 +1,284 @@
+"""Write a character with its clips as `.glb`, at rest or carried along a path.
+
+Character space (z up, facing +x) becomes glTF's (y up, facing +z) by one node above all others.
+Clips get keys so dense that turns and translations interpolated apart follow their screws.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from motorcade.animation.character import Character
+from motorcade.animation.clip import Clip
+from motorcade.animation.formats.gltf.binary import INDICES, VERTICES, BinaryBuffer, write_glb
+from motorcade.animation.formats.images import to_linear
+from motorcade.animation.formats.rig.sampling import divided, parts_of_steps
+from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory
+
+__all__ = ["CameraPath", "write_gltf"]
+
+PARTING_M = 2e-6
+"""How far between keys a written joint may leave its screw, in metres; see MOST_PARTS."""
+UPRIGHT_XYZW = [-0.5, -0.5, -0.5, 0.5]
+"""From z up, facing +x, to y up, facing +z: x, y, z become z, x, y."""
+LOOKING = Rotor.from_rotation_vector((np.pi, 0.0, 0.0))
+"""From OpenCV's camera axes (z ahead, y down) to glTF's (z back, y up)."""
+
+
+@dataclass(frozen=True, eq=False)
+class CameraPath:
+    """A pinhole camera on its way.
+
+    Args:
+        world_T_camera: poses in OpenCV's camera axes.
+        vertical_field_rad: angle between the upper and lower edge of the picture.
+        aspect: width over height.
+
+    Raises:
+        ValueError: an angle outside 0 to π, or an aspect that is not positive.
+    """
+
+    world_T_camera: Trajectory
+    vertical_field_rad: float
+    aspect: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.vertical_field_rad < np.pi:
+            raise ValueError(
+                "CameraPath.vertical_field_rad: expected an angle between 0 and pi, got "
+                f"{self.vertical_field_rad}"
+            )
+        if not (np.isfinite(self.aspect) and self.aspect > 0.0):
+            raise ValueError(f"CameraPath.aspect: expected a positive number, got {self.aspect}")
+
+
+def write_gltf(
+    path: Path | str,
+    character: Character,
+    clips: Sequence[Clip] | None = None,
+    *,
+    world_T_character: Trajectory | None = None,
+    camera: CameraPath | None = None,
+) -> None:
+    """Write a character with its skeleton, skin, vertex colours and clips.
+
+    On a path every animation also carries the character, and the camera if there is one: time
+    zero is the path's first stamp, and a looped clip is repeated until the path ends. The world
+    of the path has z up.
+
+    Args:
+        path: of the `.glb` to write; an existing file is replaced.
+        character: what to write.
+        clips: motions of its skeleton; by default its own.
+        world_T_character: where the character goes, and how large it is on the way.
+        camera: a camera that moves with the path's clock; only with `world_T_character`.
+
+    Raises:
+        ValueError: another suffix, clips for another skeleton or of one name, or a camera without
+            a path.
+        OSError: the file cannot be written.
+    """
+    target = Path(path)
+    chosen = tuple(character.clips if clips is None else clips)
+    _check(target, character, chosen, world_T_character, camera)
+    buffer = BinaryBuffer()
+    joints = len(character.skeleton)
+    first = 1 if world_T_character is None else 2
+    nodes = _nodes(character, world_T_character is not None, camera is not None)
+    document: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": "Motorcade"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, first + joints]}],
+        "nodes": nodes,
+        "meshes": [{"primitives": [_primitive(buffer, character)]}],
+        "skins": [_skin(buffer, character, first)],
+        "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.9}}],
+    }
+    if camera is not None:
+        lens = {"yfov": camera.vertical_field_rad, "aspectRatio": camera.aspect, "znear": 0.01}
+        document["cameras"] = [{"type": "perspective", "perspective": lens}]
+    animations = []
+    for clip in chosen or _still(character, world_T_character):
+        made = _Animation(buffer)
+        made.clip(clip, first, world_T_character)
+        if world_T_character is not None:
+            start_ns = int(world_T_character.time_ns[0])
+            made.path(world_T_character, 1, start_ns, Rotor.identity())
+            if camera is not None:
+                made.path(camera.world_T_camera, len(nodes) - 1, start_ns, LOOKING)
+        animations.append(made.document(clip, looped=clip.looped and world_T_character is None))
+    if animations:
+        document["animations"] = animations
+    write_glb(target, document, buffer)
+
+
+def _check(
+    path: Path,
+    character: Character,
+    clips: tuple[Clip, ...],
+    world_T_character: Trajectory | None,
+    camera: CameraPath | None,
+) -> None:
+    if path.suffix.lower() != ".glb":
+        raise ValueError(f"write_gltf(path): expected a name that ends in .glb, got '{path.name}'")
+    if camera is not None and world_T_character is None:
+        raise ValueError("write_gltf(camera): expected a path of the character too, got none")
+    names = [clip.name for clip in clips]
+    if len(set(names)) < len(names):
+        raise ValueError(f"write_gltf(clips): expected different names, got {names}")
+    for clip in clips:
+        if clip.poses.shape[1] != len(character.skeleton):
+            raise ValueError(
+                f"write_gltf(clips): expected poses of {len(character.skeleton)} joints, got "
+                f"{clip.poses.shape[1]} in '{clip.name}'"
+            )
+
+
+def _nodes(character: Character, carried: bool, filmed: bool) -> list[dict[str, Any]]:
+    """The world, what the path carries, the joints, the mesh, the camera."""
+    skeleton = character.skeleton
+    first = 2 if carried else 1
+    below: list[list[int]] = [[] for _ in range(len(skeleton))]
+    roots: list[int] = []
+    for joint, parent in enumerate(skeleton.parents.tolist()):
+        (roots if parent < 0 else below[parent]).append(first + joint)
+    camera = first + len(skeleton) + 1
+    world: dict[str, Any] = {"name": "world", "rotation": UPRIGHT_XYZW, "children": roots}
+    nodes = [world]
+    if carried:
+        world["children"] = [1, camera] if filmed else [1]
+        nodes.append({"name": "path", "children": roots})
+    wxyz, places = skeleton.rest.as_quaternion_translation()
+    for joint, name in enumerate(skeleton.names):
+        node: dict[str, Any] = {
+            "name": name,
+            "rotation": wxyz[joint, [1, 2, 3, 0]].tolist(),
+            "translation": places[joint].tolist(),
+        }
+        if below[joint]:
+            node["children"] = below[joint]
+        nodes.append(node)
+    nodes.append({"name": "mesh", "mesh": 0, "skin": 0})
+    if filmed:
+        nodes.append({"name": "camera", "camera": 0})
+    return nodes
+
+
+def _primitive(buffer: BinaryBuffer, character: Character) -> dict[str, Any]:
+    kind = "|u1" if len(character.skeleton) <= 256 else "<u2"
+    return {
+        "attributes": {
+            "POSITION": buffer.add(character.vertices, target=VERTICES, bounds=True),
+            "NORMAL": buffer.add(character.normals, target=VERTICES),
+            "COLOR_0": buffer.add(to_linear(character.colors), target=VERTICES),
+            "JOINTS_0": buffer.add(character.joints, kind, target=VERTICES),
+            "WEIGHTS_0": buffer.add(character.weights, target=VERTICES),
+        },
+        "indices": buffer.add(character.triangles.reshape(-1), "<u4", target=INDICES),
+        "material": 0,
+    }
+
+
+def _skin(buffer: BinaryBuffer, character: Character, first: int) -> dict[str, Any]:
+    matrices = character.skeleton.rest_world_inverse.as_matrix()
+    columns = matrices.swapaxes(1, 2).reshape(-1, 16)
+    return {
+        "joints": list(range(first, first + len(matrices))),
+        "inverseBindMatrices": buffer.add(columns),
+    }
+
+
+def _still(character: Character, path: Trajectory | None) -> tuple[Clip, ...]:
+    """The rest pose as a clip, for a path without any."""
+    if path is None:
+        return ()
+    return (Clip("path", np.zeros(1), character.skeleton.rest.reshape(1, -1)),)
+
+
+class _Animation:
+    """One animation that is being put together.
+
+    Args:
+        buffer: where its keys go.
+    """
+
+    def __init__(self, buffer: BinaryBuffer) -> None:
+        self._buffer = buffer
+        self._samplers: list[dict[str, Any]] = []
+        self._channels: list[dict[str, Any]] = []
+
+    def clip(self, clip: Clip, first: int, path: Trajectory | None) -> None:
+        """Channels of all joints, the first being node `first`."""
+        times = clip.time_s
+        if len(times) > 1:
+            rotor, places = clip.poses.rotor, clip.poses.translation_m
+            parts = parts_of_steps(rotor.as_quaternion(), places, PARTING_M)
+            if isinstance(clip.poses, Similarity):
+                parts = np.maximum(parts, 4)
+            times = divided(times, parts)
+        poses = clip.at(times)
+        wxyz, places, scales = poses.rotor.as_quaternion(), poses.translation_m, None
+        if isinstance(poses, Similarity):
+            scales = poses.scale
+        if path is not None:
+            span_s = 1e-9 * float(path.time_ns[-1] - path.time_ns[0])
+            times, rows = _repeated(times - times[0], span_s, looped=clip.looped)
+            wxyz, places = wxyz[rows], places[rows]
+            scales = None if scales is None else scales[rows]
+        keys = self._buffer.add(times, bounds=True)
+        for joint in range(clip.poses.shape[1]):
+            node = first + joint
+            self._add(keys, node, "rotation", wxyz[:, joint, [1, 2, 3, 0]])
+            self._add(keys, node, "translation", places[:, joint])
+            if scales is not None:
+                self._add(keys, node, "scale", np.repeat(scales[:, joint, None], 3, axis=1))
+
+    def path(self, poses: Trajectory, node: int, start_ns: int, before: Rotor) -> None:
+        """Channels that carry a node; `before` turns what it carries."""
+        times = 1e-9 * (poses.time_ns - start_ns).astype(np.float64)
+        scale = None
+        if isinstance(poses.poses, Similarity):
+            motors, scale = poses.poses.as_motor_scale()
+        else:
+            motors = poses.poses
+        turned = motors @ Motor.from_rotor_translation(before, np.zeros(3))
+        wxyz, places = turned.as_quaternion_translation()
+        keys = self._buffer.add(times, bounds=True)
+        self._add(keys, node, "rotation", wxyz[:, [1, 2, 3, 0]])
+        self._add(keys, node, "translation", places)
+        if scale is not None:
+            self._add(keys, node, "scale", np.repeat(scale[:, None], 3, axis=1))
+
+    def document(self, clip: Clip, *, looped: bool) -> dict[str, Any]:
+        """The animation as it stands in the file."""
+        made: dict[str, Any] = {
+            "name": clip.name, "samplers": self._samplers, "channels": self._channels
+        }  # fmt: skip
+        if looped:
+            made["extras"] = {"looped": True}
+        return made
+
+    def _add(self, keys: int, node: int, path: str, values: FloatArray) -> None:
+        self._channels.append(
+            {"sampler": len(self._samplers), "target": {"node": node, "path": path}}
+        )
+        self._samplers.append({"input": keys, "output": self._buffer.add(values)})
+
+
+def _repeated(
+    times: FloatArray, span_s: float, *, looped: bool
+) -> tuple[FloatArray, np.ndarray[tuple[int], np.dtype[np.int64]]]:
+    """Times and rows of a clip played again and again until `span_s`; once if it is no loop."""
+    rows = np.arange(len(times))
+    period = float(times[-1])
+    if not looped or period <= 0.0:
+        return times, rows
+    count = max(int(np.ceil(span_s / period)), 1)
+    starts = np.repeat(np.arange(count) * period, len(times) - 1)
+    made = np.concatenate([times[:1], starts + np.tile(times[1:], count)])
+    return made, np.concatenate([rows[:1], np.tile(rows[1:], count)])
