@@ -1,13 +1,21 @@
 """Blending: poses mixed by any method, in layers, along blend spaces and across transitions."""
 
+from motorcade.animation.blend.clips import blend_clips, differences_m
+from motorcade.animation.blend.closing import closed
 from motorcade.animation.blend.layers import Layer, added, additive, blend_layers
 from motorcade.animation.blend.locomotion import BlendSpace, phase_between
-from motorcade.animation.blend.methods import BLEND_METHODS, BlendMethod, blend_poses
+from motorcade.animation.blend.methods import (
+    BLEND_METHODS,
+    BlendMethod,
+    Poses,
+    blend_poses,
+    stacked,
+)
 from motorcade.animation.blend.root_motion import RootMotion, split_root_motion
 from motorcade.animation.blend.transitions import CrossFade, Inertialized, Motion, Shifted
 
 __all__ = [
     "BLEND_METHODS", "BlendMethod", "BlendSpace", "CrossFade", "Inertialized", "Layer", "Motion",
-    "RootMotion", "Shifted", "added", "additive", "blend_layers", "blend_poses", "phase_between",
-    "split_root_motion",
+    "Poses", "RootMotion", "Shifted", "added", "additive", "blend_clips", "blend_layers",
+    "blend_poses", "closed", "differences_m", "phase_between", "split_root_motion", "stacked",
 ]  # fmt: skip

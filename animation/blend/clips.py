@@ -1,0 +1,118 @@
+"""Two clips made one, and how far the methods of blending lie apart on them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import combinations
+
+import numpy as np
+
+from motorcade.animation.blend.methods import BLEND_METHODS, BlendMethod, blend_poses, stacked
+from motorcade.animation.clip import Clip
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, Motor, checked_floats
+
+__all__ = ["blend_clips", "differences_m"]
+
+
+def blend_clips(
+    first: Clip,
+    second: Clip,
+    weight: float,
+    method: BlendMethod = "motor",
+    *,
+    in_phase: bool = True,
+    offset: float = 0.0,
+    rate_hz: float = 60.0,
+) -> Clip:
+    """A clip between two of one skeleton.
+
+    In phase both are stretched to the weighted mean of their lengths, as cycles of a walk and a
+    run must be; by the clock both run at their own speed for as long as the longer one takes, the
+    shorter repeating if it is looped and else holding its end.
+
+    Args:
+        first: clip of J joints.
+        second: clip of the same joints.
+        weight: share of the second, 0 to 1.
+        method: see `motorcade.animation.blend.methods`.
+        in_phase: blend by phase rather than by the clock.
+        offset: phase of the second at which it is like the start of the first, see
+            `phase_between`; only in phase.
+        rate_hz: samples a second of the result.
+
+    Raises:
+        ValueError: another number of joints, a weight outside 0 to 1, a rate that is not
+            positive, or clips of no length.
+    """
+    if first.poses.shape[1] != second.poses.shape[1]:
+        raise ValueError(
+            f"blend_clips: expected clips of one skeleton, got {first.poses.shape[1]} joints in "
+            f"'{first.name}' and {second.poses.shape[1]} in '{second.name}'"
+        )
+    if not 0.0 <= weight <= 1.0:
+        raise ValueError(f"blend_clips(weight): expected 0 to 1, got {weight}")
+    if not (np.isfinite(rate_hz) and rate_hz > 0.0):
+        raise ValueError(f"blend_clips(rate_hz): expected a number above 0, got {rate_hz}")
+    lengths = np.array([first.duration_s, second.duration_s])
+    length = float((1.0 - weight) * lengths[0] + weight * lengths[1] if in_phase else max(lengths))
+    if not length > 0.0:
+        raise ValueError(f"blend_clips: '{first.name}' and '{second.name}' have no length")
+    time_s = np.linspace(0.0, length, max(2, round(length * rate_hz) + 1))
+    rates = lengths / length if in_phase else np.ones(2)
+    starts = np.array([first.time_s[0], second.time_s[0]])
+    starts[1] += offset * lengths[1] if in_phase else 0.0
+    poses = stacked([
+        clip.at(start + rate * time_s)
+        for clip, start, rate in zip((first, second), starts, rates, strict=True)
+    ])  # fmt: skip
+    blended = blend_poses(poses, [1.0 - weight, weight], method)
+    looped = in_phase and first.looped and second.looped
+    if looped:  # what a loop begins with it ends with, whatever rounding says
+        coefficients = blended.coefficients.copy()
+        coefficients[-1] = coefficients[0]
+        blended = type(blended)(coefficients)
+    name = f"{first.name} to {second.name} {weight:g} {method}"
+    return Clip(name, time_s, blended, looped)
+
+
+def differences_m(
+    first: Clip,
+    second: Clip,
+    skeleton: Skeleton,
+    weights: Iterable[float] = (0.25, 0.5, 0.75),
+    points: FloatArray | None = None,
+    methods: Iterable[BlendMethod] = BLEND_METHODS,
+    offset: float = 0.0,
+) -> dict[tuple[BlendMethod, BlendMethod], float]:
+    """The farthest that a point of the body lies apart under two methods, in metres.
+
+    Args:
+        first: clip.
+        second: clip, blended with the first in phase.
+        skeleton: of the J joints.
+        weights: shares of the second clip to look at.
+        points: ``(J, 3)`` a point fixed to each joint, in its frame; by default its origin.
+        methods: which to compare, each with each.
+        offset: see `blend_clips`.
+    """
+    held = (
+        np.zeros((len(skeleton), 3)) if points is None else checked_floats(points, "points", (3,))
+    )
+    apart: dict[tuple[BlendMethod, BlendMethod], float] = {}
+    names = tuple(methods)
+    for weight in weights:
+        positions = {
+            name: skeleton.world(
+                _rigid(blend_clips(first, second, weight, name, offset=offset))
+            ).apply(held)
+            for name in names
+        }
+        for a, b in combinations(names, 2):
+            distance = float(np.linalg.norm(positions[a] - positions[b], axis=-1).max())
+            apart[a, b] = max(apart.get((a, b), 0.0), distance)
+    return apart
+
+
+def _rigid(clip: Clip) -> Motor:
+    return clip.poses if isinstance(clip.poses, Motor) else clip.poses.as_motor_scale()[0]

@@ -1,0 +1,73 @@
+"""Clips blended whole: in phase and by the clock, loops that close, methods that tie."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from motorcade.animation import Clip
+from motorcade.animation.blend import blend_clips, closed, differences_m
+from motorcade.ga import Motor
+
+
+def test_in_phase_the_cycle_takes_the_weighted_mean_of_the_times(cycle):
+    walk, run = cycle("walk", 1.2), cycle("run", 0.8, stride=0.5)
+    for weight, seconds in ((0.0, 1.2), (0.5, 1.0), (1.0, 0.8)):
+        made = blend_clips(walk, run, weight)
+        assert made.duration_s == pytest.approx(seconds)
+        assert made.looped
+    middle = blend_clips(walk, run, 0.5, "motor_linear", rate_hz=120.0)
+    # Both feet swing straight, so their strides average.
+    assert np.ptp(middle.poses[:, 1].translation_m[:, 0]) == pytest.approx(0.8, abs=1e-3)
+
+
+@pytest.mark.parametrize("weight", [0.0, 1.0])
+def test_at_the_ends_a_blend_is_the_clip_itself(cycle, weight):
+    walk, run = cycle("walk", 1.2), cycle("run", 0.8, stride=0.5)
+    own = (walk, run)[int(weight)]
+    made = blend_clips(walk, run, weight, rate_hz=50.0)
+    np.testing.assert_allclose(
+        made.poses.coefficients[:-1], own.at(made.time_s).coefficients[:-1], atol=1e-12
+    )
+
+
+def test_by_the_clock_each_runs_at_its_own_speed(cycle):
+    walk, run = cycle("walk", 1.2), cycle("run", 0.8)
+    made = blend_clips(walk, run, 1.0, in_phase=False)
+    assert made.duration_s == pytest.approx(1.2)
+    np.testing.assert_allclose(
+        made.poses.coefficients, run.at(made.time_s).coefficients, atol=1e-12
+    )
+
+
+def test_ties_of_theory_are_ties_on_a_body(cycle, skeleton):
+    apart = differences_m(cycle("walk", 1.2), cycle("run", 0.8, 0.1, 0.5), skeleton, (0.4,))
+    for a, b in (("motor", "dual_quaternion"), ("motor", "similarity"),
+                 ("motor_linear", "dual_quaternion_linear"), ("rotor", "quaternion"),
+                 ("rotor_linear", "quaternion_linear")):  # fmt: skip
+        assert apart[a, b] < 1e-12
+
+
+def test_a_cycle_that_nearly_closes_is_closed_and_one_that_travels_is_refused(cycle, rng):
+    loop = cycle("walk", 1.2)
+    drift = Motor.from_twist(0.02 * rng.standard_normal((4, 6)))
+    poses = loop.poses.coefficients.copy()
+    poses[-1] = (loop.poses[-1] @ drift).coefficients
+    made = closed(Clip("walk", loop.time_s, Motor(poses)))
+    assert made.looped
+    off = (Motor(poses).inverse() @ made.poses).as_twist()
+    assert np.abs(off).max() == pytest.approx(np.abs(drift.as_twist()).max(), rel=1e-6)
+    assert np.abs(off[0]).max() < 1e-15
+    assert np.abs(np.diff(off, axis=0)).max() < 0.1 * np.abs(off).max()
+    poses[-1, 0] = (Motor.from_twist([0, 0, 0, 1.0, 0, 0]) @ loop.poses[-1, 0]).coefficients
+    with pytest.raises(ValueError, match="got 1 at joint 0"):
+        closed(Clip("walk", loop.time_s, Motor(poses)))
+
+
+def test_refusals(cycle):
+    walk = cycle("walk", 1.2)
+    with pytest.raises(ValueError, match=r"blend_clips\(weight\): expected 0 to 1, got 1.5"):
+        blend_clips(walk, walk, 1.5)
+    few = Clip("few", walk.time_s, walk.poses[:, :2])
+    with pytest.raises(ValueError, match="expected clips of one skeleton, got 4 joints"):
+        blend_clips(walk, few, 0.5)
