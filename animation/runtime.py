@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.clip import Clip
-from motorcade.animation.native import _runtime
+from motorcade.animation.native._runtime import Rig
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor
 
@@ -49,7 +49,7 @@ class PoseRuntime:
             )
         self._by_screw = method == "motor"
         self._count = len(skeleton)
-        self._rig = _runtime.Rig(
+        self._rig = Rig(
             np.ascontiguousarray(skeleton.parents), _rows(skeleton.rest_world_inverse)
         )
         for clip in clips:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.character import Character
-from motorcade.animation.native import _runtime
+from motorcade.animation.native._runtime import Mesh, Skinning
 from motorcade.animation.skin.palette import SkinMethod, checked_method, palette
 from motorcade.ga import Motor, Similarity, kernels
 
@@ -15,10 +15,10 @@ __all__ = ["Skinner"]
 Floats32 = NDArray[np.float32]
 
 _METHODS = {
-    "linear": _runtime.Skinning.matrix,
-    "dual_quaternion": _runtime.Skinning.dual_quaternion,
-    "motor": _runtime.Skinning.motor,
-    "similarity": _runtime.Skinning.similarity,
+    "linear": Skinning.matrix,
+    "dual_quaternion": Skinning.dual_quaternion,
+    "motor": Skinning.motor,
+    "similarity": Skinning.similarity,
 }
 
 
@@ -42,7 +42,7 @@ class Skinner:
         if len(self._skeleton) > 65536:
             raise ValueError(f"Skinner: expected up to 65536 joints, got {len(self._skeleton)}")
         self._shape = character.vertices.shape
-        self._mesh = _runtime.Mesh(
+        self._mesh = Mesh(
             *(np.ascontiguousarray(array) for array in (
                 character.vertices, character.normals, character.joints, character.weights
             ))
