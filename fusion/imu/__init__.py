@@ -1,17 +1,24 @@
-"""Inertial sensors: their data, their noise, and a simulator of both."""
+"""Inertial sensors: their data, their noise and how to measure it, and a simulator of both."""
 
 from __future__ import annotations
 
+from motorcade.fusion.imu.allan import AllanCurve, StreamNoise, allan_deviation, estimate_noise
 from motorcade.fusion.imu.noise import ADIS16448, ImuNoise
+from motorcade.fusion.imu.screening import screen_imu
 from motorcade.fusion.imu.simulate import ContinuousPath, ImuFaults, SimulatedImu, simulate_imu
 from motorcade.fusion.imu.stream import ImuStream
 
 __all__ = [
     "ADIS16448",
+    "AllanCurve",
     "ContinuousPath",
     "ImuFaults",
     "ImuNoise",
     "ImuStream",
     "SimulatedImu",
+    "StreamNoise",
+    "allan_deviation",
+    "estimate_noise",
+    "screen_imu",
     "simulate_imu",
 ]

@@ -124,3 +124,8 @@ def with_own_ids(svg: str, mark: str) -> str:
     svg = re.sub(r'\bid="([^"]+)"', rf'id="{mark}-\1"', svg)
     svg = re.sub(r"url\(#([^)]+)\)", rf"url(#{mark}-\1)", svg)
     return re.sub(r'xlink:href="#([^"]+)"', rf'xlink:href="#{mark}-\1"', svg)
+
+
+def standing_alone(svg: str) -> str:
+    """An `<svg>` element of `as_svg` as a file of its own, dark on white."""
+    return svg.replace("<svg ", '<svg style="--ink:#222222;--grid:#dddddd;--page:#ffffff" ', 1)

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 
 from motorcade.replays.cli import (
+    allan,
     bench,
     calibrate,
     compare,
@@ -35,6 +36,7 @@ COMMANDS = (
     smooth,
     evaluate,
     simulate_imu,
+    allan,
     sync,
     graph,
     generate,

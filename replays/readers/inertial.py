@@ -1,13 +1,16 @@
 """IMU streams and noise from files.
 
-A stream is EuRoC's CSV: stamp in ns, angular rate in rad/s, specific force in m/s².
+A stream is EuRoC's CSV: stamp in ns, angular rate in rad/s, specific force in m/s². Streams that
+move in other units are refused; saturation and gaps are told in the log.
 """
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.screening import screen_imu
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.replays.errors import refusal
 from motorcade.replays.readers.calibration import read_yaml
@@ -15,6 +18,7 @@ from motorcade.replays.readers.tables import in_order, read_table
 
 __all__ = ["read_imu", "read_noise"]
 
+_LOG = logging.getLogger("motorcade.replays")
 _COLUMNS = ("w_x", "w_y", "w_z", "a_x", "a_y", "a_z")
 
 
@@ -22,12 +26,16 @@ def read_imu(path: Path) -> ImuStream:
     """Read an IMU stream as EuRoC writes it; more columns are ignored, a header is optional.
 
     Raises:
-        RecordingError: no rows, wrong columns, NaN, decreasing stamps, each with its line.
+        RecordingError: no rows, wrong columns, NaN, decreasing stamps, each with its line; force
+            in g or rate in degrees, where the readings tell.
     """
     table = read_table(path, _COLUMNS, separator=b",", unit="ns", header=True, more_columns=True)
     table = table.rows(in_order(path, table.lines, table.time_ns))
     try:
-        return ImuStream(table.time_ns, table.values[:, :3], table.values[:, 3:])
+        stream = ImuStream(table.time_ns, table.values[:, :3], table.values[:, 3:])
+        for notice in screen_imu(stream):
+            _LOG.warning("%s: %s", path, notice)
+        return stream
     except ValueError as fault:
         raise refusal(path, str(fault)) from fault
 

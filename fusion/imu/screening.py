@@ -1,0 +1,159 @@
+"""Faults of inertial streams that every number passes: wrong units, saturation, gaps.
+
+NaN and stamps that do not increase are refused by `ImuStream` itself. Units are told by physics: a
+sensor at rest feels one gravity, and while it turns slowly gravity turns the other way in its axes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.ga import FloatArray
+
+__all__ = ["screen_imu"]
+
+_GRAVITY = 9.81
+# Windows this long whose readings scatter by less than this share of their mean are calm.
+_WINDOW_S = 0.5
+_CALM_SHARE = 0.02
+_FEWEST_CALM = 2
+# Scale errors and the shape of the earth leave gravity within this share of 9.81.
+_GRAVITY_SHARE = 0.07
+# Size at rest, what a unit that gives it is called, and what one of it is in m/s².
+_FORCE_UNITS = ((1.0, "g", 9.80665), (1000.0, "milli-g", 9.80665e-3), (32.174, "ft/s²", 0.3048))
+# Rates and forces are compared in means of this length.
+_TURN_WINDOW_S = 0.1
+# Deviations that the regression's slope must be from chance.
+_TURN_DEVIATIONS = 6.0
+_FEWEST_TURNS = 30
+_GAP_MEDIANS = 1.75
+
+
+def screen_imu(imu: ImuStream) -> tuple[str, ...]:
+    """What is doubtful about a stream, one line each; nothing where all is well.
+
+    A stream that is never calm for a second says nothing of its force's unit, and one that hardly
+    turns nothing of its rate's.
+
+    Raises:
+        ValueError: specific force in g, milli-g or ft/s², or angular rate in degrees.
+    """
+    refuse_units_of_force(imu)
+    refuse_degrees(imu)
+    return (*_gravity(imu), *_saturation(imu), *_gaps(imu))
+
+
+def refuse_units_of_force(imu: ImuStream) -> None:
+    """Refuse specific force that at rest has the size of gravity in another unit than m/s².
+
+    Raises:
+        ValueError: naming the unit that would explain it, and the factor that mends it.
+    """
+    felt = _felt_at_rest(imu)
+    for size, unit, factor in _FORCE_UNITS:
+        if felt is not None and abs(felt / size - 1.0) < _GRAVITY_SHARE:
+            raise ValueError(
+                f"specific_force_m_s2: expected about {_GRAVITY} at rest, got {felt:.4g}, which is "
+                f"gravity in {unit}; multiply by {factor:g}"
+            )
+
+
+def refuse_degrees(imu: ImuStream) -> None:
+    """Refuse angular rate by which gravity turns 57 times slower than it should.
+
+    Raises:
+        ValueError: where the readings turn enough to tell.
+    """
+    share = _turned_share(imu)
+    if share is not None and 0.5 < share / np.deg2rad(1.0) < 2.0:
+        raise ValueError(
+            "angular_rate_rad_s: expected radians a second, got readings by which gravity turns "
+            f"{share:.4f} times as far, as in degrees a second; multiply by {np.deg2rad(1.0):.8g}"
+        )
+
+
+def _felt_at_rest(imu: ImuStream) -> float | None:
+    """Median size of specific force over calm windows; None where there are too few."""
+    count = max(2, round(_WINDOW_S * imu.rate_hz))
+    windows = _windows(imu.specific_force_m_s2, count)
+    mean = np.mean(windows, axis=1)
+    size = np.linalg.norm(mean, axis=-1)
+    scatter = np.sqrt(np.sum(np.var(windows, axis=1), axis=-1))
+    calm = scatter < _CALM_SHARE * size
+    return float(np.median(size[calm])) if np.sum(calm) >= _FEWEST_CALM else None
+
+
+def _turned_share(imu: ImuStream) -> float | None:
+    """How far gravity turns for one unit of the rate; None where the readings do not tell.
+
+    By regression of the change of force on what the rate makes of it, f' = -ω × f.
+    """
+    count = max(1, round(_TURN_WINDOW_S * imu.rate_hz))
+    rate = np.mean(_windows(imu.angular_rate_rad_s, count), axis=1)
+    force = np.mean(_windows(imu.specific_force_m_s2, count), axis=1)
+    if len(rate) < _FEWEST_TURNS:
+        return None
+    change = np.diff(force, axis=0) * imu.rate_hz / count
+    explained = -np.cross(0.5 * (rate[1:] + rate[:-1]), 0.5 * (force[1:] + force[:-1]))
+    moment = float(np.sum(change * explained))
+    power = float(np.sum(explained**2))
+    chance = np.sqrt(power * float(np.sum(change**2)) / len(change))
+    if power == 0.0 or moment < _TURN_DEVIATIONS * chance:
+        return None
+    return moment / power
+
+
+def _gravity(imu: ImuStream) -> tuple[str, ...]:
+    felt = _felt_at_rest(imu)
+    if felt is None or abs(felt / _GRAVITY - 1.0) < _GRAVITY_SHARE:
+        return ()
+    return (f"the accelerometer reads {felt:.4g} m/s² at rest, expected about {_GRAVITY}",)
+
+
+def _saturation(imu: ImuStream) -> tuple[str, ...]:
+    """Axes that stick to their largest reading, with nothing much just below it."""
+    found = []
+    for name, values in (
+        ("angular rate", imu.angular_rate_rad_s),
+        ("specific force", imu.specific_force_m_s2),
+    ):
+        for axis, column in zip("xyz", values.T, strict=True):
+            for limit in (float(np.max(column)), float(np.min(column))):
+                stuck = _stuck(column, limit)
+                if stuck:
+                    found.append(
+                        f"{name} {axis} reads exactly {limit:.6g} in {stuck} samples, as if "
+                        "saturated; what moved faster is lost"
+                    )
+    return tuple(found)
+
+
+def _stuck(column: FloatArray, limit: float) -> int:
+    """How many samples stick to a limit; 0 where they do not look saturated."""
+    at = column == limit
+    count = int(np.sum(at))
+    coarse = len(np.unique(column)) < 50
+    if count < 5 or coarse or 2 * count > column.size or abs(limit) < 0.5 * np.max(np.abs(column)):
+        return 0
+    runs = at[2:] & at[1:-1] & at[:-2]
+    near = np.sum(np.abs(column - limit) < 0.05 * np.ptp(column)) - count
+    return count if np.any(runs) and count > near else 0
+
+
+def _gaps(imu: ImuStream) -> tuple[str, ...]:
+    steps = np.diff(imu.time_ns)
+    gaps = np.flatnonzero(steps > _GAP_MEDIANS * np.median(steps))
+    if not gaps.size:
+        return ()
+    longest = gaps[np.argmax(steps[gaps])]
+    return (
+        f"{gaps.size} gap{'s' if gaps.size > 1 else ''} in the samples, the longest of "
+        f"{steps[longest] * 1e-9:.4f} s after {int(imu.time_ns[longest])} ns",
+    )
+
+
+def _windows(values: FloatArray, count: int) -> FloatArray:
+    """Values ``(N, 3)`` cut into ``(N // count, count, 3)``."""
+    whole = len(values) // count
+    return values[: whole * count].reshape(whole, count, 3)

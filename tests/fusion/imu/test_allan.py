@@ -1,0 +1,136 @@
+"""Allan deviation against the handbook's numbers, and noise found again in what was simulated."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.imu import (
+    ADIS16448,
+    ContinuousPath,
+    ImuNoise,
+    ImuStream,
+    allan_deviation,
+    estimate_noise,
+    simulate_imu,
+)
+from motorcade.fusion.imu.allan import fitted_noise
+from motorcade.fusion.motions.motion import Factor, Motion
+from motorcade.fusion.motions.signals import Polynomial
+from motorcade.ga import FloatArray, Motor
+
+STANDING = Motion((Factor(np.zeros(6), Polynomial((1.0,))),), Motor)
+
+
+def handbook_points() -> FloatArray:
+    """The 1000 points of NIST SP 1065, section 12.4: a congruential generator."""
+    points = [1234567890]
+    while len(points) < 1000:
+        points.append(16807 * points[-1] % 2147483647)
+    return np.array(points) / 2147483647
+
+
+def noisy(
+    count: int, rate_hz: float, density: float, walk: float, rng: np.random.Generator
+) -> FloatArray:
+    white, steps = rng.standard_normal((2, count))
+    return density * np.sqrt(rate_hz) * white + np.cumsum(walk / np.sqrt(rate_hz) * steps)
+
+
+def test_the_handbooks_example_comes_out():
+    """Overlapping Allan deviation of its table 31, at averages of 1, 10 and 100."""
+    found = allan_deviation(handbook_points(), 1.0, [1.0, 10.0, 100.0])
+    np.testing.assert_allclose(
+        found.deviation, [2.922319e-01, 9.159953e-02, 3.241343e-02], rtol=3e-7
+    )
+    # the rate only names the times, and offsets do not count
+    faster = allan_deviation(1e6 + handbook_points(), 50.0, [0.02, 0.2, 2.0])
+    np.testing.assert_allclose(faster.deviation, found.deviation, rtol=1e-8)
+    np.testing.assert_allclose(faster.tau_s, [0.02, 0.2, 2.0])
+
+
+def test_it_is_the_definition_written_out(rng):
+    values = rng.standard_normal((50, 2))
+    found = allan_deviation(values, 10.0, [0.1, 0.3, 0.7, 2.4])
+    for m, row in zip((1, 3, 7, 24), found.deviation, strict=True):
+        means = np.stack([values[k : k + m].mean(axis=0) for k in range(50 - m + 1)])
+        steps = means[m:] - means[:-m]
+        np.testing.assert_allclose(row, np.sqrt(0.5 * np.mean(steps**2, axis=0)), rtol=1e-12)
+
+
+@pytest.mark.slow
+def test_four_hours_give_the_simulated_densities_back():
+    """All four densities of EuRoC's sensor, within 10 %, by way of the simulator."""
+    path = ContinuousPath.along(STANDING, 4 * 3600.0)
+    simulated = simulate_imu(path, 40.0, ADIS16448, np.random.default_rng(0))
+    found = estimate_noise(simulated.stream)
+    for name in (
+        "gyro_density_rad_s_rthz", "gyro_walk_rad_s2_rthz",
+        "accel_density_m_s2_rthz", "accel_walk_m_s3_rthz",
+    ):  # fmt: skip
+        assert getattr(found.noise, name) == pytest.approx(getattr(ADIS16448, name), rel=0.1)
+    # and each axis alone, by its own deviation
+    for axis in found.gyro:
+        assert abs(axis.density - 1.6968e-4) < 4.0 * axis.density_deviation < 0.03 * 1.6968e-4
+        assert abs(axis.walk - 1.9393e-5) < 4.0 * axis.walk_deviation < 0.3 * 1.9393e-5
+        assert axis.flicker == 0.0
+
+
+def test_the_deviations_it_states_are_those_of_many_runs(rng):
+    """Errors over stated deviations have a spread of one; a fit of independent points has 0.3."""
+    density, walk = 2e-3, 3e-4
+    found = [
+        fitted_noise(allan_deviation(noisy(4000, 10.0, density, walk, rng)[:, None], 10.0), 0)
+        for _ in range(60)
+    ]
+    for name, truth in (("density", density), ("walk", walk)):
+        errors = np.array([getattr(one, name) - truth for one in found])
+        scores = errors / [getattr(one, f"{name}_deviation") for one in found]
+        assert 0.7 < np.std(scores) < 1.4
+        assert abs(np.mean(scores)) < 0.6
+
+
+def test_flicker_is_seen_where_there_is_some(rng):
+    """White noise and flicker made in the frequency domain, one-sided B² / (π f)."""
+    count, rate_hz, flicker = 2**17, 20.0, 4e-3
+    frequency = np.fft.rfftfreq(count, 1.0 / rate_hz)[1:]
+    size = np.sqrt(flicker**2 / (2.0 * np.pi * frequency) * count * rate_hz)
+    phases = rng.standard_normal((2, frequency.size)) / np.sqrt(2.0)
+    spectrum = np.concatenate([[0.0], size * (phases[0] + 1j * phases[1])])
+    signal = np.fft.irfft(spectrum, count) + noisy(count, rate_hz, 2e-3, 0.0, rng)
+    found = fitted_noise(allan_deviation(signal[:, None], rate_hz), 0)
+    assert found.flicker == pytest.approx(flicker, rel=0.15)
+    assert found.density == pytest.approx(2e-3, rel=0.1)
+    middle = allan_deviation(signal, rate_hz, [50.0])
+    assert found.curve(middle.tau_s) == pytest.approx(middle.deviation, rel=0.2)
+
+
+def test_without_a_walk_its_bound_is_given(rng):
+    noise = ImuNoise(1e-3, 1e-12, 1e-2, 1e-12)
+    path = ContinuousPath.along(STANDING, 300.0)
+    found = estimate_noise(simulate_imu(path, 50.0, noise, rng).stream)
+    assert found.noise.gyro_density_rad_s_rthz == pytest.approx(1e-3, rel=0.05)
+    assert all(axis.walk < 4.0 * axis.walk_deviation for axis in found.gyro)
+    assert 0.0 < found.noise.gyro_walk_rad_s2_rthz < 2e-4
+
+
+def test_what_has_no_allan_deviation_is_refused(rng):
+    values = rng.standard_normal(100)
+    for arguments, message in [
+        ((values[:2], 1.0), r"signal: expected three or more finite samples, got shape \(2,\)"),
+        ((np.append(values, np.nan), 1.0), r"got shape \(101,\) with NaN"),
+        ((values, 0.0), "rate_hz: expected a number above 0, got 0.0"),
+        ((values, 1.0, [0.1]), "tau_s: expected times from 1 s to 50 s, got 0.1 to 0.1 s"),
+        ((values, 1.0, [51.0]), "tau_s: expected times from 1 s to 50 s, got 51 to 51 s"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            allan_deviation(*arguments)
+    stamps = np.arange(200) * 10_000_000
+    noise = rng.standard_normal((200, 3))
+    with pytest.raises(ValueError, match="imu: expected at least 100 samples, got 50"):
+        estimate_noise(ImuStream(stamps[:50], noise[:50], noise[:50]))
+    gapped = stamps + 10_000_000 * (np.arange(200) > 120)
+    with pytest.raises(ValueError, match=r"a gap of 0.0200 s after 1200000000 ns; cut"):
+        estimate_noise(ImuStream(gapped, noise, noise))
+    with pytest.raises(ValueError, match="expected noise on axis 1, got readings that do not"):
+        estimate_noise(ImuStream(stamps, noise, noise * [1.0, 0.0, 1.0]))
