@@ -43,10 +43,11 @@ class Skinner:
             raise ValueError(f"Skinner: expected up to 65536 joints, got {len(self._skeleton)}")
         self._shape = character.vertices.shape
         self._mesh = Mesh(
-            *(np.ascontiguousarray(array) for array in (
-                character.vertices, character.normals, character.joints, character.weights
-            ))
-        )  # fmt: skip
+            np.ascontiguousarray(character.vertices),
+            np.ascontiguousarray(character.normals),
+            np.ascontiguousarray(character.joints),
+            np.ascontiguousarray(character.weights),
+        )
 
     def skin(self, local_pose: Motor | Similarity) -> tuple[Floats32, Floats32]:
         """Vertices and unit normals ``(V, 3)`` of one pose ``(J,)``, metres.

@@ -126,6 +126,18 @@ def _slam_table(found: Mapping[str, Any]) -> str:
     return slam_table(found)
 
 
+def _bench_animation() -> Any:
+    from motorcade.replays.bench.animation import bench_animation
+
+    return bench_animation()
+
+
+def _animation_table(found: Mapping[str, Any]) -> str:
+    from motorcade.replays.bench.animation import animation_table
+
+    return animation_table(found)
+
+
 SUITES: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "blend": (bench_blend, blend_table),
     "accuracy": (measure_accuracy, accuracy_table),
@@ -134,5 +146,6 @@ SUITES: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "lag": (_bench_lag, _lag_table),
     "slam": (_bench_slam, _slam_table),
     "tracking": (_bench_tracking, _tracking_table),
+    "animation": (_bench_animation, _animation_table),
 }
 """Every suite by name: what measures it, and what prints it."""
