@@ -40,13 +40,14 @@ class Frame:
     Fields:
         time_ns: stamp.
         name: file name, or "frame 12" of a video; opens error messages.
-        read_image, read_depth: what `image` and `depth_m` call.
+        read_image, read_depth, read_right: what `image`, `depth_m` and `right` call.
     """
 
     time_ns: int
     name: str
     read_image: Callable[[], ImageArray] = field(repr=False)
     read_depth: Callable[[], DepthArray] | None = field(default=None, repr=False)
+    read_right: Callable[[], ImageArray] | None = field(default=None, repr=False)
 
     def image(self) -> ImageArray:
         """Read the picture: uint8 ``(height, width, 3)`` RGB, or ``(height, width)`` if it is grey.
@@ -68,6 +69,10 @@ class Frame:
     def depth_m(self) -> DepthArray | None:
         """Read the depth, metres ``(height, width)``, NaN where unknown; None without depth."""
         return None if self.read_depth is None else self.read_depth()
+
+    def right(self) -> ImageArray | None:
+        """Read the right picture of a rectified pair, grey ``(height, width)``; None without."""
+        return None if self.read_right is None else self.read_right()
 
 
 class FrameSequence(Protocol):
@@ -116,6 +121,7 @@ class Recording:
             "synthetic".
         frames: the pictures.
         camera: intrinsics, of the pictures' size.
+        baseline_m: how far to its right the camera of the frames' right pictures stands.
         imu, imu_noise: angular rate and specific force; noise densities and bias walks.
         imu_T_camera: where the camera sits on the IMU (camera coordinates to IMU coordinates).
         board: a board in view, and where it stands in the world (identity: it is the world).
@@ -142,10 +148,14 @@ class Recording:
     truth: Trajectory | None = None
     settings: tuple[str, ...] = ()
     damaged: tuple[str, ...] = ()
+    baseline_m: float | None = None
 
     def __post_init__(self) -> None:
         if len(self.frames) == 0:
             raise refusal(self.root, "expected at least one frame, got none")
+        if self.baseline_m is not None and not 0.0 < self.baseline_m < np.inf:
+            problem = f"expected metres above 0, got {self.baseline_m}"
+            raise refusal(self.root, problem, field="baseline_m")
         for name in ("imu_T_camera", "world_T_board"):
             motor = getattr(self, name)
             if motor is not None and motor.shape != ():
@@ -210,6 +220,8 @@ class Recording:
             yield label, b"" if motor is None else _bytes(motor.coefficients)
         yield "markers", b"" if self.markers is None else self.markers.content()
         yield "damaged", repr(self.damaged).encode()
+        if self.baseline_m is not None:
+            yield "baseline", repr(self.baseline_m).encode()
         yield "frame stamps", _bytes(self.frames.time_ns)
         if self.imu is not None:
             yield "imu stamps", _bytes(self.imu.time_ns)

@@ -46,6 +46,7 @@ class PictureFrames:
         size: (width, height) that every picture must have; None before the camera is known.
         depth_files: depth picture of each frame, None where it has none.
         depth_units_per_m: what a metre is in the depth pictures.
+        right_files: right picture of each frame, where they are rectified pairs.
     """
 
     files: tuple[Path, ...]
@@ -53,6 +54,7 @@ class PictureFrames:
     size: tuple[int, int] | None = None
     depth_files: tuple[Path | None, ...] = ()
     depth_units_per_m: float = 1000.0
+    right_files: tuple[Path, ...] = ()
 
     def __post_init__(self) -> None:
         own = np.array(self.time_ns, dtype=np.int64)
@@ -76,7 +78,10 @@ class PictureFrames:
             read_depth = partial(
                 pictures.read_depth, depth, field, self.size, self.depth_units_per_m
             )
-        return Frame(int(self.time_ns[index]), path.name, read_image, read_depth)
+        read_right = None
+        if self.right_files:
+            read_right = partial(pictures.read_gray, self.right_files[index], field, self.size)
+        return Frame(int(self.time_ns[index]), path.name, read_image, read_depth, read_right)
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[index] for index in range(len(self)))
@@ -104,13 +109,20 @@ class PictureFrames:
         if 2 * len(damage) >= len(self):
             problem = f"{len(damage)} of {len(self)} frames are damaged, the first: {told[0]}"
             raise refusal(self.files[0].parent, problem)
-        whole = [index for index, path in enumerate(self.files) if path not in damage]
+        whole = [
+            index
+            for index, path in enumerate(self.files)
+            if path not in damage and not (self.right_files and self.right_files[index] in damage)
+        ]
         depth = [None if path in damage else path for path in self.depth_files]
         intact = replace(
             self,
             files=tuple(self.files[index] for index in whole),
             time_ns=self.time_ns[whole],
             depth_files=tuple(depth[index] for index in whole) if depth else (),
+            right_files=tuple(self.right_files[index] for index in whole)
+            if self.right_files
+            else (),
         )
         return intact, told
 
@@ -150,6 +162,8 @@ class PictureFrames:
         for index, depth in enumerate(self.depth_files):
             if depth is not None:
                 yield depth, f"depth of frame {index}"
+        for index, right in enumerate(self.right_files):
+            yield right, f"right of frame {index}"
 
 
 def inside(root: Path, name: str, source: Path, line: int | None = None) -> Path:

@@ -2,13 +2,15 @@
 
 Pictures are rectified, so the camera is a pinhole. Rows of `calib.txt` are projections K [I | t],
 named (`P2:`) or not (then in the order of the cameras); `t` shifts camera 0, whose poses are
-given, to the one that is read. Stamps come from `times.txt`, or else from the set's 10 Hz. KITTI's
-world is the first pose of camera 0 with y down; it is turned on reading, so that z is up and x
-points where the car drove first.
+given, to the one that is read. Where the folder of its right neighbour is there too (`image_3`,
+`image_1` or `image_r`), its pictures make pairs. Stamps come from `times.txt`, or else from the
+set's 10 Hz. KITTI's world is the first pose of camera 0 with y down; it is turned on reading, so
+that z is up and x points where the car drove first.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +27,7 @@ __all__ = ["read", "recognise"]
 
 RATE_HZ = 10.0
 _CAMERAS = {"image_2": 2, "image_0": 0, "image_l": 0}
+_RIGHT = {"image_2": "image_3", "image_0": "image_1", "image_l": "image_r"}
 _UPRIGHT = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
@@ -47,14 +50,29 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     size = PictureFrames(files, time_ns).first_size()
     fx, fy, cx, cy = (float(row[i]) for i in (0, 5, 2, 6))
     camera = make_camera(calibration, size, (fx, fy, cx, cy), "pinhole", ())
+    frames, baseline_m = PictureFrames(files, time_ns, size), None
+    right = root / _RIGHT[folder.name]
+    if right.is_dir():
+        _, other = _projection(calibration, _CAMERAS[folder.name] + 1)
+        baseline_m = float(row[3] / row[0] - other[3] / other[0])
+        frames = replace(frames, right_files=_partners(root, right, files))
     return Recording(
         name=root.resolve().name,
         root=root,
         layout="kitti",
-        frames=PictureFrames(files, time_ns, size),
+        frames=frames,
         camera=camera,
+        baseline_m=baseline_m,
         truth=_truth(root, time_ns, row) if own_truth else None,
     )
+
+
+def _partners(root: Path, right: Path, files: tuple[Path, ...]) -> tuple[Path, ...]:
+    """The right pictures of the same names as the left ones."""
+    found = picture_glob(root, f"{right.name}/*.*")
+    if [path.name for path in found] != [path.name for path in files]:
+        raise refusal(right, f"expected the {len(files)} names of the left pictures, got others")
+    return found
 
 
 def _stamps(root: Path, count: int) -> IntArray:

@@ -35,7 +35,7 @@ class SlamPoses:
 
 
 def slam_poses(recording: Recording) -> SlamPoses:
-    """Track a recording by what it sees, with its depth where it has one.
+    """Track a recording by what it sees, with its depth or else its right pictures if it has any.
 
     The covariance is that of each frame's pose within the map; that the map itself drifts is not
     in it.
@@ -44,14 +44,17 @@ def slam_poses(recording: Recording) -> SlamPoses:
         ValueError: no camera known.
         TrackingError: nothing in the pictures from which a map could start.
     """
-    from motorcade.tracking.slam import VisualSlam
+    from motorcade.tracking.slam import SlamSettings, VisualSlam
 
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
     start = time.perf_counter()
-    slam = VisualSlam(recording.camera)
+    paired = recording.baseline_m is not None and recording.frames[0].read_depth is None
+    settings = SlamSettings(baseline_m=recording.baseline_m if paired else None)
+    slam = VisualSlam(recording.camera, settings)
     for frame in track(recording.frames, "mapping", len(recording.frames)):
-        slam.track(frame.time_ns, frame.gray(), frame.depth_m())
+        right = frame.right() if paired else None
+        slam.track(frame.time_ns, frame.gray(), frame.depth_m(), right)
     found = slam.finish()
     if found.trajectory is None:
         raise TrackingError(

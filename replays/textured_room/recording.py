@@ -2,7 +2,7 @@
 
 Grey PNG pictures, 16-bit depth in 1/5000 m (0 where there is none; nothing is farther than 13.1 m),
 the right pictures of the pair with their list `right.txt`, exact truth, and a manifest with the
-camera. Readers of the layout pass over the right pictures.
+camera and the pair.
 """
 
 from __future__ import annotations
@@ -82,7 +82,6 @@ def _manifest(name: str, sensor: Sensor) -> list[str]:
     camera = sensor.camera
     return [
         "# A synthetic room. World: metres, z up, origin on the floor.",
-        f"# right/ holds the right pictures of a rectified pair, {sensor.baseline_m!r} m apart.",
         f'name = "{name}"',
         'settings = ["errors.align=none"]',
         "",
@@ -90,4 +89,8 @@ def _manifest(name: str, sensor: Sensor) -> list[str]:
         'model = "pinhole"',
         *(f"{key} = {getattr(camera, key)!r}" for key in ("width", "height")),
         *(f"{key} = {getattr(camera, key)!r}" for key in ("fx", "fy", "cx", "cy")),
+        "",
+        "[stereo]",
+        'right = "right/*.png"',
+        f"baseline_m = {sensor.baseline_m!r}",
     ]

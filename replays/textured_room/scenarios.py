@@ -5,7 +5,7 @@ name         what happens
 ============ =====================================================================================
 ``handheld`` sway on the spot, everything in order
 ``loop``     once around the block and 30 frames more: the start is out of view for most of it;
-             beyond the block the light goes down to a seventh and comes back, so that what is
+             beyond the block the light goes down to a twelfth and comes back, so that what is
              tracked there drifts by centimetres, which coming back to the start can tell
 ``turning``  pure rotation about the lens: nothing can be triangulated
 ``covered``  as handheld, with a hand over the lenses for 30 frames in the middle
@@ -122,8 +122,7 @@ _NOISY = Sensor(depth_noise_px=2.0 * _DEPTH_NOISE_PX, noise=4.0, exposures=5)
 SCENARIOS: dict[str, Scenario] = {
     "handheld": Scenario(handheld, 200),
     "loop": Scenario(
-        loop, round(LOOP_S * RATE_HZ) + 30, darkened=(120, 270), least_light=0.15,
-        sensor=Sensor(depth_noise_px=_DEPTH_NOISE_PX, noise=2.0),
+        loop, round(LOOP_S * RATE_HZ) + 30, darkened=(120, 270), least_light=0.08,
     ),
     "turning": Scenario(turning, 150),
     "covered": Scenario(handheld, 200, covered=(85, 115)),

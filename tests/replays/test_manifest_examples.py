@@ -43,8 +43,10 @@ def test_every_example_has_known_keys_only(make: Make, path: Path) -> None:
 def test_the_example_of_every_key_opens_and_names_every_key(make: Make) -> None:
     made = make("folder")
     example = next(path for path in EXAMPLES if path.stem == "every_key")
+    (made.root / "right").mkdir()
     for index in range(12):
-        cv2.imwrite(str(made.root / "images" / f"{index}.png"), np.zeros((480, 752), np.uint8))
+        for side in ("images", "right"):
+            cv2.imwrite(str(made.root / side / f"{index}.png"), np.zeros((480, 752), np.uint8))
     (made.root / "truth.txt").write_text("1 1 2 3 0 0 0 1\n")
     (made.root / "imu.csv").write_text("0,1,1,1,1,1,1\n5,1,1,1,1,1,1\n")
     (made.root / "imu.yaml").write_text(
@@ -63,6 +65,7 @@ def test_the_example_of_every_key_opens_and_names_every_key(make: Make) -> None:
         *MARKERS_KEYS,
         *CAMERA_KEYS,
         *manifest.IMU_KEYS,
+        *manifest.STEREO_KEYS,
         *TRUTH_KEYS,
         *boards,
     }

@@ -213,6 +213,8 @@ def test_a_written_recording_is_read_back(tmp_path: Path) -> None:
         depth = frame.depth_m()
         assert depth is not None
         np.testing.assert_allclose(depth, view.depth_m, atol=1.01e-4)
+        np.testing.assert_array_equal(frame.right(), view.right)
+    assert recording.baseline_m == made.sensor.baseline_m
     with pytest.raises(FileExistsError, match="expected an empty folder"):
         write_recording(tmp_path / "room", made, name="again")
 

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
-from motorcade.replays.readers.manifest.reading import FRAMES_KEYS, IMU_KEYS, LOCAL_NAME, read
+from motorcade.replays.readers.manifest.reading import (
+    FRAMES_KEYS,
+    IMU_KEYS,
+    LOCAL_NAME,
+    STEREO_KEYS,
+    read,
+)
 
-__all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "read"]
+__all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "STEREO_KEYS", "read"]

@@ -37,11 +37,12 @@ from motorcade.replays.trajectory_files import even_stamps, read_times
 from motorcade.tracking.boards import Board
 from motorcade.tracking.camera import Camera
 
-__all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "read"]
+__all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "STEREO_KEYS", "read"]
 
 LOCAL_NAME = "motorcade.toml"
-_TOP = ("name", "settings", "frames", "camera", "board", "markers", "truth", "imu")
+_TOP = ("name", "settings", "frames", "camera", "board", "markers", "truth", "imu", "stereo")
 FRAMES_KEYS = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
+STEREO_KEYS = ("right", "baseline_m")
 IMU_KEYS = ("file", "noise_file", "imu_T_camera")
 
 
@@ -77,6 +78,8 @@ class _Manifest:
         if "settings" in self.top:
             made = replace(made, settings=self.top.texts("settings"))
         made = self._with_camera(made)
+        if "stereo" in self.top:
+            made = self._with_right(made)
         if "board" in self.top:
             board, world_T_board = self._board()
             made = replace(made, board=board, world_T_board=world_T_board)
@@ -169,6 +172,18 @@ class _Manifest:
 
     def _camera(self, section: Section, size: tuple[int, int] | None) -> Camera:
         return section_camera(self.path, section, size, lambda key: self._file(section, key))
+
+    def _with_right(self, made: Recording) -> Recording:
+        """Add the right pictures of rectified pairs."""
+        section = self._section("stereo", STEREO_KEYS)
+        if not isinstance(made.frames, PictureFrames):
+            raise section.fault("", "expected pictures in files, got a video or markers alone")
+        files = picture_glob(self.folder, section.text("right"))
+        if len(files) != len(made.frames):
+            problem = f"expected {len(made.frames)} pictures, got {len(files)}"
+            raise section.fault("right", problem)
+        baseline_m = section.number("baseline_m", 1e-3, 1e3)
+        return replace(made, frames=replace(made.frames, right_files=files), baseline_m=baseline_m)
 
     def _board(self) -> tuple[Board, Motor]:
         board = section_board(self.path, self.table["board"])
