@@ -80,8 +80,8 @@ def test_the_deviations_it_states_are_those_of_many_runs(rng):
     """Errors over stated deviations have a spread of one; a fit of independent points has 0.3."""
     density, walk = 2e-3, 3e-4
     found = [
-        fitted_noise(allan_deviation(noisy(4000, 10.0, density, walk, rng)[:, None], 10.0), 0)
-        for _ in range(60)
+        fitted_noise(allan_deviation(noisy(2000, 10.0, density, walk, rng)[:, None], 10.0), 0)
+        for _ in range(40)
     ]
     for name, truth in (("density", density), ("walk", walk)):
         errors = np.array([getattr(one, name) - truth for one in found])
