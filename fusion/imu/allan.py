@@ -186,7 +186,6 @@ def _least_squares(
     curve: AllanCurve, variance: FloatArray, used: list[int]
 ) -> tuple[FloatArray, FloatArray]:
     """Squares of the noise terms, none below zero, and their deviations; zeros where not used."""
-    from scipy.linalg import cholesky, solve_triangular
     from scipy.optimize import nnls
 
     terms = _terms(curve.tau_s)[:, used]
@@ -197,9 +196,9 @@ def _least_squares(
     for _ in range(3):
         full = np.zeros(3)
         full[used] = found
-        factor = cholesky(_covariance(curve, full), lower=True)
-        whitened = solve_triangular(factor, terms, lower=True)
-        found, _ = nnls(whitened, solve_triangular(factor, variance, lower=True))
+        factor = np.linalg.cholesky(_covariance(curve, full))
+        whitened = np.linalg.solve(factor, terms)
+        found, _ = nnls(whitened, np.linalg.solve(factor, variance))
         spread = np.sqrt(np.diag(np.linalg.inv(whitened.T @ whitened)))
     squares, deviations = np.zeros(3), np.zeros(3)
     squares[used], deviations[used] = found, spread
