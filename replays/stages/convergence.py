@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.fusion.filter import FilterSettings, Fused, fuse
+from motorcade.fusion.filter import Fused, fuse
 from motorcade.fusion.metrics import associate, tilt_rad
 from motorcade.ga import FloatArray
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera_poses import CameraPoses
-from motorcade.replays.stages.fused import default_noise_factor
+from motorcade.replays.stages.fused import filter_noise, filter_settings
 from motorcade.replays.stages.imu import Imu
 
 
@@ -52,10 +52,10 @@ def convergence(
     again = fuse(
         camera_poses.measurements,
         imu.stream,
-        imu.noise.scaled(default_noise_factor(imu)),
+        filter_noise(imu),
         imu.imu_T_camera,
         stamps,
-        settings=FilterSettings(initial_tilt_error_rad=float(np.deg2rad(initial_tilt_deg))),
+        settings=filter_settings(imu, initial_tilt_deg),
         smoothed=False,
     )
     pairs = associate(again.trajectory, reference)

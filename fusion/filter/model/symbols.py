@@ -108,7 +108,7 @@ def turn_functions(square: Any) -> tuple[Any, Any, Any, Any]:
     For x up to `LARGEST_TURN_RAD`, as polynomials that can be differentiated at zero.
     """
     last, error = LARGEST_TURN_RAD**2 + 0.1, DOUBLE.epsilon / 16
-    return tuple(  # type: ignore[return-value]
+    return tuple(
         horner(fitted(function, 0, last, error), square)
         for function in (_cosine_half, _sinc_half, _third, _fourth)
     )

@@ -159,6 +159,25 @@ def test_covariances_are_honest(record, smoothed):
         assert low < np.mean(values) < high, (name, np.mean(values), freedom)
 
 
+@pytest.mark.parametrize("more", [{}, {"gravity_sigma_rad": 0.02, "mount_sigma_rad": 0.02}])
+def test_smoothed_covariances_are_symmetric_positive_and_smaller(record, rng, more):
+    """At every sample, from a start that hardly knows its velocity; scaled by their deviations."""
+    run = record(rng, 4.0)
+    online, smoothed = (
+        run.fuse(stamps_ns=run.imu.time_ns, smoothed=ahead, settings=FilterSettings(**more))
+        for ahead in (False, True)
+    )
+    sigma = np.sqrt(np.diagonal(smoothed.state_covariance, axis1=1, axis2=2))
+    before = np.sqrt(np.diagonal(online.state_covariance, axis1=1, axis2=2))
+    known = sigma[0] > 0.0  # what is not estimated has none
+    assert np.count_nonzero(known) == 15 + 5 * bool(more)
+    assert np.all(sigma <= before * (1.0 + 1e-9))
+    covariance = smoothed.state_covariance
+    np.testing.assert_array_equal(covariance, covariance.swapaxes(-1, -2))
+    part = covariance[:, known][:, :, known] / (sigma[:, known, None] * sigma[:, None, known])
+    assert np.min(np.linalg.eigvalsh(part)) > 1e-6
+
+
 def test_innovations_are_white_with_six_degrees_of_freedom(record):
     nis = np.concatenate([
         record(np.random.default_rng(seed), 5.0).fuse(smoothed=False).nis[5:]

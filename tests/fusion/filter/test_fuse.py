@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.fusion.filter import FilterSettings, Fused, fuse
+from motorcade.fusion.filter import FilterSettings, Fused, RestDetection, fuse
 from motorcade.fusion.imu import ImuStream
 from motorcade.fusion.metrics import absolute_translation_m, associate, rotation_rad, tilt_rad
 from motorcade.fusion.motions.degradations import Blackouts, InTurn, Latency, Outliers
@@ -196,6 +196,15 @@ def test_refusals(record, rng):
         FilterSettings(gate=1.5)
     with pytest.raises(ValueError, match=r"FilterSettings.gravity_m_s2: expected a number above 0"):
         FilterSettings(gravity_m_s2=float("nan"))
+    for name, value in (
+        ("gross", 0.5), ("patience", 1), ("hole_s", 0.0), ("hole_rate_rad_s", -1.0),
+        ("gravity_sigma_rad", float("inf")), ("mount_sigma_m", -0.1), ("time_offset_sigma_s", -1.0),
+        ("initial_tilt_error_rad", float("nan")),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=rf"FilterSettings.{name}: expected"):
+            FilterSettings(**{name: value})
+    with pytest.raises(ValueError, match=r"RestDetection.window_s: expected a number above 0"):
+        RestDetection(window_s=0.0)
 
 
 # Simulated camera poses -------------------------------------------------------------------------

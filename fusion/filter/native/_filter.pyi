@@ -1,0 +1,37 @@
+from typing import Any
+
+from numpy.typing import NDArray
+
+class Engine:
+    def imu(self, time_ns: int, gyro: Any, accel: Any) -> None: ...
+    def samples(self, time_ns: NDArray[Any], gyro: NDArray[Any], accel: NDArray[Any]) -> None: ...
+    def add(self, kind: int, time_ns: int, number: int, data: NDArray[Any]) -> None: ...
+    def outputs(
+        self,
+        time_ns: NDArray[Any],
+        pose: NDArray[Any],
+        velocity: NDArray[Any],
+        bias: NDArray[Any],
+        covariance: NDArray[Any],
+        others: NDArray[Any],
+        final: bool,
+    ) -> None: ...
+    def smooth(self) -> None: ...
+    def state(self) -> Any: ...
+    def judged(self) -> tuple[NDArray[Any], NDArray[Any]]: ...
+    def held(self) -> tuple[int, int, int]: ...
+
+def engine(
+    model: tuple[float, float, float, float, float],
+    start: tuple[float, float, float, float, float, float],
+    known: tuple[float, float, float, float],
+    gate: tuple[float, ...],
+    gross: float,
+    patience: int,
+    hole: tuple[float, float, float],
+    history_s: float,
+    check_every: int,
+    mount: tuple[float, ...],
+    delay_s: float,
+    rest: tuple[float, float, float, float, float],
+) -> Engine: ...
