@@ -138,6 +138,18 @@ def _animation_table(found: Mapping[str, Any]) -> str:
     return animation_table(found)
 
 
+def _bench_fusion() -> Any:
+    from motorcade.replays.bench.fusion import bench_fusion
+
+    return bench_fusion()
+
+
+def _fusion_table(found: Mapping[str, Any]) -> str:
+    from motorcade.replays.bench.fusion import fusion_table
+
+    return fusion_table(found)
+
+
 SUITES: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "blend": (bench_blend, blend_table),
     "accuracy": (measure_accuracy, accuracy_table),
@@ -145,6 +157,7 @@ SUITES: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "smooth": (_bench_smooth, _smooth_table),
     "lag": (_bench_lag, _lag_table),
     "slam": (_bench_slam, _slam_table),
+    "fusion": (_bench_fusion, _fusion_table),
     "tracking": (_bench_tracking, _tracking_table),
     "animation": (_bench_animation, _animation_table),
 }

@@ -1,0 +1,33 @@
+"""The parts of `motorcade bench fusion`, run one after another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from motorcade.replays.bench.fusion.flights import bench_flights, flights_table
+from motorcade.replays.bench.fusion.inclination import bench_inclination, inclination_table
+from motorcade.replays.bench.fusion.offsets import bench_offsets, offsets_table
+from motorcade.replays.bench.fusion.simulator import bench_simulator, simulator_table
+from motorcade.replays.bench.fusion.speed import bench_speed, speed_table
+
+__all__ = ["PARTS", "bench_fusion", "fusion_table"]
+
+PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
+    "simulator": (bench_simulator, simulator_table),
+    "flights": (bench_flights, flights_table),
+    "offsets": (bench_offsets, offsets_table),
+    "inclination": (bench_inclination, inclination_table),
+    "speed": (bench_speed, speed_table),
+}
+"""Every part by name: what measures it, and what prints it."""
+
+
+def bench_fusion() -> dict[str, Any]:
+    """Measure every part."""
+    return {name: measure() for name, (measure, _) in PARTS.items()}
+
+
+def fusion_table(found: Mapping[str, Any]) -> str:
+    """The parts' tables, one below the other."""
+    return "\n\n".join(table(found[name]) for name, (_, table) in PARTS.items())
