@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation import Character, Clip, Placement, skin
-from motorcade.ga import Motor, Trajectory, checked_floats
+from motorcade.ga import Motor, Similarity, Trajectory, checked_floats
 from motorcade.render.backends.pyrender_backend import OffscreenRenderer
 from motorcade.render.composite import as_rgb, darken, over
 from motorcade.render.light import character_lighting, sunlight_direction
@@ -122,7 +122,7 @@ class _Stage:
         frame: ImageArray,
         depth_m: DepthArray | None,
         world_T_camera: Motor,
-        local_pose: Motor,
+        local_pose: Motor | Similarity,
     ) -> ImageArray:
         """One frame: shadow on the ground, then the character over it."""
         vertices, normals = skin(self.character, local_pose)

@@ -1,4 +1,4 @@
-"""Fixtures shared by every room's tests: where the real recordings lie."""
+"""Fixtures shared by every room's tests: recordings, random numbers, and whether one can draw."""
 
 import os
 from pathlib import Path
@@ -23,3 +23,15 @@ def data_dir() -> Path:
 def rng() -> np.random.Generator:
     """Random numbers that are the same in every run."""
     return np.random.default_rng(20240229)
+
+
+@pytest.fixture(scope="session")
+def opengl() -> None:
+    """Tests that draw ask for this; they skip, with the reason in one line, where none can."""
+    from motorcade.render import RenderUnavailable
+    from motorcade.render.backends.platform import choose_platform
+
+    try:
+        choose_platform()
+    except RenderUnavailable as missing:
+        pytest.skip(str(missing))

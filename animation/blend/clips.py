@@ -84,17 +84,19 @@ def differences_m(
     points: FloatArray | None = None,
     methods: Iterable[BlendMethod] = BLEND_METHODS,
     offset: float = 0.0,
+    in_phase: bool = True,
 ) -> dict[tuple[BlendMethod, BlendMethod], float]:
     """The farthest that a point of the body lies apart under two methods, in metres.
 
     Args:
         first: clip.
-        second: clip, blended with the first in phase.
+        second: clip of the same joints.
         skeleton: of the J joints.
         weights: shares of the second clip to look at.
         points: ``(J, 3)`` a point fixed to each joint, in its frame; by default its origin.
         methods: which to compare, each with each.
         offset: see `blend_clips`.
+        in_phase: see `blend_clips`.
     """
     held = (
         np.zeros((len(skeleton), 3)) if points is None else checked_floats(points, "points", (3,))
@@ -104,7 +106,7 @@ def differences_m(
     for weight in weights:
         positions = {
             name: skeleton.world(
-                _rigid(blend_clips(first, second, weight, name, offset=offset))
+                _rigid(blend_clips(first, second, weight, name, in_phase=in_phase, offset=offset))
             ).apply(held)
             for name in names
         }

@@ -11,6 +11,7 @@ from importlib.metadata import version
 from motorcade.replays.cli import (
     allan,
     bench,
+    blend,
     calibrate,
     compare,
     consistency,
@@ -40,6 +41,7 @@ COMMANDS = (
     sync,
     graph,
     generate,
+    blend,
     compare,
     consistency,
     bench,

@@ -1,0 +1,1 @@
+"""What commands do with characters: blends, authored scenes."""
