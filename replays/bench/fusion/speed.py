@@ -17,7 +17,7 @@ from motorcade.ga import FloatArray, Motor
 from motorcade.replays.bench.blend import on_one_core
 from motorcade.tracking.measurements import PoseMeasurements
 
-__all__ = ["bench_speed", "speed_table", "symmetry_and_least_eigenvalue"]
+__all__ = ["bench_speed", "recorded_hour", "speed_table", "symmetry_and_least_eigenvalue"]
 
 _HOUR_S = 3600.0
 _STREAMED = 20_000
@@ -41,7 +41,7 @@ def bench_speed() -> dict[str, Any]:
         samples = _seconds(lambda: _streamed(imu, poses, 0)) / _STREAMED
         both = _seconds(lambda: _streamed(imu, poses, 10)) / _STREAMED
         rival = _gtsam(imu)
-    skew, least = symmetry_and_least_eigenvalue(_fused(imu, poses, wanted, smoothed=False))
+    skew, least = symmetry_and_least_eigenvalue(recorded_hour())
     return {
         "samples": len(imu),
         "batch_samples_per_s": {name: len(imu) / seconds for name, seconds in batch.items()},
@@ -62,6 +62,12 @@ def _recorded(duration_s: float) -> tuple[ImuStream, PoseMeasurements]:
 
 def _fused(imu: ImuStream, poses: PoseMeasurements, wanted: Any, smoothed: bool) -> FloatArray:
     return fuse(poses, imu, ADIS16448, Motor.identity(), wanted, smoothed=smoothed).state_covariance
+
+
+def recorded_hour() -> FloatArray:
+    """Covariances of the state, one a second, of the hour filtered with poses at 20 Hz."""
+    imu, poses = _recorded(_HOUR_S)
+    return _fused(imu, poses, poses.trajectory.time_ns[::20], smoothed=False)
 
 
 def _streamed(imu: ImuStream, poses: PoseMeasurements, every: int) -> None:
