@@ -5,6 +5,7 @@ grey pictures, depth, and the right picture of a rectified pair along any path. 
 of flat panels, without OpenGL, fast enough to be drawn where it is used.
 """
 
+from motorcade.replays.textured_room.inertial import IMU_T_CAMERA, simulated_imu
 from motorcade.replays.textured_room.paths import handheld, loop, turning
 from motorcade.replays.textured_room.recording import write_recording
 from motorcade.replays.textured_room.renderer import Renderer, Sensor, View
@@ -12,6 +13,7 @@ from motorcade.replays.textured_room.scenarios import SCENARIOS, Scenario, scena
 from motorcade.replays.textured_room.scene import Panel, Room, furnished_room
 
 __all__ = [
+    "IMU_T_CAMERA",
     "SCENARIOS",
     "Panel",
     "Renderer",
@@ -23,6 +25,7 @@ __all__ = [
     "handheld",
     "loop",
     "scenario",
+    "simulated_imu",
     "turning",
     "write_recording",
 ]

@@ -16,11 +16,11 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="made where it is missing; it must be empty")
     parser.add_argument("--seed", type=int, default=0, help="of textures and noise (0)")
     parser.add_argument("--frames", type=int, help="(the scenario's own)")
+    parser.add_argument("--imu", action="store_true", help="carry an IMU along (200 Hz, EuRoC's)")
     arguments = parser.parse_args()
     chosen = scenario(arguments.scenario, seed=arguments.seed, frames=arguments.frames)
-    write_recording(
-        arguments.folder, chosen, name=f"textured room, {arguments.scenario}", progress=track
-    )
+    name = f"textured room, {arguments.scenario}"
+    write_recording(arguments.folder, chosen, name=name, imu=arguments.imu, progress=track)
 
 
 if __name__ == "__main__":

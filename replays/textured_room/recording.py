@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from motorcade.replays.atomic import write_bytes
 from motorcade.replays.readers.tum_rgbd import DEPTH_UNITS_PER_M
+from motorcade.replays.textured_room.inertial import write_inertial
 from motorcade.replays.textured_room.renderer import Sensor, View
 from motorcade.replays.textured_room.scenarios import Scenario
 from motorcade.replays.trajectory_files import write_trajectory
@@ -28,7 +29,12 @@ _FOLDERS = ("rgb", "depth", "right")
 
 
 def write_recording(
-    folder: Path, scenario: Scenario, *, name: str, progress: Track | None = None
+    folder: Path,
+    scenario: Scenario,
+    *,
+    name: str,
+    imu: bool = False,
+    progress: Track | None = None,
 ) -> None:
     """Draw a scenario into a folder.
 
@@ -36,6 +42,7 @@ def write_recording(
         folder: made where it is missing; it must be empty.
         scenario: what happens.
         name: of the recording, for people.
+        imu: whether an IMU is carried along, see `inertial`.
         progress: wraps the loop over frames: (views, what is done, how many) -> views.
 
     Raises:
@@ -58,7 +65,8 @@ def write_recording(
         rows = chain(["# timestamp filename"], (f"{s} {kind}/{s}.png" for s in stamps))
         write_bytes(folder / f"{kind}.txt", _lines(rows))
     write_trajectory(truth, folder / "groundtruth.txt", "tum")
-    write_bytes(folder / "motorcade.toml", _lines(_manifest(name, scenario.sensor)))
+    carried = write_inertial(folder, scenario) if imu else []
+    write_bytes(folder / "motorcade.toml", _lines([*_manifest(name, scenario.sensor), *carried]))
 
 
 def _pictures(view: View) -> Iterator[NDArray[np.generic]]:

@@ -4,9 +4,11 @@
 name         what happens
 ============ =====================================================================================
 ``handheld`` sway on the spot, everything in order
-``loop``     once around the block and 30 frames more: the start is out of view for most of it;
-             beyond the block the light goes down to a twelfth and comes back, so that what is
+``loop``     one and a half times around the block: the start is out of view for most of the way;
+             beyond the block the light goes down to a seventh and comes back, so that what is
              tracked there drifts by centimetres, which coming back to the start can tell
+``long``     30 s of handheld; written with an IMU it serves visual-inertial estimators
+``gap``      as long, with a hand over the lenses for one second in the middle
 ``turning``  pure rotation about the lens: nothing can be triangulated
 ``covered``  as handheld, with a hand over the lenses for 30 frames in the middle
 ``blank``    as handheld, in a room without texture
@@ -122,8 +124,10 @@ _NOISY = Sensor(depth_noise_px=2.0 * _DEPTH_NOISE_PX, noise=4.0, exposures=5)
 SCENARIOS: dict[str, Scenario] = {
     "handheld": Scenario(handheld, 200),
     "loop": Scenario(
-        loop, round(LOOP_S * RATE_HZ) + 30, darkened=(120, 270), least_light=0.08,
+        loop, round(1.5 * LOOP_S * RATE_HZ), darkened=(120, 270), least_light=0.15,
     ),
+    "long": Scenario(handheld, 900),
+    "gap": Scenario(handheld, 900, covered=(450, 480)),
     "turning": Scenario(turning, 150),
     "covered": Scenario(handheld, 200, covered=(85, 115)),
     "blank": Scenario(handheld, 60, textured=False),

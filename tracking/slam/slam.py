@@ -113,6 +113,14 @@ class VisualSlam:
         self._seconds["tracking"] += spent
         return frame
 
+    def snapshot(self) -> MapSnapshot:
+        """The map as it is now: keyframes, points, and where which was seen.
+
+        With threads it waits for the keyframe that is being made.
+        """
+        self._settle()
+        return self._map.snapshot(self._mapper.metric)
+
     def finish(self, *, adjust: bool = True) -> SlamResult:
         """Adjust the whole map once more (unless `adjust` is False) and give everything.
 
