@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from motorcade.ga.kernels.definitions import (
     blends,
+    chains,
     conversions,
     motors,
     rotors,
@@ -20,5 +21,5 @@ __all__ = ["KERNELS"]
 
 KERNELS = (
     *motors.KERNELS, *conversions.KERNELS, *blends.KERNELS, *rotors.KERNELS,
-    *similarities.KERNELS, *similarity_conversions.KERNELS, *skinning.KERNELS,
+    *similarities.KERNELS, *similarity_conversions.KERNELS, *skinning.KERNELS, *chains.KERNELS,
 )  # fmt: skip

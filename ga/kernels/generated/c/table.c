@@ -88,6 +88,8 @@ void motorcade_carry_similarity_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_carry_similarity_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_carry_matrix_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_carry_matrix_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_reach_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_reach_f64(MOTORCADE_ARGUMENTS(double));
 
 const struct motorcade_kernel motorcade_kernels[] = {
     {"compose", 2, 1, {8, 8, 8},
@@ -176,6 +178,8 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_carry_similarity_f32, motorcade_carry_similarity_f64},
     {"carry_matrix", 3, 1, {12, 3, 3, 6},
      motorcade_carry_matrix_f32, motorcade_carry_matrix_f64},
+    {"reach", 3, 1, {3, 3, 1, 3},
+     motorcade_reach_f32, motorcade_reach_f64},
 };
 const size_t motorcade_kernel_count =
     sizeof motorcade_kernels / sizeof motorcade_kernels[0];

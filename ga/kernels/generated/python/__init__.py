@@ -50,4 +50,5 @@ KERNELS: dict[str, tuple[str, tuple[int, ...], int]] = {
     "carry_dual_quaternion": ("skinning", (8, 3, 3), 6),
     "carry_similarity": ("skinning", (12, 3, 3), 6),
     "carry_matrix": ("skinning", (12, 3, 3), 6),
+    "reach": ("chains", (3, 3, 1), 3),
 }
