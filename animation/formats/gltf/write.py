@@ -22,7 +22,7 @@ from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory
 
 __all__ = ["CameraPath", "write_gltf"]
 
-PARTING_M = 2e-6
+PARTING_M = 5e-6
 """How far between keys a written joint may leave its screw, in metres; see MOST_PARTS."""
 UPRIGHT_XYZW = [-0.5, -0.5, -0.5, 0.5]
 """From z up, facing +x, to y up, facing +z: x, y, z become z, x, y."""

@@ -6,7 +6,16 @@ import numpy as np
 
 from motorcade.ga import FloatArray
 
-__all__ = ["arcs", "before_jumps", "between", "great_arc", "hermite", "stepped", "with_times"]
+__all__ = [
+    "JUMP_S",
+    "arcs",
+    "before_jumps",
+    "between",
+    "great_arc",
+    "hermite",
+    "stepped",
+    "with_times",
+]
 
 JUMP_S = 1e-6
 """How long before a step its old value is sampled last."""
