@@ -57,6 +57,19 @@ class Flight:
     gyro_bias_rad_s: FloatArray | None = None
     accel_bias_m_s2: FloatArray | None = None
 
+    def thinned(self, rate_hz: float) -> Flight:
+        """The same flight with a truth at a rate, at the stamps of poses measured at it."""
+        count = int(self.truth.duration_s * rate_hz + 1e-6) + 1
+        start = self.truth.time_ns[0]
+        stamps = start + np.round(np.arange(count) * 1e9 / rate_hz).astype(np.int64)
+        stamps = np.minimum(stamps, self.truth.time_ns[-1])
+        at = np.searchsorted(self.truth.time_ns, stamps)
+        biases = (
+            None if bias is None else bias[at]
+            for bias in (self.gyro_bias_rad_s, self.accel_bias_m_s2)
+        )
+        return Flight(self.name, self.imu, self.truth.resampled(stamps), *biases)
+
 
 def flight(name: str, folder: Path) -> Flight | None:
     """V1_02 or V1_01 in the folder of recordings; None where it is not there."""
