@@ -105,7 +105,7 @@ def fuse(
         for values in (imu.time_ns, imu.angular_rate_rad_s, imu.specific_force_m_s2)
     ]
     run.samples(*(values[:1] for values in columns))
-    _add_poses(run, used)
+    _schedule(run, used)
     run.outputs(np.ascontiguousarray(wanted), *made.arrays, smoothed)
     run.samples(*(values[1:] for values in columns))
     if smoothed:
@@ -166,13 +166,10 @@ def camera_covariance(covariance: FloatArray, imu_T_camera: Motor) -> FloatArray
     return seen
 
 
-def _add_poses(run: Engine, measurements: PoseMeasurements) -> None:
-    poses = measurements.trajectory.motors.coefficients
-    rows = np.hstack([poses, measurements.covariance.reshape(-1, 36)])
-    for number, (time_ns, row) in enumerate(
-        zip(measurements.trajectory.time_ns.tolist(), rows, strict=True)
-    ):
-        run.add(KINDS["camera_pose"], time_ns, number, row)
+def _schedule(run: Engine, measurements: PoseMeasurements) -> None:
+    path = measurements.trajectory
+    rows = np.hstack([path.motors.coefficients, measurements.covariance.reshape(-1, 36)])
+    run.schedule(KINDS["camera_pose"], np.ascontiguousarray(path.time_ns), rows)
 
 
 def _judged(

@@ -52,7 +52,8 @@ MOTORCADE_INLINE void carried(const Transition &f, const double (*x)[W], double 
             Quad speed = row_of(f.velocity_turn, i, turned) + row_of(f.turn_turn, i, faster) +
                          row_of(f.velocity_gyro, i, by_gyro) + row_of(f.velocity_accel, i, by_accel);
             if constexpr (tilted) {
-                const Quad fall = f.velocity_tilt[2 * i] * quad(x[tilt], q) + f.velocity_tilt[2 * i + 1] * quad(x[tilt + 1], q);
+                const double *leaning = f.velocity_tilt + 2 * i;
+                const Quad fall = leaning[0] * quad(x[tilt], q) + leaning[1] * quad(x[tilt + 1], q);
                 place += 0.5 * f.dt * fall;
                 speed += fall;
             }

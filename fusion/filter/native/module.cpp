@@ -57,6 +57,7 @@ public:
     virtual void imu(std::int64_t time_ns, nb::handle rate, nb::handle force) = 0;
     virtual void samples(const Stamps &time_ns, const Rows &rate, const Rows &force) = 0;
     virtual void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data) = 0;
+    virtual void schedule(int kind, const Stamps &time_ns, const Rows &data) = 0;
     virtual void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity, const Made &bias,
                          const MadeCubes &covariance, const Made &others, bool final) = 0;
     virtual void smooth() = 0;
@@ -102,6 +103,18 @@ public:
         filter_.add(std::move(event));
     }
 
+    void schedule(int kind, const Stamps &time_ns, const Rows &data) override {
+        expect(data.shape(0) == time_ns.shape(0), "schedule: expected a row a stamp");
+        std::vector<Event> events(time_ns.shape(0));
+        for (std::size_t k = 0; k < events.size(); ++k) {
+            events[k].kind = static_cast<Kind>(kind);
+            events[k].stamp_ns = time_ns.data()[k];
+            events[k].number = k;
+            events[k].data.assign(data.data() + k * data.shape(1), data.data() + (k + 1) * data.shape(1));
+        }
+        filter_.schedule(std::move(events));
+    }
+
     void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity, const Made &bias,
                  const MadeCubes &covariance, const Made &others, bool final) override {
         const std::size_t count = time_ns.shape(0);
@@ -111,13 +124,13 @@ public:
                    others.shape(1) == 13,
                "outputs: expected arrays of one row a stamp");
         filter_.sink = {pose.data(), velocity.data(), bias.data(), covariance.data(), others.data(), final};
+        std::vector<Event> events(count);
         for (std::size_t k = 0; k < count; ++k) {
-            Event event;
-            event.kind = Kind::output;
-            event.stamp_ns = time_ns.data()[k];
-            event.number = k;
-            filter_.add(std::move(event));
+            events[k].kind = Kind::output;
+            events[k].stamp_ns = time_ns.data()[k];
+            events[k].number = k;
         }
+        filter_.schedule(std::move(events));
     }
 
     void smooth() override {
@@ -131,7 +144,9 @@ public:
         std::vector<double> covariance;
         for (std::size_t i = 0; i < N; ++i)
             covariance.insert(covariance.end(), filter_.covariance().row[i], filter_.covariance().row[i] + N);
-        const auto of = [](const double *given, std::size_t n) { return array(std::vector<double>(given, given + n), {n}); };
+        const auto of = [](const double *given, std::size_t n) {
+            return array(std::vector<double>(given, given + n), {n});
+        };
         return nb::make_tuple(filter_.time_ns(), of(at.pose, 8), of(at.velocity, 3), of(at.bias, 6), of(at.plumb, 4),
                               of(at.mount, 8), at.delay_s, array(covariance, {N, N}));
     }
@@ -207,6 +222,7 @@ NB_MODULE(_filter, module) {
         .def("imu", &Engine::imu, "time_ns"_a, "gyro"_a, "accel"_a)
         .def("samples", &Engine::samples, "time_ns"_a, "gyro"_a, "accel"_a)
         .def("add", &Engine::add, "kind"_a, "time_ns"_a, "number"_a, "data"_a)
+        .def("schedule", &Engine::schedule, "kind"_a, "time_ns"_a, "data"_a)
         .def("outputs", &Engine::outputs, "time_ns"_a, "pose"_a, "velocity"_a, "bias"_a, "covariance"_a, "others"_a,
              "final"_a)
         .def("smooth", &Engine::smooth)

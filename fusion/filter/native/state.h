@@ -57,7 +57,8 @@ public:
                    : static_cast<int>(std::sqrt(square) * dt / largest_turn_rad) + 1;
     }
 
-    template <std::size_t N> void step(State &state, const Reading &read, double dt, const double *fall, Transition &made) const {
+    template <std::size_t N>
+    void step(State &state, const Reading &read, double dt, const double *fall, Transition &made) const {
         double pose[8], faster[3];
         motorcade_transition(state.bias, read.rate, read.force, dt, made.turn_turn, made.position_turn,
                              made.velocity_turn, made.turn_gyro, made.position_gyro, made.velocity_gyro,

@@ -65,20 +65,25 @@ public:
 
     // Takes an event at any time that the history still holds.
     void add(Event &&event) {
-        event.time_ns = event.stamp_ns;
-        if (N > 15 && (event.kind == Kind::camera_pose || event.kind == Kind::corners)) {
-            event.shift_s = started_ ? now_.delay_s : first_.delay_s;
-            event.time_ns += static_cast<std::int64_t>(std::llround(event.shift_s * 1e9));
-            event.shift_s = 1e-9 * static_cast<double>(event.time_ns - event.stamp_ns);
-        }
-        check_time(event);
-        const auto later = [](const Event &one, const Event &other) { return one.before(other); };
-        const auto place = std::upper_bound(events_.begin(), events_.end(), event, later);
+        place_in_time(event);
+        const auto place = std::upper_bound(events_.begin(), events_.end(), event, earlier);
         const auto index = static_cast<std::size_t>(place - events_.begin());
         const bool late = index < next_ || (started_ && event.time_ns < time_ns_);
         events_.insert(place, std::move(event));
         if (late) replay(index, ++next_);
-        if (!samples_.empty()) catch_up();
+        catch_up();
+    }
+
+    // Takes events that rise in time, none of them late.
+    void schedule(std::vector<Event> &&rising) {
+        const auto known = static_cast<std::ptrdiff_t>(events_.size());
+        for (Event &event : rising) {
+            place_in_time(event);
+            expect(!started_ || event.time_ns >= time_ns_, "schedule: expected stamps still ahead");
+            events_.push_back(std::move(event));
+        }
+        std::inplace_merge(events_.begin() + static_cast<std::ptrdiff_t>(next_), events_.begin() + known, events_.end(), earlier);
+        catch_up();
     }
 
     bool started() const { return started_; }
@@ -166,20 +171,34 @@ private:
         return made;
     }
 
+    static bool earlier(const Event &one, const Event &other) { return one.before(other); }
+
+    void place_in_time(Event &event) const {
+        event.time_ns = event.stamp_ns;
+        if (N > 15 && (event.kind == Kind::camera_pose || event.kind == Kind::corners)) {
+            const double delay_s = started_ ? now_.delay_s : first_.delay_s;
+            event.time_ns += static_cast<std::int64_t>(std::llround(delay_s * 1e9));
+            event.shift_s = 1e-9 * static_cast<double>(event.time_ns - event.stamp_ns);
+        }
+        check_time(event);
+    }
+
     void check_time(const Event &event) const {
         const auto from = [&event](const std::string &what, std::int64_t first) {
-            expect(event.time_ns >= first, "time_ns: expected a stamp from " + what + ", got " + std::to_string(event.stamp_ns));
+            expect(event.time_ns >= first,
+                   "time_ns: expected a stamp from " + what + ", got " + std::to_string(event.stamp_ns));
         };
         expect(!samples_.empty(), "time_ns: expected inertial data before measurements, got none so far");
         if (events_.empty()) {
-            from(std::to_string(samples_.front().time_ns) + " on, where inertial data begin", samples_.front().time_ns);
+            const std::int64_t begin = samples_.front().time_ns;
+            from(std::to_string(begin) + " on, where inertial data begin", begin);
             expect(event.kind == Kind::camera_pose || event.kind == Kind::imu_pose,
                    "time_ns: expected a measured pose to start from, got another measurement");
             return;
         }
         const std::int64_t first = events_.front().time_ns;
-        from((forgotten_ ? std::to_string(first) + " on, which the history holds" : "the start at " + std::to_string(first) + " on"),
-             first);
+        const std::string named = std::to_string(first) + " on";
+        from(forgotten_ ? named + ", which the history holds" : "the start at " + named, first);
     }
 
     void catch_up() {
@@ -227,17 +246,20 @@ private:
                     for (std::size_t b = 0; b < 6; ++b)
                         p_.row[i][j] += spread[6 * i + a] * event.data[8 + 6 * a + b] * spread[6 * j + b];
         symmetrise(p_);
-        for (std::size_t k = 0; k < 15; ++k) p_.row[k][k] += settings_.start_sigma[k / 3] * settings_.start_sigma[k / 3];
-        if constexpr (N > 15)
-            for (std::size_t k = tilt; k < N; ++k) {
-                const double sigma = settings_.known_sigma[k < mounting ? 0 : k < mounting + 3 ? 1 : k < delay ? 2 : 3];
-                p_.row[k][k] = sigma * sigma;
-            }
+        for (std::size_t k = 0; k < N; ++k) {
+            const double sigma = start_sigma(k);
+            p_.row[k][k] += sigma * sigma;
+        }
         lean();
         started_ = true;
         event.factor = event.doubted ? 0.0 : 1.0;
         event.nis = std::nan("");
         if (event.doubted) doubt(event);
+    }
+
+    double start_sigma(std::size_t k) const {
+        if (k < tilt) return settings_.start_sigma[k / 3];
+        return settings_.known_sigma[k < mounting ? 0 : k < mounting + 3 ? 1 : k < delay ? 2 : 3];
     }
 
     // A start that is wrong on purpose: turned about the world's x, with room for that in its tilt.
