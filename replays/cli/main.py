@@ -10,6 +10,7 @@ from importlib.metadata import version
 
 from motorcade.replays.cli import (
     allan,
+    author,
     bench,
     blend,
     calibrate,
@@ -42,6 +43,7 @@ COMMANDS = (
     graph,
     generate,
     blend,
+    author,
     compare,
     consistency,
     bench,

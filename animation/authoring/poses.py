@@ -1,0 +1,189 @@
+"""What an editor holds of an object: a similarity, or Euler angles beside position and scale.
+
+Both know how to be turned, moved and grown about an axis of the object's own frame, its parent's
+or the world. On versors each is a product, on the left or on the right: paper §3 with A.3 to A.5,
+corrected (``exp(-½ φ plane)``, the planes turned along). On Euler angles a turn about an axis adds
+to the angle that is named after it, as the three rings of an editor do: only the last angle turns
+about the object's own axis and only the first about the parent's, so the middle one and every turn
+on top of others end up somewhere else, and near ±90° of the middle one two rings turn alike.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Literal, Self
+
+import numpy as np
+
+from motorcade.ga import EulerPose, FloatArray, Motor, Rotor, Similarity, checked_floats, frozen
+
+__all__ = ["EulerObjectPose", "Frame", "ObjectPose", "VersorObjectPose"]
+
+Frame = Literal["local", "parent", "global"]
+
+
+class ObjectPose(ABC):
+    """Where an object is in its parent; values never change, verbs return new ones."""
+
+    @abstractmethod
+    def as_similarity(self) -> Similarity:
+        """`parent_T_object`."""
+
+    @abstractmethod
+    def turned(self, axis: FloatArray, angle_rad: float, frame: Frame, world_T_parent: Similarity
+               ) -> Self:  # fmt: skip
+        """Turned about the object's origin, right-handed about a unit axis of the frame."""
+
+    @abstractmethod
+    def moved(self, shift_m: FloatArray, frame: Frame, world_T_parent: Similarity) -> Self:
+        """Moved by a vector of the frame, in the frame's metres."""
+
+    @abstractmethod
+    def grown(self, factor: float) -> Self:
+        """Grown about the object's origin."""
+
+    @abstractmethod
+    def towards(self, other: Self, fraction: FloatArray) -> Similarity:
+        """Similarities ``(*)`` on the way to another pose, as this writing interpolates."""
+
+
+@dataclass(frozen=True, eq=False)
+class VersorObjectPose(ObjectPose):
+    """A similarity of CGA.
+
+    Args:
+        parent_T_object: batch shape ().
+
+    Raises:
+        ValueError: a batch.
+    """
+
+    parent_T_object: Similarity
+
+    def __post_init__(self) -> None:
+        if self.parent_T_object.shape != ():
+            raise ValueError(
+                "VersorObjectPose: expected one similarity, got a batch of shape "
+                f"{self.parent_T_object.shape}"
+            )
+
+    def as_similarity(self) -> Similarity:
+        """`parent_T_object`."""
+        return self.parent_T_object
+
+    def turned(
+        self, axis: FloatArray, angle_rad: float, frame: Frame, world_T_parent: Similarity
+    ) -> VersorObjectPose:
+        """The rotor goes to the right of the versor in the local frame, else to its left."""
+        pose = self.parent_T_object
+        about = axis if frame != "global" else world_T_parent.rotor.inverse().apply(axis)
+        rotor = Rotor.from_rotation_vector(angle_rad * about)
+        turned = pose.rotor @ rotor if frame == "local" else rotor @ pose.rotor
+        return VersorObjectPose(_joined(turned, pose.translation_m, pose.scale))
+
+    def moved(
+        self, shift_m: FloatArray, frame: Frame, world_T_parent: Similarity
+    ) -> VersorObjectPose:
+        """A translator on the left, by the vector as the parent sees it."""
+        pose = self.parent_T_object
+        shift = _in_parent(shift_m, frame, pose, world_T_parent)
+        return VersorObjectPose(_joined(pose.rotor, pose.translation_m + shift, pose.scale))
+
+    def grown(self, factor: float) -> VersorObjectPose:
+        """A dilator on the right."""
+        pose = self.parent_T_object
+        grown = Similarity.from_motor_scale(Motor.identity(), factor)
+        return VersorObjectPose(Similarity.normalize((pose @ grown).coefficients))
+
+    def towards(self, other: VersorObjectPose, fraction: FloatArray) -> Similarity:
+        """Turned by rotors along the geodesic, moved straight, grown evenly in the logarithm."""
+        a, b = self.parent_T_object, other.parent_T_object
+        part = checked_floats(fraction, "towards(fraction)", ())
+        rotor = a.rotor.interpolate(b.rotor, part)
+        shift = part[..., None] * (b.translation_m - a.translation_m)
+        scale = a.scale ** (1.0 - part) * b.scale**part
+        return _joined(rotor, a.translation_m + shift, scale)
+
+
+@dataclass(frozen=True, eq=False)
+class EulerObjectPose(ObjectPose):
+    """Euler angles, intrinsic x-y'-z'', never wrapped, beside position and scale.
+
+    Args:
+        angles_rad: ``(3,)``.
+        position_m: ``(3,)``.
+        scale: above zero.
+
+    Raises:
+        ValueError: wrong shapes, NaN or infinity, a scale that is not positive.
+    """
+
+    angles_rad: FloatArray
+    position_m: FloatArray
+    scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name in ("angles_rad", "position_m"):
+            given = checked_floats(getattr(self, name), f"EulerObjectPose.{name}", (3,))
+            if given.shape != (3,):
+                raise ValueError(f"EulerObjectPose.{name}: expected (3,), got {given.shape}")
+            object.__setattr__(self, name, frozen(given))
+        if not (np.isfinite(self.scale) and self.scale > 0.0):
+            raise ValueError(f"EulerObjectPose.scale: expected a number above 0, got {self.scale}")
+
+    @classmethod
+    def from_similarity(cls, parent_T_object: Similarity) -> EulerObjectPose:
+        """Angles with the middle one within ±90°; at ±90° the last is zero."""
+        angles = parent_T_object.rotor.as_euler()
+        return cls(angles, parent_T_object.translation_m, float(parent_T_object.scale))
+
+    def as_similarity(self) -> Similarity:
+        """`parent_T_object`."""
+        return _joined(Rotor.from_euler(self.angles_rad), self.position_m, self.scale)
+
+    def turned(
+        self, axis: FloatArray, angle_rad: float, frame: Frame, world_T_parent: Similarity
+    ) -> EulerObjectPose:
+        """The axis' components times the angle are added to the three angles, whatever the frame.
+
+        That is what editors on Euler angles do.
+        """
+        return EulerObjectPose(self.angles_rad + angle_rad * axis, self.position_m, self.scale)
+
+    def moved(
+        self, shift_m: FloatArray, frame: Frame, world_T_parent: Similarity
+    ) -> EulerObjectPose:
+        """Moved by the vector as the parent sees it."""
+        shift = _in_parent(shift_m, frame, self.as_similarity(), world_T_parent)
+        return EulerObjectPose(self.angles_rad, self.position_m + shift, self.scale)
+
+    def grown(self, factor: float) -> EulerObjectPose:
+        """The scale times the factor."""
+        return EulerObjectPose(self.angles_rad, self.position_m, self.scale * factor)
+
+    def towards(self, other: EulerObjectPose, fraction: FloatArray) -> Similarity:
+        """Angles, position and scale each interpolated straight."""
+        part = checked_floats(fraction, "towards(fraction)", ())[..., None]
+        start = EulerPose(np.concatenate([self.angles_rad, self.position_m]))
+        end = EulerPose(np.concatenate([other.angles_rad, other.position_m]))
+        angles = (1.0 - part) * start.angles_rad + part * end.angles_rad
+        position = (1.0 - part) * start.translation_m + part * end.translation_m
+        scale = (1.0 - part[..., 0]) * self.scale + part[..., 0] * other.scale
+        return _joined(Rotor.from_euler(angles), position, scale)
+
+
+def _joined(rotor: Rotor, position_m: FloatArray, scale: FloatArray | float) -> Similarity:
+    unit = Rotor.normalize(rotor.coefficients)
+    return Similarity.from_rotor_translation_scale(unit, position_m, scale)
+
+
+def _in_parent(
+    shift_m: FloatArray, frame: Frame, pose: Similarity, world_T_parent: Similarity
+) -> FloatArray:
+    """A vector of a frame as the parent sees it."""
+    if frame == "local":
+        return pose.rotor.apply(shift_m) * pose.scale
+    if frame == "parent":
+        return shift_m
+    return world_T_parent.rotor.inverse().apply(shift_m) / world_T_parent.scale

@@ -1,0 +1,195 @@
+"""The editor: drags end where arithmetic says, on rotors; on Euler angles they do what those do."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from motorcade.animation.authoring import Drag, Scene, SceneEditor, Snapping, VersorObjectPose
+from motorcade.animation.authoring.poses import EulerObjectPose
+from motorcade.ga import Motor, Rotor, Similarity
+
+# (from, to) in degrees, intrinsic x-y'-z'', and the Euler path over the geodesic.
+GIMBAL_TABLE = [
+    ((10, 85, 10), (-170, 85, -160), 24.7),
+    ((0, 89.9, 0), (170, 89.9, 170), 17.0),
+    ((0, 45, 0), (180, 45, -180), 1.53),
+    ((0, 89, 0), (90, 89, 0), 1.00),
+]
+
+
+@pytest.fixture
+def scene(rng) -> Scene:
+    """A table that is turned and large, with a cup on it."""
+    poses = {
+        name: VersorObjectPose(Similarity.from_motor_scale(Motor.random(rng), scale))
+        for name, scale in (("table", 2.0), ("cup", 0.5))
+    }
+    return Scene({"table": None, "cup": "table"}, poses)
+
+
+def _matrix(scene: Scene, name: str = "cup") -> np.ndarray:
+    return scene.world_T_object(name).as_matrix()
+
+
+def _turn(axis, angle: float) -> np.ndarray:
+    made = np.eye(4)
+    unit = np.asarray(axis) / np.linalg.norm(axis)
+    made[:3, :3] = Rotation.from_rotvec(angle * unit).as_matrix()
+    return made
+
+
+@pytest.mark.parametrize("frame", ["local", "parent", "global"])
+def test_a_turn_is_about_the_objects_origin_and_an_axis_of_the_frame(scene, frame):
+    axis, angle = [1.0, -2.0, 0.5], 0.8
+    before, parent = _matrix(scene), _matrix(scene, "table")
+    edited = SceneEditor(scene).apply(Drag("cup", "rotate", axis, frame), angle)
+    own = {"local": before, "parent": parent, "global": np.eye(4)}[frame].copy()
+    own[:3, :3] /= np.cbrt(np.linalg.det(own[:3, :3]))
+    own[:3, 3] = before[:3, 3]
+    expected = own @ _turn(axis, angle) @ np.linalg.inv(own) @ before
+    np.testing.assert_allclose(_matrix(edited), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("frame", ["local", "parent", "global"])
+def test_a_shift_is_in_the_frames_metres(scene, frame):
+    axis = np.array([0.0, 3.0, -4.0])
+    before, parent = _matrix(scene), _matrix(scene, "table")
+    edited = SceneEditor(scene).apply(Drag("cup", "translate", axis, frame), 0.7)
+    own = {"local": before, "parent": parent, "global": np.eye(4)}[frame]
+    moved = _matrix(edited)[:3, 3] - before[:3, 3]
+    np.testing.assert_allclose(moved, own[:3, :3] @ (0.7 * axis / 5.0), atol=1e-12)
+    np.testing.assert_allclose(_matrix(edited)[:3, :3], before[:3, :3], atol=1e-12)
+
+
+def test_growing_keeps_the_origin_and_carries_children(scene):
+    before = _matrix(scene)
+    edited = SceneEditor(scene).apply(Drag("table", "scale"), 1.5)
+    origin = _matrix(scene, "table")[:3, 3]
+    expected = origin + 1.5 * (before[:3, 3] - origin)
+    np.testing.assert_allclose(_matrix(edited)[:3, 3], expected, atol=1e-12)
+    np.testing.assert_allclose(_matrix(edited)[:3, :3], 1.5 * before[:3, :3], atol=1e-12)
+
+
+def test_a_drag_counts_from_where_it_began(scene):
+    editor = SceneEditor(scene)
+    editor.begin(Drag("cup", "rotate", (0, 0, 1)))
+    for amount in np.linspace(0.0, 1.0, 57):
+        editor.drag_to(float(amount))
+    editor.drag_to(0.25)
+    once = SceneEditor(scene).apply(Drag("cup", "rotate", (0, 0, 1)), 0.25)
+    np.testing.assert_array_equal(_matrix(editor.end()), _matrix(once))
+
+
+def test_ten_thousand_small_drags_end_where_arithmetic_says(scene):
+    editor = SceneEditor(scene)
+    axis = (1.0, 2.0, 3.0)
+    for _ in range(10_000):
+        editor.apply(Drag("cup", "rotate", axis, "local"), 1e-3)
+    before = scene.pose("cup").as_similarity()
+    unit = np.array(axis) / np.linalg.norm(axis)
+    expected = before.rotor @ Rotor.from_rotation_vector(10.0 * unit)
+    found = editor.scene.pose("cup").as_similarity()
+    assert abs(np.linalg.norm(found.rotor.coefficients) - 1.0) < 1e-12
+    assert float((expected.inverse() @ found.rotor).angle()) < 1e-11
+    np.testing.assert_allclose(found.translation_m, before.translation_m, atol=1e-11)
+
+
+def test_turns_by_euler_angles_are_right_about_one_axis_and_wrong_about_two(scene):
+    flat = Scene(scene.parents, {
+        name: VersorObjectPose(Similarity.identity()) for name in scene.poses
+    })  # fmt: skip
+    rotors, angles = SceneEditor(flat), SceneEditor(flat.on_euler_angles())
+    for editor in (rotors, angles):
+        editor.apply(Drag("cup", "rotate", (0, 0, 1), "local"), 0.9)
+    np.testing.assert_allclose(_matrix(angles.scene), _matrix(rotors.scene), atol=1e-12)
+    for editor in (rotors, angles):
+        editor.apply(Drag("cup", "rotate", (1, 0, 0), "local"), 0.9)
+    expected = _turn((0, 0, 1), 0.9) @ _turn((1, 0, 0), 0.9)
+    np.testing.assert_allclose(_matrix(rotors.scene), expected, atol=1e-12)
+    # The ring named x turns about the parent's x, not the object's own.
+    wrong = _turn((1, 0, 0), 0.9) @ _turn((0, 0, 1), 0.9)
+    np.testing.assert_allclose(_matrix(angles.scene), wrong, atol=1e-12)
+
+
+def test_at_ninety_degrees_two_rings_turn_alike_and_rotors_do_not(scene):
+    flat = Scene(scene.parents, {
+        name: VersorObjectPose(Similarity.identity()) for name in scene.poses
+    })  # fmt: skip
+    turned = SceneEditor(flat).apply(Drag("cup", "rotate", (0, 1, 0)), np.pi / 2)
+    held = turned.on_euler_angles()
+    x, z = (SceneEditor(held).apply(Drag("cup", "rotate", axis), 0.4)
+            for axis in ((1, 0, 0), (0, 0, 1)))  # fmt: skip
+    np.testing.assert_allclose(_matrix(x), _matrix(z), atol=1e-7)
+    x, z = (SceneEditor(turned).apply(Drag("cup", "rotate", axis), 0.4)
+            for axis in ((1, 0, 0), (0, 0, 1)))  # fmt: skip
+    assert np.abs(_matrix(x) - _matrix(z)).max() > 0.3
+
+
+@pytest.mark.parametrize(("start", "end", "ratio"), GIMBAL_TABLE)
+def test_the_gimbal_table(start, end, ratio):
+    poses = [EulerObjectPose(np.radians(angles), np.zeros(3)) for angles in (start, end)]
+    angles = SceneEditor(Scene({"cup": None}, {"cup": poses[0]}))
+    rotors = SceneEditor(Scene({"cup": None}, {"cup": VersorObjectPose(Similarity.identity())}))
+    versors = [VersorObjectPose(pose.as_similarity()) for pose in poses]
+    geodesic = float((versors[0].as_similarity().rotor.inverse()
+                      @ versors[1].as_similarity().rotor).angle())  # fmt: skip
+    for editor, ends, expected in ((angles, poses, ratio), (rotors, versors, 1.0)):
+        path = editor.path("cup", *ends, steps=1000).rotor
+        length = float(np.sum((path[:-1].inverse() @ path[1:]).angle()))
+        digits = 1e-6 if expected == 1.0 and editor is rotors else 0.5 * 10 ** (
+            -1 if expected > 2 else -2)  # fmt: skip
+        assert length / geodesic == pytest.approx(expected, abs=digits)
+
+
+def test_snapping_rounds_what_is_dragged_and_not_where_it_lies(scene):
+    snapping = Snapping(angle_rad=np.radians(15.0), distance_m=0.1, scale=0.25)
+    editor = SceneEditor(scene, snapping)
+    editor.begin(Drag("cup", "rotate", (0, 0, 1)))
+    editor.drag_to(np.radians(20.0))
+    snapped = editor.end()
+    exact = SceneEditor(scene).apply(Drag("cup", "rotate", (0, 0, 1)), np.radians(15.0))
+    np.testing.assert_allclose(_matrix(snapped), _matrix(exact), atol=1e-14)
+    assert [snapping.rounded("scale", x) for x in (1.1, 1.2, 0.01)] == [1.0, 1.25, 0.25]
+    assert snapping.rounded("translate", 0.26) == pytest.approx(0.3)
+
+
+def test_undo_and_redo_walk_through_the_history(scene):
+    editor = SceneEditor(scene)
+    states = [scene]
+    for k in range(3):
+        states.append(editor.apply(Drag("cup", "translate", (1, 0, 0)), 0.1 * (k + 1)))
+    for expected in (states[2], states[1]):
+        assert editor.undo() is expected
+    assert editor.redo() is states[2]
+    changed = editor.apply(Drag("cup", "scale"), 2.0)
+    assert editor.redo() is changed  # what was undone is gone
+    for _ in range(9):
+        editor.undo()
+    assert editor.scene is scene
+
+
+def test_a_cancelled_drag_leaves_no_trace(scene):
+    editor = SceneEditor(scene)
+    editor.begin(Drag("cup", "rotate"))
+    editor.drag_to(1.0)
+    assert editor.cancel() is scene
+    assert editor.undo() is scene
+
+
+def test_refusals(scene):
+    editor = SceneEditor(scene)
+    with pytest.raises(ValueError, match="expected one of table, cup, got 'plate'"):
+        editor.begin(Drag("plate", "rotate"))
+    with pytest.raises(RuntimeError, match="begin a drag first"):
+        editor.drag_to(1.0)
+    with pytest.raises(ValueError, match="expected a factor above 0, got 0"):
+        editor.apply(Drag("cup", "scale"), 0.0)
+    assert editor.scene is scene
+    with pytest.raises(ValueError, match="expected a direction"):
+        Drag("cup", "rotate", (0, 0, 0))
+    with pytest.raises(ValueError, match="expected rotate, translate or scale"):
+        Drag("cup", "shear")
+    with pytest.raises(ValueError, match="expected two poses of type VersorObjectPose"):
+        editor.path("cup", EulerObjectPose(np.zeros(3), np.zeros(3)), scene.pose("cup"))
