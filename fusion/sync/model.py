@@ -113,8 +113,11 @@ def _pose() -> Any:
     step = ca.SX.sym("step", 14)
     later = _moved(pose, step[:6] + step[6] * twist)
     expected = later * _moved(mount, step[7:13])
-    grown = ca.vertcat(measured[:4], measured[4:] * (1 + step[13]))
-    residual = _difference(on.motor_of(_listed(grown)), expected)
+    # The expected place shrinks where the scale grows, not the measured one grows: its noise would
+    # grow with it, and the scale come out too small.
+    numbers = on.motor_numbers(expected)
+    shrunk = on.motor_of(numbers[:4] + [(1 - step[13]) * number for number in numbers[4:]])
+    residual = _difference(on.motor_of(_listed(measured)), shrunk)
     return _with_derivative("pose", inputs, residual, step)
 
 

@@ -82,9 +82,11 @@ def test_derivatives_of_a_pose_are_differences(rng):
 
     def residual(step: FloatArray) -> FloatArray:
         there = moved(pose.coefficients, step[:6] + step[6] * twist)
-        grown = measured.coefficients.copy()
-        grown[:, 4:] *= np.exp(step[13])
-        return pose_residuals(there, twist, moved(mount.coefficients, step[7:13]), grown)[0][0]
+        # A larger scale of the measurements, seen in their own units, is a smaller place.
+        seen = (Motor(there) @ Motor(moved(mount.coefficients, step[7:13]))).coefficients.copy()
+        seen[:, 4:] *= np.exp(-step[13])
+        none = Motor.identity().coefficients
+        return pose_residuals(seen, twist, none, measured.coefficients)[0][0]
 
     slope = pose_residuals(pose.coefficients, twist, mount.coefficients, measured.coefficients)[1]
     numeric = np.stack(

@@ -1,0 +1,15 @@
+"""Visual-inertial: metres, up and velocity for a camera's own map, and both adjusted together."""
+
+from __future__ import annotations
+
+from motorcade.fusion.visual_inertial.observations import LandmarkObservations
+from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
+from motorcade.fusion.visual_inertial.tight import VisualInertial, adjust_visual_inertial
+
+__all__ = [
+    "InertialStart",
+    "LandmarkObservations",
+    "VisualInertial",
+    "adjust_visual_inertial",
+    "start_inertial",
+]

@@ -1,0 +1,119 @@
+"""`start_inertial`: a camera path of unknown scale and lean made metric and upright by an IMU.
+
+Linear alignment gives a start, then everything is estimated together: C. Campos, J. Montiel,
+J. Tardós, Inertial-only optimization for visual-inertial initialization, ICRA 2020; here the poses
+are unknowns as well, so that their noise does not enter the scale.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.sync.alignment import GRAVITY, SCALE, Beliefs, Shared, align, covered
+from motorcade.fusion.visual_inertial.linear import linear_start
+from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Similarity, Trajectory
+
+__all__ = ["InertialStart", "start_inertial"]
+
+_GRAVITY_M_S2 = 9.81
+_GRAVITY_SIGMA_M_S2 = 0.01
+# The linear start looks at poses so far apart: over less time noise outweighs acceleration.
+_SPACING_S = 0.25
+_MOST_LINEAR = 120
+
+
+@dataclass(frozen=True, eq=False)
+class InertialStart:
+    """A metric, upright world for a camera path, and the IMU's state along it.
+
+    Fields:
+        world_T_visual: Similarity from the camera's world to one in metres with z up; its origin
+            stays, and its turn is the shortest.
+        log_scale_sigma: deviation of the logarithm of the scale: 0.01 is one per cent.
+        tilt_sigma_rad: deviation of up, about each of two axes.
+        time_ns: ``(N,)`` stamps of the poses that were used.
+        world_T_camera: Motor ``(N,)`` there, in the new world.
+        velocity_m_s: ``(N, 3)`` of the IMU, in the new world.
+        gyro_bias_rad_s: ``(N, 3)``; accel_bias_m_s2: ``(N, 3)``.
+    """
+
+    world_T_visual: Similarity
+    log_scale_sigma: float
+    tilt_sigma_rad: float
+    time_ns: IntArray
+    world_T_camera: Motor
+    velocity_m_s: FloatArray
+    gyro_bias_rad_s: FloatArray
+    accel_bias_m_s2: FloatArray
+
+    def in_metres(self, camera: Trajectory) -> Trajectory:
+        """Any poses of the camera's world as rigid poses of the new one."""
+        turned = self.world_T_visual.rotor @ camera.motors.rotor
+        places = self.world_T_visual.apply(camera.motors.translation_m)
+        poses = Motor.from_rotor_translation(turned, places)
+        return Trajectory(camera.time_ns, poses, camera.parent, camera.child)
+
+
+def start_inertial(
+    camera: Trajectory, imu: ImuStream, noise: ImuNoise, imu_T_camera: Motor
+) -> InertialStart:
+    """Find scale, up, velocities and biases from poses of a camera and the IMU it sits on.
+
+    The scale comes from accelerations alone: an even pace tells nothing of it, and
+    `log_scale_sigma` says so. It believes that errors of the poses are independent; a map's are
+    not, and drift of its scale is not foreseen: use stretches of some ten seconds.
+
+    Args:
+        camera: ``world_T_camera`` in units and axes of its own.
+        imu: the stream, on the same clock.
+        noise: its densities; they are raised where the data show more.
+        imu_T_camera: pose of the camera on the IMU, metres.
+
+    Raises:
+        ValueError: fewer than four poses within the IMU's span, motion that gives no scale, or an
+            estimate that does not settle.
+    """
+    used = covered(camera, imu, 0.0, 0.0)
+    scale, gravity = linear_start(_spaced(used), imu, noise, imu_T_camera)
+    fall = _GRAVITY_M_S2 / float(np.linalg.norm(gravity)) * gravity
+    beliefs = Beliefs(0.0, 0.0, 0.0, _GRAVITY_SIGMA_M_S2, np.inf)
+    found = align(used, imu, noise, Shared(0.0, imu_T_camera, fall, scale), beliefs)
+    up = _upright(found.shared.gravity_m_s2)
+    size = float(np.linalg.norm(found.shared.gravity_m_s2))
+    lean = up.as_matrix()[:2] @ found.covariance[GRAVITY, GRAVITY] @ up.as_matrix()[:2].T
+    turned = Motor.from_rotor_translation(up, np.zeros(3))
+    return InertialStart(
+        Similarity.from_motor_scale(turned, found.shared.scale),
+        float(np.sqrt(found.covariance[SCALE, SCALE][0, 0])),
+        float(np.sqrt(np.trace(lean) / 2.0)) / size,
+        found.time_ns,
+        turned @ found.world_T_imu @ imu_T_camera,
+        up.apply(found.velocity_m_s),
+        found.bias[:, :3],
+        found.bias[:, 3:],
+    )
+
+
+def _spaced(camera: Trajectory) -> Trajectory:
+    """Poses at least a spacing apart, and not too many, from the whole path."""
+    spacing = max(_SPACING_S, camera.duration_s / _MOST_LINEAR)
+    chosen, last = [0], float(camera.time_s[0])
+    for k, now in enumerate(camera.time_s.tolist()):
+        if now - last >= spacing - 1e-6:
+            chosen.append(k)
+            last = now
+    return camera[chosen]
+
+
+def _upright(gravity: FloatArray) -> Rotor:
+    """The shortest turn that takes gravity to -z."""
+    down = gravity / np.linalg.norm(gravity)
+    axis = np.cross(down, [0.0, 0.0, -1.0])
+    sine, cosine = float(np.linalg.norm(axis)), float(-down[2])
+    if sine < 1e-12:
+        return Rotor.from_rotation_vector([np.pi if cosine < 0.0 else 0.0, 0.0, 0.0])
+    return Rotor.from_rotation_vector(np.arctan2(sine, cosine) / sine * axis)

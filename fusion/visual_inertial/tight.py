@@ -1,0 +1,231 @@
+"""`adjust_visual_inertial`: keyframes, landmarks and IMU in one adjustment, by gtsam.
+
+Full smoothing over poses, velocities, biases and landmarks: reprojection with Huber's loss,
+gtsam's CombinedImuFactor between keyframes. Nothing but the IMU gives metres and up; position and
+heading of the first keyframe are held. Source: T. Qin, P. Li, S. Shen, VINS-Mono, IEEE TRO 34(4),
+2018, without its sliding window.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.graph.conversions import as_motor, as_pose, as_poses
+from motorcade.fusion.graph.inertial import InertialGraph, keys
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.visual_inertial.observations import LandmarkObservations
+from motorcade.ga import FloatArray, Motor, Trajectory, checked_floats
+from motorcade.tracking.camera import Camera
+
+if TYPE_CHECKING:
+    import gtsam
+
+__all__ = ["VisualInertial", "adjust_visual_inertial"]
+
+_ITERATIONS = 50
+_RELATIVE = 1e-6
+_HUBER = 1.5
+_HELD_SIGMA = 1e-5
+_TILT_SIGMA_RAD = 0.3
+# Landmarks hardly seen from two sides stay where they were, to a hundred metres.
+_LANDMARK_SIGMA_M = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class VisualInertial:
+    """Keyframes and landmarks after the adjustment, in metres, z up.
+
+    Fields:
+        trajectory: ``world_T_camera`` at the K keyframes.
+        velocity_m_s: ``(K, 3)`` of the IMU in the world.
+        gyro_bias_rad_s: ``(K, 3)``; accel_bias_m_s2: ``(K, 3)``.
+        landmarks_m: ``(L, 3)``; those seen less than twice are where they were given.
+        seen: ``(L,)`` whether each took part.
+        error_px: ``(N,)`` reprojection error of each sighting, infinite behind the camera and
+            where the landmark did not take part.
+    """
+
+    trajectory: Trajectory
+    velocity_m_s: FloatArray
+    gyro_bias_rad_s: FloatArray
+    accel_bias_m_s2: FloatArray
+    landmarks_m: FloatArray
+    seen: NDArray[np.bool_]
+    error_px: FloatArray
+
+
+def adjust_visual_inertial(
+    keyframes: Trajectory,
+    landmarks_m: FloatArray,
+    observations: LandmarkObservations,
+    camera: Camera,
+    imu: ImuStream,
+    noise: ImuNoise,
+    imu_T_camera: Motor,
+    *,
+    sigma_px: float = 1.0,
+    gravity_m_s2: float = 9.81,
+) -> VisualInertial:
+    """Adjust everything together.
+
+    Args:
+        keyframes: ``world_T_camera`` to start from, z up within some 20° and metres within some
+            20 %: see `start_inertial`. Two or more.
+        landmarks_m: ``(L, 3)`` to start from, in the same world.
+        observations: what the keyframes saw of them.
+        camera: with its distortion.
+        imu: must cover the keyframes.
+        noise: its densities and walks.
+        imu_T_camera: pose of the camera on the IMU.
+        sigma_px: noise of a pixel coordinate.
+        gravity_m_s2: size of gravity, along -z of the world.
+
+    Raises:
+        ValueError: shapes or rows that do not fit, keyframes outside the stream, numbers that are
+            not above zero.
+    """
+    import gtsam
+
+    landmarks = _checked(keyframes, landmarks_m, observations, imu)
+    for name, value in (("sigma_px", sigma_px), ("gravity_m_s2", gravity_m_s2)):
+        if not 0.0 < value < np.inf:
+            raise ValueError(f"{name}: expected a number above 0, got {value}")
+    graph = _inertial(keyframes, imu, noise, gravity_m_s2)
+    start = keyframes.motors @ imu_T_camera.inverse()
+    used = np.bincount(observations.landmark, minlength=len(landmarks)) >= 2
+    factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+    _add_states(factors, values, graph, start, keyframes.time_s)
+    _add_sightings(factors, observations, used, camera, imu_T_camera, sigma_px)
+    _add_landmarks(factors, values, landmarks, used)
+    params = gtsam.LevenbergMarquardtParams()
+    params.setMaxIterations(_ITERATIONS)
+    params.setRelativeErrorTol(_RELATIVE)
+    found = gtsam.LevenbergMarquardtOptimizer(factors, values, params).optimize()
+    return _read(found, keyframes, landmarks, used, observations, camera, imu_T_camera)
+
+
+def _checked(
+    keyframes: Trajectory, landmarks_m: FloatArray, observations: LandmarkObservations,
+    imu: ImuStream,
+) -> FloatArray:  # fmt: skip
+    landmarks = checked_floats(landmarks_m, "landmarks_m", (3,))
+    for name, count in (("keyframe", len(keyframes)), ("landmark", len(landmarks))):
+        rows = getattr(observations, name)
+        if rows.size and int(rows.max()) >= count:
+            raise ValueError(
+                f"observations.{name}: expected rows below {count}, got {int(rows.max())}"
+            )
+    if len(keyframes) < 2:
+        raise ValueError("keyframes: expected two or more, got 1")
+    stamps = keyframes.time_ns
+    if stamps[0] < imu.time_ns[0] or stamps[-1] > imu.time_ns[-1]:
+        raise ValueError(
+            f"keyframes: expected stamps in [{imu.time_ns[0]}, {imu.time_ns[-1]}], where there are "
+            f"samples, got {stamps[0]} to {stamps[-1]}"
+        )
+    return landmarks
+
+
+def _inertial(
+    keyframes: Trajectory, imu: ImuStream, noise: ImuNoise, gravity_m_s2: float
+) -> InertialGraph:
+    """The chain of keyframes without any measured pose."""
+    stamps = keyframes.time_ns
+    own = imu.time_ns[(imu.time_ns > stamps[0]) & (imu.time_ns < stamps[-1])]
+    data = imu.at(np.union1d(stamps, own).astype(np.int64))
+    none = np.full(len(stamps), -1)
+    poses = Motor.identity((0,))
+    return InertialGraph(stamps, data, noise, gravity_m_s2, none, poses, np.zeros((0, 6, 6)), 1.0)
+
+
+def _add_states(
+    factors: gtsam.NonlinearFactorGraph, values: gtsam.Values, graph: InertialGraph, start: Motor,
+    time_s: FloatArray,
+) -> None:  # fmt: skip
+    """Poses, velocities and biases with what the samples say of them."""
+    import gtsam
+
+    bias = gtsam.imuBias.ConstantBias()
+    velocity = np.gradient(start.translation_m, time_s, axis=0)
+    for index, pose in enumerate(as_poses(start)):
+        node = keys(index)
+        values.insert(node.pose, pose)
+        values.insert(node.velocity, velocity[index])
+        values.insert(node.bias, bias)
+        if index:
+            factors.push_back(graph.motion(index, graph.summed(index, bias)))
+    for prior in graph.priors():
+        factors.push_back(prior)
+    # Held: position, and heading, which is the turn about the world's z in the IMU's axes.
+    up = start[0].rotor.as_matrix()[2]
+    spread = np.diag(np.repeat([_TILT_SIGMA_RAD**2, _HELD_SIGMA**2], 3))
+    spread[:3, :3] -= (_TILT_SIGMA_RAD**2 - _HELD_SIGMA**2) * np.outer(up, up)
+    model = gtsam.noiseModel.Gaussian.Covariance(spread)
+    factors.push_back(gtsam.PriorFactorPose3(keys(0).pose, as_pose(start[0]), model))
+
+
+def _add_sightings(
+    factors: gtsam.NonlinearFactorGraph, observations: LandmarkObservations,
+    used: NDArray[np.bool_], camera: Camera, imu_T_camera: Motor, sigma_px: float,
+) -> None:  # fmt: skip
+    import gtsam
+
+    matrix = camera.matrix
+    lens = gtsam.Cal3_S2(matrix[0, 0], matrix[1, 1], 0.0, matrix[0, 2], matrix[1, 2])
+    loss = gtsam.noiseModel.mEstimator.Huber.Create(_HUBER)
+    model = gtsam.noiseModel.Robust.Create(loss, gtsam.noiseModel.Isotropic.Sigma(2, sigma_px))
+    mount, straight = as_pose(imu_T_camera), camera.straighten(observations.px)
+    rows = np.flatnonzero(used[observations.landmark])
+    for row in rows.tolist():
+        pose = keys(int(observations.keyframe[row])).pose
+        point = gtsam.symbol("l", int(observations.landmark[row]))
+        factors.push_back(
+            gtsam.GenericProjectionFactorCal3_S2(
+                straight[row], model, pose, point, lens, False, False, mount
+            )
+        )
+
+
+def _add_landmarks(
+    factors: gtsam.NonlinearFactorGraph, values: gtsam.Values, landmarks: FloatArray,
+    used: NDArray[np.bool_],
+) -> None:  # fmt: skip
+    import gtsam
+
+    loose = gtsam.noiseModel.Isotropic.Sigma(3, _LANDMARK_SIGMA_M)
+    for row in np.flatnonzero(used).tolist():
+        name = gtsam.symbol("l", row)
+        values.insert(name, landmarks[row])
+        factors.push_back(gtsam.PriorFactorPoint3(name, landmarks[row], loose))
+
+
+def _read(
+    found: gtsam.Values, keyframes: Trajectory, landmarks: FloatArray, used: NDArray[np.bool_],
+    observations: LandmarkObservations, camera: Camera, imu_T_camera: Motor,
+) -> VisualInertial:  # fmt: skip
+    import gtsam
+
+    nodes = [keys(index) for index in range(len(keyframes))]
+    poses = as_motor([found.atPose3(node.pose) for node in nodes]) @ imu_T_camera
+    biases = [found.atConstantBias(node.bias) for node in nodes]
+    points = np.array(landmarks)
+    for row in np.flatnonzero(used).tolist():
+        points[row] = found.atPoint3(gtsam.symbol("l", row))
+    own = poses[observations.keyframe].inverse().apply(points[observations.landmark])
+    ahead = (own[:, 2] > 0.0) & used[observations.landmark]
+    error = np.full(len(observations), np.inf)
+    error[ahead] = np.linalg.norm(camera.project(own[ahead]) - observations.px[ahead], axis=-1)
+    return VisualInertial(
+        Trajectory(keyframes.time_ns, poses, keyframes.parent, keyframes.child),
+        np.array([found.atVector(node.velocity) for node in nodes]),
+        np.array([bias.gyroscope() for bias in biases]),
+        np.array([bias.accelerometer() for bias in biases]),
+        points,
+        used,
+        error,
+    )
