@@ -81,8 +81,9 @@ class TagScene:
         homography = finer @ np.array(self.camera.matrix) @ view @ to_marker
         size = (fine.shape[1], fine.shape[0])
         drawn = cv2.warpPerspective(print_, homography, size, flags=cv2.INTER_LINEAR)
-        inside = cv2.warpPerspective(np.ones_like(print_), homography, size, flags=cv2.INTER_NEAREST)
-        fine[inside > 0.5] = drawn[inside > 0.5]
+        whole = np.ones_like(print_)
+        inside = cv2.warpPerspective(whole, homography, size, flags=cv2.INTER_NEAREST) > 0.5
+        fine[inside] = drawn[inside]
 
 
 def wall_of_markers(

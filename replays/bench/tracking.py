@@ -8,6 +8,7 @@ from typing import Any
 from motorcade.replays.bench.tag_flips import bench_flips, flips_table
 from motorcade.replays.bench.tag_map import bench_map, map_table
 from motorcade.replays.bench.tag_markers import bench_markers, markers_table
+from motorcade.replays.bench.tag_photometric import bench_photometric, photometric_table
 
 __all__ = ["PARTS", "bench_tracking", "tracking_table"]
 
@@ -15,6 +16,7 @@ PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "markers": (bench_markers, markers_table),
     "flips": (bench_flips, flips_table),
     "map": (bench_map, map_table),
+    "photometric": (bench_photometric, photometric_table),
 }
 """Every part by name: what measures it, and what prints it."""
 

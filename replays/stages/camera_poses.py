@@ -19,7 +19,7 @@ from motorcade.replays.artifacts import ASIDE, new_file
 from motorcade.replays.progress import track
 from motorcade.replays.readers.corner_frames import CornerFrames
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.marker_poses import marker_poses
+from motorcade.replays.stages.marker_poses import Refine, marker_poses
 from motorcade.replays.stages.slam_poses import slam_poses
 from motorcade.tracking import PoseMeasurements, TrackingError, track_board
 
@@ -59,6 +59,7 @@ def camera_poses(
     recording: Recording,
     *,
     source: Literal["auto", "board", "tags", "slam", "simulated"] = "auto",
+    refine: Refine = "none",
     rate_hz: float = 20.0,
     sigma_m: float = 0.01,
     sigma_deg: float = 0.5,
@@ -72,6 +73,10 @@ def camera_poses(
     with depth where there is some, else by one camera with free scale; last a simulation from the
     truth. The world is the board's, the marker's that was seen most, or the first camera's.
 
+    `refine=photometric` sharpens the poses of loose markers in pictures on their whole print; it
+    needs torch and kornia (the extra `photometric`), and pays on small markers and for steadiness
+    (`motorcade bench tracking` says how much), at some 20 to 100 ms a marker on a processor.
+
     `rate_hz`, `sigma_m` and `sigma_deg` (an axis) and `seed` shape the simulation. `blackouts_s`
     (start, end, start, end, … in seconds after the first stamp) are spans in which no pose is
     measured, whatever the source. Raises ValueError where the source asked for is not there, and
@@ -81,7 +86,7 @@ def camera_poses(
     sigma_rad = float(np.deg2rad(sigma_deg))
     ways: dict[str, _Way] = {
         "board": _by_board,
-        "tags": _by_markers,
+        "tags": partial(_by_markers, refine=refine),
         "slam": _by_slam,
         "simulated": partial(
             _simulated, rate_hz=rate_hz, sigma_m=sigma_m, sigma_rad=sigma_rad, seed=seed
@@ -149,8 +154,8 @@ def _by_board(recording: Recording) -> CameraPoses:
     )
 
 
-def _by_markers(recording: Recording) -> CameraPoses:
-    found = marker_poses(recording)
+def _by_markers(recording: Recording, *, refine: Refine) -> CameraPoses:
+    found = marker_poses(recording, refine)
     recorded = isinstance(recording.frames, CornerFrames)
     known = recording.markers is not None and recording.markers.marker_map is not None
     where = "where a map places them" if known else "mapped from this recording alone"
@@ -163,6 +168,7 @@ def _by_markers(recording: Recording) -> CameraPoses:
         "tags",
         f"tracked by the {'recorded corners' if recorded else 'images'} of "
         f"{len(found.marker_map)} loose markers, {where}"
+        + (", refined on their prints" if refine == "photometric" else "")
         + (f"; {len(found.left_out)} markers never seen beside them" if found.left_out else ""),
         marker_map=marker_map,
         seconds=found.seconds,

@@ -3,24 +3,33 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 
 from motorcade.fusion.filter.extended_pose import motor_adjoint
 from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.replays.graph import Unavailable
 from motorcade.replays.loose_markers import LooseMarkers
 from motorcade.replays.progress import track
 from motorcade.replays.readers.corner_frames import CornerFrames
 from motorcade.replays.recording import Recording
 from motorcade.tracking import Detection, PoseMeasurements, TrackingError, detect_markers
 from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.disambiguate import Sightings
 from motorcade.tracking.markers.mapping import MappedRecording, map_markers, track_rig
 from motorcade.tracking.markers.marker_map import MarkerMap
+from motorcade.tracking.markers.photometric import (
+    PhotometricUnavailable,
+    RefinedFrame,
+    joined_frames,
+    refine_frame,
+)
 
-__all__ = ["MarkerPoses", "corners_found", "marker_poses"]
+__all__ = ["MarkerPoses", "Refine", "marker_poses", "markers_found"]
 
+Refine = Literal["none", "photometric"]
 _ONLY = "camera"
 # A camera's own noise floor: a map is never more certain than its lens and its print.
 _SIGMA_FLOOR = np.repeat([1e-4, 1e-4], 3)
@@ -47,66 +56,99 @@ class MarkerPoses:
     seconds: float
 
 
-def marker_poses(recording: Recording) -> MarkerPoses:
+def marker_poses(recording: Recording, refine: Refine = "none") -> MarkerPoses:
     """Map the markers of a recording, unless their map is known, and track its camera by them.
 
     The world is the map's; of a map made here, the frame of the marker seen most.
 
     Raises:
-        ValueError: neither recorded corners nor a family to look for, or no camera.
+        ValueError: neither recorded corners nor a family to look for, no camera, or refinement
+            where there are no pictures.
         TrackingError: no marker seen.
+        Unavailable: refinement without torch and kornia.
     """
     start = time.perf_counter()
     frames, markers = recording.frames, recording.markers
     known = None if markers is None else markers.marker_map
+    posed = None
     if isinstance(frames, CornerFrames):
-        first = next(iter(frames.streams))
-        found = _mapped(frames.streams, frames.side_m, frames.rig_T_camera, known)
+        if refine != "none":
+            raise ValueError(f"{recording.name}: refine={refine} needs pictures, came corners")
+        first, streams = next(iter(frames.streams)), frames.streams
+        side_m, rig_T_camera = frames.side_m, frames.rig_T_camera
     else:
-        first = _ONLY
-        stream = corners_found(recording, _family(recording))
-        side_m = dict.fromkeys(np.unique(stream.marker_ids).tolist(), _family(recording).side_m)
-        found = _mapped({_ONLY: stream}, side_m, {_ONLY: Motor.identity()}, known)
-    rig_T_camera = found.rig_T_camera[first]
-    path = found.trajectory.transformed_by(right=rig_T_camera, child="camera")
+        first, loose = _ONLY, _named(recording)
+        stream, sightings = markers_found(recording, loose, refine)
+        streams, rig_T_camera = {_ONLY: stream}, {_ONLY: Motor.identity()}
+        side_m = dict.fromkeys(np.unique(stream.marker_ids).tolist(), loose.side_m)
+        posed = None if sightings is None else {_ONLY: sightings}
+    if not any(len(stream) for stream in streams.values()):
+        raise TrackingError("frames: expected some that show a marker, got none")
+    found = (
+        map_markers(streams, side_m, rig_T_camera, posed=posed)
+        if known is None
+        else track_rig(known, streams, rig_T_camera)
+    )
+    return _of_camera(found, first, time.perf_counter() - start)
+
+
+def _of_camera(found: MappedRecording, camera: str, seconds: float) -> MarkerPoses:
+    """The rig's path and covariance, carried over to one of its cameras."""
+    rig_T_camera = found.rig_T_camera[camera]
     adjoint = motor_adjoint(rig_T_camera.inverse())
     covariance = adjoint @ found.covariance @ adjoint.T + np.diag(_SIGMA_FLOOR**2)
     return MarkerPoses(
-        PoseMeasurements(path, 0.5 * (covariance + covariance.swapaxes(-1, -2))),
+        PoseMeasurements(
+            found.trajectory.transformed_by(right=rig_T_camera, child="camera"),
+            0.5 * (covariance + covariance.swapaxes(-1, -2)),
+        ),
         found.time_ns,
         found.frame_error_px,
         found.marker_map,
         found.left_out,
-        time.perf_counter() - start,
+        seconds,
     )
 
 
-def corners_found(recording: Recording, markers: LooseMarkers) -> CornerStream:
-    """Detect the markers of every picture.
+def markers_found(
+    recording: Recording, markers: LooseMarkers, refine: Refine = "none"
+) -> tuple[CornerStream, Sightings | None]:
+    """Detect the markers of every picture; with refinement, both their poses as well.
 
     Where a frame has sharp corners the others are left out; so is an id that stands there twice,
     since no map can tell its copies apart.
 
     Raises:
         ValueError: no camera.
+        Unavailable: refinement without torch and kornia.
     """
     camera = recording.camera
     if camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
-    rows, ids, corners = [], [], []
-    frames = recording.frames
-    for row, frame in enumerate(track(frames, "detecting", len(frames))):
-        for one in _usable(detect_markers(frame.gray(), markers.family, camera)):
-            rows.append(row)
-            ids.append(one.marker_id)
-            corners.append(one.corners_px)
-    return CornerStream(
-        camera,
-        frames.time_ns,
-        np.array(rows, np.int64),
-        np.array(ids, np.int64),
-        np.array(corners, np.float64).reshape(-1, 4, 2),
+    frames, family = recording.frames, markers.family
+    ids, corners, refined = [], [], []
+    for frame in track(frames, "detecting", len(frames)):
+        gray = frame.gray()
+        found = _usable(detect_markers(gray, family, camera))
+        ids.append(np.array([one.marker_id for one in found], np.int64))
+        corners.append(np.array([one.corners_px for one in found]).reshape(-1, 4, 2))
+        if refine == "photometric":
+            sides = np.full(len(found), markers.side_m)
+            refined.append(_refined(gray, camera, family, ids[-1], corners[-1], sides))
+    if refine == "photometric":
+        return joined_frames(camera, frames.time_ns, refined)
+    rows = np.repeat(np.arange(len(ids)), [len(one) for one in ids])
+    stream = CornerStream(
+        camera, frames.time_ns, rows, np.concatenate(ids), np.concatenate(corners)
     )
+    return stream, None
+
+
+def _refined(*arguments: Any) -> RefinedFrame:
+    try:
+        return refine_frame(*arguments)
+    except PhotometricUnavailable as missing:
+        raise Unavailable(str(missing)) from missing
 
 
 def _usable(found: tuple[Detection, ...]) -> list[Detection]:
@@ -115,22 +157,9 @@ def _usable(found: tuple[Detection, ...]) -> list[Detection]:
     return [one for one in once if one.sharp] or once
 
 
-def _family(recording: Recording) -> LooseMarkers:
+def _named(recording: Recording) -> LooseMarkers:
     if recording.markers is None:
         raise ValueError(
             f"{recording.name}: no markers to look for; name their family in a manifest ([markers])"
         )
     return recording.markers
-
-
-def _mapped(
-    streams: Mapping[str, CornerStream],
-    side_m: Mapping[int, float],
-    rig_T_camera: Mapping[str, Motor],
-    known: MarkerMap | None,
-) -> MappedRecording:
-    if not any(len(stream) for stream in streams.values()):
-        raise TrackingError("frames: expected some that show a marker, got none")
-    if known is not None:
-        return track_rig(known, streams, rig_T_camera)
-    return map_markers(streams, side_m, rig_T_camera)

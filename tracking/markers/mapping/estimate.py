@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
 from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.disambiguate import Sightings
 from motorcade.tracking.markers.mapping.adjust import Adjusted, adjust, pose_covariance
 from motorcade.tracking.markers.mapping.bootstrap import hang_markers, place_frames
 from motorcade.tracking.markers.mapping.rig import RigSightings, gather
@@ -57,6 +58,7 @@ def map_markers(
     *,
     sync_s: float = _SYNC_S,
     over_time: bool = True,
+    posed: Mapping[str, Sightings] | None = None,
 ) -> MappedRecording:
     """Estimate where markers stand and where the rig was, from corners alone.
 
@@ -70,6 +72,8 @@ def map_markers(
             rig into the first camera.
         sync_s: stamps of different cameras that are so near count as one frame.
         over_time: resolve planar poses over time; False shows what that is worth.
+        posed: by camera, both planar poses of its detections where they were refined beyond what
+            corners tell (see `photometric`).
 
     Raises:
         ValueError: no streams, no camera with a known place, a marker without a size.
@@ -78,7 +82,7 @@ def map_markers(
     if not streams:
         raise ValueError("streams: expected at least one camera, got none")
     known = {next(iter(streams)): Motor.identity()} if rig_T_camera is None else rig_T_camera
-    seen = gather(streams, known, side_m, sync_s, over_time)
+    seen = gather(streams, known, side_m, sync_s, over_time, posed)
     if len(seen) == 0:
         raise TrackingError("streams: expected markers, got none")
     world_T_marker, reached = hang_markers(seen)

@@ -11,7 +11,12 @@ from numpy.typing import NDArray
 from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.tracking.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
-from motorcade.tracking.markers.disambiguate import best_single, pose_stream, resolve
+from motorcade.tracking.markers.disambiguate import (
+    Sightings,
+    best_single,
+    pose_stream,
+    resolve,
+)
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.mapping.agreement import agreed
 from motorcade.tracking.pose import TrackingError
@@ -78,6 +83,7 @@ def gather(
     side_m: Mapping[int, float],
     sync_s: float,
     over_time: bool = True,
+    posed: Mapping[str, Sightings] | None = None,
 ) -> RigSightings:
     """Bring the streams of a rig's cameras together, planar poses resolved over time.
 
@@ -89,6 +95,8 @@ def gather(
         sync_s: stamps so near are one frame; the rig counts as still meanwhile.
         over_time: choose between planar poses over the whole recording; otherwise by the smaller
             reprojection error of each single sighting.
+        posed: by camera, both planar poses of its detections where something better than their
+            corners has found them.
 
     Raises:
         ValueError: no camera with a pose, a marker without a size, a time below 0.
@@ -102,7 +110,11 @@ def gather(
         raise ValueError(f"sync_s: expected seconds of at least 0, got {sync_s}")
     frame_ns, frames = _frames([streams[name].time_ns for name in names], sync_s)
     parts = [
-        (frames[which], np.int64(which), *_resolved(streams[name], side_m, over_time))
+        (
+            frames[which],
+            np.int64(which),
+            *_resolved(streams[name], side_m, over_time, (posed or {}).get(name)),
+        )
         for which, name in enumerate(names)
     ]
     frame = np.concatenate([own[rows] for own, _, rows, *_ in parts])
@@ -130,10 +142,10 @@ def gather(
 
 
 def _resolved(
-    stream: CornerStream, side_m: Mapping[int, float], over_time: bool
+    stream: CornerStream, side_m: Mapping[int, float], over_time: bool, posed: Sightings | None
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
     """Frame, id, corners, chosen pose and its probability of each sighting with a pose."""
-    seen = pose_stream(stream, side_m)
+    seen = pose_stream(stream, side_m) if posed is None else posed
     answer = resolve(seen) if over_time else best_single(seen)
     keys = zip(stream.frame.tolist(), stream.marker_ids.tolist(), strict=True)
     place = {key: row for row, key in enumerate(keys)}

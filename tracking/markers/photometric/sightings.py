@@ -1,0 +1,118 @@
+"""Sightings whose candidates were refined on the picture, for whatever takes those of corners."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.camera import Camera
+from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.disambiguate.sightings import Sightings, rotation_covariance
+from motorcade.tracking.markers.families import marker_points_m
+from motorcade.tracking.markers.photometric.refine import refine_photometric
+from motorcade.tracking.pose import SIGMA_FLOOR_PX, TrackingError, planar_candidates
+
+__all__ = ["RefinedFrame", "joined_frames", "refine_frame"]
+
+# Neighbouring pixels err together: so many of them tell as much as one.
+_ALIKE = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class RefinedFrame:
+    """Markers of one picture after refinement.
+
+    Args:
+        marker_ids: ``(m,)`` of those that have a pose.
+        side_m: ``(m,)``.
+        corners_px: ``(m, 4, 2)`` where the better candidate puts the corners.
+        camera_T_marker: Motor ``(m, 2)``, the candidate that fits the picture better first.
+        error_px: ``(m, 2)`` 0, and the reprojection error that would speak as clearly against the
+            other candidate if corners with `SIGMA_FLOOR_PX` of noise had it.
+    """
+
+    marker_ids: IntArray
+    side_m: FloatArray
+    corners_px: FloatArray
+    camera_T_marker: Motor
+    error_px: FloatArray
+
+
+def refine_frame(
+    image: GrayImage,
+    camera: Camera,
+    family: str,
+    marker_ids: IntArray,
+    corners_px: FloatArray,
+    side_m: FloatArray,
+    device: str | None = None,
+) -> RefinedFrame:
+    """Refine what was detected in one picture; markers without a planar pose are left out.
+
+    Args:
+        image: see `refine_photometric`.
+        camera: likewise.
+        family: likewise.
+        marker_ids: ``(n,)``.
+        corners_px: ``(n, 4, 2)`` clockwise from the printed top-left corner.
+        side_m: ``(n,)``.
+        device: see `refine_photometric`.
+
+    Raises:
+        ValueError, PhotometricUnavailable: as `refine_photometric`.
+    """
+    kept, starts = [], []
+    for row, corners in enumerate(corners_px):
+        points = marker_points_m(float(side_m[row]))
+        try:
+            found = planar_candidates(BoardCorners(np.arange(4), corners, points), camera)
+        except TrackingError:
+            continue  # stands in the docstring
+        kept.append(row)
+        starts.append(found.world_T_camera.inverse())
+    rows = np.array(kept, np.int64)
+    start = Motor.stack(starts) if starts else Motor.identity((0, 2))
+    ids, sides = marker_ids[rows], side_m[rows]
+    refined = refine_photometric(image, camera, family, ids, sides, start, device)
+    order = np.argsort(refined.mismatch, axis=-1, kind="stable")
+    every = np.arange(len(ids))[:, None]
+    poses = refined.camera_T_marker[every, order]
+    less, more = np.maximum(np.sort(refined.mismatch, axis=-1), 1e-9).T
+    nats = 0.5 * refined.pixels / _ALIKE * np.log(more / less)
+    against = SIGMA_FLOOR_PX * np.sqrt(0.5 * nats)
+    corners = camera.project(poses[:, 0][:, None].apply(_points(sides)))
+    errors = np.stack([np.zeros(len(ids)), against], axis=-1)
+    return RefinedFrame(ids, sides, corners, poses, errors)
+
+
+def joined_frames(
+    camera: Camera, time_ns: IntArray, frames: Sequence[RefinedFrame]
+) -> tuple[CornerStream, Sightings]:
+    """All frames of a recording as corners, and as sightings with both candidates.
+
+    Args:
+        camera: who saw them.
+        time_ns: ``(F,)``.
+        frames: F of them.
+    """
+    frame = np.repeat(np.arange(len(frames)), [len(one.marker_ids) for one in frames])
+    ids = np.concatenate([one.marker_ids for one in frames])
+    corners = np.concatenate([one.corners_px for one in frames])
+    poses = Motor.concatenate([one.camera_T_marker for one in frames])
+    points = _points(np.concatenate([one.side_m for one in frames]))
+    sightings = Sightings(
+        time_ns, frame, ids, poses,
+        np.concatenate([one.error_px for one in frames]),
+        rotation_covariance(camera, poses, points[:, None]),
+    )  # fmt: skip
+    return CornerStream(camera, time_ns, frame, ids, corners), sightings
+
+
+def _points(sides: FloatArray) -> FloatArray:
+    points: FloatArray = sides[:, None, None] * marker_points_m(1.0)
+    return points
