@@ -107,7 +107,7 @@ class ErrorCoordinates(ABC):
         rotor = state.rotor
         matrices = np.tile(np.eye(ERROR_SIZE), (*rotor.shape, 1, 1))
         matrices[..., :3, :3] = self.rotation_from_body(rotor)
-        matrices[..., 3:6, 3:6] = rotor.as_matrix()
+        matrices[..., 3:6, 3:6] = matrices[..., 6:9, 6:9] = rotor.as_matrix()
         return matrices
 
 
