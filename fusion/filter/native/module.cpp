@@ -50,6 +50,10 @@ template <class T> nb::object array(const std::vector<T> &values, std::initializ
     return nb::cast(nb::ndarray<nb::numpy, T>(memory, shape.size(), shape.begin(), owner));
 }
 
+void expect(bool holds, const char *what) {
+    if (!holds) refuse(what);
+}
+
 // The filter with or without the states that most runs know.
 class Engine {
 public:

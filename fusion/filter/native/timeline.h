@@ -41,9 +41,7 @@ struct Sink {
     bool final = false;  // also when things are done again
 };
 
-inline void expect(bool holds, const std::string &what) {
-    if (!holds) throw std::invalid_argument(what);
-}
+[[noreturn]] inline void refuse(const std::string &what) { throw std::invalid_argument(what); }
 
 template <std::size_t N> class Timeline {
 public:
@@ -51,13 +49,12 @@ public:
         : settings_(settings), motion_(settings.gravity_m_s2), first_(first) {}
     // Adds a sample and carries everything to it.
     void imu(const Sample &sample) {
-        if (!samples_.empty())
-            expect(sample.time_ns > samples_.back().time_ns,
-                   "imu: expected a stamp after " + std::to_string(samples_.back().time_ns) + ", got " +
-                       std::to_string(sample.time_ns));
+        if (!samples_.empty() && sample.time_ns <= samples_.back().time_ns)
+            refuse("imu: expected a stamp after " + std::to_string(samples_.back().time_ns) + ", got " +
+                   std::to_string(sample.time_ns));
         double total = 0.0;
         for (int i = 0; i < 3; ++i) total += 0.0 * sample.read.rate[i] + 0.0 * sample.read.force[i];
-        expect(total == 0.0, "imu: expected finite numbers, got others");
+        if (total != 0.0) refuse("imu: expected finite numbers, got others");
         samples_.push_back(sample);
         catch_up();
         if (settings_.check_every != 0 && ++unchecked_ >= settings_.check_every) keep_and_forget();
@@ -79,7 +76,7 @@ public:
         const auto known = static_cast<std::ptrdiff_t>(events_.size());
         for (Event &event : rising) {
             place_in_time(event);
-            expect(!started_ || event.time_ns >= time_ns_, "schedule: expected stamps still ahead");
+            if (started_ && event.time_ns < time_ns_) refuse("schedule: expected stamps still ahead");
             events_.push_back(std::move(event));
         }
         std::inplace_merge(events_.begin() + static_cast<std::ptrdiff_t>(next_), events_.begin() + known, events_.end(), earlier);
@@ -184,21 +181,19 @@ private:
     }
 
     void check_time(const Event &event) const {
-        const auto from = [&event](const std::string &what, std::int64_t first) {
-            expect(event.time_ns >= first,
-                   "time_ns: expected a stamp from " + what + ", got " + std::to_string(event.stamp_ns));
-        };
-        expect(!samples_.empty(), "time_ns: expected inertial data before measurements, got none so far");
-        if (events_.empty()) {
-            const std::int64_t begin = samples_.front().time_ns;
-            from(std::to_string(begin) + " on, where inertial data begin", begin);
-            expect(event.kind == Kind::camera_pose || event.kind == Kind::imu_pose,
-                   "time_ns: expected a measured pose to start from, got another measurement");
-            return;
+        if (samples_.empty())
+            refuse("time_ns: expected inertial data before measurements, got none so far");
+        const std::int64_t first = events_.empty() ? samples_.front().time_ns : events_.front().time_ns;
+        if (event.time_ns < first) {
+            const std::string named = std::to_string(first) + " on";
+            refuse("time_ns: expected a stamp from " +
+                   (events_.empty() ? named + ", where inertial data begin"
+                    : forgotten_    ? named + ", which the history holds"
+                                    : "the start at " + named) +
+                   ", got " + std::to_string(event.stamp_ns));
         }
-        const std::int64_t first = events_.front().time_ns;
-        const std::string named = std::to_string(first) + " on";
-        from(forgotten_ ? named + ", which the history holds" : "the start at " + named, first);
+        if (events_.empty() && event.kind != Kind::camera_pose && event.kind != Kind::imu_pose)
+            refuse("time_ns: expected a measured pose to start from, got another measurement");
     }
 
     void catch_up() {
