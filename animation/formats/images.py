@@ -38,9 +38,14 @@ class Texture:
         rows = np.minimum((parts[:, 1] * height).astype(np.int64), height - 1)
         return self._pixels[rows, columns] / 255.0
 
+    @property
+    def pixel_count(self) -> int:
+        """Width times height."""
+        return self._pixels.shape[0] * self._pixels.shape[1]
 
-def decode_texture(data: bytes) -> Texture:
-    """Decode a PNG, JPEG, TGA or BMP.
+
+def decode_texture(data: bytes, limit: int = MAX_IMAGE_PIXELS) -> Texture:
+    """Decode a PNG, JPEG, TGA or BMP of at most `limit` pixels.
 
     Raises:
         FormatError: another format, a broken picture, or one that is too large.
@@ -52,12 +57,13 @@ def decode_texture(data: bytes) -> Texture:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # its own limit of size is replaced by ours
             with Image.open(io.BytesIO(data), formats=FORMATS) as opened:
-                if opened.width * opened.height > MAX_IMAGE_PIXELS:
+                if opened.width * opened.height > limit:
                     raise FormatError(
-                        f"expected at most {MAX_IMAGE_PIXELS} pixels, got "
-                        f"{opened.width} x {opened.height}"
+                        f"expected at most {limit} pixels, got {opened.width} x {opened.height}"
                     )
-                return Texture(np.asarray(opened.convert("RGB")))
+                if opened.mode not in ("RGB", "RGBA"):
+                    return Texture(np.asarray(opened.convert("RGB")))
+                return Texture(np.asarray(opened)[..., :3])
     except FormatError:
         raise
     except Exception as fault:  # decoders raise whatever comes to hand on broken pictures

@@ -13,12 +13,14 @@ from urllib.parse import unquote
 from motorcade.animation.formats.errors import FormatError, expected, shown
 
 __all__ = [
+    "MAX_CLIPS",
     "MAX_DEPTH",
     "MAX_FILE_BYTES",
     "MAX_IMAGE_PIXELS",
     "MAX_NODES",
     "MAX_POSES",
     "MAX_VALUES",
+    "MAX_VERTICES",
     "beside",
     "check_count",
     "read_bounded",
@@ -32,7 +34,11 @@ MAX_POSES = 4 << 20
 MAX_NODES = 20_000
 MAX_DEPTH = 512
 """Levels of the hierarchy, and of nested XML elements."""
+MAX_CLIPS = 4096
+MAX_VERTICES = 4 << 20
+"""Vertices, and triangles, of all surfaces together; surfaces may share their arrays."""
 MAX_IMAGE_PIXELS = 64 << 20
+"""Pixels of all textures of a file together."""
 
 
 def read_bounded(path: Path, limit_bytes: int = MAX_FILE_BYTES) -> bytes:

@@ -10,6 +10,7 @@ from motorcade.animation.formats.collada.materials import Materials
 from motorcade.animation.formats.collada.scene import Scene
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import expected
+from motorcade.animation.formats.limits import MAX_VERTICES, check_count
 from motorcade.animation.formats.rig.values import Skin, Surface
 from motorcade.ga import FloatArray, IntArray
 
@@ -32,6 +33,8 @@ class Controllers:
         self._scene = scene
         self._materials = materials
         self.notices: list[str] = []
+        self._geometries: dict[str, tuple[list[Part], list[str]]] = {}
+        self._total = 0
 
     def surfaces(self) -> tuple[tuple[Surface, ...], tuple[int, ...]]:
         """Surfaces of every node, and the nodes that skins call joints.
@@ -59,12 +62,22 @@ class Controllers:
             self.notices.append(f"'{controller.get('id')[:60]}' morphs a mesh: left out")
         return skin
 
+    def _parts(self, geometry: Element) -> tuple[list[Part], list[str]]:
+        """Parts of a geometry, which several nodes may share; read once."""
+        key = geometry.get("id")
+        if key not in self._geometries:
+            self._geometries[key] = read_geometry(self._library, geometry)
+        parts, told = self._geometries[key]
+        self._total += sum(max(len(part.vertices), len(part.triangles)) for part in parts)
+        check_count("vertices and triangles", self._total, MAX_VERTICES)
+        return parts, told
+
     def _hanging(self, instance: Element, node: int) -> list[Surface]:
         geometry = self._library.named(instance.get("url"), "geometry", "instance_geometry")
         if geometry.first("mesh") is None:
             self.notices.append(f"'{geometry.get('id')[:60]}' is no mesh: left out")
             return []
-        parts, told = read_geometry(self._library, geometry)
+        parts, told = self._parts(geometry)
         self.notices += told
         name = (geometry.get("name") or geometry.get("id"))[:60]
         return [
@@ -78,7 +91,7 @@ class Controllers:
     ) -> tuple[list[Surface], list[int]]:
         geometry = self._library.named(element.get("source"), "geometry", "skin source")
         name = (geometry.get("name") or geometry.get("id"))[:60]
-        parts, told = read_geometry(self._library, geometry)
+        parts, told = self._parts(geometry)
         self.notices += told
         skin = self._skin(element, name)
         numbers, weights = self._influences(element, name, len(skin.nodes))

@@ -11,7 +11,7 @@ from motorcade.animation.formats.collada.library import Library
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import FormatError, shown
 from motorcade.animation.formats.images import Texture, decode_texture
-from motorcade.animation.formats.limits import beside, read_bounded
+from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS, beside, read_bounded
 from motorcade.ga import FloatArray
 
 __all__ = ["Materials"]
@@ -32,6 +32,7 @@ class Materials:
         self._library = library
         self._folder = folder
         self._textures: dict[str, Texture | None] = {}
+        self._pixels_left = MAX_IMAGE_PIXELS
         self.notices: list[str] = []
 
     def colors(self, part: Part, instance: Element) -> FloatArray:
@@ -90,7 +91,9 @@ class Materials:
         if uri not in self._textures:
             try:
                 path = beside(self._folder, uri, "texture")
-                self._textures[uri] = decode_texture(read_bounded(path))
+                texture = decode_texture(read_bounded(path), self._pixels_left)
+                self._pixels_left -= texture.pixel_count
+                self._textures[uri] = texture
             except FormatError as fault:
                 self._textures[uri] = None
                 self.notices.append(

@@ -73,10 +73,6 @@ class Accessors:
         """Values as they are stored, perhaps in the buffer's own memory; NaN may be among them."""
         return self._raw(index, field, kind)
 
-    def is_plain(self, index: object) -> bool:
-        """Whether the values of an accessor that was read are floats."""
-        return self._read[int(index)].dtype.kind == "f"  # type: ignore[call-overload]
-
     def _raw(self, index: object, field: str, kind: str) -> NDArray[Any]:
         number = integer(index, field, 0, len(self._entries) - 1)
         known = self._read.get(number)
@@ -91,8 +87,8 @@ class Accessors:
 
     def _decode(self, entry: dict[str, Any], number: int) -> NDArray[Any]:
         width = WIDTHS[entry["type"]]
-        kind = _component(entry, f"accessors[{number}]")
-        count = integer(entry.get("count"), f"accessors[{number}].count", 1, MAX_VALUES // width)
+        kind = _component(entry, "accessor")
+        count = integer(entry.get("count"), "accessor.count", 1, MAX_VALUES // width)
         self._total += count * width
         if self._total > MAX_VALUES:
             raise FormatError(f"accessors: expected at most {MAX_VALUES} numbers in all, got more")
@@ -109,25 +105,22 @@ class Accessors:
         self, view: object, offset: object, number: int, kind: np.dtype[Any], count: int, width: int
     ) -> NDArray[Any]:
         """An array (count, width) over a buffer view; nothing is copied."""
-        field = f"accessors[{number}]"
-        which = integer(view, f"{field}.bufferView", 0, len(self._views) - 1)
-        entry = table(self._views[which], f"bufferViews[{which}]")
+        which = integer(view, "accessor.bufferView", 0, len(self._views) - 1)
+        entry = table(self._views[which], "bufferView")
         buffers = self._document.buffers
-        whole = integer(entry.get("buffer"), f"bufferViews[{which}].buffer", 0, len(buffers) - 1)
+        whole = integer(entry.get("buffer"), "bufferView.buffer", 0, len(buffers) - 1)
         data = buffers[whole]
-        start = integer(
-            entry.get("byteOffset", 0), f"bufferViews[{which}].byteOffset", 0, len(data)
-        )
-        length = integer(
-            entry.get("byteLength"), f"bufferViews[{which}].byteLength", 1, len(data) - start
-        )
+        start = integer(entry.get("byteOffset", 0), "bufferView.byteOffset", 0, len(data))
+        length = integer(entry.get("byteLength"), "bufferView.byteLength", 1, len(data) - start)
         item = kind.itemsize * width
         stride = entry.get("byteStride", item)
         if stride != item:
-            stride = integer(stride, f"bufferViews[{which}].byteStride", item, 252)
+            stride = integer(stride, "bufferView.byteStride", item, 252)
         first = offset if type(offset) is int and 0 <= offset <= length else -1
         if first < 0 or first + (count - 1) * stride + item > length:
-            raise expected(f"{field}.count", f"values within the {length} bytes of its view", count)
+            raise expected(
+                f"accessors[{number}].count", f"values within the {length} bytes of its view", count
+            )
         return np.ndarray((count, width), kind, data, start + first, (stride, kind.itemsize))
 
     def _sparse(self, entry: dict[str, Any], number: int, base: NDArray[Any]) -> NDArray[Any]:

@@ -10,12 +10,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import Document
 from motorcade.animation.formats.gltf.fields import integer, listed, table
 from motorcade.animation.formats.gltf.nodes import Nodes
+from motorcade.animation.formats.limits import MAX_CLIPS, MAX_POSES, check_count
 from motorcade.animation.formats.rig.curves import (
     before_jumps,
     great_arc,
@@ -25,7 +27,7 @@ from motorcade.animation.formats.rig.curves import (
 )
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import RigClip
-from motorcade.ga import FloatArray
+from motorcade.ga import FloatArray, IntArray
 
 __all__ = ["read_animations"]
 
@@ -40,7 +42,7 @@ class _Group:
     path: str
     interpolation: str
     keys: FloatArray
-    nodes: np.ndarray
+    nodes: IntArray
     values: FloatArray
     """(K, C, 3 or 4), or (K, 3, C, 3 or 4) with the slopes of cubic splines around."""
 
@@ -64,15 +66,18 @@ def read_animations(
     Raises:
         FormatError: keys that do not increase, NaN, or outputs that do not fit their inputs.
     """
-    clips, left_out = [], 0
-    keys: dict[int, FloatArray] = {}
-    for number, given in enumerate(document.entries("animations")):
-        field = f"animations[{number}]"
-        groups, skipped = _groups(table(given, field), field, accessors, nodes, keys)
-        left_out += skipped
+    entries = document.entries("animations")
+    check_count("animations", len(entries), MAX_CLIPS)
+    reader = _Reader(accessors, nodes)
+    clips = []
+    for number, one in enumerate(entries):
+        given = table(one, f"animations[{number}]")
+        groups = reader.groups(given, f"animations[{number}]")
         if groups:
-            clips.append(_clip(table(given, field), groups, nodes))
-    notices = [f"{left_out} channels that move no joint are left out"] if left_out else []
+            clips.append(_clip(given, groups, nodes))
+    notices = []
+    if reader.left_out:
+        notices.append(f"{reader.left_out} channels that move no joint are left out")
     return tuple(clips), notices
 
 
@@ -117,64 +122,80 @@ def _clip(given: dict[str, Any], groups: list[_Group], nodes: Nodes) -> RigClip:
     )
 
 
-def _groups(
-    given: dict[str, Any],
-    field: str,
-    accessors: Accessors,
-    nodes: Nodes,
-    keys: dict[int, FloatArray],
-) -> tuple[list[_Group], int]:
-    """Channels of an animation by path, keys and interpolation; and how many move no node."""
-    samplers = listed(given.get("samplers"), f"{field}.samplers")
-    number = nodes.number
-    gathered: dict[tuple[str, str, bytes], tuple[FloatArray, list[int], list[Any]]] = {}
-    skipped = 0
-    known: dict[int, bytes] = {}
-    for channel in listed(given.get("channels"), f"{field}.channels"):
-        if type(channel) is not dict or type(channel.get("target")) is not dict:
-            raise expected(f"{field}.channels", "objects with a target", channel)
-        target = channel["target"]
-        path = target.get("path")
-        if type(path) is not str or path not in PATHS or "node" not in target:
-            skipped += 1
-            continue
-        node = integer(target["node"], f"{field} target.node", 0, len(number) - 1)
-        which = integer(channel.get("sampler"), f"{field} sampler", 0, len(samplers) - 1)
-        sampler = table(samplers[which], f"{field}.samplers[{which}]")
+class _Reader:
+    """Reads the channels of one document; counts what they unpack to.
+
+    Args:
+        accessors: the document's arrays.
+        nodes: its nodes.
+    """
+
+    def __init__(self, accessors: Accessors, nodes: Nodes) -> None:
+        self._accessors = accessors
+        self._number = nodes.number
+        self._keys: dict[int, tuple[FloatArray, bytes]] = {}
+        self._total = 0
+        self.left_out = 0
+
+    def groups(self, given: dict[str, Any], field: str) -> list[_Group]:
+        """Channels of an animation by path, keys and interpolation."""
+        samplers = listed(given.get("samplers"), f"{field}.samplers")
+        gathered: dict[tuple[str, str, bytes], tuple[FloatArray, list[int], list[Any]]] = {}
+        nodes = len(self._number) - 1
+        for channel in listed(given.get("channels"), f"{field}.channels"):
+            if type(channel) is not dict or type(channel.get("target")) is not dict:
+                raise expected(f"{field}.channels", "objects with a target", channel)
+            target = channel["target"]
+            path = target.get("path")
+            if type(path) is not str or path not in PATHS or "node" not in target:
+                self.left_out += 1
+                continue
+            node = integer(target["node"], "animation target.node", 0, nodes)
+            which = integer(channel.get("sampler"), "animation sampler", 0, len(samplers) - 1)
+            interpolation, times, mark, output = self._sampler(samplers[which], field, path)
+            group = gathered.setdefault((path, interpolation, mark), (times, [], []))
+            group[1].append(node)
+            group[2].append(output)
+        return [
+            _group(path, interpolation, times, self._number[held], values, field)
+            for (path, interpolation, _), (times, held, values) in gathered.items()
+        ]
+
+    def _sampler(
+        self, given: object, field: str, path: str
+    ) -> tuple[str, FloatArray, bytes, NDArray[Any]]:
+        """Interpolation, keys, the keys' bytes, and values of a sampler."""
+        sampler = table(given, field)
         interpolation = sampler.get("interpolation", "LINEAR")
         if interpolation not in INTERPOLATIONS:
-            raise expected(f"{field}.samplers[{which}]", "LINEAR, STEP or CUBICSPLINE",
-                           interpolation)  # fmt: skip
-        source = integer(sampler.get("input"), f"{field}.samplers[{which}].input", 0, 1 << 30)
-        if source not in keys:
-            keys[source] = _keys(accessors, source, f"{field}.samplers[{which}].input")
-        if source not in known:
-            known[source] = keys[source].tobytes()
-        output = accessors.unread(sampler.get("output"), f"{field} {path}", PATHS[path])
+            raise expected(f"{field} sampler", "LINEAR, STEP or CUBICSPLINE", interpolation)
+        source = integer(sampler.get("input"), "animation sampler.input", 0, 1 << 30)
+        if source not in self._keys:
+            times = _keys(self._accessors, source, f"{field} input")
+            self._keys[source] = times, times.tobytes()
+        times, mark = self._keys[source]
+        output = self._accessors.unread(sampler.get("output"), field, PATHS[path])
         if output.dtype.kind != "f":
-            output = accessors.floats(sampler.get("output"), f"{field} {path}", PATHS[path])
-        times = keys[source]
+            output = self._accessors.floats(sampler.get("output"), field, PATHS[path])
         if len(output) != len(times) * (3 if interpolation == "CUBICSPLINE" else 1):
-            raise expected(f"{field}.samplers[{which}].output", f"{len(times)} keys", len(output))
-        group = gathered.setdefault((path, interpolation, known[source]), (times, [], []))
-        group[1].append(node)
-        group[2].append(output)
-    return [
-        _group(path, interpolation, times, number[held], values, field)
-        for (path, interpolation, _), (times, held, values) in gathered.items()
-    ], skipped
+            raise expected(f"{field} {path}", f"{len(times)} keys", len(output))
+        self._total += len(output)
+        if self._total > MAX_POSES:  # many channels may share one array
+            raise expected("animations", f"at most {MAX_POSES} keys in all", "more")
+        return interpolation, times, mark, output
 
 
 def _group(
     path: str,
     interpolation: str,
     keys: FloatArray,
-    nodes: np.ndarray,
+    nodes: IntArray,
     values: list[Any],
     field: str,
 ) -> _Group:
     stacked = np.stack(values, axis=1).astype(np.float64)
-    if not np.isfinite(stacked).all() or np.abs(stacked).max() > 1e9:
+    # NaN fails both comparisons.
+    if not (stacked.max() <= 1e9 and stacked.min() >= -1e9):
         raise expected(f"{field} {path}", "finite keys up to 1e9", "others")
     turns = path == "rotation" and interpolation != "CUBICSPLINE"
     if turns and not np.all(np.einsum("kci,kci->kc", stacked, stacked) > 1e-12):

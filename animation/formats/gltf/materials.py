@@ -15,6 +15,7 @@ from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import Document, load
 from motorcade.animation.formats.gltf.fields import floats, integer, table, text
 from motorcade.animation.formats.images import Texture, decode_texture, to_linear, to_srgb
+from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS
 from motorcade.ga import FloatArray
 
 __all__ = ["Materials"]
@@ -32,6 +33,7 @@ class Materials:
     def __init__(self, document: Document) -> None:
         self._document = document
         self._textures: dict[int, Texture | None] = {}
+        self._pixels_left = MAX_IMAGE_PIXELS
         self.notices: list[str] = []
 
     def colors(
@@ -97,7 +99,8 @@ class Materials:
         image = self._document.entry("images", source, "texture.source")
         made = None
         try:
-            made = decode_texture(self._bytes(image, f"images[{source}]"))
+            made = decode_texture(self._bytes(image, f"images[{source}]"), self._pixels_left)
+            self._pixels_left -= made.pixel_count
         except FormatError as fault:
             name = shown(str(image.get("uri", image.get("name", source)))[:100], 60)
             self.notices.append(f"texture '{name}' was not read ({fault}): plain colours stand in")

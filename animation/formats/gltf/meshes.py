@@ -12,6 +12,7 @@ from motorcade.animation.formats.gltf.container import Document
 from motorcade.animation.formats.gltf.fields import integer, listed, table
 from motorcade.animation.formats.gltf.materials import Materials
 from motorcade.animation.formats.gltf.nodes import Nodes
+from motorcade.animation.formats.limits import MAX_VERTICES, check_count
 from motorcade.animation.formats.rig.values import Skin, Surface
 from motorcade.ga import FloatArray, IntArray
 
@@ -36,6 +37,7 @@ class Meshes:
         self._materials = Materials(document)
         self._morphs = 0
         self._lines = 0
+        self._total = 0
 
     @property
     def notices(self) -> list[str]:
@@ -113,6 +115,8 @@ class Meshes:
         if "NORMAL" in given:
             normals = self._same(given["NORMAL"], f"'{name}'.NORMAL", "VEC3", count)
         triangles = self._triangles(part, name, count, mode)
+        self._total += max(count, len(triangles))
+        check_count("vertices and triangles", self._total, MAX_VERTICES)
         colors = self._materials.colors(part, given, self._accessors, name, count)
         if skin is None:
             return Surface(name, node, vertices, normals, triangles, colors)

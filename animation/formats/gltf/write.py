@@ -105,7 +105,7 @@ def write_gltf(
     animations = []
     for clip in chosen or _still(character, world_T_character):
         made = _Animation(buffer)
-        made.clip(clip, first, world_T_character)
+        made.clip(clip, first, world_T_character, character.height_m)
         if world_T_character is not None:
             start_ns = int(world_T_character.time_ns[0])
             made.path(world_T_character, 1, start_ns, Rotor.identity())
@@ -212,14 +212,15 @@ class _Animation:
         self._samplers: list[dict[str, Any]] = []
         self._channels: list[dict[str, Any]] = []
 
-    def clip(self, clip: Clip, first: int, path: Trajectory | None) -> None:
+    def clip(self, clip: Clip, first: int, path: Trajectory | None, reach_m: float) -> None:
         """Channels of all joints, the first being node `first`."""
         times = clip.time_s
         if len(times) > 1:
             rotor, places = clip.poses.rotor, clip.poses.translation_m
-            parts = parts_of_steps(rotor.as_quaternion(), places, PARTING_M)
+            scale = np.ones(clip.poses.shape)
             if isinstance(clip.poses, Similarity):
-                parts = np.maximum(parts, 4)
+                scale = clip.poses.scale
+            parts = parts_of_steps(rotor.as_quaternion(), places, scale, reach_m, PARTING_M)
             times = divided(times, parts)
         poses = clip.at(times)
         wxyz, places, scales = poses.rotor.as_quaternion(), poses.translation_m, None

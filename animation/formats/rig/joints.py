@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.animation.formats.errors import FormatError
+from motorcade.animation.formats.limits import MAX_NODES, check_count
 from motorcade.animation.formats.rig.values import NodeTree, Rig
 from motorcade.ga import IntArray
 
@@ -54,6 +55,7 @@ def joints_of(rig: Rig) -> Joints:
             parent = above[parent]
         parents.append(number[parent] if parent >= 0 else -1)
         chains.append(tuple(reversed(chain)))
+    check_count("nodes between joints", sum(map(len, chains)), MAX_NODES)
     names, renamed = _names([tree.names[node] for node in chosen])
     return Joints(np.array(chosen), np.array(parents), names, tuple(chains), renamed)
 

@@ -114,7 +114,11 @@ class Sampler:
         if len(parts) > 1:
             watched = np.flatnonzero(self.watched)
             parts[:-1] = parts_of_steps(
-                poses.wxyz[:, watched], poses.translation_m[:, watched], tolerance
+                poses.wxyz[:, watched],
+                poses.translation_m[:, watched],
+                poses.scale[:, watched],
+                self.height_m,
+                tolerance,
             )
         for number in self._curved(clips):
             if len(times[number]) > 1:
@@ -155,17 +159,28 @@ class Sampler:
         return joint_poses(self.tree, self.joints, nodes, self.world)
 
 
-def parts_of_steps(wxyz: FloatArray, translation_m: FloatArray, tolerance: float) -> IntArray:
+def parts_of_steps(
+    wxyz: FloatArray,
+    translation_m: FloatArray,
+    scale: FloatArray,
+    reach_m: float,
+    tolerance: float,
+) -> IntArray:
     """Into how many parts (F - 1,) steps between poses (F, J) must go.
 
-    A screw that turns by θ while it moves by d leaves the straight line by d θ / 8 at most; n
-    parts divide that by n².
+    A screw that turns by θ while it moves by d leaves the straight line by d θ / 8 at most, and
+    even growth by a factor e^λ leaves a line by λ² / 8 of the reach; n parts divide both by n².
     """
     cosine = np.abs(np.einsum("fji,fji->fj", wxyz[1:], wxyz[:-1]))
     step = np.diff(translation_m, axis=0)
     # d² θ² with θ² < 8.7 (1 - cos(θ/2)), the worst being at θ = π.
     squares = np.einsum("fji,fji->fj", step, step) * 9.9 * (1.0 - np.minimum(cosine, 1.0))
-    return _parts_for(np.sqrt(squares.max(axis=-1, initial=0.0)) / 8.0, tolerance)
+    apart = np.sqrt(squares.max(axis=-1, initial=0.0))
+    growth = np.diff(np.log(np.abs(scale)), axis=0)
+    if np.abs(growth).max(initial=0.0) > 1e-4:
+        lengths = np.sqrt(np.einsum("fji,fji->fj", step, step))
+        apart += ((reach_m * np.abs(growth) + lengths) * np.abs(growth)).max(axis=-1)
+    return _parts_for(apart / 8.0, tolerance)
 
 
 def divided(times: FloatArray, parts: IntArray) -> FloatArray:

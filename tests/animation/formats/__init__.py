@@ -1,0 +1,1 @@
+"""Readers and writers of characters: laws, witnesses, refusals, a fuzzing program."""

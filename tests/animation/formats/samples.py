@@ -195,7 +195,8 @@ COLLADA = """<?xml version="1.0"?>
 1 0 0 0 0 1 0 0 0 0 1 -1 0 0 0 1</float_array><technique_common>
 <accessor source="#ba" count="2" stride="16"/></technique_common></source>
 <source id="w"><float_array id="wa" count="2">1 0.5</float_array></source>
-<joints><input semantic="JOINT" source="#j"/><input semantic="INV_BIND_MATRIX" source="#b"/></joints>
+<joints><input semantic="JOINT" source="#j"/>
+<input semantic="INV_BIND_MATRIX" source="#b"/></joints>
 <vertex_weights count="12"><input semantic="JOINT" source="#j" offset="0"/>
 <input semantic="WEIGHT" source="#w" offset="1"/>
 <vcount>1 1 1 1 2 2 2 2 1 1 1 1</vcount><v>{weights}</v></vertex_weights>

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motorcade.animation.formats import FormatError, read_character, read_motion
-from motorcade.animation.formats.limits import beside
 from tests.animation.formats import fuzz, samples
 from tests.animation.formats.samples import Write
+
+from motorcade.animation.formats import FormatError, read_character, read_motion
+from motorcade.animation.formats.limits import beside
 
 BOMB = b"""<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a "aaaaaaaaaa">
 <!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]><COLLADA><asset>&b;</asset></COLLADA>"""
@@ -92,7 +93,7 @@ def test_negative_and_missing_weights_are_refused(write: Write, weights: list[fl
     made = samples.gltf_tower()
     part = made.document["meshes"][0]["primitives"][0]
     part["attributes"]["WEIGHTS_0"] = made.add(np.tile(weights, (12, 1)))
-    with pytest.raises(FormatError, match="shares of 0 or more|finite"):
+    with pytest.raises(FormatError, match=r"shares of 0 or more|finite"):
         read_character(write("weights.glb", made.glb()))
 
 

@@ -5,13 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from motorcade.animation import Character
-from motorcade.animation.formats import FormatError, NoMeshError, read_character, read_motion
-from motorcade.ga import Motor, Similarity
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 from tests.animation.formats import samples
 from tests.animation.formats.samples import Write
+
+from motorcade.animation import Character
+from motorcade.animation.formats import FormatError, NoMeshError, read_character, read_motion
+from motorcade.ga import Motor, Similarity
 
 FORMATS = ("glb", "gltf", "dae", "md5mesh")
 
