@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from motorcade.replays.bench.board_smoothing import bench_board, board_table
 from motorcade.replays.bench.tag_flips import bench_flips, flips_table
 from motorcade.replays.bench.tag_map import bench_map, map_table
 from motorcade.replays.bench.tag_markers import bench_markers, markers_table
@@ -16,6 +17,7 @@ PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "markers": (bench_markers, markers_table),
     "flips": (bench_flips, flips_table),
     "map": (bench_map, map_table),
+    "board": (bench_board, board_table),
     "photometric": (bench_photometric, photometric_table),
 }
 """Every part by name: what measures it, and what prints it."""
