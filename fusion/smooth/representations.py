@@ -46,6 +46,7 @@ class Representation(ABC):
 
     name: ClassVar[str]
     rotation: ClassVar[slice]
+    signed: ClassVar[int] = 0
     """The components of a difference that turn; they have no unit where they are quaternions."""
     _rigid_size: ClassVar[int]
     _scale_beside: ClassVar[bool] = True
@@ -189,15 +190,13 @@ class _SignedComponents(Representation):
         """The sign nearest to the quaternion before."""
         if np.sum(coordinates[:4] * previous[:4]) >= 0.0:
             return coordinates
-        return np.where(np.arange(len(coordinates)) < self._signed, -coordinates, coordinates)
-
-    _signed: ClassVar[int]
+        return np.where(np.arange(len(coordinates)) < self.signed, -coordinates, coordinates)
 
     def _with_signs(self, components: FloatArray) -> FloatArray:
         flips = np.sum(components[1:, :4] * components[:-1, :4], axis=-1) < 0.0
         signs = np.where(np.concatenate([[False], np.cumsum(flips) % 2 == 1]), -1.0, 1.0)
         made = components.copy()
-        made[:, : self._signed] *= signs[:, None]
+        made[:, : self.signed] *= signs[:, None]
         return made
 
 
@@ -206,7 +205,7 @@ class Quaternions(_SignedComponents):
 
     name = "quaternion"
     _rigid_size = 7
-    _signed = 4
+    signed = 4
 
     def _rigid_coordinates(self, poses: Motor) -> FloatArray:
         wxyz, translation = poses.astype(np.float64).as_quaternion_translation()
@@ -231,7 +230,7 @@ class DualQuaternions(_SignedComponents):
 
     name = "dual_quaternion"
     _rigid_size = 8
-    _signed = 8
+    signed = 8
 
     def _rigid_coordinates(self, poses: Motor) -> FloatArray:
         return self._with_signs(poses.astype(np.float64).as_dual_quaternion())

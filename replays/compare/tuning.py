@@ -76,10 +76,10 @@ LADDERS: Mapping[str, tuple[Ladder, ...]] = MappingProxyType({
     "constant_acceleration": _ACCELERATION,
     "rts_constant_velocity": _VELOCITY,
     "rts_constant_acceleration": _ACCELERATION,
-    "gaussian": (_ladder("sigma_s", 0.1, 0.02, 2.0, 15),),
-    "savitzky_golay": (_ladder("window_s", 0.3, 0.12, 6.0, 15),),
-    "local_polynomial": (_ladder("window_s", 0.3, 0.12, 6.0, 15),),
-    "spline": (_ladder("knot_spacing_s", 0.2, 0.05, 0.6, 12),),
+    "gaussian": (_ladder("sigma_s", 0.1, 0.02, 1.0, 12),),
+    "savitzky_golay": (_ladder("window_s", 0.3, 0.12, 4.0, 12),),
+    "local_polynomial": (_ladder("window_s", 0.3, 0.12, 4.0, 12),),
+    "spline": (_ladder("knot_spacing_s", 0.2, 0.075, 0.6, 7),),
 })  # fmt: skip
 """What is tried, in order. Cut-offs end below half the rate of the standard plan, 15 Hz."""
 
@@ -163,21 +163,22 @@ def tuned(
     if not ladders:
         return Tuned(Setting(method, representation, tuple(chosen.items())), "defaults", None, 0)
     chosen |= {ladder.parameter: ladder.start for ladder in ladders}
-    best, trials = np.inf, 0
+    best, known = np.inf, dict[Setting, float]()
     for ladder in ladders * (_ROUNDS if len(ladders) > 1 else 1):
         tried = [
             Setting(method, representation, tuple((chosen | {ladder.parameter: rung}).items()))
             for rung in ladder.rungs
         ]
-        found = _objectives(tried, inputs, raw)
-        trials += len(found)
+        new = [one for one in tried if one not in known]
+        known |= zip(new, _objectives(new, inputs, raw), strict=True)
+        found = [known[one] for one in tried]
         if np.isfinite(np.min(found)):
             best = float(np.min(found))
             chosen[ladder.parameter] = ladder.rungs[int(np.argmin(found))]
     setting = Setting(method, representation, tuple(chosen.items()))
     if not np.isfinite(best):
-        return Tuned(setting, "defaults", None, trials)
-    return Tuned(setting, "ladder", float(f"{best:.9g}"), trials)
+        return Tuned(setting, "defaults", None, len(known))
+    return Tuned(setting, "ladder", float(f"{best:.9g}"), len(known))
 
 
 def borrowed(method: str, representation: str, found: Tuned) -> Tuned:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from math import comb, factorial
 from typing import Any, NamedTuple
 
@@ -28,6 +28,8 @@ __all__ = ["Between", "Chart", "component_sizes"]
 _TERMS = 30
 # Poses at once, for the sake of memory.
 _CHUNK = 4096
+# Numbers of poses whose functions are kept.
+_LENGTHS = 32
 
 
 class Between(NamedTuple):
@@ -156,13 +158,21 @@ def _derived(name: str) -> Callable[[FloatArray], Between]:
     derivatives = [ca.jacobian(vector, by) for by in (first, second)]
     zero = [ca.DM.zeros(size)] * 2
     values = ca.substitute([vector, *derivatives], [first, second], zero)
-    function = ca.Function(f"between_{name}", [numbers], values)
+    dense = [ca.densify(value) for value in values]
+    function = ca.Function(f"between_{name}", [numbers], dense)
+
+    mapped = lru_cache(_LENGTHS)(function.map)
 
     def derived(relative: FloatArray) -> Between:
-        results = function.map(len(relative))(relative.T)
-        vector, *derivatives = (np.asarray(part.full(), dtype=np.float64) for part in results)
-        by_base, by_target = (part.reshape(size, -1, size).swapaxes(0, 1) for part in derivatives)
-        return Between(vector.T, by_base, by_target)
+        given = np.ascontiguousarray(relative, dtype=np.float64)
+        made = [np.empty((len(given), *shape)) for shape in ((size,), (size, size), (size, size))]
+        # CasADi reads and writes these arrays as they are, column by column.
+        buffer, evaluate = mapped(len(given)).buffer()
+        buffer.set_arg(0, memoryview(given))
+        for k, part in enumerate(made):
+            buffer.set_res(k, memoryview(part))
+        evaluate()
+        return Between(made[0], made[1].swapaxes(1, 2), made[2].swapaxes(1, 2))
 
     return derived
 

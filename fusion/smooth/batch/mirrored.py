@@ -11,16 +11,16 @@ run that no marker explains is left as it is.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.motions.degradations import wrong_planar_pose
 from motorcade.fusion.smooth.batch.consistent import Sizes, consistent_poses
-from motorcade.fusion.smooth.batch.problem import Linear, Problem
+from motorcade.fusion.smooth.batch.problem import Linear, Problem, State, rigid_poses
 from motorcade.fusion.smooth.batch.tridiagonal import solved
-from motorcade.fusion.smooth.representations import REPRESENTATIONS
+from motorcade.fusion.smooth.representations import REPRESENTATIONS, Representation
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor
 
 __all__ = ["mirrored_back"]
@@ -32,6 +32,8 @@ _SHORTEST = 4
 _AROUND, _TRIED = 30, 6
 # Motion may be so much livelier across a run than the model says.
 _LIVELIER = 3.0
+# Models of the motion: the twist in the body is constant, or the turn and the shift in the world.
+_MODELS = ("motor", "rotor")
 # Turns that are told from noise, in its deviations.
 _TURN_DEVIATIONS = 6.0
 # Squared length of a pose's six numbers, in deviations: beyond the first it is thrown off, up to
@@ -69,7 +71,7 @@ def mirrored_back(
         if not np.any(kept[part]):
             continue  # nothing is left around the run to read it by
         run = slice(first - part.start, last - part.start)
-        read = _Run(time_s[part], poses[part], kept[part], run, sizes, width).read()
+        read = _Run.likelier(time_s[part], poses[part], kept[part], run, sizes, width).read()
         if read is not None:
             rows = first + np.flatnonzero(read[1])
             coefficients[rows], found[rows] = read[0][read[1]].coefficients, True
@@ -89,8 +91,14 @@ class _Expected(NamedTuple):
 class _Run:
     """A stretch of a path with a run of poses left out."""
 
+    @classmethod
+    def likelier(cls, *stretch: Any) -> _Run:
+        """The stretch as a body in free flight or as a screw, whichever its good poses tell."""
+        return min((cls(REPRESENTATIONS[name], *stretch) for name in _MODELS), key=_Run._doubt)
+
     def __init__(
         self,
+        representation: Representation,
         time_s: FloatArray,
         poses: Motor,
         kept: NDArray[np.bool_],
@@ -99,35 +107,43 @@ class _Run:
         width: float,
     ) -> None:
         self.time_s, self.run, self.sizes, self.width = time_s, run, sizes, width
-        self.poses = poses[run]
-        self.problem = Problem(REPRESENTATIONS["motor"], time_s, poses, kept, sizes)
+        self.poses, self.kept = poses[run], kept
+        self.problem = Problem(representation, time_s, poses, kept, sizes)
+        self.linear = self.problem.narrowed("cauchy", width)
+
+    def _doubt(self) -> float:
+        return self.problem.cost(self.linear, "cauchy", self.width, self.kept)
 
     def read(self) -> tuple[Motor, NDArray[np.bool_]] | None:
         """The run's poses mirrored and which of them that explains; None where it is too few."""
-        linear = self.problem.narrowed("cauchy", self.width)
+        linear = self.linear
         marker = self._first_marker(self._expected(linear))
         if marker is None:
             return None
         everyone = np.ones(len(self.time_s), dtype=np.bool_)
         plain = self.problem.descended(linear, "cauchy", self.width, everyone, _ROUNDS)
-        marker, mirrored = self._refined(marker)
+        marker, mirrored, turned = self._refined(marker)
         before, after = (
             self.problem.cost(one, "cauchy", self.width, everyone) for one in (plain, mirrored)
         )
-        explained = mirrored.squares[self.run] < _EXPLAINED
+        explained = turned & (mirrored.squares[self.run] < _EXPLAINED)
         if np.count_nonzero(explained) < _SHORTEST or before - after < _GAIN * _SHORTEST:
             return None
         return self._mirrored(marker), explained
 
     def _mirrored(self, marker: FloatArray) -> Motor:
-        normal = marker[3:] / np.linalg.norm(marker[3:])
-        return wrong_planar_pose(self.poses, marker[:3], normal)
+        """The run's poses ``(*, K)`` by markers ``(*, 6)``."""
+        normal = marker[..., 3:] / np.linalg.norm(marker[..., 3:], axis=-1, keepdims=True)
+        return wrong_planar_pose(self.poses, marker[..., None, :3], normal[..., None, :])
 
     def _expected(self, linear: Linear) -> _Expected:
         noise, density = (np.repeat(pair, 3) for pair in zip(*self.sizes[:2], strict=True))
         spread = _bridge_variance(self.time_s, self.run)[:, None]
         deviation = np.sqrt(2.0 * noise**2 + (_LIVELIER * density) ** 2 * spread)
-        return _Expected(Motor(linear.state.coordinates[self.run]), deviation)
+        return _Expected(self._poses_of(linear.state.coordinates[self.run]), deviation)
+
+    def _poses_of(self, coordinates: FloatArray) -> Motor:
+        return rigid_poses(self.problem.representation.poses(coordinates))
 
     def _first_marker(self, expected: _Expected) -> FloatArray | None:
         """The marker that explains the run best beside the path without it; None without leaps."""
@@ -136,38 +152,43 @@ class _Run:
         surest = np.argsort(expected.deviation[:, 3])[:_TRIED]
         thrown = np.sum(expected.vectors(self.poses)[surest] ** 2, axis=1) > _THROWN
         guesses = _markers(self.poses, expected, surest[thrown], self.sizes[0].noise)
-        if 2 * np.count_nonzero(thrown) < len(surest) or not guesses:
+        if 2 * np.count_nonzero(thrown) < len(surest) or not len(guesses):
             return None
 
         def vectors(marker: FloatArray) -> FloatArray:
-            return expected.vectors(self._mirrored(marker))[surest]
+            made = expected.vectors(self._mirrored(marker))[..., surest, :]
+            return made.reshape(*marker.shape[:-1], -1)
 
-        def charged(marker: FloatArray) -> float:
-            squares = np.sum(vectors(marker) ** 2, axis=1)
-            return float(np.sum(np.log1p(squares / self.width**2)))
+        def slopes(marker: FloatArray) -> FloatArray:
+            ahead, back = (vectors(marker + step * np.eye(6)) for step in (_STEP, -_STEP))
+            return np.asarray((ahead - back).T / (2.0 * _STEP), dtype=np.float64)
 
-        def numbers(marker: FloatArray) -> FloatArray:
-            return vectors(marker).ravel()
-
-        best = min(guesses, key=charged)
+        squares = np.sum(vectors(guesses).reshape(len(guesses), -1, 6) ** 2, axis=-1)
+        charged = np.sum(np.log1p(squares / self.width**2), axis=-1)
         fitted = scipy.optimize.least_squares(
-            numbers, best, loss="cauchy", f_scale=2.0, max_nfev=50
-        )
+            vectors, guesses[int(np.argmin(charged))], slopes, loss="cauchy", f_scale=2.0,
+            max_nfev=50,
+        )  # fmt: skip
         return np.asarray(fitted.x, dtype=np.float64)
 
-    def _refined(self, marker: FloatArray) -> tuple[FloatArray, Linear]:
-        """Marker and path together, by Gauss-Newton; the path's own unknowns are eliminated."""
+    def _refined(self, marker: FloatArray) -> tuple[FloatArray, Linear, NDArray[np.bool_]]:
+        """Marker and path together, by Gauss-Newton; the path's own unknowns are eliminated.
+
+        Every pose of the run is read anew each time, mirrored or as measured, whichever lies nearer
+        to the path: with the wrong candidates the chain may leave out right poses beside them.
+        """
         run, problem = self.run, self._with(marker)
         linear, among = problem.narrowed("cauchy", self.width), np.ones(len(self.time_s), np.bool_)
         for _ in range(_ROUNDS):
+            turned = self._read_anew(problem, marker, linear.state)
             linear = problem.linearised(linear.state)
             information = problem.information(linear, "cauchy", self.width, among)
             equations = problem.equations(linear, information)
             by_marker, ways = self._by_marker(marker, linear)
-            weighed = information[run, :, None] * by_marker
+            weighed = (turned[:, None] * information[run])[:, :, None] * by_marker
             pull = np.zeros((*equations.right.shape, len(ways)))
-            turned = np.swapaxes(linear.measured.by_target[run], 1, 2)
-            pull[run, : by_marker.shape[1]] = turned @ weighed
+            back = np.swapaxes(linear.measured.by_target[run], 1, 2)
+            pull[run, : by_marker.shape[1]] = back @ weighed
             alone, along = solved(equations, 0.0), solved(equations._replace(right=pull), 0.0)
             normal = np.einsum("nik,nil->kl", weighed, by_marker)
             normal -= np.einsum("nik,nil->kl", pull, along)
@@ -176,13 +197,25 @@ class _Run:
             step = np.linalg.lstsq(normal, right, rcond=1e-10)[0]
             marker = marker + step @ ways
             marker[3:] /= np.linalg.norm(marker[3:])
-            problem.measured[run] = self._mirrored(marker).coefficients
             linear = problem.linearised(problem.moved(linear.state, alone - along @ step))
-        return marker, linear
+        turned = self._read_anew(problem, marker, linear.state)
+        return marker, problem.linearised(linear.state), turned
+
+    def _read_anew(self, problem: Problem, marker: FloatArray, state: State) -> NDArray[np.bool_]:
+        """Put the run's poses into the problem as they lie nearest; which of them are mirrored."""
+        squares = []
+        for poses in (self.poses, self._mirrored(marker)):
+            problem.measure(self.run, poses)
+            squares.append(problem.linearised(state).squares[self.run])
+        turned = squares[1] <= squares[0]
+        mirrored = problem.measured[self.run].copy()
+        problem.measure(self.run, self.poses)
+        problem.measured[self.run][turned] = mirrored[turned]
+        return np.asarray(turned)
 
     def _with(self, marker: FloatArray) -> Problem:
         """The stretch with the run mirrored."""
-        coefficients = self.problem.measured.copy()
+        coefficients = np.array(rigid_poses(self.problem.poses).coefficients)
         coefficients[self.run] = self._mirrored(marker).coefficients
         poses = Motor(coefficients)
         kept = consistent_poses(self.time_s, poses, *self.sizes[:2])
@@ -193,16 +226,13 @@ class _Run:
         across = np.linalg.svd(marker[None, 3:])[2][1:]
         ways = np.block([[np.eye(3), np.zeros((3, 3))], [np.zeros((2, 3)), across]])
         here = linear.state.coordinates[self.run]
-        columns = []
-        for way in ways:
-            ahead, back = (
-                self.problem.representation.difference(
-                    here, self._mirrored(marker + step * way).coefficients
-                )
-                for step in (_STEP, -_STEP)
+        ahead, back = (
+            self.problem.representation.difference(
+                here, self.problem.representation.coordinates(self._mirrored(marker + step * ways))
             )
-            columns.append((ahead - back) / (2.0 * _STEP))
-        return np.stack(columns, axis=-1), ways
+            for step in (_STEP, -_STEP)
+        )
+        return np.moveaxis((ahead - back) / (2.0 * _STEP), 0, -1), ways
 
 
 def _bridge_variance(time_s: FloatArray, run: slice) -> FloatArray:
@@ -216,10 +246,8 @@ def _bridge_variance(time_s: FloatArray, run: slice) -> FloatArray:
     return np.asarray((1.0 / before + 1.0 / behind) ** -3.0 / 3.0, dtype=np.float64)
 
 
-def _markers(
-    poses: Motor, expected: _Expected, rows: IntArray, noise_rad: float
-) -> list[FloatArray]:
-    """Centres and normals ``(6,)`` that explain single poses of a run."""
+def _markers(poses: Motor, expected: _Expected, rows: IntArray, noise_rad: float) -> FloatArray:
+    """Centres and normals ``(M, 6)`` that explain single poses of a run."""
     made = []
     for row in rows:
         leap = poses[row] @ expected.poses[row].inverse()
@@ -238,4 +266,4 @@ def _markers(
         for half in (0.5 * angle, -0.5 * angle):
             normal = Rotor.from_rotation_vector(half * axis).apply(away / distance)
             made.append(np.concatenate([centre, normal]))
-    return made
+    return np.array(made).reshape(-1, 6)

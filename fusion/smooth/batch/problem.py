@@ -62,15 +62,23 @@ class Problem:
     def narrowed(self, loss: str, width: float) -> Linear:
         """The path of the poses to start from alone, by a loss that narrows down to its width."""
         guess = self._first_guess()
-        follow = self.representation.following
-        pairs = zip(self.measured, guess.coordinates, strict=True)
-        self.measured = np.stack([follow(theirs, ours) for theirs, ours in pairs])
+        self.measured = self.written(self.poses, guess.coordinates)
         linear = self.linearised(guess)
         wide = _WIDEST * width
         while loss != "squares" and wide > width:
             linear = self.descended(linear, loss, wide, self.start, steps=3)
             wide *= 0.5
         return linear
+
+    def written(self, poses: Motor | Similarity, near: FloatArray) -> FloatArray:
+        """Coordinates of poses ``(K,)``, on the branches nearest to others ``(K, D)``."""
+        follow = self.representation.following
+        pairs = zip(self.representation.coordinates(poses), near, strict=True)
+        return np.stack([follow(theirs, ours) for theirs, ours in pairs])
+
+    def measure(self, rows: slice, poses: Motor | Similarity) -> None:
+        """Put other measured poses into some rows."""
+        self.measured[rows] = self.written(poses, self.measured[rows])
 
     def _first_guess(self) -> State:
         """The poses to start from, and what lies between them."""

@@ -18,12 +18,13 @@ from wide to its own width (graduated non-convexity: A. Blake, A. Zisserman, Vis
 Runs of wrong poses that are a flat marker's other candidate are mirrored back (see `mirrored`).
 Across any other run of wrong poses nothing is known but the motion model, so that the error there
 grows with the length of the run. A path that leaps for good, as when a map is corrected, is torn
-smooth. Time is linear in the poses, and some 13 KiB a pose are needed: the normal equations and
-their band alone are 5, so that long recordings are better estimated a part at a time.
+smooth. Long paths are estimated in parts that overlap (see `parts`), so that time is linear
+in the poses and memory is some hundred bytes a pose.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,7 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.smooth.batch.consistent import Sizes, consistent_poses
 from motorcade.fusion.smooth.batch.mirrored import mirrored_back
+from motorcade.fusion.smooth.batch.parts import parts
 from motorcade.fusion.smooth.batch.problem import (
     LAST_STEPS,
     Problem,
@@ -151,7 +153,37 @@ def estimate_path(
         Sizes(noise_m, acceleration_m_s2),
         Sizes(noise_scale, scale_acceleration_s2),
     )
-    return _estimated(in_double(trajectory), chosen, sizes, loss, width)
+    trajectory = in_double(trajectory)
+    made: list[RobustPath] = []
+    for part in parts(trajectory.time_s, sizes):
+        found = _estimated(trajectory[part.rows], chosen, sizes, loss, width)
+        last = made[-1].velocity[-1] if made else None
+        made.append(_kept(found, part.kept, last, chosen.signed))
+    return made[0] if len(made) == 1 else _joined(made, trajectory)
+
+
+def _kept(found: RobustPath, rows: slice, last: FloatArray | None, signed: int) -> RobustPath:
+    """Some rows in memory of their own; components of free sign go on from the `last` velocity."""
+    velocity = found.velocity[rows].copy()
+    if signed and last is not None:
+        before = found.velocity[rows.start - 1]
+        if np.sum(before[:signed] * last[:signed]) < 0.0:
+            velocity[:, :signed] *= -1.0
+    poses = type(found.trajectory.poses)(found.trajectory.poses[rows].coefficients.copy())
+    like = found.trajectory
+    beside = (one[rows].copy() for one in (found.weight, found.distance, found.mirrored))
+    kept = Trajectory(like.time_ns[rows], poses, like.parent, like.child)
+    return RobustPath(kept, *beside, velocity)
+
+
+def _joined(found: Sequence[RobustPath], like: Trajectory) -> RobustPath:
+    poses = [one.trajectory.poses.coefficients for one in found]
+    kind = type(found[0].trajectory.poses)
+    return RobustPath(
+        Trajectory(like.time_ns, kind(np.concatenate(poses)), like.parent, like.child),
+        *(np.concatenate([getattr(one, name) for one in found])
+          for name in ("weight", "distance", "mirrored", "velocity")),
+    )  # fmt: skip
 
 
 def _estimated(

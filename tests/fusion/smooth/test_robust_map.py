@@ -10,6 +10,7 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips
 from motorcade.fusion.smooth import REPRESENTATIONS, smooth
 from motorcade.fusion.smooth.batch import charts, estimate_path
+from motorcade.fusion.smooth.batch import parts as parts_module
 from motorcade.fusion.smooth.batch.charts import Chart
 from motorcade.fusion.smooth.batch.consistent import Sizes, bridged, consistent_poses
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
@@ -21,6 +22,8 @@ MODEL = {
     "acceleration_m_s2": 0.3,
     "angular_acceleration_rad_s2": 0.6,
 }
+
+SIZES = Sizes(MODEL["noise_rad"], 0.6), Sizes(MODEL["noise_m"], 0.3)
 
 
 def measured(
@@ -235,3 +238,23 @@ def test_what_is_missing_is_named_with_the_extra_that_brings_it(
     with pytest.raises(ModuleNotFoundError, match=r'pip install "motorcade\[pipeline\]"'):
         smooth(path, "robust_map")
     charts._derived.cache_clear()
+
+
+# Components are put back onto the sphere after each step, and settle less sharply.
+@pytest.mark.parametrize(("representation", "close"), [("motor", 1e-6), ("quaternion", 1e-5)])
+def test_parts_of_a_long_path_are_what_the_whole_is(
+    representation: str, close: float, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, _, spoiled = measured("handheld", rng, duration_s=20.0)
+    whole = estimate_path(spoiled, representation, **MODEL)
+    monkeypatch.setattr(parts_module, "_FEWEST_KEPT", 200)
+    monkeypatch.setattr(parts_module, "_REJECTED_POSES", 60)
+    cut = list(parts_module.parts(spoiled.time_s, SIZES))
+    assert len(cut) == 3
+    assert [row for part in cut for row in range(601)[part.rows][part.kept]] == list(range(601))
+    joined = estimate_path(spoiled, representation, **MODEL)
+    apart = (whole.trajectory.poses.inverse() @ joined.trajectory.poses).as_twist()
+    assert np.abs(apart).max() < close
+    np.testing.assert_allclose(joined.velocity, whole.velocity, atol=20.0 * close)
+    np.testing.assert_array_equal(joined.mirrored, whole.mirrored)
+    np.testing.assert_allclose(joined.weight, whole.weight, atol=20.0 * close)
