@@ -10,7 +10,8 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Trajectory
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.replays.stages.camera_poses import camera_poses
-from motorcade.tracking.slam import SlamResult, VisualSlam
+from motorcade.replays.textured_room import scenario
+from motorcade.tracking.slam import SlamResult, SlamSettings, VisualSlam
 
 MANIFESTS = Path(__file__).parents[2] / "docs" / "manifests"
 
@@ -69,6 +70,28 @@ def test_a_checkerboard_without_knowing_it(data_dir: Path) -> None:
     assert len(result.trajectory) == 250
     assert ape_m(result.online, recording, "sim3") <= 0.003
     assert ape_m(result.trajectory, recording, "sim3") <= 0.002
+
+
+@pytest.mark.slow
+def test_closing_a_loop_takes_out_two_thirds_of_the_drift_and_more() -> None:
+    made = scenario("loop")
+    assert made.sensor.depth_noise_px > 0.0
+    slams = [
+        VisualSlam(made.sensor.camera, SlamSettings(close_loops=closed)) for closed in (True, False)
+    ]
+    truth = made.truth()
+    for time_ns, view in zip(truth.time_ns.tolist(), made.views(), strict=True):
+        for slam in slams:
+            assert slam.track(time_ns, view.gray, view.depth_m).state == "tracking"
+    closed, left_open = (slam.finish() for slam in slams)
+    assert closed.loops > 0
+    assert left_open.loops == 0
+    errors = []
+    for result in (closed, left_open):
+        assert result.trajectory is not None
+        assert len(result.trajectory) == len(truth)
+        errors.append(evaluate(result.trajectory, truth, align="se3").ape_m.rmse)
+    assert 3.0 * errors[0] <= errors[1], errors
 
 
 @pytest.mark.slow
