@@ -25,8 +25,9 @@ from motorcade.animation.formats.rig.curves import (
     stepped,
     with_times,
 )
+from motorcade.animation.formats.rig.joints import HELPER
 from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.animation.formats.rig.values import RigClip
+from motorcade.animation.formats.rig.values import NodeTree, RigClip
 from motorcade.ga import FloatArray, IntArray
 
 __all__ = ["read_animations"]
@@ -90,6 +91,7 @@ def _clip(given: dict[str, Any], groups: list[_Group], nodes: Nodes) -> RigClip:
     wxyz, places, scales = nodes.parts
     blocks = nodes.tree.rest.blocks
     moved = np.unique(np.concatenate([group.nodes for group in groups]))
+    dropped = _replaced_helpers(nodes.tree, moved)
 
     def at(wanted: FloatArray) -> Transforms:
         parts = {
@@ -102,11 +104,14 @@ def _clip(given: dict[str, Any], groups: list[_Group], nodes: Nodes) -> RigClip:
             if group.path == "rotation":
                 values = values[..., [3, 0, 1, 2]]
             parts[group.path][:, group.nodes] = values
+        parts["rotation"][:, dropped] = (1.0, 0.0, 0.0, 0.0)
+        parts["translation"][:, dropped] = 0.0
+        parts["scale"][:, dropped] = 1.0
         made = Transforms.from_parts(parts["rotation"], parts["translation"], parts["scale"])
         if blocks is None:
             return made
         own = np.array(made.as_blocks())
-        still = np.setdiff1d(np.arange(len(wxyz)), moved)
+        still = np.setdiff1d(np.arange(len(wxyz)), np.union1d(moved, dropped))
         own[:, still] = blocks[still]
         return Transforms(made.wxyz, made.translation, made.scale, own)
 
@@ -120,6 +125,25 @@ def _clip(given: dict[str, Any], groups: list[_Group], nodes: Nodes) -> RigClip:
         looped=isinstance(extras, dict) and extras.get("looped") is True,
         key_count=count,
     )
+
+
+def _replaced_helpers(tree: NodeTree, moved: IntArray) -> IntArray:
+    """Helper nodes whose transforms an animation of their joint already contains.
+
+    Files made from FBX put a joint's pivots and rotations into helper nodes above it. An animation
+    then moves these helpers, or else the joint itself by all that they and it do together.
+    """
+    parents, moving = tree.parents.tolist(), set(moved.tolist())
+    dropped: list[int] = []
+    for node in moving:
+        helpers = []
+        above = parents[node]
+        while above >= 0 and tree.names[above].startswith(tree.names[node] + HELPER):
+            helpers.append(above)
+            above = parents[above]
+        if helpers and not moving.intersection(helpers):
+            dropped += helpers
+    return np.array(sorted(dropped), dtype=np.int64)
 
 
 class _Reader:

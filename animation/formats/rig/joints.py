@@ -15,7 +15,7 @@ from motorcade.animation.formats.limits import MAX_NODES, check_count
 from motorcade.animation.formats.rig.values import NodeTree, Rig
 from motorcade.ga import IntArray
 
-__all__ = ["Joints", "joints_of", "nearest_joints"]
+__all__ = ["HELPER", "Joints", "joints_of", "nearest_joints"]
 
 HELPER = "_$AssimpFbx$_"
 """Part of the names of nodes into which an FBX joint is taken apart on export."""

@@ -52,8 +52,8 @@ class Sampler:
         joints: which of them are joints.
         world: how the file's world lies in character space.
         height_m: of the figure; tolerances are shares of it.
-        watched: (J,) whether a joint's path between keys matters: controls that carry nothing
-            may part.
+        watched: (J,) whether a joint carries anything: controls that carry nothing may part
+            further.
     """
 
     tree: NodeTree
@@ -112,14 +112,16 @@ class Sampler:
         """Into how many parts (F,) the step after each sample must go; 1 at the ends of clips."""
         parts = np.ones(len(poses.scale), dtype=np.int64)
         if len(parts) > 1:
-            watched = np.flatnonzero(self.watched)
-            parts[:-1] = parts_of_steps(
-                poses.wxyz[:, watched],
-                poses.translation_m[:, watched],
-                poses.scale[:, watched],
-                self.height_m,
-                tolerance,
-            )
+            for held, allowed in ((self.watched, tolerance), (~self.watched, 4.0 * tolerance)):
+                some = np.flatnonzero(held)
+                own = parts_of_steps(
+                    poses.wxyz[:, some],
+                    poses.translation_m[:, some],
+                    poses.scale[:, some],
+                    self.height_m,
+                    allowed,
+                )
+                np.maximum(parts[:-1], own, out=parts[:-1])
         for number in self._curved(clips):
             if len(times[number]) > 1:
                 where = slice(starts[number], starts[number + 1] - 1)
@@ -173,7 +175,7 @@ def parts_of_steps(
     """
     cosine = np.abs(np.einsum("fji,fji->fj", wxyz[1:], wxyz[:-1]))
     step = np.diff(translation_m, axis=0)
-    # d² θ² with θ² < 8.7 (1 - cos(θ/2)), the worst being at θ = π.
+    # d² θ² with θ² < 9.9 (1 - cos(θ/2)) up to θ = π.
     squares = np.einsum("fji,fji->fj", step, step) * 9.9 * (1.0 - np.minimum(cosine, 1.0))
     apart = np.sqrt(squares.max(axis=-1, initial=0.0))
     growth = np.diff(np.log(np.abs(scale)), axis=0)

@@ -198,3 +198,17 @@ def test_arnaud_is_as_tall_as_a_man(rigs: Path) -> None:
     made = read_character(rigs / "arnaud/arnaud_fbx.glb")
     assert 1.7 < made.height_m < 1.9
     assert any("centimetre" in notice for notice in made.notices)
+
+
+@pytest.mark.parametrize(("name", "speed"), [("walk", 1.2), ("jog", 2.0), ("run", 2.7)])
+def test_arnaud_moves_upright_and_ahead(rigs: Path, name: str, speed: float) -> None:
+    """Exported helpers hold what the joint's own keys contain too: they must not count twice."""
+    motion = read_motion(rigs / "arnaud" / f"{name}_fbx.glb")
+    clip = motion.clips[0]
+    world = motion.skeleton.world(clip.at(np.linspace(0.0, clip.duration_s, 60))).translation_m
+    head, hips = (world[:, motion.skeleton.index(joint)] for joint in ("Head", "Pelvis"))
+    assert np.all((head[:, 2] > 1.4) & (head[:, 2] < 1.8))
+    assert np.all(np.linalg.norm(head[:, :2] - hips[:, :2], axis=1) < 0.4)
+    steps = np.diff(hips[:, 0]) / np.diff(np.linspace(0.0, clip.duration_s, 60))
+    assert steps.mean() > 0.8 * speed
+    assert np.abs(np.ptp(hips[:, 1])) < 0.15

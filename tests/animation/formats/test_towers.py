@@ -264,3 +264,23 @@ def test_texture_colours_come_from_the_nearest_pixel(write: Write, tmp_path: Pat
 def test_an_unknown_suffix_is_refused_with_those_that_are_known(write: Write) -> None:
     with pytest.raises(FormatError, match=r"suffix: expected one of \.glb, .*got \.obj"):
         read_character(write("tower.obj", b"v 0 0 0"))
+
+
+@pytest.mark.parametrize("moved", ["joint", "helper"])
+def test_keys_of_a_joint_replace_its_fbx_helpers_and_keys_of_helpers_do_not(
+    write: Write, moved: str
+) -> None:
+    made = samples.gltf_tower()
+    nodes = made.document["nodes"]
+    nodes[1]["children"] = [4]
+    nodes.append({"name": "top_$AssimpFbx$_Translation", "translation": [0.0, 1.0, 0.0],
+                  "children": [2]})  # fmt: skip
+    nodes[2]["translation"] = [0.0, 0.0, 0.0]
+    node, place = (2, [0.0, 1.5, 0.0]) if moved == "joint" else (4, [0.0, 1.5, 0.0])
+    samples.animate(
+        made, "lift", made.add([0.0, 1.0]),
+        {(node, "translation"): made.add([[0.0, 1.0, 0.0], place])},
+    )  # fmt: skip
+    character = read_character(write("helpers.glb", made.glb()))
+    world = character.skeleton.world(character.clip("lift").at([0.0, 1.0]))
+    np.testing.assert_allclose(world.translation_m[:, 1, 2], [1.0, 1.5], atol=1e-6)
