@@ -30,7 +30,7 @@ def test_every_point_finds_its_corner_and_only_that(rng: np.random.Generator) ->
 def test_what_lies_elsewhere_or_looks_different_is_no_match(rng: np.random.Generator) -> None:
     px = rng.uniform(20.0, 600.0, (COUNT, 2))
     descriptors = rng.integers(0, 256, (COUNT, 32)).astype(np.uint8)
-    far = Corners(px + (0.0, 4.5), descriptors)
+    far = Corners(px + np.array([0.0, 4.5]), descriptors)
     assert not len(alike_where_expected(px[:1], descriptors[:1], far, 4.0)[0])
     other = Corners(px, _bits_changed(descriptors, rng, 90))
     assert not len(alike_where_expected(px, descriptors, other, 4.0)[0])
