@@ -167,10 +167,11 @@ def _derived(name: str) -> Callable[[FloatArray], Between]:
         given = np.ascontiguousarray(relative, dtype=np.float64)
         made = [np.empty((len(given), *shape)) for shape in ((size,), (size, size), (size, size))]
         # CasADi reads and writes these arrays as they are, column by column.
-        buffer, evaluate = mapped(len(given)).buffer()
-        buffer.set_arg(0, memoryview(given))
+        function_of_all: Any = mapped(len(given))
+        buffer, evaluate = function_of_all.buffer()
+        buffer.set_arg(0, given.data)
         for k, part in enumerate(made):
-            buffer.set_res(k, memoryview(part))
+            buffer.set_res(k, part.data)
         evaluate()
         return Between(made[0], made[1].swapaxes(1, 2), made[2].swapaxes(1, 2))
 

@@ -171,19 +171,21 @@ def _kept(found: RobustPath, rows: slice, last: FloatArray | None, signed: int) 
             velocity[:, :signed] *= -1.0
     poses = type(found.trajectory.poses)(found.trajectory.poses[rows].coefficients.copy())
     like = found.trajectory
-    beside = (one[rows].copy() for one in (found.weight, found.distance, found.mirrored))
     kept = Trajectory(like.time_ns[rows], poses, like.parent, like.child)
-    return RobustPath(kept, *beside, velocity)
+    weight, distance = found.weight[rows].copy(), found.distance[rows].copy()
+    return RobustPath(kept, weight, distance, found.mirrored[rows].copy(), velocity)
 
 
 def _joined(found: Sequence[RobustPath], like: Trajectory) -> RobustPath:
-    poses = [one.trajectory.poses.coefficients for one in found]
     kind = type(found[0].trajectory.poses)
+    poses = kind(np.concatenate([one.trajectory.poses.coefficients for one in found]))
     return RobustPath(
-        Trajectory(like.time_ns, kind(np.concatenate(poses)), like.parent, like.child),
-        *(np.concatenate([getattr(one, name) for one in found])
-          for name in ("weight", "distance", "mirrored", "velocity")),
-    )  # fmt: skip
+        Trajectory(like.time_ns, poses, like.parent, like.child),
+        np.concatenate([one.weight for one in found]),
+        np.concatenate([one.distance for one in found]),
+        np.concatenate([one.mirrored for one in found]),
+        np.concatenate([one.velocity for one in found]),
+    )
 
 
 def _estimated(

@@ -250,7 +250,7 @@ def test_parts_of_a_long_path_are_what_the_whole_is(
     monkeypatch.setattr(parts_module, "_FEWEST_KEPT", 200)
     monkeypatch.setattr(parts_module, "_REJECTED_POSES", 60)
     cut = list(parts_module.parts(spoiled.time_s, SIZES))
-    assert len(cut) == 3
+    assert len(cut) == 2
     assert [row for part in cut for row in range(601)[part.rows][part.kept]] == list(range(601))
     joined = estimate_path(spoiled, representation, **MODEL)
     apart = (whole.trajectory.poses.inverse() @ joined.trajectory.poses).as_twist()
