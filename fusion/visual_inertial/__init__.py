@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from motorcade.fusion.visual_inertial.observations import LandmarkObservations
+from motorcade.fusion.visual_inertial.sequence import FusedMap, fuse_map
 from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
 from motorcade.fusion.visual_inertial.tight import VisualInertial, adjust_visual_inertial
 
 __all__ = [
+    "FusedMap",
     "InertialStart",
     "LandmarkObservations",
     "VisualInertial",
     "adjust_visual_inertial",
+    "fuse_map",
     "start_inertial",
 ]

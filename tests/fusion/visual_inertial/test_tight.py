@@ -14,10 +14,13 @@ from motorcade.fusion.visual_inertial import (
     LandmarkObservations,
     VisualInertial,
     adjust_visual_inertial,
+    fuse_map,
     start_inertial,
 )
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
 from motorcade.tracking import Camera
+from motorcade.tracking.slam import SlamResult
+from motorcade.tracking.slam.mapping.map import MapSnapshot
 
 MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
 CAMERA = Camera(640, 480, 400.0, 400.0, 320.0, 240.0, "radtan", (-0.1, 0.02, 0.0, 0.0))
@@ -150,3 +153,42 @@ def test_bad_input_is_refused(scene: Scene):
             scene.keyframes, scene.landmarks_m, seen, CAMERA, scene.imu, ADIS16448, MOUNT,
             sigma_px=0.0,
         )  # fmt: skip
+
+
+def test_a_run_of_slam_becomes_a_metric_path_through_darkness(scene: Scene):
+    """Poses at 20 Hz in units of 0.27 of a metre, none for a second in the middle."""
+    rng = np.random.default_rng(8)
+    visual = Similarity.from_motor_scale(
+        Motor.from_euler_translation(np.array([0.4, 0.3, 1.0]), np.array([1.0, 2.0, 3.0])), 0.27
+    )
+
+    def in_units(path: Trajectory) -> Trajectory:
+        turned, places = visual.rotor @ path.motors.rotor, visual.apply(path.motors.translation_m)
+        return Trajectory(path.time_ns, Motor.from_rotor_translation(turned, places))
+
+    truth = MOTIONS["handheld"].sampled(20.0, 8.0).transformed_by(right=MOUNT)
+    noise = rng.standard_normal((len(truth), 6)) * np.repeat([0.001, 0.003], 3)
+    seen = (truth.time_s < 4.0) | (truth.time_s >= 5.0)
+    frames = in_units(truth.transformed_by(right=Motor.from_twist(noise))[seen])
+    keyframes, observed = in_units(scene.keyframes), scene.observations
+    straight = CAMERA.straighten(observed.px)
+    count = len(scene.landmarks_m)
+    snapshot = MapSnapshot(
+        keyframes.time_ns, keyframes.motors, visual.apply(scene.landmarks_m),
+        np.zeros((count, 32), np.uint8), observed.keyframe, observed.landmark, straight,
+        np.full(len(observed), np.nan), False,
+    )  # fmt: skip
+    spread = np.diag(np.repeat([0.001, 0.003 * 0.27], 3) ** 2)
+    result = SlamResult(
+        frames, np.tile(spread, (len(frames), 1, 1)), truth.time_ns,
+        tuple("tracking" if one else "lost" for one in seen), None, snapshot, False, 0, {},
+    )  # fmt: skip
+    found = fuse_map(result, CAMERA, scene.imu, ADIS16448, MOUNT)
+    np.testing.assert_array_equal(found.fused.trajectory.time_ns, truth.time_ns)
+    judged = evaluate(found.fused.trajectory, truth, align="se3")
+    assert judged.ape_m.rmse < 0.01
+    assert judged.ape_m.max < 0.03
+    scaled = evaluate(found.keyframes.trajectory, scene.keyframes, align="sim3")
+    assert scaled.scale == pytest.approx(1.0, abs=0.01)
+    with pytest.raises(ValueError, match="found poses"):
+        fuse_map(replace(result, trajectory=None), CAMERA, scene.imu, ADIS16448, MOUNT)

@@ -1,0 +1,102 @@
+"""`fuse_map`: what monocular SLAM left behind, and an IMU, made one metric path through darkness.
+
+Start, adjustment of keyframes and points, and the filter for the frames between and where the
+camera saw nothing, one after the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.fusion.filter import Fused, fuse
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.visual_inertial.observations import LandmarkObservations
+from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
+from motorcade.fusion.visual_inertial.tight import VisualInertial, adjust_visual_inertial
+from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.tracking.camera import Camera
+from motorcade.tracking.measurements import PoseMeasurements
+from motorcade.tracking.slam import SlamResult
+
+__all__ = ["FusedMap", "fuse_map"]
+
+# No frame is surer than this, whatever its corners say: the keyframes it hangs on are not.
+_FLOOR = np.repeat([1e-3, 2e-3], 3) ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class FusedMap:
+    """The path at all stamps, the keyframes and points under it, and what they started from."""
+
+    fused: Fused
+    keyframes: VisualInertial
+    start: InertialStart
+
+
+def fuse_map(
+    result: SlamResult,
+    camera: Camera,
+    imu: ImuStream,
+    noise: ImuNoise,
+    imu_T_camera: Motor,
+    stamps_ns: IntArray | None = None,
+) -> FusedMap:
+    """Fuse a finished run of visual SLAM with an IMU.
+
+    Args:
+        result: one map, its unit free or metres; frames without a pose are bridged.
+        camera: what SLAM ran with.
+        imu: the stream, on the camera's clock; frames outside it are left out.
+        noise: its densities and walks.
+        imu_T_camera: pose of the camera on the IMU.
+        stamps_ns: where the path is wanted; by default at all frames from the first pose on.
+
+    Raises:
+        ValueError: a run without poses, or what `start_inertial` and `fuse` refuse.
+    """
+    path, snapshot = result.trajectory, result.map
+    if path is None:
+        raise ValueError("result: expected a run of SLAM that found poses, got none")
+    start = start_inertial(path, imu, noise, imu_T_camera)
+    inside = (snapshot.time_ns >= imu.time_ns[0]) & (snapshot.time_ns <= imu.time_ns[-1])
+    own = Trajectory(snapshot.time_ns[inside], snapshot.world_T_camera[inside])
+    before = start.in_metres(own)
+    seen = inside[snapshot.keyframe_of]
+    rows = np.cumsum(inside) - 1
+    keyframes = adjust_visual_inertial(
+        before, start.world_T_visual.apply(snapshot.points),
+        LandmarkObservations(rows[snapshot.keyframe_of[seen]], snapshot.point_of[seen],
+                             snapshot.px[seen]),
+        camera.undistorted(), imu, noise, imu_T_camera,
+    )  # fmt: skip
+    scale = float(start.world_T_visual.scale) * _spread(keyframes.trajectory) / _spread(before)
+    measured = _carried(path, result.covariance, own, keyframes.trajectory.motors, scale)
+    wanted = np.asarray(result.time_ns) if stamps_ns is None else stamps_ns
+    return FusedMap(fuse(measured, imu, noise, imu_T_camera, wanted), keyframes, start)
+
+
+def _spread(path: Trajectory) -> float:
+    """RMS distance of positions from their mean, metres."""
+    places = path.motors.translation_m
+    return float(np.sqrt(np.mean(np.sum((places - places.mean(axis=0)) ** 2, axis=-1))))
+
+
+def _carried(
+    path: Trajectory, covariance: FloatArray, own: Trajectory, adjusted: Motor, scale: float
+) -> PoseMeasurements:
+    """Frames hung on the adjusted keyframes as they hung on the map's own."""
+    after = np.clip(np.searchsorted(own.time_ns, path.time_ns), 1, max(1, len(own) - 1))
+    nearer = path.time_ns - own.time_ns[after - 1] < own.time_ns[after] - path.time_ns
+    row = np.where(nearer, after - 1, after)
+    relative = own.motors[row].inverse() @ path.motors
+    metric = Motor.from_rotor_translation(relative.rotor, scale * relative.translation_m)
+    units = np.repeat([1.0, scale], 3)
+    spread = units[:, None] * covariance * units + np.diag(_FLOOR)
+    poses = adjusted[row] @ metric
+    return PoseMeasurements(
+        Trajectory(path.time_ns, poses, "world", "camera"),
+        0.5 * (spread + spread.swapaxes(-1, -2)),
+    )
