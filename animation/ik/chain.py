@@ -1,0 +1,124 @@
+"""Chains of a skeleton brought to points: joints turn by the least that lays their bones there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.animation.ik.fabrik import fabrik
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
+
+__all__ = ["Chain", "laid_along", "reach_with", "shortest_turn"]
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Joints from a base to an end, each the parent of the next, with limits.
+
+    Args:
+        joints: names, base first, two or more.
+        max_bend_rad: the angle that the bones at each inner joint may make at most: one number, or
+            one for each.
+
+    Raises:
+        ValueError: fewer than two joints.
+    """
+
+    joints: tuple[str, ...]
+    max_bend_rad: float | tuple[float, ...] = float(np.pi)
+
+    def __post_init__(self) -> None:
+        if len(self.joints) < 2:
+            raise ValueError(f"Chain.joints: expected two or more, got {self.joints}")
+
+    def numbers(self, skeleton: Skeleton) -> list[int]:
+        """Numbers of the joints in a skeleton.
+
+        Raises:
+            ValueError: a joint that it does not have, or one whose parent is not the one before.
+        """
+        numbers = [skeleton.index(name) for name in self.joints]
+        for above, below in pairwise(numbers):
+            if skeleton.parents[below] != above:
+                raise ValueError(
+                    f"Chain.joints: expected '{skeleton.names[above]}' to be the parent of "
+                    f"'{skeleton.names[below]}'"
+                )
+        return numbers
+
+
+def reach_with(
+    skeleton: Skeleton, local_pose: Motor, chain: Chain, target_m: ArrayLike
+) -> tuple[Motor, FloatArray]:
+    """Bring the end of a chain to a target; all other joints keep their local poses.
+
+    Args:
+        skeleton: with J joints.
+        local_pose: Motor ``(*, J)``.
+        chain: which joints turn, all but the last.
+        target_m: ``(*, 3)`` in character space.
+
+    Returns:
+        local poses ``(*, J)``, and the distance ``(*)`` of the end from the target in metres.
+
+    Raises:
+        ValueError: a chain that is none of the skeleton, shapes that do not fit.
+    """
+    numbers = chain.numbers(skeleton)
+    goal = checked_floats(target_m, "reach_with(target_m)", (3,))
+    start = skeleton.world(local_pose).translation_m[..., numbers, :]
+    solved = fabrik(start, goal, chain.max_bend_rad)
+    return laid_along(skeleton, local_pose, numbers, solved.points), solved.error_m
+
+
+def laid_along(
+    skeleton: Skeleton, local_pose: Motor, numbers: Sequence[int], points_m: FloatArray
+) -> Motor:
+    """Turn a chain's joints so that its bones lie along points; the first joint stays.
+
+    Args:
+        skeleton: with J joints.
+        local_pose: Motor ``(*, J)``.
+        numbers: N joints of the chain, base first.
+        points_m: ``(*, N, 3)`` in character space, as far apart as the bones are long.
+
+    Returns:
+        local poses ``(*, J)``.
+    """
+    world = skeleton.world(local_pose)
+    batch = np.broadcast_shapes(world.shape[:-1], points_m.shape[:-2])
+    poses = np.broadcast_to(local_pose.coefficients, (*batch, *local_pose.coefficients.shape[-2:]))
+    poses = poses.copy()
+    parent = int(skeleton.parents[numbers[0]])
+    above = world[..., parent].rotor if parent >= 0 else Rotor.identity()
+    at = world.translation_m
+    for k, joint in enumerate(numbers[:-1]):
+        bone = at[..., numbers[k + 1], :] - at[..., joint, :]
+        turned = shortest_turn(bone, points_m[..., k + 1, :] - points_m[..., k, :])
+        rotor = turned @ world[..., joint].rotor
+        shift = local_pose[..., joint].translation_m
+        made = Motor.from_rotor_translation(above.inverse() @ rotor, shift)
+        poses[..., joint, :] = Motor.normalize(made.coefficients).coefficients
+        above = rotor
+    return Motor(poses)
+
+
+def shortest_turn(start: FloatArray, end: FloatArray) -> Rotor:
+    """The least rotors ``(*)`` that turn vectors ``(*, 3)`` along others, of any lengths.
+
+    Of vectors of no length, none; of opposite ones, half a turn about some axis across.
+    """
+    axis = np.cross(start, end)
+    sine = np.linalg.norm(axis, axis=-1, keepdims=True)
+    cosine = np.sum(start * end, axis=-1, keepdims=True)
+    across = np.cross(start, np.where(np.abs(start[..., :1]) < 0.5 * np.linalg.norm(
+        start, axis=-1, keepdims=True), [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))  # fmt: skip
+    size = np.linalg.norm(across, axis=-1, keepdims=True)
+    spare = across / np.where(size > 0.0, size, 1.0)
+    unit = np.where(sine > 0.0, axis / np.where(sine > 0.0, sine, 1.0), spare)
+    return Rotor.from_rotation_vector(np.arctan2(sine, cosine) * unit)

@@ -1,0 +1,181 @@
+"""Feet on the ground: stances found in a motion, held where they are, and nothing below ground.
+
+A foot in stance does not slide: over each stance its ball is held at one place of the world, and
+what that takes is faded in and out over the swings between. Then the leg is bent to it, the foot
+keeping its orientation, and the hips are lowered where a leg would not reach.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation.ik.two_bone import bend_limb
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, Motor
+
+__all__ = ["Ground", "Leg", "find_stances", "plant_feet"]
+
+# A stance: lower than this share of the foot's lift, and slower than this share of its fastest.
+LOW, SLOW = 0.25, 0.35
+SHORTEST_STANCE_S = 0.08
+# Legs are kept a little bent, so that knees do not snap.
+STRETCH = 0.998
+
+
+@dataclass(frozen=True)
+class Leg:
+    """The joints of a leg.
+
+    Args:
+        hip, knee, ankle: each the parent of the next.
+        ball: what touches the ground last; by default the ankle.
+    """
+
+    hip: str
+    knee: str
+    ankle: str
+    ball: str = ""
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Heights of the ground.
+
+    Args:
+        height_m: takes positions ``(*, 2)`` of the world's x and y, gives heights ``(*)``; flat at
+            z = 0 by default.
+    """
+
+    height_m: Callable[[FloatArray], FloatArray] = lambda at: np.zeros(at.shape[:-1])
+
+
+def find_stances(positions_m: FloatArray, time_s: FloatArray) -> NDArray[np.bool_]:
+    """Where a foot stands: low and slow, ``(F,)``, for at least 0.08 s at a time.
+
+    Args:
+        positions_m: ``(F, 3)`` of the ball in the world.
+        time_s: ``(F,)`` rising.
+    """
+    height = positions_m[:, 2]
+    speed = np.linalg.norm(np.gradient(positions_m, time_s, axis=0), axis=1)
+    low = height <= height.min() + LOW * np.ptp(height) + 1e-9
+    standing: NDArray[np.bool_] = low & (speed <= SLOW * speed.max() + 1e-9)
+    for start, end in _runs(standing):
+        if time_s[end - 1] - time_s[start] < SHORTEST_STANCE_S:
+            standing[start:end] = False
+    return standing
+
+
+def plant_feet(
+    skeleton: Skeleton,
+    time_s: FloatArray,
+    poses: Motor,
+    legs: Sequence[Leg],
+    *,
+    world_T_character: Motor | None = None,
+    ground: Ground | None = None,
+    stances: Sequence[NDArray[np.bool_]] | None = None,
+) -> Motor:
+    """The motion with feet that neither slide nor sink.
+
+    Args:
+        skeleton: with J joints; its soles are at z = 0 in the rest pose.
+        time_s: ``(F,)`` rising seconds.
+        poses: Motor ``(F, J)``, local poses.
+        legs: which are planted.
+        world_T_character: Motor ``(F,)``, where the character goes; by default it stays.
+        ground: on which it walks.
+        stances: ``(F,)`` for each leg; found in the motion by default.
+
+    Returns:
+        local poses ``(F, J)``.
+
+    Raises:
+        ValueError: joints that are no leg, shapes that do not fit.
+    """
+    if poses.shape != (len(time_s), len(skeleton)):
+        raise ValueError(
+            f"plant_feet(poses): expected shape ({len(time_s)}, {len(skeleton)}), got {poses.shape}"
+        )
+    way = Motor.identity((len(time_s),)) if world_T_character is None else world_T_character
+    floor = Ground() if ground is None else ground
+    world = way.reshape(-1, 1) @ skeleton.world(poses)
+    targets = []
+    for index, leg in enumerate(legs):
+        ankle, ball = (skeleton.index(name) for name in (leg.ankle, leg.ball or leg.ankle))
+        at = world[:, ball].translation_m
+        standing = find_stances(at, time_s) if stances is None else stances[index]
+        sole = float(skeleton.rest_world[ball].translation_m[2])
+        shift = _holding(at, time_s, standing, floor, sole)
+        targets.append(world[:, ankle].translation_m + shift)
+    inside = way.inverse()
+    local = [inside.apply(target) for target in targets]
+    made = _lowered(skeleton, poses, legs, local)
+    for leg, target in zip(legs, local, strict=True):
+        made = bend_limb(skeleton, made, (leg.hip, leg.knee, leg.ankle), target)
+    return made
+
+
+def _holding(
+    at: FloatArray, time_s: FloatArray, standing: NDArray[np.bool_], ground: Ground, sole_m: float
+) -> FloatArray:
+    """Shifts ``(F, 3)`` that hold the ball in each stance, and keep it above ground elsewhere."""
+    shift, known = np.zeros_like(at), np.zeros(len(at), dtype=bool)
+    for start, end in _runs(standing):
+        anchor = np.median(at[start:end], axis=0)
+        anchor[2] = ground.height_m(anchor[None, :2])[0] + sole_m
+        shift[start:end] = anchor - at[start:end]
+        known[start:end] = True
+    if np.any(known):
+        for axis in range(3):
+            shift[:, axis] = _faded(time_s, shift[:, axis], known)
+    below = ground.height_m((at + shift)[:, :2]) + sole_m - (at + shift)[:, 2]
+    shift[:, 2] += np.maximum(below, 0.0)
+    return shift
+
+
+def _faded(time_s: FloatArray, values: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
+    """Known values, and between them a passage with no velocity at its ends."""
+    made, at = values.copy(), np.flatnonzero(known)
+    for before, after in pairwise(at):
+        if after - before < 2:
+            continue
+        inner = np.arange(before + 1, after)
+        x = (time_s[inner] - time_s[before]) / (time_s[after] - time_s[before])
+        made[inner] = values[before] + (values[after] - values[before]) * x * x * (3.0 - 2.0 * x)
+    made[: at[0]], made[at[-1] + 1 :] = values[at[0]], values[at[-1]]
+    return made
+
+
+def _lowered(
+    skeleton: Skeleton, poses: Motor, legs: Sequence[Leg], targets: Sequence[FloatArray]
+) -> Motor:
+    """The root as much lower as the leg that lacks most needs it."""
+    world = skeleton.world(poses)
+    drop = np.zeros(poses.shape[0])
+    for leg, target in zip(legs, targets, strict=True):
+        hip, knee, ankle = (
+            world[:, skeleton.index(name)].translation_m for name in (leg.hip, leg.knee, leg.ankle)
+        )
+        reach = STRETCH * (
+            np.linalg.norm(knee - hip, axis=1) + np.linalg.norm(ankle - knee, axis=1)
+        )
+        across = np.sum((target - hip)[:, :2] ** 2, axis=1)
+        high = np.sqrt(np.maximum(reach**2 - across, 0.0))
+        drop = np.maximum(drop, hip[:, 2] - target[:, 2] - high)
+    root = int(np.flatnonzero(skeleton.parents < 0)[0])
+    down = Motor.from_twist(np.concatenate([np.zeros((len(drop), 5)), -drop[:, None]], axis=1))
+    made = poses.coefficients.copy()
+    made[:, root] = (down @ poses[:, root]).coefficients
+    return Motor(made)
+
+
+def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Starts and ends of stretches that are true."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

@@ -1,0 +1,143 @@
+"""Limbs of two bones, solved in closed form, and joints that look at something.
+
+The middle joint lies on two spheres, around the limb's root and around its target, hence on a
+circle; of that the point is taken that lies towards the pole. The same meet of spheres stands as a
+CLUScript in ``docs/scripts/two_link_arm.clu``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.animation.ik.chain import Chain, laid_along, shortest_turn
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
+
+__all__ = ["aim", "bend_limb"]
+
+# A limb is never quite stretched or folded: there its bend would have no direction.
+SLACK = 1e-6
+
+
+def bend_limb(
+    skeleton: Skeleton,
+    local_pose: Motor,
+    joints: tuple[str, str, str],
+    target_m: ArrayLike,
+    pole_m: ArrayLike | None = None,
+    *,
+    keep_end_orientation: bool = True,
+) -> Motor:
+    """Bring the end of an arm or leg to a target.
+
+    A target out of reach has the limb stretched straight towards it, one too near has it folded.
+
+    Args:
+        skeleton: with J joints.
+        local_pose: Motor ``(*, J)``.
+        joints: root, middle and end of the limb, each the parent of the next.
+        target_m: ``(*, 3)`` in character space.
+        pole_m: ``(*, 3)`` the middle joint bends towards it; without one it bends as it did.
+        keep_end_orientation: whether the end keeps its orientation in character space (a foot on
+            the ground) or goes along with the lower bone (a hand).
+
+    Returns:
+        local poses ``(*, J)``.
+
+    Raises:
+        ValueError: joints that are no limb, shapes that do not fit, bones of no length.
+    """
+    numbers = Chain(joints).numbers(skeleton)
+    goal = checked_floats(target_m, "bend_limb(target_m)", (3,))
+    world = skeleton.world(local_pose)
+    root, middle, end = (world.translation_m[..., k, :] for k in numbers)
+    upper, lower = _length(middle - root), _length(end - middle)
+    if not (np.all(upper > 0.0) and np.all(lower > 0.0)):
+        raise ValueError(f"bend_limb(joints): expected bones longer than 0 between {joints}")
+    pole = middle if pole_m is None else checked_floats(pole_m, "bend_limb(pole_m)", (3,))
+    knee, ankle = _bent(root, goal, pole - root, upper, lower)
+    batch = np.broadcast_shapes(root.shape, ankle.shape)
+    points = np.stack([np.broadcast_to(one, batch) for one in (root, knee, ankle)], axis=-2)
+    made = laid_along(skeleton, local_pose, numbers, points)
+    if not keep_end_orientation:
+        return made
+    poses = made.coefficients.copy()
+    above = skeleton.world(made)[..., numbers[1]].rotor
+    turn = above.inverse() @ world[..., numbers[2]].rotor
+    kept = Motor.from_rotor_translation(turn, local_pose[..., numbers[2]].translation_m)
+    poses[..., numbers[2], :] = Motor.normalize(kept.coefficients).coefficients
+    return Motor(poses)
+
+
+def _bent(
+    root: FloatArray, goal: FloatArray, towards: FloatArray, upper: FloatArray, lower: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Where middle and end lie, ``(*, 3)`` each."""
+    away = goal - root
+    distance = _length(away)
+    ahead = np.where(distance > 0.0, away / np.where(distance > 0.0, distance, 1.0), [0, 0, -1.0])
+    most, least = (1.0 - SLACK) * (upper + lower), np.abs(upper - lower) * (1.0 + SLACK)
+    reach = np.clip(distance, np.maximum(least, SLACK * most), most)
+    side = towards - np.sum(towards * ahead, axis=-1, keepdims=True) * ahead
+    spare = np.cross(ahead, np.where(np.abs(ahead[..., :1]) < 0.8, [1.0, 0, 0], [0, 1.0, 0]))
+    size = _length(side)
+    side = np.where(size > SLACK * upper, side, spare)
+    side = side / _length(side)
+    along = (reach**2 + upper**2 - lower**2) / (2.0 * reach)
+    height = np.sqrt(np.maximum(upper**2 - along**2, 0.0))
+    return root + along * ahead + height * side, root + reach * ahead
+
+
+def aim(
+    skeleton: Skeleton,
+    local_pose: Motor,
+    joint: str,
+    target_m: ArrayLike,
+    axis: ArrayLike = (1.0, 0.0, 0.0),
+    *,
+    share: float = 1.0,
+    max_turn_rad: float = np.pi,
+) -> Motor:
+    """Turn a joint so that an axis of its own points at a target, by the least turn.
+
+    Args:
+        skeleton: with J joints.
+        local_pose: Motor ``(*, J)``.
+        joint: which turns; its children go along.
+        target_m: ``(*, 3)`` in character space.
+        axis: ``(3,)`` in the joint's frame.
+        share: of the turn, 0 to 1.
+        max_turn_rad: the turn is cut off there.
+
+    Returns:
+        local poses ``(*, J)``.
+
+    Raises:
+        ValueError: no such joint, an axis without direction, a share outside 0 to 1.
+    """
+    number = skeleton.index(joint)
+    own = checked_floats(axis, "aim(axis)", (3,))
+    if not np.any(own):
+        raise ValueError(f"aim(axis): expected a direction, got {own}")
+    if not 0.0 <= share <= 1.0:
+        raise ValueError(f"aim(share): expected 0 to 1, got {share}")
+    goal = checked_floats(target_m, "aim(target_m)", (3,))
+    world = skeleton.world(local_pose)
+    pose = world[..., number]
+    turn = shortest_turn(pose.rotor.apply(own), goal - pose.translation_m).as_rotation_vector()
+    angle = _length(turn)
+    held = np.minimum(share * angle, max_turn_rad)
+    turned = Rotor.from_rotation_vector(turn * held / np.where(angle > 0.0, angle, 1.0))
+    parent = int(skeleton.parents[number])
+    above = world[..., parent].rotor if parent >= 0 else Rotor.identity()
+    local = above.inverse() @ turned @ pose.rotor
+    made = Motor.from_rotor_translation(local, local_pose[..., number].translation_m)
+    shape = (*made.shape, len(skeleton), 8)
+    poses = np.broadcast_to(local_pose.coefficients, shape).copy()
+    poses[..., number, :] = Motor.normalize(made.coefficients).coefficients
+    return Motor(poses)
+
+
+def _length(vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.norm(vectors, axis=-1, keepdims=True), dtype=np.float64)

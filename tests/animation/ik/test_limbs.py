@@ -1,0 +1,140 @@
+"""Limbs bent to targets, joints that aim, chains of a skeleton, and feet that stay put."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from motorcade.animation import Skeleton
+from motorcade.animation.ik import Chain, Ground, Leg, aim, bend_limb, plant_feet, reach_with
+from motorcade.animation.ik.feet import find_stances
+from motorcade.ga import Motor, Rotor
+
+NAMES = ("hips", "thigh", "calf", "foot", "toes", "head")
+PARENTS = np.array([-1, 0, 1, 2, 3, 0])
+LIMB = ("thigh", "calf", "foot")
+
+
+@pytest.fixture
+def skeleton(rng) -> Skeleton:
+    """A leg of 0.9 m below the hips, joints turned anyhow."""
+    at = np.array([[0, 0, 1.0], [0, 0.1, 0.95], [0.03, 0.1, 0.5], [0, 0.1, 0.08], [0.15, 0.1, 0.0],
+                   [0, 0, 1.5]])  # fmt: skip
+    world = Motor.from_rotor_translation(Rotor.random(rng, (6,)), at)
+    rest = [world[0], *(world[int(p)].inverse() @ world[k + 1] for k, p in enumerate(PARENTS[1:]))]
+    return Skeleton(NAMES, PARENTS, Motor.stack(rest))
+
+
+def _at(skeleton, pose, name):
+    return skeleton.world(pose)[..., skeleton.index(name)]
+
+
+def test_a_limb_reaches_what_is_within_reach_and_bends_to_its_pole(skeleton, rng):
+    hip = skeleton.rest_world[1].translation_m
+    away = rng.standard_normal((500, 3))
+    targets = hip + away / np.linalg.norm(away, axis=1, keepdims=True) * rng.uniform(
+        0.1, 0.85, (500, 1))  # fmt: skip
+    poles = hip + rng.standard_normal((500, 3))
+    made = bend_limb(skeleton, skeleton.rest, LIMB, targets, poles)
+    assert made.shape == (500, 6)
+    np.testing.assert_allclose(_at(skeleton, made, "foot").translation_m, targets, atol=1e-9)
+    knee = _at(skeleton, made, "calf").translation_m - hip
+    ahead = targets - hip
+    normal = np.cross(ahead, poles - hip)
+    np.testing.assert_allclose(np.sum(knee * normal, axis=1), 0.0, atol=1e-9)
+    side = np.cross(normal, ahead)
+    assert np.all(np.sum(knee * side, axis=1) > 0.0)
+    # Bones keep their lengths, the foot its orientation, the rest its pose.
+    lengths = [np.linalg.norm(_at(skeleton, made, b).translation_m
+                              - _at(skeleton, made, a).translation_m, axis=1)
+               for a, b in (("thigh", "calf"), ("calf", "foot"))]  # fmt: skip
+    rest = skeleton.rest_world.translation_m
+    np.testing.assert_allclose(lengths[0], np.linalg.norm(rest[2] - rest[1]), atol=1e-12)
+    np.testing.assert_allclose(lengths[1], np.linalg.norm(rest[3] - rest[2]), atol=1e-12)
+    turned = _at(skeleton, made, "foot").rotor.inverse() @ skeleton.rest_world[3].rotor
+    assert float(turned.angle().max()) < 1e-7
+    assert np.abs((made[:, 5].inverse() @ skeleton.rest[5:6]).as_twist()).max() < 1e-14
+
+
+@pytest.mark.parametrize("distance", [3.0, 1e-9, 0.0])
+def test_out_of_reach_a_limb_is_stretched_or_folded(skeleton, distance):
+    rest = skeleton.rest_world.translation_m
+    most = np.linalg.norm(rest[2] - rest[1]) + np.linalg.norm(rest[3] - rest[2])
+    target = rest[1] + distance * np.array([0.6, 0.0, -0.8])
+    made = bend_limb(skeleton, skeleton.rest, LIMB, target)
+    reached = np.linalg.norm(_at(skeleton, made, "foot").translation_m - rest[1])
+    least = abs(np.linalg.norm(rest[2] - rest[1]) - np.linalg.norm(rest[3] - rest[2]))
+    expected = most if distance > 1 else least
+    assert reached == pytest.approx(expected, abs=1e-5)
+    assert np.isfinite(made.coefficients).all()
+
+
+def test_a_joint_aims_by_the_least_turn_and_no_farther_than_allowed(skeleton, rng):
+    targets = rng.standard_normal((200, 3)) * 3.0
+    made = aim(skeleton, skeleton.rest, "head", targets, axis=(0, 0, 1.0))
+    head = _at(skeleton, made, "head")
+    ahead = head.rotor.apply([0.0, 0.0, 1.0])
+    to = targets - head.translation_m
+    to /= np.linalg.norm(to, axis=1, keepdims=True)
+    np.testing.assert_allclose(ahead, to, atol=1e-9)
+    held = aim(skeleton, skeleton.rest, "head", targets, axis=(0, 0, 1.0), max_turn_rad=0.3)
+    turned = _at(skeleton, held, "head").rotor @ skeleton.rest_world[5].rotor.inverse()
+    assert float(turned.angle().max()) <= 0.3 + 1e-9
+
+
+def test_a_chain_of_a_skeleton_reaches(skeleton, rng):
+    chain = Chain(("hips", "thigh", "calf", "foot", "toes"), 2.6)
+    targets = skeleton.rest_world[0].translation_m + 0.4 * rng.standard_normal((100, 3))
+    made, error = reach_with(skeleton, skeleton.rest, chain, targets)
+    near = np.linalg.norm(targets - skeleton.rest_world[0].translation_m, axis=1) < 0.9
+    assert error[near].max() < 1e-4
+    at = _at(skeleton, made, "toes").translation_m
+    np.testing.assert_allclose(np.linalg.norm(at - targets, axis=1)[near], 0.0, atol=1e-4)
+    with pytest.raises(ValueError, match="expected 'hips' to be the parent of 'calf'"):
+        reach_with(skeleton, skeleton.rest, Chain(("hips", "calf")), targets)
+
+
+def _swinging(skeleton, time_s: np.ndarray, slide: float) -> Motor:
+    """The foot stands for half a cycle of 1 s, sliding a little, and swings for the other."""
+    phase = time_s % 1.0
+    stance = phase < 0.5
+    x = np.where(stance, slide * phase, 0.5 * slide + 0.4 * (0.5 - 0.5 * np.cos(
+        2 * np.pi * (phase - 0.5))) - (phase - 0.5) * slide)  # fmt: skip
+    z = np.where(stance, 0.08, 0.08 + 0.15 * np.sin(2 * np.pi * (phase - 0.5)))
+    targets = np.stack([x, np.full_like(x, 0.1), z], axis=1)
+    return bend_limb(skeleton, skeleton.rest, LIMB, targets)
+
+
+def test_a_planted_foot_neither_slides_nor_sinks(skeleton):
+    time_s = np.linspace(0.0, 2.0, 121)
+    poses = _swinging(skeleton, time_s, slide=0.12)
+    legs = [Leg("thigh", "calf", "foot", "toes")]
+    before = _at(skeleton, poses, "toes").translation_m
+    standing = find_stances(before, time_s)
+    assert 0.3 < standing.mean() < 0.6
+    hill = Ground(lambda at: 0.05 * at[..., 0])
+    made = plant_feet(skeleton, time_s, poses, legs, ground=hill)
+    after = _at(skeleton, made, "toes").translation_m
+    edges = np.flatnonzero(np.diff(standing.astype(int))) + 1
+    for run in np.split(np.arange(len(time_s)), edges):
+        if standing[run[0]]:
+            assert np.ptp(before[run, 0]) > 0.02
+            assert np.ptp(after[run], axis=0).max() < 1e-6
+            np.testing.assert_allclose(after[run, 2], 0.05 * after[run, 0], atol=1e-6)
+    assert np.all(after[:, 2] > 0.05 * after[:, 0] - 1e-6)
+    # What is held is faded in: no jump from frame to frame beyond the motion's own.
+    steps = np.linalg.norm(np.diff(after, axis=0), axis=1).max()
+    assert steps < 1.5 * np.linalg.norm(np.diff(before, axis=0), axis=1).max()
+
+
+def test_hips_come_down_where_a_leg_would_not_reach(skeleton):
+    poses = Motor.stack([skeleton.rest] * 3)
+    pit = Ground(lambda at: np.full(at.shape[:-1], -0.2))
+    time_s = np.array([0.0, 0.5, 1.0])
+    made = plant_feet(
+        skeleton, time_s, poses, [Leg("thigh", "calf", "foot")], ground=pit,
+        stances=[np.ones(3, dtype=bool)],
+    )  # fmt: skip
+    foot = _at(skeleton, made, "foot").translation_m
+    np.testing.assert_allclose(foot[:, 2], skeleton.rest_world[3].translation_m[2] - 0.2, atol=1e-6)
+    assert _at(skeleton, made, "hips").translation_m[0, 2] < 0.95
