@@ -1,5 +1,9 @@
-"""Placement of characters in the world."""
+"""Placement: characters on planes of the world, on anchors that tracking moves, and on paths."""
 
+from motorcade.animation.place.anchors import Anchor, plane_anchor
 from motorcade.animation.place.plane import Placement, place_on_plane
+from motorcade.animation.place.walks import GroundPath, Walk, walk_along
 
-__all__ = ["Placement", "place_on_plane"]
+__all__ = [
+    "Anchor", "GroundPath", "Placement", "Walk", "place_on_plane", "plane_anchor", "walk_along",
+]  # fmt: skip

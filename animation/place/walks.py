@@ -1,0 +1,165 @@
+"""Walks: a character that follows a path on the ground at its clip's own speed, feet planted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.animation.clip import Clip
+from motorcade.animation.ik import Ground, Leg, plant_feet
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, Motor, Rotor, checked_floats, frozen
+
+__all__ = ["GroundPath", "Walk", "walk_along"]
+
+# Samples a metre of the curve on which its length is measured.
+SAMPLES_A_METRE = 200.0
+
+
+@dataclass(frozen=True, eq=False)
+class GroundPath:
+    """A smooth curve through points of the ground, by its length.
+
+    A centripetal Catmull-Rom spline: it passes through every point, without loops or overshoot
+    where points stand unevenly (Yuksel, Schaefer, Keyser, 2011).
+
+    Args:
+        points_m: ``(P, 2)`` x and y on the plane, P at least 2, neighbours apart.
+
+    Raises:
+        ValueError: another shape, NaN or infinity, or neighbours at one place.
+    """
+
+    points_m: FloatArray
+
+    def __post_init__(self) -> None:
+        points = checked_floats(self.points_m, "GroundPath.points_m", (2,))
+        if points.ndim != 2 or len(points) < 2:
+            raise ValueError(f"GroundPath.points_m: expected (P, 2), P >= 2, got {points.shape}")
+        apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        if np.any(apart < 1e-6):
+            at = int(np.argmin(apart))
+            raise ValueError(f"GroundPath.points_m: expected neighbours apart, got {at} and "
+                             f"{at + 1} at one place")  # fmt: skip
+        object.__setattr__(self, "points_m", frozen(points))
+
+    @cached_property
+    def _curve(self) -> FloatArray:
+        return _catmull_rom(self.points_m)
+
+    @cached_property
+    def _along(self) -> FloatArray:
+        steps = np.linalg.norm(np.diff(self._curve, axis=0), axis=1)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    @property
+    def length_m(self) -> float:
+        """Length of the curve."""
+        return float(self._along[-1])
+
+    def at(self, along_m: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Positions ``(*, 2)`` and headings ``(*)`` in radians at lengths ``(*)`` along the curve.
+
+        Beyond its ends the curve goes on straight.
+        """
+        wanted = checked_floats(along_m, "GroundPath.at(along_m)", ())
+        inside = np.clip(wanted, 0.0, self.length_m)
+        position = np.stack([np.interp(inside, self._along, axis) for axis in self._curve.T], -1)
+        slope = np.gradient(self._curve, self._along, axis=0)
+        ahead = np.stack([np.interp(inside, self._along, axis) for axis in slope.T], -1)
+        ahead /= np.linalg.norm(ahead, axis=-1, keepdims=True)
+        beyond = (wanted - inside)[..., None]
+        return position + beyond * ahead, np.arctan2(ahead[..., 1], ahead[..., 0])
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """A character on its way.
+
+    Fields:
+        time_s: ``(F,)``.
+        plane_T_character: Motor ``(F,)`` where it is, soles in the plane.
+        poses: Motor ``(F, J)``, local poses with planted feet.
+    """
+
+    time_s: FloatArray
+    plane_T_character: Motor
+    poses: Motor
+
+
+def walk_along(
+    path: GroundPath,
+    clip: Clip,
+    skeleton: Skeleton,
+    legs: Sequence[Leg],
+    speed_m_s: float,
+    *,
+    rate_hz: float = 60.0,
+    scale: float = 1.0,
+    ground: Ground | None = None,
+) -> Walk:
+    """Walk a path from its start to its end.
+
+    The clip plays at its own speed, so that the stance foot goes back as fast as the body goes on;
+    what curves and rounding leave of sliding is taken out by `plant_feet`.
+
+    Args:
+        path: on the plane, in its metres.
+        clip: a cycle on the spot, rigid.
+        skeleton: whose clip it is.
+        legs: whose feet are planted.
+        speed_m_s: of the clip, at the character's own size.
+        rate_hz: frames a second.
+        scale: of the character; a smaller one takes smaller steps, in the same time.
+        ground: heights over the plane, in metres of the character's own size.
+
+    Raises:
+        ValueError: a clip that is not looped or not rigid, a speed, rate or scale not above 0.
+    """
+    for name, value in (("speed_m_s", speed_m_s), ("rate_hz", rate_hz), ("scale", scale)):
+        if not (np.isfinite(value) and value > 0.0):
+            raise ValueError(f"walk_along({name}): expected a number above 0, got {value}")
+    if not clip.looped or not isinstance(clip.poses, Motor):
+        raise ValueError(f"walk_along(clip): expected a rigid loop, got '{clip.name}'")
+    own_length = path.length_m / scale
+    count = max(2, int(np.ceil(own_length / speed_m_s * rate_hz)) + 1)
+    time_s = np.arange(count) / rate_hz
+    position, heading = path.at(scale * np.minimum(speed_m_s * time_s, own_length))
+    up = np.zeros((count, 3))
+    up[:, 2] = heading
+    rotor = Rotor.from_rotation_vector(up)
+    flat = np.concatenate([position, np.zeros((count, 1))], axis=1)
+    # Feet are planted at the character's own size.
+    own = Motor.from_rotor_translation(rotor, flat / scale)
+    poses = clip.at(clip.time_s[0] + time_s)
+    if not isinstance(poses, Motor):
+        raise ValueError(f"walk_along(clip): expected a rigid loop, got '{clip.name}'")
+    planted = plant_feet(skeleton, time_s, poses, legs, world_T_character=own, ground=ground)
+    return Walk(time_s, Motor.from_rotor_translation(rotor, flat), planted)
+
+
+def _catmull_rom(points: FloatArray) -> FloatArray:
+    """The curve sampled densely, ``(S, 2)``."""
+    ends = [2.0 * points[0] - points[1], 2.0 * points[-1] - points[-2]]
+    p = np.concatenate([ends[:1], points, ends[1:]])
+    pieces = [_piece(*p[k : k + 4]) for k in range(len(points) - 1)]
+    return np.concatenate([*pieces, points[-1:]])
+
+
+def _piece(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
+    """From b towards c, the end left out (Barry and Goldman's pyramid, knots by root of length)."""
+    t = np.cumsum([0.0, *(np.sqrt(np.linalg.norm(y - x)) for x, y in ((a, b), (b, c), (c, d)))])
+    count = max(8, int(np.linalg.norm(c - b) * SAMPLES_A_METRE))
+    s = np.linspace(t[1], t[2], count, endpoint=False)[:, None]
+
+    def between(x: FloatArray, y: FloatArray, start: float, end: float) -> FloatArray:
+        made: FloatArray = ((end - s) * x + (s - start) * y) / (end - start)
+        return made
+
+    first = [between(x, y, t[k], t[k + 1]) for k, (x, y) in enumerate(((a, b), (b, c), (c, d)))]
+    second = [between(first[k], first[k + 1], t[k], t[k + 2]) for k in range(2)]
+    return between(second[0], second[1], t[1], t[2])
