@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -86,6 +88,31 @@ def test_loose_markers_are_mapped_and_the_map_serves_again(
     assert again["errors"]["measured"]["rotation_rmse_deg"] < 0.3
 
 
+def test_loose_markers_are_refined_on_their_print_where_that_is_asked_for(
+    tags: tuple[Path, Motor], tmp_path: Path
+) -> None:
+    pytest.importorskip("kornia", reason="photometric refinement needs torch and kornia")
+    few = tmp_path / "few"
+    shutil.copytree(tags[0], few)
+    for path in sorted(few.glob("*.png"))[5:]:
+        path.unlink()
+    knob = ("--set", "camera_poses.refine=photometric")
+    plain = report(tmp_path / "plain", few)
+    found = report(tmp_path / "refined", few, *knob)
+    assert found["camera_poses"]["account"].endswith("refined on their prints")
+    assert found["errors"]["measured"]["ape_rmse_m"] < plain["errors"]["measured"]["ape_rmse_m"]
+    code = (
+        "import sys; sys.modules['torch'] = None; from motorcade.replays.cli import main; "
+        "sys.exit(main())"
+    )
+    arguments = [code, "run", str(few), "--out", str(tmp_path / "none"), *knob]
+    done = subprocess.run(
+        [sys.executable, "-c", *arguments], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert 'pip install "motorcade[photometric]"' in done.stderr.splitlines()[-1]
+
+
 def test_a_board_that_is_named_but_never_seen_is_passed_over_and_said(
     tags: tuple[Path, Motor], tmp_path: Path
 ) -> None:
@@ -109,6 +136,8 @@ def test_without_board_or_markers_slam_gives_a_path_of_free_scale(tmp_path: Path
     assert found["align"] == "se3"
     assert found["errors"]["measured"]["ape_rmse_m"] < 0.005
     (folder / "depth.txt").unlink()
+    manifest = folder / "motorcade.toml"
+    manifest.write_text(manifest.read_text().partition("[stereo]")[0])
     (folder / "groundtruth.txt").unlink()
     found = report(tmp_path / "one", folder)
     assert (found["camera_poses"]["origin"], found["camera_poses"]["scale"]) == ("slam", "free")

@@ -68,6 +68,25 @@ def test_frames_join_to_a_stream_and_sightings_that_agree(seen) -> None:
     np.testing.assert_allclose(stream.corners_px, points, atol=1e-9)
 
 
+def test_a_covered_marker_is_put_back(seen) -> None:
+    """A finger over one corner: the print explains too little, and the corners' poses stay."""
+    scene, pose, picture, found = seen
+    covered = picture.copy()
+    x, y = np.rint(found[0].corners_px.mean(axis=0)).astype(int)
+    covered[y : y + 40, x : x + 40] = 128
+    ids = np.array([one.marker_id for one in found])
+    true = pose.inverse().reshape(1) @ scene.world_T_marker[ids]
+    start = Motor(np.repeat(true.coefficients[:, None], 2, axis=1))
+    refined = refine_photometric(covered, CAMERA, FAMILY, ids, np.full(4, SIDE_M), start)
+    assert not refined.refined[0].any()
+    np.testing.assert_array_equal(refined.camera_T_marker[0].coefficients, start[0].coefficients)
+    assert refined.refined[1:].any(axis=-1).all()
+    corners = np.stack([one.corners_px for one in found])
+    frame = refine_frame(covered, CAMERA, FAMILY, ids, corners, np.full(4, SIDE_M))
+    np.testing.assert_array_equal(frame.corners_px[0], corners[0])
+    assert np.all(frame.error_px[0] > 0.0)
+
+
 def test_pixels_move_with_twists_as_the_camera_says(seen) -> None:
     """The hand-written derivative against differences of `Camera.project`."""
     from motorcade.tracking.markers.photometric.refine import _Batch

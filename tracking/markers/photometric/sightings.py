@@ -34,6 +34,8 @@ class RefinedFrame:
         camera_T_marker: Motor ``(m, 2)``, the candidate that fits the picture better first.
         error_px: ``(m, 2)`` 0, and the reprojection error that would speak as clearly against the
             other candidate if corners with `SIGMA_FLOOR_PX` of noise had it.
+
+    Where refinement failed (see `refine_photometric`) all of these are what the corners say.
     """
 
     marker_ids: IntArray
@@ -66,7 +68,7 @@ def refine_frame(
     Raises:
         ValueError, PhotometricUnavailable: as `refine_photometric`.
     """
-    kept, starts = [], []
+    kept, starts, errors = [], [], []
     for row, corners in enumerate(corners_px):
         points = marker_points_m(float(side_m[row]))
         try:
@@ -75,19 +77,30 @@ def refine_frame(
             continue  # stands in the docstring
         kept.append(row)
         starts.append(found.world_T_camera.inverse())
+        errors.append(found.error_px)
     rows = np.array(kept, np.int64)
     start = Motor.stack(starts) if starts else Motor.identity((0, 2))
     ids, sides = marker_ids[rows], side_m[rows]
     refined = refine_photometric(image, camera, family, ids, sides, start, device)
-    order = np.argsort(refined.mismatch, axis=-1, kind="stable")
-    every = np.arange(len(ids))[:, None]
+    every, better = np.arange(len(ids))[:, None], np.argmin(refined.mismatch, axis=-1)
+    sure = refined.refined[every[:, 0], better]
+    order = np.argsort(np.where(sure[:, None], refined.mismatch, [0.0, 1.0]), axis=-1)
     poses = refined.camera_T_marker[every, order]
     less, more = np.maximum(np.sort(refined.mismatch, axis=-1), 1e-9).T
     nats = 0.5 * refined.pixels / _ALIKE * np.log(more / less)
     against = SIGMA_FLOOR_PX * np.sqrt(0.5 * nats)
-    corners = camera.project(poses[:, 0][:, None].apply(_points(sides)))
-    errors = np.stack([np.zeros(len(ids)), against], axis=-1)
-    return RefinedFrame(ids, sides, corners, poses, errors)
+    by_print = np.stack([np.zeros(len(ids)), against], axis=-1)
+    return RefinedFrame(
+        ids,
+        sides,
+        np.where(
+            sure[:, None, None],
+            camera.project(poses[:, 0][:, None].apply(_points(sides))),
+            corners_px[rows],
+        ),
+        poses,
+        np.where(sure[:, None], by_print, np.array(errors).reshape(-1, 2)),
+    )
 
 
 def joined_frames(
