@@ -25,13 +25,81 @@ ROTATIONS = {"Xrotation": 0, "Yrotation": 1, "Zrotation": 2}
 
 
 class _Hierarchy:
-    """Joints of a file: names, parents, offsets, channels."""
+    """Reads the joints of a file: names, parents, offsets, channels.
 
-    def __init__(self) -> None:
+    Args:
+        words: of the section HIERARCHY.
+    """
+
+    def __init__(self, words: list[str]) -> None:
         self.names: list[str] = []
         self.parents: list[int] = []
         self.offsets: list[list[float]] = []
         self.channels: list[list[str]] = []
+        self._open: list[int] = []
+        self._words = words
+        self._at = 0
+        if self._word() != "HIERARCHY":
+            raise expected("file", "HIERARCHY", words[0])
+        while self._at < len(words):
+            self._entry(self._word())
+        if self._open or not self.names:
+            raise expected("HIERARCHY", "joints with closed braces", f"{len(self._open)} open")
+
+    def _word(self) -> str:
+        self._at += 1
+        if self._at > len(self._words):
+            raise expected("HIERARCHY", "a closing brace", "the end of the section")
+        return self._words[self._at - 1]
+
+    def _entry(self, kind: str) -> None:
+        if kind in ("ROOT", "JOINT"):
+            self._joint(kind)
+        elif kind == "OFFSET" and self._open:
+            self.offsets[self._open[-1]] = [_number(self._word()) for _ in range(3)]
+        elif kind == "CHANNELS" and self._open:
+            self.channels[self._open[-1]] = self._channels()
+        elif kind == "End" and self._open:
+            self._end()
+        elif kind == "}" and self._open:
+            self._open.pop()
+        else:
+            raise expected("HIERARCHY", "a joint, OFFSET, CHANNELS, End or a brace", kind)
+
+    def _joint(self, kind: str) -> None:
+        if (kind == "ROOT") != (not self._open):
+            raise expected("HIERARCHY", "ROOT outside and JOINT inside of joints", kind)
+        name = self._word()
+        while (word := self._word()) != "{":
+            name += " " + word
+        self.names.append(name[:200])
+        self.parents.append(self._open[-1] if self._open else -1)
+        self.offsets.append([0.0, 0.0, 0.0])
+        self.channels.append([])
+        self._open.append(len(self.names) - 1)
+        if len(self._open) > MAX_DEPTH or len(self.names) > MAX_NODES:
+            raise expected("HIERARCHY", f"{MAX_DEPTH} levels, {MAX_NODES} joints", "more")
+
+    def _channels(self) -> list[str]:
+        count = _number(self._word())
+        if count not in range(7):
+            raise expected("CHANNELS", "0 to 6", count)
+        names = [self._word() for _ in range(int(count))]
+        if any(one not in POSITIONS and one not in ROTATIONS for one in names):
+            raise expected("CHANNELS", "names such as Xrotation", names)
+        return names
+
+    def _end(self) -> None:
+        """Pass over the end of a limb, which is no joint."""
+        for wanted in ("Site", "{", "OFFSET"):
+            got = self._word()
+            if got != wanted:
+                raise expected("End Site", wanted, got)
+        for _ in range(3):
+            _number(self._word())
+        got = self._word()
+        if got != "}":
+            raise expected("End Site", "a closing brace", got)
 
 
 def read_bvh(path: Path) -> Rig:
@@ -49,67 +117,9 @@ def read_bvh(path: Path) -> Rig:
     words = head.split()
     if len(words) > 40 * MAX_NODES:
         raise expected("HIERARCHY", f"at most {MAX_NODES} joints", "more")
-    tree = _hierarchy(words)
+    tree = _Hierarchy(words)
     times, values = _frames(body, sum(map(len, tree.channels)))
     return _rig(tree, times, values, path.stem[:200])
-
-
-def _hierarchy(words: list[str]) -> _Hierarchy:
-    made = _Hierarchy()
-    stack: list[int] = []
-    at = 0
-
-    def word() -> str:
-        nonlocal at
-        at += 1
-        if at > len(words):
-            raise expected("HIERARCHY", "a closing brace", "the end of the section")
-        return words[at - 1]
-
-    if word() != "HIERARCHY":
-        raise expected("file", "HIERARCHY", words[0])
-    while at < len(words):
-        kind = word()
-        if kind in ("ROOT", "JOINT"):
-            if (kind == "ROOT") != (not stack):
-                raise expected("HIERARCHY", "ROOT outside and JOINT inside of joints", kind)
-            name = word()
-            while at < len(words) and words[at] != "{":
-                name += " " + word()
-            word()
-            made.names.append(name[:200])
-            made.parents.append(stack[-1] if stack else -1)
-            made.offsets.append([0.0, 0.0, 0.0])
-            made.channels.append([])
-            stack.append(len(made.names) - 1)
-            if len(stack) > MAX_DEPTH or len(made.names) > MAX_NODES:
-                raise expected("HIERARCHY", f"{MAX_DEPTH} levels, {MAX_NODES} joints", "more")
-        elif kind == "OFFSET" and stack:
-            made.offsets[stack[-1]] = [_number(word()) for _ in range(3)]
-        elif kind == "CHANNELS" and stack:
-            count = _number(word())
-            if count not in range(7):
-                raise expected("CHANNELS", "0 to 6", count)
-            names = [word() for _ in range(int(count))]
-            if any(one not in POSITIONS and one not in ROTATIONS for one in names):
-                raise expected("CHANNELS", "names such as Xrotation", names)
-            made.channels[stack[-1]] = names
-        elif kind == "End" and stack:
-            for wanted in ("Site", "{", "OFFSET"):
-                got = word()
-                if got != wanted:
-                    raise expected("End Site", wanted, got)
-            for _ in range(3):
-                _number(word())  # ends of limbs are no joints
-            if word() != "}":
-                raise expected("End Site", "a closing brace", words[at - 1])
-        elif kind == "}" and stack:
-            stack.pop()
-        else:
-            raise expected("HIERARCHY", "a joint, OFFSET, CHANNELS, End or a brace", kind)
-    if stack or not made.names:
-        raise expected("HIERARCHY", "joints with closed braces", f"{len(stack)} open")
-    return made
 
 
 def _frames(body: str, width: int) -> tuple[FloatArray, FloatArray]:

@@ -82,37 +82,26 @@ def _part(
     inputs = inputs_of(element)
     if "VERTEX" not in inputs:
         raise expected(f"'{name}' <{element.name}>", "an input VERTEX", sorted(inputs))
-    offsets = {
-        semantic: number(one.get("offset") or "0", f"'{name}' offset", 0, 63)
-        for semantic, one in inputs.items()
-    }
-    every = element.all("input")
-    stride = 1 + max(number(one.get("offset") or "0", f"'{name}' offset", 0, 63) for one in every)
+    stride = 1 + max(_offset(one, name) for one in element.all("input"))
     corners, counts = _corners(element, stride, name)
     if not len(corners):
         return None
-    used = [("VERTEX", positions)]
-    arrays: dict[str, FloatArray] = {}
+    column = corners[:, _offset(inputs["VERTEX"], name)]
+    used = {"VERTEX": (_checked(column, positions, f"'{name}' VERTEX"), positions)}
     for semantic, width in (("NORMAL", 3), ("TEXCOORD", 2), ("COLOR", 3)):
-        if semantic in inputs:
-            arrays[semantic] = library.source(inputs[semantic].get("source"), semantic, width)
-            used.append((semantic, arrays[semantic]))
-    columns = []
-    for semantic, values in used:
-        column = corners[:, offsets[semantic]]
-        if column.min() < 0 or column.max() >= len(values):
-            raise expected(f"'{name}' {semantic}", f"numbers below {len(values)}", column.max())
-        columns.append(column)
-    for semantic, width in (("NORMAL", 3), ("TEXCOORD", 2), ("COLOR", 3)):
-        if semantic not in arrays and semantic in shared:
-            values = library.source(shared[semantic].get("source"), semantic, width)
-            if len(values) < len(positions):
-                raise expected(f"'{name}' {semantic}", f"{len(positions)} values", len(values))
-            arrays[semantic] = values
-            used.append((semantic, values))
-            columns.append(columns[0])
-    unique, inverse = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
-    taken = {semantic: values[unique[:, column]] for column, (semantic, values) in enumerate(used)}
+        # What the vertices themselves bring goes by the number of the position.
+        given = inputs.get(semantic) or shared.get(semantic)
+        if given is None:
+            continue
+        values = library.source(given.get("source"), semantic, width)
+        own = corners[:, _offset(given, name)] if semantic in inputs else column
+        used[semantic] = _checked(own, values, f"'{name}' {semantic}"), values
+    columns = np.stack([numbers for numbers, _ in used.values()], axis=1)
+    unique, inverse = np.unique(columns, axis=0, return_inverse=True)
+    taken = {
+        semantic: values[unique[:, column_number]]
+        for column_number, (semantic, (_, values)) in enumerate(used.items())
+    }
     return Part(
         element.get("material"),
         unique[:, 0],
@@ -122,6 +111,16 @@ def _part(
         taken.get("COLOR"),
         inverse.reshape(-1)[_fans(counts)],
     )
+
+
+def _offset(given: Element, name: str) -> int:
+    return number(given.get("offset") or "0", f"'{name}' offset", 0, 63)
+
+
+def _checked(numbers: IntArray, values: FloatArray, field: str) -> IntArray:
+    if numbers.min() < 0 or numbers.max() >= len(values):
+        raise expected(field, f"numbers below {len(values)}", numbers.max())
+    return numbers
 
 
 def _corners(element: Element, stride: int, name: str) -> tuple[IntArray, IntArray]:

@@ -7,6 +7,7 @@ hundreds a clip.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -84,47 +85,44 @@ def read_animations(
 
 def _clip(given: dict[str, Any], groups: list[_Group], nodes: Nodes) -> RigClip:
     times = np.unique(np.concatenate([group.keys for group in groups]))
-    count = max(len(group.keys) for group in groups)
     jumps = [before_jumps(group.keys) for group in groups if group.interpolation == "STEP"]
     if jumps:
         times = np.unique(np.concatenate([times, *jumps]))
-    wxyz, places, scales = nodes.parts
-    blocks = nodes.tree.rest.blocks
     moved = np.unique(np.concatenate([group.nodes for group in groups]))
-    dropped = _replaced_helpers(nodes.tree, moved)
-
-    def at(wanted: FloatArray) -> Transforms:
-        parts = {
-            "rotation": np.repeat(wxyz[None], len(wanted), axis=0),
-            "translation": np.repeat(places[None], len(wanted), axis=0),
-            "scale": np.repeat(scales[None], len(wanted), axis=0),
-        }
-        for group in groups:
-            values = group.at(wanted)
-            if group.path == "rotation":
-                values = values[..., [3, 0, 1, 2]]
-            parts[group.path][:, group.nodes] = values
-        parts["rotation"][:, dropped] = (1.0, 0.0, 0.0, 0.0)
-        parts["translation"][:, dropped] = 0.0
-        parts["scale"][:, dropped] = 1.0
-        made = Transforms.from_parts(parts["rotation"], parts["translation"], parts["scale"])
-        if blocks is None:
-            return made
-        own = np.array(made.as_blocks())
-        still = np.setdiff1d(np.arange(len(wxyz)), np.union1d(moved, dropped))
-        own[:, still] = blocks[still]
-        return Transforms(made.wxyz, made.translation, made.scale, own)
-
     extras = given.get("extras")
     return RigClip(
         str(given.get("name", ""))[:200],
         times,
-        at,
+        partial(_transforms, groups, nodes, moved, _replaced_helpers(nodes.tree, moved)),
         moved,
         straight=all(group.interpolation == "LINEAR" for group in groups),
         looped=isinstance(extras, dict) and extras.get("looped") is True,
-        key_count=count,
+        key_count=max(len(group.keys) for group in groups),
     )
+
+
+def _transforms(
+    groups: list[_Group], nodes: Nodes, moved: IntArray, dropped: IntArray, times: FloatArray
+) -> Transforms:
+    """Transforms (n, N) of all nodes at times (n,); those dropped move nothing."""
+    wxyz, places, scales = (np.repeat(part[None], len(times), axis=0) for part in nodes.parts)
+    parts = {"rotation": wxyz, "translation": places, "scale": scales}
+    for group in groups:
+        values = group.at(times)
+        if group.path == "rotation":
+            values = values[..., [3, 0, 1, 2]]
+        parts[group.path][:, group.nodes] = values
+    wxyz[:, dropped] = (1.0, 0.0, 0.0, 0.0)
+    places[:, dropped] = 0.0
+    scales[:, dropped] = 1.0
+    made = Transforms.from_parts(wxyz, places, scales)
+    blocks = nodes.tree.rest.blocks
+    if blocks is None:
+        return made
+    own = np.array(made.as_blocks())
+    still = np.setdiff1d(np.arange(len(blocks)), np.union1d(moved, dropped))
+    own[:, still] = blocks[still]
+    return Transforms(made.wxyz, made.translation, made.scale, own)
 
 
 def _replaced_helpers(tree: NodeTree, moved: IntArray) -> IntArray:

@@ -87,14 +87,12 @@ def write_gltf(
     chosen = tuple(character.clips if clips is None else clips)
     _check(target, character, chosen, world_T_character, camera)
     buffer = BinaryBuffer()
-    joints = len(character.skeleton)
     first = 1 if world_T_character is None else 2
-    nodes = _nodes(character, world_T_character is not None, camera is not None)
     document: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "Motorcade"},
         "scene": 0,
-        "scenes": [{"nodes": [0, first + joints]}],
-        "nodes": nodes,
+        "scenes": [{"nodes": [0, first + len(character.skeleton)]}],
+        "nodes": _nodes(character, world_T_character is not None, camera is not None),
         "meshes": [{"primitives": [_primitive(buffer, character)]}],
         "skins": [_skin(buffer, character, first)],
         "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.9}}],
@@ -104,13 +102,14 @@ def write_gltf(
         document["cameras"] = [{"type": "perspective", "perspective": lens}]
     animations = []
     for clip in chosen or _still(character, world_T_character):
-        made = _Animation(buffer)
-        made.clip(clip, first, world_T_character, character.height_m)
+        made = _Animation(buffer, character.height_m)
+        made.clip(clip, first, world_T_character)
         if world_T_character is not None:
             start_ns = int(world_T_character.time_ns[0])
             made.path(world_T_character, 1, start_ns, Rotor.identity())
             if camera is not None:
-                made.path(camera.world_T_camera, len(nodes) - 1, start_ns, LOOKING)
+                last = len(document["nodes"]) - 1
+                made.path(camera.world_T_camera, last, start_ns, LOOKING)
         animations.append(made.document(clip, looped=clip.looped and world_T_character is None))
     if animations:
         document["animations"] = animations
@@ -205,55 +204,52 @@ class _Animation:
 
     Args:
         buffer: where its keys go.
+        reach_m: how far what is carried reaches from its joint.
     """
 
-    def __init__(self, buffer: BinaryBuffer) -> None:
+    def __init__(self, buffer: BinaryBuffer, reach_m: float) -> None:
         self._buffer = buffer
+        self._reach_m = reach_m
         self._samplers: list[dict[str, Any]] = []
         self._channels: list[dict[str, Any]] = []
 
-    def clip(self, clip: Clip, first: int, path: Trajectory | None, reach_m: float) -> None:
+    def clip(self, clip: Clip, first: int, path: Trajectory | None) -> None:
         """Channels of all joints, the first being node `first`."""
-        times = clip.time_s
-        if len(times) > 1:
-            rotor, places = clip.poses.rotor, clip.poses.translation_m
-            scale = np.ones(clip.poses.shape)
-            if isinstance(clip.poses, Similarity):
-                scale = clip.poses.scale
-            parts = parts_of_steps(rotor.as_quaternion(), places, scale, reach_m, PARTING_M)
-            times = divided(times, parts)
+        times = self._dense(clip.time_s, clip.poses)
         poses = clip.at(times)
-        wxyz, places, scales = poses.rotor.as_quaternion(), poses.translation_m, None
-        if isinstance(poses, Similarity):
-            scales = poses.scale
+        wxyz, places, scale = _parts(poses)
         if path is not None:
             span_s = 1e-9 * float(path.time_ns[-1] - path.time_ns[0])
             times, rows = _repeated(times - times[0], span_s, looped=clip.looped)
-            wxyz, places = wxyz[rows], places[rows]
-            scales = None if scales is None else scales[rows]
+            wxyz, places, scale = wxyz[rows], places[rows], scale[rows]
         keys = self._buffer.add(times, bounds=True)
         for joint in range(clip.poses.shape[1]):
             node = first + joint
             self._add(keys, node, "rotation", wxyz[:, joint, [1, 2, 3, 0]])
             self._add(keys, node, "translation", places[:, joint])
-            if scales is not None:
-                self._add(keys, node, "scale", np.repeat(scales[:, joint, None], 3, axis=1))
+            if isinstance(poses, Similarity):
+                self._add(keys, node, "scale", np.repeat(scale[:, joint, None], 3, axis=1))
 
-    def path(self, poses: Trajectory, node: int, start_ns: int, before: Rotor) -> None:
+    def path(self, path: Trajectory, node: int, start_ns: int, before: Rotor) -> None:
         """Channels that carry a node; `before` turns what it carries."""
-        times = 1e-9 * (poses.time_ns - start_ns).astype(np.float64)
-        scale = None
-        if isinstance(poses.poses, Similarity):
-            motors, scale = poses.poses.as_motor_scale()
-        else:
-            motors = poses.poses
-        turned = motors @ Motor.from_rotor_translation(before, np.zeros(3))
-        wxyz, places = turned.as_quaternion_translation()
-        keys = self._buffer.add(times, bounds=True)
-        self._add(keys, node, "rotation", wxyz[:, [1, 2, 3, 0]])
+        since_s = 1e-9 * (path.time_ns - path.time_ns[0]).astype(np.float64)
+        inside = self._dense(since_s, path.poses.reshape(-1, 1))
+        stamps = path.time_ns[0] + np.round(1e9 * inside).astype(np.int64)
+        poses = path.at(stamps)
+        wxyz, places, scale = _parts(poses)
+        turned = Rotor.from_quaternion(wxyz) @ before
+        keys = self._buffer.add(1e-9 * (stamps - start_ns), bounds=True)
+        self._add(keys, node, "rotation", turned.as_quaternion()[:, [1, 2, 3, 0]])
         self._add(keys, node, "translation", places)
-        if scale is not None:
+        if isinstance(poses, Similarity):
             self._add(keys, node, "scale", np.repeat(scale[:, None], 3, axis=1))
+
+    def _dense(self, times: FloatArray, poses: Motor | Similarity) -> FloatArray:
+        """Times with keys between samples (F, J) where screws leave lines."""
+        if len(times) < 2:
+            return times
+        parts = parts_of_steps(*_parts(poses), self._reach_m, PARTING_M)
+        return divided(times, parts)
 
     def document(self, clip: Clip, *, looped: bool) -> dict[str, Any]:
         """The animation as it stands in the file."""
@@ -269,6 +265,12 @@ class _Animation:
             {"sampler": len(self._samplers), "target": {"node": node, "path": path}}
         )
         self._samplers.append({"input": keys, "output": self._buffer.add(values)})
+
+
+def _parts(poses: Motor | Similarity) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Quaternions wxyz (*, 4), translations (*, 3) and scales (*)."""
+    scale = poses.scale if isinstance(poses, Similarity) else np.ones(poses.shape)
+    return poses.rotor.as_quaternion(), poses.translation_m, scale
 
 
 def _repeated(

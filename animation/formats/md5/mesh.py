@@ -107,32 +107,39 @@ def _mesh(
     if not len(vertices):
         return None
     field = f"mesh {number}"
+    corners = _whole(triangles[:, 1:], field)
+    if corners.size and (corners.min() < 0 or corners.max() >= len(vertices)):
+        raise expected(field, f"vertices below {len(vertices)}", corners.max())
+    rows, shares = _influences(vertices, weights, field)
+    carriers = _whole(weights[:, 1], field)
+    if carriers.min() < 0 or carriers.max() >= len(skin.nodes):
+        raise expected(field, f"joints below {len(skin.nodes)}", carriers.max())
+    points = world[carriers].apply(weights[:, 3:])
+    total = shares.sum(axis=1, keepdims=True)
+    placed = np.einsum("vk,vkj->vj", shares / total, points[rows])
+    texture = _texture(shader, folder, textures, notices)
+    colors = np.tile(PLAIN, (len(placed), 1)) if texture is None else texture.at(vertices[:, 1:3])
+    return Surface(
+        shader or field, 0, placed, None, corners[:, ::-1], colors, skin,
+        np.where(shares > 0.0, carriers[rows], 0), shares,
+    )  # fmt: skip
+
+
+def _influences(
+    vertices: FloatArray, weights: FloatArray, field: str
+) -> tuple[IntArray, FloatArray]:
+    """Rows (V, K) of the weights that each vertex takes, and their shares (V, K)."""
     first, counts = _whole(vertices[:, 3], field), _whole(vertices[:, 4], field)
     if counts.min() < 1 or counts.max() > MOST_INFLUENCES:
         raise expected(field, f"1 to {MOST_INFLUENCES} weights a vertex", counts.max())
     if first.min() < 0 or (first + counts).max() > len(weights):
         raise expected(field, f"weights below {len(weights)}", (first + counts).max())
-    corners = _whole(triangles[:, 1:], field)
-    if corners.size and (corners.min() < 0 or corners.max() >= len(vertices)):
-        raise expected(field, f"vertices below {len(vertices)}", corners.max())
-    carriers = _whole(weights[:, 1], field)
-    if carriers.min() < 0 or carriers.max() >= len(skin.nodes):
-        raise expected(field, f"joints below {len(skin.nodes)}", carriers.max())
     slots = np.arange(int(counts.max()))
     rows = np.minimum(first[:, None] + slots, len(weights) - 1)
     shares = np.where(slots < counts[:, None], weights[rows, 2], 0.0)
-    points = world[carriers].apply(weights[:, 3:])
-    total = shares.sum(axis=1)
-    if np.any(shares < 0.0) or np.any(total <= 1e-6):
+    if np.any(shares < 0.0) or np.any(shares.sum(axis=1) <= 1e-6):
         raise expected(field, "weights of 0 or more with a sum above 0", "others")
-    placed = np.einsum("vk,vkj->vj", shares / total[:, None], points[rows])
-    uv = vertices[:, 1:3]
-    texture = _texture(shader, folder, textures, notices)
-    colors = np.tile(PLAIN, (len(placed), 1)) if texture is None else texture.at(uv)
-    return Surface(
-        shader or field, 0, placed, None, corners[:, ::-1], colors, skin,
-        np.where(shares > 0.0, carriers[rows], 0), shares,
-    )  # fmt: skip
+    return rows, shares
 
 
 def _rows(words: Words, count_name: str, name: str, width: int) -> FloatArray:
