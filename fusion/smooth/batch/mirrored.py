@@ -203,15 +203,15 @@ class _Run:
 
     def _read_anew(self, problem: Problem, marker: FloatArray, state: State) -> NDArray[np.bool_]:
         """Put the run's poses into the problem as they lie nearest; which of them are mirrored."""
-        squares = []
-        for poses in (self.poses, self._mirrored(marker)):
-            problem.measure(self.run, poses)
-            squares.append(problem.linearised(state).squares[self.run])
-        turned = squares[1] <= squares[0]
-        mirrored = problem.measured[self.run].copy()
-        problem.measure(self.run, self.poses)
-        problem.measured[self.run][turned] = mirrored[turned]
-        return np.asarray(turned)
+        here = state.coordinates[self.run]
+        read = [problem.written(poses, here) for poses in (self.poses, self._mirrored(marker))]
+        squares = [
+            np.sum((problem.representation.difference(here, one) / problem.noise) ** 2, axis=1)
+            for one in read
+        ]
+        turned = np.asarray(squares[1] <= squares[0])
+        problem.measured[self.run] = np.where(turned[:, None], read[1], read[0])
+        return turned
 
     def _with(self, marker: FloatArray) -> Problem:
         """The stretch with the run mirrored."""

@@ -76,10 +76,6 @@ class Problem:
         pairs = zip(self.representation.coordinates(poses), near, strict=True)
         return np.stack([follow(theirs, ours) for theirs, ours in pairs])
 
-    def measure(self, rows: slice, poses: Motor | Similarity) -> None:
-        """Put other measured poses into some rows."""
-        self.measured[rows] = self.written(poses, self.measured[rows])
-
     def _first_guess(self) -> State:
         """The poses to start from, and what lies between them."""
         poses, time_s = self.poses, self.time_s
