@@ -65,7 +65,7 @@ class FilterSettings:
         gross: gates beyond which a measurement is left out; 1 weighs none down.
         patience: after so many left out in a row the filter asks whether they would agree with
             each other had the prediction been given up at the first of them: its covariance
-            widened by that one's innovation. If most do, it is given up there.
+            widened by that one's innovation. If most pass the gate then, it is given up there.
         initial_tilt_error_rad: turn the first orientation by this much about the world's x, and
             start with that uncertainty, to watch the filter converge.
         gravity_sigma_rad: how far the world's z may be from up, about x and about y; above zero,

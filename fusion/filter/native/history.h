@@ -7,6 +7,9 @@
 
 namespace motorcade::filter {
 
+// So many times the patience after the start, that is no longer what is doubted.
+constexpr std::size_t first_measurements = 4;
+
 // Does events [from, to) again, from the nearest state kept before them.
 template <std::size_t N> void Timeline<N>::replay(std::size_t from, std::size_t to) {
     std::size_t first = 0;
@@ -33,20 +36,14 @@ template <std::size_t N> void Timeline<N>::replay(std::size_t from, std::size_t 
 
 // So many measurements in a row denied the prediction: would they agree with each other, had it been
 // given up at the first of them? Then it is, from there on; the start itself where nothing else had
-// been believed yet. Otherwise all stays as it was.
+// been believed yet. Otherwise all is done again as it was.
 template <std::size_t N> void Timeline<N>::reopen() {
     const std::deque<std::size_t> denied = streak_;
     const std::size_t first = denied.front();
-    std::size_t target = first;
-    while (target > 0 && !(events_[target - 1].measures() && events_[target - 1].factor > 0.0)) --target;
+    std::size_t target = first, far = first_measurements * settings_.patience;
+    while (target > 1 && far > 0 && !(events_[target - 1].measures() && events_[target - 1].factor > 0.0))
+        --target, --far;
     target = target == 1 && !forgotten_ ? 0 : first;
-    const std::vector<Event> before(events_.begin() + static_cast<std::ptrdiff_t>(target),
-                                    events_.begin() + static_cast<std::ptrdiff_t>(next_));
-    const State state = now_;
-    const Matrix<N> covariance = p_;
-    const std::int64_t time_ns = time_ns_;
-    const std::size_t sample = sample_;
-
     const Event &witness = events_[first];
     double turned = 0.0, moved = 0.0;
     for (std::size_t a = 0; a < witness.size; ++a)
@@ -64,18 +61,14 @@ template <std::size_t N> void Timeline<N>::reopen() {
     replay(target, next_);
 
     std::size_t agree = 0;
-    for (const std::size_t k : denied) agree += events_[k].factor > 0.0;
+    for (const std::size_t k : denied) agree += events_[k].factor == 1.0;
     if (2 * agree > denied.size()) {
         ++reopened_;
         return;
     }
-    std::copy(before.begin(), before.end(), events_.begin() + static_cast<std::ptrdiff_t>(target));
-    now_ = state;
-    p_ = covariance;
-    time_ns_ = time_ns;
-    sample_ = sample;
-    started_ = true;
-    streak_ = denied;
+    given_up.doubted = false;
+    std::fill_n(given_up.restart, 6, 0.0);
+    replay(target, next_);
     streak_.pop_front();
 }
 

@@ -24,6 +24,7 @@ struct Reading {
 };
 
 constexpr double largest_turn_rad = 3.0;  // of one step of the generated model
+constexpr int most_parts = 32;            // of one interval: beyond, a bias has run away
 
 template <std::size_t N> inline void correct(State &state, const double *error) {
     State moved = state;
@@ -52,9 +53,8 @@ public:
     static int parts(const State &state, const Reading &read, double dt) {
         double square = 0.0;
         for (int i = 0; i < 3; ++i) square += (read.rate[i] - state.bias[i]) * (read.rate[i] - state.bias[i]);
-        return square * dt * dt < largest_turn_rad * largest_turn_rad
-                   ? 1
-                   : static_cast<int>(std::sqrt(square) * dt / largest_turn_rad) + 1;
+        const double parts = std::floor(std::sqrt(square) * dt / largest_turn_rad) + 1.0;
+        return parts < most_parts ? static_cast<int>(parts) : most_parts;
     }
 
     template <std::size_t N>
