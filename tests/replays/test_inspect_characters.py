@@ -78,7 +78,7 @@ def test_a_motion_is_told_without_a_mesh(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("pose", "message"), [("run@0", "one of 'idle', 'walk'"), ("walk@soon", "CLIP@SECONDS")]
+    ("pose", "message"), [("somersault@0", "one of 'idle', 'walk'"), ("walk@soon", "CLIP@SECONDS")]
 )
 def test_poses_that_are_none_are_refused(figure: Path, pose: str, message: str) -> None:
     with pytest.raises(ValueError, match=message):

@@ -115,7 +115,8 @@ class _Stage:
         axes = axes_of(rig, joints, places)
         notices = [*rig.notices, *axes.notices]
         unit = unit_m if unit_m is not None else rig.unit_m
-        height = max(float(np.ptp(axes.turn.apply(places)[:, 2])), _tallest(rig))
+        # Meshes may lie in units of their own: only where joints do not tell do they count.
+        height = float(np.ptp(axes.turn.apply(places)[:, 2])) or _tallest(rig)
         unsure = rig.unit_checked and unit_m is None and not is_plausible(height * (unit or 1.0))
         if unit is None or unsure:
             unit, told = guessed_unit_m(height)

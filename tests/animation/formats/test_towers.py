@@ -284,3 +284,37 @@ def test_keys_of_a_joint_replace_its_fbx_helpers_and_keys_of_helpers_do_not(
     character = read_character(write("helpers.glb", made.glb()))
     world = character.skeleton.world(character.clip("lift").at([0.0, 1.0]))
     np.testing.assert_allclose(world.translation_m[:, 1, 2], [1.0, 1.5], atol=1e-6)
+
+
+def test_a_rigid_hierarchy_without_a_skin_is_a_character_too(write: Write) -> None:
+    made = samples.gltf_tower()
+    made.document.pop("skins")
+    nodes = made.document["nodes"]
+    nodes[3].pop("skin")
+    nodes[2]["children"] = [3]
+    part = made.document["meshes"][0]["primitives"][0]
+    part["attributes"].pop("JOINTS_0")
+    part["attributes"].pop("WEIGHTS_0")
+    character = read_character(write("robot.glb", made.glb()))
+    assert "top" in character.skeleton.names
+    top = character.skeleton.index("top")
+    carried = character.skeleton.world(character.clip("bend").at(1.0))
+    axis = carried.rotor[top].as_matrix() @ character.skeleton.rest_world.rotor[top].as_matrix().T
+    np.testing.assert_allclose(axis @ [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], atol=1e-6)
+    assert character.vertices[:, 2].max() == pytest.approx(2.0, abs=1e-6)
+
+
+def test_units_of_a_generator_that_keeps_them_are_guessed_only_where_they_cannot_be(
+    write: Write,
+) -> None:
+    """A mesh in centimetres under a node that scales it to metres is left alone."""
+    made = samples.gltf_tower(0.01)
+    made.document["asset"]["generator"] = "Open Asset Import Library (assimp v5.2.0)"
+    made.document["nodes"][2]["translation"] = [0.0, 170.0, 0.0]
+    motion = read_motion(write("fine.glb", made.glb()))
+    assert motion.skeleton.rest_world.translation_m[1, 2] == pytest.approx(1.7, abs=1e-6)
+    assert not any("unit" in notice for notice in motion.notices)
+    made.document["nodes"][0]["scale"] = [1.0] * 3
+    motion = read_motion(write("large.glb", made.glb()))
+    assert any("unit is not known" in notice for notice in motion.notices)
+    assert motion.skeleton.rest_world.translation_m[1, 2] == pytest.approx(1.7, abs=1e-6)

@@ -150,7 +150,8 @@ def test_assimp_reads_the_same_skeleton_and_clips(
     np.testing.assert_allclose(
         found[:, [2, 0, 1]], figure.skeleton.rest_world.translation_m, atol=NEAR_M
     )
-    assert [one["name"] for one in witness.document["animations"]] == ["idle", "walk"]
+    found_clips = [one["name"] for one in witness.document["animations"]]
+    assert found_clips == [clip.name for clip in figure.clips]
 
 
 def test_wrong_requests_are_refused(figure: Character, tmp_path: Path) -> None:
@@ -159,7 +160,7 @@ def test_wrong_requests_are_refused(figure: Character, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="different names"):
         write_gltf(tmp_path / "figure.glb", figure, [figure.clip("walk")] * 2)
     other = Clip("other", np.zeros(1), Motor.identity((1, 3)))
-    with pytest.raises(ValueError, match="poses of 52 joints, got 3"):
+    with pytest.raises(ValueError, match=f"poses of {len(figure.skeleton)} joints, got 3"):
         write_gltf(tmp_path / "figure.glb", figure, [other])
     still = Trajectory(np.array([0]), Motor.identity((1,)))
     with pytest.raises(ValueError, match="a path of the character too"):
