@@ -59,7 +59,7 @@ def bench_board(folder: Path | None = None) -> list[dict[str, Any]]:
     rows = [_row("as tracked", plain, recording.truth, time.perf_counter() - start)]
     for label, (method, parameters) in (("causal", CAUSAL), ("offline", OFFLINE)):
         start = time.perf_counter()
-        smoothed = smooth(plain, method, **parameters)
+        smoothed = smooth(plain, method, "motor", **parameters)
         seconds = time.perf_counter() - start
         told = ", ".join(f"{name}={value:g}" for name, value in parameters.items())
         rows.append(_row(f"{label}: {method} {told}", smoothed, recording.truth, seconds))

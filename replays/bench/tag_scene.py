@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor
 from motorcade.tracking.camera import Camera
@@ -49,7 +50,7 @@ class TagScene:
     def picture(self, world_T_camera: Motor, rng: np.random.Generator) -> GrayImage:
         """What the camera sees from a pose."""
         height, width = self.camera.height, self.camera.width
-        fine = np.full((height * _FINE, width * _FINE), _AROUND, np.float32)
+        fine: NDArray[np.float32] = np.full((height * _FINE, width * _FINE), _AROUND, np.float32)
         camera_T_marker = world_T_camera.inverse().reshape(1) @ self.world_T_marker
         order = np.argsort(-camera_T_marker.translation_m[:, 2])
         for row in order:
@@ -65,7 +66,7 @@ class TagScene:
         camera_T_marker = world_T_camera.inverse().reshape(1) @ self.world_T_marker
         return self.camera.project(camera_T_marker[:, None].apply(marker_points_m(self.side_m)))
 
-    def _draw(self, fine: FloatArray, camera_T_marker: Motor, marker_id: int) -> None:
+    def _draw(self, fine: NDArray[np.float32], camera_T_marker: Motor, marker_id: int) -> None:
         cells = np.pad(marker_cells(self.family, marker_id), 1, constant_values=True)
         levels = np.where(cells, _WHITE, _BLACK).astype(np.float32)
         print_ = np.kron(levels, np.ones((_CELL_PX, _CELL_PX), np.float32))

@@ -87,9 +87,9 @@ def pose_covariance(state: Adjusted) -> FloatArray:
         seen, state.world_T_rig[seen.frame], state.world_T_marker[seen.marker]
     )
     scaled = jacobians[:, 0] * _weight(residuals, state.sigma_px)[:, None, None]
-    information = np.tile(_VAGUE, (len(seen.time_ns), 1, 1))
+    information: FloatArray = np.tile(_VAGUE, (len(seen.time_ns), 1, 1))
     np.add.at(information, seen.frame, scaled.swapaxes(-1, -2) @ scaled)
-    covariance: FloatArray = np.linalg.inv(information)
+    covariance = np.asarray(np.linalg.inv(information), np.float64)
     return 0.5 * (covariance + covariance.swapaxes(-1, -2))
 
 
