@@ -33,6 +33,7 @@ _ACCEL_BIAS_SIGMA_M_S2 = 0.5
 _CAUCHY = 16.8  # χ² with six degrees of freedom exceeds it in one of a hundred poses
 _MEDIAN_CHI2 = 2.366  # median of χ² with three degrees of freedom
 _SMALLEST_SIGMA = 1e-6
+_LEAST_LEFT = 1e-3
 _FASTEST = 100.0  # most that a variance may grow or shrink in one step
 # Preintegration over a single step is rank deficient; far below any sensor's noise.
 _JITTER = np.repeat([1e-9, 1e-8, 1e-8, 1e-10, 1e-10], 3) ** 2
@@ -132,6 +133,8 @@ def align(
     start: Shared,
     beliefs: Beliefs,
     sigma: tuple[float, float] = (np.deg2rad(0.5), 0.01),
+    *,
+    adapt: bool = True,
 ) -> Aligned:
     """Estimate everything from `start` on.
 
@@ -141,7 +144,9 @@ def align(
         noise: its densities and walks.
         start: where to start.
         beliefs: what is known of `start`.
-        sigma: a first guess at the poses' noise, rad and m, an axis.
+        sigma: the poses' noise, rad and m, an axis.
+        adapt: take `sigma` for a first guess, and raise the IMU's noise where the residuals do.
+            Both believe that the poses' errors are independent of each other.
 
     Raises:
         ValueError: poses that move off the IMU's span, motion that determines nothing, or no
@@ -154,11 +159,19 @@ def align(
         summed = preintegrate(imu, state.imu_ns, state.noise, *biases)
         rate = imu.at(state.imu_ns).angular_rate_rad_s
         intervals = _Intervals.of(state, summed)
-        solved = _equations(state, camera, intervals, rate, start, beliefs).solve(free)
+        poses = _white_poses(state, camera, rate)
+        solved = _equations(state, poses, intervals, start, beliefs).solve(free)
         state = _stepped(state, solved, rate)
-        if iteration:
+        if iteration and adapt:
+            left = _left_over(poses, solved)
             grown = intervals.excess(solved)
-            state = replace(_judged(state, camera), noise=_at_least(noise, state.noise, grown))
+            state = replace(
+                state,
+                sigma=_found_sigma(state, camera, left),
+                noise=_at_least(noise, state.noise, grown),
+            )
+        if iteration:
+            state = replace(state, weight=_weights(state, camera))
         sigmas = np.sqrt(np.diag(solved.covariance))
         if iteration > 2 and np.all(np.abs(solved.shared) <= _SETTLED * sigmas):
             return replace(state, covariance=solved.covariance)
@@ -185,11 +198,11 @@ def _in_metres(camera: Trajectory, scale: float) -> Motor:
 
 
 def _equations(
-    state: Aligned, camera: Trajectory, intervals: _Intervals, rate: FloatArray, start: Shared,
+    state: Aligned, poses: tuple[FloatArray, ...], intervals: _Intervals, start: Shared,
     beliefs: Beliefs,
 ) -> Bordered:  # fmt: skip
     equations = Bordered(len(state.time_ns), 15, 11)
-    _add_poses(equations, state, camera, rate)
+    equations.add_states(*poses)
     intervals.add_to(equations)
     biases = np.repeat([_GYRO_BIAS_SIGMA_RAD_S, _ACCEL_BIAS_SIGMA_M_S2], 3)
     equations.add_prior(0, slice(9, 15), state.bias[0], biases)
@@ -202,7 +215,10 @@ def _twists(state: Aligned, rate: FloatArray) -> FloatArray:
     return np.concatenate([rate - state.bias[:, :3], own], axis=-1)
 
 
-def _add_poses(equations: Bordered, state: Aligned, camera: Trajectory, rate: FloatArray) -> None:
+def _white_poses(
+    state: Aligned, camera: Trajectory, rate: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Residuals ``(N, 6)`` of the poses in deviations, derivatives by states and what is shared."""
     measured = _in_metres(camera, state.shared.scale).coefficients
     residual, slope = pose_residuals(
         state.world_T_imu.coefficients, _twists(state, rate),
@@ -214,7 +230,14 @@ def _add_poses(equations: Bordered, state: Aligned, camera: Trajectory, rate: Fl
     own[..., :6] = slope[..., :6]
     shared[..., OFFSET.start : LEVER.stop] = slope[..., 6:13]
     shared[..., SCALE] = slope[..., 13:]
-    equations.add_states(residual, own, shared)
+    return residual, own, shared
+
+
+def _left_over(poses: tuple[FloatArray, ...], solved: Solved) -> FloatArray:
+    """What share of the noise of rotations and of positions the estimate leaves in residuals."""
+    _, own, shared = poses
+    taken = np.einsum("kii->ki", solved.state_covariance(own, shared)).reshape(-1, 2, 3)
+    return np.maximum(1.0 - taken.mean(axis=(0, 2)), _LEAST_LEFT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -317,13 +340,21 @@ def _stepped(state: Aligned, solved: Solved, rate: FloatArray) -> Aligned:
     )
 
 
-def _judged(state: Aligned, camera: Trajectory) -> Aligned:
-    """The poses' noise from the residuals' medians, and each pose's weight by it."""
+def _squares(state: Aligned, camera: Trajectory) -> FloatArray:
+    """Squared errors ``(2, N)`` of the poses: rotation (rad²), position (m²)."""
     expected = state.world_T_imu @ state.shared.imu_T_camera
     apart = (_in_metres(camera, state.shared.scale).inverse() @ expected).as_twist()
-    squares = np.stack([np.sum(apart[:, part] ** 2, axis=-1) for part in (slice(3), slice(3, 6))])
-    variance = np.median(squares, axis=-1) / _MEDIAN_CHI2
-    variance = np.maximum(variance, _SMALLEST_SIGMA**2)
-    chi2 = np.sum(squares / variance[:, None], axis=0)
-    turn, shift = np.sqrt(variance)
-    return replace(state, sigma=(float(turn), float(shift)), weight=1.0 / (1.0 + chi2 / _CAUCHY))
+    return np.stack([np.sum(apart[:, part] ** 2, axis=-1) for part in (slice(3), slice(3, 6))])
+
+
+def _found_sigma(state: Aligned, camera: Trajectory, left: FloatArray) -> tuple[float, float]:
+    """The poses' noise from the residuals' medians."""
+    variance = np.median(_squares(state, camera), axis=-1) / _MEDIAN_CHI2 / left
+    turn, shift = np.sqrt(np.maximum(variance, _SMALLEST_SIGMA**2))
+    return float(turn), float(shift)
+
+
+def _weights(state: Aligned, camera: Trajectory) -> FloatArray:
+    chi2 = np.sum(_squares(state, camera) / np.square(state.sigma)[:, None], axis=0)
+    weights: FloatArray = 1.0 / (1.0 + chi2 / _CAUCHY)
+    return weights

@@ -35,6 +35,12 @@ class Solved:
     cross: FloatArray
     border: FloatArray
 
+    def state_covariance(self, own: FloatArray, shared: FloatArray) -> FloatArray:
+        """Covariance ``(N, r, r)`` of residuals of single states with derivatives ``(N, r, *)``."""
+        along = shared - own @ self.border
+        spread: FloatArray = own @ self.own @ _turned(own)
+        return spread + along @ self.covariance @ _turned(along)
+
     def interval_covariance(
         self, start: FloatArray, end: FloatArray, shared: FloatArray
     ) -> FloatArray:

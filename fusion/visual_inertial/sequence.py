@@ -23,7 +23,8 @@ from motorcade.tracking.slam import SlamResult
 
 __all__ = ["FusedMap", "fuse_map"]
 
-# No frame is surer than this, whatever its corners say: the keyframes it hangs on are not.
+# No frame is surer than this (rad, units of the map, metres), whatever its corners say: the
+# keyframes that it hangs on are not. A map's unit is about the depth of what it shows.
 _FLOOR = np.repeat([1e-3, 2e-3], 3) ** 2
 
 
@@ -60,7 +61,8 @@ def fuse_map(
     path, snapshot = result.trajectory, result.map
     if path is None:
         raise ValueError("result: expected a run of SLAM that found poses, got none")
-    start = start_inertial(path, imu, noise, imu_T_camera)
+    given = PoseMeasurements(path, result.covariance + np.diag(_FLOOR))
+    start = start_inertial(given, imu, noise, imu_T_camera)
     inside = (snapshot.time_ns >= imu.time_ns[0]) & (snapshot.time_ns <= imu.time_ns[-1])
     own = Trajectory(snapshot.time_ns[inside], snapshot.world_T_camera[inside])
     before = start.in_metres(own)

@@ -16,6 +16,7 @@ from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.sync.alignment import GRAVITY, SCALE, Beliefs, Shared, align, covered
 from motorcade.fusion.visual_inertial.linear import linear_start
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Similarity, Trajectory
+from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["InertialStart", "start_inertial"]
 
@@ -59,29 +60,33 @@ class InertialStart:
 
 
 def start_inertial(
-    camera: Trajectory, imu: ImuStream, noise: ImuNoise, imu_T_camera: Motor
+    measurements: PoseMeasurements, imu: ImuStream, noise: ImuNoise, imu_T_camera: Motor
 ) -> InertialStart:
     """Find scale, up, velocities and biases from poses of a camera and the IMU it sits on.
 
     The scale comes from accelerations alone: an even pace tells nothing of it, and
-    `log_scale_sigma` says so. It believes that errors of the poses are independent; a map's are
-    not, and drift of its scale is not foreseen: use stretches of some ten seconds.
+    `log_scale_sigma` says so. It believes the stated covariances, and that errors of the poses are
+    independent; wrong poses lose their weight. A map's scale that drifts is not foreseen.
 
     Args:
-        camera: ``world_T_camera`` in units and axes of its own.
+        measurements: ``world_T_camera`` in units and axes of its own, with covariances.
         imu: the stream, on the same clock.
-        noise: its densities; they are raised where the data show more.
+        noise: its densities and walks.
         imu_T_camera: pose of the camera on the IMU, metres.
 
     Raises:
         ValueError: fewer than four poses within the IMU's span, motion that gives no scale, or an
             estimate that does not settle.
     """
-    used = covered(camera, imu, 0.0, 0.0)
+    used = covered(measurements.trajectory, imu, 0.0, 0.0)
     scale, gravity = linear_start(_spaced(used), imu, noise, imu_T_camera)
     fall = _GRAVITY_M_S2 / float(np.linalg.norm(gravity)) * gravity
     beliefs = Beliefs(0.0, 0.0, 0.0, _GRAVITY_SIGMA_M_S2, np.inf)
-    found = align(used, imu, noise, Shared(0.0, imu_T_camera, fall, scale), beliefs)
+    start = Shared(0.0, imu_T_camera, fall, scale)
+    variances = np.median(np.einsum("kii->ki", measurements.covariance), axis=0)
+    turn, shift = np.sqrt(variances.reshape(2, 3).mean(axis=-1))
+    sigma = float(turn), scale * float(shift)
+    found = align(used, imu, noise, start, beliefs, sigma, adapt=False)
     up = _upright(found.shared.gravity_m_s2)
     size = float(np.linalg.norm(found.shared.gravity_m_s2))
     lean = up.as_matrix()[:2] @ found.covariance[GRAVITY, GRAVITY] @ up.as_matrix()[:2].T

@@ -11,6 +11,7 @@ from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.fusion.visual_inertial import InertialStart, start_inertial
 from motorcade.fusion.visual_inertial.linear import linear_start
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from motorcade.tracking.measurements import PoseMeasurements
 
 MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
 UNIT_M = 3.7
@@ -25,6 +26,11 @@ def in_units(path: Trajectory) -> Trajectory:
     turned = VISUAL_T_WORLD.rotor @ path.motors.rotor
     places = VISUAL_T_WORLD.apply(path.motors.translation_m)
     return Trajectory(path.time_ns, Motor.from_rotor_translation(turned, places), "visual")
+
+
+def measured_in_units(given: PoseMeasurements) -> PoseMeasurements:
+    units = np.repeat([1.0, 1.0 / UNIT_M], 3)
+    return PoseMeasurements(in_units(given.trajectory), units[:, None] * given.covariance * units)
 
 
 def recorded(
@@ -43,8 +49,8 @@ def scale_error(start: InertialStart) -> float:
 @pytest.mark.parametrize("name", ["handheld", "gimbal_crossing"])
 def test_the_scale_is_found_to_one_per_cent_from_noisy_poses(rng, name):
     truth, simulated = recorded(rng, name, 15.0)
-    noisy = simulate_camera_poses(truth, 20.0, 0.005, np.deg2rad(0.2), rng).trajectory
-    start = start_inertial(in_units(noisy), simulated.stream, ADIS16448, MOUNT)
+    noisy = simulate_camera_poses(truth, 20.0, 0.005, np.deg2rad(0.2), rng)
+    start = start_inertial(measured_in_units(noisy), simulated.stream, ADIS16448, MOUNT)
     assert abs(scale_error(start)) < 0.01
     assert abs(scale_error(start)) < 3.0 * start.log_scale_sigma
     assert start.log_scale_sigma < 0.01
@@ -73,8 +79,8 @@ def test_over_many_runs_the_scale_errs_as_stated():
     for seed in range(24):
         rng = np.random.default_rng(seed)
         truth, simulated = recorded(rng, "handheld", 6.0)
-        noisy = simulate_camera_poses(truth, 20.0, 0.01, np.deg2rad(0.3), rng).trajectory
-        start = start_inertial(in_units(noisy), simulated.stream, ADIS16448, MOUNT)
+        noisy = simulate_camera_poses(truth, 20.0, 0.01, np.deg2rad(0.3), rng)
+        start = start_inertial(measured_in_units(noisy), simulated.stream, ADIS16448, MOUNT)
         errors.append(scale_error(start) / start.log_scale_sigma)
     assert abs(np.mean(errors)) < 3.0 / np.sqrt(len(errors))
     assert 0.6 < np.std(errors) < 1.5
@@ -106,12 +112,12 @@ def test_an_even_pace_tells_no_scale_and_that_is_said(seed):
     mount = Motor.from_rotor_translation(MOUNT.rotor, np.zeros(3))
     noisy = simulate_camera_poses(
         path.transformed_by(right=mount), 20.0, 0.005, np.deg2rad(0.2), rng
-    ).trajectory
+    )
     if seed == 1:
         with pytest.raises(ValueError, match="expected motion that tells the scale"):
-            start_inertial(in_units(noisy), imu, ADIS16448, mount)
+            start_inertial(measured_in_units(noisy), imu, ADIS16448, mount)
     else:
-        assert start_inertial(in_units(noisy), imu, ADIS16448, mount).log_scale_sigma > 1.0
+        assert start_inertial(measured_in_units(noisy), imu, ADIS16448, mount).log_scale_sigma > 1.0
 
 
 def test_bad_input_is_refused(rng):
@@ -120,5 +126,6 @@ def test_bad_input_is_refused(rng):
     with pytest.raises(ValueError, match="four poses"):
         linear_start(camera[:3], simulated.stream, ADIS16448, MOUNT)
     later = Trajectory(camera.time_ns + 10**12, camera.poses)
+    given = PoseMeasurements(later, np.tile(np.eye(6), (len(later), 1, 1)))
     with pytest.raises(ValueError, match="covers"):
-        start_inertial(later, simulated.stream, ADIS16448, MOUNT)
+        start_inertial(given, simulated.stream, ADIS16448, MOUNT)

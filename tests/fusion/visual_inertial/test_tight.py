@@ -18,7 +18,7 @@ from motorcade.fusion.visual_inertial import (
     start_inertial,
 )
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
-from motorcade.tracking import Camera
+from motorcade.tracking import Camera, PoseMeasurements
 from motorcade.tracking.slam import SlamResult
 from motorcade.tracking.slam.mapping.map import MapSnapshot
 
@@ -88,7 +88,9 @@ def test_a_monocular_start_becomes_metric(scene: Scene):
                                           visual.apply(poses.translation_m))  # fmt: skip
     path = Trajectory(scene.keyframes.time_ns, turned, "visual")
     points = visual.apply(scene.landmarks_m + 0.03 * rng.standard_normal(scene.landmarks_m.shape))
-    start = start_inertial(path, scene.imu, ADIS16448, MOUNT)
+    spread = np.diag(np.repeat([0.003, 0.01 * 0.27], 3) ** 2)
+    given = PoseMeasurements(path, np.tile(spread, (len(path), 1, 1)))
+    start = start_inertial(given, scene.imu, ADIS16448, MOUNT)
     found = scene.adjusted(start.in_metres(path), start.world_T_visual.apply(points))
     rigid = evaluate(found.trajectory, scene.keyframes, align="se3")
     assert rigid.ape_m.rmse < 0.01
