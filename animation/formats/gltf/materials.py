@@ -20,6 +20,8 @@ from motorcade.ga import FloatArray
 
 __all__ = ["Materials"]
 
+PLAIN = 0.6
+"""Linear grey in the place of a texture that is missing."""
 SPECULAR = "KHR_materials_pbrSpecularGlossiness"
 
 
@@ -90,7 +92,8 @@ class Materials:
         if "source" not in texture:
             return factor, None, 0
         source = integer(texture["source"], "texture.source", 0, 1 << 30)
-        return factor, self._texture(source), coordinates
+        picture = self._texture(source)
+        return (factor * PLAIN if picture is None else factor), picture, coordinates
 
     def _texture(self, source: int) -> Texture | None:
         """A decoded picture; None, with a notice, where it is missing or broken."""

@@ -318,3 +318,16 @@ def test_units_of_a_generator_that_keeps_them_are_guessed_only_where_they_cannot
     motion = read_motion(write("large.glb", made.glb()))
     assert any("unit is not known" in notice for notice in motion.notices)
     assert motion.skeleton.rest_world.translation_m[1, 2] == pytest.approx(1.7, abs=1e-6)
+
+
+def test_a_missing_texture_is_told_and_leaves_a_plain_grey(write: Write) -> None:
+    made = samples.gltf_tower()
+    made.document["meshes"][0]["primitives"][0]["material"] = 0
+    made.document |= {
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        "textures": [{"source": 0}],
+        "images": [{"uri": "lost.png"}],
+    }
+    character = read_character(write("grey.glb", made.glb()))
+    assert any("'lost.png' was not read" in notice for notice in character.notices)
+    np.testing.assert_allclose(character.colors, 0.8, atol=0.01)
