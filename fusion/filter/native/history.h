@@ -7,8 +7,8 @@
 
 namespace motorcade::filter {
 
-// So many times the patience after the start, that is no longer what is doubted.
-constexpr std::size_t first_measurements = 4;
+// After so many times the patience it is no longer the start that is doubted, but all that is known.
+constexpr std::size_t long_patience = 4;
 
 // Does events [from, to) again, from the nearest state kept before them.
 template <std::size_t N> void Timeline<N>::replay(std::size_t from, std::size_t to) {
@@ -40,7 +40,7 @@ template <std::size_t N> void Timeline<N>::replay(std::size_t from, std::size_t 
 template <std::size_t N> void Timeline<N>::reopen() {
     const std::deque<std::size_t> denied = streak_;
     const std::size_t first = denied.front();
-    std::size_t target = first, far = first_measurements * settings_.patience;
+    std::size_t target = first, far = long_patience * settings_.patience;
     while (target > 1 && far > 0 && !(events_[target - 1].measures() && events_[target - 1].factor > 0.0))
         --target, --far;
     target = target == 1 && !forgotten_ ? 0 : first;
@@ -52,9 +52,10 @@ template <std::size_t N> void Timeline<N>::reopen() {
     Event &given_up = events_[target];
     given_up.doubted = true;
     const std::array<double, 5> &start = settings_.start_sigma;
+    const double share = far == 0 ? 1.0 : 0.01;
     const double room[5] = {seen ? 1.0 : turned, seen ? 1.0 : fast ? 0.0 : moved,
-                            moved + 0.01 * start[2] * start[2], 0.01 * start[3] * start[3],
-                            0.01 * start[4] * start[4]};
+                            moved + share * start[2] * start[2], share * start[3] * start[3],
+                            share * start[4] * start[4]};
     std::copy_n(room, 5, given_up.doubt);
     if (target == 0 && witness.size == 6 && witness.kind == given_up.kind)
         std::copy_n(witness.linear.begin(), 6, given_up.restart);

@@ -288,6 +288,7 @@ private:
         keep_residual(event, innovation);
         if (event.factor == 0.0) {
             streak_.push_back(index);
+            if (streak_.size() > settings_.patience) streak_.pop_front();
             return;
         }
         streak_.clear();
