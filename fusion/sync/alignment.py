@@ -237,7 +237,8 @@ def _left_over(poses: tuple[FloatArray, ...], solved: Solved) -> FloatArray:
     """What share of the noise of rotations and of positions the estimate leaves in residuals."""
     _, own, shared = poses
     taken = np.einsum("kii->ki", solved.state_covariance(own, shared)).reshape(-1, 2, 3)
-    return np.maximum(1.0 - taken.mean(axis=(0, 2)), _LEAST_LEFT)
+    left: FloatArray = np.maximum(1.0 - taken.mean(axis=(0, 2)), _LEAST_LEFT)
+    return left
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,19 @@
+"""One camera and an IMU in a drawn room, with a second of darkness."""
+
+from __future__ import annotations
+
+import pytest
+
+from motorcade.replays.bench.visual_inertial import bench_visual_inertial, visual_inertial_table
+from motorcade.replays.textured_room.scenarios import scenario
+
+
+@pytest.mark.slow
+def test_the_path_is_metric_and_goes_on_through_black_frames():
+    found = bench_visual_inertial(scenario("covered"))
+    assert found["states"]["lost"] >= 25
+    assert found["frames_posed"] >= found["frames"] - 10
+    assert abs(found["scale_error"]) < 0.01
+    assert found["ape_rmse_m"] < 0.01
+    assert found["rotation_rmse_deg"] < 0.5
+    assert "scale" in visual_inertial_table(found)
