@@ -61,7 +61,7 @@ def test_noise_of_any_size_is_told(
 
 @pytest.mark.parametrize("name", ["tumble", "walk_and_look", "screw"])
 def test_wrong_poses_call_for_the_robust_estimate(name: str, rng: np.random.Generator) -> None:
-    truth = MOTIONS[name].sampled(30.0, 15.0)
+    truth = MOTIONS[name].sampled(30.0, 10.0)
     noisy = Gaussian(0.005, np.deg2rad(0.5)).apply(truth, rng)
     spoiled = PlanarFlips(0.02).apply(Outliers(0.05, 0.3, 0.5).apply(noisy, rng), rng)
     picked = choose(spoiled)
