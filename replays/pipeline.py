@@ -150,6 +150,7 @@ def export(run: Run, out: Path, about_it: dict[str, Any]) -> dict[str, Any]:
         write_trajectory(trajectory, out / "trajectories" / f"{name}.tum")
     sources = {"overlay.mp4": film and film.path}
     sources |= {"marker_map.json": poses and poses.marker_map}
+    sources |= {"slam_map.npz": poses and poses.slam_map}
     sources |= {"report.html": pages and pages.page, "report.json": pages and pages.summary}
     for name, source in sources.items():
         if source is not None:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from motorcade.replays.loose_markers import LooseMarkers
     from motorcade.tracking.boards import Board
     from motorcade.tracking.camera import Camera
+    from motorcade.tracking.slam import MapSnapshot
 
 __all__ = ["DepthArray", "Frame", "FrameSequence", "ImageArray", "Recording", "open_recording"]
 
@@ -126,6 +127,7 @@ class Recording:
         imu_T_camera: where the camera sits on the IMU (camera coordinates to IMU coordinates).
         board: a board in view, and where it stands in the world (identity: it is the world).
         markers: markers in view that are no board.
+        slam_map: a saved map of the place, which visual SLAM goes on in.
         truth: world_T_camera. Its stamps need not be the frames' own, nor cover all of them.
         settings: knobs of the pipeline that suit this recording, each "stage.knob=value".
         damaged: what is said of each picture that was left out because it is damaged.
@@ -145,6 +147,7 @@ class Recording:
     board: Board | None = None
     world_T_board: Motor = field(default_factory=Motor.identity)
     markers: LooseMarkers | None = None
+    slam_map: MapSnapshot | None = None
     truth: Trajectory | None = None
     settings: tuple[str, ...] = ()
     damaged: tuple[str, ...] = ()
@@ -219,6 +222,11 @@ class Recording:
             motor = getattr(self, label)
             yield label, b"" if motor is None else _bytes(motor.coefficients)
         yield "markers", b"" if self.markers is None else self.markers.content()
+        if self.slam_map is not None:
+            known = self.slam_map
+            yield "slam map poses", _bytes(known.world_T_camera.coefficients)
+            yield "slam map points", _bytes(known.points) + known.descriptors.tobytes()
+            yield "slam map pixels", _bytes(known.px) + _bytes(known.depth)
         yield "damaged", repr(self.damaged).encode()
         if self.baseline_m is not None:
             yield "baseline", repr(self.baseline_m).encode()

@@ -35,11 +35,12 @@ class CameraPoses:
 
     `reprojection_px` (N,) belongs to the measurements; it is NaN where nothing was reprojected.
     `board_track` holds the corners and both planar candidates of every frame (read it with
-    `tracking.BoardTrack.load`), `marker_map` where loose markers stand (`MarkerMap.load`), `points`
-    (p, 3) what SLAM mapped; each is there for its own origin only. `metric` is False where the unit
-    of length is free (SLAM by one camera alone). `account` says in one line how the poses were
-    found, and `passed_over` what was tried before, with the reason. `seconds` is what tracking
-    took, reading and decoding the images included.
+    `tracking.BoardTrack.load`), `marker_map` where loose markers stand (`MarkerMap.load`),
+    `slam_map` what SLAM mapped (`MapSnapshot.load`) and `points` (p, 3) where that is; each is
+    there for its own origin only. `metric` is False where the unit of length is free (SLAM by one
+    camera alone). `account` says in one line how the poses were found, and `passed_over` what was
+    tried before, with the reason. `seconds` is what tracking took, reading and decoding the images
+    included.
     """
 
     measurements: PoseMeasurements
@@ -49,6 +50,7 @@ class CameraPoses:
     account: str
     board_track: Path | None = None
     marker_map: Path | None = None
+    slam_map: Path | None = None
     points: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     metric: bool = True
     passed_over: tuple[str, ...] = ()
@@ -75,7 +77,7 @@ def camera_poses(
 
     `refine=photometric` sharpens the poses of loose markers in pictures on their whole print; it
     needs torch and kornia (the extra `photometric`), and pays on small markers and for steadiness
-    (`motorcade bench tracking` says how much), at some 20 to 100 ms a marker on a processor.
+    (`motorcade bench tracking` says how much), at 30 to 150 ms a marker on one core.
 
     `rate_hz`, `sigma_m` and `sigma_deg` (an axis) and `seed` shape the simulation. `blackouts_s`
     (start, end, start, end, … in seconds after the first stamp) are spans in which no pose is
@@ -177,13 +179,16 @@ def _by_markers(recording: Recording, *, refine: Refine) -> CameraPoses:
 
 def _by_slam(recording: Recording) -> CameraPoses:
     found = slam_poses(recording)
+    slam_map = new_file("slam_map.npz")
+    found.map.save(slam_map)
     return CameraPoses(
         found.measurements,
         recording.frames.time_ns,
         np.full(len(found.measurements), np.nan),
         "slam",
-        "tracked by visual SLAM "
+        f"tracked by visual SLAM {'in a saved map, ' if recording.slam_map else ''}"
         + ("with depth" if found.metric else "by one camera (scale: free, lengths have no unit)"),
+        slam_map=slam_map,
         points=found.points,
         metric=found.metric,
         seconds=found.seconds,

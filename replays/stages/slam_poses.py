@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga import FloatArray, Motor
 from motorcade.replays.progress import track
 from motorcade.replays.recording import Recording
 from motorcade.tracking import PoseMeasurements, TrackingError
+
+if TYPE_CHECKING:
+    from motorcade.tracking.slam import MapSnapshot
 
 __all__ = ["SlamPoses", "slam_poses"]
 
@@ -25,20 +29,23 @@ class SlamPoses:
         measurements: `world_T_camera` of the frames that have a pose.
         metric: whether lengths are metres; with one camera alone their unit is free.
         points: ``(p, 3)`` of the map, in the same world.
+        map: the map as it may be saved and gone on in, in a world of its own.
         seconds: time it took, reading and decoding included.
     """
 
     measurements: PoseMeasurements
     metric: bool
     points: FloatArray
+    map: MapSnapshot
     seconds: float
 
 
 def slam_poses(recording: Recording) -> SlamPoses:
     """Track a recording by what it sees, with its depth or else its right pictures if it has any.
 
-    The covariance is that of each frame's pose within the map; that the map itself drifts is not
-    in it.
+    In a saved map of the place, where the recording brings one, it goes on: the world is then that
+    map's, and until the camera finds itself in it there is no pose. The covariance is that of each
+    frame's pose within the map; that the map itself drifts is not in it.
 
     Raises:
         ValueError: no camera known.
@@ -51,7 +58,8 @@ def slam_poses(recording: Recording) -> SlamPoses:
     start = time.perf_counter()
     paired = recording.baseline_m is not None and recording.frames[0].read_depth is None
     settings = SlamSettings(baseline_m=recording.baseline_m if paired else None)
-    slam = VisualSlam(recording.camera, settings)
+    known = recording.slam_map
+    slam = VisualSlam(recording.camera, settings, known=known, extend=known is not None)
     for frame in track(recording.frames, "mapping", len(recording.frames)):
         right = frame.right() if paired else None
         slam.track(frame.time_ns, frame.gray(), frame.depth_m(), right)
@@ -63,10 +71,11 @@ def slam_poses(recording: Recording) -> SlamPoses:
         )
     floor = np.repeat((_SIGMA_FLOOR_RAD**2, _SIGMA_FLOOR_M**2), 3)
     covariance: FloatArray = found.covariance + np.diag(floor)
-    first_T_world = found.trajectory.motors[0].inverse()
+    first_T_world = Motor.identity() if known else found.trajectory.motors[0].inverse()
     return SlamPoses(
         PoseMeasurements(found.trajectory.transformed_by(left=first_T_world), covariance),
         found.metric,
         first_T_world.apply(found.map.points),
+        found.map,
         time.perf_counter() - start,
     )

@@ -127,6 +127,16 @@ def test_a_board_that_is_named_but_never_seen_is_passed_over_and_said(
     assert "Passed over: board" in (tmp_path / "report.html").read_text()
 
 
+def resumed_in_the_map_of_an_earlier_run(folder: Path, tmp_path: Path) -> None:
+    manifest = tmp_path / "resumed.toml"
+    again = '[slam]\nmap_file = "../depth/slam_map.npz"\n'
+    manifest.write_text((folder / "motorcade.toml").read_text() + again)
+    found = report(tmp_path / "again", folder, "--manifest", manifest, "--set", "errors.align=auto")
+    assert "in a saved map, with depth" in found["camera_poses"]["account"]
+    assert found["camera_poses"]["measured"] >= 55
+    assert found["errors"]["measured"]["ape_rmse_m"] < 0.005
+
+
 @pytest.mark.slow
 def test_without_board_or_markers_slam_gives_a_path_of_free_scale(tmp_path: Path) -> None:
     folder = tmp_path / "room"
@@ -135,6 +145,7 @@ def test_without_board_or_markers_slam_gives_a_path_of_free_scale(tmp_path: Path
     assert (found["camera_poses"]["origin"], found["camera_poses"]["scale"]) == ("slam", "metric")
     assert found["align"] == "se3"
     assert found["errors"]["measured"]["ape_rmse_m"] < 0.005
+    resumed_in_the_map_of_an_earlier_run(folder, tmp_path)
     (folder / "depth.txt").unlink()
     manifest = folder / "motorcade.toml"
     manifest.write_text(manifest.read_text().partition("[stereo]")[0])

@@ -313,6 +313,7 @@ MISTAKES = {
         FRAMES + '[markers]\nfamily = "tag36h11"\nside_m = 0.1\nmap_file = "map.json"\n',
         r"\[markers\] map_file: .*map\.json",
     ),
+    "map of slam": (FRAMES + '[slam]\nmap_file = "map.npz"\n', r"\[slam\] map_file: .*map\.npz"),
     "truth format": (FRAMES + TRUTH.replace("matrix4", "mat"), "format: expected one of tum"),
     "truth file": (FRAMES + TRUTH.replace("poses", "pose"), r"pose\.txt: the file is missing"),
     "no convention": (

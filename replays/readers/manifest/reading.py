@@ -29,6 +29,7 @@ from motorcade.replays.readers.manifest.board import section_board
 from motorcade.replays.readers.manifest.camera import CAMERA_KEYS, section_camera
 from motorcade.replays.readers.manifest.markers import MARKERS_KEYS, section_markers
 from motorcade.replays.readers.manifest.section import Section, load_toml
+from motorcade.replays.readers.manifest.slam import SLAM_KEYS, section_slam
 from motorcade.replays.readers.manifest.truth import TRUTH_KEYS, read_truth
 from motorcade.replays.readers.tables import UNITS
 from motorcade.replays.readers.video import VideoFrames
@@ -40,7 +41,18 @@ from motorcade.tracking.camera import Camera
 __all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "STEREO_KEYS", "read"]
 
 LOCAL_NAME = "motorcade.toml"
-_TOP = ("name", "settings", "frames", "camera", "board", "markers", "truth", "imu", "stereo")
+_TOP = (
+    "name",
+    "settings",
+    "frames",
+    "camera",
+    "board",
+    "markers",
+    "truth",
+    "imu",
+    "stereo",
+    "slam",
+)
 FRAMES_KEYS = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
 STEREO_KEYS = ("right", "baseline_m")
 IMU_KEYS = ("file", "noise_file", "imu_T_camera")
@@ -86,6 +98,9 @@ class _Manifest:
         if "markers" in self.top:
             section = self._section("markers", MARKERS_KEYS)
             made = replace(made, markers=section_markers(section, self._file))
+        if "slam" in self.top:
+            section = self._section("slam", SLAM_KEYS)
+            made = replace(made, slam_map=section_slam(section, self._file))
         if "imu" in self.top:
             made = self._with_imu(made)
         if "truth" in self.top:

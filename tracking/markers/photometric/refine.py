@@ -10,7 +10,7 @@ choice between them.
 On drawn markers (`motorcade bench tracking`) it halves the error of corners and the jitter of
 poses, at 96 pixels a side as at 20. It does not settle flips: at 20 pixels the misfit of the print
 chooses no better than that of the corners, and both leave them to the motion over time. It costs
-some tens of milliseconds a marker on one core, more than detection does: worth it where
+30 to 150 milliseconds a marker on one core, far more than detection does: worth it where
 steadiness counts, and not for flips.
 
 Breaks down where a marker is partly covered, where it is not flat, where motion blurs it more one
