@@ -12,7 +12,14 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, expected
-from motorcade.animation.formats.limits import MAX_DEPTH, MAX_NODES, MAX_POSES, read_bounded
+from motorcade.animation.formats.limits import (
+    MAX_DEPTH,
+    MAX_NODES,
+    MAX_POSES,
+    MAX_TEXT_BYTES,
+    read_bounded,
+)
+from motorcade.animation.formats.numbers import numbers_in
 from motorcade.animation.formats.rig.curves import great_arc, with_times
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip
@@ -110,7 +117,7 @@ def read_bvh(path: Path) -> Rig:
     Raises:
         FormatError: a file that is not consistent.
     """
-    text = read_bounded(path).decode("utf-8", "replace")
+    text = read_bounded(path, MAX_TEXT_BYTES).decode("utf-8", "replace")
     head, found, body = text.partition("MOTION")
     if not found:
         raise FormatError("file: expected a section MOTION, got none")
@@ -131,16 +138,13 @@ def _frames(body: str, width: int) -> tuple[FloatArray, FloatArray]:
     if count != int(count) or not 1 <= count <= MAX_POSES or not 1e-6 <= step <= 1e4:
         raise expected("MOTION", "a count of frames and a time of 1e-6 s or more", words[1])
     rest = body.split(None, 5)[5] if len(words) > 5 else ""
-    parts = rest.split()
     frames = int(count)
-    if len(parts) < frames * width or frames * max(width, 1) > 8 * MAX_POSES:
-        raise expected("MOTION", f"{frames} frames of {width} numbers", f"{len(parts)} numbers")
-    try:
-        values = np.array(parts[: frames * width], dtype=np.float64)
-    except ValueError as fault:
-        raise FormatError(f"MOTION: expected numbers, {fault}") from fault
-    if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > 1e9:
-        raise expected("MOTION", "finite numbers up to 1e9", "others")
+    if frames * max(width, 1) > 8 * MAX_POSES:
+        raise expected("MOTION", f"at most {8 * MAX_POSES} numbers", f"{frames} x {width}")
+    values = numbers_in(rest, "MOTION")
+    if len(values) < frames * width:
+        raise expected("MOTION", f"{frames} frames of {width} numbers", f"{len(values)} numbers")
+    values = values[: frames * width]
     return np.linspace(0.0, (frames - 1) * step, frames), values.reshape(frames, width)
 
 

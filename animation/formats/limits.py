@@ -19,6 +19,7 @@ __all__ = [
     "MAX_IMAGE_PIXELS",
     "MAX_NODES",
     "MAX_POSES",
+    "MAX_TEXT_BYTES",
     "MAX_VALUES",
     "MAX_VERTICES",
     "beside",
@@ -27,6 +28,8 @@ __all__ = [
 ]
 
 MAX_FILE_BYTES = 256 << 20
+MAX_TEXT_BYTES = 64 << 20
+"""Of files, and parts of files, that are taken apart word by word."""
 MAX_VALUES = 32 << 20
 """Numbers that one file may unpack to, over all its arrays."""
 MAX_POSES = 4 << 20

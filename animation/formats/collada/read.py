@@ -14,7 +14,7 @@ from motorcade.animation.formats.collada.materials import Materials
 from motorcade.animation.formats.collada.scene import read_scene
 from motorcade.animation.formats.collada.xml import parse_xml
 from motorcade.animation.formats.errors import expected
-from motorcade.animation.formats.limits import read_bounded
+from motorcade.animation.formats.limits import MAX_TEXT_BYTES, read_bounded
 from motorcade.animation.formats.rig.values import Rig
 
 __all__ = ["read_collada"]
@@ -32,7 +32,7 @@ def read_collada(path: Path) -> Rig:
     Raises:
         FormatError: XML that is broken or dangerous, or a document that is not consistent.
     """
-    library = Library(parse_xml(read_bounded(path)))
+    library = Library(parse_xml(read_bounded(path, MAX_TEXT_BYTES)))
     asset = library.root.first("asset")
     axis = None if asset is None else asset.first("up_axis")
     unit = None if asset is None else asset.first("unit")

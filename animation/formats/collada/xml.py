@@ -11,7 +11,8 @@ from xml.parsers import expat
 import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, expected
-from motorcade.animation.formats.limits import MAX_DEPTH, MAX_VALUES
+from motorcade.animation.formats.limits import MAX_DEPTH
+from motorcade.animation.formats.numbers import numbers_in
 from motorcade.ga import FloatArray, IntArray
 
 __all__ = ["Element", "parse_xml"]
@@ -77,15 +78,7 @@ class Element:
         Raises:
             FormatError: other text, or another count.
         """
-        parts = self.text.split()
-        if len(parts) > MAX_VALUES:
-            raise expected(f"<{self.name}>", f"at most {MAX_VALUES} numbers", len(parts))
-        try:
-            values = np.array(parts, dtype=np.float64) if parts else np.zeros(0)
-        except ValueError as fault:
-            raise expected(f"<{self.name} {self.get('id')}>", "numbers", fault) from fault
-        if not np.isfinite(values).all() or np.abs(values).max(initial=0.0) > 1e9:
-            raise expected(f"<{self.name} {self.get('id')}>", "finite numbers up to 1e9", "others")
+        values = numbers_in(self.text, f"<{self.name} {self.get('id')}>")
         if count is not None and len(values) != count:
             raise expected(f"<{self.name} {self.get('id')}>", f"{count} numbers", len(values))
         return values

@@ -11,7 +11,7 @@ from typing import Any
 
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.fields import integer, listed, table, text
-from motorcade.animation.formats.limits import MAX_FILE_BYTES, beside, read_bounded
+from motorcade.animation.formats.limits import MAX_FILE_BYTES, MAX_TEXT_BYTES, beside, read_bounded
 
 __all__ = ["Document", "open_gltf"]
 
@@ -61,6 +61,8 @@ def open_gltf(path: Path) -> Document:
     binary = None
     if data[:4] == MAGIC:
         data, binary = _chunks(data)
+    if len(data) > MAX_TEXT_BYTES:
+        raise expected("JSON", f"at most {MAX_TEXT_BYTES} bytes", len(data))
     try:
         root = json.loads(data.decode("utf-8-sig"), parse_constant=_refuse_constant)
     except (UnicodeDecodeError, json.JSONDecodeError) as fault:

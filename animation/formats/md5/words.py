@@ -12,7 +12,6 @@ from motorcade.ga import FloatArray
 __all__ = ["Words", "orientation"]
 
 WORD = re.compile(r'//[^\n]*|"([^"\n]*)"|([(){}])|([^\s(){}"]+)')
-MOST_WORDS = 20_000_000
 
 
 class Words:
