@@ -106,7 +106,7 @@ def fuse(
     ]
     run.samples(*(values[:1] for values in columns))
     _schedule(run, used)
-    run.outputs(np.ascontiguousarray(wanted), *made.arrays, smoothed)
+    run.outputs(np.ascontiguousarray(wanted), *made.arrays, final=smoothed)
     run.samples(*(values[1:] for values in columns))
     if smoothed:
         run.smooth()
@@ -130,7 +130,7 @@ class _Made:
         return cls(*(np.zeros(shape) for shape in shapes))
 
     @property
-    def arrays(self) -> tuple[FloatArray, ...]:
+    def arrays(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
         return self.pose, self.velocity, self.bias, self.covariance, self.others
 
     def fused(
