@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.replays.compare.report.findings import findings, percent
+from motorcade.replays.compare.report.ladder_ends import ladder_ends
 from motorcade.replays.compare.report.matrix import Matrix, best_of_each
 from motorcade.replays.compare.report.names import (
     CAUSAL,
@@ -21,6 +22,7 @@ from motorcade.replays.compare.report.names import (
     METHODS,
     MOTIONS,
     REPRESENTATIONS,
+    listed,
     shown,
 )
 from motorcade.replays.compare.report.results import REFERENCE, Results
@@ -56,6 +58,8 @@ def guide(results: Results) -> str:
         methods=_method_rows(results),
         motions=_rows(best_of_each(results)),
         starts=_starts(results),
+        ladder_ends=ladder_ends(results),
+        left_out=_left_out(plan),
         ties=exact_ties(results),
         REPRESENTATIONS=REPRESENTATIONS,
         METHODS=METHODS,
@@ -142,6 +146,23 @@ def _whole(value: float) -> str:
     return shown(value, 2) if value >= 1.0 or not value >= 0.0 else "< 1"
 
 
+def _left_out(plan: Mapping[str, Any]) -> list[str]:
+    """Sentences on what was not run, a line a method and reason."""
+    made = []
+    for one in plan["left_out"]:
+        on = [f"`{name}`" for name in one["representations"]]
+        every = len(on) == len(plan["representations"])
+        where = "" if every else f" on {listed(on)}"
+        whole = len(one["degradations"]) == len(plan["degradations"])
+        spoiled = "" if whole else f" with {listed([LABELS[d] for d in one['degradations']])}"
+        part = len(one["motions"]) < len(plan["motions"])
+        on_motions = (
+            f" over {len(one['motions'])} of {len(plan['motions'])} motions" if part else ""
+        )
+        made.append(f"`{one['method']}`{where}{spoiled}{on_motions}: {one['reason']}.")
+    return made
+
+
 def _rows(table: Matrix) -> list[tuple[str, list[str]]]:
     return [(name, [cell.text for cell in cells]) for name, cells in table.rows]
 
@@ -196,7 +217,7 @@ _CLASSES = dict.fromkeys(METHODS, "") | {
 
 
 def _short(value: float) -> str:
-    return f"{value:.2g}"
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -146,7 +146,12 @@ def _tuned(plan: Plan, out: Path, pool: Executor | None) -> dict[tuple[str, str,
     searches = []
     for motion in plan.motions:
         for degradation, methods in _searched(plan).items():
-            pairs = tuple(pair for method in methods for pair in _own(plan, motion, method))
+            pairs = tuple(
+                pair
+                for method in methods
+                for pair in _own(plan, motion, method)
+                if plan.runs(motion, degradation, *pair) or _lent(plan, method, degradation)
+            )
             searches.append(
                 Tuning(motion, degradation, plan.tuning_seeds, plan.rate_hz, plan.duration_s, pairs)
             )
@@ -176,6 +181,11 @@ def _searched(plan: Plan) -> dict[str, tuple[str, ...]]:
         if lender and lender not in wanted.get(lent_on, ()):
             wanted[lent_on] = (*wanted.get(lent_on, ()), lender)
     return wanted
+
+
+def _lent(plan: Plan, method: str, degradation: str) -> bool:
+    """Whether others borrow what is found for a method there."""
+    return any(BORROWS.get(one) == (method, degradation) for one in plan.methods)
 
 
 def _own(plan: Plan, motion: str, method: str) -> list[tuple[str, str]]:

@@ -13,6 +13,7 @@ from motorcade.replays.atomic import write_bytes
 from motorcade.replays.compare.report import names
 from motorcade.replays.compare.report.crossing import Crossing, crossing
 from motorcade.replays.compare.report.findings import findings
+from motorcade.replays.compare.report.ladder_ends import ladder_ends
 from motorcade.replays.compare.report.matrix import (
     against_motor,
     best_of_each,
@@ -131,6 +132,7 @@ def _overview(environment: Environment, results: Results) -> str:
         traits=trait_matrices(results),
         seeds={name: _spans(plan[name]) for name in ("test_seeds", "tuning_seeds")},
         failures=results.told["failures"],
+        ladder_ends=ladder_ends(results),
     )
 
 
