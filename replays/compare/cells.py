@@ -15,9 +15,9 @@ import numpy as np
 
 from motorcade.fusion.smooth import smooth
 from motorcade.ga import FloatArray, Trajectory
+from motorcade.replays.compare.measure.ruler import METRICS, Ruler
+from motorcade.replays.compare.measure.truth import truth_of
 from motorcade.replays.compare.plan import degradation_named
-from motorcade.replays.compare.ruler import METRICS, Ruler
-from motorcade.replays.compare.truth import truth_of
 
 __all__ = ["RAW", "Cell", "Row", "Setting", "inputs_of", "measured_rows", "run_cell", "why"]
 

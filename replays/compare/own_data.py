@@ -19,12 +19,12 @@ from motorcade.fusion.metrics import Align, alignment_of, associate
 from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
 from motorcade.ga import FloatArray, Trajectory
 from motorcade.replays.compare.cells import measured_rows
-from motorcade.replays.compare.ruler import Ruler
-from motorcade.replays.compare.statistics import Sample
-from motorcade.replays.compare.tables import Outcome, write_tables
-from motorcade.replays.compare.ties import exact_ties
-from motorcade.replays.compare.traits import measured_trait
-from motorcade.replays.compare.truth import RecordedTruth
+from motorcade.replays.compare.figures.statistics import Sample
+from motorcade.replays.compare.figures.tables import Outcome, write_tables
+from motorcade.replays.compare.measure.ruler import Ruler
+from motorcade.replays.compare.measure.ties import exact_ties
+from motorcade.replays.compare.measure.traits import measured_trait
+from motorcade.replays.compare.measure.truth import RecordedTruth
 from motorcade.replays.compare.tuning import BORROWS, Tuned, borrowed, tuned
 from motorcade.replays.progress import track
 

@@ -22,11 +22,11 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor
 from motorcade.replays.atomic import write_bytes
 from motorcade.replays.compare.cells import Cell, Row, run_cell
+from motorcade.replays.compare.figures.statistics import Sample
+from motorcade.replays.compare.figures.tables import Outcome, write_tables
+from motorcade.replays.compare.measure.ties import exact_ties
+from motorcade.replays.compare.measure.traits import Trait, run_trait
 from motorcade.replays.compare.plan import SLOW, Plan
-from motorcade.replays.compare.statistics import Sample
-from motorcade.replays.compare.tables import Outcome, write_tables
-from motorcade.replays.compare.ties import exact_ties
-from motorcade.replays.compare.traits import Trait, run_trait
 from motorcade.replays.compare.tuning import BORROWS, Tuned, Tuning, borrowed, run_tuning
 from motorcade.replays.progress import track
 from motorcade.replays.provenance import code_digest

@@ -26,7 +26,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Trajectory
 from motorcade.replays.compare.cells import Setting, inputs_of
-from motorcade.replays.compare.ruler import Ruler
+from motorcade.replays.compare.measure.ruler import Ruler
 
 __all__ = ["LADDERS", "Ladder", "Tuned", "Tuning", "borrowed", "run_tuning", "tuned"]
 

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from motorcade.replays.compare.figures.statistics import PRACTICAL_SHARE
 from motorcade.replays.compare.report.names import CAUSAL, LABELS, METRICS, RATIOS, listed, shown
 from motorcade.replays.compare.report.results import (
     REFERENCE,
@@ -20,7 +21,6 @@ from motorcade.replays.compare.report.results import (
     Results,
     tied,
 )
-from motorcade.replays.compare.statistics import PRACTICAL_SHARE
 
 __all__ = ["Findings", "compared", "findings", "percent"]
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from motorcade.replays.compare.statistics import PRACTICAL_SHARE
-from motorcade.replays.compare.tables import FORMAT
+from motorcade.replays.compare.figures.statistics import PRACTICAL_SHARE
+from motorcade.replays.compare.figures.tables import FORMAT
 
 __all__ = ["REFERENCE", "Figure", "Ratio", "Results", "tied"]
 

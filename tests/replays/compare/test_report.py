@@ -17,16 +17,16 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
 from motorcade.render.plots.style import COLOURS
 from motorcade.replays.compare.cells import Cell, Row, Setting, inputs_of, run_cell
+from motorcade.replays.compare.figures.statistics import Sample
+from motorcade.replays.compare.figures.tables import Outcome, write_tables
 from motorcade.replays.compare.guide import guide
+from motorcade.replays.compare.measure.ruler import METRICS as RULER_METRICS
+from motorcade.replays.compare.measure.traits import Trait, run_trait
 from motorcade.replays.compare.plan import DEGRADATIONS, Plan
 from motorcade.replays.compare.report import Results, names, write_report
 from motorcade.replays.compare.report.findings import findings
 from motorcade.replays.compare.report.names import METRICS, shown
 from motorcade.replays.compare.report.results import Ratio, tied
-from motorcade.replays.compare.ruler import METRICS as RULER_METRICS
-from motorcade.replays.compare.statistics import Sample
-from motorcade.replays.compare.tables import Outcome, write_tables
-from motorcade.replays.compare.traits import Trait, run_trait
 from motorcade.replays.compare.tuning import Tuned
 
 PLAN = Plan(

@@ -17,11 +17,11 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
 from motorcade.replays.compare import run
 from motorcade.replays.compare.cells import Setting, inputs_of
+from motorcade.replays.compare.measure.ruler import METRICS
+from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.own_data import compare_recorded
 from motorcade.replays.compare.plan import DEGRADATIONS, SLOW, Plan, quick, standard
-from motorcade.replays.compare.ruler import METRICS
 from motorcade.replays.compare.run import compare
-from motorcade.replays.compare.ties import exact_ties
 from motorcade.replays.compare.tuning import BORROWS, LADDERS
 from motorcade.replays.trajectory_files import write_trajectory
 

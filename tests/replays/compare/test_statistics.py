@@ -5,15 +5,15 @@ import pytest
 from scipy import stats
 
 from motorcade.replays.compare.cells import RAW
-from motorcade.replays.compare.ranking import rankings, ratios_to_motor
-from motorcade.replays.compare.ruler import METRICS
-from motorcade.replays.compare.statistics import (
+from motorcade.replays.compare.figures.ranking import rankings, ratios_to_motor
+from motorcade.replays.compare.figures.statistics import (
     Group,
     bootstrap,
     cost,
     resampling,
     verdicts,
 )
+from motorcade.replays.compare.measure.ruler import METRICS
 
 APE = METRICS.index("ape_rmse_m")
 LAG = METRICS.index("lag_ms")

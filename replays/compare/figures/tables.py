@@ -15,8 +15,8 @@ Keys of ``results.json``:
 - ``verdicts``: a row a method, representation and metric: over how many motions and degradations
   it is ``better``, ``tie``, ``equal`` or ``worse`` than the same method on motors, and where it is
   better;
-- ``rankings`` and ``ratios_to_motor``: see `motorcade.replays.compare.ranking`;
-- ``exact_ties``: see `motorcade.replays.compare.ties`.
+- ``rankings`` and ``ratios_to_motor``: see `motorcade.replays.compare.figures.ranking`;
+- ``exact_ties``: see `motorcade.replays.compare.measure.ties`.
 
 ``groups.csv`` has a row a motion, degradation, method, representation and metric: ``seeds`` that
 told it, ``mean``, ``low``, ``high``; ``ratio_to_raw``; ``versus_motor`` with its interval (of
@@ -41,9 +41,8 @@ import numpy as np
 from motorcade.ga import FloatArray
 from motorcade.replays.atomic import write_bytes
 from motorcade.replays.compare.cells import RAW
-from motorcade.replays.compare.ranking import rankings, ratios_to_motor
-from motorcade.replays.compare.ruler import METRICS
-from motorcade.replays.compare.statistics import (
+from motorcade.replays.compare.figures.ranking import rankings, ratios_to_motor
+from motorcade.replays.compare.figures.statistics import (
     FLOORS,
     Group,
     Intervals,
@@ -54,6 +53,7 @@ from motorcade.replays.compare.statistics import (
     resampling,
     verdicts,
 )
+from motorcade.replays.compare.measure.ruler import METRICS
 from motorcade.replays.compare.tuning import LADDERS, Tuned
 
 __all__ = ["FORMAT", "Outcome", "write_tables"]

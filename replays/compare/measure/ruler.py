@@ -15,8 +15,8 @@ import numpy as np
 from motorcade.fusion.metrics.artifacts.gimbal import whole_turns
 from motorcade.fusion.metrics.artifacts.overshoot import stops
 from motorcade.ga import FloatArray, IntArray, Motor, Similarity, Trajectory
-from motorcade.replays.compare.lag import LagTable
-from motorcade.replays.compare.truth import Truth
+from motorcade.replays.compare.measure.lag import LagTable
+from motorcade.replays.compare.measure.truth import Truth
 
 __all__ = ["ERRORS", "METRICS", "Ruler"]
 

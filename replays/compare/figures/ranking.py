@@ -15,8 +15,13 @@ import numpy as np
 
 from motorcade.ga import FloatArray
 from motorcade.replays.compare.cells import RAW
-from motorcade.replays.compare.ruler import METRICS
-from motorcade.replays.compare.statistics import PRACTICAL_SHARE, Group, bootstrap, resampling
+from motorcade.replays.compare.figures.statistics import (
+    PRACTICAL_SHARE,
+    Group,
+    bootstrap,
+    resampling,
+)
+from motorcade.replays.compare.measure.ruler import METRICS
 
 __all__ = ["RANKED", "rankings", "ratios_to_motor"]
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray
 from motorcade.replays.compare.cells import RAW, Cell, Row
-from motorcade.replays.compare.ruler import METRICS
+from motorcade.replays.compare.measure.ruler import METRICS
 
 __all__ = [
     "FLOORS",

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray
-from motorcade.replays.compare.truth import Truth
+from motorcade.replays.compare.measure.truth import Truth
 
 __all__ = ["LagTable"]
 

@@ -1,0 +1,1 @@
+"""From measured cells to figures: intervals, verdicts, rankings, tables and a summary in words."""
