@@ -25,7 +25,7 @@ __all__ = ["BLACKOUTS", "NOISE", "SETTINGS", "SPOILT", "Flight", "flight", "meas
 BLACKOUTS = Blackouts(2.0, 15.0)
 SPOILT = InTurn((Outliers(0.02, 0.5, 0.5), BLACKOUTS))
 
-_DENSITY_FACTORS = 10.0, 20.0
+_DENSITY_FACTORS = 7.0, 15.0
 _WALK_FACTORS = 1.0, 0.3
 NOISE = ImuNoise(
     _DENSITY_FACTORS[0] * ADIS16448.gyro_density_rad_s_rthz,
@@ -33,7 +33,7 @@ NOISE = ImuNoise(
     _DENSITY_FACTORS[1] * ADIS16448.accel_density_m_s2_rthz,
     _WALK_FACTORS[1] * ADIS16448.accel_walk_m_s3_rthz,
 )
-"""The filter's: white noise 10 and 20 times the data sheet's, as the sensor flies and shakes, and
+"""The filter's: white noise 7 and 15 times the data sheet's, as the sensor flies and shakes, and
 biases that hardly walk within minutes."""
 
 SETTINGS = FilterSettings(gravity_sigma_rad=float(np.deg2rad(1.0)))
