@@ -50,9 +50,9 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def compare_smoothers(arguments: argparse.Namespace) -> None:
     """Compare, write the tables and the report, print the findings."""
+    from motorcade.replays.compare.figures.summary import as_text
     from motorcade.replays.compare.plan import quick, standard
     from motorcade.replays.compare.run import compare
-    from motorcade.replays.compare.figures.summary import as_text
     from motorcade.replays.pipeline import require_writable
 
     if (arguments.input is None) != (arguments.truth is None):

@@ -1,5 +1,6 @@
 """The comparison's pages show the figures that were found, and say what these figures say."""
 
+import copy
 import csv
 import json
 import math
@@ -25,6 +26,7 @@ from motorcade.replays.compare.measure.traits import Trait, run_trait
 from motorcade.replays.compare.plan import DEGRADATIONS, Plan
 from motorcade.replays.compare.report import Results, names, write_report
 from motorcade.replays.compare.report.findings import findings
+from motorcade.replays.compare.report.ladder_ends import ladder_ends
 from motorcade.replays.compare.report.names import METRICS, shown
 from motorcade.replays.compare.report.results import Ratio, tied
 from motorcade.replays.compare.tuning import Tuned
@@ -320,6 +322,29 @@ def test_the_guide_is_written_from_the_figures(results: Results, swapped: Result
     assert page != guide(swapped)
     for number, block in enumerate(re.findall(r"```python\n(.*?)```", page, re.DOTALL)):
         compile(block, f"block {number}", "exec")
+
+
+def test_ends_of_ladders_and_what_was_not_run_are_told(results: Results) -> None:
+    assert ladder_ends(results) == []
+    told = copy.deepcopy(dict(results.told))
+    first = PLAN.motions[0]
+    for row in told["parameters"]:
+        if row["motion"] == first and row["representation"] == "motor":
+            name = next(iter(row["parameters"]))
+            row["parameters"][name] = told["ladders"][row["method"]][0]["rungs"][-1]
+    told["plan"]["left_out"] = [
+        {"method": "gaussian", "representations": ["euler"], "motions": list(PLAN.motions),
+         "degradations": list(PLAN.degradations), "reason": "for a reason"}
+    ]  # fmt: skip
+    changed = Results(told, results.figures)
+    # The last rung of a cut-off smooths least, that of a width most.
+    assert ladder_ends(changed) == [
+        f"`exponential` asks for the least smoothing on {first}.",
+        f"`gaussian` asks for the most smoothing on {first}.",
+    ]
+    page = guide(changed)
+    for sentence in (*ladder_ends(changed), "`gaussian` on `euler`: for a reason."):
+        assert f"- {sentence}" in page
 
 
 @pytest.mark.parametrize(
