@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from motorcade.replays.compare.figures.statistics import PRACTICAL_SHARE
 from motorcade.replays.compare.report.findings import findings, percent
 from motorcade.replays.compare.report.ladder_ends import ladder_ends
 from motorcade.replays.compare.report.matrix import Matrix, best_of_each
@@ -58,6 +59,7 @@ def guide(results: Results) -> str:
         methods=_method_rows(results),
         motions=_rows(best_of_each(results)),
         starts=_starts(results),
+        reasons=_reasons(results),
         ladder_ends=ladder_ends(results),
         left_out=_left_out(plan),
         ties=exact_ties(results),
@@ -144,6 +146,33 @@ def _method_rows(results: Results) -> list[tuple[str, list[str]]]:
 
 def _whole(value: float) -> str:
     return shown(value, 2) if value >= 1.0 or not value >= 0.0 else "< 1"
+
+
+# Why a representation leaves more or less than motors on a motion, for where the figures say so.
+_REASONS = (
+    ("rotor", "screw", 1, "a constant screw is one constant twist, which motors follow without "
+     "error, while the position beside a turn runs along an arc"),
+    ("rotor", "fast_spin", -1, "a body that spins while it drifts is no screw: its position goes "
+     "nearly straight in the world, but round and round in the body, where motors keep it"),
+    ("dual_quaternion", "fast_spin", 1, "components are averaged along the chords of large turns, "
+     "not along the turns"),
+    ("euler_unwrapped", "gimbal_crossing", 1, "near gimbal lock angles turn many times as fast as "
+     "the camera, and smoothing cuts their corners"),
+)  # fmt: skip
+
+
+def _reasons(results: Results) -> list[str]:
+    """What the differences come from, with the figures that show them."""
+    made = []
+    for name, motion, sign, reason in _REASONS:
+        scope = f"motion:{motion}"
+        ours, base = (results.best_ratio(scope, one) for one in (name, REFERENCE))
+        if ours is None or base is None:
+            continue
+        ratio = ours[0].value / base[0].value
+        if sign * (ratio - 1.0) > PRACTICAL_SHARE:
+            made.append(f"`{name}` leaves {shown(ratio)} times as much on {motion}: {reason}.")
+    return made
 
 
 def _left_out(plan: Mapping[str, Any]) -> list[str]:
