@@ -1,72 +1,96 @@
-"""The mannequin itself: an artist's wooden figure with skeleton, skinned mesh and two clips."""
+"""The mannequin itself: a figure in a racing suit with skeleton, skinned mesh and clips."""
+
+from __future__ import annotations
+
+from functools import lru_cache
 
 import numpy as np
 
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
-from motorcade.animation.mannequin.body import build_body
-from motorcade.animation.mannequin.idle import idle
-from motorcade.animation.mannequin.posing import turn_x, turn_y
-from motorcade.animation.mannequin.proportions import (
-    ARM_SPREAD_RAD,
-    REFERENCE_HEIGHT_M,
-    SIDES,
-    THUMB_SPREAD_RAD,
-    joint_rows,
-)
-from motorcade.animation.mannequin.walk import walk
+from motorcade.animation.mannequin.motions.idle import idle
+from motorcade.animation.mannequin.motions.walk import walk
+from motorcade.animation.mannequin.proportions import REFERENCE_HEIGHT_M
+from motorcade.animation.mannequin.rig import mannequin_skeleton
+from motorcade.animation.mannequin.shape.anatomy import body_field
+from motorcade.animation.mannequin.shape.colors import colors
+from motorcade.animation.mannequin.shape.surface import meshed
+from motorcade.animation.mannequin.shape.weights import influences
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import Motor, Rotor, Similarity
+from motorcade.ga import Motor, Similarity
+
+__all__ = ["mannequin"]
+
+FEWEST, MOST = 5_000, 140_000
 
 
-def mannequin(height_m: float = REFERENCE_HEIGHT_M) -> Character:
-    """A jointed wooden figure, made in code, with the looped clips "idle" and "walk".
+def mannequin(height_m: float = REFERENCE_HEIGHT_M, triangles: int = 27_000) -> Character:
+    """A human figure made in code, with the clips "idle", "walk", "jog", "run", "wave" and "turn".
+
+    Its surface is the zero of signed distances, one closed mesh. Made once for each number of
+    triangles in a process, and scaled.
 
     Args:
         height_m: of the rest pose. Everything scales with it; times stay.
+        triangles: about how many, within 15 %.
 
     Returns:
         A character of 52 joints: trunk, head, arms, hands with five fingers, legs, feet, toes.
 
     Raises:
-        ValueError: a height that is not positive.
+        ValueError: a height that is not positive, or a number of triangles outside 5,000 to
+            140,000.
+        ModuleNotFoundError: scikit-image, which makes the surface, is not installed.
     """
     if not (np.isfinite(height_m) and height_m > 0.0):
         raise ValueError(f"mannequin(height_m): expected a positive height, got {height_m}")
-    skeleton = _skeleton()
-    clips = (idle(skeleton), walk(skeleton))
-    world = skeleton.rest_world.as_matrix()
-    index = {name: joint for joint, name in enumerate(skeleton.names)}
-    body = build_body({name: world[joint] for name, joint in index.items()}, index)
-    scale = height_m / float(body.vertices[:, 2].max())
+    if not FEWEST <= triangles <= MOST:
+        raise ValueError(
+            f"mannequin(triangles): expected {FEWEST:,} to {MOST:,}, got {triangles:,}"
+        )
+    return _scaled(_figure(int(triangles)), height_m)
+
+
+@lru_cache(maxsize=2)
+def _figure(triangles: int) -> Character:
+    """The figure at the reference height."""
+    skeleton = mannequin_skeleton()
+    mesh = meshed(body_field(), triangles)
+    vertices = mesh.vertices.copy()
+    vertices[:, 2] -= vertices[:, 2].min()
+    joints, weights = influences(mesh, skeleton)
     return Character(
-        Skeleton(skeleton.names, skeleton.parents, _scaled(skeleton.rest, scale)),
-        scale * body.vertices,
-        body.normals,
-        body.triangles,
-        body.colors,
-        body.joints,
-        body.weights,
-        tuple(
-            Clip(clip.name, clip.time_s, _scaled(clip.poses, scale), clip.looped) for clip in clips
-        ),
+        skeleton,
+        vertices,
+        mesh.normals,
+        mesh.triangles,
+        colors(mesh.vertices, mesh.step_m),
+        joints,
+        weights,
+        (idle(skeleton), walk(skeleton)),
     )
 
 
-def _skeleton() -> Skeleton:
-    """The joint tree at the reference height."""
-    rows = joint_rows()
-    names = tuple(name for name, _, _ in rows)
-    parents = np.array([names.index(parent) if parent else -1 for _, parent, _ in rows])
-    turned: dict[str, Rotor] = {}
-    for side, sign in SIDES:
-        turned[f"upper_arm_{side}"] = turn_x(sign * ARM_SPREAD_RAD)
-        turned[f"thumb_1_{side}"] = turn_y(-THUMB_SPREAD_RAD)
-    rotors = Rotor.stack([turned.get(name, Rotor.identity()) for name in names])
-    offsets = np.array([offset for _, _, offset in rows])
-    return Skeleton(names, parents, Motor.from_rotor_translation(rotors, offsets))
+def _scaled(figure: Character, height_m: float) -> Character:
+    """The same figure as tall as asked."""
+    scale = height_m / figure.height_m
+    skeleton = figure.skeleton
+    clips = tuple(
+        Clip(clip.name, clip.time_s, _larger(clip.poses, scale), clip.looped)
+        for clip in figure.clips
+    )
+    return Character(
+        Skeleton(skeleton.names, skeleton.parents, _larger(skeleton.rest, scale)),
+        scale * figure.vertices,
+        figure.normals,
+        figure.triangles,
+        figure.colors,
+        figure.joints,
+        figure.weights,
+        clips,
+    )
 
 
-def _scaled(poses: Motor | Similarity, scale: float) -> Motor:
+def _larger(poses: Motor | Similarity, scale: float) -> Motor:
     """The same turns with all distances scaled."""
     return Motor.from_rotor_translation(poses.rotor, scale * poses.translation_m)

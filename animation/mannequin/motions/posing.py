@@ -141,7 +141,7 @@ def relaxed_hand(side: str, sign: float, curl: ArrayLike = 1.0) -> dict[str, Rot
     rotors: dict[str, Rotor] = {}
     for finger, bend in bends.items():
         for k, share in ((1, 0.42), (2, 0.62), (3, 0.40)):
-            rotors[f"{finger}_{k}_{side}"] = turn_x(-sign * bend * share * amount)
-    rotors[f"thumb_2_{side}"] = turn_x(-sign * 0.15 * amount)
-    rotors[f"thumb_3_{side}"] = turn_x(-sign * 0.22 * amount)
+            rotors[f"{side}_{finger}_{k}"] = turn_x(-sign * bend * share * amount)
+    rotors[f"{side}_thumb_2"] = turn_x(-sign * 0.15 * amount)
+    rotors[f"{side}_thumb_3"] = turn_x(-sign * 0.22 * amount)
     return rotors

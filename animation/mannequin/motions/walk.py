@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.animation.clip import Clip
-from motorcade.animation.mannequin.posing import (
+from motorcade.animation.mannequin.motions.posing import (
     assembled,
     ease,
     reach,
@@ -128,8 +128,8 @@ def _trunk(phase: FloatArray) -> dict[str, Rotor]:
     neck = turn_z(-0.55 * counter) @ turn_y(nod - math.radians(1.0))
     head = turn_z(-0.60 * counter) @ turn_x(-0.4 * side) @ turn_y(-nod - math.radians(1.5))
     return {
-        "spine_lower": segment,
-        "spine_upper": segment,
+        "waist": segment,
+        "spine": segment,
         "chest": segment,
         "neck": neck,
         "head": head,
@@ -146,14 +146,14 @@ def _leg(
         [path.ahead_m, np.full_like(phase, sign * FOOT_ASIDE_M), path.height_m], axis=-1
     )
     out = sign * TOE_OUT_RAD
-    offset = skeleton.rest[skeleton.index(f"thigh_{side}")].translation_m
+    offset = skeleton.rest[skeleton.index(f"{side}_thigh")].translation_m
     foot = turn_z(np.full_like(phase, out)) @ turn_y(-path.pitch_rad)
     leg = reach(hips, offset, ankle, foot)
     return {
-        f"thigh_{side}": leg.thigh,
-        f"calf_{side}": leg.calf,
-        f"foot_{side}": leg.foot,
-        f"toes_{side}": turn_y(-path.toes_rad),
+        f"{side}_thigh": leg.thigh,
+        f"{side}_calf": leg.calf,
+        f"{side}_foot": leg.foot,
+        f"{side}_toes": turn_y(-path.toes_rad),
     }
 
 
@@ -167,8 +167,8 @@ def _arm(phase: FloatArray, side: str, sign: float) -> dict[str, Rotor]:
     inward = math.radians(7.0) + math.radians(3.0) * wave(own, 0.5)
     hang = turn_x(sign * np.full_like(phase, math.radians(9.5)))
     return {
-        f"clavicle_{side}": turn_z(sign * shrug),
-        f"upper_arm_{side}": turn_y(-forward) @ hang @ turn_z(-sign * inward),
-        f"forearm_{side}": turn_y(-elbow) @ turn_z(-sign * np.full_like(phase, 0.25)),
-        f"hand_{side}": turn_x(-sign * np.full_like(phase, 0.10)) @ turn_y(-0.25 * elbow + 0.08),
+        f"{side}_clavicle": turn_z(sign * shrug),
+        f"{side}_upper_arm": turn_y(-forward) @ hang @ turn_z(-sign * inward),
+        f"{side}_forearm": turn_y(-elbow) @ turn_z(-sign * np.full_like(phase, 0.25)),
+        f"{side}_hand": turn_x(-sign * np.full_like(phase, 0.10)) @ turn_y(-0.25 * elbow + 0.08),
     } | relaxed_hand(side, sign, 1.0 + 0.12 * wave(own, 0.55))

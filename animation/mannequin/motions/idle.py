@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from motorcade.animation.clip import Clip
-from motorcade.animation.mannequin.posing import (
+from motorcade.animation.mannequin.motions.posing import (
     assembled,
     reach,
     relaxed_hand,
@@ -64,8 +64,8 @@ def _trunk(phase: FloatArray) -> dict[str, Rotor]:
     nod = math.radians(2.0) + math.radians(2.2) * wave(phase, 0.80) + math.radians(0.5) * breath
     base = turn_z(twist) @ turn_x(side)
     return {
-        "spine_lower": base @ turn_y(math.radians(-1.4) - math.radians(0.25) * breath),
-        "spine_upper": base @ turn_y(math.radians(0.6) - math.radians(0.55) * breath),
+        "waist": base @ turn_y(math.radians(-1.4) - math.radians(0.25) * breath),
+        "spine": base @ turn_y(math.radians(0.6) - math.radians(0.55) * breath),
         "chest": base @ turn_y(math.radians(-0.4) - math.radians(1.1) * breath),
         "neck": turn_z(0.4 * look) @ turn_y(0.4 * nod + math.radians(0.9) * breath),
         "head": turn_z(0.6 * look) @ turn_x(tilt) @ turn_y(0.6 * nod + math.radians(0.7) * breath),
@@ -78,9 +78,9 @@ def _leg(
     """One leg with its foot flat on the ground."""
     ahead, aside, out = STANCE[side]
     ankle = np.broadcast_to(np.array([ahead, sign * aside, ANKLE_HEIGHT_M]), (len(phase), 3))
-    offset = skeleton.rest[skeleton.index(f"thigh_{side}")].translation_m
+    offset = skeleton.rest[skeleton.index(f"{side}_thigh")].translation_m
     leg = reach(hips, offset, ankle, turn_z(np.full_like(phase, sign * out)))
-    return {f"thigh_{side}": leg.thigh, f"calf_{side}": leg.calf, f"foot_{side}": leg.foot}
+    return {f"{side}_thigh": leg.thigh, f"{side}_calf": leg.calf, f"{side}_foot": leg.foot}
 
 
 def _arm(phase: FloatArray, side: str, sign: float) -> dict[str, Rotor]:
@@ -91,10 +91,10 @@ def _arm(phase: FloatArray, side: str, sign: float) -> dict[str, Rotor]:
     swing = math.radians(2.0) + math.radians(1.8) * wave(phase, later + 0.2)
     elbow = math.radians(16.0) + math.radians(2.5) * wave(phase, later + 0.3)
     return {
-        f"clavicle_{side}": turn_x(sign * (math.radians(0.6) + math.radians(1.3) * breath)),
-        f"upper_arm_{side}": turn_y(-swing)
+        f"{side}_clavicle": turn_x(sign * (math.radians(0.6) + math.radians(1.3) * breath)),
+        f"{side}_upper_arm": turn_y(-swing)
         @ turn_x(sign * hang)
         @ turn_z(np.full_like(phase, -sign * math.radians(14.0))),
-        f"forearm_{side}": turn_y(-elbow) @ turn_z(np.full_like(phase, -sign * 0.22)),
-        f"hand_{side}": turn_x(np.full_like(phase, -sign * 0.08)) @ turn_y(-0.3 * elbow + 0.1),
+        f"{side}_forearm": turn_y(-elbow) @ turn_z(np.full_like(phase, -sign * 0.22)),
+        f"{side}_hand": turn_x(np.full_like(phase, -sign * 0.08)) @ turn_y(-0.3 * elbow + 0.1),
     } | relaxed_hand(side, sign, 1.0 + 0.10 * wave(phase, later + 0.1))

@@ -1,0 +1,1 @@
+"""The mannequin's surface: signed distances, the mesh of their zero, its weights and colours."""
