@@ -11,6 +11,7 @@ from motorcade.fusion.filter.extended_pose import motor_adjoint
 from motorcade.fusion.filter.kinds import KINDS
 from motorcade.fusion.filter.native._filter import Engine
 from motorcade.fusion.filter.settings import FilterSettings, engine
+from motorcade.fusion.filter.stamps import covered, wanted_stamps
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
@@ -96,8 +97,8 @@ def fuse(
     """
     chosen = settings or FilterSettings()
     shift_ns = round(time_offset_s * 1e9)
-    used = _covered(measurements, imu, shift_ns)
-    wanted = _wanted(used, imu, stamps_ns, shift_ns)
+    used = covered(measurements, imu, shift_ns)
+    wanted = wanted_stamps(used.trajectory.time_ns + shift_ns, imu, stamps_ns)
     run = engine(chosen, noise, imu_T_camera, time_offset_s)
     made = _Made.empty(len(wanted), chosen.error_size)
     columns = [
@@ -185,30 +186,3 @@ def _judged(
     nis[row[here]], accepted[row[here]] = values[here, 0], values[here, 1] > 0.0
     return nis, accepted
 
-
-def _covered(measurements: PoseMeasurements, imu: ImuStream, shift_ns: int) -> PoseMeasurements:
-    first, last = int(imu.time_ns[0]), int(imu.time_ns[-1])
-    stamps = measurements.trajectory.time_ns + shift_ns
-    covered = (stamps >= first) & (stamps <= last)
-    if not np.any(covered):
-        raise ValueError(
-            f"measurements and imu: expected spans that overlap, got {stamps[0]} to {stamps[-1]} "
-            f"ns and {first} to {last} ns"
-        )
-    return PoseMeasurements(measurements.trajectory[covered], measurements.covariance[covered])
-
-
-def _wanted(
-    measurements: PoseMeasurements, imu: ImuStream, stamps_ns: IntArray | None, shift_ns: int
-) -> IntArray:
-    measured_ns = measurements.trajectory.time_ns + shift_ns
-    start, last = measured_ns[0], imu.time_ns[-1]
-    if stamps_ns is None:
-        return measured_ns
-    given = np.asarray(stamps_ns)
-    if given.dtype.kind != "i" or given.ndim != 1 or np.any(np.diff(given) <= 0):
-        raise ValueError("stamps_ns: expected rising integer nanoseconds (M,), got others")
-    wanted: IntArray = given[(given >= start) & (given <= last)].astype(np.int64)
-    if wanted.size == 0:
-        raise ValueError(f"stamps_ns: expected some within [{start}, {last}], got none")
-    return wanted

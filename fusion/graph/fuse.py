@@ -6,6 +6,7 @@ import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, Fused
 from motorcade.fusion.filter.fuse import camera_covariance
+from motorcade.fusion.filter.stamps import covered, wanted_stamps
 from motorcade.fusion.graph.batch import smooth_all
 from motorcade.fusion.graph.fixed_lag import smooth_with_lag
 from motorcade.fusion.graph.inertial import InertialGraph
@@ -55,8 +56,8 @@ def fuse_by_graph(
         raise ValueError("settings: expected only motion and biases to estimate, got more")
     if lag_s is not None and not 0.0 < lag_s < np.inf:
         raise ValueError(f"lag_s: expected seconds above 0, got {lag_s}")
-    used = _covered(measurements, imu)
-    wanted = _wanted(used.trajectory, imu, stamps_ns)
+    used = covered(measurements, imu)
+    wanted = wanted_stamps(used.trajectory.time_ns, imu, stamps_ns)
     graph = InertialGraph.of(
         used, imu, noise, imu_T_camera, wanted, chosen.gravity_m_s2, _limit(chosen.gate)
     )
@@ -88,27 +89,3 @@ def _limit(gate: float) -> float:
     # χ² with 6 degrees of freedom is a gamma distribution of shape 3 and scale 2.
     return float(2.0 * gammaincinv(3.0, gate))
 
-
-def _covered(measurements: PoseMeasurements, imu: ImuStream) -> PoseMeasurements:
-    first, last = int(imu.time_ns[0]), int(imu.time_ns[-1])
-    stamps = measurements.trajectory.time_ns
-    inside = (stamps >= first) & (stamps <= last)
-    if not np.any(inside):
-        raise ValueError(
-            f"measurements and imu: expected spans that overlap, got {stamps[0]} to {stamps[-1]} "
-            f"ns and {first} to {last} ns"
-        )
-    return PoseMeasurements(measurements.trajectory[inside], measurements.covariance[inside])
-
-
-def _wanted(measured: Trajectory, imu: ImuStream, stamps_ns: IntArray | None) -> IntArray:
-    if stamps_ns is None:
-        return measured.time_ns
-    start, last = measured.time_ns[0], imu.time_ns[-1]
-    given = np.asarray(stamps_ns)
-    if given.dtype.kind != "i" or given.ndim != 1 or np.any(np.diff(given) <= 0):
-        raise ValueError("stamps_ns: expected rising integer nanoseconds (M,), got others")
-    wanted: IntArray = given[(given >= start) & (given <= last)].astype(np.int64)
-    if wanted.size == 0:
-        raise ValueError(f"stamps_ns: expected some within [{start}, {last}], got none")
-    return wanted
