@@ -1,16 +1,22 @@
-"""The library's own kernels as files: one C and one Python file a group, and the table of all."""
+"""The library's own kernels as files: one C and one Python file a group, and the table of all.
+
+What carries vertices is written in GLSL as well, for shaders.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from motorcade.ga.codegen.library_kernels.emit_c import c_source, c_table
+from motorcade.ga.codegen.library_kernels.emit_glsl import glsl_source
 from motorcade.ga.codegen.library_kernels.emit_numpy import numpy_source, numpy_table
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 
 __all__ = ["GENERATED", "library_files", "write_library"]
 
 GENERATED = Path(__file__).resolve().parents[2] / "kernels" / "generated"
+# The groups that shaders use.
+_IN_SHADERS = ("skinning",)
 
 
 def library_files() -> dict[str, str]:
@@ -28,13 +34,15 @@ def library_files() -> dict[str, str]:
     for group, kernels in groups.items():
         files[f"c/{group}.c"] = c_source(group, kernels)
         files[f"python/{group}.py"] = numpy_source(group, kernels)
+    for group in _IN_SHADERS:
+        files[f"glsl/{group}.glsl"] = glsl_source(group, groups[group])
     return files
 
 
 def write_library(folder: Path) -> list[Path]:
     """Write the generated files into a folder; files of kernels that are gone are removed."""
     files = library_files()
-    for old in (*folder.glob("c/*.c"), *folder.glob("python/*.py")):
+    for old in (*folder.glob("c/*.c"), *folder.glob("python/*.py"), *folder.glob("glsl/*.glsl")):
         if old.relative_to(folder).as_posix() not in files:
             old.unlink()
     for name, text in files.items():

@@ -14,7 +14,8 @@ def test_generated_files_are_current() -> None:
     advice = "run `python -m motorcade.ga.codegen`"
     committed = {
         path.relative_to(GENERATED).as_posix(): path.read_text(encoding="utf-8")
-        for path in (*GENERATED.glob("c/*.c"), *GENERATED.glob("python/*.py"))
+        for kind in ("c/*.c", "python/*.py", "glsl/*.glsl")
+        for path in GENERATED.glob(kind)
     }
     files = library_files()
     assert set(committed) == set(files), advice
