@@ -73,9 +73,17 @@ def test_a_checkerboard_without_knowing_it(data_dir: Path) -> None:
 
 
 @pytest.mark.slow
-def test_closing_a_loop_takes_out_two_thirds_of_the_drift_and_more() -> None:
-    made = scenario("loop")
-    assert made.sensor.depth_noise_px > 0.0
+def test_closing_loops_takes_out_two_thirds_of_their_drift_and_more() -> None:
+    # How far a loop drifts is chance: 16 mm in one room, 27 in the next. So rooms are pooled.
+    errors = np.array([_loop_errors_m(seed) for seed in (0, 1)])
+    closed, left_open = np.sqrt(np.mean(errors**2, axis=0))
+    assert np.all(2.0 * errors[:, 0] <= errors[:, 1]), errors
+    assert 3.0 * closed <= left_open, errors
+
+
+def _loop_errors_m(seed: int) -> tuple[float, float]:
+    """RMSE of a drawn loop with loop closing, and without."""
+    made = scenario("loop", seed=seed)
     slams = [
         VisualSlam(made.sensor.camera, SlamSettings(close_loops=closed)) for closed in (True, False)
     ]
@@ -91,7 +99,7 @@ def test_closing_a_loop_takes_out_two_thirds_of_the_drift_and_more() -> None:
         assert result.trajectory is not None
         assert len(result.trajectory) == len(truth)
         errors.append(evaluate(result.trajectory, truth, align="se3").ape_m.rmse)
-    assert 3.0 * errors[0] <= errors[1], errors
+    return errors[0], errors[1]
 
 
 @pytest.mark.slow
