@@ -134,8 +134,12 @@ class _Chain(NamedTuple):
     @classmethod
     def of(cls, controls: Motor) -> _Chain:
         screws = (controls[:-1].inverse() @ controls[1:]).as_twist()
-        both: FloatArray = np.linalg.inv(_right_jacobian(np.stack([screws, -screws])))
-        return cls(controls, screws, both[0], -both[1])
+        both = np.empty((2, len(screws), 6, 6))
+        for start in range(0, len(screws), _CHUNK):
+            part = slice(start, start + _CHUNK)
+            ways = np.stack([screws[part], -screws[part]])
+            both[:, part] = np.linalg.inv(_right_jacobian(ways))
+        return cls(controls, screws, both[0], np.negative(both[1], out=both[1]))
 
 
 def _pose_jacobians(
@@ -159,14 +163,17 @@ def _pose_jacobians(
     return chain.controls[segment] @ pose, jacobian.reshape(-1, 6, 36)
 
 
-def _roughness(chain: _Chain, segments: int) -> tuple[FloatArray, FloatArray]:
-    """Fourth differences of the screws ``(n - 5, 6)`` and their derivatives ``(n - 5, 6, 36)``."""
-    rough = np.zeros((segments, 6))
-    jacobian = np.zeros((segments, 6, 6, 6))
+def _roughness(chain: _Chain, first: int, last: int) -> tuple[FloatArray, FloatArray]:
+    """Fourth differences of the screws ``(K, 6)`` and their derivatives ``(K, 6, 36)`` of some
+    segments.
+    """
+    rough = np.zeros((last - first, 6))
+    jacobian = np.zeros((last - first, 6, 6, 6))
     for j, factor in enumerate(_FOURTH_DIFFERENCE):
-        rough += factor * chain.screws[j : j + segments]
-        jacobian[:, :, j + 1] += factor * chain.by_next[j : j + segments]
-        jacobian[:, :, j] += factor * chain.by_last[j : j + segments]
+        own = slice(first + j, last + j)
+        rough += factor * chain.screws[own]
+        jacobian[:, :, j + 1] += factor * chain.by_next[own]
+        jacobian[:, :, j] += factor * chain.by_last[own]
     return rough, jacobian.reshape(-1, 6, 36)
 
 
@@ -178,19 +185,26 @@ def _residuals(pose: Motor, target: Motor) -> FloatArray:
 
 
 class _Equations(NamedTuple):
-    """Blocks ``(n - 5, 36, 36)`` and gradients ``(n - 5, 36)``, one a segment; sum of squares."""
+    """Lower band ``(36, 6 n)`` and right-hand side ``(6 n,)`` of all controls; sum of squares."""
 
-    blocks: FloatArray
-    gradient: FloatArray
+    band: FloatArray
+    right: FloatArray
     cost: float
+
+    def add(self, first: int, blocks: FloatArray, gradient: FloatArray) -> None:
+        """Add the blocks ``(K, 36, 36)`` and gradients ``(K, 36)`` of segments from `first` on."""
+        for column in range(36):
+            own = slice(6 * first + column, 6 * (first + len(blocks)) + column, 6)
+            self.right[own] += gradient[:, column]
+            self.band[: 36 - column, own] += blocks[:, column:, column].T
 
 
 def _normal_equations(
     controls: Motor, segment: IntArray, weights: FloatArray, poses: Motor
 ) -> _Equations:
     chain, segments = _Chain.of(controls), len(controls) - 5
-    blocks = np.zeros((segments, 36, 36))
-    gradient, cost = np.zeros((segments, 36)), 0.0
+    made = _Equations(np.zeros((36, 6 * len(controls))), np.zeros(6 * len(controls)), 0.0)
+    cost = 0.0
     for start in range(0, len(segment), _CHUNK):
         part = slice(start, start + _CHUNK)
         pose, jacobian = _pose_jacobians(chain, segment[part], weights[:, part])
@@ -198,34 +212,30 @@ def _normal_equations(
         residual = _residuals(pose, poses[part])
         cost += float(np.sum(residual**2))
         firsts = np.flatnonzero(np.diff(segment[part], prepend=-1))
-        owners = segment[part][firsts]
-        blocks[owners] += np.add.reduceat(turned @ jacobian, firsts, axis=0)
-        gradient[owners] += np.add.reduceat((turned @ residual[..., None])[..., 0], firsts, axis=0)
+        owners = segment[part][firsts] - segment[start]
+        blocks, gradient = np.zeros((owners[-1] + 1, 36, 36)), np.zeros((owners[-1] + 1, 36))
+        blocks[owners] = np.add.reduceat(turned @ jacobian, firsts, axis=0)
+        gradient[owners] = np.add.reduceat((turned @ residual[..., None])[..., 0], firsts, axis=0)
+        made.add(int(segment[start]), blocks, gradient)
     strength = _SMOOTHNESS * len(segment) / segments
-    rough, jacobian = _roughness(chain, segments)
-    turned = strength * np.swapaxes(jacobian, -1, -2)
-    blocks += turned @ jacobian
-    gradient -= (turned @ rough[..., None])[..., 0]
-    return _Equations(blocks, gradient, cost + strength * float(np.sum(rough**2)))
+    for start in range(0, segments, _CHUNK):
+        rough, jacobian = _roughness(chain, start, min(segments, start + _CHUNK))
+        turned = strength * np.swapaxes(jacobian, -1, -2)
+        made.add(start, turned @ jacobian, -(turned @ rough[..., None])[..., 0])
+        cost += strength * float(np.sum(rough**2))
+    return made._replace(cost=cost)
 
 
 def _solve_band(equations: _Equations, damping: float) -> FloatArray:
-    """Steps ``(n, 6)`` of all controls from the overlapping equations of the segments."""
-    blocks, gradient = equations.blocks, equations.gradient
+    """Steps ``(n, 6)`` of all controls."""
     try:
         from scipy.linalg import solveh_banded
     except ModuleNotFoundError as missing:
         raise ModuleNotFoundError(
             'fitting a spline needs scipy: pip install "motorcade[pipeline]"'
         ) from missing
-    segments = len(blocks)
-    size = 6 * (segments + 5)
-    band = np.zeros((36, size))
-    right = np.zeros(size)
-    for column in range(36):
-        own = slice(column, column + 6 * segments, 6)
-        right[own] += gradient[:, column]
-        band[: 36 - column, own] += blocks[:, column:, column].T
+    band = equations.band.copy()
     # The smoothness term leaves out steps that are polynomials over the whole spline.
     band[0] += 1e-14 * np.max(band[0]) + damping * band[0]
-    return np.asarray(solveh_banded(band, right, lower=True)).reshape(-1, 6)
+    made = solveh_banded(band, equations.right, overwrite_ab=True, lower=True)
+    return np.asarray(made).reshape(-1, 6)

@@ -26,6 +26,8 @@ _LEAP_DEVIATIONS = 5.0
 _LEAP_MEDIANS = 6.0
 _NEIGHBOURS = 3
 _END_STEPS = 6
+# Medians at once, for the sake of memory.
+_CHUNK = 4096
 # Deviation of the speed at an end, times the span that it is taken from, in deviations of a pose.
 _SPEED_ERROR = 2.0
 
@@ -167,4 +169,7 @@ def _moving_median(values: FloatArray) -> FloatArray:
     mirror = len(values) > _NEIGHBOURS
     padded = np.pad(values, margin, "reflect") if mirror else np.pad(values, margin, "edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1, axis=0)
-    return np.asarray(np.median(windows, axis=-1), dtype=np.float64)
+    made = np.empty(values.shape)
+    for start in range(0, len(values), _CHUNK):
+        np.median(windows[start : start + _CHUNK], axis=-1, out=made[start : start + _CHUNK])
+    return made
