@@ -1,7 +1,8 @@
 """`motorcade bench smooth`: smoothing on one core beside scipy and plain NumPy, and memory a pose.
 
-Jobs: the RTS smoother over 100,000 poses, a Gaussian window of 31 over 1,000,000, and a 1€ filter
-fed from Python pose by pose. Rivals work on quaternions beside translations (see `smooth_rivals`).
+Jobs: the RTS smoother over 100,000 poses, a Gaussian window of 31 over 1,000,000, a 1€ filter fed
+from Python pose by pose, and the robust estimate with and without wrong poses. Rivals work on
+quaternions beside translations (see `smooth_rivals`).
 What is too slow to run whole is run on part and scaled up, which the row's name says.
 """
 
@@ -19,7 +20,7 @@ from typing import Any, cast
 import numpy as np
 
 from motorcade.fusion.motions import MOTIONS
-from motorcade.fusion.motions.degradations import Gaussian
+from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips
 from motorcade.fusion.smooth import OneEuro, smooth
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.bench.blend import on_one_core
@@ -37,7 +38,8 @@ RATE_HZ = 30.0
 RTS_POSES, RTS_NUMPY_POSES = 100_000, 1_000
 GAUSSIAN_POSES, SIGMA_INTERVALS = 1_000_000, 3.75
 STREAM_POSES = 2_000
-MEMORY_POSES = (50_000, 250_000)
+ROBUST_POSES = 3_000
+MEMORY_POSES, SLOW_MEMORY_POSES = (50_000, 250_000), (6_000, 16_000)
 
 Ways = Mapping[str, tuple[Callable[[], object], float]]
 
@@ -60,10 +62,12 @@ def bench_smooth(rounds: int = 5) -> dict[str, Any]:
     `bytes_a_pose`, the peak of memory that each further pose adds, trajectories included.
     """
     with on_one_core():
-        rows = [*_rts(rounds), *_gaussian(rounds), *_stream(rounds)]
+        rows = [*_rts(rounds), *_gaussian(rounds), *_stream(rounds), *_robust()]
     memory = {
         "rts_constant_velocity": _bytes_a_pose('smooth(path, "rts_constant_velocity")'),
         "rts_constant_acceleration": _bytes_a_pose('smooth(path, "rts_constant_acceleration")'),
+        "robust_map": _bytes_a_pose('smooth(path, "robust_map")', SLOW_MEMORY_POSES),
+        "spline": _bytes_a_pose('smooth(path, "spline")', SLOW_MEMORY_POSES),
         "gaussian, window of 31": _bytes_a_pose('smooth(path, "gaussian", sigma_s=0.125)'),
         "one_euro, streaming": _bytes_a_pose(
             "chosen = OneEuro()\nfor k in range(len(path)):\n"
@@ -166,7 +170,22 @@ def _stream(rounds: int) -> list[SmoothRow]:
     })  # fmt: skip
 
 
-def _bytes_a_pose(job: str) -> float | None:
+def _robust() -> list[SmoothRow]:
+    path = noisy_path(ROBUST_POSES)
+    rng = np.random.default_rng(1)
+    spoiled = PlanarFlips(0.02).apply(Outliers(0.05, 0.3, 0.5).apply(path, rng), rng)
+    rad = float(np.deg2rad(0.5))
+
+    def estimated(given: Trajectory) -> Trajectory:
+        return smooth(given, "robust_map", "motor", noise_m=0.005, noise_rad=rad)
+
+    return _rows(f"robust estimate over {ROBUST_POSES:,} poses, motors", 1, {
+        "no wrong poses": (lambda: estimated(path), 1.0),
+        "5 % outliers, 2 % flips in runs": (lambda: estimated(spoiled), 1.0),
+    })  # fmt: skip
+
+
+def _bytes_a_pose(job: str, sizes: tuple[int, int] = MEMORY_POSES) -> float | None:
     """Growth of a fresh process's peak memory from the smaller path to the larger one.
 
     None where the system does not tell (it is read from Linux's /proc).
@@ -174,7 +193,7 @@ def _bytes_a_pose(job: str) -> float | None:
     if not Path("/proc/self/status").exists():
         return None
     peaks = []
-    for poses in MEMORY_POSES:
+    for poses in sizes:
         program = (
             "from motorcade.fusion.smooth import OneEuro, smooth\n"
             "from motorcade.replays.bench.smooth import compact_path\n"
@@ -187,7 +206,7 @@ def _bytes_a_pose(job: str) -> float | None:
             [sys.executable, "-c", program], capture_output=True, text=True, check=True
         )
         peaks.append(1024.0 * float(done.stdout))
-    return (peaks[1] - peaks[0]) / (MEMORY_POSES[1] - MEMORY_POSES[0])
+    return (peaks[1] - peaks[0]) / (sizes[1] - sizes[0])
 
 
 def compact_path(poses: int) -> Trajectory:
