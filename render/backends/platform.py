@@ -34,6 +34,10 @@ class RenderUnavailable(RuntimeError):
     """No OpenGL can be used on this machine; the message says what to install."""
 
 
+class ContextLost(RuntimeError):
+    """An OpenGL context that was there is gone; a new renderer has to be made."""
+
+
 @dataclass(frozen=True)
 class Platform:
     """A way to draw offscreen that has been tried.
@@ -94,47 +98,61 @@ def osmesa_library() -> ctypes.CDLL | None:
 
 def working_egl_device() -> int | None:
     """Number of the first EGL device on which an OpenGL context can be made, or None."""
+    egl = egl_library()
+    if egl is None:
+        return None
+    for number, display in enumerate(egl_displays(egl)):
+        if display and egl.eglInitialize(display, None, None):
+            context = new_egl_context(egl, display)
+            if context is not None:
+                egl.eglDestroyContext(display, context)
+            egl.eglTerminate(display)
+            if context is not None:
+                return number
+    return None
+
+
+def egl_library() -> ctypes.CDLL | None:
+    """The EGL library, or None where it is not installed."""
     try:
         egl = ctypes.CDLL("libEGL.so.1")
         egl.eglGetProcAddress.restype = ctypes.c_void_p
+        egl.eglCreateContext.restype = ctypes.c_void_p
     except (OSError, AttributeError):
         return None
+    return egl
+
+
+def egl_displays(egl: ctypes.CDLL) -> list[ctypes.c_void_p]:
+    """The display of every EGL device, not yet initialised; a null pointer where it has none."""
     query = _extension(egl, "eglQueryDevicesEXT", ctypes.c_uint)
     display_of = _extension(egl, "eglGetPlatformDisplayEXT", ctypes.c_void_p)
-    if query is None or display_of is None:
-        return None
     devices = (ctypes.c_void_p * _MOST_DEVICES)()
     count = ctypes.c_int(0)
+    if query is None or display_of is None:
+        return []
     if not query(ctypes.c_int(_MOST_DEVICES), devices, ctypes.byref(count)):
+        return []
+    kind = ctypes.c_uint(_EGL_PLATFORM_DEVICE)
+    return [
+        ctypes.c_void_p(display_of(kind, ctypes.c_void_p(device), None))
+        for device in devices[: count.value]
+    ]
+
+
+def new_egl_context(egl: ctypes.CDLL, display: ctypes.c_void_p) -> ctypes.c_void_p | None:
+    """An OpenGL 4.1 core context on an initialised display, or None where it makes none."""
+    config, count = ctypes.c_void_p(), ctypes.c_int(0)
+    wanted = (ctypes.c_int * len(_EGL_CONFIG))(*_EGL_CONFIG)
+    chosen = egl.eglChooseConfig(display, wanted, ctypes.byref(config), 1, ctypes.byref(count))
+    if not (chosen and count.value and egl.eglBindAPI(_EGL_OPENGL_API)):
         return None
-    for number in range(count.value):
-        display = display_of(
-            ctypes.c_uint(_EGL_PLATFORM_DEVICE), ctypes.c_void_p(devices[number]), None
-        )
-        if display and _makes_context(egl, ctypes.c_void_p(display)):
-            return number
-    return None
+    attributes = (ctypes.c_int * len(_EGL_CONTEXT))(*_EGL_CONTEXT)
+    made = egl.eglCreateContext(display, config, None, attributes)
+    return ctypes.c_void_p(made) if made else None
 
 
 def _extension(egl: ctypes.CDLL, name: str, result: type[Any]) -> Callable[..., Any] | None:
     """An EGL extension function by name, or None."""
     address = egl.eglGetProcAddress(name.encode())
     return None if not address else ctypes.CFUNCTYPE(result)(address)
-
-
-def _makes_context(egl: ctypes.CDLL, display: ctypes.c_void_p) -> bool:
-    """Whether an OpenGL 4.1 core context can be created on a display; it is destroyed again."""
-    egl.eglCreateContext.restype = ctypes.c_void_p
-    if not egl.eglInitialize(display, None, None):
-        return False
-    config, count = ctypes.c_void_p(), ctypes.c_int(0)
-    wanted = (ctypes.c_int * len(_EGL_CONFIG))(*_EGL_CONFIG)
-    chosen = egl.eglChooseConfig(display, wanted, ctypes.byref(config), 1, ctypes.byref(count))
-    context = None
-    if chosen and count.value and egl.eglBindAPI(_EGL_OPENGL_API):
-        attributes = (ctypes.c_int * len(_EGL_CONTEXT))(*_EGL_CONTEXT)
-        context = egl.eglCreateContext(display, config, None, attributes)
-        if context:
-            egl.eglDestroyContext(display, ctypes.c_void_p(context))
-    egl.eglTerminate(display)
-    return bool(context)

@@ -8,6 +8,7 @@ Drawing is multisampled (4 samples a pixel); edges come out premultiplied by the
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, Self
@@ -211,7 +212,16 @@ def _import_pyrender() -> Any:
     vars(np).setdefault("infty", np.inf)
     import pyrender
 
+    _let_contexts_be_keys()
     return pyrender
+
+
+def _let_contexts_be_keys() -> None:
+    """Have PyOpenGL know OSMesa contexts by number: as keys of a dictionary, pointers fail."""
+    from OpenGL import platform
+
+    if choose_platform().name == "osmesa":
+        platform.PLATFORM.GetCurrentContext.restype = ctypes.c_void_p
 
 
 def _ordered_scene(pyrender: Any, ambient: tuple[float, float, float]) -> Any:
