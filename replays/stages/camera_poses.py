@@ -62,6 +62,9 @@ def camera_poses(
     *,
     source: Literal["auto", "board", "tags", "slam", "simulated"] = "auto",
     refine: Refine = "none",
+    slam_adjust: bool = True,
+    slam_close_loops: bool = True,
+    slam_threads: bool = False,
     rate_hz: float = 20.0,
     sigma_m: float = 0.01,
     sigma_deg: float = 0.5,
@@ -79,6 +82,9 @@ def camera_poses(
     needs torch and kornia (the extra `photometric`), and pays on small markers and for steadiness
     (`motorcade bench tracking` says how much), at 30 to 150 ms a marker on one core.
 
+    `slam_adjust` and `slam_close_loops` switched off show what the map's adjustment and its loops
+    are worth; `slam_threads` maps in a second thread, after which two runs may differ.
+
     `rate_hz`, `sigma_m` and `sigma_deg` (an axis) and `seed` shape the simulation. `blackouts_s`
     (start, end, start, end, … in seconds after the first stamp) are spans in which no pose is
     measured, whatever the source. Raises ValueError where the source asked for is not there, and
@@ -89,7 +95,9 @@ def camera_poses(
     ways: dict[str, _Way] = {
         "board": _by_board,
         "tags": partial(_by_markers, refine=refine),
-        "slam": _by_slam,
+        "slam": partial(
+            _by_slam, adjust=slam_adjust, close_loops=slam_close_loops, threads=slam_threads
+        ),
         "simulated": partial(
             _simulated, rate_hz=rate_hz, sigma_m=sigma_m, sigma_rad=sigma_rad, seed=seed
         ),
@@ -177,8 +185,10 @@ def _by_markers(recording: Recording, *, refine: Refine) -> CameraPoses:
     )
 
 
-def _by_slam(recording: Recording) -> CameraPoses:
-    found = slam_poses(recording)
+def _by_slam(
+    recording: Recording, *, adjust: bool, close_loops: bool, threads: bool
+) -> CameraPoses:
+    found = slam_poses(recording, adjust=adjust, close_loops=close_loops, threads=threads)
     slam_map = new_file("slam_map.npz")
     found.map.save(slam_map)
     return CameraPoses(

@@ -40,12 +40,19 @@ class SlamPoses:
     seconds: float
 
 
-def slam_poses(recording: Recording) -> SlamPoses:
+def slam_poses(
+    recording: Recording,
+    *,
+    adjust: bool = True,
+    close_loops: bool = True,
+    threads: bool = False,
+) -> SlamPoses:
     """Track a recording by what it sees, with its depth or else its right pictures if it has any.
 
     In a saved map of the place, where the recording brings one, it goes on: the world is then that
     map's, and until the camera finds itself in it there is no pose. The covariance is that of each
-    frame's pose within the map; that the map itself drifts is not in it.
+    frame's pose within the map; that the map itself drifts is not in it. `adjust`, `close_loops`
+    and `threads` are those of `SlamSettings`.
 
     Raises:
         ValueError: no camera known.
@@ -57,7 +64,12 @@ def slam_poses(recording: Recording) -> SlamPoses:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
     start = time.perf_counter()
     paired = recording.baseline_m is not None and recording.frames[0].read_depth is None
-    settings = SlamSettings(baseline_m=recording.baseline_m if paired else None)
+    settings = SlamSettings(
+        adjust=adjust,
+        close_loops=close_loops,
+        threads=threads,
+        baseline_m=recording.baseline_m if paired else None,
+    )
     known = recording.slam_map
     slam = VisualSlam(recording.camera, settings, known=known, extend=known is not None)
     for frame in track(recording.frames, "mapping", len(recording.frames)):
