@@ -1,5 +1,6 @@
 # make demo   the whole pipeline on an embedded synthetic recording, into out/demo
-# make test   the test suite        make lint   ruff and mypy        make wheel   build and check the wheel
+# make test   the test suite         make test-slow   its tests that take longer
+# make lint   ruff and mypy          make wheel   build and check the wheel
 # make kernels   generate the kernels from their definitions
 # Each prepares what it needs by itself: environment, dependencies, compiled kernels.
 
@@ -10,17 +11,17 @@ ROOMS   := ga tracking fusion animation render replays
 READY   := $(VENV)/.ready
 NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/*.cpp ga/kernels/*.h ga/kernels/generated/c/* $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/native/generated/*.$(kind))))
 
-.PHONY: demo test test-quick lint wheel kernels names system clean
+.PHONY: demo test test-slow lint wheel kernels names system clean
 .DEFAULT_GOAL := demo
 
 demo: $(READY) system
 	$(BIN)/motorcade demo --out out/demo
 
 test: $(READY) system
-	$(BIN)/python -m pytest -q -n 2 --dist loadgroup
-
-test-quick: $(READY)
 	$(BIN)/python -m pytest -q -n 2 --dist loadgroup -m "not slow"
+
+test-slow: $(READY) system
+	$(BIN)/python -m pytest -q -n 2 --dist loadgroup -m slow
 
 lint: $(READY) names
 	$(BIN)/ruff check .
