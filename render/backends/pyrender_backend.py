@@ -18,12 +18,18 @@ import numpy as np
 from motorcade.ga import FloatArray, Motor
 from motorcade.render.backends.contexts import new_context
 from motorcade.render.backends.platform import choose_platform
+from motorcade.render.backends.renderer import (
+    FAR_M,
+    NEAR_M,
+    OPENCV_T_OPENGL,
+    check_camera,
+    check_moved,
+    check_size,
+    linear,
+    shadow_camera,
+)
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.camera import Camera
-
-NEAR_M, FAR_M = 0.02, 60.0
-# From OpenGL's camera axes to OpenCV's: half a turn about x.
-OPENCV_T_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
 class OffscreenRenderer:
@@ -39,10 +45,7 @@ class OffscreenRenderer:
     """
 
     def __init__(self, width: int, height: int) -> None:
-        if width <= 0 or height <= 0:
-            raise ValueError(
-                f"OffscreenRenderer: expected a size of 1 pixel or more, got {width} x {height}"
-            )
+        check_size(width, height)
         self._pyrender = _import_pyrender()
         self._context = new_context(choose_platform(), width, height)
         self._renderer: Any = self._pyrender.renderer.Renderer(width, height)
@@ -104,11 +107,7 @@ class OffscreenRenderer:
             ValueError: another number of vertices.
         """
         primitive = self._primitives[surface]
-        if vertices.shape != primitive.positions.shape or normals.shape != vertices.shape:
-            raise ValueError(
-                f"move(vertices): expected shape {primitive.positions.shape} for vertices and "
-                f"normals, got {vertices.shape} and {normals.shape}"
-            )
+        check_moved(primitive.positions.shape, vertices, normals)
         bounds = primitive.bounds
         primitive.positions = vertices
         primitive.normals = normals
@@ -134,7 +133,7 @@ class OffscreenRenderer:
         """
         if self._scene is None or not self._open:
             raise RuntimeError("render: call show() first, and not after close()")
-        self._check(camera)
+        check_camera(camera, self._size)
         lens = self._camera.camera
         lens.fx, lens.fy = camera.fx, camera.fy
         lens.cx, lens.cy = camera.cx + 0.5, camera.cy + 0.5
@@ -147,13 +146,6 @@ class OffscreenRenderer:
         self._context.make_current()
         rgba, depth = self._renderer.render(self._scene, flags)
         return Layer(np.ascontiguousarray(rgba), np.ascontiguousarray(depth))
-
-    def _check(self, camera: Camera) -> None:
-        if camera.model != "pinhole" or (camera.width, camera.height) != self._size:
-            raise ValueError(
-                f"render(camera): expected a pinhole camera of {self._size[0]} x {self._size[1]}, "
-                f"got {camera.model} of {camera.width} x {camera.height}"
-            )
 
     def _primitive(self, surface: Surface) -> Any:
         """A surface in pyrender's form; vertex colours become linear unless they are shown flat."""
@@ -185,12 +177,11 @@ class OffscreenRenderer:
         sun = pyrender.DirectionalLight(color=lighting.sun.color, intensity=lighting.sun.intensity)
         radius = lighting.shadow_radius_m
         # pyrender fits the shadow map to the whole scene; a fixed ball keeps it sharp and still.
-        lens = pyrender.OrthographicCamera(radius, radius, znear=0.1 * radius, zfar=8.0 * radius)
-        aim = _looking_along(np.array(lighting.sun.direction))
-        center = np.array(lighting.shadow_center_m)
-        lights = [self._scene.add(sun, pose=aim)]
+        world_T_light, (nearest, farthest) = shadow_camera(lighting)
+        lens = pyrender.OrthographicCamera(radius, radius, znear=nearest, zfar=farthest)
+        lights = [self._scene.add(sun, pose=world_T_light)]
         self._renderer._get_light_cam_matrices = lambda scene, node, flags: (
-            np.linalg.inv(_moved(aim, center + aim[:3, 2] * 2.0 * radius)),
+            np.linalg.inv(world_T_light),
             lens.get_projection_matrix(),
         )
         for lamp in lighting.lamps:
@@ -201,11 +192,6 @@ class OffscreenRenderer:
         self._scene.light_order = lights
 
 
-def linear(color: FloatArray) -> FloatArray:
-    """Linear light of sRGB values from 0 to 1 (IEC 61966-2-1)."""
-    return np.asarray(np.where(color < 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4))
-
-
 def _import_pyrender() -> Any:
     """pyrender, with the platform chosen first and a name restored that NumPy 2 took away."""
     choose_platform()
@@ -213,6 +199,10 @@ def _import_pyrender() -> Any:
     import pyrender
 
     _let_contexts_be_keys()
+    # When it is collected, its renderer deletes framebuffers once more, by number and in whatever
+    # context is then current: another renderer's.
+    if "__del__" in vars(pyrender.renderer.Renderer):
+        del pyrender.renderer.Renderer.__del__
     return pyrender
 
 
@@ -248,20 +238,3 @@ def _upload(primitive: Any) -> None:
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, primitive._buffers[0])
     GL.glBufferSubData(GL.GL_ARRAY_BUFFER, 0, data.nbytes, data)
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, 0)
-
-
-def _looking_along(direction: FloatArray) -> FloatArray:
-    """A pose (4, 4) whose −z points along a direction, as OpenGL's lights and cameras look."""
-    back = -direction / np.linalg.norm(direction)
-    side = np.cross([0.0, 0.0, 1.0] if abs(back[2]) < 0.9 else [1.0, 0.0, 0.0], back)
-    side /= np.linalg.norm(side)
-    pose = np.eye(4)
-    pose[:3, :3] = np.stack([side, np.cross(back, side), back], axis=1)
-    return pose
-
-
-def _moved(pose: FloatArray, position: FloatArray) -> FloatArray:
-    """The same pose at another place."""
-    moved = pose.copy()
-    moved[:3, 3] = position
-    return moved

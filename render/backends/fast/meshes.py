@@ -1,0 +1,172 @@
+"""Surfaces in the memory of the renderer, and what carries them there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.animation import Character, Placement
+from motorcade.animation.skin.palette import SkinMethod, checked_method
+from motorcade.animation.skin.skinning import CARRIERS
+from motorcade.ga import FloatArray
+from motorcade.render.backends.fast.programs import Programs
+from motorcade.render.backends.renderer import check_moved, linear
+from motorcade.render.scene import Surface
+
+_ROWS: dict[SkinMethod, int] = {"linear": 3, "dual_quaternion": 2, "motor": 2, "similarity": 3}
+
+
+class Mesh:
+    """One surface: its vertices in a buffer that may change, the rest in buffers that do not.
+
+    Args:
+        gl: moderngl's context.
+        programs: of the same context.
+        surface: what is drawn.
+        lit: whether light falls on it.
+        lamps: how many lamps there are.
+    """
+
+    def __init__(
+        self, gl: Any, programs: Programs, surface: Surface, *, lit: bool, lamps: int
+    ) -> None:
+        self._gl = gl
+        self._parts: list[Any] = []
+        self.shape = surface.vertices.shape
+        self.roughness = surface.roughness
+        self.texture: Any = None
+        self.vertices = self._buffer(_interleaved(surface.vertices, surface.normals), dynamic=True)
+        content = [(self.vertices, "3f4 3f4" if lit else "3f4 12x", *_vertex_names(lit))]
+        if surface.colors is not None:
+            shown = linear(surface.colors) if lit else surface.colors
+            content.append((self._buffer(shown.astype(np.float32)), "3f4", "in_color"))
+        if surface.texture is not None and surface.texture_coordinates is not None:
+            places = surface.texture_coordinates.astype(np.float32)
+            content.append((self._buffer(places), "2f4", "in_texture"))
+            self.texture = self._textured(surface.texture)
+        self.program = programs.surface(
+            lit=lit,
+            colored=surface.colors is not None,
+            textured=surface.texture is not None,
+            lamps=lamps,
+        )
+        corners = self._buffer(surface.triangles.astype(np.uint32))
+        self.in_picture = self._array(self.program, content, corners)
+        position = [(self.vertices, "3f4 12x", "in_position")]
+        self.in_shadow_map = self._array(programs.shadow(), position, corners) if lit else None
+
+    def move(self, vertices: FloatArray, normals: FloatArray) -> None:
+        """Write new vertices and normals."""
+        check_moved(self.shape, vertices, normals)
+        self.vertices.write(_interleaved(vertices, normals))
+
+    def read(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Vertices and normals as they are drawn."""
+        rows = np.frombuffer(self.vertices.read(), np.float32).reshape(-1, 6)
+        return rows[:, :3].copy(), rows[:, 3:].copy()
+
+    def release(self) -> None:
+        """Free everything."""
+        for part in reversed(self._parts):
+            part.release()
+        self._parts = []
+
+    def _buffer(self, data: NDArray[Any], *, dynamic: bool = False) -> Any:
+        made = self._gl.buffer(np.ascontiguousarray(data), dynamic=dynamic)
+        self._parts.append(made)
+        return made
+
+    def _array(self, program: Any, content: Any, corners: Any) -> Any:
+        made = self._gl.vertex_array(program, content, corners)
+        self._parts.append(made)
+        return made
+
+    def _textured(self, picture: NDArray[np.uint8]) -> Any:
+        # OpenGL counts rows from the bottom.
+        data = np.ascontiguousarray(picture[::-1])
+        made = self._gl.texture((picture.shape[1], picture.shape[0]), 3, data, alignment=1)
+        self._parts.append(made)
+        made.build_mipmaps()
+        made.filter = self._gl.LINEAR_MIPMAP_LINEAR, self._gl.LINEAR
+        return made
+
+
+class Carried:
+    """A mesh whose vertices a shader carries by the joints of a character.
+
+    Args:
+        gl: moderngl's context.
+        programs: of the same context.
+        mesh: what is carried: the mesh of the character.
+        character: rest pose, joints and weights.
+        method: how the palette is written; one of `SKIN_METHODS`.
+
+    Raises:
+        ValueError: an unknown method, another number of vertices, more joints than a texture has
+            rows.
+    """
+
+    def __init__(
+        self, gl: Any, programs: Programs, mesh: Mesh, character: Character, method: str
+    ) -> None:
+        self._gl, self._mesh = gl, mesh
+        known = checked_method(method)
+        if character.vertices.shape != mesh.shape:
+            raise ValueError(
+                f"bind(character): expected {mesh.shape[0]} vertices as the surface has, got "
+                f"{len(character.vertices)}"
+            )
+        self._shape = (len(character.skeleton), 4 * _ROWS[known])
+        most = gl.info["GL_MAX_TEXTURE_SIZE"]
+        if self._shape[0] > most:
+            raise ValueError(f"bind(character): expected at most {most} joints")
+        self._program = programs.carry(CARRIERS[known], _ROWS[known], signed=known != "linear")
+        self._rest = gl.buffer(_interleaved(character.vertices, character.normals))
+        self._joints = gl.buffer(np.ascontiguousarray(character.joints, np.uint16))
+        self._weights = gl.buffer(np.ascontiguousarray(character.weights, np.float32))
+        self._palette = gl.texture((_ROWS[known], self._shape[0]), 4, dtype="f4")
+        self._palette.filter = gl.NEAREST, gl.NEAREST
+        content = [
+            (self._rest, "3f4 3f4", "in_position", "in_normal"),
+            (self._joints, "4u2", "in_joints"),
+            (self._weights, "4f4", "in_weights"),
+        ]
+        self._array = gl.vertex_array(self._program, content)
+
+    def pose(self, entries: FloatArray, placement: Placement | None) -> None:
+        """Carry the mesh, in the buffer from which it is drawn."""
+        if entries.shape != self._shape:
+            raise ValueError(
+                f"pose(entries): expected a palette of shape {self._shape}, got {entries.shape}"
+            )
+        matrix = np.eye(4)
+        if placement is not None:
+            matrix = placement.world_T_character.as_matrix()
+            matrix[:3, :3] *= placement.scale
+        self._palette.write(np.ascontiguousarray(entries, np.float32))
+        self._palette.use(0)
+        self._program["palette"] = 0
+        self._program["world_from_character"].write(column_major(matrix))
+        self._array.transform(self._mesh.vertices, self._gl.POINTS, vertices=self._mesh.shape[0])
+
+    def release(self) -> None:
+        """Free everything."""
+        for part in (self._array, self._palette, self._weights, self._joints, self._rest):
+            part.release()
+
+
+def column_major(matrix: FloatArray) -> bytes:
+    """A matrix (4, 4) as OpenGL reads it."""
+    return np.ascontiguousarray(matrix.T, np.float32).tobytes()
+
+
+def _vertex_names(lit: bool) -> tuple[str, ...]:
+    return ("in_position", "in_normal") if lit else ("in_position",)
+
+
+def _interleaved(vertices: FloatArray, normals: FloatArray) -> NDArray[np.float32]:
+    rows = np.empty((len(vertices), 6), np.float32)
+    rows[:, :3], rows[:, 3:] = vertices, normals
+    return rows

@@ -1,0 +1,106 @@
+"""Framebuffers: what is drawn into, and how pictures and shadow maps come out of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from motorcade.render.backends.platform import RenderUnavailable
+from motorcade.render.backends.renderer import FAR_M, NEAR_M
+from motorcade.render.scene import DepthArray, Layer
+
+SAMPLES = 4
+_FALL = NEAR_M / (FAR_M - NEAR_M)
+
+
+class Picture:
+    """Colour and depth of one size, four samples a pixel, and the same resolved.
+
+    Args:
+        gl: moderngl's context.
+        size: width and height, pixels.
+
+    Raises:
+        RenderUnavailable: the memory for it cannot be had.
+    """
+
+    def __init__(self, gl: Any, size: tuple[int, int]) -> None:
+        self._gl, self._size = gl, size
+        self._parts: list[Any] = []
+        import moderngl
+
+        try:
+            self.drawn = self._framebuffer(min(SAMPLES, gl.max_samples))
+            self._resolved = self._framebuffer(0)
+        except moderngl.Error as refused:
+            self.release()
+            raise RenderUnavailable(
+                f"no memory for pictures of {size[0]} x {size[1]} with {SAMPLES} samples: {refused}"
+            ) from refused
+
+    def read(self) -> Layer:
+        """What was drawn, top row first, with depth in metres."""
+        width, height = self._size
+        self._gl.copy_framebuffer(self._resolved, self.drawn)
+        rgba = np.empty((height, width, 4), np.uint8)
+        depth = np.empty((height, width), np.float32)
+        self._resolved.read_into(rgba, components=4)
+        self._resolved.read_into(depth, components=1, attachment=-1, dtype="f4")
+        return Layer(_upright(rgba), _metres(_upright(depth)))
+
+    def release(self) -> None:
+        """Free it."""
+        for part in self._parts:
+            part.release()
+        self._parts = []
+
+    def _framebuffer(self, samples: int) -> Any:
+        color = self._gl.renderbuffer(self._size, 4, samples=samples)
+        self._parts.append(color)
+        depth = self._gl.depth_renderbuffer(self._size, samples=samples)
+        self._parts.append(depth)
+        made = self._gl.framebuffer([color], depth)
+        self._parts.append(made)
+        return made
+
+
+class ShadowMap:
+    """Depth as the sun sees it, to compare with.
+
+    Args:
+        gl: moderngl's context.
+        size: of the square, texels.
+    """
+
+    def __init__(self, gl: Any, size: int) -> None:
+        self._texture = gl.depth_texture((size, size))
+        self._texture.compare_func = "<="
+        self._texture.filter = gl.LINEAR, gl.LINEAR
+        self._texture.repeat_x = self._texture.repeat_y = False
+        self.drawn = gl.framebuffer(depth_attachment=self._texture)
+
+    def use(self, unit: int) -> None:
+        """Bind it to a texture unit."""
+        self._texture.use(unit)
+
+    def release(self) -> None:
+        """Free it."""
+        self.drawn.release()
+        self._texture.release()
+
+
+def _upright(rows: Any) -> Any:
+    """OpenGL's rows, which begin at the bottom, from the top."""
+    return np.ascontiguousarray(rows[::-1])
+
+
+def _metres(stored: DepthArray) -> DepthArray:
+    """Depth along the optical axis from OpenGL's, which is 1 where nothing was drawn."""
+    empty = stored == 1.0
+    # 1 - d has no rounding; a projection matrix is undone in one division.
+    np.subtract(np.float32(1.0), stored, out=stored)
+    stored += np.float32(_FALL)
+    np.divide(np.float32(NEAR_M * (1.0 + _FALL)), stored, out=stored)
+    stored[empty] = 0.0
+    return stored

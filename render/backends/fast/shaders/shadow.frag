@@ -1,0 +1,5 @@
+// Only depth is kept.
+
+void main()
+{
+}
