@@ -1,0 +1,185 @@
+"""What the joints of a skeleton are, told by their names: hips, thighs, fingers.
+
+Rigs name joints by the words of Mixamo, Biped, Unreal and MakeHuman, Blender, motion capture, or
+their own; sides stand before or after, whole or as a letter. A part that no word tells stays
+without a role.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import lru_cache
+
+from motorcade.animation.ik import Leg
+from motorcade.animation.skeleton import Skeleton
+
+__all__ = ["body_of", "joints_alike", "legs_of"]
+
+SIDES = ("left", "right")
+# Words for parts, where several name joints of one limb the one nearest to the trunk is taken.
+CENTRAL = {"hips": "hips", "pelvis": "hips", "hip": "hips", "neck": "neck", "neck1": "neck",
+           "head": "head"}  # fmt: skip
+SIDED = {
+    "thigh": ("thigh", "upleg", "upperleg", "femur"),
+    "calf": ("calf", "leg", "lowerleg", "lowleg", "shin", "knee", "knee1", "tibia"),
+    "foot": ("foot", "ankle"),
+    "toes": ("toe", "toes", "toebase", "toeball", "ball", "toe0", "footthumb1"),
+    "clavicle": ("clavicle", "collar"),
+    "upper_arm": ("arm", "upperarm", "uparm", "humerus", "bicep", "shldr"),
+    "forearm": ("forearm", "lowerarm", "lowarm", "ulna", "elbow"),
+    "hand": ("hand", "wrist"),
+}
+PART_OF = {word: part for part, words in SIDED.items() for word in words}
+FINGER = re.compile(
+    r"(?:hand)?(thumb|index|middle|ringpinky|ring|pinky|little)(?:finger)?(1|2|3|prox|med|dist)"
+)
+FINGERS = {"ringpinky": "little", "pinky": "little"}
+PHALANX = {"prox": "1", "med": "2", "dist": "3"}
+WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+
+
+def body_of(skeleton: Skeleton) -> dict[str, int]:
+    """Joints by their role: "hips", "neck", "head", "left_thigh", "right_index_1", "spine_1", …
+
+    The spine's joints are those between hips and neck (or head, or collarbones), counted from
+    below, whatever they are called.
+    """
+    return dict(_body(skeleton))
+
+
+def legs_of(skeleton: Skeleton) -> list[Leg]:
+    """The legs, left first, whose thigh, calf and foot are told by names and joined."""
+    body, legs = body_of(skeleton), []
+    for side in SIDES:
+        joints = [body.get(f"{side}_{part}", -1) for part in ("thigh", "calf", "foot")]
+        if min(joints) < 0 or any(skeleton.parents[joints[k + 1]] != joints[k] for k in range(2)):
+            continue
+        toes = body.get(f"{side}_toes")
+        joined = toes is not None and skeleton.parents[toes] == joints[2]
+        hip, knee, ankle = (skeleton.names[joint] for joint in joints)
+        ball = skeleton.names[toes] if joined and toes is not None else ""
+        legs.append(Leg(hip, knee, ankle, ball))
+    return legs
+
+
+def joints_alike(target: Skeleton, source: Skeleton) -> dict[str, str]:
+    """The source's joint for each of the target's, by their roles and then by names alike.
+
+    In names, case, separators and a prefix up to a colon (``mixamorig:LeftArm``) do not count.
+    Spines of different numbers of joints are laid end on end: their first and last joints match.
+    """
+    own, other = body_of(target), body_of(source)
+    pairs = {target.names[own[role]]: source.names[other[role]] for role in own if role in other
+             and not role.startswith("spine")}  # fmt: skip
+    pairs |= _spines(target, source, own, other)
+    known: dict[str, str] = {}
+    for name in source.names:
+        known.setdefault(_plain(name), name)
+    taken = set(pairs.values())
+    for number, name in enumerate(target.names):
+        alike = known.get(_plain(name))
+        if number not in own.values() and name not in pairs and alike and alike not in taken:
+            pairs[name] = alike
+    return {name: pairs[name] for name in target.names if name in pairs}
+
+
+def _spines(
+    target: Skeleton, source: Skeleton, own: Mapping[str, int], other: Mapping[str, int]
+) -> dict[str, str]:
+    ours, theirs = ([body[role] for role in sorted(body) if role.startswith("spine")]
+                    for body in (own, other))  # fmt: skip
+    if not theirs:
+        return {}
+    last, steps = len(theirs) - 1, max(len(ours) - 1, 1)
+    chosen = [round(k * last / steps) if len(ours) > 1 else last for k in range(len(ours))]
+    return {target.names[joint]: source.names[theirs[k]]
+            for joint, k in zip(ours, chosen, strict=True)}  # fmt: skip
+
+
+def _plain(name: str) -> str:
+    return "".join(sign for sign in name.rsplit(":", 1)[-1].lower() if sign.isalnum())
+
+
+@lru_cache(maxsize=64)
+def _body(skeleton: Skeleton) -> tuple[tuple[str, int], ...]:
+    words = [_side_and_part(name) for name in skeleton.names]
+    body: dict[str, int] = {}
+    for number, (side, part) in enumerate(words):
+        role = _role(side, part, words)
+        if role == "hips" and body.get("hips", -1) == skeleton.parents[number]:
+            body["hips"] = number  # of an extra joint and the hips below it, the latter
+        if role:
+            body.setdefault(role, number)
+    if "hips" not in body and all(f"{side}_thigh" in body for side in SIDES):
+        body["hips"] = common_parent(skeleton, [body[f"{side}_thigh"] for side in SIDES])
+    for level, number in enumerate(_spine(skeleton, body), start=1):
+        body[f"spine_{level}"] = number
+    return tuple(body.items())
+
+
+def _role(side: str, part: str, words: list[tuple[str, str]]) -> str:
+    if not side:
+        return CENTRAL.get(part, "")
+    finger = FINGER.fullmatch(part)
+    if finger:
+        name, phalanx = finger.groups()
+        return f"{side}_{FINGERS.get(name, name)}_{PHALANX.get(phalanx, phalanx)}"
+    known = {PART_OF.get(word, "") for at, word in words if at == side}
+    if part == "shoulder":  # the collarbone where the upper arm has a word of its own
+        part = "clavicle" if known >= {"upper_arm"} and "clavicle" not in known else "arm"
+    if part == "hip" and "thigh" not in known:
+        part = "thigh"
+    return f"{side}_{PART_OF[part]}" if part in PART_OF else ""
+
+
+def _side_and_part(name: str) -> tuple[str, str]:
+    """("left", "upleg") of ``mixamorig:LeftUpLeg``; a side of "" where there is none."""
+    words = [word.lower() for word in WORD.findall(name.rsplit(":", 1)[-1])]
+    words = [str(int(word)) if word.isdigit() else word for word in words]
+    if words and words[0] in ("bip", "mixamorig"):
+        words = words[2:] if len(words) > 1 and words[1].isdigit() else words[1:]
+    side = ""
+    for at in (0, -1, 1):
+        if len(words) <= max(at, 0) or side:
+            continue
+        for whole in SIDES:
+            if words[at] in (whole, whole[0]):
+                side = whole
+                del words[at]
+                break
+            if words[at].startswith(whole):
+                side, words[at] = whole, words[at][len(whole) :]
+                break
+    return side, "".join(words)
+
+
+def _spine(skeleton: Skeleton, body: Mapping[str, int]) -> list[int]:
+    """Joints between the hips and what the trunk carries, from below."""
+    carried = ("neck", "head", "left_clavicle", "left_upper_arm")
+    tops = [body[role] for role in carried if role in body]
+    taken, found = set(body.values()), []
+    if not tops or "hips" not in body:
+        return []
+    joint = int(skeleton.parents[tops[0]])
+    above_hips = set(ancestors(skeleton, body["hips"]))
+    while joint >= 0 and joint not in taken and joint not in above_hips:
+        found.append(joint)
+        joint = int(skeleton.parents[joint])
+    return found[::-1]
+
+
+def ancestors(skeleton: Skeleton, joint: int) -> list[int]:
+    """A joint's parents, the nearest first."""
+    found = []
+    while skeleton.parents[joint] >= 0:
+        joint = int(skeleton.parents[joint])
+        found.append(joint)
+    return found
+
+
+def common_parent(skeleton: Skeleton, joints: list[int]) -> int:
+    """The nearest joint from which all of the given ones hang, or one of these itself."""
+    lines = [[joint, *ancestors(skeleton, joint)] for joint in joints]
+    shared = set(lines[0]).intersection(*lines[1:])
+    return next((joint for joint in lines[0] if joint in shared), lines[0][-1])

@@ -1,0 +1,165 @@
+"""Retargeting: a clip of one skeleton played by another.
+
+Every joint turns in the world as its like does, but for a constant between the two (`reference`).
+So joints that one skeleton has beside the other lose no motion: what a source's extra root or
+extra spine joint does arrives in the joints that hang on it. Bones keep the target's lengths.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+import numpy as np
+
+from motorcade.animation.clip import Clip
+from motorcade.animation.retarget.reference import NO_BONE_M, Match, constants
+from motorcade.animation.retarget.roles import (
+    SIDES,
+    ancestors,
+    body_of,
+    common_parent,
+    joints_alike,
+)
+from motorcade.animation.skeleton import Skeleton
+from motorcade.ga import FloatArray, Motor, Rotor
+
+__all__ = ["retarget"]
+
+# Of all moments, the share in which the lower foot is taken to be below where it stands.
+LOWEST_SHARE = 0.2
+
+
+def retarget(
+    clip: Clip,
+    source: Skeleton,
+    target: Skeleton,
+    joints: Mapping[str, str] | None = None,
+) -> Clip:
+    """The clip for another skeleton; joints without a counterpart stay as they rest.
+
+    The hips' way is scaled by the lengths of the legs. Where the source's rest is no pose to stand
+    in, heights are set so that the feet stand on the ground. A root below the hips, where the
+    target has one, takes the way over the ground. Feet of figures of other proportions slide a
+    little: see `plant_feet`.
+
+    Args:
+        clip: of the source. Where its joints grow, growth is left out.
+        source: which faces +x in character space, at rest or in the clip.
+        target: that is to move; it rests standing, as a bound mesh does.
+        joints: the source's joint for each of the target's; by default `joints_alike`. The hips
+            go their way only if they, or what carries legs and trunk, are among them.
+
+    Raises:
+        ValueError: joints that one of the skeletons does not have, or no pair at all.
+    """
+    pairs = dict(joints_alike(target, source) if joints is None else joints)
+    numbers = {target.index(name): source.index(other) for name, other in pairs.items()}
+    if not numbers:
+        raise ValueError(
+            "retarget(joints): expected one pair or more, got none: the skeletons share no names"
+        )
+    local = clip.poses if isinstance(clip.poses, Motor) else clip.poses.as_motor_scale()[0]
+    moved = source.world(local)
+    carrier, hips = _carrier(target), _carrier(source)
+    if joints is None:
+        numbers.setdefault(carrier, hips)
+    match = Match(source, target, dict(sorted(numbers.items())), moved)
+    poses = _turned(match)
+    if carrier in numbers:
+        poses = _carried(match, poses, carrier, _way(match, carrier, hips))
+        if not match.comparable:
+            poses = _grounded(target, poses, carrier)
+    return Clip(clip.name, clip.time_s, poses, clip.looped, clip.key_count)
+
+
+def _turned(match: Match) -> Motor:
+    """Local poses ``(F, J)`` with every joint turned, and where it rests in the one above it."""
+    target, made = match.target, constants(match)
+    world: list[Rotor] = []
+    poses = np.empty((len(match.moved), len(target), 8))
+    for joint in range(len(target)):
+        parent = int(target.parents[joint])
+        before = world[parent] if parent >= 0 else Rotor.identity()
+        if joint in match.joints:
+            world.append(match.moved[:, match.joints[joint]].rotor @ made[joint])
+        else:
+            world.append(before @ target.rest[joint].rotor)
+        shift = target.rest[joint].translation_m
+        turn = before.inverse() @ world[joint]
+        poses[:, joint] = Motor.from_rotor_translation(turn, shift).coefficients
+    return Motor.normalize(poses)
+
+
+def _carrier(skeleton: Skeleton) -> int:
+    """The joint that carries legs and trunk: the hips, or what stands in for them."""
+    body = body_of(skeleton)
+    limbs = [body[f"{side}_thigh"] for side in SIDES if f"{side}_thigh" in body]
+    limbs += [body[role] for role in ("spine_1", "neck", "head") if role in body][:1]
+    if not limbs:
+        return body.get("hips", int(np.flatnonzero(skeleton.parents < 0)[0]))
+    carrier = common_parent(skeleton, limbs)
+    hips = body.get("hips", carrier)
+    return hips if hips in ancestors(skeleton, carrier) else carrier
+
+
+def _way(match: Match, carrier: int, hips: int) -> FloatArray:
+    """Positions ``(F, 3)`` of the target's carrier: the source's way, scaled."""
+    start = match.source.rest_world[hips].translation_m
+    own = match.target.rest_world[carrier].translation_m
+    lengths = [_leg_m(skeleton) for skeleton in (match.target, match.source)]
+    scale = 1.0
+    if min(lengths) > NO_BONE_M:
+        scale = lengths[0] / lengths[1]
+    elif min(own[2], start[2]) > NO_BONE_M:
+        scale = own[2] / start[2]
+    way: FloatArray = own + scale * (match.moved[:, hips].translation_m - start)
+    return way
+
+
+def _leg_m(skeleton: Skeleton) -> float:
+    """Mean length of the legs, thigh and calf; 0 where they are not known."""
+    body, at = body_of(skeleton), skeleton.rest_world.translation_m
+    parts = ("thigh", "calf", "foot")
+    lengths = [
+        sum(
+            float(np.linalg.norm(at[body[f"{side}_{b}"]] - at[body[f"{side}_{a}"]]))
+            for a, b in pairwise(parts)
+        )
+        for side in SIDES
+        if all(f"{side}_{part}" in body for part in parts)
+    ]
+    return float(np.mean(lengths)) if lengths else 0.0
+
+
+def _carried(match: Match, poses: Motor, carrier: int, way: FloatArray) -> Motor:
+    """Poses in which the carrier goes its way: over the ground by its root, the rest by itself."""
+    target, made = match.target, poses.coefficients.copy()
+    line = ancestors(target, carrier)
+    if line:
+        root = line[-1]
+        resting = target.rest_world[carrier].translation_m
+        shift = target.rest[root].translation_m + (way - resting) * [1.0, 1.0, 0.0]
+        made[:, root] = Motor.from_rotor_translation(poses[:, root].rotor, shift).coefficients
+        above = target.world(Motor(made))[:, line[0]]
+        way = above.inverse().apply(way)
+    made[:, carrier] = Motor.from_rotor_translation(poses[:, carrier].rotor, way).coefficients
+    return Motor.normalize(made)
+
+
+def _grounded(target: Skeleton, poses: Motor, carrier: int) -> Motor:
+    """Poses raised or lowered as a whole, so that the lower foot is as low as it is at rest."""
+    body = body_of(target)
+    soles = [body[f"{side}_{part}"] for side in SIDES for part in ("foot", "toes")
+             if f"{side}_{part}" in body]  # fmt: skip
+    if not soles:
+        return poses
+    height = target.world(poses).translation_m[:, soles, 2]
+    over = np.min(height - target.rest_world.translation_m[soles, 2], axis=1)
+    down = np.array([0.0, 0.0, -float(np.quantile(over, LOWEST_SHARE))])
+    world, made = target.world(poses), poses.coefficients.copy()
+    parent = int(target.parents[carrier])
+    above = world[:, parent].rotor if parent >= 0 else Rotor.identity((len(made),))
+    lift = Motor.from_rotor_translation(Rotor.identity((len(made),)), above.inverse().apply(down))
+    made[:, carrier] = (lift @ poses[:, carrier]).coefficients
+    return Motor(made)
