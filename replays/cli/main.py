@@ -18,6 +18,7 @@ from motorcade.replays.cli import (
     consistency,
     demo,
     detect,
+    doctor,
     evaluate,
     generate,
     graph,
@@ -47,6 +48,7 @@ COMMANDS = (
     compare,
     consistency,
     bench,
+    doctor,
 )
 
 
@@ -71,9 +73,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _told(error: Exception) -> str:
     """One line, but for errors of scripts, which show the line of the script."""
-    from motorcade.ga.script import ScriptError
-
-    return str(error) if isinstance(error, ScriptError) else one_line(error)
+    script = sys.modules.get("motorcade.ga.script")  # not imported here: the kernels may not load
+    if script is not None and isinstance(error, script.ScriptError):
+        return str(error)
+    return one_line(error)
 
 
 def _parser() -> argparse.ArgumentParser:
