@@ -22,9 +22,8 @@ from motorcade.animation.blend import blend_poses
 from motorcade.animation.runtime import PoseRuntime
 from motorcade.animation.skin import SKIN_METHODS, Skinner, palette, skin
 from motorcade.ga import Motor, kernels
-from motorcade.replays.bench.blend import on_one_core
 from motorcade.replays.bench.data import data_folder
-from motorcade.replays.bench.timing import median_seconds, seconds_a_call
+from motorcade.replays.bench.timing import median_seconds, on_one_core, seconds_a_call
 
 __all__ = ["AnimationRow", "animation_table", "bench_animation"]
 

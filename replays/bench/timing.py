@@ -1,15 +1,17 @@
-"""Time of one kernel call, without Python's share where the compiled kernels are present."""
+"""Times of calls, on one core: without Python's share where the compiled kernels are present."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from statistics import median
 from time import perf_counter
 from typing import Any
 
 from motorcade.ga import kernels
 
-__all__ = ["median_seconds", "seconds_a_call"]
+__all__ = ["median_seconds", "on_one_core", "seconds_a_call"]
 
 ROUNDS = 25
 
@@ -39,3 +41,16 @@ def median_seconds(call: Callable[[], object], seconds: float) -> float:
             call()
         spent.append((perf_counter() - start) / times)
     return median(spent)
+
+
+@contextmanager
+def on_one_core() -> Iterator[None]:
+    """Keep this process, and those it starts, on one core with one thread."""
+    cores, threads = os.sched_getaffinity(0), kernels.threads()
+    os.sched_setaffinity(0, {max(cores)})
+    kernels.set_threads(1)
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, cores)
+        kernels.set_threads(threads)

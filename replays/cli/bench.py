@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
@@ -33,18 +31,15 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def bench(arguments: argparse.Namespace) -> None:
     """Run the suites asked for and print their tables."""
     from motorcade.replays.atomic import write_bytes
-    from motorcade.replays.bench.tables import SUITES
+    from motorcade.replays.bench.tables import SUITES, run_suite
 
     chosen = arguments.suites or list(SUITES)
     unknown = [name for name in chosen if name not in SUITES]
     if unknown:
         raise ValueError(f"bench: expected suites of {', '.join(SUITES)}, came {unknown[0]!r}")
-    figures = {name: _run(*SUITES[name]) for name in chosen}
+    figures = {}
+    for name in chosen:
+        figures[name], table = run_suite(name)
+        print(table)
     if arguments.json is not None:
         write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
-
-
-def _run(measure: Callable[[], Any], table: Callable[[Any], str]) -> Any:
-    found = measure()
-    print(table(found))
-    return found

@@ -13,8 +13,8 @@ import pytest
 
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.bench.tag_flips import tagslam_folder
-from motorcade.replays.bench.tag_scene import TagScene, handheld_path, wall_of_markers
+from motorcade.replays.bench.tracking.tag_flips import tagslam_folder
+from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from motorcade.replays.cli import main
 from motorcade.replays.textured_room import scenario, write_recording
 from motorcade.replays.trajectory_files import even_stamps, read_trajectory, write_trajectory

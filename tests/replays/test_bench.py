@@ -1,13 +1,15 @@
 """The benchmark measures the same work on both sides, or says that it could not."""
 
+import importlib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from motorcade.ga import Motor, kernels
-from motorcade.replays.bench import blend, glm
-from motorcade.replays.bench.tables import blend_table
+from motorcade.replays.bench.algebra import blend, glm
+from motorcade.replays.bench.tables import SUITES
+from motorcade.replays.bench.timing import on_one_core
 from motorcade.replays.cli import main
 
 
@@ -49,7 +51,7 @@ def test_a_missing_compiler_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: 
 
 def test_one_core_and_one_thread_only_inside_the_block() -> None:
     before = kernels.threads()
-    with blend.on_one_core():
+    with on_one_core():
         assert kernels.threads() == 1
     assert kernels.threads() == before
 
@@ -61,7 +63,7 @@ def test_the_table_tells_what_was_left_out() -> None:
         for scalar in ("float32", "float64") for joints in blend.SIZES
     ]  # fmt: skip
     found = {"rows": rows, "floors": [], "python": {"scipy": 345.0}, "left_out": ["GLM: none"]}
-    table = blend_table(found)
+    table = blend.blend_table(found)
     assert "left out: GLM: none" in table
     assert "motor linear, float32" in table
 
@@ -69,3 +71,17 @@ def test_the_table_tells_what_was_left_out() -> None:
 def test_unknown_suites_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "blnd"]) == 1
     assert "expected suites of blend" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", SUITES)
+def test_every_suite_is_where_the_table_says(name: str) -> None:
+    module, *functions = SUITES[name]
+    suite = importlib.import_module(f"motorcade.replays.bench.{module}")
+    assert all(callable(getattr(suite, function)) for function in functions)
+
+
+def test_the_help_names_every_suite(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["bench", "--help"])
+    told = capsys.readouterr().out
+    assert all(name in told for name in SUITES)

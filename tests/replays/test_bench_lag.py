@@ -5,7 +5,13 @@ from __future__ import annotations
 import pytest
 
 from motorcade.fusion.motions import MOTIONS
-from motorcade.replays.bench.lag import OneEuroRow, RtsRow, lag_table, one_euro_row, rts_row
+from motorcade.replays.bench.smoothing.lag import (
+    OneEuroRow,
+    RtsRow,
+    lag_table,
+    one_euro_row,
+    rts_row,
+)
 
 
 def check(row: RtsRow) -> None:

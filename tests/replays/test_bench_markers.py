@@ -5,8 +5,12 @@ from pathlib import Path
 import cv2
 import pytest
 
-from motorcade.replays.bench import tag_markers
-from motorcade.replays.bench.tag_markers import bench_markers, markers_table, measure_pictures
+from motorcade.replays.bench.tracking import tag_markers
+from motorcade.replays.bench.tracking.tag_markers import (
+    bench_markers,
+    markers_table,
+    measure_pictures,
+)
 from motorcade.tracking import MarkerGrid
 
 

@@ -6,14 +6,14 @@ import numpy as np
 
 from motorcade.fusion.smooth import smooth
 from motorcade.ga import FloatArray, Motor
-from motorcade.replays.bench.smooth import noisy_path, smooth_table
-from motorcade.replays.bench.smooth_rivals import (
+from motorcade.replays.bench.smoothing.rivals import (
     NumpyOneEuro,
     ScipyOneEuro,
     numpy_gaussian,
     numpy_rts,
     scipy_gaussian,
 )
+from motorcade.replays.bench.smoothing.smooth import noisy_path, smooth_table
 
 PATH = noisy_path(300)
 Q, T = PATH.poses.as_quaternion_translation()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.bench.board_smoothing import (
+from motorcade.replays.bench.tracking.board_smoothing import (
     CAUSAL,
     bench_board,
     board_table,

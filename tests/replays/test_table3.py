@@ -12,11 +12,11 @@ import pytest
 pytest.importorskip("casadi", reason="CasADi, which writes the code that is timed, is not here")
 pytest.importorskip("scipy", reason="scipy, the reference of all methods, is not here")
 
-from motorcade.replays.bench.table3 import measure, methods
-from motorcade.replays.bench.table3.characters import RIGS, characters, random_character
-from motorcade.replays.bench.table3.paper import PAPER_MS, overheads_ms, paper_ns
-from motorcade.replays.bench.table3.reference import blended_matrices
-from motorcade.replays.bench.table3.report import table3_table, verdict
+from motorcade.replays.bench.algebra.table3 import measure, methods
+from motorcade.replays.bench.algebra.table3.characters import RIGS, characters, random_character
+from motorcade.replays.bench.algebra.table3.paper import PAPER_MS, overheads_ms, paper_ns
+from motorcade.replays.bench.algebra.table3.reference import blended_matrices
+from motorcade.replays.bench.algebra.table3.report import table3_table, verdict
 
 COMPILED = pytest.mark.skipif(
     not (shutil.which("cc") or shutil.which("gcc")), reason="no C compiler"

@@ -11,8 +11,8 @@ from evo.core.trajectory import PoseTrajectory3D
 from rosbags.rosbag1 import Writer
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.bench.tag_flips import bench_flips, count_flips, reference_rotors
-from motorcade.replays.bench.tag_map import reference_path
+from motorcade.replays.bench.tracking.tag_flips import bench_flips, count_flips, reference_rotors
+from motorcade.replays.bench.tracking.tag_map import reference_path
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers import ros_bag, tagslam
 from motorcade.replays.readers.tagslam_bodies import read_marker_sides

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from motorcade.replays.bench.tag_scene import TagScene, handheld_path, wall_of_markers
+from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from motorcade.replays.loose_markers import LooseMarkers
 from motorcade.replays.recording import Frame, Recording
 from motorcade.replays.stages.marker_poses import markers_found

@@ -14,7 +14,7 @@ from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuStream, simulate_
 from motorcade.fusion.motions import gimbal_crossing
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import FloatArray, Motor
-from motorcade.replays.bench.blend import on_one_core
+from motorcade.replays.bench.timing import on_one_core
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["bench_speed", "recorded_hour", "speed_table", "symmetry_and_least_eigenvalue"]

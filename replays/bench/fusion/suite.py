@@ -10,7 +10,7 @@ from motorcade.replays.bench.fusion.inclination import bench_inclination, inclin
 from motorcade.replays.bench.fusion.offsets import bench_offsets, offsets_table
 from motorcade.replays.bench.fusion.simulator import bench_simulator, simulator_table
 from motorcade.replays.bench.fusion.speed import bench_speed, speed_table
-from motorcade.replays.bench.tag_odometry import bench_tag_odometry, tag_odometry_table
+from motorcade.replays.bench.fusion.tag_odometry import bench_tag_odometry, tag_odometry_table
 
 __all__ = ["PARTS", "bench_fusion", "fusion_table"]
 

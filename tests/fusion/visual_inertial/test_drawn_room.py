@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from motorcade.replays.bench.visual_inertial import bench_visual_inertial, visual_inertial_table
+from motorcade.replays.bench.fusion.visual_inertial import (
+    bench_visual_inertial,
+    visual_inertial_table,
+)
 from motorcade.replays.textured_room.scenarios import scenario
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
-from motorcade.replays.bench.tag_scene import TagScene, handheld_path, wall_of_markers
+from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from motorcade.tracking import Camera, detect_markers
 from motorcade.tracking.markers.families import marker_cells, marker_points_m
 from motorcade.tracking.markers.photometric import (

@@ -6,8 +6,8 @@ import textwrap
 from collections.abc import Mapping
 from typing import Any
 
-from motorcade.replays.bench.table3.methods import METHODS
-from motorcade.replays.bench.table3.paper import (
+from motorcade.replays.bench.algebra.table3.methods import METHODS
+from motorcade.replays.bench.algebra.table3.paper import (
     CHARACTERS,
     COUNTERPARTS,
     PAPER_MS,

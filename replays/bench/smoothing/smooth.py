@@ -23,14 +23,14 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips
 from motorcade.fusion.smooth import OneEuro, smooth
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.bench.blend import on_one_core
-from motorcade.replays.bench.smooth_rivals import (
+from motorcade.replays.bench.smoothing.rivals import (
     NumpyOneEuro,
     ScipyOneEuro,
     numpy_gaussian,
     numpy_rts,
     scipy_gaussian,
 )
+from motorcade.replays.bench.timing import on_one_core
 
 __all__ = ["bench_smooth", "compact_path", "smooth_table"]
 
@@ -196,7 +196,7 @@ def _bytes_a_pose(job: str, sizes: tuple[int, int] = MEMORY_POSES) -> float | No
     for poses in sizes:
         program = (
             "from motorcade.fusion.smooth import OneEuro, smooth\n"
-            "from motorcade.replays.bench.smooth import compact_path\n"
+            "from motorcade.replays.bench.smoothing.smooth import compact_path\n"
             f"path = compact_path({poses})\n{job}\n"
             "from pathlib import Path\n"
             "status = Path('/proc/self/status').read_text()\n"

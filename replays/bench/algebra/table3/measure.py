@@ -17,24 +17,24 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import FloatArray, Motor, kernels
-from motorcade.replays.bench.blend import SCALARS, on_one_core
-from motorcade.replays.bench.data import data_folder
-from motorcade.replays.bench.glm import NotMeasured, compile_glm, measure_glm
-from motorcade.replays.bench.table3.characters import (
+from motorcade.replays.bench.algebra.blend import SCALARS
+from motorcade.replays.bench.algebra.glm import NotMeasured, compile_glm, measure_glm
+from motorcade.replays.bench.algebra.table3.characters import (
     BlendedCharacter,
     characters,
     random_character,
 )
-from motorcade.replays.bench.table3.methods import (
+from motorcade.replays.bench.algebra.table3.methods import (
     ARRAY_METHODS,
     METHODS,
     Blends,
     Method,
     compile_blends,
 )
-from motorcade.replays.bench.table3.reference import blended_matrices
-from motorcade.replays.bench.table3.report import verdict
-from motorcade.replays.bench.timing import seconds_a_call
+from motorcade.replays.bench.algebra.table3.reference import blended_matrices
+from motorcade.replays.bench.algebra.table3.report import verdict
+from motorcade.replays.bench.data import data_folder
+from motorcade.replays.bench.timing import on_one_core, seconds_a_call
 
 __all__ = ["ARRAY_JOINTS", "GLM_LABELS", "KERNEL_LABEL", "Row", "bench_table3"]
 

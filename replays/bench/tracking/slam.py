@@ -38,7 +38,7 @@ _SWITCHES: dict[str, dict[str, bool]] = {
     "two threads": {"threads": True},
 }
 _LOOP = {**_SWITCHES, "no loop closing": {"close_loops": False}}
-_MANIFESTS = Path(__file__).parents[2] / "docs" / "manifests"
+_MANIFESTS = Path(__file__).parents[3] / "docs" / "manifests"
 
 
 def bench_slam() -> dict[str, Any]:

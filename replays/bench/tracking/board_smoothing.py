@@ -31,7 +31,7 @@ CAUSAL: tuple[str, dict[str, float]] = (
     "double_exponential", {"cutoff_hz": 8.0, "trend_cutoff_hz": 4.0},
 )  # fmt: skip
 OFFLINE: tuple[str, dict[str, float]] = ("local_polynomial", {"window_s": 0.24, "order": 2})
-_MANIFEST = Path(__file__).parents[2] / "docs" / "manifests" / "vamr_board.toml"
+_MANIFEST = Path(__file__).parents[3] / "docs" / "manifests" / "vamr_board.toml"
 
 
 def position_jitter_m(path: Trajectory) -> float:

@@ -7,10 +7,8 @@ linear motor blend as normalised lerp (the translations differ, since GLM mixes 
 
 from __future__ import annotations
 
-import os
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
@@ -19,17 +17,17 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import FloatArray, Motor, kernels
-from motorcade.replays.bench.glm import (
+from motorcade.replays.bench.algebra.glm import (
     GlmFigures,
     NotMeasured,
     Scalar,
     compile_glm,
     measure_glm,
 )
-from motorcade.replays.bench.peers import python_peers
-from motorcade.replays.bench.timing import seconds_a_call
+from motorcade.replays.bench.algebra.peers import python_peers
+from motorcade.replays.bench.timing import on_one_core, seconds_a_call
 
-__all__ = ["BlendRow", "bench_blend"]
+__all__ = ["BlendRow", "bench_blend", "blend_table"]
 
 SIZES = (54, 64, 1000, 100_000)
 SCALARS: tuple[Scalar, ...] = ("float32", "float64")
@@ -145,14 +143,34 @@ def _check_same(name: str, ours: float, theirs: float, scalar: Scalar) -> None:
         )
 
 
-@contextmanager
-def on_one_core() -> Iterator[None]:
-    """Keep this process, and those it starts, on one core with one thread."""
-    cores, threads = os.sched_getaffinity(0), kernels.threads()
-    os.sched_setaffinity(0, {max(cores)})
-    kernels.set_threads(1)
-    try:
-        yield
-    finally:
-        os.sched_setaffinity(0, cores)
-        kernels.set_threads(threads)
+def blend_table(found: Mapping[str, Any]) -> str:
+    """Nanoseconds a joint, a row a method and precision; floors, Python calls, what is missing."""
+    sizes = "".join(f"{size:>10}" for size in SIZES)
+    lines = [f"{'ns a joint, one core, to 3x4 matrices':<38}{sizes}"]
+    for scalar in ("float32", "float64"):
+        methods = dict.fromkeys(row["method"] for row in found["rows"])
+        for method in methods:
+            ns = {
+                row["joints"]: row["ns"]
+                for row in found["rows"]
+                if (row["method"], row["scalar"]) == (method, scalar)
+            }
+            cells = "".join(f"{ns[size]:>10.2f}" for size in SIZES)
+            lines.append(f"{method + ', ' + scalar:<38}{cells}")
+        floors = {row["joints"]: row for row in found["floors"] if row["scalar"] == scalar}
+        if floors:
+            cells = "".join(f"{floors[size]['memory_ns']:>10.2f}" for size in SIZES)
+            lines.append(f"{'memory floor, ' + scalar:<38}{cells}")
+            gflops = max(row["gflops"] for row in floors.values())
+            lines.append(f"{'arithmetic, ' + scalar:<38}{gflops:>10.0f} GFLOP/s")
+    lines += ["", "times as fast as GLM (the linear blend: nlerp + mix; the screw: slerp + mix)"]
+    rivals = {"motor linear": "over_nlerp_mix", "motor screw": "over_slerp_mix"}
+    for row in found["rows"]:
+        factor = row.get(rivals.get(row["method"], ""))
+        if factor is not None:
+            name = f"{row['method']}, {row['scalar']}, {row['joints']} joints"
+            lines.append(f"{name:<38}{factor:>10.2f}")
+    lines += ["", "called from Python, 54 joints where no other number stands: µs a call"]
+    lines += [f"{name:<38}{us:>10.2f}" for name, us in found["python"].items()]
+    lines += [f"left out: {reason}" for reason in found["left_out"]]
+    return "\n".join(lines)

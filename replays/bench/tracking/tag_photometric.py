@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import FloatArray, Motor
-from motorcade.replays.bench.tag_scene import TagScene, handheld_path, wall_of_markers
+from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from motorcade.tracking import Camera, detect_markers
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (

@@ -25,7 +25,7 @@ from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.strategies import product, table
 from motorcade.ga.codegen.targets import c, c_batch
 from motorcade.ga.script import Script, parse
-from motorcade.replays.bench.glm import NotMeasured, Scalar
+from motorcade.replays.bench.algebra.glm import NotMeasured, Scalar
 
 __all__ = ["ARRAY_METHODS", "METHODS", "Blends", "Method", "compile_blends"]
 

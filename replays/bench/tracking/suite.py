@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from motorcade.replays.bench.board_smoothing import bench_board, board_table
-from motorcade.replays.bench.tag_flips import bench_flips, flips_table
-from motorcade.replays.bench.tag_map import bench_map, map_table
-from motorcade.replays.bench.tag_markers import bench_markers, markers_table
-from motorcade.replays.bench.tag_photometric import bench_photometric, photometric_table
+from motorcade.replays.bench.tracking.board_smoothing import bench_board, board_table
+from motorcade.replays.bench.tracking.tag_flips import bench_flips, flips_table
+from motorcade.replays.bench.tracking.tag_map import bench_map, map_table
+from motorcade.replays.bench.tracking.tag_markers import bench_markers, markers_table
+from motorcade.replays.bench.tracking.tag_photometric import bench_photometric, photometric_table
 
 __all__ = ["PARTS", "bench_tracking", "tracking_table"]
 

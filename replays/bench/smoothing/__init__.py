@@ -1,0 +1,1 @@
+"""Smoothers of paths: speed, memory and lag, beside other libraries."""

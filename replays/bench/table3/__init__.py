@@ -1,1 +1,0 @@
-"""The paper's Table 3 again: blending the poses of three characters, method by method."""

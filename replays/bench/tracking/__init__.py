@@ -1,0 +1,1 @@
+"""Tracking: accuracy and milliseconds of markers, maps, boards and SLAM."""
