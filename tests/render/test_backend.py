@@ -10,13 +10,14 @@ import pytest
 
 from motorcade.ga import Motor, Rotor
 from motorcade.render import (
+    RENDERERS,
     Lamp,
     Layer,
     Lighting,
-    OffscreenRenderer,
     RenderUnavailable,
     Sun,
     Surface,
+    new_renderer,
 )
 from motorcade.render.backends import platform
 from motorcade.tracking.camera import Camera
@@ -48,11 +49,12 @@ def weighted_middle(layer: Layer) -> np.ndarray:
     return np.array([np.sum(alpha * x), np.sum(alpha * y)]) / alpha.sum()
 
 
+@pytest.mark.parametrize("name", RENDERERS)
 @pytest.mark.usefixtures("opengl")
-def test_points_land_where_the_camera_projects_them(rng: np.random.Generator) -> None:
+def test_points_land_where_the_camera_projects_them(name: str, rng: np.random.Generator) -> None:
     pose = Motor.random(rng)
     errors = []
-    with OffscreenRenderer(CAMERA.width, CAMERA.height) as renderer:
+    with new_renderer(name, CAMERA.width, CAMERA.height) as renderer:
         for _ in range(12):
             depth = rng.uniform(0.5, 4.0)
             pixel = rng.uniform([40.0, 40.0], [280.0, 200.0])
@@ -64,10 +66,11 @@ def test_points_land_where_the_camera_projects_them(rng: np.random.Generator) ->
     assert np.abs(np.mean(errors, axis=0)).max() < 0.05
 
 
+@pytest.mark.parametrize("name", RENDERERS)
 @pytest.mark.usefixtures("opengl")
-def test_depth_is_metres_along_the_optical_axis(rng: np.random.Generator) -> None:
+def test_depth_is_metres_along_the_optical_axis(name: str, rng: np.random.Generator) -> None:
     pose = Motor.random(rng)
-    with OffscreenRenderer(CAMERA.width, CAMERA.height) as renderer:
+    with new_renderer(name, CAMERA.width, CAMERA.height) as renderer:
         for depth in (0.1, 1.0, 5.0, 20.0):
             renderer.show([square(pose, np.array([0.0, 0.0, depth]), 0.2 * depth)], None)
             layer = renderer.render(CAMERA, pose)
@@ -76,15 +79,16 @@ def test_depth_is_metres_along_the_optical_axis(rng: np.random.Generator) -> Non
             assert np.all(layer.depth_m[layer.rgba[..., 3] == 0] == 0.0)
 
 
+@pytest.mark.parametrize("name", RENDERERS)
 @pytest.mark.usefixtures("opengl")
-def test_a_slanted_plane_has_the_depth_of_its_rays() -> None:
+def test_a_slanted_plane_has_the_depth_of_its_rays(name: str) -> None:
     turn = Rotor.from_euler([0.5, 0.4, 0.0])
     plane_T_camera = Motor.from_rotor_translation(turn, np.array([0.0, 0.0, -2.0]))
     corners = 3.0 * np.array(
         [[-1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, -1.0, 0.0]]
     )
     surface = Surface(corners, np.tile([0.0, 0.0, -1.0], (4, 1)), np.array([[0, 1, 2], [0, 2, 3]]))
-    with OffscreenRenderer(CAMERA.width, CAMERA.height) as renderer:
+    with new_renderer(name, CAMERA.width, CAMERA.height) as renderer:
         renderer.show([surface], None)
         layer = renderer.render(CAMERA, plane_T_camera)
     y, x = np.mgrid[: CAMERA.height, : CAMERA.width]
@@ -99,10 +103,11 @@ def test_a_slanted_plane_has_the_depth_of_its_rays() -> None:
     assert error[inside].max() < 0.5
 
 
+@pytest.mark.parametrize("name", RENDERERS)
 @pytest.mark.usefixtures("opengl")
-def test_color_is_premultiplied_by_coverage() -> None:
+def test_color_is_premultiplied_by_coverage(name: str) -> None:
     pose = Motor.identity()
-    with OffscreenRenderer(CAMERA.width, CAMERA.height) as renderer:
+    with new_renderer(name, CAMERA.width, CAMERA.height) as renderer:
         renderer.show([square(pose, np.array([0.013, 0.021, 1.0]), 0.3)], None)
         rgba = renderer.render(CAMERA, pose).rgba
     alpha = rgba[..., 3]
@@ -112,8 +117,9 @@ def test_color_is_premultiplied_by_coverage() -> None:
     assert not rgba[alpha == 0].any()
 
 
+@pytest.mark.parametrize("name", RENDERERS)
 @pytest.mark.usefixtures("opengl")
-def test_flat_textures_come_out_as_they_went_in() -> None:
+def test_flat_textures_come_out_as_they_went_in(name: str) -> None:
     texture = np.zeros((64, 64, 3), dtype=np.uint8)
     texture[:32, :32], texture[:32, 32:] = (250, 10, 20), (10, 240, 30)
     texture[32:, :32], texture[32:, 32:] = (20, 30, 230), (120, 130, 140)
@@ -125,7 +131,7 @@ def test_flat_textures_come_out_as_they_went_in() -> None:
         texture_coordinates=np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
     )
     pose = Motor.identity()
-    with OffscreenRenderer(CAMERA.width, CAMERA.height) as renderer:
+    with new_renderer(name, CAMERA.width, CAMERA.height) as renderer:
         # this square's front looks along -z: towards the camera, whose y points down
         front = Surface(
             surface.vertices, surface.normals, surface.triangles[:, ::-1],
@@ -141,12 +147,13 @@ def test_flat_textures_come_out_as_they_went_in() -> None:
         np.testing.assert_allclose(rgba[y, x, :3], color, atol=1)
 
 
+@pytest.mark.parametrize("name", RENDERERS)
 @pytest.mark.usefixtures("opengl")
-def test_a_moved_surface_is_drawn_like_a_new_one(rng: np.random.Generator) -> None:
+def test_a_moved_surface_is_drawn_like_a_new_one(name: str, rng: np.random.Generator) -> None:
     pose = Motor.identity()
     first = square(pose, np.array([0.0, 0.0, 1.0]), 0.1)
     second = square(pose, np.array([0.2, -0.1, 1.3]), 0.2)
-    with OffscreenRenderer(CAMERA.width, CAMERA.height) as renderer:
+    with new_renderer(name, CAMERA.width, CAMERA.height) as renderer:
         renderer.show([first], LIGHTING)
         renderer.render(CAMERA, pose)
         renderer.move(0, second.vertices, second.normals)
@@ -157,8 +164,9 @@ def test_a_moved_surface_is_drawn_like_a_new_one(rng: np.random.Generator) -> No
     np.testing.assert_array_equal(moved.depth_m, fresh.depth_m)
 
 
+@pytest.mark.parametrize("name", RENDERERS)
 @pytest.mark.usefixtures("opengl")
-def test_the_sun_throws_a_shadow() -> None:
+def test_the_sun_throws_a_shadow(name: str) -> None:
     ground = Surface(
         2.0 * np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]),
         np.tile([0.0, 0.0, 1.0], (4, 1)),
@@ -169,7 +177,7 @@ def test_the_sun_throws_a_shadow() -> None:
         Rotor.from_rotation_vector([np.pi, 0.0, 0.0]), np.array([0.0, 0.0, 2.0])
     )
     light = Lighting((0.1, 0.1, 0.1), Sun((1.0, 0.0, -1.0), 2.0), (), (0.0, 0.0, 0.1), 1.0)
-    with OffscreenRenderer(CAMERA.width, CAMERA.height) as renderer:
+    with new_renderer(name, CAMERA.width, CAMERA.height) as renderer:
         renderer.show([ground, roof], light)
         rgba = renderer.render(CAMERA, down).rgba
     # a slanting sun carries the roof's shadow as far along +x as the roof is high
@@ -180,26 +188,28 @@ def test_the_sun_throws_a_shadow() -> None:
     assert abs(beyond - lit) < 0.1 * lit
 
 
+@pytest.mark.parametrize("name", RENDERERS)
 @pytest.mark.usefixtures("opengl")
-def test_two_renderers_live_side_by_side() -> None:
+def test_two_renderers_live_side_by_side(name: str) -> None:
     pose = Motor.identity()
     shape = square(pose, np.array([0.0, 0.0, 1.0]), 0.1)
     small = Camera(64, 48, 50.0, 50.0, 31.5, 23.5)
-    with OffscreenRenderer(CAMERA.width, CAMERA.height) as one:
+    with new_renderer(name, CAMERA.width, CAMERA.height) as one:
         one.show([shape], None)
         before = one.render(CAMERA, pose)
-        with OffscreenRenderer(64, 48) as two:
+        with new_renderer(name, 64, 48) as two:
             two.show([shape], None)
             assert two.render(small, pose).rgba.any()
         after = one.render(CAMERA, pose)
     np.testing.assert_array_equal(before.rgba, after.rgba)
 
 
+@pytest.mark.parametrize("name", RENDERERS)
 @pytest.mark.usefixtures("opengl")
-def test_misuse_is_refused() -> None:
+def test_misuse_is_refused(name: str) -> None:
     pose = Motor.identity()
     shape = square(pose, np.array([0.0, 0.0, 1.0]), 0.1)
-    renderer = OffscreenRenderer(CAMERA.width, CAMERA.height)
+    renderer = new_renderer(name, CAMERA.width, CAMERA.height)
     with pytest.raises(RuntimeError, match="show"):
         renderer.render(CAMERA, pose)
     renderer.show([shape], None)
@@ -214,7 +224,7 @@ def test_misuse_is_refused() -> None:
     with pytest.raises(RuntimeError, match="close"):
         renderer.render(CAMERA, pose)
     with pytest.raises(ValueError, match="1 pixel or more"):
-        OffscreenRenderer(0, 10)
+        new_renderer(name, 0, 10)
 
 
 def test_without_any_opengl_one_line_says_what_to_install(
@@ -243,30 +253,31 @@ def test_an_unknown_platform_in_the_environment_is_named(monkeypatch: pytest.Mon
         platform.choose_platform.__wrapped__()
 
 
+@pytest.mark.parametrize("name", RENDERERS)
 @pytest.mark.usefixtures("opengl")
 @pytest.mark.slow
-def test_osmesa_draws_what_egl_draws(tmp_path: Path) -> None:
+def test_osmesa_draws_what_egl_draws(name: str, tmp_path: Path) -> None:
     if platform.osmesa_library() is None or platform.working_egl_device() is None:
         pytest.skip("both EGL and OSMesa are needed to compare them")
     script = (
         "import sys, numpy as np\n"
-        "from motorcade.animation import mannequin\n"
         "from motorcade.ga import Motor\n"
-        "from motorcade.render import OffscreenRenderer, Surface\n"
+        "from motorcade.render import Surface, new_renderer\n"
         "from motorcade.tracking.camera import Camera\n"
-        "f = mannequin(1.0)\n"
-        "pose = Motor.from_euler_translation([-np.pi / 2, 0.0, 0.0], [0.0, -2.0, 0.5])\n"
-        "s = Surface(f.vertices, f.normals, f.triangles, f.colors)\n"
-        "with OffscreenRenderer(160, 240) as r:\n"
+        "corners = np.array([[-1, -1, 3], [-1, 1, 4], [1, 1, 3], [1, -1, 4.0]])\n"
+        "front = np.tile([0.0, 0.0, -1.0], (4, 1))\n"
+        "s = Surface(corners, front, np.array([[0, 1, 2], [0, 2, 3]]), 0.5 + 0.1 * corners)\n"
+        "with new_renderer(sys.argv[1], 160, 240) as r:\n"
         "    r.show([s], None)\n"
-        "    layer = r.render(Camera(160, 240, 300.0, 300.0, 79.5, 119.5), pose)\n"
-        "np.save(sys.argv[1], layer.rgba)\n"
+        "    layer = r.render(Camera(160, 240, 200.0, 200.0, 79.5, 119.5), Motor.identity())\n"
+        "np.save(sys.argv[2], layer.rgba)\n"
     )
     pictures = []
-    for name in ("egl", "osmesa"):
-        file = tmp_path / f"{name}.npy"
-        environment = os.environ | {platform.VARIABLE: name}
-        subprocess.run([sys.executable, "-c", script, str(file)], check=True, env=environment)
+    for kind in ("egl", "osmesa"):
+        file = tmp_path / f"{kind}.npy"
+        environment = os.environ | {platform.VARIABLE: kind}
+        command = [sys.executable, "-c", script, name, str(file)]
+        subprocess.run(command, check=True, env=environment)
         pictures.append(np.load(file).astype(int))
     assert pictures[0][..., 3].max() == 255
     assert np.mean(np.abs(pictures[0] - pictures[1]) > 2) < 1e-3
