@@ -1,5 +1,31 @@
 """Light of a scene: chosen for the viewer, or estimated from the pictures."""
 
-from motorcade.render.light.lamps import character_lighting, sunlight_direction, viewer_frame
+from motorcade.render.light.estimate import (
+    LightEstimate,
+    ShadedPoints,
+    estimate_light,
+    shaded_points,
+)
+from motorcade.render.light.harmonics import harmonics, irradiance_factors, rotate_harmonics
+from motorcade.render.light.lamps import (
+    character_lighting,
+    estimated_lighting,
+    sun_share,
+    sunlight_direction,
+    viewer_frame,
+)
 
-__all__ = ["character_lighting", "sunlight_direction", "viewer_frame"]
+__all__ = [
+    "LightEstimate",
+    "ShadedPoints",
+    "character_lighting",
+    "estimate_light",
+    "estimated_lighting",
+    "harmonics",
+    "irradiance_factors",
+    "rotate_harmonics",
+    "shaded_points",
+    "sun_share",
+    "sunlight_direction",
+    "viewer_frame",
+]

@@ -1,13 +1,15 @@
 """Light for a character that is set into footage: a sun over the viewer's shoulder, fill and rim.
 
-Directions are in the world of the trajectory. Nothing is estimated from the pictures; the
-direction of the sun is the one knob that matters, since it throws the shadow.
+Directions are in the world of the trajectory. By default nothing is taken from the pictures, and
+the direction of the sun is the one knob that matters, since it throws the shadow;
+`estimated_lighting` uses what `estimate_light` found in them.
 """
 
 import numpy as np
 
 from motorcade.animation import Placement
 from motorcade.ga import FloatArray, Motor
+from motorcade.render.light.estimate import LightEstimate
 from motorcade.render.scene import Lamp, Lighting, Sun
 
 # Share of each direction in where the light comes from: up, towards the viewer, viewer's left.
@@ -74,6 +76,60 @@ def character_lighting(
         shadow_center_m=_row(middle),
         shadow_radius_m=0.75 * height_m,
     )
+
+
+def estimated_lighting(
+    placement: Placement, height_m: float, estimate: LightEstimate, least_elevation_rad: float = 0.3
+) -> Lighting:
+    """Sun and ambient light as they were found in the pictures.
+
+    Args:
+        placement: of the character.
+        height_m: of the placed character.
+        estimate: the light in the placement's world.
+        least_elevation_rad: a sun nearer to the ground, or below it, is raised to this height,
+            since it throws the shadow.
+    """
+    up = placement.world_T_character.rotor.apply(np.array([0.0, 0.0, 1.0]))
+    towards = estimate.towards_light
+    height = float(np.dot(towards, up))
+    if height < np.sin(least_elevation_rad):
+        level = towards - height * up
+        level /= max(float(np.linalg.norm(level)), 1e-9)
+        towards = np.cos(least_elevation_rad) * level + np.sin(least_elevation_rad) * up
+        towards /= np.linalg.norm(towards)
+    sun, ambient = estimate.sun_and_ambient()
+    middle = placement.world_T_character.translation_m + 0.5 * height_m * up
+    return Lighting(
+        ambient=_row(ambient * estimate.color),
+        sun=Sun(_row(-towards), float(np.pi * sun), _row(estimate.color)),
+        lamps=(),
+        shadow_center_m=_row(middle),
+        shadow_radius_m=0.75 * height_m,
+    )
+
+
+def sun_share(lighting: Lighting, point_m: FloatArray, normal: FloatArray) -> float:
+    """Share of the light on a surface that comes from the sun: what a full shadow takes away.
+
+    Args:
+        lighting: the light of the scene.
+        point_m: (3,) on the surface, world.
+        normal: (3,) unit, world.
+
+    Returns:
+        0 to 1, of linear light; intensities are in pyrender's units, where a sun of π gives 1.
+    """
+    sun = np.array(lighting.sun.direction)
+    facing = max(0.0, -float(np.dot(sun, normal)) / float(np.linalg.norm(sun)))
+    direct = facing * lighting.sun.intensity * float(np.mean(lighting.sun.color)) / np.pi
+    other = float(np.mean(lighting.ambient))
+    for lamp in lighting.lamps:
+        step = np.array(lamp.position_m) - point_m
+        distance = float(np.linalg.norm(step))
+        cosine = max(0.0, float(np.dot(step, normal)) / distance)
+        other += cosine * lamp.intensity * float(np.mean(lamp.color)) / (np.pi * distance**2)
+    return direct / (direct + other) if direct > 0.0 else 0.0
 
 
 def _row(vector: FloatArray) -> tuple[float, float, float]:

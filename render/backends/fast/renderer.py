@@ -170,6 +170,8 @@ class FastRenderer:
         self._begin("pose")
         if surface not in self._carried:
             raise ValueError(f"pose(surface): expected a surface that was bound, got {surface}")
+        # Nothing is drawn, but without a framebuffer OpenGL refuses.
+        self._picture.drawn.use()
         self._carried[surface].pose(entries, placement)
 
     def vertices(self, surface: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

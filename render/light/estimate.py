@@ -1,0 +1,234 @@
+"""Light estimated from pictures whose geometry is known: ambient, and where most light comes from.
+
+A Lambertian surface of albedo ρ that faces n shows ρ E(n). E is fitted with spherical harmonics to
+band 2, which hold 99 % of the irradiance of distant light (Ramamoorthi and Hanrahan, "On the
+relationship between radiance and irradiance", 2001); ρ is one number for every hue that occurs,
+found in turns with E, so a painting on the wall does not pass for light. Cauchy weights let cast
+shadows and highlights go. Where all surfaces face one way, or every hue faces its own, light and
+paint cannot be told apart: the fit then falls back on light from all sides, and says so by a small
+`contrast`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
+from motorcade.render.light.harmonics import harmonics, rotate_harmonics
+from motorcade.render.scene import DepthArray, ImageArray
+from motorcade.tracking.camera import Camera
+
+__all__ = ["LightEstimate", "ShadedPoints", "estimate_light", "shaded_points"]
+
+HUE_STEP = 0.05
+"""Width of a cell of log red and log blue over brightness that counts as one paint."""
+USUAL_ALBEDO = 0.4
+RIDGE = np.array([0.0] + [0.03] * 3 + [0.5] * 5)
+ROUNDS = 15
+REACH_PX, STEP_PX, FLATNESS = 3, 5, 0.004
+DARKEST, BRIGHTEST = 4, 250
+
+
+@dataclass(frozen=True, eq=False)
+class ShadedPoints:
+    """What pictures show of surfaces: (N, 3) each.
+
+    Attributes:
+        points_m: world.
+        normals: unit, world, towards the camera.
+        colors: linear RGB, 0 to 1.
+
+    Raises:
+        ValueError: shapes that differ.
+    """
+
+    points_m: FloatArray
+    normals: FloatArray
+    colors: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("points_m", "normals", "colors"):
+            given = getattr(self, name)
+            if given.ndim != 2 or given.shape != (len(self.points_m), 3):
+                raise ValueError(
+                    f"ShadedPoints.{name}: expected shape (N, 3) for all, got {given.shape}"
+                )
+
+    @classmethod
+    def joined(cls, parts: Sequence[ShadedPoints]) -> ShadedPoints:
+        """All points of several pictures."""
+        names = ("points_m", "normals", "colors")
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+
+@dataclass(frozen=True, eq=False)
+class LightEstimate:
+    """Distant light, as it falls on a place.
+
+    Attributes:
+        irradiance: (9,) spherical harmonics of E in the world, mean of the channels; 1 lights white
+            paper to white.
+        color: (3,) linear RGB of the light, mean 1.
+    """
+
+    irradiance: FloatArray
+    color: FloatArray
+
+    @property
+    def towards_light(self) -> FloatArray:
+        """(3,) unit vector to where most light comes from (the vector of band 1)."""
+        vector = self.irradiance[[3, 1, 2]]
+        length = np.linalg.norm(vector)
+        return np.asarray(vector / length) if length > 0.0 else np.array([0.0, 0.0, 1.0])
+
+    @property
+    def contrast(self) -> float:
+        """Amplitude of E's change with direction over its mean; 0 for light from all sides."""
+        return float(np.sqrt(3.0) * np.linalg.norm(self.irradiance[1:4]) / self.irradiance[0])
+
+    def sun_and_ambient(self) -> tuple[float, float]:
+        """Irradiance of a sun along `towards_light`, and from all sides, with the same bands 0, 1.
+
+        A sun S gives a mean of S / 4 and a first band of amplitude S / 2.
+        """
+        mean = self.irradiance[0] / np.sqrt(4.0 * np.pi)
+        change = min(self.contrast, 1.9) * mean
+        return 2.0 * change, mean - 0.5 * change
+
+    def turned(self, rotor: Rotor) -> LightEstimate:
+        """The same light in a frame that `rotor` leads to, without a new fit."""
+        return LightEstimate(rotate_harmonics(self.irradiance, rotor), self.color)
+
+
+def shaded_points(
+    frame: ImageArray, depth_m: DepthArray, camera: Camera, world_T_camera: Motor
+) -> ShadedPoints:
+    """Points on smooth surfaces, with normals from depth; what is too dark or too bright is left.
+
+    Args:
+        frame: (h, w, 3) uint8 sRGB.
+        depth_m: (h, w) along the optical axis, metres; 0 and NaN are unknown.
+        camera: pinhole, of that size.
+        world_T_camera: its pose.
+
+    Raises:
+        ValueError: sizes that differ, or a camera with distortion.
+    """
+    if camera.model != "pinhole":
+        raise ValueError(f"shaded_points(camera): expected a pinhole camera, got {camera.model}")
+    size = (camera.height, camera.width)
+    if depth_m.shape != size or frame.shape != (*size, 3):
+        raise ValueError(
+            f"shaded_points: expected a frame and depth of {size}, got {frame.shape} and "
+            f"{depth_m.shape}"
+        )
+    r, c = (
+        part.ravel()
+        for part in np.mgrid[REACH_PX : size[0] - REACH_PX : STEP_PX,
+                             REACH_PX : size[1] - REACH_PX : STEP_PX]
+    )  # fmt: skip
+    shown = frame[r, c]
+    fit = (shown.max(axis=1) < BRIGHTEST) & (shown.min(axis=1) > DARKEST)
+    known = np.where(np.isfinite(depth_m) & (depth_m > 0.0), depth_m, np.nan).astype(np.float64)
+    for rows, columns in ((REACH_PX, 0), (0, REACH_PX)):
+        # Inverse depth is linear in the pixels of a plane.
+        one, two = known[r - rows, c - columns], known[r + rows, c + columns]
+        with np.errstate(invalid="ignore"):
+            fit &= np.abs(1.0 / one + 1.0 / two - 2.0 / known[r, c]) * known[r, c] < FLATNESS
+    r, c = r[fit], c[fit]
+    across = _at(known, camera, r, c + REACH_PX) - _at(known, camera, r, c - REACH_PX)
+    down = _at(known, camera, r + REACH_PX, c) - _at(known, camera, r - REACH_PX, c)
+    normals = np.cross(down, across)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return ShadedPoints(
+        world_T_camera.apply(_at(known, camera, r, c)),
+        world_T_camera.rotor.apply(normals),
+        _linear(shown[fit] / 255.0),
+    )
+
+
+def estimate_light(seen: ShadedPoints, near_m: ArrayLike, reach_m: float) -> LightEstimate:
+    """Fit the light that falls on a place.
+
+    Args:
+        seen: from one or several pictures.
+        near_m: (3,) the place, world; points count less the further they are from it.
+        reach_m: distance at which they count half.
+
+    Raises:
+        ValueError: fewer than 50 points, or a reach that is not positive.
+    """
+    if len(seen.points_m) < 50:
+        raise ValueError(
+            f"estimate_light(seen): expected 50 points or more, got {len(seen.points_m)}"
+        )
+    if not (np.isfinite(reach_m) and reach_m > 0.0):
+        raise ValueError(f"estimate_light(reach_m): expected metres above 0, got {reach_m}")
+    place = checked_floats(near_m, "near_m", (3,))
+    distance = np.linalg.norm(seen.points_m - place, axis=1)
+    brightness = seen.colors.mean(axis=1)
+    paint = _paints(seen.colors / brightness[:, None])
+    weight = _balanced(1.0 / (1.0 + (distance / reach_m) ** 2), seen.normals)
+    irradiance = _fit(brightness, harmonics(seen.normals, 2), paint, weight)
+    share = np.bincount(paint, weight)
+    hue = np.log(seen.colors / brightness[:, None])
+    each = np.stack([np.bincount(paint, weight * hue[:, k]) for k in range(3)], 1) / share[:, None]
+    # Grey world over paints, not over area, and half way to white: a brown room is not lit brown.
+    color = np.exp(0.5 * np.average(each, axis=0, weights=np.sqrt(share)))
+    return LightEstimate(irradiance, np.asarray(color / color.mean()))
+
+
+def _fit(
+    brightness: FloatArray, basis: FloatArray, paint: NDArray[np.int64], weight: FloatArray
+) -> FloatArray:
+    """Irradiance and albedos in turns, weighted anew in every round."""
+    found = np.zeros(basis.shape[1])
+    found[0] = np.median(brightness) * np.sqrt(4.0 * np.pi)
+    robust = np.ones(len(brightness))
+    for _ in range(ROUNDS):
+        floor = 0.05 * found[0] / np.sqrt(4.0 * np.pi)
+        falling = np.maximum(basis @ found, floor)
+        ratio, counts = np.log(brightness / falling), weight * robust
+        log_albedo = np.bincount(paint, counts * ratio) / np.bincount(paint, counts)
+        log_albedo -= np.average(log_albedo[paint], weights=counts)
+        apart = ratio - log_albedo[paint]
+        apart -= np.median(apart)
+        robust = 1.0 / (1.0 + (apart / (1.4826 * np.median(np.abs(apart)) + 1e-3)) ** 2)
+        albedo = np.exp(log_albedo[paint])
+        # Errors are shares of what is seen, so each point is weighed by its brightness.
+        counts = weight * robust / (falling * albedo) ** 2
+        normal = (basis * (counts * albedo**2)[:, None]).T @ basis
+        right = basis.T @ (counts * albedo * brightness)
+        found = np.linalg.solve(normal + np.diag(RIDGE) * normal[0, 0], right)
+    return np.asarray(found / USUAL_ALBEDO)
+
+
+def _balanced(weight: FloatArray, normals: FloatArray) -> FloatArray:
+    """Weights that grow with the root of how often a direction is seen, not with its area."""
+    _, cell = np.unique(np.round(3.0 * normals), axis=0, return_inverse=True)
+    return np.asarray(weight / np.sqrt(np.bincount(cell.ravel(), weight)[cell.ravel()]))
+
+
+def _paints(hue: FloatArray) -> NDArray[np.int64]:
+    """Number of the cell of hue that each point belongs to."""
+    cells = np.round(np.log(hue[:, [0, 2]]) / HUE_STEP)
+    _, number = np.unique(cells, axis=0, return_inverse=True)
+    return np.asarray(number.ravel(), dtype=np.int64)
+
+
+def _at(
+    depth_m: FloatArray, camera: Camera, r: NDArray[np.int64], c: NDArray[np.int64]
+) -> FloatArray:
+    """Points (N, 3) in the camera's frame at rows and columns."""
+    depth = depth_m[r, c]
+    x, y = (c - camera.cx) / camera.fx, (r - camera.cy) / camera.fy
+    return np.stack([x * depth, y * depth, depth], axis=1)
+
+
+def _linear(color: FloatArray) -> FloatArray:
+    """Linear light of sRGB values from 0 to 1 (IEC 61966-2-1)."""
+    return np.asarray(np.where(color < 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4))
