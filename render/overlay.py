@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from motorcade.animation import Character, Clip, Placement, skin
 from motorcade.ga import Motor, Similarity, Trajectory, checked_floats
-from motorcade.render.backends.pyrender_backend import OffscreenRenderer
+from motorcade.render.backends.renderer import Renderer, RendererName, new_renderer
 from motorcade.render.composite import as_rgb, darken, over
 from motorcade.render.light import character_lighting, sunlight_direction
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Surface
@@ -39,6 +39,7 @@ def render_overlay(
     placement: Placement,
     *,
     light_direction: ArrayLike | None = None,
+    renderer: RendererName = "fast",
 ) -> Iterator[ImageArray]:
     """Draw a placed character with its shadow into every frame that has a pose.
 
@@ -57,6 +58,7 @@ def render_overlay(
         placement: where it stands and how large it is.
         light_direction: (3,) the way the light travels in the world; by default from high over
             the viewer's left shoulder.
+        renderer: one of `RENDERERS`.
 
     Yields:
         uint8 (h, w, 3) RGB, one a frame.
@@ -68,8 +70,8 @@ def render_overlay(
     stage = _Stage(camera, world_T_camera.motors, character, placement, light_direction)
     first_ns, last_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
     start_ns: int | None = None
-    with OffscreenRenderer(camera.width, camera.height) as renderer:
-        renderer.show([stage.surface], stage.lighting)
+    with new_renderer(renderer, camera.width, camera.height) as drawing:
+        drawing.show([stage.surface], stage.lighting)
         for time_ns, picture, *rest in frames:
             start_ns = time_ns if start_ns is None else start_ns
             frame = as_rgb(picture)
@@ -83,7 +85,7 @@ def render_overlay(
                 continue
             pose = world_T_camera.motors_at(np.int64(time_ns))
             local = clip.at((time_ns - start_ns) * 1e-9)
-            yield stage.draw(renderer, frame, rest[0] if rest else None, pose, local)
+            yield stage.draw(drawing, frame, rest[0] if rest else None, pose, local)
 
 
 class _Stage:
@@ -118,7 +120,7 @@ class _Stage:
 
     def draw(
         self,
-        renderer: OffscreenRenderer,
+        renderer: Renderer,
         frame: ImageArray,
         depth_m: DepthArray | None,
         world_T_camera: Motor,

@@ -10,7 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.ga import Trajectory
-from motorcade.render import RenderUnavailable, render_overlay, write_video
+from motorcade.render import (
+    RENDERERS,
+    RendererName,
+    RenderUnavailable,
+    render_overlay,
+    write_video,
+)
 from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.replays.artifacts import ASIDE, new_file
 from motorcade.replays.graph import Unavailable
@@ -38,14 +44,16 @@ def overlay(
     placed: Placed,
     *,
     representation: str | None = None,
+    renderer: str = "fast",
 ) -> Overlay:
     """Draw the placed character into every frame that has a smoothed pose.
 
     `representation` says along which of the smoothed paths; without it, the first of them.
+    `renderer` draws: "fast", or "pyrender" (docs/rendering.md says when to take which).
     Frames without a pose (before the first, after the last) are shown as they are. Where the
     recording has depth, what is nearer hides the character. Raises `Unavailable` without OpenGL and
     for recordings of corners, which hold no pictures, and ValueError without a camera or for a
-    representation that was not smoothed.
+    representation that was not smoothed or an unknown renderer.
     """
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
@@ -62,6 +70,7 @@ def overlay(
         character,
         character.clip(placed.clip),
         placed.placement,
+        renderer=_known(renderer),
     )
     file = new_file("overlay.mp4")
     try:
@@ -104,6 +113,13 @@ class _Footage:
                 before = given if given.ndim == 3 else given[..., None]
                 self.drawn_into += bool(np.any(picture != before))
             yield picture
+
+
+def _known(renderer: str) -> RendererName:
+    for name in RENDERERS:
+        if renderer == name:
+            return name
+    raise ValueError(f"overlay.renderer: expected one of {', '.join(RENDERERS)}, came {renderer!r}")
 
 
 def _chosen(smoothed: Smoothed, representation: str | None) -> Trajectory:

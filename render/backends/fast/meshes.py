@@ -55,7 +55,9 @@ class Mesh:
         corners = self._buffer(surface.triangles.astype(np.uint32))
         self.in_picture = self._array(self.program, content, corners)
         position = [(self.vertices, "3f4 12x", "in_position")]
-        self.in_shadow_map = self._array(programs.shadow(), position, corners) if lit else None
+        self.in_shadow_map: Any = None
+        if lit:
+            self.in_shadow_map = self._array(programs.shadow(), position, corners)
 
     def move(self, vertices: FloatArray, normals: FloatArray) -> None:
         """Write new vertices and normals."""

@@ -291,7 +291,8 @@ def _moderngl_context(context: Context) -> Any:
         raise RenderUnavailable(
             'the fast renderer needs moderngl: pip install "motorcade[pipeline]"'
         ) from missing
-    return moderngl.create_context(context=_Loader(context))
+    loader: Any = _Loader(context)
+    return moderngl.create_context(context=loader)
 
 
 def _projection(camera: Camera) -> FloatArray:
