@@ -8,15 +8,11 @@ from __future__ import annotations
 
 import json
 import logging
-import os
 import platform
 import re
 import tempfile
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +21,7 @@ from motorcade.replays.atomic import copy_file, write_bytes
 from motorcade.replays.graph import Graph, Run
 from motorcade.replays.knobs import parse_knobs
 from motorcade.replays.recording import Recording, open_recording
+from motorcade.replays.report.summary import without_nan
 from motorcade.replays.stages.camera_poses import camera_poses
 from motorcade.replays.stages.convergence import convergence
 from motorcade.replays.stages.errors import errors
@@ -77,35 +74,6 @@ def run_job(job: Job) -> dict[str, Any]:
     return export(run, job.out, about(job, recording))
 
 
-def run_jobs(
-    jobs: Sequence[Job], executor: str
-) -> Iterator[tuple[Job, dict[str, Any] | BaseException]]:
-    """Run several jobs; yields each with its report or with the error that ended it.
-
-    `executor` is "local" (one after another) or "processes" (one a core). One job's failure
-    never ends the others.
-    """
-    if executor == "local":
-        for job in jobs:
-            try:
-                yield job, run_job(job)
-            except Exception as error:  # one job's failure never ends the others
-                yield job, error
-        return
-    # A fresh interpreter each: OpenGL contexts and threads do not survive a fork.
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
-        yield from _gather(jobs, pool)
-
-
-def _gather(
-    jobs: Sequence[Job], pool: Executor
-) -> Iterator[tuple[Job, dict[str, Any] | BaseException]]:
-    running: dict[Future[dict[str, Any]], Job] = {pool.submit(run_job, job): job for job in jobs}
-    for future in as_completed(running):
-        error = future.exception()
-        yield running[future], future.result() if error is None else error
-
-
 def require_writable(folder: Path) -> None:
     """Make `folder` where it is missing; OSError naming it where nothing can be written there."""
     try:
@@ -141,6 +109,9 @@ def export(run: Run, out: Path, about_it: dict[str, Any]) -> dict[str, Any]:
         "stages": {record.stage: asdict(record) for record in run.records},
         "unavailable": dict(run.unavailable),
     }
+    if "errors" in run.outputs:
+        judged = run.outputs["errors"]
+        account |= {"align": judged.align, "errors": without_nan(judged.figures)}
     film, pages = run.outputs.get("overlay"), run.outputs.get("report")
     poses = run.outputs.get("camera_poses")
     summary = account if pages is None else json.loads(pages.summary.read_text(encoding="utf-8"))

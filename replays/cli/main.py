@@ -26,6 +26,7 @@ from motorcade.replays.cli import (
     run,
     simulate_imu,
     smooth,
+    sweep,
     sync,
 )
 from motorcade.replays.cli.arguments import one_line
@@ -33,6 +34,7 @@ from motorcade.replays.cli.arguments import one_line
 COMMANDS = (
     demo,
     run,
+    sweep,
     inspect,
     detect,
     calibrate,

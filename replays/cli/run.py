@@ -25,7 +25,12 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
     )
     add_run_options(parser, out=Path("out"))
-    parser.add_argument("--executor", choices=("local", "processes"), default="local")
+    parser.add_argument(
+        "--executor",
+        default="local",
+        metavar="E",
+        help="of several recordings: local, processes, or a Dask scheduler's tcp://host:port",
+    )
 
 
 def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:
@@ -46,8 +51,10 @@ def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:
 
 def run_recordings(arguments: argparse.Namespace) -> None:
     """Run one recording here, or several by the executor asked for."""
-    from motorcade.replays.pipeline import Job, run_job, run_jobs
+    from motorcade.replays.executors import check_executor, outcomes
+    from motorcade.replays.pipeline import Job, run_job
 
+    check_executor(arguments.executor)
     _refuse_equal_names(arguments.recordings)
     jobs = [
         Job(
@@ -66,7 +73,7 @@ def run_recordings(arguments: argparse.Namespace) -> None:
         print_summary(run_job(jobs[0]), jobs[0].out, as_json=arguments.json)
         return
     done: dict[str, object] = {}
-    for job, outcome in run_jobs(jobs, arguments.executor):
+    for job, outcome in outcomes(run_job, jobs, arguments.executor):
         if isinstance(outcome, BaseException):
             print(f"motorcade: {job.recording}: {one_line(outcome)}", file=sys.stderr)
             continue

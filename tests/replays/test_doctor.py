@@ -31,6 +31,8 @@ class Broken(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             return importlib.util.spec_from_loader(name, self)
     def create_module(self, spec):
         raise ImportError("undefined symbol: of_another_python")
+    def exec_module(self, module):
+        pass
 sys.meta_path.insert(0, Broken())
 from motorcade.replays.cli import main
 sys.exit(main(["doctor", "--json"]))

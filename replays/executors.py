@@ -1,0 +1,148 @@
+"""Many jobs, one after another, on this machine's processes, or on a Dask cluster.
+
+One job's failure never ends the others, not even where its process dies.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import (
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    as_completed,
+)
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from functools import partial
+from multiprocessing import get_context
+from queue import SimpleQueue
+from typing import Any, TypeVar
+
+from motorcade.replays.errors import one_line
+
+__all__ = ["CLUSTER", "check_executor", "outcomes"]
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+CLUSTER = ("tcp://", "tls://")
+"""How the address of a Dask scheduler begins."""
+_KINDS = "local, processes, or the address of a Dask scheduler such as tcp://host:8786"
+_WORKERS_WITHIN_S = 60
+_one_at_a_time = threading.Lock()
+
+
+def check_executor(name: str) -> str:
+    """`name` as given; ValueError where it is none of those known."""
+    if name in ("local", "processes") or name.startswith(CLUSTER):
+        return name
+    raise ValueError(f"--executor: expected {_KINDS}; got {one_line(name)}")
+
+
+def outcomes(
+    function: Callable[[Job], Result], jobs: Sequence[Job], executor: str
+) -> Iterator[tuple[Job, Result | BaseException]]:
+    """Call `function` on every job; yields each with its result or the error that ended it.
+
+    Args:
+        function: a function of a module, which other processes can import.
+        jobs: what it is called with; must be picklable unless `executor` is "local".
+        executor: "local" (here, in order), "processes" (a process a core), or the address of a
+            Dask scheduler, whose workers need this package and the same paths.
+
+    Raises:
+        ValueError: an unknown executor.
+        RuntimeError: no cluster at the address, or one without workers.
+    """
+    check_executor(executor)
+    if executor == "local":
+        for job in jobs:
+            try:
+                yield job, function(job)
+            except Exception as error:  # one job's failure never ends the others
+                yield job, error
+        return
+    opened = _cluster(executor) if executor.startswith(CLUSTER) else _processes()
+    with opened as pool:
+        running: dict[Future[Result], Job] = {
+            pool.submit(_alone, function, job): job for job in jobs
+        }
+        for future in as_completed(running):
+            fault = future.exception()
+            yield running.pop(future), future.result() if fault is None else fault
+
+
+def _alone(function: Callable[[Job], Result], job: Job) -> Result:
+    """One job a process at a time, whatever threads a worker has: stages share its workspace."""
+    with _one_at_a_time:
+        return function(job)
+
+
+@contextmanager
+def _processes() -> Iterator[Executor]:
+    count = os.cpu_count() or 1
+    pool = _SeparateProcesses(count)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+class _SeparateProcesses(Executor):
+    """A pool in which a process that dies takes only its own job with it."""
+
+    def __init__(self, count: int) -> None:
+        self._threads = ThreadPoolExecutor(count)
+        self._pools: SimpleQueue[ProcessPoolExecutor] = SimpleQueue()
+        for _ in range(count):
+            self._pools.put(_one_process())
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Call in the next process that is free."""
+        return self._threads.submit(self._call, partial(fn, *args, **kwargs))
+
+    def _call(self, call: Callable[[], Any]) -> Any:
+        pool = self._pools.get()
+        try:
+            return pool.submit(call).result()
+        except BrokenProcessPool as fault:
+            pool.shutdown()
+            pool = _one_process()
+            raise RuntimeError("the process died: killed, out of memory, or a crash") from fault
+        finally:
+            self._pools.put(pool)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Let running jobs finish, then end the processes."""
+        self._threads.shutdown(wait, cancel_futures=cancel_futures)
+        while not self._pools.empty():
+            self._pools.get().shutdown(wait)
+
+
+def _one_process() -> ProcessPoolExecutor:
+    # A fresh interpreter: OpenGL contexts and threads do not survive a fork.
+    return ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+
+
+@contextmanager
+def _cluster(address: str) -> Iterator[Executor]:
+    """The workers of a Dask cluster; a job whose worker dies is given to another, three times."""
+    from distributed import Client
+
+    try:
+        client = Client(address, timeout=_WORKERS_WITHIN_S)
+    except (OSError, TimeoutError, ValueError) as fault:
+        problem = f"no Dask scheduler answers at {address}: {one_line(fault, 120)}"
+        raise RuntimeError(f"{problem}; start one with `dask scheduler`") from fault
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=_WORKERS_WITHIN_S)
+        except TimeoutError as fault:
+            problem = f"the Dask cluster at {address} has no workers"
+            raise RuntimeError(f"{problem}; start some with `dask worker {address}`") from fault
+        with client.get_executor(pure=False) as pool:
+            yield pool

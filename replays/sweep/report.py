@@ -1,0 +1,185 @@
+"""The comparative page of a sweep: medians of settings, small plots, every run in a table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from motorcade.render.plots.style import COLOURS
+from motorcade.replays.report.summary import COLUMNS, shown_value
+from motorcade.replays.sweep.pictures import strip
+from motorcade.replays.sweep.plan import Sweep
+from motorcade.replays.sweep.table import FIGURES, Row
+
+__all__ = ["report_page"]
+
+_TEMPLATES = Path(__file__).with_name("templates")
+_HOUSE_STYLE = Path(__file__).parents[1] / "compare" / "report" / "templates"
+_MOST_SHOWN = 5_000
+_MOST_VALUES = 12
+_GREY = "#888888"
+_DRAWN = ("ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitter_rad_s2")
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """What is shown, and what it is sorted by where it is a number."""
+
+    text: str
+    value: float | None = None
+    best: bool = False
+
+
+def report_page(plan: Sweep, rows: Sequence[Row]) -> str:
+    """The page as HTML text; it needs nothing beside it."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader([_TEMPLATES, _HOUSE_STYLE]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+    )
+    failures = [row for row in rows if row["status"] == "failed"]
+    knobs = [name for name, values in plan.knobs if len(values) > 1]
+    judged = [row for row in rows if row["path"] is not None]
+    figures = [key for key in FIGURES if any(row[key] is not None for row in judged)]
+    shown = rows[:_MOST_SHOWN]
+    return environment.get_template("sweep.html").render(
+        headline=_headline(plan),
+        facts=[
+            {"label": "runs", "value": len(plan)},
+            {"label": "failed", "value": len(failures)},
+            {"label": "recordings", "value": len(plan.recordings)},
+            {"label": "seeds", "value": len(plan.seeds)},
+        ],
+        failures=failures[:_MOST_SHOWN],
+        medians=_medians(judged, knobs, figures),
+        groups=_groups(judged, _axes(plan, knobs), figures),
+        every=_every(shown, knobs, figures),
+        table_caption=_caption(len(shown), len(rows)),
+    )
+
+
+def _headline(plan: Sweep) -> str:
+    varied = [f"{name} ({len(values)})" for name, values in plan.knobs if len(values) > 1]
+    told = f"Every combination of {', '.join(varied)}." if varied else "No knob varies."
+    fixed = [f"{name} = {values[0]}" for name, values in plan.knobs if len(values) == 1]
+    if fixed:
+        told += f" In all runs: {', '.join(fixed)}."
+    return f"{told} Each run goes up to the stage “{plan.until}”."
+
+
+def _caption(shown: int, count: int) -> str:
+    if shown < count:
+        return f"The first {shown} of {count} rows; all are in sweep.csv and sweep.parquet."
+    return f"{count} rows, as in sweep.csv; a row a run and path. A click on a heading sorts."
+
+
+def _axes(plan: Sweep, knobs: Sequence[str]) -> list[str]:
+    axes = list(knobs)
+    if len(plan.recordings) > 1:
+        axes.append("recording")
+    return axes
+
+
+def _heading(key: str) -> str:
+    return f"{COLUMNS[key][0]} ({COLUMNS[key][1]})"
+
+
+def _figure(key: str, value: Any, best: float | None = None) -> _Cell:
+    if value is None:
+        return _Cell("–")
+    return _Cell(shown_value(key, value), float(value), best is not None and abs(value) == best)
+
+
+def _medians(
+    rows: Sequence[Row], knobs: Sequence[str], figures: Sequence[str]
+) -> dict[str, list[Any]]:
+    """A row a setting and path, over recordings and seeds."""
+    groups: dict[tuple[str, ...], list[Row]] = {}
+    for row in rows:
+        groups.setdefault((*(str(row[name]) for name in knobs), str(row["path"])), []).append(row)
+    values = {
+        named: {key: _median([row[key] for row in members]) for key in figures}
+        for named, members in groups.items()
+    }
+    best = {}
+    for key in figures:
+        sizes = [abs(size) for one in values.values() if (size := one[key]) is not None]
+        best[key] = min(sizes) if len(sizes) > 1 else None
+    heads = [*knobs, "path", "runs", *map(_heading, figures)]
+    cells = [
+        [
+            *map(_label, named),
+            _Cell(str(len(groups[named])), len(groups[named])),
+            *(_figure(key, one[key], best[key]) for key in figures),
+        ]
+        for named, one in values.items()
+    ]
+    return {"heads": heads, "rows": cells}
+
+
+def _median(values: Sequence[Any]) -> float | None:
+    known = [float(value) for value in values if value is not None]
+    return median(known) if known else None
+
+
+def _label(text: str) -> _Cell:
+    """A name, sorted as a number where it is one."""
+    try:
+        value = float(text)
+    except ValueError:
+        return _Cell(text)
+    return _Cell(text, value if math.isfinite(value) else None)
+
+
+def _groups(
+    rows: Sequence[Row], axes: Sequence[str], figures: Sequence[str]
+) -> list[dict[str, Any]]:
+    """Plots of each axis that has more than one value, and not too many to be drawn."""
+    paths = list(dict.fromkeys(str(row["path"]) for row in rows))
+    colours = {path: COLOURS.get(path, _GREY) for path in paths}
+    legend = [{"name": path, "colour": colours[path]} for path in paths]
+    groups = []
+    for axis in axes:
+        pictures = []
+        for key in figures:
+            values = _spread(rows, axis, key) if key in _DRAWN else {}
+            if 1 < len(values) <= _MOST_VALUES:
+                svg = strip(values, colours, f"{_heading(key)} by {axis}")
+                pictures.append({"title": _heading(key), "svg": svg})
+        if pictures:
+            groups.append({"axis": axis, "pictures": pictures, "legend": legend})
+    return groups
+
+
+def _spread(rows: Sequence[Row], axis: str, key: str) -> dict[str, dict[str, list[float]]]:
+    spread: dict[str, dict[str, list[float]]] = {}
+    for row in rows:
+        if row[key] is not None:
+            name = Path(str(row[axis])).name if axis == "recording" else str(row[axis])
+            figures = spread.setdefault(name, {}).setdefault(str(row["path"]), [])
+            figures.append(float(row[key] or 0.0) * COLUMNS[key][2])
+    return spread
+
+
+def _every(
+    rows: Sequence[Row], knobs: Sequence[str], figures: Sequence[str]
+) -> dict[str, list[Any]]:
+    names = ["recording", "seed", *knobs, "path"]
+    heads = [*names, *map(_heading, figures), "run"]
+    cells = [
+        [
+            _Cell(Path(str(row["recording"])).name),
+            *(_label("–" if row[name] is None else str(row[name])) for name in names[1:]),
+            *(_figure(key, row[key]) for key in figures),
+            _Cell(str(row["run"])),
+        ]
+        for row in rows
+    ]
+    return {"heads": heads, "rows": cells}
