@@ -1,6 +1,6 @@
 """Many runs at once: recordings times knobs times seeds, one table and one comparative report."""
 
 from motorcade.replays.sweep.plan import PlannedRun, Sweep, read_sweep
-from motorcade.replays.sweep.run import sweep
+from motorcade.replays.sweep.run import Summary, sweep
 
-__all__ = ["PlannedRun", "Sweep", "read_sweep", "sweep"]
+__all__ = ["PlannedRun", "Summary", "Sweep", "read_sweep", "sweep"]
