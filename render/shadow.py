@@ -19,8 +19,10 @@ from motorcade.tracking.camera import Camera
 
 GRID = 320
 LAYERS = 6
-# How quickly covering area turns dark; one full layer of surface lets exp(-2.2) = 11 % through.
+# How quickly area that hides sky turns dark; one full layer lets exp(-2.2) = 11 % through.
 DENSITY = 2.2
+# The renderer's curve from light to bytes: a share of light is this power of it in bytes.
+BYTES_POWER = 1.0 / 2.2
 
 
 @dataclass(frozen=True)
@@ -28,14 +30,15 @@ class ShadowLook:
     """How a shadow looks.
 
     Attributes:
-        strength: share of light that a full shadow takes away, 0 to 1.
+        strength: share of the light that comes from the lamp, so that a full shadow takes it
+            away, 0 to 1; None leaves it to the scene's lighting.
         lamp_radius_rad: apparent radius of the lamp; larger is softer.
         contact: share that the hidden sky takes away at the feet, 0 to 1.
         contact_height: height up to which the body hides sky, as a share of the grid's half-width.
     """
 
-    strength: float = 0.52
-    lamp_radius_rad: float = 0.075
+    strength: float | None = None
+    lamp_radius_rad: float = 0.12
     contact: float = 0.50
     contact_height: float = 0.22
 
@@ -46,6 +49,7 @@ def ground_shade(
     light_direction: FloatArray,
     half_width_m: float,
     look: ShadowLook,
+    strength: float,
 ) -> FloatArray:
     """Share of light that the mesh takes away from each cell of the ground.
 
@@ -55,9 +59,10 @@ def ground_shade(
         light_direction: (3,) unit, the way the light travels; z below 0.
         half_width_m: half the width of the square grid.
         look: how the shadow looks.
+        strength: share of the light that a full shadow takes away, where the look gives none.
 
     Returns:
-        (GRID, GRID) from 0 (full light) to 1, row along +y, column along +x.
+        (GRID, GRID) of linear light, from 0 (full light) to 1, row along +y, column along +x.
 
     Raises:
         ValueError: light that does not come from above.
@@ -72,10 +77,12 @@ def ground_shade(
     height = np.maximum(middle[:, 2], 0.0)
     cell = 2.0 * half_width_m / GRID
     slant = light_direction[:2] / light_direction[2]
+    # A disc of radius r has a standard deviation of r / 2; slanting light stretches it.
+    spread = 0.5 * look.lamp_radius_rad * (-light_direction[2]) ** -1.5
     shadow = _spread(
         middle[:, :2] - height[:, None] * slant,
         np.maximum(area @ light_direction / light_direction[2], 0.0) / cell**2,
-        1.3 + height * (look.lamp_radius_rad / cell),
+        0.9 + height * (spread / cell),
         cell,
     )
     top = look.contact_height * half_width_m
@@ -86,7 +93,9 @@ def ground_shade(
         0.010 * half_width_m / cell + 0.8 * height / cell,
         cell,
     )
-    direct = look.strength * (1.0 - np.exp(-DENSITY * shadow))
+    # Area that covers a place whole hides the lamp whole; in the rim, a part of the lamp.
+    full = strength if look.strength is None else look.strength
+    direct = full * np.minimum(shadow, 1.0)
     ambient = look.contact * (1.0 - np.exp(-DENSITY * sky))
     return np.asarray(1.0 - (1.0 - direct) * (1.0 - ambient))
 

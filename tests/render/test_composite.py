@@ -50,8 +50,16 @@ def test_nearer_scene_hides_the_layer_and_unknown_depth_does_not(
     depth = np.full((20, 30), 9.0, dtype=np.float32)
     depth[:4], depth[4:8], depth[8:12] = 0.5, np.nan, 0.0
     result = over(frame, layer, depth)
-    np.testing.assert_array_equal(result[:4], frame[:4])
-    np.testing.assert_array_equal(result[4:], over(frame, layer)[4:])
+    # The edge between is soft: two rows on each side of it hold some of both.
+    np.testing.assert_array_equal(result[:2], frame[:2])
+    np.testing.assert_array_equal(result[7:], over(frame, layer)[7:])
+
+
+def test_depth_within_the_sensors_noise_hides_nothing(rng: np.random.Generator) -> None:
+    frame = rng.integers(0, 256, (20, 30, 3), dtype=np.uint8)
+    layer = random_layer(rng)
+    near = layer.depth_m - np.float32(0.001) * layer.depth_m**2
+    np.testing.assert_array_equal(over(frame, layer, near), over(frame, layer))
 
 
 def test_over_changes_neither_input(rng: np.random.Generator) -> None:
@@ -102,7 +110,7 @@ def test_shadow_of_a_cube_lies_where_the_light_carries_it() -> None:
     vertices, triangles = cube(0.1, 0.4)
     light = np.array([0.6, 0.0, -0.8])
     look = ShadowLook(strength=1.0, lamp_radius_rad=0.01, contact=0.0)
-    shade = ground_shade(vertices, triangles, light, 1.0, look)
+    shade = ground_shade(vertices, triangles, light, 1.0, look, 1.0)
     # centre height 0.5 m, slope 0.75: the middle of the shadow is 0.375 m along +x
     y, x = np.mgrid[:GRID, :GRID]
     middle = np.array([np.sum(shade * x), np.sum(shade * y)]) / shade.sum()
@@ -118,7 +126,7 @@ def test_a_shadow_softens_with_height() -> None:
     widths = []
     for bottom in (0.0, 0.3, 0.8):
         vertices, triangles = cube(0.1, bottom)
-        row = ground_shade(vertices, triangles, light, 1.0, look)[GRID // 2]
+        row = ground_shade(vertices, triangles, light, 1.0, look, 1.0)[GRID // 2]
         widths.append(np.count_nonzero((row > 0.1) & (row < 0.8)))
     assert widths[0] < widths[1] < widths[2]
 
@@ -126,7 +134,7 @@ def test_a_shadow_softens_with_height() -> None:
 def test_light_from_below_the_ground_is_refused() -> None:
     vertices, triangles = cube(0.1, 0.0)
     with pytest.raises(ValueError, match="light from above"):
-        ground_shade(vertices, triangles, np.array([0.0, 0.0, 1.0]), 1.0, ShadowLook())
+        ground_shade(vertices, triangles, np.array([0.0, 0.0, 1.0]), 1.0, ShadowLook(), 1.0)
 
 
 def looking_at_origin(azimuth_rad: float, height_m: float = 0.4) -> Motor:

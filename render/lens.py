@@ -1,0 +1,78 @@
+"""Bends drawn pictures as a lens bends light, so that footage can stay as it was taken.
+
+The scene is drawn by a pinhole camera wide enough for the whole distorted picture, and what was
+drawn is resampled: alpha is premultiplied, so edges stay clean. Undistorting the footage instead
+would blur all of it and cut its border off.
+"""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+
+from motorcade.ga import FloatArray
+from motorcade.render.scene import DepthArray, Layer
+from motorcade.tracking.camera import Camera
+
+__all__ = ["LensWarp"]
+
+WIDEST = 3.0
+"""The pinhole picture may be this many times as wide or tall as the distorted one."""
+
+
+class LensWarp:
+    """From pictures of `pinhole` to those of `camera`; a camera without distortion changes nothing.
+
+    Attributes:
+        camera: whose pictures are wanted.
+        pinhole: that draws; same focal lengths, of a size of its own.
+
+    Raises:
+        ValueError: a lens so wide that a pinhole picture would be more than `WIDEST` times as
+            large, or that gives some pixels no ray.
+    """
+
+    def __init__(self, camera: Camera) -> None:
+        self.camera, self.pinhole = camera, camera
+        if camera.model == "pinhole":
+            return
+        columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+        source = camera.straighten(np.stack([columns, rows], axis=-1).astype(np.float64))
+        low, high = source.reshape(-1, 2).min(axis=0), source.reshape(-1, 2).max(axis=0)
+        size = high - low + 3.0
+        if not np.all(size < WIDEST * np.array([camera.width, camera.height])):
+            raise ValueError(
+                f"LensWarp(camera): expected a lens whose straightened picture is at most "
+                f"{WIDEST:g} times as large as {camera.width} x {camera.height}, got "
+                f"{size[0]:.0f} x {size[1]:.0f}; undistort the footage instead"
+            )
+        # A border of one pixel on each side, for the bilinear filter.
+        left, top = math.floor(low[0]) - 1, math.floor(low[1]) - 1
+        self.pinhole = Camera(
+            math.ceil(high[0]) - left + 2, math.ceil(high[1]) - top + 2,
+            camera.fx, camera.fy, camera.cx - left, camera.cy - top,
+        )  # fmt: skip
+        self._source = (source - (left, top)).astype(np.float32)
+        self._whole, self._fraction = cv2.convertMaps(self._source, None, cv2.CV_16SC2)
+
+    def layer(self, drawn: Layer) -> Layer:
+        """A layer of `pinhole` as `camera` sees it; depth is taken from the nearest pixel."""
+        if self.camera is self.pinhole:
+            return drawn
+        rgba = cv2.remap(drawn.rgba, self._whole, self._fraction, cv2.INTER_LINEAR)
+        return Layer(rgba, self.depth(drawn.depth_m))
+
+    def depth(self, depth_m: DepthArray) -> DepthArray:
+        """A depth picture likewise, depths of different surfaces never mixed."""
+        if self.camera is self.pinhole:
+            return depth_m
+        return np.asarray(cv2.remap(depth_m, self._source, None, cv2.INTER_NEAREST))
+
+    def smooth(self, values: FloatArray) -> FloatArray:
+        """A picture (h, w) of numbers that may be mixed, such as shade."""
+        if self.camera is self.pinhole:
+            return values
+        bent = cv2.remap(values.astype(np.float32), self._whole, self._fraction, cv2.INTER_LINEAR)
+        return np.asarray(bent, dtype=np.float64)
