@@ -8,8 +8,10 @@ import numpy as np
 
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
+from motorcade.animation.mannequin.motions.gait import GAITS, gait_clip
 from motorcade.animation.mannequin.motions.idle import idle
-from motorcade.animation.mannequin.motions.walk import walk
+from motorcade.animation.mannequin.motions.turning import turning
+from motorcade.animation.mannequin.motions.waving import waving
 from motorcade.animation.mannequin.proportions import REFERENCE_HEIGHT_M
 from motorcade.animation.mannequin.rig import mannequin_skeleton
 from motorcade.animation.mannequin.shape.anatomy import body_field
@@ -19,7 +21,7 @@ from motorcade.animation.mannequin.shape.weights import influences
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity
 
-__all__ = ["mannequin"]
+__all__ = ["ground_speed_m_s", "mannequin"]
 
 FEWEST, MOST = 5_000, 140_000
 
@@ -51,13 +53,25 @@ def mannequin(height_m: float = REFERENCE_HEIGHT_M, triangles: int = 27_000) -> 
     return _scaled(_figure(int(triangles)), height_m)
 
 
+def ground_speed_m_s(clip: str, height_m: float = REFERENCE_HEIGHT_M) -> float:
+    """The speed ahead at which the feet of one of its clips do not slide; 0 for those on the spot.
+
+    Args:
+        clip: its name.
+        height_m: of the mannequin; speeds grow with it.
+    """
+    speed = GAITS[clip].speed_m_s if clip in GAITS else 0.0
+    return speed * height_m / REFERENCE_HEIGHT_M
+
+
 @lru_cache(maxsize=2)
 def _figure(triangles: int) -> Character:
     """The figure at the reference height."""
     skeleton = mannequin_skeleton()
     mesh = meshed(body_field(), triangles)
-    vertices = mesh.vertices.copy()
-    vertices[:, 2] -= vertices[:, 2].min()
+    low, high = mesh.vertices[:, 2].min(), mesh.vertices[:, 2].max()
+    # what a coarse mesh lacks at crown and soles
+    vertices = (mesh.vertices - [0.0, 0.0, low]) * (REFERENCE_HEIGHT_M / (high - low))
     joints, weights = influences(mesh, skeleton)
     return Character(
         skeleton,
@@ -67,13 +81,18 @@ def _figure(triangles: int) -> Character:
         colors(mesh.vertices, mesh.step_m),
         joints,
         weights,
-        (idle(skeleton), walk(skeleton)),
+        _clips(skeleton),
     )
+
+
+def _clips(skeleton: Skeleton) -> tuple[Clip, ...]:
+    gaits = (gait_clip(name, skeleton) for name in GAITS)
+    return (idle(skeleton), *gaits, waving(skeleton), turning(skeleton))
 
 
 def _scaled(figure: Character, height_m: float) -> Character:
     """The same figure as tall as asked."""
-    scale = height_m / figure.height_m
+    scale = height_m / REFERENCE_HEIGHT_M
     skeleton = figure.skeleton
     clips = tuple(
         Clip(clip.name, clip.time_s, _larger(clip.poses, scale), clip.looped)

@@ -1,7 +1,9 @@
-"""The mannequin at ease: it breaths, shifts its weight, looks about; its feet stay where they are.
+"""The mannequin at ease: it breathes, shifts its weight, looks about; its feet stay where they are.
 
 Every curve is a sum of whole harmonics of one period, so the loop closes in all derivatives.
 """
+
+from __future__ import annotations
 
 import math
 
@@ -21,6 +23,8 @@ from motorcade.animation.mannequin.proportions import ANKLE_HEIGHT_M, SIDES
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import FloatArray, Motor, Rotor
 
+__all__ = ["STANCE", "arm_at_ease", "hips_at_ease", "idle", "standing", "trunk_at_ease"]
+
 PERIOD_S = 7.2
 FRAMES = 145
 BREATHS = 2
@@ -31,19 +35,30 @@ STANCE = {"left": (-0.010, 0.085, math.radians(9.0)), "right": (0.045, 0.110, ma
 def idle(skeleton: Skeleton) -> Clip:
     """The looped clip "idle", PERIOD_S long, for a figure of the reference height."""
     phase = np.linspace(0.0, 1.0, FRAMES)
-    hips = Motor.from_rotor_translation(_hips_rotor(phase), _hips_m(phase))
-    rotors: dict[str, Rotor] = {"hips": hips.rotor} | _trunk(phase)
-    for side, sign in SIDES:
-        rotors |= _leg(skeleton, phase, hips, side, sign) | _arm(phase, side, sign)
+    hips, rotors = standing(skeleton, phase)
     poses = assembled(skeleton, hips.translation_m, rotors, FRAMES)
     return Clip("idle", phase * PERIOD_S, poses, looped=True)
+
+
+def standing(skeleton: Skeleton, phase: FloatArray) -> tuple[Motor, dict[str, Rotor]]:
+    """Hips, Motor (F,), and local rotors by joint name at phases (F,) of standing at ease."""
+    hips = hips_at_ease(phase)
+    rotors: dict[str, Rotor] = {"hips": hips.rotor} | trunk_at_ease(phase)
+    for side, sign in SIDES:
+        rotors |= _leg(skeleton, phase, hips, side, sign) | arm_at_ease(phase, side, sign)
+    return hips, rotors
+
+
+def hips_at_ease(phase: FloatArray) -> Motor:
+    """Hips, Motor (F,), at phases (F,)."""
+    return Motor.from_rotor_translation(_hips_rotor(phase), _hips_m(phase))
 
 
 def _hips_m(phase: FloatArray) -> FloatArray:
     """Hips over the left leg, swaying."""
     x = 0.004 + 0.006 * wave(phase, 0.15) + 0.002 * wave(phase, 0.4, 3)
     y = 0.030 + 0.014 * wave(phase, 0.55) + 0.004 * wave(phase, 0.1, 2)
-    z = 0.9235 - 0.0022 * wave(phase, 0.05) + 0.0012 * wave(phase, 0.02, BREATHS)
+    z = 0.9400 - 0.0022 * wave(phase, 0.05) + 0.0012 * wave(phase, 0.02, BREATHS)
     return np.stack([x, y, z], axis=-1)
 
 
@@ -54,7 +69,7 @@ def _hips_rotor(phase: FloatArray) -> Rotor:
     return turn @ drop @ turn_y(math.radians(1.5) + math.radians(0.5) * wave(phase, 0.7))
 
 
-def _trunk(phase: FloatArray) -> dict[str, Rotor]:
+def trunk_at_ease(phase: FloatArray) -> dict[str, Rotor]:
     """Spine back over the feet, the chest rising with the breath, the head looking about."""
     breath = wave(phase, 0.12, BREATHS)
     side = -math.radians(1.9) - math.radians(0.4) * wave(phase, 0.55)
@@ -83,7 +98,7 @@ def _leg(
     return {f"{side}_thigh": leg.thigh, f"{side}_calf": leg.calf, f"{side}_foot": leg.foot}
 
 
-def _arm(phase: FloatArray, side: str, sign: float) -> dict[str, Rotor]:
+def arm_at_ease(phase: FloatArray, side: str, sign: float) -> dict[str, Rotor]:
     """One arm hanging at ease, lifted a little by every breath."""
     breath = wave(phase, 0.15, BREATHS)
     later = 0.08 if sign > 0.0 else 0.33
@@ -91,7 +106,7 @@ def _arm(phase: FloatArray, side: str, sign: float) -> dict[str, Rotor]:
     swing = math.radians(2.0) + math.radians(1.8) * wave(phase, later + 0.2)
     elbow = math.radians(16.0) + math.radians(2.5) * wave(phase, later + 0.3)
     return {
-        f"{side}_clavicle": turn_x(sign * (math.radians(0.6) + math.radians(1.3) * breath)),
+        f"{side}_clavicle": turn_x(sign * (math.radians(-3.0) + math.radians(1.3) * breath)),
         f"{side}_upper_arm": turn_y(-swing)
         @ turn_x(sign * hang)
         @ turn_z(np.full_like(phase, -sign * math.radians(14.0))),

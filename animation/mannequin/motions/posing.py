@@ -11,9 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.animation.mannequin.proportions import SHIN_M, THIGH_M
+from motorcade.animation.mannequin.proportions import FINGERS, SHIN_M, THIGH_M
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import FloatArray, Motor, Rotor
+
+# How far fingers stay fanned where a hand is at ease; 1 as in the rest pose.
+AT_EASE = 0.35
 
 
 def turn_x(angle_rad: ArrayLike) -> Rotor:
@@ -49,6 +52,25 @@ def ease(phase: FloatArray, start: float, end: float) -> FloatArray:
     return np.asarray(u * u * u * (10.0 + u * (6.0 * u - 15.0)))
 
 
+def clamped_curve(
+    knots: FloatArray, values: FloatArray, first_rate: float, last_rate: float, at: FloatArray
+) -> FloatArray:
+    """The cubic spline through values (K,) at rising knots (K,) with given slopes at its ends."""
+    step, rise = np.diff(knots), np.diff(values) / np.diff(knots)
+    system, wanted = np.eye(len(knots)), np.empty(len(knots))
+    wanted[0], wanted[-1] = first_rate, last_rate
+    for k in range(1, len(knots) - 1):
+        before, after = step[k - 1], step[k]
+        system[k, k - 1 : k + 2] = after, 2.0 * (before + after), before
+        wanted[k] = 3.0 * (after * rise[k - 1] + before * rise[k])
+    slope = np.linalg.solve(system, wanted)
+    piece = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(step) - 1)
+    u, after = (at - knots[piece]) / step[piece], piece + 1
+    hold = values[piece] * (1 + 2 * u) * (1 - u) ** 2 + values[after] * (3 - 2 * u) * u**2
+    bend = slope[piece] * u * (1 - u) ** 2 - slope[after] * u**2 * (1 - u)
+    return np.asarray(hold + step[piece] * bend)
+
+
 @dataclass(frozen=True)
 class Leg:
     """Local rotors (F,) of one leg that put its ankle and foot where they were asked."""
@@ -59,15 +81,20 @@ class Leg:
 
 
 def reach(
-    world_T_hips: Motor, hip_offset_m: FloatArray, ankle_m: FloatArray, world_R_foot: Rotor
+    world_T_hips: Motor,
+    hip_offset_m: FloatArray,
+    ankle_m: FloatArray,
+    world_R_foot: Rotor,
+    knee_out_rad: ArrayLike = 0.0,
 ) -> Leg:
-    """Two-bone inverse kinematics of a leg in closed form, knee bending forward.
+    """Two-bone inverse kinematics of a leg in closed form, the knee a pure hinge.
 
     Args:
         world_T_hips: Motor (F,) of the hips.
         hip_offset_m: (3,) hip joint in the frame of the hips.
         ankle_m: (F, 3) where the ankle shall be.
         world_R_foot: Rotor (F,) of the foot.
+        knee_out_rad: (*) where the knee points, from the front of the hips towards the left.
 
     Returns:
         The local rotors of thigh, calf and foot.
@@ -75,7 +102,8 @@ def reach(
     Raises:
         ValueError: an ankle farther from the hip than the leg is long.
     """
-    line = world_T_hips.inverse().apply(ankle_m) - hip_offset_m
+    turned = turn_z(np.broadcast_to(np.asarray(knee_out_rad, dtype=np.float64), ankle_m.shape[:-1]))
+    line = turned.inverse().apply(world_T_hips.inverse().apply(ankle_m) - hip_offset_m)
     distance = np.linalg.norm(line, axis=-1)
     longest = THIGH_M + SHIN_M
     if distance.max() > longest:
@@ -87,7 +115,7 @@ def reach(
     lead = np.arccos(_cosine(THIGH_M, distance, np.asarray(SHIN_M)))
     aside = np.arctan2(line[..., 1], -line[..., 2])
     back = np.arctan2(-line[..., 0], np.hypot(line[..., 1], line[..., 2]))
-    thigh = turn_x(aside) @ turn_y(back - lead)
+    thigh = turned @ turn_x(aside) @ turn_y(back - lead)
     calf = turn_y(knee)
     foot = (world_T_hips.rotor @ thigh @ calf).inverse() @ world_R_foot
     return Leg(thigh, calf, foot)
@@ -142,6 +170,8 @@ def relaxed_hand(side: str, sign: float, curl: ArrayLike = 1.0) -> dict[str, Rot
     for finger, bend in bends.items():
         for k, share in ((1, 0.42), (2, 0.62), (3, 0.40)):
             rotors[f"{side}_{finger}_{k}"] = turn_x(-sign * bend * share * amount)
+        fan = turn_y(-AT_EASE * FINGERS[finger][3])
+        rotors[f"{side}_{finger}_1"] = fan @ rotors[f"{side}_{finger}_1"]
     rotors[f"{side}_thumb_2"] = turn_x(-sign * 0.15 * amount)
     rotors[f"{side}_thumb_3"] = turn_x(-sign * 0.22 * amount)
     return rotors

@@ -16,6 +16,7 @@ from motorcade.animation.mannequin.proportions import (
 )
 from motorcade.animation.mannequin.shape.arm import arm
 from motorcade.animation.mannequin.shape.fields import Block, Field, block
+from motorcade.ga import FloatArray
 
 __all__ = ["body_field"]
 
@@ -36,7 +37,7 @@ def _ball(
     half: tuple[float, float, float],
     blend_m: float,
     carve: bool = False,
-    axes: np.ndarray = UP,
+    axes: FloatArray = UP,
 ) -> Block:
     """An ellipsoid with half-axes along `axes`."""
     rows = [(0.0, half[0], half[1])]
@@ -67,15 +68,15 @@ def _trunk() -> list[Block]:
     yoke = block(
         (-0.020, 0.030, 1.462),
         _frame((-0.004, 0.143, -0.045)),
-        [(0.0, 0.050, 0.034), (0.07, 0.046, 0.036), (0.150, 0.046, 0.042)],
+        [(0.0, 0.054, 0.042), (0.07, 0.048, 0.036), (0.145, 0.044, 0.036)],
         (0.03, 0.03),
-        0.035,
+        0.045,
     )
     return [
         core,
         yoke,
         _ball((0.060, 0.072, 1.325), (0.042, 0.076, 0.056), 0.035),  # chest muscle
-        _ball((-0.040, 0.108, 1.270), (0.060, 0.052, 0.110), 0.040),  # broad back muscle
+        _ball((-0.036, 0.106, 1.285), (0.058, 0.048, 0.105), 0.045),  # broad back muscle
         _ball((-0.078, 0.075, 1.345), (0.030, 0.060, 0.075), 0.040),  # shoulder blade
         _ball((-0.068, 0.030, 1.080), (0.026, 0.034, 0.120), 0.040),  # along the spine
         _ball((-0.075, 0.073, 0.915), (0.062, 0.074, 0.075), 0.030),  # seat
@@ -83,7 +84,7 @@ def _trunk() -> list[Block]:
     ]
 
 
-def _frame(along: tuple[float, float, float]) -> np.ndarray:
+def _frame(along: tuple[float, float, float]) -> FloatArray:
     """Axes (3, 3) of which the third lies along a direction and the first points about ahead."""
     axis = np.array(along) / np.linalg.norm(along)
     ahead = np.array([1.0, 0.0, 0.0]) - axis[0] * axis
@@ -109,8 +110,8 @@ def _head() -> list[Block]:
         UP,
         [
             (1.532, 0.022, 0.024, 0.060),
-            (1.552, 0.046, 0.044, 0.038),
-            (1.580, 0.062, 0.056, 0.024),
+            (1.552, 0.046, 0.047, 0.038),
+            (1.580, 0.062, 0.0595, 0.024),
             (1.615, 0.074, 0.064, 0.016),
             (1.655, 0.079, 0.069, 0.010),
             (1.700, 0.074, 0.066, 0.006),
@@ -136,7 +137,7 @@ def _head() -> list[Block]:
         neck,
         _ball((-0.012, 0.0, 1.657), (0.099, 0.0775, 0.093), 0.025),  # skull
         face,
-        _ball((0.052, 0.050, 1.613), (0.024, 0.018, 0.020), 0.020),  # cheek bone
+        _ball((0.050, 0.047, 1.610), (0.024, 0.018, 0.020), 0.030),  # cheek bone
         _ball((0.094, 0.033, 1.641), (0.017, 0.021, 0.013), 0.014, carve=True),  # eye socket
         brow,
         _ball((0.070, 0.031, 1.641), (0.0135, 0.0155, 0.0125), 0.004),  # eye
@@ -149,12 +150,12 @@ def _head() -> list[Block]:
     ]
 
 
-def _tilted(about_y_rad: float, about_z_rad: float) -> np.ndarray:
+def _tilted(about_y_rad: float, about_z_rad: float) -> FloatArray:
     """Axes (3, 3) leant back about y, then opened about z."""
     c, s = np.cos(about_y_rad), np.sin(about_y_rad)
     lean = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
     c, s = np.cos(about_z_rad), np.sin(about_z_rad)
-    return lean @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    return np.asarray(lean @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
 
 
 _EAR = _tilted(0.25, 0.28)
@@ -197,7 +198,7 @@ def _leg() -> list[Block]:
     return [
         thigh,
         calf,
-        _ball((0.052, aside - 0.022, knee_z + 0.085), (0.024, 0.028, 0.055), 0.03),  # above knee
+        _ball((0.046, aside - 0.020, knee_z + 0.085), (0.022, 0.026, 0.055), 0.03),  # above knee
         _ball((0.034, aside, knee_z - 0.004), (0.026, 0.032, 0.036), 0.020),  # kneecap
         _ball((-0.052, aside - 0.022, knee_z - 0.120), (0.026, 0.026, 0.075), 0.025),  # calf, inner
         _ball((-0.048, aside + 0.024, knee_z - 0.105), (0.024, 0.024, 0.065), 0.025),  # calf, outer
@@ -219,7 +220,7 @@ def _foot(aside: float) -> list[Block]:
             (0.085, 0.026, 0.040, 0.018, 0.004),
             (0.125, 0.021, 0.045, 0.013, 0.004),
             (0.155, 0.017, 0.043, 0.010, 0.001),
-            (0.178, 0.015, 0.036, 0.009, -0.004),
+            (0.178, 0.0165, 0.036, 0.009, -0.004),
         ],
         (0.022, 0.026),
         0.022,

@@ -1,4 +1,4 @@
-"""What the mannequin wears: a racing suit with dark joints and bright bands, by place in the rest pose."""
+"""What the mannequin wears: a racing suit, dark at the joints, with bright bands."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ARM_ASIDE_M = 0.195
 
 
 def colors(vertices: FloatArray, edge_m: float) -> FloatArray:
-    """sRGB (V, 3) of vertices (V, 3) m; borders are as soft as an edge is long."""
+    """Colours (V, 3), sRGB, of vertices (V, 3) m at rest; borders as soft as an edge is long."""
     x, y, z = vertices[:, 0], np.abs(vertices[:, 1]), vertices[:, 2]
     soft = max(0.55 * edge_m, 0.003)
     along = (np.stack([x, y, z], axis=1) - SHOULDER_M) @ arm_axes()[2]
@@ -45,7 +45,7 @@ def colors(vertices: FloatArray, edge_m: float) -> FloatArray:
     made = np.tile(np.array(SUIT), (len(vertices), 1))
     for tone, share in layers:
         made += share[:, None] * (np.array(tone) - made)
-    return np.clip(made, 0.0, 1.0)
+    return np.asarray(np.clip(made, 0.0, 1.0))
 
 
 def _flank(y: FloatArray, z: FloatArray, soft: float) -> FloatArray:

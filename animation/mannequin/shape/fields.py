@@ -10,7 +10,7 @@ and "Smooth minimum", iquilezles.org.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np

@@ -26,12 +26,13 @@ Flags = NDArray[np.bool_]
 LOW_M, HIGH_M = np.array([-0.20, 0.0, -0.02]), np.array([0.24, 0.72, 1.78])
 # The grid is first seen in blocks of so many steps.
 COARSE = 4
-# Triangles times the square of the grid's step, in the stretched space: the first guess.
-TRIANGLES_M2 = 6.75
-TOLERANCE, TRIES = 0.12, 10
+# Triangles times the square of the grid's step, by the number of triangles: the first guess.
+GUESS = ([5_000, 8_000, 12_000, 20_000], [7.2, 7.1, 6.65, 6.2])
+TOLERANCE, TRIES = 0.06, 10
 RELAXATIONS, NEWTON_STEPS = 6, 4
 # How much larger the head is, the hands at least and at most, and the step that fingers need.
-HEAD, HANDS, HANDS_ALONG, FINGER_STEP_M = 1.6, (2.7, 5.0), 1.7, 0.0062
+HEAD, HANDS, HANDS_ALONG, FINGER_STEP_M = 1.6, (2.7, 5.0), 2.0, 0.0062
+SHOULDER = (float(SHOULDER_M[0]), float(SHOULDER_M[1]), float(SHOULDER_M[2]))
 ARM_LINE = (0.0, 1.0, -1.0 / float(np.tan(ARM_SPREAD_RAD)))
 
 
@@ -121,7 +122,7 @@ class Grid:
         """Hands, then head. Coarse grids need larger hands, or fingers would fall through."""
         hands = float(np.clip(self.step_m / FINGER_STEP_M, *HANDS))
         return (
-            Stretch(1, 0.480, 0.550, hands, HANDS_ALONG, tuple(SHOULDER_M), ARM_LINE),
+            Stretch(1, 0.480, 0.550, hands, HANDS_ALONG, SHOULDER, ARM_LINE),
             Stretch(2, 1.500, 1.570, HEAD, HEAD, (0.01, 0.0, 1.6), (0.0, 0.0, 1.0)),
         )
 
@@ -146,7 +147,7 @@ def meshed(field: Field, triangles: int) -> Mesh:
     Raises:
         ModuleNotFoundError: scikit-image or scipy is not installed.
     """
-    step = float(np.sqrt(TRIANGLES_M2 / triangles))
+    step = float(np.sqrt(np.interp(triangles, *GUESS) / triangles))
     for _ in range(TRIES):
         points, faces = _half(field, Grid(step))
         share = 2 * len(faces) / triangles
@@ -187,16 +188,16 @@ def _half(field: Field, grid: Grid) -> tuple[FloatArray, IntArray]:
     return made, faces[:, ::-1].astype(np.int64)
 
 
-def _sampled(field: Field, grid: Grid) -> tuple[FloatArray, np.ndarray]:
+def _sampled(field: Field, grid: Grid) -> tuple[FloatArray, NDArray[np.float32]]:
     """First node and float32 values (X, Y, Z) of the grid: exact near the surface, signs beyond."""
     step = grid.step_m
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-    reach = grid.stretched(np.where(corners, HIGH_M, LOW_M))
+    reach: FloatArray = grid.stretched(np.where(corners, HIGH_M, LOW_M))
     low, high = reach.min(axis=0), reach.max(axis=0)
     # the ground falls between two planes of nodes
     low[1], low[2] = 0.0, (np.floor(low[2] / step) - 0.37) * step
     blocks = np.ceil((high - low) / (COARSE * step)).astype(int)
-    centre = (np.stack(np.indices(blocks), axis=-1) + 0.5) * (COARSE * step) + low
+    centre = (np.moveaxis(np.indices(blocks), 0, -1) + 0.5) * (COARSE * step) + low
     points, scale = grid.back(centre.reshape(-1, 3))
     radius = 0.5 * np.sqrt(3.0) * COARSE * step
     rough = (scale * field.distance_m(points, 2.0 * radius)).reshape(blocks)
@@ -236,27 +237,19 @@ def _mirrored(points: FloatArray, faces: IntArray, middle: Flags) -> tuple[Float
 
 def _relaxed(points: FloatArray, faces: IntArray) -> FloatArray:
     """Vertices moved along the surface towards the mean of their neighbours: even triangles."""
-    from scipy.sparse import coo_matrix
+    from scipy.sparse import coo_array
 
-    count = len(points)
-    pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (count, count)).tocsr()
-    degree = np.asarray(links.sum(axis=1))
+    count, edges = len(points), faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    links = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), (count, count)).tocsr()
+    share = 1.0 / np.bincount(edges[:, 0], minlength=count)[:, None]
+    ones = np.ones(faces.size)
+    corners = coo_array((ones, (faces.T.ravel(), np.tile(np.arange(len(faces)), 3)))).tocsr()
     for _ in range(RELAXATIONS):
-        face = np.cross(
-            points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]
-        )
-        normal = np.stack(
-            [
-                sum(np.bincount(faces[:, corner], face[:, axis], count) for corner in range(3))
-                for axis in range(3)
-            ],
-            axis=1,
-        )
+        first, second, third = points[faces[:, 0]], points[faces[:, 1]], points[faces[:, 2]]
+        normal = np.asarray(corners @ np.cross(second - first, third - first))
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-        move = links @ points / degree - points
-        move -= np.sum(move * normal, axis=1, keepdims=True) * normal
-        points = points + 0.6 * move
+        move = share * (links @ points) - points
+        points = points + 0.6 * (move - np.sum(move * normal, axis=1, keepdims=True) * normal)
     return points
 
 

@@ -59,7 +59,7 @@ def _temperatures(mesh: Mesh, bones: Sequence[Bone], skeleton: Skeleton) -> Floa
     length = np.sum((mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]]) ** 2, axis=1)
     # the umbrella over a vertex is a quarter of its mean squared edge times the Laplacian
     area = np.bincount(edges[:, 0], length, count) / 4.0
-    heat = SHARPNESS * area / distance**2
+    heat = SHARPNESS * area / (distance**2 + area)
     links = coo_matrix((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), (count, count))
     degree = np.bincount(edges[:, 0], minlength=count)
     system = (diags(degree + heat) - links).tocsc()
@@ -141,5 +141,5 @@ def _leg(at: dict[str, FloatArray], side: str) -> list[Bone]:
         Bone(f"{side}_calf", at[f"{side}_calf"], ankle, 0.045),
         Bone(f"{side}_foot", ankle - [0.02, 0.0, 0.03], toes, 0.036),
         Bone(f"{side}_foot", ankle, ankle - [0.025, 0.0, 0.05], 0.034),
-        Bone(f"{side}_toes", toes, toes + [0.07, 0.0, -0.005], 0.032),
+        Bone(f"{side}_toes", toes, toes - [-0.07, 0.0, 0.0], 0.032),
     ]
