@@ -18,6 +18,7 @@ SUITES: Mapping[str, tuple[str, str, str]] = {
     "fusion": ("fusion", "bench_fusion", "fusion_table"),
     "tracking": ("tracking.suite", "bench_tracking", "tracking_table"),
     "animation": ("animation", "bench_animation", "animation_table"),
+    "render": ("render", "bench_render", "render_table"),
 }
 """By name: a module of this package, its function that measures, and the one that prints."""
 

@@ -23,7 +23,8 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "suites",
         nargs="*",
         metavar="SUITE",
-        help="blend, accuracy, table3, smooth, lag, slam, fusion, tracking, animation (all)",
+        help="blend, accuracy, table3, smooth, lag, slam, fusion, tracking, animation, render "
+        "(all)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
 

@@ -83,6 +83,11 @@ class FastRenderer:
     ) -> None:
         self.close()
 
+    @property
+    def driver(self) -> str:
+        """What draws: the OpenGL driver's name of itself."""
+        return str(self._gl.info["GL_RENDERER"])
+
     def close(self) -> None:
         """Free the scene and the OpenGL context; closing twice does nothing."""
         if self._open:
