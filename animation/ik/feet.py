@@ -1,8 +1,9 @@
 """Feet on the ground: stances found in a motion, held where they are, and nothing below ground.
 
-A foot in stance does not slide: over each stance its ball is held at one place of the world, and
-what that takes is faded in and out over the swings between. Then the leg is bent to it, the foot
-keeping its orientation, and the hips are lowered where a leg would not reach.
+A foot in stance neither slides nor turns: over each stance its ball is held at one place of the
+world and its heading is kept; what that takes is faded in and out over the swings between. Where its heel or toes would sink the
+foot is turned about the ball; else it keeps its orientation. Then the leg is bent to it, and the
+hips are lowered where a leg would not reach.
 """
 
 from __future__ import annotations
@@ -14,14 +15,15 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.animation.ik.soles import raised_soles
 from motorcade.animation.ik.two_bone import bend_limb
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import FloatArray, Motor, Rotor
 
 __all__ = ["Ground", "Leg", "find_stances", "plant_feet"]
 
 # A stance: lower than this share of the foot's lift, and slower than this share of its fastest.
-LOW, SLOW = 0.25, 0.35
+LOW, SLOW = 0.25, 0.2
 SHORTEST_STANCE_S = 0.08
 # Legs are kept a little bent, so that knees do not snap.
 STRETCH = 0.998
@@ -84,7 +86,7 @@ def plant_feet(
     """The motion with feet that neither slide nor sink.
 
     Args:
-        skeleton: with J joints; its soles are at z = 0 in the rest pose.
+        skeleton: with J joints; its soles lie on z = 0 in the rest pose.
         time_s: ``(F,)`` rising seconds.
         poses: Motor ``(F, J)``, local poses.
         legs: which are planted.
@@ -105,20 +107,45 @@ def plant_feet(
     way = Motor.identity((len(time_s),)) if world_T_character is None else world_T_character
     floor = Ground() if ground is None else ground
     world = way.reshape(-1, 1) @ skeleton.world(poses)
-    targets = []
+    inside, feet, targets = way.inverse(), [], []
     for index, leg in enumerate(legs):
         ankle, ball = (skeleton.index(name) for name in (leg.ankle, leg.ball or leg.ankle))
         at = world[:, ball].translation_m
         standing = find_stances(at, time_s) if stances is None else stances[index]
         sole = float(skeleton.rest_world[ball].translation_m[2])
         shift = _holding(at, time_s, standing, floor, sole)
-        targets.append(world[:, ankle].translation_m + shift)
-    inside = way.inverse()
-    local = [inside.apply(target) for target in targets]
-    made = _lowered(skeleton, poses, legs, local)
-    for leg, target in zip(legs, local, strict=True):
+        facing = _facing(world[:, ankle], world[:, ball], time_s, standing)
+        middle = at + shift
+        foot, end = (
+            Motor.from_rotor_translation(
+                facing @ pose.rotor, middle + facing.apply(pose.translation_m - at)
+            )
+            for pose in (world[:, ankle], world[:, ball])
+        )
+        toes = end.rotor
+        if skeleton.parents[ball] == ankle:
+            foot, toes = raised_soles(skeleton, (foot, end), ankle, ball, floor.height_m)
+        feet.append((inside.rotor @ foot.rotor, inside.rotor @ toes))
+        targets.append(inside.apply(foot.translation_m))
+    made = _lowered(skeleton, poses, legs, targets)
+    for leg, target, (foot_rotor, toe_rotor) in zip(legs, targets, feet, strict=True):
         made = bend_limb(skeleton, made, (leg.hip, leg.knee, leg.ankle), target)
+        made = _turned(skeleton, made, leg, foot_rotor, toe_rotor)
     return made
+
+
+def _turned(skeleton: Skeleton, poses: Motor, leg: Leg, foot: Rotor, toes: Rotor) -> Motor:
+    """Poses in which ankle and ball are turned as given in character space ``(F,)``."""
+    ankle, ball = (skeleton.index(name) for name in (leg.ankle, leg.ball or leg.ankle))
+    above = skeleton.world(poses)[:, int(skeleton.parents[ankle])].rotor
+    made = poses.coefficients.copy()
+    turns = [(ankle, above.inverse() @ foot)]
+    if skeleton.parents[ball] == ankle:
+        turns.append((ball, foot.inverse() @ toes))
+    for joint, rotor in turns:
+        shift = poses[:, joint].translation_m
+        made[:, joint] = Motor.from_rotor_translation(rotor, shift).coefficients
+    return Motor.normalize(made)
 
 
 def _holding(
@@ -137,6 +164,18 @@ def _holding(
     below = ground.height_m((at + shift)[:, :2]) + sole_m - (at + shift)[:, 2]
     shift[:, 2] += np.maximum(below, 0.0)
     return shift
+
+
+def _facing(ankle: Motor, ball: Motor, time_s: FloatArray, standing: NDArray[np.bool_]) -> Rotor:
+    """Turns ``(F,)`` about z that keep the foot's heading in each stance."""
+    along = ball.translation_m - ankle.translation_m
+    turn = np.zeros_like(along)
+    if np.any(standing) and np.any(along[:, :2]):
+        heading = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
+        for start, end in _runs(standing):
+            turn[start:end, 2] = np.median(heading[start:end]) - heading[start:end]
+        turn[:, 2] = _faded(time_s, turn[:, 2], standing)
+    return Rotor.from_rotation_vector(turn)
 
 
 def _faded(time_s: FloatArray, values: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
