@@ -28,7 +28,9 @@ if TYPE_CHECKING:
     from motorcade.tracking.camera import Camera
     from motorcade.tracking.slam import MapSnapshot
 
-__all__ = ["DepthArray", "Frame", "FrameSequence", "ImageArray", "Recording", "open_recording"]
+__all__ = [
+    "DepthArray", "Frame", "FrameSequence", "ImageArray", "Odometry", "Recording", "open_recording",
+]  # fmt: skip
 
 ImageArray = NDArray[np.uint8]
 DepthArray = NDArray[np.float32]
@@ -112,6 +114,19 @@ class FrameSequence(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
+class Odometry:
+    """A path that drifts but is smooth, recorded beside the pictures.
+
+    Fields:
+        trajectory: poses of what it tracks, in a world of its own.
+        odometry_T_camera: where the camera sits on that.
+    """
+
+    trajectory: Trajectory
+    odometry_T_camera: Motor
+
+
+@dataclass(frozen=True, eq=False)
 class Recording:
     """What was recorded, with what is known about it. None where the recording lacks something.
 
@@ -125,6 +140,7 @@ class Recording:
         baseline_m: how far to its right the camera of the frames' right pictures stands.
         imu, imu_noise: angular rate and specific force; noise densities and bias walks.
         imu_T_camera: where the camera sits on the IMU (camera coordinates to IMU coordinates).
+        odometry: a recorded odometry's path, None without.
         board: a board in view, and where it stands in the world (identity: it is the world).
         markers: markers in view that are no board.
         slam_map: a saved map of the place, which visual SLAM goes on in.
@@ -152,6 +168,7 @@ class Recording:
     settings: tuple[str, ...] = ()
     damaged: tuple[str, ...] = ()
     baseline_m: float | None = None
+    odometry: Odometry | None = None
 
     def __post_init__(self) -> None:
         if len(self.frames) == 0:
@@ -235,6 +252,11 @@ class Recording:
             yield "imu stamps", _bytes(self.imu.time_ns)
             yield "angular rate", _bytes(self.imu.angular_rate_rad_s)
             yield "specific force", _bytes(self.imu.specific_force_m_s2)
+        if self.odometry is not None:
+            path = self.odometry.trajectory
+            yield "odometry mount", _bytes(self.odometry.odometry_T_camera.coefficients)
+            yield "odometry stamps", _bytes(path.time_ns)
+            yield "odometry poses", _bytes(path.poses.coefficients)
         if self.truth is not None:
             yield "truth frames", f"{self.truth.parent} {self.truth.child}".encode()
             yield "truth stamps", _bytes(self.truth.time_ns)

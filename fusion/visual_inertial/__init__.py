@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from motorcade.fusion.visual_inertial.observations import LandmarkObservations
-from motorcade.fusion.visual_inertial.sequence import FusedMap, fuse_map
+from motorcade.fusion.visual_inertial.sequence import FusedMap, MetricMap, fuse_map, metric_map
 from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
 from motorcade.fusion.visual_inertial.tight import VisualInertial, adjust_visual_inertial
 
@@ -11,8 +11,10 @@ __all__ = [
     "FusedMap",
     "InertialStart",
     "LandmarkObservations",
+    "MetricMap",
     "VisualInertial",
     "adjust_visual_inertial",
     "fuse_map",
+    "metric_map",
     "start_inertial",
 ]

@@ -1,7 +1,7 @@
-"""`fuse_map`: what monocular SLAM left behind, and an IMU, made one metric path through darkness.
+"""What monocular SLAM left behind, and an IMU: a metric map, and one path through darkness.
 
-Start, adjustment of keyframes and points, and the filter for the frames between and where the
-camera saw nothing, one after the other.
+`metric_map` starts, and adjusts keyframes and points; `fuse_map` adds the filter, for the frames
+between and where the camera saw nothing.
 """
 
 from __future__ import annotations
@@ -21,11 +21,28 @@ from motorcade.tracking.camera import Camera
 from motorcade.tracking.measurements import PoseMeasurements
 from motorcade.tracking.slam import SlamResult
 
-__all__ = ["FusedMap", "fuse_map"]
+__all__ = ["FusedMap", "MetricMap", "fuse_map", "metric_map"]
 
 # No frame is surer than this (rad, units of the map, metres), whatever its corners say: the
 # keyframes that it hangs on are not. A map's unit is about the depth of what it shows.
 _FLOOR = np.repeat([1e-3, 2e-3], 3) ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class MetricMap:
+    """Frames, keyframes and points in metres with z up, and what they started from.
+
+    Fields:
+        measurements: ``world_T_camera`` of the frames with a pose, hung on the keyframes.
+        keyframes: after the adjustment, with all points of the map.
+        start: scale and up as first found, with their deviations.
+        metres_a_unit: scale in the end.
+    """
+
+    measurements: PoseMeasurements
+    keyframes: VisualInertial
+    start: InertialStart
+    metres_a_unit: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +75,16 @@ def fuse_map(
     Raises:
         ValueError: a run without poses, or what `start_inertial` and `fuse` refuse.
     """
+    made = metric_map(result, camera, imu, noise, imu_T_camera)
+    wanted = np.asarray(result.time_ns) if stamps_ns is None else stamps_ns
+    path = fuse(made.measurements, imu, noise, imu_T_camera, wanted)
+    return FusedMap(path, made.keyframes, made.start)
+
+
+def metric_map(
+    result: SlamResult, camera: Camera, imu: ImuStream, noise: ImuNoise, imu_T_camera: Motor
+) -> MetricMap:
+    """Give a finished run of visual SLAM metres and up; arguments and errors as of `fuse_map`."""
     path, snapshot = result.trajectory, result.map
     if path is None:
         raise ValueError("result: expected a run of SLAM that found poses, got none")
@@ -76,8 +103,7 @@ def fuse_map(
     )  # fmt: skip
     scale = float(start.world_T_visual.scale) * _spread(keyframes.trajectory) / _spread(before)
     measured = _carried(path, result.covariance, own, keyframes.trajectory.motors, scale)
-    wanted = np.asarray(result.time_ns) if stamps_ns is None else stamps_ns
-    return FusedMap(fuse(measured, imu, noise, imu_T_camera, wanted), keyframes, start)
+    return MetricMap(measured, keyframes, start, scale)
 
 
 def _spread(path: Trajectory) -> float:

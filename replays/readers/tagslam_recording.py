@@ -1,4 +1,4 @@
-"""TagSLAM's folders as recordings of the pipeline: corners in, TagSLAM's own result as reference.
+"""TagSLAM's folders as recordings of the pipeline: corners, odometry, its result as reference.
 
 The reference was made from the same corners (and odometry where there was one): errors against it
 show agreement, not accuracy.
@@ -14,8 +14,9 @@ from motorcade.ga import IntArray, Motor, Trajectory
 from motorcade.replays.readers.corner_frames import CornerFrames
 from motorcade.replays.readers.tagslam import bag_file
 from motorcade.replays.readers.tagslam import read as read_corners
+from motorcade.replays.readers.tagslam_odometry import read_rig_odometry
 from motorcade.replays.readers.tagslam_reference import read_reference
-from motorcade.replays.recording import Recording
+from motorcade.replays.recording import Odometry, Recording
 
 __all__ = ["read"]
 
@@ -24,7 +25,7 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     """Read a folder of recorded tags; the path sought is that of the first camera with a place.
 
     Raises:
-        RecordingError: what `tagslam` or `tagslam_reference` refuses.
+        RecordingError: what `tagslam`, `tagslam_odometry` or `tagslam_reference` refuses.
     """
     found = read_corners(root)
     placed = [name for name in found.streams if name in found.rig_T_camera]
@@ -39,7 +40,15 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
         frames=CornerFrames(bag_file(root, "tag_detections"), streams, known, found.side_m),
         camera=streams[first].camera,
         truth=_reference(root, first, streams[first].marker_ids) if has_truth else None,
+        odometry=_odometry(root, known[first]),
     )
+
+
+def _odometry(root: Path, rig_T_camera: Motor) -> Odometry | None:
+    found = read_rig_odometry(root)
+    if found is None:
+        return None
+    return Odometry(found.trajectory, found.odometry_T_rig @ rig_T_camera)
 
 
 def _reference(root: Path, camera: str, marker_ids: IntArray) -> Trajectory | None:

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.fusion.filter import Fused
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera_poses import CameraPoses
 from motorcade.replays.stages.convergence import Convergence
 from motorcade.replays.stages.errors import Errors
+from motorcade.replays.stages.fused import FusedPath
 from motorcade.replays.stages.imu import Imu
 from motorcade.replays.stages.overlay import Overlay
 from motorcade.replays.stages.smoothed import Smoothed
@@ -25,7 +25,7 @@ class Findings:
     recording: Recording
     camera_poses: CameraPoses
     imu: Imu
-    fused: Fused
+    fused: FusedPath
     smoothed: Smoothed
     convergence: Convergence
     errors: Errors

@@ -55,14 +55,27 @@ def page(findings: Findings) -> str:
 
 
 def _headline(findings: Findings) -> str:
-    poses, imu = findings.camera_poses, findings.imu
-    told = f"Camera poses {poses.account}; IMU {IMU_ORIGINS[imu.origin]}."
+    poses, fused = findings.camera_poses, findings.fused
+    told = f"Camera poses {poses.account}; IMU {_imu(findings)}. The path was {fused.account}."
+    if fused.by != "imu":
+        told = f"Camera poses {poses.account}. The path was {fused.account}."
     if poses.passed_over:
         told += f" Passed over: {'; '.join(poses.passed_over)}."
     damaged = findings.recording.damaged
     if damaged:
         told += f" {len(damaged)} damaged pictures were left out: {'; '.join(damaged[:MOST_NAMED])}"
         told += " and others." if len(damaged) > MOST_NAMED else "."
+    return told
+
+
+def _imu(findings: Findings) -> str:
+    imu = findings.imu
+    told = IMU_ORIGINS[imu.origin]
+    if imu.clock_offset_sigma_s is not None:
+        told += (
+            f", its clock {1e3 * imu.clock_offset_s:+.2f} ± "
+            f"{1e3 * imu.clock_offset_sigma_s:.2f} ms from the camera's, taken off"
+        )
     return told
 
 

@@ -20,7 +20,7 @@ class Picture:
 def plots(findings: Findings) -> list[Picture]:
     """Every plot that this run's data allows."""
     lost = findings.unmeasured_spans_s()
-    return [_path(findings), *_errors(findings, lost), _shake(findings, lost), _tilt(findings)]
+    return [_path(findings), *_errors(findings, lost), _shake(findings, lost), *_tilt(findings)]
 
 
 def _path(findings: Findings) -> Picture:
@@ -69,18 +69,25 @@ def _shake(findings: Findings, lost: Spans) -> Picture:
     )
 
 
-def _tilt(findings: Findings) -> Picture:
+def _tilt(findings: Findings) -> list[Picture]:
     found = findings.convergence
+    if not len(found.time_s):
+        return []
     settled = (
         f"it is below a tenth of that for good after {found.settled_s:.2f} s"
         if found.settled_s is not None
         else "it does not settle below a tenth of that here"
     )
-    return Picture(
-        "Convergence from a wrong start",
-        f"The filter once more, forwards only, started {found.initial_tilt_deg:g}° wrong in tilt "
-        f"with zero biases, judged by the {found.judged_by}: {settled}.",
-        plot_series(
-            {"fused": (found.time_s, found.tilt_error_deg)}, "tilt error", "degrees", log_scale=True
-        ),
-    )
+    return [
+        Picture(
+            "Convergence from a wrong start",
+            f"The filter once more, forwards only, started {found.initial_tilt_deg:g}° wrong in "
+            f"tilt with zero biases, judged by the {found.judged_by}: {settled}.",
+            plot_series(
+                {"fused": (found.time_s, found.tilt_error_deg)},
+                "tilt error",
+                "degrees",
+                log_scale=True,
+            ),
+        )
+    ]

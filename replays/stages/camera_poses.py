@@ -38,9 +38,10 @@ class CameraPoses:
     `tracking.BoardTrack.load`), `marker_map` where loose markers stand (`MarkerMap.load`),
     `slam_map` what SLAM mapped (`MapSnapshot.load`) and `points` (p, 3) where that is; each is
     there for its own origin only. `metric` is False where the unit of length is free (SLAM by one
-    camera alone). `account` says in one line how the poses were found, and `passed_over` what was
-    tried before, with the reason. `seconds` is what tracking took, reading and decoding the images
-    included.
+    camera alone, where no IMU tells it); where an IMU did, `metres_a_unit` is what the map's unit
+    was found to be, and `scale_sigma` the relative deviation of that. `account` says in one line
+    how the poses were found, and `passed_over` what was tried before, with the reason. `seconds` is
+    what tracking took, reading and decoding the images included.
     """
 
     measurements: PoseMeasurements
@@ -53,6 +54,8 @@ class CameraPoses:
     slam_map: Path | None = None
     points: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     metric: bool = True
+    metres_a_unit: float | None = None
+    scale_sigma: float | None = None
     passed_over: tuple[str, ...] = ()
     seconds: float = field(default=0.0, metadata=ASIDE)
 
@@ -75,8 +78,9 @@ def camera_poses(
 
     `source=auto` tries in turn, and says what it passed over: the board, if the recording names
     one and it is seen; loose markers, if a family is named or corners were recorded; visual SLAM,
-    with depth where there is some, else by one camera with free scale; last a simulation from the
-    truth. The world is the board's, the marker's that was seen most, or the first camera's.
+    with depth where there is some, else by one camera, whose scale is free unless a recorded IMU
+    tells it; last a simulation from the truth. The world is the board's, the marker's that was
+    seen most, the first camera's, or an upright one where an IMU gave the metres.
 
     `refine=photometric` sharpens the poses of loose markers in pictures on their whole print; it
     needs torch and kornia (the extra `photometric`), and pays on small markers and for steadiness
@@ -196,11 +200,12 @@ def _by_slam(
         recording.frames.time_ns,
         np.full(len(found.measurements), np.nan),
         "slam",
-        f"tracked by visual SLAM {'in a saved map, ' if recording.slam_map else ''}"
-        + ("with depth" if found.metric else "by one camera (scale: free, lengths have no unit)"),
+        f"tracked by visual SLAM {'in a saved map, ' if recording.slam_map else ''}{found.account}",
         slam_map=slam_map,
         points=found.points,
         metric=found.metric,
+        metres_a_unit=found.metres_a_unit,
+        scale_sigma=found.scale_sigma,
         seconds=found.seconds,
     )
 

@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.fusion.filter import Fused, fuse
+from motorcade.fusion.filter import fuse
 from motorcade.fusion.metrics import associate, tilt_rad
 from motorcade.ga import FloatArray
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera_poses import CameraPoses
-from motorcade.replays.stages.fused import filter_noise, filter_settings
+from motorcade.replays.stages.fused import FusedPath, filter_settings
 from motorcade.replays.stages.imu import Imu
+from motorcade.replays.stages.imu_noise import assumed_noise
+from motorcade.replays.stages.levelled import levelled
 
 
 @dataclass(frozen=True)
@@ -20,7 +22,7 @@ class Convergence:
     """Tilt error (N,) in degrees over seconds after a start `initial_tilt_deg` wrong.
 
     `settled_s` is when it falls below a tenth of the start for good, None if it never does;
-    `judged_by` names what the tilt was compared with.
+    `judged_by` names what the tilt was compared with. There are no errors where no filter ran.
     """
 
     initial_tilt_deg: float
@@ -34,7 +36,7 @@ def convergence(
     recording: Recording,
     camera_poses: CameraPoses,
     imu: Imu,
-    fused: Fused,
+    fused: FusedPath,
     *,
     initial_tilt_deg: float = 5.0,
     duration_s: float = 20.0,
@@ -42,20 +44,24 @@ def convergence(
     """Run the causal filter again from a wrong tilt and zero biases, without looking ahead.
 
     The tilt is judged by the truth where that shares the world of the poses (they were simulated
-    from it), otherwise by the fused path.
+    from it), otherwise by the fused path. Where that came about without the filter nothing runs.
     """
-    simulated = camera_poses.origin == "simulated" and recording.truth is not None
-    reference = recording.truth if simulated else fused.trajectory
-    assert reference is not None  # simulated poses come from a truth
+    if fused.by != "imu":
+        return Convergence(initial_tilt_deg, np.zeros(0), np.zeros(0), None, "nothing")
+    simulated = camera_poses.origin == "simulated"
+    level = levelled(camera_poses, imu)
+    reference = recording.truth if simulated else None
+    if reference is None:
+        reference = fused.trajectory.transformed_by(left=level.level_T_world)
     end_ns = fused.trajectory.time_ns[0] + int(duration_s * 1e9)
     stamps = fused.trajectory.time_ns[fused.trajectory.time_ns <= end_ns]
     again = fuse(
-        camera_poses.measurements,
+        level.measurements,
         imu.stream,
-        filter_noise(imu),
+        assumed_noise(imu.noise, imu.origin),
         imu.imu_T_camera,
         stamps,
-        settings=filter_settings(imu, initial_tilt_deg),
+        settings=filter_settings(imu, initial_tilt_deg, leaned=level.leaned),
         smoothed=False,
     )
     pairs = associate(again.trajectory, reference)
@@ -65,10 +71,4 @@ def convergence(
     above = np.flatnonzero(error_deg > initial_tilt_deg / 10)
     after = int(above[-1]) + 1 if above.size else 0
     settled = float(time_s[after]) if after < len(time_s) else None
-    return Convergence(
-        initial_tilt_deg,
-        time_s,
-        error_deg,
-        settled,
-        judge,
-    )
+    return Convergence(initial_tilt_deg, time_s, error_deg, settled, judge)

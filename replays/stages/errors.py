@@ -7,7 +7,6 @@ from typing import Literal
 
 import numpy as np
 
-from motorcade.fusion.filter import Fused
 from motorcade.fusion.metrics import (
     Align,
     NotObservableError,
@@ -22,6 +21,7 @@ from motorcade.fusion.metrics import (
 from motorcade.ga import FloatArray, Trajectory
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera_poses import CameraPoses
+from motorcade.replays.stages.fused import FusedPath
 from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.tracking import BoardTrack, registration_px
 
@@ -59,7 +59,7 @@ class Errors:
 def errors(
     recording: Recording,
     camera_poses: CameraPoses,
-    fused: Fused,
+    fused: FusedPath,
     smoothed: Smoothed,
     *,
     align: Literal["auto", "none", "se3", "sim3"] = "auto",

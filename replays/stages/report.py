@@ -6,7 +6,6 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from motorcade.fusion.filter import Fused
 from motorcade.replays.artifacts import new_file
 from motorcade.replays.recording import Recording
 from motorcade.replays.report.findings import Findings
@@ -15,6 +14,7 @@ from motorcade.replays.report.summary import summarise
 from motorcade.replays.stages.camera_poses import CameraPoses
 from motorcade.replays.stages.convergence import Convergence
 from motorcade.replays.stages.errors import Errors
+from motorcade.replays.stages.fused import FusedPath
 from motorcade.replays.stages.imu import Imu
 from motorcade.replays.stages.overlay import Overlay
 from motorcade.replays.stages.smoothed import Smoothed
@@ -32,7 +32,7 @@ def report(
     recording: Recording,
     camera_poses: CameraPoses,
     imu: Imu,
-    fused: Fused,
+    fused: FusedPath,
     smoothed: Smoothed,
     convergence: Convergence,
     errors: Errors,

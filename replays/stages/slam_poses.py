@@ -1,4 +1,8 @@
-"""Camera poses by visual SLAM: no board needed; the world is the first camera that has a pose."""
+"""Camera poses by visual SLAM: no board needed.
+
+The world is the first camera that has a pose; where an IMU gives one camera's map its metres, the
+world stands upright where that map has its origin.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +15,11 @@ import numpy as np
 from motorcade.ga import FloatArray, Motor
 from motorcade.replays.progress import track
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.metres import Metres, NoMetres, in_metres
 from motorcade.tracking import PoseMeasurements, TrackingError
 
 if TYPE_CHECKING:
-    from motorcade.tracking.slam import MapSnapshot
+    from motorcade.tracking.slam import MapSnapshot, SlamResult
 
 __all__ = ["SlamPoses", "slam_poses"]
 
@@ -27,10 +32,14 @@ class SlamPoses:
 
     Args:
         measurements: `world_T_camera` of the frames that have a pose.
-        metric: whether lengths are metres; with one camera alone their unit is free.
+        metric: whether lengths are metres; with one camera alone their unit is free, unless an
+            IMU tells it.
         points: ``(p, 3)`` of the map, in the same world.
         map: the map as it may be saved and gone on in, in a world of its own.
         seconds: time it took, reading and decoding included.
+        account: where lengths come from.
+        metres_a_unit, scale_sigma: what the IMU found the map's unit to be, and the relative
+            deviation of that; None where it was not asked, or did not tell.
     """
 
     measurements: PoseMeasurements
@@ -38,6 +47,9 @@ class SlamPoses:
     points: FloatArray
     map: MapSnapshot
     seconds: float
+    account: str
+    metres_a_unit: float | None = None
+    scale_sigma: float | None = None
 
 
 def slam_poses(
@@ -81,13 +93,45 @@ def slam_poses(
             f"{recording.name}: visual SLAM found no pose: too little texture, or a camera that "
             "only turns; camera_poses.source=simulated or a board would do"
         )
+    if found.metric:
+        return _as_mapped(found, known is not None, "with depth", start)
+    try:
+        metres = in_metres(recording, found)
+    except NoMetres as why:
+        told = f"by one camera (scale: free, lengths have no unit; {why})"
+        return _as_mapped(found, known is not None, told, start)
+    return _by_inertia(found, metres, start)
+
+
+def _as_mapped(found: SlamResult, resumed: bool, account: str, start: float) -> SlamPoses:
+    """The path as it was tracked."""
+    path = found.trajectory
+    if path is None:
+        raise ValueError("found: expected a run of SLAM that found poses, got none")
     floor = np.repeat((_SIGMA_FLOOR_RAD**2, _SIGMA_FLOOR_M**2), 3)
     covariance: FloatArray = found.covariance + np.diag(floor)
-    first_T_world = Motor.identity() if known else found.trajectory.motors[0].inverse()
+    first_T_world = Motor.identity() if resumed else path.motors[0].inverse()
     return SlamPoses(
-        PoseMeasurements(found.trajectory.transformed_by(left=first_T_world), covariance),
+        PoseMeasurements(path.transformed_by(left=first_T_world), covariance),
         found.metric,
         first_T_world.apply(found.map.points),
         found.map,
         time.perf_counter() - start,
+        account,
+    )
+
+
+def _by_inertia(found: SlamResult, metres: Metres, start: float) -> SlamPoses:
+    """The path in metres, z up."""
+    unit, sigma = metres.made.metres_a_unit, metres.scale_sigma
+    return SlamPoses(
+        metres.made.measurements,
+        True,
+        metres.made.keyframes.landmarks_m,
+        found.map,
+        time.perf_counter() - start,
+        f"by one camera, metres and up found by the IMU (the map's unit is {unit:.4g} m "
+        f"± {100 * sigma:.2g} %)",
+        unit,
+        sigma,
     )

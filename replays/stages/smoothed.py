@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from motorcade.fusion.filter import Fused
 from motorcade.fusion.smooth import automatic_window_s, smooth
 from motorcade.ga import Trajectory
+from motorcade.replays.stages.fused import FusedPath
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Smoothed:
 
 
 def smoothed(
-    fused: Fused,
+    fused: FusedPath,
     *,
     representations: tuple[str, ...] = ("motor", "quaternion", "euler_unwrapped", "euler"),
     window_s: float | None = None,

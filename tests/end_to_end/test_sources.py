@@ -180,6 +180,44 @@ def test_recorded_corners_run_to_a_report_without_a_video(
 
 
 @pytest.mark.slow
+def test_an_imu_gives_one_camera_its_metres(tmp_path: Path) -> None:
+    folder = tmp_path / "room"
+    write_recording(folder, scenario("handheld", frames=90), name="room", imu=True)
+    (folder / "depth.txt").unlink()
+    manifest = folder / "motorcade.toml"
+    camera, _, rest = manifest.read_text().partition("[stereo]")
+    manifest.write_text(camera + rest[rest.index("[imu]") :])
+    found = report(tmp_path / "out", folder, "--set", "errors.align=auto")
+    poses = found["camera_poses"]
+    assert (poses["origin"], poses["scale"], found["align"]) == ("slam", "metric", "se3")
+    assert "metres and up found by the IMU" in poses["account"]
+    assert 0.0 < poses["scale_sigma"] < 0.1
+    assert (found["imu"]["origin"], found["fused"]["by"]) == ("recorded", "imu")
+    assert found["errors"]["fused"]["ape_rmse_m"] < 0.01
+    path = read_trajectory(tmp_path / "out" / "trajectories" / "fused_motor.tum")
+    truth = scenario("handheld", frames=90).truth()
+    assert evaluate(path, truth, align="sim3").scale == pytest.approx(1.0, abs=0.03)
+    # Up is up: but for where it starts and which way it looks, the path needs no alignment.
+    tilt = evaluate(path, truth, align="se3")
+    assert tilt.rotation_deg.rmse < 0.5
+    rise = path.motors.translation_m[:, 2] - truth.motors_at(path.time_ns).translation_m[:, 2]
+    assert np.ptp(rise) < 0.02
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "The path was fused with the recorded IMU" in page
+
+
+@pytest.mark.slow
+def test_recorded_odometry_bridges_frames_without_a_tag(data_dir: Path, tmp_path: Path) -> None:
+    found = report(tmp_path, data_dir / "tags" / "tagslam" / "test_21")
+    assert found["fused"]["by"] == "odometry"
+    fused = found["errors"]["fused"]
+    assert fused["pairs"] == 430
+    assert fused["ape_rmse_m"] <= 0.010
+    assert fused["rpe_trans_rmse_m"] < found["errors"]["measured"]["rpe_trans_rmse_m"]
+    assert "recorded odometry" in (tmp_path / "report.html").read_text()
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "ape_m", "measured"), [("test_21", 0.015, 402), ("test_24", 0.08, 58)]
 )

@@ -133,6 +133,16 @@ class TestTruth:
         assert recording.truth is not None
         assert same_poses(recording.truth.poses, made.poses @ pose)
 
+    def test_a_stated_offset_of_the_imus_clock_is_taken_off(self, make: Make) -> None:
+        made = make("folder")
+        (made.root / "imu.csv").write_text("0,1,1,1,1,1,1\n5000000,1,1,1,1,1,1\n")
+        table = f'[imu]\nfile = "imu.csv"\nimu_T_camera = {IDENTITY}\nclock_offset_s = -0.25\n'
+        recording = described(made.root, FRAMES, table)
+        assert recording.imu is not None
+        assert recording.imu.time_ns.tolist() == [250_000_000, 255_000_000]
+        with pytest.raises(RecordingError, match=r"\[imu\] clock_offset_s: expected a number from"):
+            described(made.root, FRAMES, table.replace("-0.25", "1e30"))
+
     def test_the_board_may_be_the_world_in_either_convention(self, make: Make) -> None:
         made = make("folder")
         pose = Motor.random(np.random.default_rng(2))

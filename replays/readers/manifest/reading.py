@@ -55,7 +55,8 @@ _TOP = (
 )
 FRAMES_KEYS = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
 STEREO_KEYS = ("right", "baseline_m")
-IMU_KEYS = ("file", "noise_file", "imu_T_camera")
+IMU_KEYS = ("file", "noise_file", "imu_T_camera", "clock_offset_s")
+_MOST_OFFSET_S = 1e6
 
 
 def read(root: Path, manifest: Path, *, trusted: bool) -> Recording:
@@ -220,6 +221,10 @@ class _Manifest:
         if "imu_T_camera" in section:
             pose = transform(section["imu_T_camera"], self.path, "[imu] imu_T_camera")
             made = replace(made, imu_T_camera=pose)
+        if "clock_offset_s" in section and made.imu is not None:
+            offset_s = section.number("clock_offset_s", -_MOST_OFFSET_S, _MOST_OFFSET_S)
+            shifted = made.imu.time_ns - round(offset_s * 1e9)
+            made = replace(made, imu=replace(made.imu, time_ns=shifted))
         if made.imu_T_camera is None:
             raise section.fault("imu_T_camera", "the key is missing", "give a 4 by 4 matrix")
         return made
