@@ -6,11 +6,13 @@ import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 from motorcade.render import read_frames, write_video
 from motorcade.render.scene import ImageArray
+from motorcade.render.video import contact_sheet, write_pictures
 
 UNEVEN_NS = np.array([0, 33_333_333, 66_666_667, 166_666_667, 200_000_000, 233_333_333])
 
@@ -120,3 +122,36 @@ def test_other_endings_and_shapes_are_refused(tmp_path: Path) -> None:
     mixed = [np.zeros((8, 8, 3), dtype=np.uint8), np.zeros((8, 10, 3), dtype=np.uint8)]
     with pytest.raises(ValueError, match=r"shape \(8, 8, 3\)"):
         write_video(tmp_path / "v.mp4", mixed, UNEVEN_NS[:2])
+
+
+def test_lossless_video_gives_back_every_byte(tmp_path: Path, rng: np.random.Generator) -> None:
+    given = [rng.integers(0, 256, (33, 47, 3), dtype=np.uint8) for _ in UNEVEN_NS]
+    write_video(tmp_path / "v.mkv", given, UNEVEN_NS)
+    back = list(read_frames(tmp_path / "v.mkv"))
+    assert np.abs(np.array([stamp for stamp, _ in back]) - UNEVEN_NS).max() <= 500_000
+    for (_, seen), one in zip(back, given, strict=True):
+        np.testing.assert_array_equal(seen, one)
+    write_video(tmp_path / "again.mkv", given, UNEVEN_NS)
+    assert (tmp_path / "v.mkv").read_bytes() == (tmp_path / "again.mkv").read_bytes()
+
+
+def test_numbered_pictures_carry_their_stamps(tmp_path: Path) -> None:
+    frames = list(zip(UNEVEN_NS.tolist(), pictures(6), strict=True))
+    assert write_pictures(tmp_path / "png", frames) == 6
+    files = sorted((tmp_path / "png").iterdir())
+    assert [int(file.stem) for file in files] == UNEVEN_NS.tolist()
+    np.testing.assert_array_equal(cv2.imread(str(files[3]))[..., ::-1], frames[3][1])
+    with pytest.raises(ValueError, match="from 0"):
+        write_pictures(tmp_path / "png", [(-1, frames[0][1])])
+
+
+def test_a_contact_sheet_holds_every_frame_in_order() -> None:
+    frames = [np.full((60, 80, 3), 20 * k, dtype=np.uint8) for k in range(5)]
+    sheet = contact_sheet(frames, columns=3, width=40)
+    assert sheet.shape == (2 * 36 + 6, 3 * 46 + 6, 3)
+    middles = [sheet[21, 26], sheet[21, 72], sheet[21, 118], sheet[57, 26], sheet[57, 72]]
+    np.testing.assert_array_equal(np.array(middles)[:, 0], [0, 20, 40, 60, 80])
+    with pytest.raises(ValueError, match="one size"):
+        contact_sheet([], 3, 40)
+    with pytest.raises(ValueError, match="a label a frame"):
+        contact_sheet(frames, 3, 40, labels=["a"])

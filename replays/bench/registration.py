@@ -1,0 +1,185 @@
+"""How a virtual checkerboard drawn onto the real one of `vamr_board` sticks to it, in pixels.
+
+The board is drawn into every frame along the path, and its drawn corners are found again by the
+detector that found the real ones. Once on the frames as they were taken, drawn through the lens,
+and once on frames whose distortion was taken out. Beside it, how much a virtual point above the
+board jumps from frame to frame against where the reference path puts it.
+
+    python -m motorcade.replays.bench.registration
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.render.backends.renderer import new_renderer
+from motorcade.render.composite import as_rgb, over
+from motorcade.render.lens import LensWarp
+from motorcade.render.printed import printed_surface
+from motorcade.render.scene import ImageArray
+from motorcade.replays.bench.data import data_folder
+from motorcade.replays.recording import Recording, open_recording
+from motorcade.tracking import BoardTrack, track_board
+from motorcade.tracking.boards import Checkerboard
+from motorcade.tracking.camera import Camera
+
+__all__ = ["Registration", "drawn_corner_distances_px", "jumps_px", "vamr_board"]
+
+PIXELS_PER_M = 4000.0
+INK, PAPER = np.array([32, 44, 96]), np.array([244, 240, 228])
+ABOVE_M = (0.16, -0.10, 0.15)
+"""The virtual point: over the middle of the board, as high as a character's head."""
+_MANIFEST = Path(__file__).parents[2] / "docs" / "manifests" / "vamr_board.toml"
+
+
+@dataclass(frozen=True, eq=False)
+class Registration:
+    """Distances between drawn and real corners of all frames in which the drawn board was found.
+
+    Attributes:
+        distance_px: (K,) all corners of all frames.
+        frames: in which it was looked for.
+        found: in which it was found.
+    """
+
+    distance_px: FloatArray
+    frames: int
+    found: int
+
+    @property
+    def rms_px(self) -> float:
+        """Root mean square distance."""
+        return float(np.sqrt(np.mean(self.distance_px**2)))
+
+
+def drawn_corner_distances_px(
+    frames: Iterable[tuple[int, ImageArray]],
+    camera: Camera,
+    path: Trajectory,
+    track: BoardTrack,
+    board: Checkerboard,
+    world_T_board: Motor,
+) -> Registration:
+    """Draw the board over the real one along a path, find it again, and measure.
+
+    Args:
+        frames: stamps and pictures, of `camera`'s size.
+        camera: whose pictures these are, with its distortion.
+        path: `world_T_camera`.
+        track: where the real corners were found, in pixels of the camera that tracked; straight
+            ones are taken where `camera` has no distortion and the track's had.
+        board: the real board.
+        world_T_board: where it is.
+    """
+    lens = LensWarp(camera)
+    picture, origin = board.draw(PIXELS_PER_M)
+    tone = picture[..., None] / 255.0
+    colored = np.rint(INK + (PAPER - INK) * tone).astype(np.uint8)
+    surface = printed_surface(colored, PIXELS_PER_M, origin, world_T_board)
+    real = {seen.time_ns: seen for seen in track.observations}
+    distances, looked = [], 0
+    with new_renderer("fast", lens.pinhole.width, lens.pinhole.height) as renderer:
+        renderer.show([surface], None)
+        for time_ns, frame in frames:
+            if time_ns not in real or not path.time_ns[0] <= time_ns <= path.time_ns[-1]:
+                continue
+            looked += 1
+            layer = lens.layer(renderer.render(lens.pinhole, path.motors_at(np.int64(time_ns))))
+            made = over(as_rgb(frame), layer)
+            drawn = board.detect(made[..., 1].copy(), camera)
+            if drawn is None:
+                continue
+            seen = real[time_ns]
+            expected = np.full((board.columns * board.rows, 2), np.nan)
+            expected[seen.ids] = seen.corners_px
+            drawn = board.aligned(drawn, np.nan_to_num(expected))
+            apart = np.linalg.norm(drawn.corners_px - expected[drawn.ids], axis=1)
+            distances.append(apart[np.isfinite(apart)])
+    return Registration(np.concatenate(distances), looked, len(distances))
+
+
+def jumps_px(path: Trajectory, reference: Trajectory, camera: Camera, point_m: FloatArray) -> float:
+    """Root mean square change, from frame to frame, of where a path puts a point of the world.
+
+    Measured against where the reference puts it, so the camera's own motion does not count.
+
+    Args:
+        path: `world_T_camera`.
+        reference: likewise; stamps of `path` that it covers count.
+        camera: who sees the point.
+        point_m: (3,) world.
+    """
+    inside = (path.time_ns >= reference.time_ns[0]) & (path.time_ns <= reference.time_ns[-1])
+    stamps = path.time_ns[inside]
+    seen = [
+        camera.project(one.motors_at(stamps).inverse().apply(point_m)) for one in (path, reference)
+    ]
+    return float(np.sqrt(np.mean(np.sum(np.diff(seen[0] - seen[1], axis=0) ** 2, axis=1))))
+
+
+def vamr_board() -> tuple[Recording, Checkerboard, Camera, BoardTrack]:
+    """The recording, its board and camera, and where the board was found.
+
+    Raises:
+        OSError: the recording is not here.
+        ValueError: it has no camera or no checkerboard.
+    """
+    recording = open_recording(data_folder() / "replays" / "vamr_board", _MANIFEST)
+    if recording.camera is None or not isinstance(recording.board, Checkerboard):
+        raise ValueError(f"{recording.name}: expected a camera and a checkerboard, got none")
+    pictures = ((frame.time_ns, frame.gray()) for frame in recording.frames)
+    return (
+        recording, recording.board, recording.camera,
+        track_board(pictures, recording.camera, recording.board),
+    )  # fmt: skip
+
+
+def straightened(track: BoardTrack, camera: Camera) -> BoardTrack:
+    """The same track with its corners as the camera without distortion would have them."""
+    from dataclasses import replace
+
+    moved = tuple(
+        replace(seen, corners_px=camera.straighten(seen.corners_px)) for seen in track.observations
+    )
+    return replace(track, observations=moved)
+
+
+def main() -> None:
+    """Measure and print."""
+    from motorcade.fusion.smooth import smooth
+
+    recording, board, camera, track = vamr_board()
+    raw = track.measurements.trajectory
+    paths = {
+        "as tracked": raw,
+        "smoothed": smooth(raw, "local_polynomial", "motor", window_s=0.3, order=2),
+    }
+    pictures = [(frame.time_ns, frame.image()) for frame in recording.frames]
+    straight = [(stamp, camera.undistort_image(one)) for stamp, one in pictures]
+    for name, path in paths.items():
+        for kind, frames, lens, seen in (
+            ("distorted", pictures, camera, track),
+            ("undistorted", straight, camera.undistorted(), straightened(track, camera)),
+        ):
+            found = drawn_corner_distances_px(frames, lens, path, seen, board, Motor.identity())
+            print(
+                f"{name:<12}{kind:<13}{found.rms_px:.3f} px RMS, at most "
+                f"{found.distance_px.max():.2f}, drawn board found in {found.found} of "
+                f"{found.frames} frames"
+            )
+    if recording.truth is not None:
+        jump = {
+            name: jumps_px(path, recording.truth, camera, np.array(ABOVE_M))
+            for name, path in paths.items()
+        }
+        for name, pixels in jump.items():
+            print(f"{name:<12}jumps {pixels:.3f} px a frame, {pixels / jump['as tracked']:.2f}")
+
+
+if __name__ == "__main__":
+    main()
