@@ -107,7 +107,7 @@ def _measured(surface: Surface, character: Character | None) -> list[RenderRow]:
         ours.show([surface], light)
         ours.render(CAMERA, _VIEW)
         alone = _pyrender_alone(context, surface, light)
-        jobs = {"fast renderer": lambda: _moved(fast, surface)}
+        jobs: dict[str, Callable[[], object]] = {"fast renderer": lambda: _moved(fast, surface)}
         if character is not None:
             entries = _palette(character)
             fast.bind(0, character, "motor")
