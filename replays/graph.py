@@ -222,11 +222,18 @@ def _key(stage: Stage, digests: Mapping[str, str], settings: Mapping[str, Any]) 
     """Content of the inputs, knobs and code, as the name under which the output is cached."""
     parts = {
         "inputs": {name: digests[name] for name in stage.inputs},
-        "knobs": {name: repr(value) for name, value in settings.items()},
+        "knobs": {name: _told(value) for name, value in settings.items()},
         "code": code_digest(stage.function),
         "format": artifacts.FORMAT_VERSION,
     }
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def _told(value: Any) -> str:
+    """A knob's value as text; of a file its content as well."""
+    if isinstance(value, Path) and value.is_file():
+        return f"{value!r} {hashlib.sha256(value.read_bytes()).hexdigest()}"
+    return repr(value)
 
 
 def _compute(

@@ -19,11 +19,12 @@ from motorcade.render import (
 )
 from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.replays.artifacts import ASIDE, new_file
+from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.graph import Unavailable
 from motorcade.replays.progress import track
 from motorcade.replays.readers.corner_frames import CornerFrames
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.placed import Placed, character_named
+from motorcade.replays.stages.placed import Placed
 from motorcade.replays.stages.smoothed import Smoothed
 
 
@@ -61,6 +62,11 @@ def overlay(
         raise Unavailable("the recording holds corners of markers and no pictures to draw into")
     path = _chosen(smoothed, representation)
     character = character_named(placed.character)
+    clip = clip_named(character, placed.clip)
+    if len(placed.path_m):
+        clip = walked(
+            character, clip, placed.path_m, placed.placement.scale, placed.plane_T_character
+        )
     start = time.perf_counter()
     footage = _Footage(recording)
     pictures = render_overlay(
@@ -68,7 +74,7 @@ def overlay(
         recording.camera.undistorted(),
         path,
         character,
-        character.clip(placed.clip),
+        clip,
         placed.placement,
         renderer=_known(renderer),
     )

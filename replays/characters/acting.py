@@ -1,0 +1,112 @@
+"""Who plays in a scene and what: the mannequin or a file, its clips, walks along a path."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from motorcade.animation import Character, Clip, mannequin
+from motorcade.animation.place import GroundPath, on_the_spot, walk_along
+from motorcade.animation.retarget import legs_of, retarget
+from motorcade.ga import FloatArray, Motor
+
+__all__ = ["MANNEQUIN", "character_named", "clip_named", "path_of", "walked"]
+
+MANNEQUIN = "mannequin"
+
+
+def character_named(name: str) -> Character:
+    """The mannequin, or the character of a file.
+
+    Raises:
+        ValueError: no such file, or one that cannot be read; the message names the knob.
+    """
+    path = Path(name)
+    if name == MANNEQUIN:
+        return mannequin()
+    if not path.is_file():
+        raise ValueError(f"placed.character: expected 'mannequin' or a file, came {name!r}")
+    return _read(path, path.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=2)
+def _read(path: Path, changed_ns: int) -> Character:
+    from motorcade.animation.formats import FormatError, read_character
+
+    try:
+        return read_character(path)
+    except FormatError as fault:
+        raise ValueError(f"placed.character: {fault}") from fault
+
+
+def clip_named(character: Character, name: str) -> Clip:
+    """One of the character's clips, or else the mannequin's of that name, retargeted.
+
+    Raises:
+        ValueError: neither has such a clip, or the joints are not told by their names; the message
+            names the knob.
+    """
+    if any(clip.name == name for clip in character.clips):
+        return character.clip(name)
+    figure = mannequin()
+    lent = [clip.name for clip in figure.clips]
+    if name not in lent:
+        known = ", ".join([clip.name for clip in character.clips] + lent)
+        raise ValueError(f"placed.clip: expected one of {known}, came {name!r}")
+    try:
+        return retarget(figure.clip(name), figure.skeleton, character.skeleton)
+    except ValueError as fault:
+        raise ValueError(
+            f"placed.clip: the character has no clip {name!r} of its own, and the mannequin's does "
+            f"not fit it ({fault})"
+        ) from fault
+
+
+def path_of(numbers: tuple[float, ...]) -> GroundPath:
+    """The path through points ``x, y, x, y, …`` of the plane, metres.
+
+    Raises:
+        ValueError: an odd number of coordinates, fewer than two points, neighbours at one place.
+    """
+    if len(numbers) < 4 or len(numbers) % 2:
+        raise ValueError(f"placed.path: expected x,y of two points or more, came {numbers}")
+    try:
+        return GroundPath(np.reshape(numbers, (-1, 2)))
+    except ValueError as fault:
+        raise ValueError(f"placed.path: {fault}") from fault
+
+
+def walked(character: Character, clip: Clip, path: FloatArray, scale: float, start: Motor) -> Clip:
+    """A clip that walks a path with planted feet, and stands where the path ends.
+
+    Args:
+        character: who walks; its legs are told by the names of its joints.
+        clip: one cycle of a walk or run.
+        path: ``(P, 2)`` points of the plane, metres.
+        scale: of the character.
+        start: where the character is placed, in the plane's frame.
+
+    Returns:
+        poses in the frame of the placed character, at the character's own size.
+
+    Raises:
+        ValueError: a clip that is no cycle, or legs that names do not tell.
+    """
+    skeleton = character.skeleton
+    legs = legs_of(skeleton)
+    if not legs:
+        raise ValueError("placed.path: the names of the character's joints do not tell its legs")
+    try:
+        loop, speed_m_s = on_the_spot(clip, skeleton, legs)
+    except ValueError as fault:
+        raise ValueError(f"placed.path: '{clip.name}' is no walk ({fault})") from fault
+    walk = walk_along(GroundPath(path), loop, skeleton, legs, speed_m_s, scale=scale)
+    way = start.inverse() @ walk.plane_T_character
+    # The placement grows the character, and the way with it.
+    own = Motor.from_rotor_translation(way.rotor, way.translation_m / scale)
+    poses = walk.poses.coefficients.copy()
+    for root in np.flatnonzero(skeleton.parents < 0):
+        poses[:, root] = (own @ walk.poses[:, root]).coefficients
+    return Clip(f"{clip.name} along a path", walk.time_s, Motor.normalize(poses))
