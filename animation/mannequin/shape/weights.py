@@ -100,11 +100,11 @@ def _bones(skeleton: Skeleton) -> list[Bone]:
             at["right_thigh"] + [0, 0.02, 0.02],
             0.105,
         ),
-        Bone("hips", at["hips"], at["waist"], 0.13),
-        Bone("waist", at["waist"], at["spine"], 0.12),
-        Bone("spine", at["spine"], at["chest"], 0.13),
-        Bone("chest", at["chest"], at["neck"] - [0.0, 0.0, 0.08], 0.135),
-        Bone("neck", at["neck"], at["head"], 0.056),
+        Bone("hips", at["hips"], at["waist"], 0.125),
+        Bone("waist", at["waist"], at["spine"], 0.125),
+        Bone("spine", at["spine"], at["chest"], 0.125),
+        Bone("chest", at["chest"], at["neck"] - [0.0, 0.0, 0.08], 0.125),
+        Bone("neck", at["neck"], at["head"], 0.062),
         Bone("head", at["head"] + [0.015, 0.0, 0.02], at["head"] + [0.015, 0.0, 0.115], 0.085),
     ]
     for side in ("left", "right"):
