@@ -89,7 +89,7 @@ class OsmesaContext:
         made = library.OSMesaCreateContextAttribs(attributes, None)
         if not made:
             raise RenderUnavailable("OSMesa makes no OpenGL 3.3 core context on this machine")
-        self._context = ctypes.c_void_p(made)
+        self._context: ctypes.c_void_p | None = ctypes.c_void_p(made)
         self._size = (width, height)
         self._picture = np.zeros((height, width, 4), dtype=np.uint8)
         self.make_current()
@@ -97,10 +97,10 @@ class OsmesaContext:
     def make_current(self) -> None:
         """Direct this thread's OpenGL calls to the context; raises `ContextLost`."""
         buffer = ctypes.c_void_p(self._picture.ctypes.data)
-        done = self._library.OSMesaMakeCurrent(
+        # OSMesa trusts what it is given: a context that was destroyed would crash it.
+        if self._context is None or not self._library.OSMesaMakeCurrent(
             self._context, buffer, _GL_UNSIGNED_BYTE, *self._size
-        )
-        if not done:
+        ):
             raise ContextLost(_LOST.format("OSMesa"))
 
     def address(self, name: str) -> int:
@@ -110,6 +110,7 @@ class OsmesaContext:
     def destroy(self) -> None:
         """Give the context back."""
         self._library.OSMesaDestroyContext(self._context)
+        self._context = None
 
 
 def new_context(platform: Platform, width: int, height: int) -> Context:

@@ -17,7 +17,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Motor
 from motorcade.render.backends.contexts import new_context
-from motorcade.render.backends.platform import choose_platform
+from motorcade.render.backends.platform import ContextLost, choose_platform
 from motorcade.render.backends.renderer import (
     FAR_M,
     NEAR_M,
@@ -69,10 +69,14 @@ class OffscreenRenderer:
     def close(self) -> None:
         """Free the scene and the OpenGL context; closing twice does nothing."""
         if self._open:
-            self._context.make_current()
-            self._renderer.delete()
-            self._context.destroy()
             self._open = False
+            try:
+                self._context.make_current()
+                self._renderer.delete()
+            except ContextLost:
+                self._scene = None  # what it held went with the context
+            finally:
+                self._context.destroy()
 
     def show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
         """Set the scene, in place of any earlier one.
@@ -130,6 +134,7 @@ class OffscreenRenderer:
         Raises:
             ValueError: a camera with distortion or of another size.
             RuntimeError: no scene was shown, or the renderer is closed.
+            ContextLost: its context is gone.
         """
         if self._scene is None or not self._open:
             raise RuntimeError("render: call show() first, and not after close()")

@@ -189,6 +189,7 @@ def test_a_lost_context_is_told_of(name: str) -> None:
     renderer._context.destroy()  # type: ignore[attr-defined]
     with pytest.raises(ContextLost, match="context is lost"):
         renderer.render(Camera(64, 48, 50.0, 50.0, 31.5, 23.5), Motor.identity())
+    renderer.close()
     # others draw on
     assert drawn(name, [wall(2.0)], None).rgba.any()
 

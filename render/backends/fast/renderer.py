@@ -20,7 +20,7 @@ from motorcade.render.backends.contexts import Context, new_context
 from motorcade.render.backends.fast.meshes import Carried, Mesh, column_major
 from motorcade.render.backends.fast.pictures import Picture, ShadowMap
 from motorcade.render.backends.fast.programs import Programs
-from motorcade.render.backends.platform import RenderUnavailable, choose_platform
+from motorcade.render.backends.platform import ContextLost, RenderUnavailable, choose_platform
 from motorcade.render.backends.renderer import (
     FAR_M,
     NEAR_M,
@@ -92,13 +92,14 @@ class FastRenderer:
         """Free the scene and the OpenGL context; closing twice does nothing."""
         if self._open:
             self._open = False
-            self._context.make_current()
-            self._clear()
-            self._picture.release()
-            self._programs.release()
-            if self._shadows is not None:
-                self._shadows.release()
-            self._context.destroy()
+            try:
+                self._context.make_current()
+                self._free()
+            except ContextLost:
+                # What it held went with it.
+                self._meshes, self._carried = [], {}
+            finally:
+                self._context.destroy()
 
     def show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
         """Set the scene, in place of any earlier one.
@@ -221,6 +222,13 @@ class FastRenderer:
         if not self._open:
             raise RuntimeError(f"{verb}: the renderer was closed; call nothing after close()")
         self._context.make_current()
+
+    def _free(self) -> None:
+        self._clear()
+        self._picture.release()
+        self._programs.release()
+        if self._shadows is not None:
+            self._shadows.release()
 
     def _clear(self) -> None:
         for carried in self._carried.values():
