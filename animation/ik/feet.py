@@ -23,7 +23,7 @@ from motorcade.ga import FloatArray, Motor, Rotor
 __all__ = ["Ground", "Leg", "find_stances", "plant_feet"]
 
 # A stance: lower than this share of the foot's lift, and slower than this share of its fastest.
-LOW, SLOW = 0.25, 0.2
+LOW, SLOW = 0.25, 0.12
 SHORTEST_STANCE_S = 0.08
 # Legs are kept a little bent, so that knees do not snap.
 STRETCH = 0.998

@@ -1,0 +1,219 @@
+"""Captured walks and runs on other figures: bones, feet and methods of blending, measured."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.animation import Character, Clip, mannequin, skin
+from motorcade.animation.blend import BLEND_METHODS, closed, differences_m, split_root_motion
+from motorcade.animation.formats import read_character, read_motion
+from motorcade.animation.ik import find_stances, plant_feet
+from motorcade.animation.place import GroundPath, on_the_spot, walk_along
+from motorcade.animation.retarget import body_of, joints_alike, legs_of, retarget
+from motorcade.ga import Motor
+
+GAITS = ("walk", "jog", "run")
+FIGURES = ("arnaud", "makehuman", "sinbad", "mannequin")
+FILES = {"arnaud": "arnaud/arnaud_fbx.glb", "makehuman": "makehuman/mh_male_ge53_27k.glb",
+         "sinbad": "sinbad/sinbad.glb"}  # fmt: skip
+# A vertex stands that is this low for as many frames.
+TOUCH_M, STAND_FRAMES = 0.002, 6
+LIMBS = (("thigh", "calf"), ("calf", "foot"), ("upper_arm", "forearm"), ("forearm", "hand"))
+
+
+@pytest.fixture(scope="module")
+def figures(data_dir: Path) -> dict[str, Character]:
+    made = {name: read_character(data_dir / "rigs" / file) for name, file in FILES.items()}
+    return made | {"mannequin": mannequin()}
+
+
+@pytest.fixture(scope="module")
+def motions(data_dir: Path):
+    return {gait: read_motion(data_dir / "rigs" / "arnaud" / f"{gait}_fbx.glb") for gait in GAITS}
+
+
+def _limbs(skeleton, poses: Motor) -> np.ndarray:
+    """Unit directions of both arms and legs, ``(F, 8, 3)``."""
+    body, at = body_of(skeleton), skeleton.world(poses).translation_m
+    bones = [at[:, body[f"{side}_{b}"]] - at[:, body[f"{side}_{a}"]]
+             for side in ("left", "right") for a, b in LIMBS]  # fmt: skip
+    made = np.stack(bones, axis=1)
+    return made / np.linalg.norm(made, axis=-1, keepdims=True)
+
+
+@pytest.mark.parametrize("figure", FIGURES)
+@pytest.mark.parametrize("gait", GAITS)
+def test_arms_and_legs_point_where_the_actors_did(figures, motions, figure, gait):
+    """The rest of these motions is their first frame: a walk, no pose to compare by."""
+    motion, skeleton = motions[gait], figures[figure].skeleton
+    assert len(joints_alike(skeleton, motion.skeleton)) >= 50
+    clip = motion.clips[0]
+    made = retarget(clip, motion.skeleton, skeleton)
+    wanted = _limbs(motion.skeleton, clip.poses)
+    angle = np.arccos(np.clip(np.sum(_limbs(skeleton, made.poses) * wanted, axis=-1), -1, 1))
+    assert np.degrees(angle).max() < 1.0
+    # Hips go as far as the legs' lengths say, and stand as high over the feet.
+    hips, others = body_of(skeleton)["hips"], body_of(motion.skeleton)["hips"]
+    way, other = (s.world(c.poses).translation_m[[0, -1], j] for s, c, j in
+                  ((skeleton, made, hips), (motion.skeleton, clip, others)))  # fmt: skip
+    legs = [_leg_m(s) for s in (skeleton, motion.skeleton)]
+    np.testing.assert_allclose((way[1] - way[0]) / legs[0], (other[1] - other[0]) / legs[1],
+                               atol=0.02)  # fmt: skip
+
+
+def _leg_m(skeleton) -> float:
+    body, at = body_of(skeleton), skeleton.rest_world.translation_m
+    line = [at[body[f"left_{part}"]] for part in ("thigh", "calf", "foot")]
+    return sum(float(np.linalg.norm(b - a)) for a, b in pairwise(line))
+
+
+@pytest.mark.parametrize("gait", GAITS)
+def test_without_a_rest_to_compare_by_the_motion_tells_as_much(figures, motions, gait):
+    """The straight way against the way by the bound figure, whose rest can be compared."""
+    motion = motions[gait]
+    bound, target = figures["arnaud"].skeleton, figures["makehuman"].skeleton
+    straight = retarget(motion.clips[0], motion.skeleton, target)
+    by_rests = retarget(retarget(motion.clips[0], motion.skeleton, bound), bound, target)
+    one, other = target.world(straight.poses), target.world(by_rests.poses)
+    apart = np.degrees((one.rotor.inverse() @ other.rotor).angle()).mean(axis=0)
+    body = body_of(target)
+    for side in ("left", "right"):
+        for part in ("thigh", "calf", "upper_arm", "forearm", "hand"):
+            assert apart[body[f"{side}_{part}"]] < 10.0, part
+    for part in ("hips", "head", "left_foot", "right_foot"):
+        assert apart[body[part]] < 20.0, part
+
+
+def test_the_same_rig_copies_rotations(figures, motions):
+    motion, target = motions["walk"], figures["arnaud"].skeleton
+    made = retarget(motion.clips[0], motion.skeleton, target)
+    for name in ("LeftArm", "RightLeg", "Head", "Spine2"):
+        one, other = (s.world(c.poses)[:, s.index(name)].rotor for s, c in
+                      ((target, made), (motion.skeleton, motion.clips[0])))  # fmt: skip
+        assert float((one.inverse() @ other).angle().max()) < 1e-6
+
+
+def _soles(figure: Character) -> Character:
+    """The lowest part of the mesh, which alone can touch the ground."""
+    low = figure.vertices[:, 2] < 0.06 * figure.height_m
+    rows = (figure.vertices, figure.normals, figure.colors, figure.joints, figure.weights)
+    vertices, normals, colors, joints, weights = (row[low] for row in rows)
+    none = np.zeros((0, 3), dtype=np.int64)
+    return Character(figure.skeleton, vertices, normals, none, colors, joints, weights)
+
+
+def _contact(figure: Character, time_s, plain: Motor, poses: Motor, way: Motor):
+    """How far what touches the ground of a standing foot goes over it, and how low any part is.
+
+    A foot stands where `find_stances` says so of the plain motion; what touches of it counts.
+    """
+    soles, slide_m, ball_m = _soles(figure), 0.0, 0.0
+    held = way.reshape(-1, 1) @ figure.skeleton.world(poses)
+    at = way.reshape(-1, 1).apply(skin(soles, poses, "linear")[0])
+    world = way.reshape(-1, 1) @ figure.skeleton.world(plain)
+    carried_by = soles.joints[np.arange(len(soles.joints)), np.argmax(soles.weights, axis=1)]
+    for leg in legs_of(figure.skeleton):
+        ankle, ball = (figure.skeleton.index(name) for name in (leg.ankle, leg.ball))
+        standing = find_stances(world[:, ball].translation_m, time_s)
+        rows = np.flatnonzero(standing)
+        for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
+            moved = np.ptp(held[run, ball].translation_m[:, :2], axis=0)
+            ball_m = max(ball_m, float(np.linalg.norm(moved)))
+        for vertex in np.flatnonzero(np.isin(carried_by, (ankle, ball))):
+            touching = standing & (at[:, vertex, 2] < TOUCH_M)
+            rows = np.flatnonzero(touching)
+            for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
+                if len(run) >= STAND_FRAMES:
+                    moved = np.ptp(at[run, vertex, :2], axis=0)
+                    slide_m = max(slide_m, float(np.linalg.norm(moved)))
+    return slide_m, ball_m, float(at[..., 2].min())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", ["arnaud", "makehuman", "mannequin"])
+@pytest.mark.parametrize("gait", GAITS)
+def test_feet_of_a_retargeted_gait_neither_slide_nor_sink(figures, motions, figure, gait):
+    """At the clip's own speed, as it was captured."""
+    who, motion = figures[figure], motions[gait]
+    clip = retarget(motion.clips[0], motion.skeleton, who.skeleton)
+    stay = Motor.identity((len(clip.time_s),))
+    planted = plant_feet(who.skeleton, clip.time_s, clip.poses, legs_of(who.skeleton))
+    slide_m, ball_m, low_m = _contact(who, clip.time_s, clip.poses, planted, stay)
+    assert ball_m < 0.001
+    assert low_m > -0.01
+    # What touches rolls as well: in a jog toes roll over the ground while their ball is held.
+    assert slide_m < (0.01 if gait == "walk" else 0.06)
+    plain = _contact(who, clip.time_s, clip.poses, clip.poses, stay)
+    assert plain[1] > 0.01
+    print(figure, gait, "skin, ball, depth in mm:",
+          *(round(1e3 * x, 1) for x in (slide_m, ball_m, low_m)),
+          "before:", *(round(1e3 * x, 1) for x in plain))  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gait", [*GAITS, "own walk", "own jog", "own run"])
+def test_feet_along_a_path_neither_slide_nor_sink(figures, motions, gait):
+    who = figures["mannequin"]
+    if gait.startswith("own"):
+        clip = who.clip(gait.split()[1])
+    else:
+        motion = motions[gait]
+        clip = retarget(motion.clips[0], motion.skeleton, who.skeleton)
+    legs = legs_of(who.skeleton)
+    loop, speed_m_s = on_the_spot(clip, who.skeleton, legs)
+    path = GroundPath(np.array([[0, 0], [1.5, 0], [2.5, 1.0], [2.5, 2.5], [4.0, 3.0]]))
+    made = walk_along(path, loop, who.skeleton, legs, speed_m_s)
+    plain = loop.at(loop.time_s[0] + made.time_s)
+    slide_m, ball_m, low_m = _contact(who, made.time_s, plain, made.poses, made.plane_T_character)
+    assert ball_m < 0.001
+    assert low_m > -0.01
+    assert "walk" not in gait or slide_m < 0.01
+    print(gait, "skin, ball, depth in mm:",
+          *(round(1e3 * x, 1) for x in (slide_m, ball_m, low_m)))  # fmt: skip
+
+
+def test_the_mannequins_gaits_tell_their_speed_by_their_feet():
+    """The gaits were made for these speeds."""
+    figure = mannequin()
+    for name, made_for_m_s in (("walk", 1.25), ("jog", 2.4), ("run", 3.6)):
+        _, speed = on_the_spot(figure.clip(name), figure.skeleton, legs_of(figure.skeleton))
+        assert speed == pytest.approx(made_for_m_s, rel=0.01)
+
+
+def test_methods_differ_on_walk_to_run_by_what_theory_lets_them(figures, motions):
+    """Largest distance of a joint between two methods, halfway from walk to run and around."""
+    skeleton = figures["arnaud"].skeleton
+    clips = []
+    for gait in ("walk", "run"):
+        made = retarget(motions[gait].clips[0], motions[gait].skeleton, skeleton)
+        clips.append(closed(split_root_motion(made, skeleton)[0]))
+    found = {pair: 1e3 * apart for pair, apart in differences_m(*clips, skeleton).items()}
+    assert {name for pair in found for name in pair} == set(BLEND_METHODS)
+    ties = (
+        ("motor", "similarity"), ("motor", "dual_quaternion"), ("rotor", "quaternion"),
+        ("motor_linear", "dual_quaternion_linear"), ("rotor_linear", "quaternion_linear"),
+    )  # fmt: skip
+    for pair in ties:
+        assert _of(found, pair) < 1e-6
+    # Bones do not grow under any, so that methods differ by the speed of turns and the hips' way.
+    assert 1.0 < _of(found, ("motor", "motor_linear")) < 30.0
+    assert 1.0 < _of(found, ("rotor", "rotor_linear")) < 30.0
+    assert _of(found, ("motor", "rotor")) < 10.0
+    assert _of(found, ("motor", "euler")) > 20.0
+
+
+def _of(found: dict, pair: tuple[str, str]) -> float:
+    return float(found[pair] if pair in found else found[pair[::-1]])
+
+
+def test_a_gait_with_another_way_is_no_clip_on_the_spot(figures):
+    figure = figures["mannequin"]
+    with pytest.raises(ValueError, match="expected legs, as 'walk' stays on the spot"):
+        on_the_spot(figure.clip("walk"), figure.skeleton, [])
+    single = Clip("still", np.zeros(1), Motor.stack([figure.skeleton.rest]))
+    with pytest.raises(ValueError, match=r"expected rigid poses, two or more, in 'still'"):
+        on_the_spot(single, figure.skeleton, legs_of(figure.skeleton))
