@@ -24,6 +24,7 @@ from av.video.stream import VideoStream
 from motorcade.ga import IntArray
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.readers.frames import FRAME_LIMIT
+from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.readers.pictures import PIXEL_LIMIT
 from motorcade.replays.recording import Frame, ImageArray, Recording
 
@@ -42,12 +43,17 @@ def recognise(root: Path) -> bool:
 
 
 def read(root: Path, *, own_truth: bool = True) -> Recording:
-    """Read a video file; without a manifest nothing is known of its camera.
+    """Read a video file, with the IMU of a GoPro's telemetry where it holds one.
+
+    Without a manifest nothing is known of its camera, nor of how that sits on the IMU.
 
     Raises:
-        RecordingError: not a video, truncated, or without stamps.
+        RecordingError: not a video, truncated, without stamps, or with damaged telemetry.
     """
-    return Recording(name=root.stem, root=root, layout="video", frames=VideoFrames(root))
+    frames = VideoFrames(root)
+    return Recording(
+        name=root.stem, root=root, layout="video", frames=frames, imu=read_telemetry(root)
+    )
 
 
 class VideoFrames:

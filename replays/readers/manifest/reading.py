@@ -9,6 +9,7 @@ inside a recording may not.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -39,6 +40,8 @@ from motorcade.tracking.boards import Board
 from motorcade.tracking.camera import Camera
 
 __all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "STEREO_KEYS", "read"]
+
+_LOG = logging.getLogger("motorcade.replays")
 
 LOCAL_NAME = "motorcade.toml"
 _TOP = (
@@ -107,6 +110,11 @@ class _Manifest:
         if "truth" in self.top:
             section = self._section("truth", TRUTH_KEYS)
             made = replace(made, truth=read_truth(section, made, self._file))
+        if made.imu is not None and made.imu_T_camera is None:
+            _LOG.warning(
+                "%s: its IMU is left aside: give imu_T_camera in [imu] to use it", self.root
+            )
+            made = replace(made, imu=None)
         return made
 
     def _section(self, name: str, keys: tuple[str, ...]) -> Section:
