@@ -20,9 +20,13 @@ from motorcade.replays.stages.camera_poses import CameraPoses
 from motorcade.replays.stages.convergence import convergence
 from motorcade.replays.stages.fused import FusedPath, fused
 from motorcade.replays.stages.imu import Imu, imu
-from motorcade.tracking import PoseMeasurements
+from motorcade.replays.stages.metres import NoMetres, in_metres
+from motorcade.tracking import Camera, PoseMeasurements
+from motorcade.tracking.slam import MapSnapshot
+from motorcade.tracking.slam.results import SlamResult
 
 MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
+CAMERA = Camera(640, 480, 300.0, 300.0, 319.5, 239.5)
 OFFSET_S = 0.025
 
 
@@ -169,3 +173,46 @@ def test_a_recorded_odometry_bridges_what_the_camera_did_not_see(stream: ImuStre
         fused(recording(odometry=drifting()), poses, made, by="odometry", look_ahead=False)
     with pytest.raises(ValueError, match="holds none"):
         fused(recording(), poses, made, by="odometry")
+
+
+def mapped(truth: Trajectory) -> SlamResult:
+    """What SLAM by one camera makes of a path, in units of half a metre: a wall of points."""
+    rng = np.random.default_rng(6)
+    half = Motor.from_rotor_translation(truth.motors.rotor, 2.0 * truth.motors.translation_m)
+    noise = Motor.from_twist(rng.standard_normal((len(truth), 6)) * np.repeat([1e-3, 4e-3], 3))
+    frames = Trajectory(truth.time_ns, half @ noise)
+    keyframes = frames[::10]
+    places = keyframes.motors.translation_m.mean(axis=0)
+    points = places + keyframes.motors[0].rotor.apply(
+        rng.uniform([-6.0, -6.0, 8.0], [6.0, 6.0, 14.0], (60, 3))
+    )
+    rows, names = np.divmod(np.arange(len(keyframes) * 60), 60)
+    own = keyframes.motors[rows].inverse().apply(points[names])
+    ahead = own[:, 2] > 1.0
+    snapshot = MapSnapshot(
+        keyframes.time_ns, keyframes.motors, points, np.zeros((60, 32), np.uint8), rows[ahead],
+        names[ahead], CAMERA.project(own[ahead]), np.full(np.count_nonzero(ahead), np.nan), False,
+    )  # fmt: skip
+    spread = np.tile(np.diag(np.repeat([1e-3, 4e-3], 3) ** 2), (len(frames), 1, 1))
+    states = ("tracking",) * len(frames)
+    return SlamResult(frames, spread, frames.time_ns, states, None, snapshot, False, 0, {})
+
+
+def test_an_imu_tells_metres_where_it_was_carried_and_says_why_not(stream: ImuStream) -> None:
+    one = replace(with_imu(stream), camera=CAMERA)
+    found = in_metres(one, mapped(path()))
+    assert found.made.metres_a_unit == pytest.approx(0.5, rel=3 * found.scale_sigma)
+    assert found.scale_sigma < 0.05
+    judged = evaluate(found.made.measurements.trajectory, path(), align="se3")
+    assert judged.ape_m.rmse < 0.03
+    with pytest.raises(NoMetres, match="no IMU was recorded"):
+        in_metres(replace(one, imu=None), mapped(path()))
+    with pytest.raises(NoMetres, match="where the camera sits"):
+        in_metres(replace(one, imu_T_camera=None), mapped(path()))
+    still = Trajectory(path().time_ns, Motor.stack([path().motors[0]] * len(path())))
+    at_rest = simulate_imu(
+        still.transformed_by(right=MOUNT.inverse(), child="imu"), 200.0, ADIS16448,
+        np.random.default_rng(1),
+    ).stream  # fmt: skip
+    with pytest.raises(NoMetres, match="tell"):
+        in_metres(replace(one, imu=at_rest), mapped(still))

@@ -5,8 +5,9 @@ the standard deviation of the positions' second differences: a hand's own motion
 mm at 30 Hz. The reference is itself noisy (0.77 mm), so errors against it cannot fall much below
 the plain path's, while jitter needs no reference.
 
-The two smoothers were chosen for a hand-held camera at 30 Hz and are the same for every recording
-of the kind: one that knows the past alone, and one that looks 0.12 s ahead.
+Of the two smoothers one knows the past alone, and one looks 0.12 s ahead. Their settings were
+picked on this very recording, from about forty that were scored on the figures reported here: they
+show what such smoothers can reach on it, not what to expect of another recording.
 """
 
 from __future__ import annotations
