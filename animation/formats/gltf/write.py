@@ -64,6 +64,7 @@ def write_gltf(
     *,
     world_T_character: Trajectory | None = None,
     camera: CameraPath | None = None,
+    points_m: FloatArray | None = None,
 ) -> None:
     """Write a character with its skeleton, skin, vertex colours and clips.
 
@@ -77,15 +78,17 @@ def write_gltf(
         clips: motions of its skeleton; by default its own.
         world_T_character: where the character goes, and how large it is on the way.
         camera: a camera that moves with the path's clock; only with `world_T_character`.
+        points_m: (N, 3) a cloud of points in the path's world; only with `world_T_character`.
 
     Raises:
-        ValueError: another suffix, clips for another skeleton or of one name, or a camera without
-            a path.
+        ValueError: another suffix, clips for another skeleton or of one name, a camera or points
+            without a path, or points of another shape.
         OSError: the file cannot be written.
     """
     target = Path(path)
     chosen = tuple(character.clips if clips is None else clips)
     _check(target, character, chosen, world_T_character, camera)
+    _check_points(points_m, world_T_character)
     buffer = BinaryBuffer()
     first = 1 if world_T_character is None else 2
     document: dict[str, Any] = {
@@ -113,6 +116,8 @@ def write_gltf(
         animations.append(made.document(clip, looped=clip.looped and world_T_character is None))
     if animations:
         document["animations"] = animations
+    if points_m is not None:
+        _add_points(buffer, document, points_m)
     write_glb(target, document, buffer)
 
 
@@ -136,6 +141,24 @@ def _check(
                 f"write_gltf(clips): expected poses of {len(character.skeleton)} joints, got "
                 f"{clip.poses.shape[1]} in '{clip.name}'"
             )
+
+
+def _check_points(points_m: FloatArray | None, world_T_character: Trajectory | None) -> None:
+    if points_m is None:
+        return
+    if world_T_character is None:
+        raise ValueError("write_gltf(points_m): expected a path of the character too, got none")
+    shape = points_m.shape
+    if len(shape) != 2 or shape[1] != 3 or shape[0] == 0 or not np.all(np.isfinite(points_m)):
+        raise ValueError(f"write_gltf(points_m): expected finite points (N, 3), got {shape}")
+
+
+def _add_points(buffer: BinaryBuffer, document: dict[str, Any], points_m: FloatArray) -> None:
+    """A cloud of points below the world's node."""
+    place = buffer.add(points_m, target=VERTICES, bounds=True)
+    document["meshes"].append({"primitives": [{"attributes": {"POSITION": place}, "mode": 0}]})
+    document["nodes"][0]["children"].append(len(document["nodes"]))
+    document["nodes"].append({"name": "map", "mesh": len(document["meshes"]) - 1})
 
 
 def _nodes(character: Character, carried: bool, filmed: bool) -> list[dict[str, Any]]:

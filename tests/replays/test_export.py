@@ -1,0 +1,148 @@
+"""Runs written for other viewers, read back from the file's own numbers."""
+
+import json
+import struct
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motorcade.animation.formats import read_character
+from motorcade.replays.cli import main
+from motorcade.replays.export import Shown, open_run
+from motorcade.replays.pipeline import Job, run_job
+from motorcade.replays.synthetic_room import write_recording
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory, opengl: None) -> Path:
+    """A short run of the synthetic room, as far as its character's place."""
+    root = tmp_path_factory.mktemp("run")
+    write_recording(root / "room", frames=16)
+    once = ("smoothed.representations=motor",)
+    run_job(Job(recording=root / "room", out=root / "out", until="placed", settings=once))
+    return root / "out"
+
+
+@pytest.fixture(scope="module")
+def shown(finished: Path) -> Shown:
+    return open_run(finished)
+
+
+class Glb:
+    """The document and the arrays of a `.glb`, read with `struct` and NumPy alone."""
+
+    def __init__(self, path: Path) -> None:
+        data = path.read_bytes()
+        (length,) = struct.unpack_from("<I", data, 12)
+        self.document: dict[str, Any] = json.loads(data[20 : 20 + length])
+        self._binary = data[28 + length :]
+
+    def array(self, number: int) -> np.ndarray:
+        accessor = self.document["accessors"][number]
+        view = self.document["bufferViews"][accessor["bufferView"]]
+        width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+        values = np.frombuffer(
+            self._binary, "<f4", accessor["count"] * width, view.get("byteOffset", 0)
+        )
+        return values.reshape(-1, width)
+
+    def channel(self, node: int, path: str) -> tuple[np.ndarray, np.ndarray]:
+        animation = self.document["animations"][0]
+        for channel in animation["channels"]:
+            if channel["target"] == {"node": node, "path": path}:
+                sampler = animation["samplers"][channel["sampler"]]
+                return self.array(sampler["input"])[:, 0], self.array(sampler["output"])
+        raise AssertionError(f"no channel {path} of node {node}")
+
+
+def test_the_camera_of_the_gltf_goes_where_the_run_says(
+    finished: Path, shown: Shown, tmp_path: Path
+) -> None:
+    file = tmp_path / "run.glb"
+    assert main(["export", str(finished), "--gltf", str(file)]) == 0
+    glb = Glb(file)
+    (node,) = (k for k, one in enumerate(glb.document["nodes"]) if "camera" in one)
+    time_s, places = glb.channel(node, "translation")
+    path = shown.path
+    stamps = path.time_ns[0] + np.rint(time_s.astype(np.float64) * 1e9).astype(np.int64)
+    stamps = np.clip(stamps, path.time_ns[0], path.time_ns[-1])
+    expected = path.motors_at(stamps)
+    np.testing.assert_allclose(places, expected.translation_m, atol=2e-5)
+    turn_s, xyzw = glb.channel(node, "rotation")
+    stamps = path.time_ns[0] + np.rint(turn_s.astype(np.float64) * 1e9).astype(np.int64)
+    # glTF's camera looks along -z with y up, OpenCV's along z with y down.
+    x, y, z, w = xyzw.astype(np.float64).T
+    ahead = -np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
+    rotors = path.motors_at(np.clip(stamps, path.time_ns[0], path.time_ns[-1])).rotor
+    np.testing.assert_allclose(ahead, rotors.apply(np.array([0.0, 0.0, 1.0])), atol=2e-5)
+    lens = glb.document["cameras"][0]["perspective"]
+    assert np.tan(0.5 * lens["yfov"]) * shown.camera.fy == pytest.approx(0.5 * shown.camera.height)
+
+
+def test_the_character_of_the_gltf_stands_where_the_run_placed_it(
+    finished: Path, shown: Shown, tmp_path: Path
+) -> None:
+    file = tmp_path / "run.glb"
+    assert main(["export", str(finished), "--gltf", str(file)]) == 0
+    glb = Glb(file)
+    (node,) = (k for k, one in enumerate(glb.document["nodes"]) if one.get("name") == "path")
+    _, places = glb.channel(node, "translation")
+    stand = shown.placement.world_T_character.translation_m
+    np.testing.assert_allclose(places, np.broadcast_to(stand, places.shape), atol=1e-6)
+    assert len(read_character(file).triangles) == len(shown.character.triangles)
+
+
+def test_points_of_a_map_are_in_the_gltf(shown: Shown, tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    from motorcade.replays.export import write_run_gltf
+
+    points = np.random.default_rng(1).normal(size=(50, 3))
+    write_run_gltf(replace(shown, points_m=points), tmp_path / "map.glb")
+    glb = Glb(tmp_path / "map.glb")
+    (node,) = (one for one in glb.document["nodes"] if one.get("name") == "map")
+    primitive = glb.document["meshes"][node["mesh"]]["primitives"][0]
+    assert primitive["mode"] == 0
+    np.testing.assert_allclose(glb.array(primitive["attributes"]["POSITION"]), points, atol=1e-6)
+
+
+def test_without_rerun_one_line_says_what_brings_it(
+    finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.setitem(sys.modules, "rerun", None)
+    assert main(["export", str(finished), "--rrd", str(tmp_path / "run.rrd")]) == 1
+    assert "motorcade[viewer]" in capsys.readouterr().err
+    assert not (tmp_path / "run.rrd").exists()
+
+
+def test_rerun_reads_what_is_written(finished: Path, tmp_path: Path) -> None:
+    pytest.importorskip("rerun", reason="rerun-sdk is not installed")
+    file = tmp_path / "run.rrd"
+    assert main(["export", str(finished), "--rrd", str(file)]) == 0
+    assert file.read_bytes()[:4] == b"RRF2"
+    assert file.stat().st_size > 100_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--gltf", "x.obj"], "ends in .glb"),
+        ([], "got neither"),
+    ],
+)
+def test_bad_requests_are_refused_in_one_line(
+    finished: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], told: str
+) -> None:
+    assert main(["export", str(finished), *arguments]) == 1
+    assert told in capsys.readouterr().err
+
+
+def test_a_folder_without_a_run_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["export", str(tmp_path), "--gltf", "x.glb"]) == 1
+    assert "run.json is not there" in capsys.readouterr().err
