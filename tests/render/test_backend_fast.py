@@ -95,6 +95,32 @@ def test_outlines_agree_with_pyrender() -> None:
     assert both / either >= 0.995
 
 
+def test_wherever_a_surface_goes_nothing_is_cut_off_or_left_behind() -> None:
+    """Only the part of the picture that can hold something is cleared, resolved and read."""
+    shape = ball(np.zeros(3), 0.4, 12)
+    with FastRenderer(CAMERA.width, CAMERA.height) as ours:
+        theirs = new_renderer("pyrender", CAMERA.width, CAMERA.height)
+        for renderer in (ours, theirs):
+            renderer.show([shape], LIGHTING)
+        seen = 0
+        for place in (
+            [0, 0, 1],
+            [-1, 0.8, 2],
+            [9, 0, 2],
+            [0.7, -0.5, 1],
+            [0, 0, -2],
+            [0.3, 0, 0.3],
+        ):
+            for renderer in (ours, theirs):
+                renderer.move(0, shape.vertices + np.array(place), shape.normals)
+            found, expected = (r.render(CAMERA, Motor.identity()) for r in (ours, theirs))
+            np.testing.assert_array_equal(found.rgba[..., 3], expected.rgba[..., 3])
+            np.testing.assert_allclose(found.depth_m, expected.depth_m, rtol=1e-3)
+            seen += int(found.rgba.any())
+        theirs.close()
+    assert seen == 4
+
+
 @pytest.fixture(scope="module", params=["mannequin", "makehuman"])
 def character(request: pytest.FixtureRequest) -> Character:
     if request.param == "mannequin":

@@ -21,6 +21,8 @@ _ROWS: dict[SkinMethod, int] = {"linear": 3, "dual_quaternion": 2, "motor": 2, "
 class Mesh:
     """One surface: its vertices in a buffer that may change, the rest in buffers that do not.
 
+    `corners_m` (8, 3) hold it, where it is known how far it reaches.
+
     Args:
         gl: moderngl's context.
         programs: of the same context.
@@ -37,6 +39,7 @@ class Mesh:
         self.shape = surface.vertices.shape
         self.roughness = surface.roughness
         self.texture: Any = None
+        self.corners_m: FloatArray | None = _corners(surface.vertices)
         self.vertices = self._buffer(_interleaved(surface.vertices, surface.normals), dynamic=True)
         content = [(self.vertices, "3f4 3f4" if lit else "3f4 12x", *_vertex_names(lit))]
         if surface.colors is not None:
@@ -62,6 +65,7 @@ class Mesh:
     def move(self, vertices: FloatArray, normals: FloatArray) -> None:
         """Write new vertices and normals."""
         check_moved(self.shape, vertices, normals)
+        self.corners_m = _corners(vertices)
         self.vertices.write(_interleaved(vertices, normals))
 
     def read(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -147,6 +151,7 @@ class Carried:
         if placement is not None:
             matrix = placement.world_T_character.as_matrix()
             matrix[:3, :3] *= placement.scale
+        self._mesh.corners_m = None
         self._palette.write(np.ascontiguousarray(entries, np.float32))
         self._palette.use(0)
         self._program["palette"] = 0
@@ -162,6 +167,14 @@ class Carried:
 def column_major(matrix: FloatArray) -> bytes:
     """A matrix (4, 4) as OpenGL reads it."""
     return np.ascontiguousarray(matrix.T, np.float32).tobytes()
+
+
+def _corners(vertices: FloatArray) -> FloatArray | None:
+    """Corners of the box around vertices; None without any."""
+    if not len(vertices):
+        return None
+    ends = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
+    return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i, j, k in np.ndindex(2, 2, 2)])
 
 
 def _vertex_names(lit: bool) -> tuple[str, ...]:

@@ -10,6 +10,9 @@ from motorcade.render.backends.platform import RenderUnavailable
 from motorcade.render.backends.renderer import FAR_M, NEAR_M
 from motorcade.render.scene import DepthArray, Layer
 
+Box = tuple[int, int, int, int]
+"""Left, bottom, width and height in pixels, rows from the bottom."""
+
 SAMPLES = 4
 _FALL = NEAR_M / (FAR_M - NEAR_M)
 
@@ -27,6 +30,7 @@ class Picture:
 
     def __init__(self, gl: Any, size: tuple[int, int]) -> None:
         self._gl, self._size = gl, size
+        self._box: Box = (0, 0, *size)
         self._parts: list[Any] = []
         import moderngl
 
@@ -39,15 +43,27 @@ class Picture:
                 f"no memory for pictures of {size[0]} x {size[1]} with {SAMPLES} samples: {refused}"
             ) from refused
 
+    def begin(self, box: Box | None) -> None:
+        """Draw into it from now on, after clearing; with a box, nothing lies outside of it."""
+        self._box = (0, 0, *self._size) if box is None else box
+        self._resolved.scissor = self._box
+        self.drawn.scissor = self._box
+        self.drawn.use()
+        self.drawn.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+
     def read(self) -> Layer:
         """What was drawn, top row first, with depth in metres."""
         width, height = self._size
         self._gl.copy_framebuffer(self._resolved, self.drawn)
-        rgba = np.empty((height, width, 4), np.uint8)
-        depth = np.empty((height, width), np.float32)
-        self._resolved.read_into(rgba, components=4)
-        self._resolved.read_into(depth, components=1, attachment=-1, dtype="f4")
-        return Layer(_upright(rgba), _metres(_upright(depth)))
+        left, bottom, wide, high = self._box
+        rgba, depth = np.empty((high, wide, 4), np.uint8), np.empty((high, wide), np.float32)
+        self._resolved.read_into(rgba, viewport=self._box, components=4)
+        self._resolved.read_into(depth, self._box, 1, attachment=-1, dtype="f4")
+        layer = Layer(np.zeros((height, width, 4), np.uint8), np.zeros((height, width), np.float32))
+        # OpenGL's rows begin at the bottom.
+        held = slice(height - bottom - high, height - bottom), slice(left, left + wide)
+        layer.rgba[held], layer.depth_m[held] = rgba[::-1], _metres(depth)[::-1]
+        return layer
 
     def release(self) -> None:
         """Free it."""
@@ -88,11 +104,6 @@ class ShadowMap:
         """Free it."""
         self.drawn.release()
         self._texture.release()
-
-
-def _upright(rows: Any) -> Any:
-    """OpenGL's rows, which begin at the bottom, from the top."""
-    return np.ascontiguousarray(rows[::-1])
 
 
 def _metres(stored: DepthArray) -> DepthArray:

@@ -18,7 +18,7 @@ from motorcade.animation import Character, Placement
 from motorcade.ga import FloatArray, Motor
 from motorcade.render.backends.contexts import Context, new_context
 from motorcade.render.backends.fast.meshes import Carried, Mesh, column_major
-from motorcade.render.backends.fast.pictures import Picture, ShadowMap
+from motorcade.render.backends.fast.pictures import Box, Picture, ShadowMap
 from motorcade.render.backends.fast.programs import Programs
 from motorcade.render.backends.platform import ContextLost, RenderUnavailable, choose_platform
 from motorcade.render.backends.renderer import (
@@ -271,8 +271,7 @@ class FastRenderer:
     def _draw(self, camera: Camera, world_T_camera: Motor) -> None:
         pose = world_T_camera.as_matrix() @ OPENCV_T_OPENGL
         seen = column_major(_projection(camera) @ np.linalg.inv(pose))
-        self._picture.drawn.use()
-        self._picture.drawn.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+        self._picture.begin(_seen_box(self._meshes, camera, world_T_camera))
         for mesh in self._meshes:
             mesh.program["clip_from_world"].write(seen)
             if self._lighting is not None:
@@ -306,6 +305,24 @@ def _moderngl_context(context: Context) -> Any:
         ) from missing
     loader: Any = _Loader(context)
     return moderngl.create_context(context=loader)
+
+
+def _seen_box(meshes: Sequence[Mesh], camera: Camera, world_T_camera: Motor) -> Box | None:
+    """The part of the picture that can hold anything, or None where all of it can."""
+    corners = [mesh.corners_m for mesh in meshes if mesh.corners_m is not None]
+    if len(corners) < len(meshes) or not corners:
+        return None
+    seen = world_T_camera.inverse().apply(np.concatenate(corners))
+    # A box that reaches behind the camera is not bounded by the pictures of its corners.
+    if not np.all(seen[:, 2] > NEAR_M):
+        return None
+    pixels = camera.project(seen)
+    size = np.array([camera.width, camera.height])
+    # A pixel's samples lie up to half a pixel about its centre.
+    first = np.clip(np.floor(pixels.min(axis=0) - 0.5), 0, size - 1).astype(int)
+    last = np.clip(np.ceil(pixels.max(axis=0) + 0.5), 0, size - 1).astype(int)
+    wide, high = last - first + 1
+    return int(first[0]), int(camera.height - 1 - last[1]), int(wide), int(high)
 
 
 def _projection(camera: Camera) -> FloatArray:
