@@ -133,8 +133,8 @@ class Recording:
     Fields:
         name: for people; the folder's name unless a manifest says otherwise.
         root: the folder, or the video file.
-        layout: "euroc", "seven_scenes", "tum_rgbd", "kitti", "tagslam", "images", "video" or
-            "synthetic".
+        layout: "euroc", "seven_scenes", "tum_rgbd", "kitti", "tagslam", "ros", "images", "video"
+            or "synthetic".
         frames: the pictures.
         camera: intrinsics, of the pictures' size.
         baseline_m: how far to its right the camera of the frames' right pictures stands.
@@ -269,8 +269,8 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
     Args:
         path: the recording. Known layouts: EuRoC (`mav0/cam0/data.csv`), TUM RGB-D (`rgb.txt`),
             7-Scenes (`frame-000000.color.png`), KITTI odometry (`calib.txt` beside `image_0`),
-            TagSLAM's recorded corners (`tag_detections.bag`), a video file, and any folder with a
-            manifest.
+            TagSLAM's recorded corners (`tag_detections.bag`), a ROS bag (`.bag`, `.mcap`, `.db3`, a
+            folder with `metadata.yaml`), a video file, and any folder with a manifest.
         manifest: TOML file that describes the recording or adds to its layout (see
             `docs/manifests`). It may lie anywhere. Without it, `motorcade.toml` in the folder is
             used where there is one; since that one came with the recording, it may not point

@@ -24,6 +24,7 @@ __all__ = [
     "transform",
     "yaml_camera",
     "yaml_floats",
+    "yaml_model",
     "yaml_transform",
 ]
 
@@ -80,14 +81,23 @@ def yaml_camera(path: Path) -> Camera:
     content = read_yaml(path)
     size = yaml_floats(path, content, "resolution", 2)
     fx, fy, cx, cy = yaml_floats(path, content, "intrinsics", 4)
+    model, distortion = yaml_model(path, content), tuple[float, ...]()
+    if model != "pinhole":
+        distortion = yaml_floats(path, content, "distortion_coefficients", None)
+    return make_camera(path, size, (fx, fy, cx, cy), model, distortion)
+
+
+def yaml_model(path: Path, content: Mapping[str, object]) -> str:
+    """The camera model that a calibration's `distortion_model` stands for.
+
+    Raises:
+        RecordingError: an unknown one.
+    """
     name = str(content.get("distortion_model", "none")).strip().lower()
     if name not in _MODELS:
         problem = f"expected one of {', '.join(_MODELS)}, got {one_line(name)}"
         raise refusal(path, problem, field="distortion_model")
-    model, distortion = _MODELS[name], tuple[float, ...]()
-    if model != "pinhole":
-        distortion = yaml_floats(path, content, "distortion_coefficients", None)
-    return make_camera(path, size, (fx, fy, cx, cy), model, distortion)
+    return _MODELS[name]
 
 
 def yaml_transform(path: Path, key: str = "T_BS") -> Motor:

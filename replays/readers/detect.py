@@ -10,6 +10,7 @@ from motorcade.replays.errors import refusal
 from motorcade.replays.readers import (
     euroc,
     kitti,
+    ros_recording,
     seven_scenes,
     tagslam,
     tagslam_recording,
@@ -33,6 +34,7 @@ _LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (
     (seven_scenes.recognise, seven_scenes.read, "7-Scenes (frame-000000.color.png)"),
     (kitti.recognise, kitti.read, "KITTI (calib.txt beside image_2, image_0 or image_l)"),
     (tagslam.recognise, tagslam_recording.read, "TagSLAM's corners (tag_detections.bag)"),
+    (ros_recording.recognise, ros_recording.read, "a ROS bag (.bag, .mcap, metadata.yaml)"),
     (video.recognise, video.read, "a video file"),
 )
 
