@@ -146,6 +146,7 @@ def meshed(field: Field, triangles: int) -> Mesh:
 
     Raises:
         ModuleNotFoundError: scikit-image or scipy is not installed.
+        RuntimeError: no grid was found whose surface is one piece without handles.
     """
     step = float(np.sqrt(np.interp(triangles, *GUESS) / triangles))
     for _ in range(TRIES):
@@ -157,6 +158,8 @@ def meshed(field: Field, triangles: int) -> Mesh:
             step *= 0.985
         else:
             break
+    else:
+        raise RuntimeError(f"meshed: no grid gives about {triangles} triangles in one whole piece")
     middle = points[:, 1] == 0.0
     both, whole = _mirrored(points, faces, middle)
     half = _relaxed(both, whole)[: len(points)]
