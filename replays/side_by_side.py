@@ -31,7 +31,7 @@ from motorcade.replays.synthetic_room.scene import room
 
 __all__ = ["paths_side_by_side", "swing", "write_side_by_side"]
 
-RATE_HZ, SECONDS, WINDOW_S = 30.0, 6.0, 0.3
+RATE_HZ, SECONDS, WINDOW_S = 30.0, 4.0, 0.4
 SIGMA_M, SIGMA_RAD, SEED = 0.003, np.deg2rad(0.4), 7
 EYE_M, DRIFT = (-0.62, 0.05, 0.24), 0.2
 STRIP_PX = 130
@@ -39,7 +39,7 @@ STRIP_PX = 130
 
 def swing() -> Trajectory:
     """`world_T_camera` that swings through gimbal lock, at the table of the synthetic room."""
-    motion = gimbal_crossing(1.0, reach_rad=float(np.deg2rad(13.0)))
+    motion = gimbal_crossing(2.0, reach_rad=float(np.deg2rad(22.0)))
     sampled = motion.sampled(RATE_HZ, SECONDS)
     given = sampled.motors
     upright = Rotor.from_rotation_vector([0.0, 0.0, -0.5 * np.pi])
@@ -104,7 +104,7 @@ def write_side_by_side(out: Path) -> dict[str, Path]:
     ways = smoothed_paths(measured)
     written = {}
     for name, paths, highest in (
-        ("representations", ways, 30.0),
+        ("representations", ways, 90.0),
         ("raw_and_smoothed", {"measured": measured, "motor": ways["motor"]}, None),
     ):
         frames = list(paths_side_by_side(truth, paths, highest))

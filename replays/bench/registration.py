@@ -3,7 +3,9 @@
 The board is drawn into every frame along the path, and its drawn corners are found again by the
 detector that found the real ones. Once on the frames as they were taken, drawn through the lens,
 and once on frames whose distortion was taken out. Beside it, how much a virtual point above the
-board jumps from frame to frame against where the reference path puts it.
+board shakes in the picture along each path. Smoothing calms the point, but the footage itself is
+shaken by the hand that took it: what is smoother than that slides against it, and the distances of
+corners say by how much.
 
     python -m motorcade.replays.bench.registration
 """
@@ -11,11 +13,12 @@ board jumps from frame to frame against where the reference path puts it.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from motorcade.fusion.smooth import smooth
 from motorcade.ga import FloatArray, Motor, Trajectory
 from motorcade.render.backends.renderer import new_renderer
 from motorcade.render.composite import as_rgb, over
@@ -23,12 +26,13 @@ from motorcade.render.lens import LensWarp
 from motorcade.render.printed import printed_surface
 from motorcade.render.scene import ImageArray
 from motorcade.replays.bench.data import data_folder
+from motorcade.replays.bench.tracking.board_smoothing import CAUSAL, OFFLINE
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.tracking import BoardTrack, track_board
 from motorcade.tracking.boards import Checkerboard
 from motorcade.tracking.camera import Camera
 
-__all__ = ["Registration", "drawn_corner_distances_px", "jumps_px", "vamr_board"]
+__all__ = ["Registration", "drawn_corner_distances_px", "shake_px", "vamr_board"]
 
 PIXELS_PER_M = 4000.0
 INK, PAPER = np.array([32, 44, 96]), np.array([244, 240, 228])
@@ -103,23 +107,20 @@ def drawn_corner_distances_px(
     return Registration(np.concatenate(distances), looked, len(distances))
 
 
-def jumps_px(path: Trajectory, reference: Trajectory, camera: Camera, point_m: FloatArray) -> float:
-    """Root mean square change, from frame to frame, of where a path puts a point of the world.
+def shake_px(path: Trajectory, camera: Camera, point_m: FloatArray) -> float:
+    """How much a point of the world shakes in the pictures along a path, pixels.
 
-    Measured against where the reference puts it, so the camera's own motion does not count.
+    Root mean square of third differences over √20: the deviation of white noise that would give
+    them, while smooth motion hardly counts.
 
     Args:
-        path: `world_T_camera`.
-        reference: likewise; stamps of `path` that it covers count.
+        path: `world_T_camera`, at even stamps.
         camera: who sees the point.
         point_m: (3,) world.
     """
-    inside = (path.time_ns >= reference.time_ns[0]) & (path.time_ns <= reference.time_ns[-1])
-    stamps = path.time_ns[inside]
-    seen = [
-        camera.project(one.motors_at(stamps).inverse().apply(point_m)) for one in (path, reference)
-    ]
-    return float(np.sqrt(np.mean(np.sum(np.diff(seen[0] - seen[1], axis=0) ** 2, axis=1))))
+    seen = camera.project(path.motors.inverse().apply(point_m))
+    third = np.diff(seen, 3, axis=0)
+    return float(np.sqrt(np.mean(np.sum(third**2, axis=1)) / 20.0))
 
 
 def vamr_board() -> tuple[Recording, Checkerboard, Camera, BoardTrack]:
@@ -141,8 +142,6 @@ def vamr_board() -> tuple[Recording, Checkerboard, Camera, BoardTrack]:
 
 def straightened(track: BoardTrack, camera: Camera) -> BoardTrack:
     """The same track with its corners as the camera without distortion would have them."""
-    from dataclasses import replace
-
     moved = tuple(
         replace(seen, corners_px=camera.straighten(seen.corners_px)) for seen in track.observations
     )
@@ -151,14 +150,11 @@ def straightened(track: BoardTrack, camera: Camera) -> BoardTrack:
 
 def main() -> None:
     """Measure and print."""
-    from motorcade.fusion.smooth import smooth
-
     recording, board, camera, track = vamr_board()
     raw = track.measurements.trajectory
-    paths = {
-        "as tracked": raw,
-        "smoothed": smooth(raw, "local_polynomial", "motor", window_s=0.3, order=2),
-    }
+    paths = {"as tracked": raw}
+    for name, (method, settings) in (("causal", CAUSAL), ("offline", OFFLINE)):
+        paths[name] = smooth(raw, method, "motor", **settings)
     pictures = [(frame.time_ns, frame.image()) for frame in recording.frames]
     straight = [(stamp, camera.undistort_image(one)) for stamp, one in pictures]
     for name, path in paths.items():
@@ -173,12 +169,11 @@ def main() -> None:
                 f"{found.frames} frames"
             )
     if recording.truth is not None:
-        jump = {
-            name: jumps_px(path, recording.truth, camera, np.array(ABOVE_M))
-            for name, path in paths.items()
-        }
-        for name, pixels in jump.items():
-            print(f"{name:<12}jumps {pixels:.3f} px a frame, {pixels / jump['as tracked']:.2f}")
+        paths["reference"] = recording.truth
+    calm = shake_px(raw, camera, np.array(ABOVE_M))
+    for name, path in paths.items():
+        pixels = shake_px(path, camera, np.array(ABOVE_M))
+        print(f"{name:<12}shakes {pixels:.3f} px, {pixels / calm:.2f} of as tracked")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,96 @@
+"""Drawn pictures bent, blurred, brightened and made noisy as the footage is."""
+
+import cv2
+import numpy as np
+import pytest
+
+from motorcade.render.lens import LensWarp
+from motorcade.render.matching import Matching, blended, exposed, frame_noise, noisy
+from motorcade.render.scene import Layer
+from motorcade.tracking.camera import Camera
+
+BENT = Camera(160, 120, 110.0, 110.0, 79.0, 60.0, "radtan", (-0.25, 0.05, 0.002, -0.001))
+
+
+def dotted(camera: Camera, point_px: np.ndarray) -> Layer:
+    """A soft dot around a pixel, drawn as a layer."""
+    y, x = np.mgrid[: camera.height, : camera.width]
+    square = (x - point_px[0]) ** 2 + (y - point_px[1]) ** 2
+    alpha = np.rint(255.0 * np.exp(-square / 8.0)).astype(np.uint8)
+    depth = np.where(alpha > 0, 2.0, 0.0).astype(np.float32)
+    return Layer(np.repeat(alpha[..., None], 4, axis=2), depth)
+
+
+def test_a_bent_layer_shows_points_where_the_lens_does() -> None:
+    lens = LensWarp(BENT)
+    for ray in ([-0.5, -0.4, 1.0], [0.0, 0.0, 1.0], [0.55, 0.3, 1.0], [0.3, -0.45, 1.0]):
+        bent = lens.layer(dotted(lens.pinhole, lens.pinhole.project(ray)))
+        weight = bent.rgba[..., 3].astype(float)
+        y, x = np.mgrid[: BENT.height, : BENT.width]
+        middle = np.array([np.sum(weight * x), np.sum(weight * y)]) / weight.sum()
+        np.testing.assert_allclose(middle, BENT.project(ray), atol=0.2)
+
+
+def test_the_pinhole_picture_holds_every_bent_pixel() -> None:
+    lens = LensWarp(BENT)
+    full = np.full((lens.pinhole.height, lens.pinhole.width), 1.0)
+    np.testing.assert_allclose(lens.smooth(full), 1.0, atol=1e-6)
+
+
+def test_a_camera_without_distortion_changes_nothing() -> None:
+    plain = BENT.undistorted()
+    lens = LensWarp(plain)
+    layer = dotted(plain, np.array([50.0, 60.0]))
+    assert lens.layer(layer) is layer
+
+
+def test_a_lens_too_wide_for_a_pinhole_is_refused() -> None:
+    fisheye = Camera(200, 200, 64.0, 64.0, 99.5, 99.5, "equidistant", (0.0, 0.0, 0.0, 0.0))
+    with pytest.raises(ValueError, match="undistort the footage instead"):
+        LensWarp(fisheye)
+
+
+def test_twice_the_light_is_twice_the_light() -> None:
+    layer = Layer(np.full((4, 4, 4), 255, dtype=np.uint8), np.ones((4, 4), dtype=np.float32))
+    layer.rgba[..., :3] = 90
+    shown = exposed(layer, 2.0).rgba[..., :3]
+    np.testing.assert_allclose((shown / 90.0) ** 2.2, 2.0, rtol=0.02)
+    assert exposed(layer, 1000.0).rgba[..., :3].max() == 255
+    half = Layer(layer.rgba // 2, layer.depth_m)
+    assert exposed(half, 1000.0).rgba[..., :3].max() == 127  # never more than its alpha
+
+
+def test_motion_blur_is_the_mean_over_the_exposure() -> None:
+    moments = Matching(exposure_s=0.02).moments_ns(1_000_000_000)
+    assert moments.mean() == 1_000_000_000
+    assert abs(int(moments[-1] - moments[0]) - 0.02e9 * 6 / 7) < 2
+    np.testing.assert_array_equal(Matching().moments_ns(5), [5])
+    layers = [dotted(BENT, np.array([60.0 + k, 50.0])) for k in range(7)]
+    mixed = blended(layers)
+    expected = np.mean([layer.rgba for layer in layers], axis=0)
+    np.testing.assert_allclose(mixed.rgba, expected, atol=0.5)
+    assert np.all((mixed.depth_m > 0.0) == np.any([one.depth_m > 0 for one in layers], axis=0))
+
+
+def test_noise_is_measured_and_made_as_strong_as_said(rng: np.random.Generator) -> None:
+    y, x = np.mgrid[:240, :320]
+    plain = np.repeat((60 + 0.3 * x + 0.2 * y)[..., None], 3, axis=2)
+    grain = rng.normal(0.0, 4.0, (240, 320, 1))
+    seen = np.clip(np.rint(plain + grain), 0, 255).astype(np.uint8)
+    assert frame_noise(seen) == pytest.approx(4.0, rel=0.1)
+    smooth = np.rint(plain).astype(np.uint8)
+    assert frame_noise(cv2.GaussianBlur(smooth, (0, 0), 2)) < 0.6
+    alpha = np.zeros((240, 320))
+    alpha[:, 160:] = 1.0
+    made = noisy(smooth, alpha, 4.0, rng)
+    np.testing.assert_array_equal(made[:, :160], smooth[:, :160])
+    assert (made[:, 160:].astype(float) - smooth[:, 160:]).std() == pytest.approx(4.0, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [({"gain": 0.0}, "gain"), ({"exposure_s": -1.0}, "exposure_s"), ({"noise": np.nan}, "noise")],
+)
+def test_matching_that_means_nothing_is_refused(settings: dict[str, float], told: str) -> None:
+    with pytest.raises(ValueError, match=f"Matching.{told}"):
+        Matching(**settings)
