@@ -1,4 +1,4 @@
-// The transitions' products, compiled for the processors that x86 has; the loader picks.
+// What transitions and measurements make of covariances, compiled for the processors that x86 has; the loader picks.
 
 #include "covariance.h"
 
@@ -6,13 +6,6 @@
 #define MOTORCADE_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define MOTORCADE_CLONES
-#endif
-
-// A clone's loops are only as wide as the clone where they are part of it.
-#if defined(__GNUC__)
-#define MOTORCADE_INLINE inline __attribute__((always_inline))
-#else
-#define MOTORCADE_INLINE inline
 #endif
 
 namespace motorcade::filter {
@@ -126,14 +119,143 @@ template <std::size_t N> MOTORCADE_INLINE void propagated(Matrix<N> &p, const Tr
 
 template <std::size_t N>
 MOTORCADE_INLINE void propagated_back(Matrix<N> &curvature, double *gradient, const Transition &f) {
+    constexpr std::size_t W = Matrix<N>::width;
     Matrix<N> once, across;
-    alignas(64) double row[N][4] = {}, moved[N][4];
-    carried_back<N, Matrix<N>::width>(f, curvature.row, once.row);
+    if constexpr (W > N) {  // the gradient goes along in a column that nothing else needs
+        for (std::size_t i = 0; i < N; ++i) curvature.row[i][N] = gradient[i];
+        carried_back<N, W>(f, curvature.row, once.row);
+        for (std::size_t i = 0; i < N; ++i) gradient[i] = once.row[i][N];
+    } else {
+        alignas(64) double row[N][4] = {}, moved[N][4];
+        for (std::size_t i = 0; i < N; ++i) row[i][0] = gradient[i];
+        carried_back<N, 4>(f, row, moved);
+        for (std::size_t i = 0; i < N; ++i) gradient[i] = moved[i][0];
+        carried_back<N, W>(f, curvature.row, once.row);
+    }
     transpose<N>(once.row, across.row);
-    carried_back<N, Matrix<N>::width>(f, across.row, curvature.row);
-    for (std::size_t i = 0; i < N; ++i) row[i][0] = gradient[i];
-    carried_back<N, 4>(f, row, moved);
-    for (std::size_t i = 0; i < N; ++i) gradient[i] = moved[i][0];
+    carried_back<N, W>(f, across.row, curvature.row);
+}
+
+// Inverse of a symmetric positive definite matrix by Cholesky; false where it is not one.
+MOTORCADE_INLINE bool invert(std::size_t m, const double (*given)[widest], double (*made)[widest]) {
+    double lower[widest][widest], right[widest][widest], over[widest];
+    for (std::size_t i = 0; i < m; ++i)
+        for (std::size_t j = 0; j <= i; ++j) {
+            double sum = given[i][j];
+            for (std::size_t k = 0; k < j; ++k) sum -= lower[i][k] * lower[j][k];
+            if (i == j && !(sum > 0.0)) return false;
+            if (i == j) over[i] = 1.0 / std::sqrt(sum);
+            lower[i][j] = sum * over[j];
+        }
+    for (std::size_t j = 0; j < m; ++j) {
+        right[j][j] = over[j];
+        for (std::size_t i = j + 1; i < m; ++i) {
+            double sum = 0.0;
+            for (std::size_t k = j; k < i; ++k) sum -= lower[i][k] * right[k][j];
+            right[i][j] = sum * over[i];
+        }
+    }
+    for (std::size_t i = 0; i < m; ++i)
+        for (std::size_t j = 0; j <= i; ++j) {
+            double sum = 0.0;
+            for (std::size_t k = i; k < m; ++k) sum += right[k][i] * right[k][j];
+            made[i][j] = made[j][i] = sum;
+        }
+    return true;
+}
+
+template <std::size_t N>
+MOTORCADE_INLINE bool weighed(const Matrix<N> &p, const Innovation<N> &given, double factor, Gain<N> &made) {
+    constexpr std::size_t W = Matrix<N>::width;
+    const std::size_t m = given.size;
+    alignas(64) double across[N][widest] = {}, total[widest][widest];
+    for (std::size_t a = 0; a < m; ++a) {
+        alignas(64) double sum[W] = {};
+        for (std::size_t k = 0; k < N; ++k)
+            if (given.effect[a][k] != 0.0) add<W>(sum, given.effect[a][k], p.row[k]);
+        for (std::size_t k = 0; k < W; ++k) made.spread[a][k] = sum[k];
+        for (std::size_t k = 0; k < N; ++k) across[k][a] = sum[k];
+    }
+    for (std::size_t a = 0; a < m; ++a) {
+        for (std::size_t b = 0; b < widest; ++b) total[a][b] = factor * given.noise[a][b];
+        for (std::size_t k = 0; k < N; ++k)
+            if (given.effect[a][k] != 0.0) add<widest>(total[a], given.effect[a][k], across[k]);
+        for (std::size_t b = 0; b < widest; ++b) made.total[a][b] = total[a][b];
+    }
+    if (!invert(m, total, made.inverse)) return false;
+    made.nis = 0.0;
+    for (std::size_t a = 0; a < m; ++a) {
+        alignas(64) double sum[W] = {};
+        double square = 0.0;
+        for (std::size_t b = 0; b < m; ++b) {
+            add<W>(sum, made.inverse[a][b], made.spread[b]);
+            square += made.inverse[a][b] * given.residual[b];
+        }
+        for (std::size_t k = 0; k < W; ++k) made.gain[a][k] = sum[k];
+        made.nis += given.residual[a] * square;
+    }
+    return true;
+}
+
+// P - K (H P) - (P H' - K S) K', which is Joseph's form multiplied out.
+template <std::size_t N> MOTORCADE_INLINE void updated(Matrix<N> &p, const Innovation<N> &given, const Gain<N> &by) {
+    constexpr std::size_t W = Matrix<N>::width;
+    const std::size_t m = given.size;
+    alignas(64) double left[widest][W];
+    for (std::size_t a = 0; a < m; ++a) {
+        for (std::size_t k = 0; k < W; ++k) left[a][k] = by.spread[a][k];
+        for (std::size_t b = 0; b < m; ++b) add<W>(left[a], -by.total[b][a], by.gain[b]);
+    }
+    for (std::size_t i = 0; i < N; ++i) {
+        alignas(64) double row[W];
+        for (std::size_t k = 0; k < W; ++k) row[k] = p.row[i][k];
+        for (std::size_t a = 0; a < m; ++a) {
+            add<W>(row, -by.gain[a][i], by.spread[a]);
+            add<W>(row, -left[a][i], by.gain[a]);
+        }
+        for (std::size_t k = 0; k < W; ++k) p.row[i][k] = row[k];
+    }
+    symmetrise(p);
+}
+
+// Λ - H' Z - Z' H with Z = K' Λ - ½ (K' Λ K + S⁻¹) H.
+template <std::size_t N>
+MOTORCADE_INLINE void updated_back(Matrix<N> &curvature, const Innovation<N> &given, const Gain<N> &by) {
+    constexpr std::size_t W = Matrix<N>::width;
+    const std::size_t m = given.size;
+    alignas(64) double pulled[widest][W] = {}, across[N][widest] = {};
+    for (std::size_t i = 0; i < N; ++i)
+        for (std::size_t a = 0; a < m; ++a) add<W>(pulled[a], by.gain[a][i], curvature.row[i]);
+    for (std::size_t a = 0; a < m; ++a)
+        for (std::size_t i = 0; i < N; ++i) across[i][a] = pulled[a][i];
+    alignas(64) double part[widest][W];
+    for (std::size_t a = 0; a < m; ++a) {
+        alignas(64) double square[widest] = {};
+        for (std::size_t b = 0; b < m; ++b) square[b] = by.inverse[a][b];
+        for (std::size_t i = 0; i < N; ++i) add<widest>(square, by.gain[a][i], across[i]);
+        for (std::size_t k = 0; k < W; ++k) part[a][k] = pulled[a][k];
+        for (std::size_t b = 0; b < m; ++b)
+            for (std::size_t k = 0; k < N; ++k) part[a][k] -= 0.5 * square[b] * given.effect[b][k];
+    }
+    // Twice the one product: the mean with its transpose is what both make.
+    for (std::size_t a = 0; a < m; ++a)
+        for (std::size_t k = 0; k < N; ++k)
+            if (given.effect[a][k] != 0.0) add<W>(curvature.row[k], -2.0 * given.effect[a][k], part[a]);
+    symmetrise(curvature);
+}
+
+template <std::size_t N> MOTORCADE_INLINE void sharpened(Matrix<N> &p, const Matrix<N> &curvature) {
+    constexpr std::size_t W = Matrix<N>::width;
+    Matrix<N> product;
+    for (std::size_t i = 0; i < N; ++i)
+        for (std::size_t k = 0; k < N; ++k) add<W>(product.row[i], curvature.row[i][k], p.row[k]);
+    for (std::size_t i = 0; i < N; ++i) {
+        alignas(64) double row[W];
+        for (std::size_t k = 0; k < W; ++k) row[k] = p.row[i][k];
+        for (std::size_t k = 0; k < N; ++k) add<W>(row, -p.row[i][k], product.row[k]);
+        for (std::size_t k = 0; k < W; ++k) p.row[i][k] = row[k];
+    }
+    symmetrise(p);
 }
 
 }  // namespace
@@ -146,5 +268,25 @@ MOTORCADE_CLONES void propagate_back(Matrix<15> &curvature, double *gradient, co
 MOTORCADE_CLONES void propagate_back(Matrix<24> &curvature, double *gradient, const Transition &f) {
     propagated_back<24>(curvature, gradient, f);
 }
+MOTORCADE_CLONES bool weigh(const Matrix<15> &p, const Innovation<15> &given, double factor, Gain<15> &made) {
+    return weighed<15>(p, given, factor, made);
+}
+MOTORCADE_CLONES void update(Matrix<15> &p, const Innovation<15> &given, const Gain<15> &by) {
+    updated<15>(p, given, by);
+}
+MOTORCADE_CLONES void update_back(Matrix<15> &curvature, const Innovation<15> &given, const Gain<15> &by) {
+    updated_back<15>(curvature, given, by);
+}
+MOTORCADE_CLONES void sharpen(Matrix<15> &p, const Matrix<15> &curvature) { sharpened<15>(p, curvature); }
+MOTORCADE_CLONES bool weigh(const Matrix<24> &p, const Innovation<24> &given, double factor, Gain<24> &made) {
+    return weighed<24>(p, given, factor, made);
+}
+MOTORCADE_CLONES void update(Matrix<24> &p, const Innovation<24> &given, const Gain<24> &by) {
+    updated<24>(p, given, by);
+}
+MOTORCADE_CLONES void update_back(Matrix<24> &curvature, const Innovation<24> &given, const Gain<24> &by) {
+    updated_back<24>(curvature, given, by);
+}
+MOTORCADE_CLONES void sharpen(Matrix<24> &p, const Matrix<24> &curvature) { sharpened<24>(p, curvature); }
 
 }  // namespace motorcade::filter

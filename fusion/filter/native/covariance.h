@@ -10,6 +10,13 @@
 #include <cstddef>
 #include <vector>
 
+// A clone's loops are only as wide as the clone where they are part of it.
+#if defined(__GNUC__)
+#define MOTORCADE_INLINE inline __attribute__((always_inline))
+#else
+#define MOTORCADE_INLINE inline
+#endif
+
 namespace motorcade::filter {
 
 constexpr std::size_t turn = 0, position = 3, velocity = 6, gyro = 9, accel = 12;
@@ -35,7 +42,7 @@ template <std::size_t N> struct Matrix {
     alignas(64) double row[N][width] = {};
 };
 
-template <std::size_t W> inline void add(double *__restrict to, double factor, const double *__restrict from) {
+template <std::size_t W> MOTORCADE_INLINE void add(double *__restrict to, double factor, const double *__restrict from) {
     for (std::size_t c = 0; c < W; ++c) to[c] += factor * from[c];
 }
 
@@ -47,14 +54,14 @@ void propagate(Matrix<24> &p, const Transition &f, const Densities &q);
 void propagate_back(Matrix<15> &curvature, double *gradient, const Transition &f);
 void propagate_back(Matrix<24> &curvature, double *gradient, const Transition &f);
 
-template <std::size_t N> inline void transpose(const double (*from)[Matrix<N>::width], double (*to)[Matrix<N>::width]) {
+template <std::size_t N> MOTORCADE_INLINE void transpose(const double (*from)[Matrix<N>::width], double (*to)[Matrix<N>::width]) {
     for (std::size_t i = 0; i < N; ++i)
         for (std::size_t j = 0; j < N; ++j) to[j][i] = from[i][j];
     for (std::size_t i = 0; i < N; ++i)
         for (std::size_t j = N; j < Matrix<N>::width; ++j) to[i][j] = 0.0;
 }
 
-template <std::size_t N> inline void symmetrise(Matrix<N> &p) {
+template <std::size_t N> MOTORCADE_INLINE void symmetrise(Matrix<N> &p) {
     for (std::size_t i = 0; i < N; ++i)
         for (std::size_t j = 0; j < i; ++j) p.row[i][j] = p.row[j][i] = 0.5 * (p.row[i][j] + p.row[j][i]);
 }
@@ -80,93 +87,31 @@ template <std::size_t N> struct Innovation {
     double noise[widest][widest] = {};
 };
 
-// A step of Kalman's: gain N x m, inverse of the innovation's covariance, normalised square.
+// A step of Kalman's, a row a number of the measurement: what the covariance P makes of its derivative
+// (H P), the gain, the innovation's covariance with its inverse, and the normalised square.
 template <std::size_t N> struct Gain {
-    double gain[N][widest] = {};
-    double inverse[widest][widest] = {};
+    alignas(64) double spread[widest][Matrix<N>::width];
+    alignas(64) double gain[widest][Matrix<N>::width];
+    double total[widest][widest];
+    double inverse[widest][widest];
     double nis = 0.0;
 };
 
-// Inverse of a symmetric positive definite matrix by Cholesky; false where it is not one.
-inline bool invert(std::size_t m, const double (*given)[widest], double (*made)[widest]) {
-    double lower[widest][widest] = {}, right[widest][widest] = {};
-    for (std::size_t i = 0; i < m; ++i)
-        for (std::size_t j = 0; j <= i; ++j) {
-            double sum = given[i][j];
-            for (std::size_t k = 0; k < j; ++k) sum -= lower[i][k] * lower[j][k];
-            if (i == j && !(sum > 0.0)) return false;
-            lower[i][j] = i == j ? std::sqrt(sum) : sum / lower[j][j];
-        }
-    for (std::size_t j = 0; j < m; ++j)
-        for (std::size_t i = j; i < m; ++i) {
-            double sum = i == j ? 1.0 : 0.0;
-            for (std::size_t k = j; k < i; ++k) sum -= lower[i][k] * right[k][j];
-            right[i][j] = sum / lower[i][i];
-        }
-    for (std::size_t i = 0; i < m; ++i)
-        for (std::size_t j = 0; j < m; ++j) {
-            double sum = 0.0;
-            for (std::size_t k = i > j ? i : j; k < m; ++k) sum += right[k][i] * right[k][j];
-            made[i][j] = sum;
-        }
-    return true;
-}
-
-// The gain for noise that is `factor` times what the measurement states.
-template <std::size_t N>
-inline bool weigh(const Matrix<N> &p, const Innovation<N> &given, double factor, Gain<N> &made) {
-    const std::size_t m = given.size;
-    double spread[N][widest] = {}, total[widest][widest];
-    for (std::size_t a = 0; a < m; ++a)
-        for (std::size_t k = 0; k < N; ++k)
-            if (given.effect[a][k] != 0.0)
-                for (std::size_t i = 0; i < N; ++i) spread[i][a] += p.row[k][i] * given.effect[a][k];
-    for (std::size_t a = 0; a < m; ++a)
-        for (std::size_t b = 0; b < m; ++b) {
-            double sum = factor * given.noise[a][b];
-            for (std::size_t k = 0; k < N; ++k) sum += given.effect[a][k] * spread[k][b];
-            total[a][b] = sum;
-        }
-    if (!invert(m, total, made.inverse)) return false;
-    made.nis = 0.0;
-    for (std::size_t a = 0; a < m; ++a)
-        for (std::size_t b = 0; b < m; ++b) made.nis += given.residual[a] * made.inverse[a][b] * given.residual[b];
-    for (std::size_t i = 0; i < N; ++i)
-        for (std::size_t b = 0; b < m; ++b) {
-            double sum = 0.0;
-            for (std::size_t a = 0; a < m; ++a) sum += spread[i][a] * made.inverse[a][b];
-            made.gain[i][b] = sum;
-        }
-    return true;
-}
-
-// (1 - K H) X.
-template <std::size_t N>
-inline void reduced(const Matrix<N> &x, const Innovation<N> &given, const Gain<N> &by, Matrix<N> &made) {
-    constexpr std::size_t W = Matrix<N>::width;
-    made = x;
-    for (std::size_t a = 0; a < given.size; ++a) {
-        double seen[W] = {};
-        for (std::size_t k = 0; k < N; ++k)
-            if (given.effect[a][k] != 0.0) add<W>(seen, given.effect[a][k], x.row[k]);
-        for (std::size_t i = 0; i < N; ++i) add<W>(made.row[i], -by.gain[i][a], seen);
-    }
-}
+// The gain for noise that is `factor` times what the measurement states; false where the innovation's
+// covariance is not positive definite.
+bool weigh(const Matrix<15> &p, const Innovation<15> &given, double factor, Gain<15> &made);
+bool weigh(const Matrix<24> &p, const Innovation<24> &given, double factor, Gain<24> &made);
 
 // The covariance after a measurement, in Joseph's form.
-template <std::size_t N>
-inline void update(Matrix<N> &p, const Innovation<N> &given, double factor, const Gain<N> &by) {
-    Matrix<N> once, across;
-    reduced(p, given, by, once);
-    transpose<N>(once.row, across.row);
-    reduced(across, given, by, p);
-    for (std::size_t a = 0; a < given.size; ++a) {
-        double noisy[Matrix<N>::width] = {};
-        for (std::size_t b = 0; b < given.size; ++b)
-            for (std::size_t j = 0; j < N; ++j) noisy[j] += factor * given.noise[a][b] * by.gain[j][b];
-        for (std::size_t i = 0; i < N; ++i) add<Matrix<N>::width>(p.row[i], by.gain[i][a], noisy);
-    }
-    symmetrise(p);
-}
+void update(Matrix<15> &p, const Innovation<15> &given, const Gain<15> &by);
+void update(Matrix<24> &p, const Innovation<24> &given, const Gain<24> &by);
+
+// Λ becomes (1 - K H)' Λ (1 - K H) + H' S⁻¹ H.
+void update_back(Matrix<15> &curvature, const Innovation<15> &given, const Gain<15> &by);
+void update_back(Matrix<24> &curvature, const Innovation<24> &given, const Gain<24> &by);
+
+// P becomes P - P Λ P.
+void sharpen(Matrix<15> &p, const Matrix<15> &curvature);
+void sharpen(Matrix<24> &p, const Matrix<24> &curvature);
 
 }  // namespace motorcade::filter

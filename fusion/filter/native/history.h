@@ -82,6 +82,17 @@ template <std::size_t N> void Timeline<N>::keep_residual(Event &event, const Inn
     event.linear.assign(innovation.residual, innovation.residual + innovation.size);
 }
 
+// What the backward pass needs of a measurement, after its residual.
+template <std::size_t N>
+void Timeline<N>::keep_linear(Event &event, const Innovation<N> &innovation, const Gain<N> &gain) {
+    const std::size_t m = innovation.size;
+    event.linear.resize(m * (1 + 2 * N + m));
+    double *to = event.linear.data() + m;
+    for (std::size_t a = 0; a < m; ++a, to += N) std::copy_n(innovation.effect[a], N, to);
+    for (std::size_t a = 0; a < m; ++a, to += N) std::copy_n(gain.gain[a], N, to);
+    for (std::size_t a = 0; a < m; ++a, to += m) std::copy_n(gain.inverse[a], m, to);
+}
+
 // Keeps the state at the last sample, and lets go of what lies farther back than the history.
 template <std::size_t N> void Timeline<N>::keep_and_forget() {
     unchecked_ = 0;

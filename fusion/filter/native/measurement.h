@@ -31,7 +31,7 @@ struct Event {
     double restart[6] = {};          // where a start was wrong: the twist to what was measured next
     State after;
     std::vector<double> covariance;  // after it, packed; empty where none was kept
-    // For the backward pass: m, residual, effect (m, N), gain (N, m), inverse (m, m).
+    // Residual (m); for a backward pass besides: effect (m, N), gain (m, N), inverse (m, m).
     std::size_t size = 0;
     std::vector<double> linear;
 

@@ -29,11 +29,11 @@ public:
 
 private:
     void carry_back(const Event &from, std::int64_t to, double *gradient, Matrix<N> &curvature) {
-        std::vector<Transition> steps;
+        steps_.clear();
         this->now_ = from.after;
         this->seek(from.time_ns);
-        this->advance(to, [&steps](const Transition &f, const Densities &) { steps.push_back(f); });
-        for (std::size_t k = steps.size(); k-- > 0;) propagate_back(curvature, gradient, steps[k]);
+        this->advance(to, [this](const Transition &f, const Densities &) { steps_.push_back(f); });
+        for (std::size_t k = steps_.size(); k-- > 0;) propagate_back(curvature, gradient, steps_[k]);
         symmetrise(curvature);
     }
 
@@ -41,41 +41,21 @@ private:
     void take_in(const Event &event, double *gradient, Matrix<N> &curvature) {
         const std::size_t m = event.size;
         const double *residual = event.linear.data(), *effect = residual + m, *gain = effect + m * N,
-                     *inverse = gain + N * m;
+                     *inverse = gain + m * N;
         Innovation<N> seen;
         Gain<N> by;
         seen.size = m;
         double pull[widest];
         for (std::size_t a = 0; a < m; ++a) {
             std::copy_n(effect + a * N, N, seen.effect[a]);
+            std::copy_n(gain + a * N, N, by.gain[a]);
+            std::copy_n(inverse + a * m, m, by.inverse[a]);
             pull[a] = 0.0;
-            for (std::size_t i = 0; i < N; ++i) pull[a] += (by.gain[i][a] = gain[i * m + a]) * gradient[i];
-            for (std::size_t b = 0; b < m; ++b) pull[a] += inverse[a * m + b] * residual[b];
+            for (std::size_t i = 0; i < N; ++i) pull[a] += by.gain[a][i] * gradient[i];
+            for (std::size_t b = 0; b < m; ++b) pull[a] += by.inverse[a][b] * residual[b];
         }
-        for (std::size_t a = 0; a < m; ++a)
-            for (std::size_t k = 0; k < N; ++k) gradient[k] -= seen.effect[a][k] * pull[a];
-        Matrix<N> once, across;
-        reduced_across(curvature, seen, by, once);
-        transpose<N>(once.row, across.row);
-        reduced_across(across, seen, by, curvature);
-        for (std::size_t a = 0; a < m; ++a) {
-            double sum[Matrix<N>::width] = {};
-            for (std::size_t b = 0; b < m; ++b)
-                for (std::size_t k = 0; k < N; ++k) sum[k] += inverse[a * m + b] * seen.effect[b][k];
-            for (std::size_t i = 0; i < N; ++i)
-                add<Matrix<N>::width>(curvature.row[i], seen.effect[a][i], sum);
-        }
-        symmetrise(curvature);
-    }
-
-    // (1 - K H)' X.
-    static void reduced_across(const Matrix<N> &x, const Innovation<N> &seen, const Gain<N> &by, Matrix<N> &made) {
-        made = x;
-        for (std::size_t a = 0; a < seen.size; ++a) {
-            double pulled[Matrix<N>::width] = {};
-            for (std::size_t i = 0; i < N; ++i) add<Matrix<N>::width>(pulled, by.gain[i][a], x.row[i]);
-            for (std::size_t k = 0; k < N; ++k) add<Matrix<N>::width>(made.row[k], -seen.effect[a][k], pulled);
-        }
+        for (std::size_t a = 0; a < m; ++a) filter::add<N>(gradient, -pull[a], seen.effect[a]);
+        update_back(curvature, seen, by);
     }
 
     // x Exp(-P λ) and P - P Λ P in place of what the forward pass wrote.
@@ -83,23 +63,20 @@ private:
         const std::size_t row = event.number;
         const Sink &sink = this->sink;
         double *given = sink.covariance + row * N * N;
-        Matrix<N> p, product, made;
+        Matrix<N> p;
         double error[N] = {};
         for (std::size_t i = 0; i < N; ++i) {
             std::copy_n(given + i * N, N, p.row[i]);
             for (std::size_t k = 0; k < N; ++k) error[i] -= p.row[i][k] * gradient[k];
         }
-        for (std::size_t i = 0; i < N; ++i)
-            for (std::size_t k = 0; k < N; ++k) add<Matrix<N>::width>(product.row[i], curvature.row[i][k], p.row[k]);
-        made = p;
-        for (std::size_t i = 0; i < N; ++i)
-            for (std::size_t k = 0; k < N; ++k) add<Matrix<N>::width>(made.row[i], -p.row[i][k], product.row[k]);
-        symmetrise(made);
-        for (std::size_t i = 0; i < N; ++i) std::copy_n(made.row[i], N, given + i * N);
+        sharpen(p, curvature);
+        for (std::size_t i = 0; i < N; ++i) std::copy_n(p.row[i], N, given + i * N);
         this->now_ = event.after;
         correct<N>(this->now_, error);
         this->put(row);
     }
+
+    std::vector<Transition> steps_;  // of one interval, kept for its memory
 };
 
 }  // namespace motorcade::filter

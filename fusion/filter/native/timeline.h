@@ -299,17 +299,10 @@ private:
     void apply(Event &event, const Innovation<N> &innovation, const Gain<N> &gain) {
         const std::size_t m = innovation.size;
         double error[N] = {};
-        for (std::size_t i = 0; i < N; ++i)
-            for (std::size_t a = 0; a < m; ++a) error[i] += gain.gain[i][a] * innovation.residual[a];
-        update(p_, innovation, event.factor, gain);
+        for (std::size_t a = 0; a < m; ++a) filter::add<N>(error, innovation.residual[a], gain.gain[a]);
+        update(p_, innovation, gain);
         correct<N>(now_, error);
-        event.size = m;
-        event.linear.assign(innovation.residual, innovation.residual + m);
-        for (std::size_t a = 0; a < m; ++a)
-            event.linear.insert(event.linear.end(), innovation.effect[a], innovation.effect[a] + N);
-        for (std::size_t i = 0; i < N; ++i) event.linear.insert(event.linear.end(), gain.gain[i], gain.gain[i] + m);
-        for (std::size_t a = 0; a < m; ++a)
-            event.linear.insert(event.linear.end(), gain.inverse[a], gain.inverse[a] + m);
+        if (sink.final) keep_linear(event, innovation, gain);
     }
 
     double judged(double nis, std::size_t freedom) const {
@@ -323,6 +316,7 @@ private:
     void reopen();
     void doubt(const Event &event);
     void keep_residual(Event &event, const Innovation<N> &innovation);
+    void keep_linear(Event &event, const Innovation<N> &innovation, const Gain<N> &gain);
     void keep_and_forget();
     void write(Event &event);
 
