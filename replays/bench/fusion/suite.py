@@ -11,6 +11,10 @@ from motorcade.replays.bench.fusion.offsets import bench_offsets, offsets_table
 from motorcade.replays.bench.fusion.simulator import bench_simulator, simulator_table
 from motorcade.replays.bench.fusion.speed import bench_speed, speed_table
 from motorcade.replays.bench.fusion.tag_odometry import bench_tag_odometry, tag_odometry_table
+from motorcade.replays.bench.fusion.visual_inertial import (
+    bench_visual_inertial,
+    visual_inertial_table,
+)
 
 __all__ = ["PARTS", "bench_fusion", "fusion_table"]
 
@@ -19,6 +23,7 @@ PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "flights": (bench_flights, flights_table),
     "offsets": (bench_offsets, offsets_table),
     "tags": (bench_tag_odometry, tag_odometry_table),
+    "visual inertial": (bench_visual_inertial, visual_inertial_table),
     "inclination": (bench_inclination, inclination_table),
     "speed": (bench_speed, speed_table),
 }
