@@ -1,4 +1,5 @@
-"""`motorcade bench animation`: posing, blending and skinning a character, on one core and two.
+"""`motorcade bench animation`: posing, blending and skinning a character, on one core and two;
+limbs brought to targets, and how far feet slide.
 
 The characters are the rigs of the data folder where they are present, and else the mannequin.
 Posing is timed by the compiled runtime alone and called from Python; the plain NumPy way of doing
@@ -9,7 +10,7 @@ joint for a blend of two layers and 4.4 to 4.7 ns a vertex for linear skinning.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from statistics import median
 from time import perf_counter
@@ -17,10 +18,26 @@ from typing import Any, Literal
 
 import numpy as np
 
-from motorcade.animation import Character, mannequin
-from motorcade.animation.blend import blend_poses
-from motorcade.animation.runtime import PoseRuntime
-from motorcade.animation.skin import SKIN_METHODS, Skinner, palette, skin
+from motorcade.animation import (
+    Chain,
+    Character,
+    GroundPath,
+    Leg,
+    PoseRuntime,
+    Skeleton,
+    Skinner,
+    bend_limb,
+    blend_poses,
+    legs_of,
+    mannequin,
+    on_the_spot,
+    reach_with,
+    skin,
+    walk_along,
+)
+from motorcade.animation.ik import fabrik, find_stances
+from motorcade.animation.place import Walk
+from motorcade.animation.skin import SKIN_METHODS, palette
 from motorcade.ga import Motor, kernels
 from motorcade.replays.bench.data import data_folder
 from motorcade.replays.bench.timing import median_seconds, on_one_core, seconds_a_call
@@ -53,6 +70,7 @@ def bench_animation() -> dict[str, Any]:
     posed, skinned = _character(POSED), _character(SKINNED)
     with on_one_core():
         rows = [*_posing(*posed), *_crowd(*posed), *_skinning(*skinned, threads=1)]
+        rows += [*_solving(*posed), *_feet()]
     rows += [*_skinning(*skinned, threads=2), *_loading()]
     return {"rows": [asdict(row) for row in rows]}
 
@@ -146,6 +164,69 @@ def _skinning(title: str, character: Character, threads: int) -> list[AnimationR
         job = "skinning in NumPy, float64, motor"
         rows.append(AnimationRow(job, 1e9 * plain, "ns a vertex", title))
     return rows
+
+
+def _solving(title: str, character: Character) -> list[AnimationRow]:
+    """Limbs and chains brought to random targets that can be reached."""
+    rng, rows = np.random.default_rng(8), []
+    count = 2000
+    leg = legs_of(character.skeleton)[0]
+    rest = character.skeleton.rest
+    limb = (leg.hip, leg.knee, leg.ankle)
+    at = character.skeleton.rest_world.translation_m
+    hip, knee, ankle = (at[character.skeleton.index(name)] for name in limb)
+    reach = float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee))
+    aside = rng.standard_normal((count, 3))
+    aside *= reach * rng.uniform(0.3, 0.95, (count, 1)) / np.linalg.norm(
+        aside, axis=1, keepdims=True)  # fmt: skip
+    goals = hip + aside
+    seconds = median_seconds(lambda: bend_limb(character.skeleton, rest, limb, goals), 0.3)
+    job = f"legs of two bones brought to targets, {count} at once"
+    rows.append(AnimationRow(job, count / seconds, "solves/s", title))
+    chain = Chain(limb)
+    seconds = median_seconds(lambda: reach_with(character.skeleton, rest, chain, goals), 0.3)
+    job = f"the same legs by FABRIK, {count} at once"
+    rows.append(AnimationRow(job, count / seconds, "solves/s", title))
+    straight = np.zeros((1, 20, 3))
+    straight[0, :, 0] = np.arange(20) / 19.0
+    goals = rng.standard_normal((count, 3))
+    goals *= rng.uniform(0.2, 0.95, (count, 1)) / np.linalg.norm(goals, axis=1, keepdims=True)
+    start = np.repeat(straight, count, axis=0)
+    start[..., 1] = 0.01 * np.sin(7.0 * start[..., 0])
+    seconds = median_seconds(lambda: fabrik(start, goals), 0.3)
+    job = f"chains of 20 joints by FABRIK, {count} at once"
+    rows.append(AnimationRow(job, count / seconds, "solves/s", title))
+    return rows
+
+
+def _feet() -> list[AnimationRow]:
+    """How far the ball of a standing foot goes along a bend, as it is played and planted."""
+    figure, rows = mannequin(), []
+    skeleton, legs = figure.skeleton, legs_of(figure.skeleton)
+    path = GroundPath(np.array([[0, 0], [1.5, 0], [2.5, 1.0], [2.5, 2.5], [4.0, 3.0]]))
+    for name in ("walk", "jog", "run"):
+        loop, speed_m_s = on_the_spot(figure.clip(name), skeleton, legs)
+        made = walk_along(path, loop, skeleton, legs, speed_m_s)
+        plain = loop.at(loop.time_s[0] + made.time_s)
+        for how, poses in (("played", plain), ("planted", made.poses)):
+            job = f"{name} along a bend, {how}: largest slide of a standing ball"
+            slide = _slide_m(made, skeleton, legs, plain, poses)
+            rows.append(AnimationRow(job, 1e3 * slide, "mm", "feet of the mannequin"))
+    return rows
+
+
+def _slide_m(made: Walk, skeleton: Skeleton, legs: Sequence[Leg], plain: Any, poses: Any) -> float:
+    worst = 0.0
+    way = made.plane_T_character.reshape(-1, 1)
+    before, after = way @ skeleton.world(plain), way @ skeleton.world(poses)
+    for leg in legs:
+        ball = skeleton.index(leg.ball)
+        rows = np.flatnonzero(find_stances(before[:, ball].translation_m, made.time_s))
+        for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
+            if len(run):
+                moved = np.ptp(after[run, ball].translation_m[:, :2], axis=0)
+                worst = max(worst, float(np.linalg.norm(moved)))
+    return worst
 
 
 def _skin_call(skinner: Skinner, entries: Any) -> Any:

@@ -91,7 +91,7 @@ def _blends(figure: Character) -> ImageArray:
     made = {name: blend_clips(walk, run, 0.5, name).poses for name in BLENDED}
     world = {name: figure.skeleton.world(poses).translation_m for name, poses in made.items()}
     frame = int(np.argmax(np.linalg.norm(world["motor"] - world["euler"], axis=-1).max(axis=-1)))
-    poses: list[Motor] = [made[name][frame] for name in BLENDED]
+    poses = [made[name][frame] for name in BLENDED]
     return _drawn([_standing(figure, pose, (0.0, 0.95 * k)) for k, pose in _spread(poses)])
 
 
@@ -183,7 +183,7 @@ class _Part:
         self.triangles, self.colors = figure.triangles, figure.colors
 
 
-def _standing(figure: Character, pose: Motor, at_m: tuple[float, float]) -> _Part:
+def _standing(figure: Character, pose: Motor | Similarity, at_m: tuple[float, float]) -> _Part:
     vertices, normals = skin(figure, pose, "motor")
     return _Part(figure, vertices + np.array([*at_m, 0.0]), normals)
 

@@ -11,7 +11,13 @@ import numpy as np
 
 from motorcade.animation import Placement, place_on_plane
 from motorcade.ga import FloatArray, Motor, frozen
-from motorcade.replays.characters.acting import MANNEQUIN, character_named, clip_named, path_of
+from motorcade.replays.characters.acting import (
+    MANNEQUIN,
+    character_named,
+    clip_named,
+    path_of,
+    walked,
+)
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera_poses import CameraPoses
 from motorcade.replays.stages.ground import ground_on_board, ground_on_floor, ground_on_plane
@@ -55,6 +61,7 @@ def placed(
     its clips or of the mannequin's, which are retargeted: idle, walk, jog, run, wave, turn. With a
     `path` of points x,y,x,y,… in the plane's frame, metres, it walks along them at the clip's own
     speed with planted feet and stays at the end; the clip is then the walk unless another is named.
+    (A checkerboard's frame begins at its first inner corner: y runs up, so the board lies below 0.)
     `on` "auto" takes the board or the marker seen most where the poses come from it, else the plane
     where one is found (in depth, or among the points that SLAM mapped; the floor where gravity is
     known, a plane that faces the picture's up where it is not), else the floor: z = `floor_m`, in
@@ -84,7 +91,7 @@ def placed(
     plane = ground.world_T_plane
     who = character_named(str(character))
     clip = clip or ("idle" if way is None else "walk")
-    clip_named(who, clip)
+    motion = clip_named(who, clip)
     if way is None:
         position = np.array(position_m or ground.position_m)
         towards = (plane.inverse() @ first_camera).translation_m[:2] - position
@@ -105,5 +112,7 @@ def placed(
     )
     inside = plane.inverse() @ placement.world_T_character
     points = np.zeros((0, 2)) if way is None else way.points_m
+    if way is not None:  # refused here rather than when it is drawn
+        walked(who, motion, points, placement.scale, inside)
     content = sha256(character.read_bytes()).hexdigest() if character.is_file() else ""
     return Placed(str(character), clip, placement, ground.name, content, frozen(points), inside)

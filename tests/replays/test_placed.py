@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.animation import mannequin
+from motorcade.animation import mannequin, skin, write_gltf
 from motorcade.fusion.imu import ImuStream
 from motorcade.ga import Motor, Trajectory
+from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.readers.frames import PictureFrames
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.replays.stages.camera_poses import CameraPoses, Origin
@@ -172,3 +173,72 @@ def test_in_a_real_kitchen_it_stands_upright_on_the_table(data_dir: Path) -> Non
     assert recording.camera is not None
     column, row = np.rint(recording.camera.project(first.translation_m)).astype(int)
     assert first.translation_m[2] == pytest.approx(depth[row, column], abs=0.03)
+
+
+def test_a_files_character_plays_its_own_clips_and_the_mannequins(
+    looking_down: Recording, tmp_path: Path
+) -> None:
+    file = tmp_path / "figure.glb"
+    figure = mannequin()
+    write_gltf(file, figure, [figure.clip("wave")])
+    made = stood(looking_down, smoothed(looking_down), character=file, clip="wave")
+    assert (made.character, made.clip) == (str(file), "wave")
+    assert made.content
+    read = character_named(str(file))
+    assert clip_named(read, "wave").duration_s == pytest.approx(figure.clip("wave").duration_s)
+    lent = clip_named(read, "walk")  # which the file does not hold
+    moved, own = (
+        s.skeleton.world(c.at(0.3)).translation_m
+        for s, c in ((read, lent), (figure, figure.clip("walk")))
+    )
+    np.testing.assert_allclose(moved, own, atol=1e-4)
+    assert stood(looking_down, smoothed(looking_down), character=file).clip == "idle"
+
+
+def test_along_a_path_it_walks_with_planted_feet_and_stays(looking_down: Recording) -> None:
+    points = (0.0, 0.0, 0.3, 0.1, 0.5, 0.4)
+    seen = smoothed(looking_down)
+    made = placed(looking_down, poses(seen), seen, path=points, height_m=0.3)
+    assert made.clip == "walk"
+    np.testing.assert_allclose(made.path_m, np.reshape(points, (3, 2)))
+    figure = character_named("mannequin")
+    walk = walked(
+        figure, figure.clip("walk"), made.path_m, made.placement.scale, made.plane_T_character
+    )
+    assert isinstance(walk.poses, Motor)
+    plane = made.placement.world_T_character @ made.plane_T_character.inverse()
+    hips = figure.skeleton.world(walk.poses).translation_m[:, 0]
+    in_plane = plane.inverse().apply(made.placement.apply(hips))
+    ends = in_plane[[0, -1], :2]
+    np.testing.assert_allclose(ends, [[0.0, 0.0], [0.5, 0.4]], atol=0.02)
+    vertices = skin(figure, walk.poses[::10], "linear")[0]
+    low = plane.inverse().apply(made.placement.apply(vertices))[..., 2].min(axis=1)
+    assert np.abs(low).max() < 0.01 * 0.3
+    later = walk.at(walk.time_s[-1] + 5.0)
+    np.testing.assert_allclose(later.coefficients, walk.poses[-1].coefficients)
+
+
+@pytest.mark.parametrize(
+    ("knobs", "message"),
+    [
+        ({"character": Path("nobody.glb")}, r"placed\.character: expected 'mannequin' or a file"),
+        ({"clip": "swim"}, r"placed\.clip: expected one of idle, walk"),
+        ({"path": (0.0, 0.0, 1.0)}, r"placed\.path: expected x,y of two points or more"),
+        ({"path": (0.0, 0.0, 0.0, 0.0)}, r"placed\.path: .* neighbours apart"),
+        ({"path": (0.0, 0.0, 1.0, 0.0), "position_m": (0.0, 0.0)}, r"placed\.position_m"),
+        ({"path": (0.0, 0.0, 1.0, 0.0), "clip": "wave"}, r"placed\.path: 'wave' is no walk"),
+    ],
+)
+def test_refusals_name_the_knob(
+    looking_down: Recording, knobs: dict[str, Any], message: str
+) -> None:
+    seen = smoothed(looking_down)
+    with pytest.raises(ValueError, match=message):
+        placed(looking_down, poses(seen), seen, **knobs)
+
+
+def test_a_file_that_is_no_character_is_refused_by_the_knobs_name(tmp_path: Path) -> None:
+    broken = tmp_path / "broken.glb"
+    broken.write_bytes(b"no glTF")
+    with pytest.raises(ValueError, match=r"placed\.character: .*broken\.glb"):
+        character_named(str(broken))
