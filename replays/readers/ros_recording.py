@@ -3,7 +3,8 @@
 The first image topic by name is read, and the first IMU topic; others are told in the log. The
 camera comes from a Kalibr chain beside the bag (`kalibr_imucam_chain.yaml`), which also says where
 it sits on the IMU, or else from the bag's own `camera_info`. Stamps are those of the messages'
-headers. Message definitions that a bag brings along are never used.
+headers. A folder of one bag and a chain, as OpenVINS keeps them, is read as that bag. Message
+definitions that a bag brings along are never used.
 """
 
 from __future__ import annotations
@@ -34,10 +35,18 @@ _MOST_SAMPLES = 20_000_000
 
 
 def recognise(root: Path) -> bool:
-    """Whether this is a bag's file, or a ROS 2 bag's folder."""
+    """Whether this is a bag's file, a ROS 2 bag's folder, or a folder of a bag and a chain."""
     if root.is_file():
         return root.suffix.lower() in _SUFFIXES
-    return (root / "metadata.yaml").is_file()
+    return (root / "metadata.yaml").is_file() or bool(_bags_with_chain(root))
+
+
+def _bags_with_chain(folder: Path) -> list[Path]:
+    """The bags of a folder that holds a chain besides."""
+    if not folder.is_dir() or kalibr.find(folder, kalibr.CHAIN_NAMES) is None:
+        return []
+    files = [one for one in folder.iterdir() if one.is_file() and one.suffix.lower() in _SUFFIXES]
+    return sorted([*files, *(one.parent for one in folder.glob("*/metadata.yaml"))])
 
 
 def read(root: Path, *, own_truth: bool = True) -> Recording:
@@ -46,18 +55,24 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     Raises:
         RecordingError: no bag, damaged, without pictures, or with stamps that do not increase.
     """
+    name, folder = root.resolve().stem, root if root.is_dir() else root.parent
+    if not root.is_file() and not (root / "metadata.yaml").is_file():
+        bags = _bags_with_chain(root)
+        if len(bags) != 1:
+            told = ", ".join(one_line(one.name) for one in bags[:6])
+            raise refusal(root, f"expected one bag, got {told}", advice="name one of them")
+        root = bags[0]
     with Bag(root) as bag:
         topic = _first(bag.topics(IMAGE_TYPES), root, "image")
         if topic is None:
             raise refusal(root, f"expected messages of {' or '.join(IMAGE_TYPES)}, got none")
         imu_topic = _first(bag.topics((_IMU,)), root, "IMU")
         imu = None if imu_topic is None else _imu(bag, imu_topic)
-        known = _from_chain(root, topic)
+        known = _from_chain(folder, topic)
         camera = known.camera if known else _from_info(bag, topic)
-    folder = root if root.is_dir() else root.parent
     noise = kalibr.find(folder, kalibr.IMU_NAMES)
     return Recording(
-        name=root.resolve().stem,
+        name=name,
         root=root,
         layout="ros",
         frames=BagFrames(root, topic, None if camera is None else (camera.width, camera.height)),
@@ -75,9 +90,9 @@ def _first(topics: list[str], root: Path, what: str) -> str | None:
     return topics[0] if topics else None
 
 
-def _from_chain(root: Path, topic: str) -> kalibr.ChainCamera | None:
+def _from_chain(folder: Path, topic: str) -> kalibr.ChainCamera | None:
     """The chain's camera of this topic; `cam0` where it names no topics."""
-    path = kalibr.find(root if root.is_dir() else root.parent, kalibr.CHAIN_NAMES)
+    path = kalibr.find(folder, kalibr.CHAIN_NAMES)
     if path is None:
         return None
     cameras = kalibr.read_chain(path)

@@ -171,6 +171,7 @@ def test_a_kalibr_chain_beside_the_bag_gives_camera_and_place(tmp_path: Path) ->
     assert (recording.camera.model, recording.camera.fx) == ("equidistant", 20.0)
     together = recording.imu_T_camera @ camera_T_imu
     np.testing.assert_allclose(together.as_matrix(), np.eye(4), atol=1e-12)
+    assert open_recording(path.parent).camera == recording.camera
     chain.write_text(chain.read_text().replace("/cam0/image_raw", "/other"))
     with pytest.raises(RecordingError, match="expected a camera of the topic"):
         open_recording(path)
