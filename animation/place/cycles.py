@@ -15,7 +15,7 @@ from motorcade.ga import FloatArray, Motor, Rotor, Similarity
 
 __all__ = ["on_the_spot"]
 
-# Less than this share of the hips' height is no way that a clip travels.
+# Less than this share of the highest joint's height is no way for a cycle to go.
 NO_WAY = 0.1
 # Of the time, the lowest moments of a foot, by which the ground's speed is first guessed.
 LOWEST = 0.3
@@ -47,7 +47,10 @@ def on_the_spot(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> tuple[Cl
     tall = float(np.max(skeleton.rest_world.translation_m[:, 2]))
     if length < NO_WAY * tall:
         loop = closed(clip)
-        return loop, _ground_speed(loop, skeleton, legs)
+        speed = _ground_speed(loop, skeleton, legs)
+        if not speed * loop.duration_s >= NO_WAY * tall:
+            raise ValueError(f"on_the_spot(clip): expected feet that go back, in '{clip.name}'")
+        return loop, speed
     share = (clip.time_s - clip.time_s[0]) / clip.duration_s
     turn = Rotor.from_rotation_vector([0.0, 0.0, -np.arctan2(way[1], way[0])])
     back = Motor.from_rotor_translation(
@@ -75,8 +78,6 @@ def _ground_speed(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> float:
             standing = find_stances(at[:, k] + shift, time_s)
             found.append(_backward(at[:, k], time_s, standing if np.any(standing) else None))
         speed = float(np.mean(found))
-    if not speed > 0.0:
-        raise ValueError(f"on_the_spot(clip): expected feet that go back, in '{clip.name}'")
     return speed
 
 

@@ -214,6 +214,8 @@ def test_a_gait_with_another_way_is_no_clip_on_the_spot(figures):
     figure = figures["mannequin"]
     with pytest.raises(ValueError, match="expected legs, as 'walk' stays on the spot"):
         on_the_spot(figure.clip("walk"), figure.skeleton, [])
+    with pytest.raises(ValueError, match="expected feet that go back, in 'wave'"):
+        on_the_spot(figure.clip("wave"), figure.skeleton, legs_of(figure.skeleton))
     single = Clip("still", np.zeros(1), Motor.stack([figure.skeleton.rest]))
     with pytest.raises(ValueError, match=r"expected rigid poses, two or more, in 'still'"):
         on_the_spot(single, figure.skeleton, legs_of(figure.skeleton))
