@@ -29,9 +29,16 @@ from motorcade.replays.synthetic_room.furniture import CHARACTER_HEIGHT_M
 from motorcade.replays.synthetic_room.recording import CAMERA
 from motorcade.replays.synthetic_room.scene import room
 
-__all__ = ["paths_side_by_side", "swing", "write_side_by_side"]
+__all__ = [
+    "paths_side_by_side",
+    "rotation_errors_deg",
+    "smoothed_paths",
+    "swing",
+    "write_side_by_side",
+]
 
 RATE_HZ, SECONDS, WINDOW_S = 30.0, 4.0, 0.4
+MISS_RAD = float(np.deg2rad(0.3))
 SIGMA_M, SIGMA_RAD, SEED = 0.003, np.deg2rad(0.4), 7
 EYE_M, DRIFT = (-0.62, 0.05, 0.24), 0.2
 STRIP_PX = 130
@@ -39,7 +46,7 @@ STRIP_PX = 130
 
 def swing() -> Trajectory:
     """`world_T_camera` that swings through gimbal lock, at the table of the synthetic room."""
-    motion = gimbal_crossing(2.0, reach_rad=float(np.deg2rad(22.0)))
+    motion = gimbal_crossing(2.0, MISS_RAD, float(np.deg2rad(22.0)))
     sampled = motion.sampled(RATE_HZ, SECONDS)
     given = sampled.motors
     upright = Rotor.from_rotation_vector([0.0, 0.0, -0.5 * np.pi])
@@ -74,7 +81,7 @@ def paths_side_by_side(
     """
     figure = mannequin()
     placement = place_on_plane(figure, (0.0, 0.0), np.pi, height_m=CHARACTER_HEIGHT_M)
-    errors = {name: _rotation_deg(path, truth) for name, path in paths.items()}
+    errors = {name: rotation_errors_deg(path, truth) for name, path in paths.items()}
     time_s = 1e-9 * (truth.time_ns - truth.time_ns[0])
     width = CAMERA.width * len(paths)
     traces = ErrorTraces(time_s, errors, "deg", (width, STRIP_PX), highest_deg)
@@ -104,7 +111,7 @@ def write_side_by_side(out: Path) -> dict[str, Path]:
     ways = smoothed_paths(measured)
     written = {}
     for name, paths, highest in (
-        ("representations", ways, 90.0),
+        ("representations", ways, 180.0),
         ("raw_and_smoothed", {"measured": measured, "motor": ways["motor"]}, None),
     ):
         frames = list(paths_side_by_side(truth, paths, highest))
@@ -112,7 +119,7 @@ def write_side_by_side(out: Path) -> dict[str, Path]:
         write_video(written[name], frames, truth.time_ns)
         chosen = range(0, len(frames), max(1, len(frames) // 24))
         labels = [f"{1e-9 * truth.time_ns[k]:.2f} s" for k in chosen]
-        sheet = contact_sheet([frames[k] for k in chosen], 4, 480, labels)
+        sheet = contact_sheet([frames[k] for k in chosen], 3, 640, labels)
         write_pictures(out / f"{name}_sheet", [(0, sheet)])
     return written
 
@@ -124,7 +131,8 @@ def _room(truth: Trajectory) -> Iterator[tuple[int, ImageArray]]:
             yield stamp, renderer.render(CAMERA, pose).rgba[..., :3].copy()
 
 
-def _rotation_deg(path: Trajectory, truth: Trajectory) -> FloatArray:
+def rotation_errors_deg(path: Trajectory, truth: Trajectory) -> FloatArray:
+    """Angle between a path's turns and the truth's, at the truth's stamps: (N,) degrees."""
     rotor = path.motors_at(truth.time_ns).rotor.inverse() @ truth.motors.rotor
     angle = np.linalg.norm(rotor.as_rotation_vector(), axis=-1)
     return np.asarray(np.rad2deg(np.minimum(angle, 2.0 * np.pi - angle)))

@@ -6,6 +6,7 @@ from motorcade.render.light.estimate import (
     estimate_light,
     shaded_points,
 )
+from motorcade.render.light.footage import lighting_of_footage
 from motorcade.render.light.harmonics import harmonics, irradiance_factors, rotate_harmonics
 from motorcade.render.light.lamps import (
     character_lighting,
@@ -23,6 +24,7 @@ __all__ = [
     "estimated_lighting",
     "harmonics",
     "irradiance_factors",
+    "lighting_of_footage",
     "rotate_harmonics",
     "shaded_points",
     "sun_share",
