@@ -32,6 +32,7 @@ Result = TypeVar("Result")
 CLUSTER = ("tcp://", "tls://")
 """How the address of a Dask scheduler begins."""
 _KINDS = "local, processes, or the address of a Dask scheduler such as tcp://host:8786"
+_ANSWERS_WITHIN_S = 10
 _WORKERS_WITHIN_S = 60
 _one_at_a_time = threading.Lock()
 
@@ -134,7 +135,7 @@ def _cluster(address: str) -> Iterator[Executor]:
     from distributed import Client
 
     try:
-        client = Client(address, timeout=_WORKERS_WITHIN_S)
+        client = Client(address, timeout=_ANSWERS_WITHIN_S)
     except (OSError, TimeoutError, ValueError) as fault:
         problem = f"no Dask scheduler answers at {address}: {one_line(fault, 120)}"
         raise RuntimeError(f"{problem}; start one with `dask scheduler`") from fault

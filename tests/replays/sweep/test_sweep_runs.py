@@ -127,3 +127,12 @@ def test_an_unknown_executor_is_refused_before_anything_runs(
     assert main(["sweep", str(path), "--out", str(tmp_path / "o"), "--executor", "cloud"]) == 1
     assert "--executor: expected local, processes" in capsys.readouterr().err
     assert not (tmp_path / "o").exists()
+
+
+def test_a_cluster_that_is_not_there_is_told_in_one_line(
+    config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("motorcade.replays.executors._ANSWERS_WITHIN_S", 0.5)
+    with pytest.raises(RuntimeError, match="no Dask scheduler answers at tcp:"):
+        swept(config('["one"]', seeds="[0]"), tmp_path / "out", "tcp://127.0.0.1:9")
