@@ -26,7 +26,8 @@ __all__ = ["LightEstimate", "ShadedPoints", "estimate_light", "shaded_points"]
 
 HUE_STEP = 0.05
 """Width of a cell of log red and log blue over brightness that counts as one paint."""
-USUAL_ALBEDO = 0.4
+BRIGHT_ALBEDO = 0.8
+"""Of the brightest twentieth of what is seen: paper, walls."""
 RIDGE = np.array([0.0] + [0.03] * 3 + [0.5] * 5)
 ROUNDS = 15
 REACH_PX, STEP_PX, FLATNESS = 3, 5, 0.004
@@ -90,13 +91,14 @@ class LightEstimate:
         """Amplitude of E's change with direction over its mean; 0 for light from all sides."""
         return float(np.sqrt(3.0) * np.linalg.norm(self.irradiance[1:4]) / self.irradiance[0])
 
-    def sun_and_ambient(self) -> tuple[float, float]:
+    def sun_and_ambient(self, contrast: float | None = None) -> tuple[float, float]:
         """Irradiance of a sun along `towards_light`, and from all sides, with the same bands 0, 1.
 
-        A sun S gives a mean of S / 4 and a first band of amplitude S / 2.
+        A sun S gives a mean of S / 4 and a first band of amplitude S / 2. Another `contrast` than
+        the estimate's own may be asked for; above 1.9 no light from all sides would be left.
         """
-        mean = self.irradiance[0] / np.sqrt(4.0 * np.pi)
-        change = min(self.contrast, 1.9) * mean
+        mean = float(self.irradiance[0] / np.sqrt(4.0 * np.pi))
+        change = min(self.contrast if contrast is None else contrast, 1.9) * mean
         return 2.0 * change, mean - 0.5 * change
 
     def turned(self, rotor: Rotor) -> LightEstimate:
@@ -173,22 +175,23 @@ def estimate_light(seen: ShadedPoints, near_m: ArrayLike, reach_m: float) -> Lig
     brightness = seen.colors.mean(axis=1)
     paint = _paints(seen.colors / brightness[:, None])
     weight = _balanced(1.0 / (1.0 + (distance / reach_m) ** 2), seen.normals)
-    irradiance = _fit(brightness, harmonics(seen.normals, 2), paint, weight)
+    irradiance, albedo = _fit(brightness, harmonics(seen.normals, 2), paint, weight)
     share = np.bincount(paint, weight)
     hue = np.log(seen.colors / brightness[:, None])
     each = np.stack([np.bincount(paint, weight * hue[:, k]) for k in range(3)], 1) / share[:, None]
-    # Grey world over paints, not over area, and half way to white: a brown room is not lit brown.
-    color = np.exp(0.5 * np.average(each, axis=0, weights=np.sqrt(share)))
+    # The brighter a paint, the nearer to white; half way, since that is no law.
+    near_white = np.sqrt(share) * (np.bincount(paint, weight * albedo) / share) ** 3
+    color = np.exp(0.5 * np.average(each, axis=0, weights=near_white))
     return LightEstimate(irradiance, np.asarray(color / color.mean()))
 
 
 def _fit(
     brightness: FloatArray, basis: FloatArray, paint: NDArray[np.int64], weight: FloatArray
-) -> FloatArray:
-    """Irradiance and albedos in turns, weighted anew in every round."""
+) -> tuple[FloatArray, FloatArray]:
+    """Irradiance and each point's albedo in turns, weighted anew in every round."""
     found = np.zeros(basis.shape[1])
     found[0] = np.median(brightness) * np.sqrt(4.0 * np.pi)
-    robust = np.ones(len(brightness))
+    robust, albedo = np.ones(len(brightness)), np.ones(len(brightness))
     for _ in range(ROUNDS):
         floor = 0.05 * found[0] / np.sqrt(4.0 * np.pi)
         falling = np.maximum(basis @ found, floor)
@@ -204,7 +207,10 @@ def _fit(
         normal = (basis * (counts * albedo**2)[:, None]).T @ basis
         right = basis.T @ (counts * albedo * brightness)
         found = np.linalg.solve(normal + np.diag(RIDGE) * normal[0, 0], right)
-    return np.asarray(found / USUAL_ALBEDO)
+    order = np.argsort(albedo)
+    reached = np.cumsum(weight[order]) >= 0.95 * weight.sum()
+    scale = BRIGHT_ALBEDO / albedo[order][np.argmax(reached)]
+    return np.asarray(found / scale), np.asarray(albedo * scale)
 
 
 def _balanced(weight: FloatArray, normals: FloatArray) -> FloatArray:
