@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import FloatArray, IntArray, Rotor, Trajectory
 
-__all__ = ["RateMatch", "match_rates"]
+__all__ = ["RateMatch", "integrated_rate", "match_rates"]
 
 # Rates are means over so much time: longer than noise of single poses, shorter than motion.
 _BASELINE_S = 0.15
@@ -24,6 +24,11 @@ _GRID_S = 0.005
 _FEWEST = 20
 _LEAST_OVERLAP_S = 2.0
 _LEAST_CORRELATION = 0.5
+_REFINEMENTS = 8
+_CAUCHY = 11.3  # χ² with three degrees of freedom exceeds it in one of a hundred rates
+_MEDIAN_CHI2 = 2.366  # its median
+# Deviations of offset, rotation and bias beforehand: what nothing tells keeps them.
+_LOOSE = np.repeat([1.0, np.pi, 10.0], [1, 3, 3])
 _WRONG = 4.0  # medians of the difference of both norms
 
 
@@ -33,6 +38,7 @@ class RateMatch:
 
     Fields:
         offset_s: IMU's clock minus the camera's.
+        offset_sigma_s: deviation of it, as the rates tell.
         imu_R_camera: the camera's orientation on the IMU; about the axis of a motion that turns
             about one axis only it is arbitrary.
         correlation: of the ranks of both rates' norms at that offset, up to 1.
@@ -40,6 +46,7 @@ class RateMatch:
     """
 
     offset_s: float
+    offset_sigma_s: float
     imu_R_camera: Rotor
     correlation: float
     gyro_rms_rad_s: float
@@ -79,7 +86,41 @@ def match_rates(camera: Trajectory, imu: ImuStream, search_s: float) -> RateMatc
     offset = float(grid[best]) + _GRID_S * _peak(score, best)
     own, other = rates.beside(turned, offset)
     alike = _alike(own, other)
-    return RateMatch(offset, _wahba(own[alike], other[alike]), float(score[best]), spread)
+    rotation = _wahba(own[alike], other[alike])
+    refined = _refined(rates, turned, offset, rotation)
+    return RateMatch(*refined, float(score[best]), spread)
+
+
+def _refined(
+    rates: _CameraRates, turned: _Turned, offset_s: float, rotation: Rotor
+) -> tuple[float, float, Rotor]:
+    """Offset, its deviation and rotation by the rates' vectors; wrong ones weigh less.
+
+    Noise of single poses makes rates that overlap differ by as much as it makes them agree, so
+    that the deviation takes them for independent.
+    """
+    bias, covariance = np.zeros(3), np.zeros((7, 7))
+    for _ in range(_REFINEMENTS):
+        inside = rates.inside(turned, offset_s, _GRID_S)
+        lags = offset_s, offset_s - 0.5 * _GRID_S, offset_s + 0.5 * _GRID_S
+        (own, now), (_, before), (_, after) = (inside.beside(turned, lag) for lag in lags)
+        expected = rotation.apply(own)
+        left = now - expected - bias
+        slope = np.zeros((len(own), 3, 7))
+        slope[..., 0] = (after - before) / _GRID_S
+        slope[..., 1:4] = np.cross(expected[:, None, :], np.eye(3)).swapaxes(-1, -2)
+        slope[..., 4:] = -np.eye(3)
+        squares = np.sum(left**2, axis=-1)
+        scale = max(float(np.median(squares)) / _MEDIAN_CHI2, np.finfo(float).tiny)
+        weight = 1.0 / (1.0 + squares / (_CAUCHY * scale))
+        matrix = np.einsum("n,nij,nik->jk", weight, slope, slope)
+        step = -np.linalg.lstsq(matrix, np.einsum("n,nij,ni->j", weight, slope, left))[0]
+        step[0] = np.clip(step[0], -_GRID_S, _GRID_S)
+        offset_s += float(step[0])
+        rotation = Rotor.from_rotation_vector(step[1:4]) @ rotation
+        bias = bias + step[4:]
+        covariance = np.linalg.inv(matrix / scale + np.diag(_LOOSE**-2.0))
+    return offset_s, float(np.sqrt(covariance[0, 0])), rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,12 +148,18 @@ class _CameraRates:
 
     def beside(self, turned: _Turned, offset_s: float) -> tuple[FloatArray, FloatArray]:
         """Rates ``(m, 3)`` of camera and IMU over the spans that the IMU covers."""
-        shift = round(offset_s * 1e9)
-        start, end = self.start_ns + shift, self.end_ns + shift
-        covered = (start >= turned.first_ns) & (end <= turned.last_ns)
-        seconds = (end - start)[covered, None] * 1e-9
-        angle = turned.at(end[covered]) - turned.at(start[covered])
-        return self.rate_rad_s[covered], angle / seconds
+        used, shift = self.inside(turned, offset_s, 0.0), round(offset_s * 1e9)
+        start, end = used.start_ns + shift, used.end_ns + shift
+        angle = turned.at(end) - turned.at(start)
+        return used.rate_rad_s, angle / ((end - start)[:, None] * 1e-9)
+
+    def inside(self, turned: _Turned, offset_s: float, margin_s: float) -> _CameraRates:
+        """Those over spans that the IMU covers, with a margin."""
+        shift, margin = round(offset_s * 1e9), round(margin_s * 1e9)
+        covered = (self.start_ns + shift - margin >= turned.first_ns) & (
+            self.end_ns + shift + margin <= turned.last_ns
+        )
+        return _CameraRates(self.start_ns[covered], self.end_ns[covered], self.rate_rad_s[covered])
 
 
 class _Turned:
@@ -130,6 +177,11 @@ class _Turned:
         wanted = (time_ns - self.first_ns).astype(np.float64)
         columns = [np.interp(wanted, self._time, column) for column in self._angle.T]
         return np.stack(columns, axis=-1)
+
+
+def integrated_rate(imu: ImuStream, stamps_ns: IntArray) -> FloatArray:
+    """Running integrals ``(N, 3)`` of the angular rate: differences are turns over short times."""
+    return _Turned(imu).at(stamps_ns)
 
 
 def _norm_correlation(rates: _CameraRates, turned: _Turned, offset_s: float) -> float:

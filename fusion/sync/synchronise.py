@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.fusion.sync.alignment import GRAVITY, Beliefs, Shared, align, covered
+from motorcade.fusion.sync.alignment import (
+    GRAVITY,
+    ROTATION,
+    Aligned,
+    Beliefs,
+    Shared,
+    align,
+    covered,
+)
+from motorcade.fusion.sync.gating import plausible
 from motorcade.fusion.sync.rates import match_rates
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
 
@@ -19,6 +28,12 @@ _STANDARD_GRAVITY_M_S2 = 9.81
 _GRAVITY_SIGMA_M_S2 = 0.02
 _LEVER_SIGMA_M = 1.0
 _MARGIN_S = 0.1
+# Of the deviation that rates state for the offset: the estimate believes them no more than this,
+# since it uses the same data again, and does not leave it.
+_DOUBT = 6.0
+# Times the accelerometer's noise, at which it tells nothing of the mount.
+_DEAF = 30.0
+_UNLIKELY = 10.83  # χ² with one degree of freedom exceeds it once in a thousand cases
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,14 +94,17 @@ def synchronise(
     """Estimate time offset and mount from a metric camera path and an IMU that moved with it.
 
     Angular rates give offset and rotation to start from; everything is then estimated together,
-    with the biases and gravity. The stated uncertainty believes that errors of the camera's poses
-    are independent from one to the next: those of a smoothed path are not, and it is then too
-    small. Faults of scale, axes and linearity of the sensor are seen only as noise, and can pull
-    the mount further than stated: by 0.9° on EuRoC's V1_02, whose accelerometer strays by 0.04 m/s²
-    from its truth for a tenth of a second and longer; the offset holds. A direction in which the
-    motion tells nothing (the lever arm along the only axis of rotation) keeps the uncertainty that
-    it starts with: 1 m, half a turn. A motion that repeats itself within `search_s` can be matched
-    a period off.
+    with the biases and gravity; poses that contradict their neighbours are left out before. The
+    stated uncertainty believes that errors of the camera's poses are independent from one to the
+    next: those of a smoothed path are not, and it is then too small. Faults of scale, axes and
+    linearity of the sensor are seen only as noise, and can pull the mount further than noise
+    does: by 0.9° on EuRoC's V1_02, whose accelerometer strays by 0.04 m/s² from its truth for a
+    third of a second and longer, while its gyroscope alone fits within 0.1°. So the mount
+    is estimated without the accelerometer as well, and where both differ by more than noise
+    explains, the deviations of its rotation cover the difference. A direction in which
+    the motion tells nothing (the lever arm along the only axis of rotation) keeps the uncertainty
+    that it starts with: 1 m, half a turn. A motion that repeats itself within `search_s` can be
+    matched a period off.
 
     Args:
         camera: ``world_T_camera``, metres, on the camera's clock; its world may lean.
@@ -96,22 +114,29 @@ def synchronise(
 
     Raises:
         ValueError: streams that overlap for less than 2 s or 20 poses, angular rates that do not
-            match (too little rotation, or another motion), an estimate that does not settle, or
-            a search that is not above zero.
+            match (too little rotation, or another motion), an estimate that does not settle or
+            leaves the offset that rates tell, or a search that is not above zero.
     """
     if not 0.0 < search_s < np.inf:
         raise ValueError(f"search_s: expected seconds above 0, got {search_s}")
     match = match_rates(camera, imu, search_s)
     used = covered(camera, imu, match.offset_s, _MARGIN_S)
+    used = used[plausible(used, imu, match)]
     mount = Motor.from_rotor_translation(match.imu_R_camera, np.zeros(3))
     start = Shared(match.offset_s, mount, _gravity(used, imu, match.offset_s, mount))
-    beliefs = Beliefs(search_s, np.pi, _LEVER_SIGMA_M, _GRAVITY_SIGMA_M_S2, 0.0)
+    doubt_s = _DOUBT * match.offset_sigma_s
+    beliefs = Beliefs(doubt_s, np.pi, _LEVER_SIGMA_M, _GRAVITY_SIGMA_M_S2, 0.0)
     found = align(used, imu, noise, start, beliefs)
+    if abs(found.shared.offset_s - match.offset_s) > doubt_s:
+        raise ValueError(
+            f"camera and imu: expected poses that agree with their rates, which put the offset at "
+            f"{match.offset_s:.4f} ± {match.offset_sigma_s:.4f} s, got {found.shared.offset_s:.4f}"
+        )
     return Synchronised(
         found.shared.offset_s,
         found.shared.imu_T_camera,
         found.shared.gravity_m_s2,
-        found.covariance[: GRAVITY.stop, : GRAVITY.stop],
+        _borne_out(found, used, imu, beliefs),
         found.bias[:, :3],
         found.bias[:, 3:],
         found.time_ns,
@@ -119,6 +144,26 @@ def synchronise(
         *found.sigma,
         found.noise,
     )
+
+
+def _borne_out(found: Aligned, used: Trajectory, imu: ImuStream, beliefs: Beliefs) -> FloatArray:
+    """Covariance ``(10, 10)`` with rotations' deviations that cover what forces change in it.
+
+    J. Hausman, Specification tests in econometrics, Econometrica 46(6), 1978: of two estimates the
+    one that believes more is the surer one, but they agree where its beliefs are right.
+    """
+    deaf = replace(found.noise, accel_density_m_s2_rthz=_DEAF * found.noise.accel_density_m_s2_rthz)
+    turning = align(used, imu, deaf, found.shared, beliefs, found.sigma, adapt=False)
+    mount = found.shared.imu_T_camera.rotor.inverse() @ turning.shared.imu_T_camera.rotor
+    squares = mount.as_rotation_vector() ** 2
+    covariance = found.covariance[: GRAVITY.stop, : GRAVITY.stop]
+    stated = np.diag(covariance)[ROTATION]
+    own = np.diag(turning.covariance)[ROTATION]
+    grown = np.ones(len(covariance))
+    if np.any(squares > _UNLIKELY * own):  # then forces are believed about no axis
+        grown[ROTATION] = np.sqrt(np.maximum((squares + own) / stated, 1.0))
+    inflated: FloatArray = covariance * grown * grown[:, None]
+    return inflated
 
 
 def _gravity(camera: Trajectory, imu: ImuStream, offset_s: float, mount: Motor) -> FloatArray:
