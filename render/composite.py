@@ -62,7 +62,7 @@ def over(frame: ImageArray, layer: Layer, depth_m: DepthArray | None = None) -> 
     rgba = layer.rgba[part].astype(np.uint16)
     if depth_m is not None and rgba.size:
         seen = _seen_share(layer.depth_m[part], depth_m[part])
-        rgba = (rgba * seen[..., None] + 128) >> 8
+        rgba = ((rgba * seen[..., None] + 128) >> 8).astype(np.uint16)
     kept = (frame[part].astype(np.uint16) * (255 - rgba[..., 3:]) + 127) // 255
     result[part] = np.minimum(rgba[..., :3] + kept, 255)
     return result

@@ -127,7 +127,7 @@ def _usual_light(
     return character_lighting(placement, cameras, placement.scale * character.height_m, direction)
 
 
-Drawn = tuple[Layer, FloatArray | None, FloatArray]
+Drawn = tuple[Layer, FloatArray | None, DepthArray]
 """What is drawn at one moment: the layer, the shade in bytes, and the ground's depth."""
 
 

@@ -35,7 +35,7 @@ def viewer_frame(placement: Placement, world_T_camera: Motor) -> FloatArray:
     away = np.mean(world_T_camera.translation_m.reshape(-1, 3), axis=0) - stand.translation_m
     level = away - np.dot(away, up) * up
     length = np.linalg.norm(level)
-    ahead = own if length < 1e-3 * np.linalg.norm(away) else level / length
+    ahead = own if length <= 1e-3 * np.linalg.norm(away) else level / length
     return np.stack([up, ahead, np.cross(ahead, up)])
 
 

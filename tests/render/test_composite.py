@@ -1,5 +1,7 @@
 """Compositing: the law of "over", shadows on the ground, and the overlay as a whole."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from motorcade.animation import Character, Placement, mannequin, place_on_plane
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import Layer, over, render_overlay
 from motorcade.render.composite import as_rgb, darken
-from motorcade.render.light import sunlight_direction
+from motorcade.render.light import character_lighting, sunlight_direction
 from motorcade.render.shadow import GRID, ShadowLook, ground_shade, shade_in_picture
 from motorcade.tracking.camera import Camera
 
@@ -273,3 +275,61 @@ def test_a_frame_of_another_size_is_refused(figure: Character, placement: Placem
     frame = np.zeros((10, 10), dtype=np.uint8)
     with pytest.raises(ValueError, match="expected 200 x 150"):
         next(render_overlay([(0, frame)], CAMERA, path(2), figure, figure.clip("idle"), placement))
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_camera_inside_the_figure_or_under_the_ground_draws_what_it_can(
+    figure: Character, placement: Placement
+) -> None:
+    frame = np.full((150, 200, 3), 120, dtype=np.uint8)
+    inside = looking_at_origin(0.3)
+    middle = placement.apply(np.array([[0.0, 0.0, 0.9]]))[0]
+    for place in (middle, np.array([0.0, 0.3, -0.4]), placement.apply(np.zeros((1, 3)))[0]):
+        pose = Motor.from_rotor_translation(inside.rotor, place)
+        still = Trajectory(np.array([0, 10]), Motor.stack([pose, pose]))
+        made = next(
+            render_overlay([(0, frame)], CAMERA, still, figure, figure.clip("idle"), placement)
+        )
+        assert made.shape == frame.shape
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_bent_overlay_is_drawn_where_the_lens_shows_it(
+    figure: Character, placement: Placement
+) -> None:
+    bent = replace(CAMERA, model="radtan", distortion=(-0.25, 0.06))
+    frame = np.full((150, 200, 3), 90, dtype=np.uint8)
+    straight, curved = (
+        next(
+            render_overlay(
+                [(0, frame)], camera, path(2), figure, figure.clip("idle"), placement,
+                look=ShadowLook(strength=0.0, contact=0.0),
+            )
+        )
+        for camera in (CAMERA, bent)
+    )  # fmt: skip
+    straightened = bent.undistort_image(curved)
+    inner = np.s_[20:130, 20:180]
+    apart = np.abs(straightened[inner].astype(int) - straight[inner]).mean(axis=2)
+    drawn = np.any(straight[inner] != 90, axis=2)
+    assert apart[drawn].mean() < 12.0
+    assert apart[~drawn].mean() < 1.0
+    assert np.any(curved != straight)
+
+
+def test_light_given_twice_is_refused(figure: Character, placement: Placement) -> None:
+    light = character_lighting(placement, path(2).motors, 0.25, np.array([0.0, 0.0, -1.0]))
+    with pytest.raises(ValueError, match="got both"):
+        next(
+            render_overlay(
+                [], CAMERA, path(2), figure, figure.clip("idle"), placement,
+                light_direction=(0, 0, -1), lighting=light,
+            )
+        )  # fmt: skip
+    with pytest.raises(ValueError, match="got zeros"):
+        next(
+            render_overlay(
+                [], CAMERA, path(2), figure, figure.clip("idle"), placement,
+                light_direction=(0, 0, 0),
+            )
+        )  # fmt: skip
