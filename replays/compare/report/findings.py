@@ -93,17 +93,15 @@ def _best(results: Results) -> Iterator[str]:
         f"motion and degradation ({places}), {_name(rows[0])} leaves least error and "
         f"shaking: {_left(rows[0])}. {tie}"
     )
-    first: dict[str, Mapping[str, Any]] = {}
-    for row in rows:
-        first.setdefault(row["representation"], row)
+    found = {name: results.best_ratio("all", name) for name in results.representations}
+    first = sorted(
+        ((name, *best) for name, best in found.items() if best), key=lambda one: one[1].value
+    )
     if len(first) > 1:
-        each = [
-            f"`{name}` {percent(row['ratio_to_raw'])} (`{row['method']}`)"
-            for name, row in first.items()
-        ]
+        each = [f"`{name}` {percent(left.value)} (`{method}`)" for name, left, method in first]
         yield (
-            "With the method that serves it best over all, each representation leaves: "
-            f"{listed(each)}."
+            "With the method that serves it best over all, of those run on every one, each "
+            f"representation leaves: {listed(each)}."
         )
     causal = [row for row in rows if row["method"] in CAUSAL]
     if causal and causal[0] is not rows[0]:

@@ -143,11 +143,26 @@ class Results:
         }
 
     def best_ratio(self, scope: str, representation: str) -> tuple[Ratio, str] | None:
-        """What a representation leaves with the method that serves it best, and that method."""
+        """What a representation leaves with the method that serves it best, and that method.
+
+        Methods that were not run on every representation are no part of it: they would serve some
+        representations and be kept from others.
+        """
         for row in self.ranking(scope):
-            if row["representation"] == representation:
+            if row["representation"] == representation and self._ran_on_all(row["method"], scope):
                 return _ratio(row, "ratio_to_raw"), str(row["method"])
         return None
+
+    def _ran_on_all(self, method: str, scope: str) -> bool:
+        """Whether the plan left nothing of a method out in the places of a scope."""
+        places = set(self.places(scope))
+        return not any(
+            (motion, degradation) in places
+            for one in self.told["plan"].get("left_out", ())
+            if one["method"] == method
+            for motion in one["motions"]
+            for degradation in one["degradations"]
+        )
 
     def does_nothing(self, pair: Pair) -> bool:
         """Whether a smoother left all of the first place's poses as they were."""
