@@ -219,3 +219,19 @@ def test_a_gait_with_another_way_is_no_clip_on_the_spot(figures):
     single = Clip("still", np.zeros(1), Motor.stack([figure.skeleton.rest]))
     with pytest.raises(ValueError, match=r"expected rigid poses, two or more, in 'still'"):
         on_the_spot(single, figure.skeleton, legs_of(figure.skeleton))
+
+
+@pytest.mark.parametrize("file", ["astro_max.dae", "astro_maya.dae"])
+def test_astroboy_keeps_its_size_under_rigid_methods(data_dir: Path, file: str):
+    """Scale left in its palettes would blow it up, or be lost where motors are made unit."""
+    figure = read_character(data_dir / "rigs" / "astroboy" / file)
+    clip = figure.clips[0]
+    for time_s in np.linspace(0.0, clip.duration_s, 5):
+        pose = clip.at(time_s)
+        linear, motor, dual = (
+            skin(figure, pose, method)[0] for method in ("linear", "motor", "dual_quaternion")
+        )
+        np.testing.assert_allclose(motor, dual, atol=1e-9 * figure.height_m)
+        apart = np.linalg.norm(motor - linear, axis=1) / figure.height_m
+        assert 1e-4 < apart.max() < 0.03
+        assert np.median(apart) < 1e-3
