@@ -75,6 +75,7 @@ class PoseRuntime:
         Raises:
             ValueError: no layer, more than two under "motor", no such clip, a time that is not
                 finite, weights that are negative or all zero, an unknown kind.
+            TypeError: a number of a clip below 0.
         """
         if kind not in ("matrix", "motor"):
             raise ValueError(f"palette(kind): expected 'matrix' or 'motor', got {kind!r}")
