@@ -16,10 +16,10 @@ import numpy as np
 from motorcade.animation import Character, Clip, Placement
 from motorcade.animation.formats import CameraPath, write_gltf
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.knobs import parse_knobs
 from motorcade.replays.pipeline import pipeline, trajectories
 from motorcade.replays.recording import Recording, open_recording
-from motorcade.replays.stages.placed import character_named
 from motorcade.tracking.camera import Camera
 
 __all__ = ["Shown", "open_run", "write_rrd", "write_run_gltf"]
@@ -81,13 +81,18 @@ def open_run(folder: Path) -> Shown:
     )
     placed, found = run.outputs["placed"], run.outputs["camera_poses"]
     character = character_named(placed.character)
+    clip = clip_named(character, placed.clip)
+    if len(placed.path_m):
+        clip = walked(
+            character, clip, placed.path_m, placed.placement.scale, placed.plane_T_character
+        )
     return Shown(
         recording,
         recording.camera.undistorted(),
         trajectories(run),
         next(iter(run.outputs["smoothed"].trajectories.values())),
         character,
-        character.clip(placed.clip),
+        clip,
         placed.placement,
         np.asarray(found.points, dtype=np.float64),
     )

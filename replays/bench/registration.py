@@ -29,13 +29,14 @@ from motorcade.replays.bench.data import data_folder
 from motorcade.replays.bench.tracking.board_smoothing import CAUSAL, OFFLINE
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.tracking import BoardTrack, track_board
-from motorcade.tracking.boards import Checkerboard
+from motorcade.tracking.boards import BoardCorners, Checkerboard
 from motorcade.tracking.camera import Camera
 
 __all__ = ["Registration", "drawn_corner_distances_px", "shake_px", "vamr_board"]
 
 PIXELS_PER_M = 4000.0
 INK, PAPER = np.array([32, 44, 96]), np.array([244, 240, 228])
+EDGE_PX = 10.0
 ABOVE_M = (0.16, -0.10, 0.15)
 """The virtual point: over the middle of the board, as high as a character's head."""
 _MANIFEST = Path(__file__).parents[2] / "docs" / "manifests" / "vamr_board.toml"
@@ -95,16 +96,29 @@ def drawn_corner_distances_px(
             looked += 1
             layer = lens.layer(renderer.render(lens.pinhole, path.motors_at(np.int64(time_ns))))
             made = over(as_rgb(frame), layer)
-            drawn = board.detect(made[..., 1].copy(), camera)
-            if drawn is None:
-                continue
             seen = real[time_ns]
             expected = np.full((board.columns * board.rows, 2), np.nan)
             expected[seen.ids] = seen.corners_px
-            drawn = board.aligned(drawn, np.nan_to_num(expected))
+            drawn = _found(board, made[..., 1].copy(), expected)
             apart = np.linalg.norm(drawn.corners_px - expected[drawn.ids], axis=1)
-            distances.append(apart[np.isfinite(apart)])
+            apart = apart[np.isfinite(apart)]
+            if apart.size:
+                distances.append(apart)
     return Registration(np.concatenate(distances), looked, len(distances))
+
+
+def _found(board: Checkerboard, image: ImageArray, real_px: FloatArray) -> BoardCorners:
+    """The drawn corners: all of them, or where the board reaches out of the picture, those in it.
+
+    The latter are sought as saddles about where the real ones are.
+    """
+    drawn = board.detect(image)
+    if drawn is not None:
+        return board.aligned(drawn, np.nan_to_num(real_px))
+    size = np.array([image.shape[1], image.shape[0]])
+    with np.errstate(invalid="ignore"):
+        ids = np.flatnonzero(np.all((real_px > EDGE_PX) & (real_px < size - EDGE_PX), axis=1))
+    return board.sharpen(image, BoardCorners(ids, real_px[ids], board.points_m[ids]))
 
 
 def shake_px(path: Trajectory, camera: Camera, point_m: FloatArray) -> float:
