@@ -1,9 +1,9 @@
 """Feet on the ground: stances found in a motion, held where they are, and nothing below ground.
 
 A foot in stance neither slides nor turns: over each stance its ball is held at one place of the
-world and its heading is kept; what that takes is faded in and out over the swings between. Where its heel or toes would sink the
-foot is turned about the ball; else it keeps its orientation. Then the leg is bent to it, and the
-hips are lowered where a leg would not reach.
+world and its heading is kept; what that takes is faded in and out over the swings between. Where
+its heel or toes would sink the foot is turned about the ball; else it keeps its orientation. Then
+the leg is bent to it, and the hips are lowered where a leg would not reach.
 """
 
 from __future__ import annotations

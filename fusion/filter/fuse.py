@@ -185,4 +185,3 @@ def _judged(
     here = wanted[row] == stamps
     nis[row[here]], accepted[row[here]] = values[here, 0], values[here, 1] > 0.0
     return nis, accepted
-

@@ -88,4 +88,3 @@ def _limit(gate: float) -> float:
 
     # χ² with 6 degrees of freedom is a gamma distribution of shape 3 and scale 2.
     return float(2.0 * gammaincinv(3.0, gate))
-

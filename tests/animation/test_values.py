@@ -153,7 +153,7 @@ def test_character_refuses_two_clips_of_one_name() -> None:
 
 
 def test_unknown_clip_is_refused_with_those_there_are() -> None:
-    with pytest.raises(ValueError, match="'idle', 'walk', .*, got 'fly'"):
+    with pytest.raises(ValueError, match=r"'idle', 'walk', .*, got 'fly'"):
         mannequin().clip("fly")
 
 
