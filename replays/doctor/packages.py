@@ -19,7 +19,7 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
         "gtsam": ("gtsam", "maps of markers, visual-inertial graphs"),
         "rosbags": ("rosbags", "recordings in ROS bags and MCAP, without ROS"),
         "scikit-image": ("skimage", "structural similarity, picture measures"),
-        "scipy": ("scipy", "fits, statistics, trajectories' comparison"),
+        "scipy": ("scipy", "fits, statistics, comparisons of trajectories"),
         "pyrender": ("pyrender", "drawing characters into footage"),
         "av": ("av", "videos in and out"),
         "matplotlib": ("matplotlib", "plots of reports"),
@@ -28,11 +28,14 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
         "pillow": ("PIL", "textures of characters"),
         "tqdm": ("tqdm", "progress bars"),
         "casadi": ("casadi", "symbolic code from scripts and kernels"),
-        "moderngl": ("moderngl", "generated GLSL run on a context"),
+        "moderngl": ("moderngl", "drawing characters fast, and skinning in shaders"),
     },
     "photometric": {
         "kornia": ("kornia", "markers refined on their whole print"),
         "torch": ("torch", "markers refined on their whole print; generated torch code"),
+    },
+    "viewer": {
+        "rerun-sdk": ("rerun", "runs exported for the Rerun viewer"),
     },
     "scale": {
         "dask": ("dask", "sweeps on a cluster"),
