@@ -96,8 +96,9 @@ def _video_caption(findings: Findings) -> str:
         return ""
     film = findings.overlay
     return (
-        f"{film.frames} undistorted frames, the character drawn from the smoothed path; it or its "
-        f"shadow is in view in {film.frames_with_character} of them. It stands on {film.stands_on}."
+        f"{film.frames} {film.footage} frames, the character drawn from the smoothed path; it or "
+        f"its shadow is in view in {film.frames_with_character} of them. It stands on "
+        f"{film.stands_on}, in {film.lit_by}."
     )
 
 

@@ -1,14 +1,17 @@
-"""Stage `overlay`: the character in the undistorted footage, as H.264 video."""
+"""Stage `overlay`: the character in the footage, as H.264 video."""
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
+from motorcade.animation import Character
 from motorcade.ga import Trajectory
 from motorcade.render import (
     RENDERERS,
@@ -17,25 +20,36 @@ from motorcade.render import (
     render_overlay,
     write_video,
 )
-from motorcade.render.scene import DepthArray, ImageArray
+from motorcade.render.light import lighting_of_footage
+from motorcade.render.matching import Matching
+from motorcade.render.scene import DepthArray, ImageArray, Lighting
 from motorcade.replays.artifacts import ASIDE, new_file
 from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.graph import Unavailable
 from motorcade.replays.progress import track
 from motorcade.replays.readers.corner_frames import CornerFrames
-from motorcade.replays.recording import Recording
+from motorcade.replays.recording import Frame, Recording
 from motorcade.replays.stages.placed import Placed
 from motorcade.replays.stages.smoothed import Smoothed
+
+log = logging.getLogger("motorcade")
+
+# Frames, spread over the recording, from which light is estimated.
+LIT_FRAMES = 8
 
 
 @dataclass(frozen=True)
 class Overlay:
-    """A video, how many of its frames show something drawn, and on what the character stands."""
+    """A video: how many of its frames show something drawn, on what the character stands, what
+    lights it, and whether the footage was undistorted.
+    """
 
     path: Path
     frames_with_character: int
     frames: int
     stands_on: str
+    lit_by: str
+    footage: str
     seconds: float = field(metadata=ASIDE)
 
 
@@ -46,11 +60,20 @@ def overlay(
     *,
     representation: str | None = None,
     renderer: str = "fast",
+    light: Literal["fixed", "estimated"] = "fixed",
+    lens: Literal["straighten", "bend"] = "straighten",
+    gain: float = 1.0,
+    exposure_s: float = 0.0,
+    noise: float | None = 0.0,
 ) -> Overlay:
     """Draw the placed character into every frame that has a smoothed pose.
 
     `representation` says along which of the smoothed paths; without it, the first of them.
     `renderer` draws: "fast", or "pyrender" (docs/rendering.md says when to take which).
+    `light=estimated` takes sun and ambient light from frames with depth, and keeps the fixed light
+    where none tell. `lens=bend` leaves the footage as it was taken and bends what is drawn as the
+    lens does; otherwise the footage is straightened. `gain` brightens what is drawn, `exposure_s`
+    blurs it by the motion in that time, `noise` (of 255; none: each frame's own) grains it.
     Frames without a pose (before the first, after the last) are shown as they are. Where the
     recording has depth, what is nearer hides the character. Raises `Unavailable` without OpenGL and
     for recordings of corners, which hold no pictures, and ValueError without a camera or for a
@@ -68,14 +91,17 @@ def overlay(
             character, clip, placed.path_m, placed.placement.scale, placed.plane_T_character
         )
     start = time.perf_counter()
-    footage = _Footage(recording)
+    footage = _Footage(recording, bent=lens == "bend")
+    found = _estimated(footage, path, placed, character) if light == "estimated" else None
     pictures = render_overlay(
-        footage.undistorted(),
-        recording.camera.undistorted(),
+        footage.frames(track(recording.frames, "drawing", len(recording.frames))),
+        footage.camera,
         path,
         character,
         clip,
         placed.placement,
+        lighting=found,
+        matching=Matching(gain, exposure_s, noise),
         renderer=_known(renderer),
     )
     file = new_file("overlay.mp4")
@@ -88,28 +114,53 @@ def overlay(
         footage.drawn_into,
         len(recording.frames),
         placed.stands_on,
+        "light estimated from the footage" if found is not None else "a fixed light",
+        "original" if lens == "bend" else "undistorted",
         time.perf_counter() - start,
     )
 
 
-class _Footage:
-    """The frames on their way to the renderer and back, and how many of them came back changed."""
+def _estimated(
+    footage: _Footage, path: Trajectory, placed: Placed, character: Character
+) -> Lighting | None:
+    """The light of a few straightened frames, spread over the recording; None without depth."""
+    frames = footage.recording.frames
+    some = [frames[int(k)] for k in np.unique(np.linspace(0, len(frames) - 1, LIT_FRAMES).round())]
+    straight = _Footage(footage.recording, bent=False)
+    height_m = placed.placement.scale * character.height_m
+    found = lighting_of_footage(
+        straight.frames(some), straight.camera, path, placed.placement, height_m
+    )
+    if found is None:
+        log.warning("overlay.light=estimated: no depth to tell the light by; the fixed one is kept")
+    return found
 
-    def __init__(self, recording: Recording) -> None:
-        self.recording = recording
+
+class _Footage:
+    """The frames on their way to the renderer and back, and how many of them came back changed.
+
+    Bent footage is as the lens took it; other footage is as a camera without distortion has it.
+    """
+
+    def __init__(self, recording: Recording, bent: bool) -> None:
+        assert recording.camera is not None  # checked by the stage
+        self.recording, self._taken_by = recording, recording.camera
+        self.camera = recording.camera if bent else recording.camera.undistorted()
         self.drawn_into = 0
+        self._bent = bent
         self._given: ImageArray | None = None
 
-    def undistorted(self) -> Iterator[tuple[int, ImageArray, DepthArray | None]]:
-        """Stamp, picture and depth of every frame, as a camera without distortion has them."""
-        camera = self.recording.camera
-        assert camera is not None  # checked by the stage
-        for frame in track(self.recording.frames, "drawing", len(self.recording.frames)):
-            depth_m = frame.depth_m()
-            if depth_m is not None:
-                depth_m = camera.undistort_depth(depth_m)
-            self._given = camera.undistort_image(frame.image())
-            yield frame.time_ns, self._given, depth_m
+    def frames(
+        self, frames: Iterable[Frame]
+    ) -> Iterator[tuple[int, ImageArray, DepthArray | None]]:
+        """Stamp, picture and depth of frames."""
+        for frame in frames:
+            picture, depth_m = frame.image(), frame.depth_m()
+            if not self._bent:
+                picture = self._taken_by.undistort_image(picture)
+                depth_m = None if depth_m is None else self._taken_by.undistort_depth(depth_m)
+            self._given = picture
+            yield frame.time_ns, picture, depth_m
 
     def counted(self, pictures: Iterable[ImageArray]) -> Iterator[ImageArray]:
         """The drawn frames as they are."""
