@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation import Character, Clip, Placement, skin
-from motorcade.ga import FloatArray, Motor, Trajectory, checked_floats
+from motorcade.animation.skin import Skinner
+from motorcade.ga import FloatArray, Motor, Similarity, Trajectory, checked_floats
 from motorcade.render.backends.renderer import Renderer, RendererName, new_renderer
 from motorcade.render.composite import as_rgb, darken, over
 from motorcade.render.lens import LensWarp
@@ -101,11 +102,15 @@ def render_overlay(
             if not span_ns[0] <= time_ns <= span_ns[1]:
                 yield frame
                 continue
+            depth_m = rest[0] if rest else None
             drawn = [
-                stage.draw(drawing, world_T_camera.motors_at(moment), 1e-9 * (moment - start_ns))
+                stage.draw(
+                    drawing, world_T_camera.motors_at(moment), 1e-9 * (moment - start_ns),
+                    with_ground=depth_m is not None,
+                )
                 for moment in np.clip(matched.moments_ns(time_ns), *span_ns)
-            ]
-            yield stage.laid_over(frame, drawn, rest[0] if rest else None, matched, rng)
+            ]  # fmt: skip
+            yield stage.laid_over(frame, drawn, depth_m, matched, rng)
 
 
 def _usual_light(
@@ -127,8 +132,8 @@ def _usual_light(
     return character_lighting(placement, cameras, placement.scale * character.height_m, direction)
 
 
-Drawn = tuple[Layer, FloatArray | None, DepthArray]
-"""What is drawn at one moment: the layer, the shade in bytes, and the ground's depth."""
+Drawn = tuple[Layer, FloatArray | None, DepthArray | None]
+"""What is drawn at one moment: layer, shade in bytes, and where asked the depth of the ground."""
 
 
 class _Stage:
@@ -144,6 +149,7 @@ class _Stage:
         look: ShadowLook,
     ) -> None:
         self.lens = LensWarp(camera)
+        self._skinner = Skinner(character, "linear")
         self.character, self.clip, self.placement, self.look = character, clip, placement, look
         self.height_m = placement.scale * character.height_m
         stand = placement.world_T_character
@@ -160,9 +166,11 @@ class _Stage:
             roughness=0.42,
         )
 
-    def draw(self, renderer: Renderer, world_T_camera: Motor, time_s: float) -> Drawn:
+    def draw(
+        self, renderer: Renderer, world_T_camera: Motor, time_s: float, *, with_ground: bool
+    ) -> Drawn:
         """The character and its shade at one moment, as the footage's camera sees them."""
-        vertices, normals = skin(self.character, self.clip.at(time_s))
+        vertices, normals = self._skinned(self.clip.at(time_s))
         stand = self.placement.world_T_character
         renderer.move(0, self.placement.apply(vertices), stand.rotor.apply(normals))
         pinhole = self.lens.pinhole
@@ -178,8 +186,18 @@ class _Stage:
         camera_T_ground = world_T_camera.inverse() @ stand
         stored = 1.0 - (1.0 - np.clip(shade, 0.0, 1.0)) ** BYTES_POWER
         seen = shade_in_picture(stored, self.half_width_m, pinhole, camera_T_ground)
+        bent = seen if seen is None else self.lens.smooth(seen)
+        if not with_ground:
+            return layer, bent, None
         ground = ground_depth(pinhole, camera_T_ground).astype(np.float32)
-        return layer, seen if seen is None else self.lens.smooth(seen), self.lens.depth(ground)
+        return layer, bent, self.lens.depth(ground)
+
+    def _skinned(self, pose: Motor | Similarity) -> tuple[FloatArray, FloatArray]:
+        """Vertices and normals in character space, compiled where joints are rigid."""
+        if isinstance(pose, Similarity):
+            return skin(self.character, pose)
+        vertices, normals = self._skinner.skin(pose)
+        return vertices.astype(np.float64), normals.astype(np.float64)
 
     def laid_over(
         self,
@@ -197,8 +215,8 @@ class _Stage:
         sigma = frame_noise(frame) if matching.noise is None else matching.noise
         if shades:
             shade = shades[0] if len(shades) == 1 else np.mean(shades, axis=0)
-            if depth_m is not None:
-                ground = drawn[len(drawn) // 2][2]
+            ground = drawn[len(drawn) // 2][2]
+            if depth_m is not None and ground is not None:
                 above = (depth_m > 0.0) & (depth_m < ground - LOW * self.height_m)
                 shade = np.where(above, 0.0, shade)
             frame = darken(frame, shade)
