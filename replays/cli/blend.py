@@ -22,7 +22,11 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument("--clips", required=True, metavar="A,B", help="names of two clips")
     parser.add_argument("--weight", type=float, default=0.5, metavar="W", help="of B (0.5)")
     parser.add_argument(
-        "--method", default="motor", metavar="M", help="motor, quaternion, … (motor)"
+        "--method",
+        default="motor",
+        metavar="M",
+        help="motor, similarity, rotor, dual_quaternion or quaternion, each also with _linear; or "
+        "euler (motor)",
     )
     parser.add_argument(
         "--motion",

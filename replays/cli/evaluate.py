@@ -19,9 +19,14 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         summary="absolute and relative pose error, jitter, lag and artifacts against a reference",
         example="motorcade evaluate estimate.tum truth.tum --align se3 --json errors.json",
     )
-    parser.add_argument("estimate", type=Path, metavar="EST")
-    parser.add_argument("reference", type=Path, metavar="REF")
-    parser.add_argument("--align", choices=("none", "se3", "sim3"), default="none")
+    parser.add_argument("estimate", type=Path, metavar="EST", help="TUM, EuRoC or KITTI file")
+    parser.add_argument("reference", type=Path, metavar="REF", help="the same, with the truth")
+    parser.add_argument(
+        "--align",
+        choices=("none", "se3", "sim3"),
+        default="none",
+        help="fit the estimate to the reference first, rigidly or with scale (none)",
+    )
     parser.add_argument(
         "--max-difference-s",
         type=float,

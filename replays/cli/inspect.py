@@ -22,7 +22,9 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "  motorcade inspect knight.glb --pose Walking_A@0.5",
     )
     parser.add_argument("recording", type=Path, metavar="RECORDING|CHARACTER")
-    parser.add_argument("--manifest", type=Path, metavar="FILE")
+    parser.add_argument(
+        "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
+    )
     parser.add_argument(
         "--pose", metavar="CLIP@SECONDS", help="also tell where a character's joints then are"
     )

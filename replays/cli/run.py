@@ -18,7 +18,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         run_recordings,
         name="run",
         summary="track, fuse, smooth and augment recordings; leave videos and error reports",
-        example="motorcade run images/ --manifest camera.toml --out out/run --set fused.rts=false",
+        example="motorcade run images/ --manifest camera.toml --out out/run --set fused.gate=0.99",
     )
     parser.add_argument("recordings", type=Path, nargs="+", metavar="RECORDING")
     parser.add_argument(

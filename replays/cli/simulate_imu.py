@@ -28,8 +28,8 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("trajectory", type=Path, metavar="TRAJECTORY")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.csv")
-    parser.add_argument("--rate-hz", type=float, default=200.0)
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--rate-hz", type=float, default=200.0, help="of the samples (200)")
+    parser.add_argument("--seed", type=int, default=0, help="of the noise (0)")
     parser.add_argument(
         "--noise",
         metavar="FILE",
@@ -72,8 +72,12 @@ def _add_faults(parser: argparse.ArgumentParser) -> None:
     ):
         default = [1.0] * 3 if name.endswith("scale") else [0.0] * 3
         group.add_argument(name, type=float, nargs=3, metavar=_THREE, default=default, help=text)
-    group.add_argument("--gyro-range-rad-s", type=float, default=float("inf"))
-    group.add_argument("--accel-range-m-s2", type=float, default=float("inf"))
+    group.add_argument(
+        "--gyro-range-rad-s", type=float, default=float("inf"), help="where it saturates (nowhere)"
+    )
+    group.add_argument(
+        "--accel-range-m-s2", type=float, default=float("inf"), help="where it saturates (nowhere)"
+    )
     group.add_argument("--gyro-step-rad-s", type=float, default=0.0, help="of the converter")
     group.add_argument("--accel-step-m-s2", type=float, default=0.0, help="of the converter")
     group.add_argument("--dropped", type=float, default=0.0, help="share of samples that are lost")

@@ -7,6 +7,18 @@ from pathlib import Path
 
 from motorcade.replays.cli.arguments import Subparsers, new_command, print_json
 
+DESCRIPTION = """\
+Run every combination of recordings, knobs and seeds; leave one table and a comparative report.
+What is finished is not run again. Paths in CONFIG.toml are relative to it:
+
+  recordings = ["flights/*", {path = "board.mp4", manifest = "board.toml"}]
+  seeds = [0, 1, 2]                   # left out: one run with the knobs' own seeds
+  until = "errors"                    # or any later stage, as with `motorcade run --until`
+
+  [knobs]                             # `motorcade graph --knobs` lists them
+  camera_poses.source = "simulated"   # the same in every run
+  fused.gate = [0.99, 0.9999]         # each in turn"""
+
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     """Register the command."""
@@ -19,8 +31,11 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "comparative report; what is finished is not run again",
         example="motorcade sweep sweep.toml --out out/sweep --executor tcp://scheduler:8786",
     )
+    parser.description = DESCRIPTION
     parser.add_argument("config", type=Path, metavar="CONFIG.toml")
-    parser.add_argument("--out", type=Path, default=Path("out/sweep"), metavar="DIR")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out/sweep"), metavar="DIR", help="(out/sweep)"
+    )
     parser.add_argument(
         "--executor",
         default="processes",
