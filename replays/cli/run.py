@@ -20,7 +20,13 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         summary="track, fuse, smooth and augment recordings; leave videos and error reports",
         example="motorcade run images/ --manifest camera.toml --out out/run --set fused.gate=0.99",
     )
-    parser.add_argument("recordings", type=Path, nargs="+", metavar="RECORDING")
+    parser.add_argument(
+        "recordings",
+        type=Path,
+        nargs="+",
+        metavar="RECORDING",
+        help="folder, video or bag; of several, each leaves its results in OUT/NAME",
+    )
     parser.add_argument(
         "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
     )
@@ -35,7 +41,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:
     """Options shared with `demo`."""
-    parser.add_argument("--out", type=Path, default=out, metavar="DIR", help=f"({out})")
+    parser.add_argument("--out", type=Path, default=out, metavar="DIR", help=f"results ({out})")
     parser.add_argument("--until", default="report", metavar="STAGE", help="stop after this stage")
     parser.add_argument(
         "--set",

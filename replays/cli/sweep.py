@@ -34,7 +34,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.add_argument("config", type=Path, metavar="CONFIG.toml")
     parser.add_argument(
-        "--out", type=Path, default=Path("out/sweep"), metavar="DIR", help="(out/sweep)"
+        "--out", type=Path, default=Path("out/sweep"), metavar="DIR", help="results (out/sweep)"
     )
     parser.add_argument(
         "--executor",
