@@ -1,7 +1,8 @@
 """Feet on the ground: stances found in a motion, held where they are, and nothing below ground.
 
-A foot in stance neither slides nor turns: over each stance its ball is held at one place of the
-world and its heading is kept; what that takes is faded in and out over the swings between. Where
+A foot in stance neither slides nor turns: over each stance its ball is held over one place of the
+ground and its heading is kept; what that takes is faded in and out over the swings between. The
+ball's height is shifted as a whole, so that it comes down and rises as it did. Where
 its heel or toes would sink the foot is turned about the ball; else it keeps its orientation. Then
 the leg is bent to it, and the hips are lowered where a leg would not reach.
 """
@@ -114,7 +115,7 @@ def plant_feet(
         standing = find_stances(at, time_s) if stances is None else stances[index]
         sole = float(skeleton.rest_world[ball].translation_m[2])
         shift = _holding(at, time_s, standing, floor, sole)
-        facing = _facing(world[:, ankle], world[:, ball], time_s, standing)
+        facing = _facing(skeleton, world, (ankle, ball), time_s, standing)
         middle = at + shift
         foot, end = (
             Motor.from_rotor_translation(
@@ -151,12 +152,17 @@ def _turned(skeleton: Skeleton, poses: Motor, leg: Leg, foot: Rotor, toes: Rotor
 def _holding(
     at: FloatArray, time_s: FloatArray, standing: NDArray[np.bool_], ground: Ground, sole_m: float
 ) -> FloatArray:
-    """Shifts ``(F, 3)`` that hold the ball in each stance, and keep it above ground elsewhere."""
+    """Shifts ``(F, 3)`` that hold the ball over one place in each stance, and never below ground.
+
+    Heights are shifted by their median over the stance: pressing the ball down from its first to
+    its last moment would drag the swings down with it, until toes graze.
+    """
     shift, known = np.zeros_like(at), np.zeros(len(at), dtype=bool)
     for start, end in _runs(standing):
         anchor = np.median(at[start:end], axis=0)
         anchor[2] = ground.height_m(anchor[None, :2])[0] + sole_m
-        shift[start:end] = anchor - at[start:end]
+        shift[start:end, :2] = (anchor - at[start:end])[:, :2]
+        shift[start:end, 2] = anchor[2] - np.median(at[start:end, 2])
         known[start:end] = True
     if np.any(known):
         for axis in range(3):
@@ -166,12 +172,27 @@ def _holding(
     return shift
 
 
-def _facing(ankle: Motor, ball: Motor, time_s: FloatArray, standing: NDArray[np.bool_]) -> Rotor:
-    """Turns ``(F,)`` about z that keep the foot's heading in each stance."""
-    along = ball.translation_m - ankle.translation_m
-    turn = np.zeros_like(along)
-    if np.any(standing) and np.any(along[:, :2]):
-        heading = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
+def _facing(
+    skeleton: Skeleton,
+    world: Motor,
+    foot: tuple[int, int],
+    time_s: FloatArray,
+    standing: NDArray[np.bool_],
+) -> Rotor:
+    """Turns ``(F,)`` about z that keep the heading of what stands on the ball in each stance.
+
+    The heading is told by the axis across the foot, which stays level while the heel rises: the
+    way from ankle to ball has none once the ankle is over the ball, and turns back beyond it. It
+    breaks down for a foot that lies on its side.
+    """
+    ankle, ball = foot
+    rest = skeleton.rest_world
+    along = rest[ball].translation_m - rest[ankle].translation_m
+    turn = np.zeros((len(time_s), 3))
+    if np.any(standing) and np.any(along[:2]):
+        across = rest[ball].rotor.inverse().apply(np.array([-along[1], along[0], 0.0]))
+        side = world[:, ball].rotor.apply(across)
+        heading = np.unwrap(np.arctan2(side[:, 1], side[:, 0]))
         for start, end in _runs(standing):
             turn[start:end, 2] = np.median(heading[start:end]) - heading[start:end]
         turn[:, 2] = _faded(time_s, turn[:, 2], standing)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from motorcade.animation.clip import Clip
-from motorcade.animation.ik import Ground, Leg, plant_feet
+from motorcade.animation.ik import Ground, Leg, find_stances, plant_feet
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import FloatArray, Motor, Rotor, checked_floats, frozen
 
@@ -115,7 +115,8 @@ def walk_along(
         speed_m_s: of the clip, at the character's own size.
         rate_hz: frames a second.
         scale: of the character; a smaller one takes smaller steps, in the same time.
-        ground: heights over the plane, in metres of the character's own size.
+        ground: heights over the plane, in metres of the character's own size; told as well for
+            a cycle before the path's start and after its end.
 
     Raises:
         ValueError: a clip that is not looped or not rigid, a speed, rate or scale not above 0.
@@ -127,19 +128,41 @@ def walk_along(
         raise ValueError(f"walk_along(clip): expected a rigid loop, got '{clip.name}'")
     own_length = path.length_m / scale
     count = max(2, int(np.ceil(own_length / speed_m_s * rate_hz)) + 1)
-    time_s = np.arange(count) / rate_hz
-    position, heading = path.at(scale * np.minimum(speed_m_s * time_s, own_length))
-    up = np.zeros((count, 3))
+    # A cycle before and after the way, so that no stance is cut by its ends.
+    more = int(np.ceil(clip.duration_s * rate_hz))
+    time_s = np.arange(-more, count + more) / rate_hz
+    along = speed_m_s * time_s
+    along[more + count - 1 :] += own_length - along[more + count - 1]
+    position, heading = path.at(scale * along)
+    up = np.zeros((len(time_s), 3))
     up[:, 2] = heading
     rotor = Rotor.from_rotation_vector(up)
-    flat = np.concatenate([position, np.zeros((count, 1))], axis=1)
+    flat = np.concatenate([position, np.zeros((len(time_s), 1))], axis=1)
     # Feet are planted at the character's own size.
     own = Motor.from_rotor_translation(rotor, flat / scale)
     poses = clip.at(clip.time_s[0] + time_s)
     if not isinstance(poses, Motor):
         raise ValueError(f"walk_along(clip): expected a rigid loop, got '{clip.name}'")
-    planted = plant_feet(skeleton, time_s, poses, legs, world_T_character=own, ground=ground)
-    return Walk(time_s, Motor.from_rotor_translation(rotor, flat), planted)
+    planted = plant_feet(
+        skeleton, time_s, poses, legs, world_T_character=own, ground=ground,
+        stances=_stances(skeleton, legs, poses, speed_m_s * time_s, time_s),
+    )  # fmt: skip
+    way = slice(more, more + count)
+    placed = Motor.from_rotor_translation(rotor[way], flat[way])
+    return Walk(time_s[way], placed, planted[way])
+
+
+def _stances(
+    skeleton: Skeleton, legs: Sequence[Leg], poses: Motor, along_m: FloatArray, time_s: FloatArray
+) -> list[NDArray[np.bool_]]:
+    """When each foot stands, ``(F,)`` each, were the way straight.
+
+    Along a bend a body that turns drags its standing foot as fast as a slow swing.
+    """
+    at = skeleton.world(poses).translation_m
+    at[..., 0] += along_m[:, None]
+    balls = [skeleton.index(leg.ball or leg.ankle) for leg in legs]
+    return [find_stances(at[:, ball], time_s) for ball in balls]
 
 
 def _catmull_rom(points: FloatArray) -> FloatArray:

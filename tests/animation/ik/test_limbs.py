@@ -119,12 +119,37 @@ def test_a_planted_foot_neither_slides_nor_sinks(skeleton):
     for run in np.split(np.arange(len(time_s)), edges):
         if standing[run[0]]:
             assert np.ptp(before[run, 0]) > 0.02
-            assert np.ptp(after[run], axis=0).max() < 1e-6
-            np.testing.assert_allclose(after[run, 2], 0.05 * after[run, 0], atol=1e-6)
+            assert np.ptp(after[run, :2], axis=0).max() < 1e-6
+            # It comes down and rises as it did, on the ground and not below.
+            over = np.maximum(before[run, 2] - np.median(before[run, 2]), 0.0)
+            np.testing.assert_allclose(after[run, 2] - 0.05 * after[run, 0], over, atol=1e-6)
     assert np.all(after[:, 2] > 0.05 * after[:, 0] - 1e-6)
     # What is held is faded in: no jump from frame to frame beyond the motion's own.
     steps = np.linalg.norm(np.diff(after, axis=0), axis=1).max()
     assert steps < 1.5 * np.linalg.norm(np.diff(before, axis=0), axis=1).max()
+
+
+def test_a_standing_foot_keeps_its_heading_while_the_ankle_goes_over_the_ball(skeleton):
+    """At heel-off the way from ankle to ball turns back; the foot does not."""
+    pitch = np.linspace(0.0, np.radians(130.0), 31)
+    turn = Rotor.from_rotation_vector(pitch[:, None] * [0.0, 1.0, 0.0])
+    poses = Motor.stack([skeleton.rest] * 31).coefficients.copy()
+    foot, rest = skeleton.index("foot"), skeleton.rest_world
+    place = np.tile(rest[foot].translation_m, (31, 1))
+    turned = Motor.from_rotor_translation(turn @ rest[foot].rotor, place)
+    poses[:, foot] = (rest[foot - 1].inverse() @ turned).coefficients
+    plain = Motor(poses)
+    along = np.diff([_at(skeleton, plain, name).translation_m[:, 0] for name in ("foot", "toes")],
+                    axis=0)  # fmt: skip
+    assert along.min() < -0.01 < 0.01 < along.max()
+    made = plant_feet(
+        skeleton, np.arange(31) / 60.0, plain, [Leg("thigh", "calf", "foot", "toes")],
+        stances=[np.ones(31, dtype=bool)],
+    )  # fmt: skip
+    for name in ("foot", "toes"):
+        across = rest[skeleton.index(name)].rotor.inverse().apply(np.array([0.0, 1.0, 0.0]))
+        side = _at(skeleton, made, name).rotor.apply(across)
+        np.testing.assert_allclose(side, np.tile([0.0, 1.0, 0.0], (31, 1)), atol=1e-6)
 
 
 def test_hips_come_down_where_a_leg_would_not_reach(skeleton):
