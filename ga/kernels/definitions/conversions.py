@@ -46,7 +46,7 @@ def _matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
 
 
 def _dual_quaternion(precision: Precision, m: Numbers) -> list[Numbers]:
-    # Hamilton's i, j, k are -e23, -e31, -e12, and his ε times them e1∞ ...: see DESIGN's order.
+    # Hamilton's i, j, k are -e23, -e31, -e12, and his ε times them e1∞ …, in this order.
     return [[m[0], -m[1], -m[2], -m[3], -m[7], -m[4], -m[5], -m[6]]]
 
 
