@@ -23,6 +23,8 @@ LAYERS = 6
 DENSITY = 2.2
 # The renderer's curve from light to bytes: a share of light is this power of it in bytes.
 BYTES_POWER = 1.0 / 2.2
+# Rays that fall less than this meet the ground nowhere.
+BARELY = 1e-9
 
 
 @dataclass(frozen=True)
@@ -132,9 +134,11 @@ def shade_in_picture(
         borderMode=cv2.BORDER_CONSTANT,
         borderValue=0.0,
     )
-    return np.asarray(
-        np.where(np.isfinite(ground_depth(camera, camera_T_ground)), shown, 0.0), dtype=np.float64
-    )
+    offset, fall = _offset_and_fall(camera, camera_T_ground)
+    # What falls to the ground is one side of a straight line: the corners tell of all pixels.
+    if np.min(offset * fall[:: max(1, len(fall) - 1), :: max(1, fall.shape[1] - 1)]) <= BARELY:
+        shown[offset * fall <= BARELY] = 0.0
+    return np.asarray(shown, dtype=np.float64)
 
 
 def _spread(at: FloatArray, amount: FloatArray, sigma: FloatArray, cell: float) -> FloatArray:
@@ -186,10 +190,17 @@ def ground_depth(camera: Camera, camera_T_ground: Motor) -> FloatArray:
     Returns:
         (height, width) metres; infinite at and above the horizon.
     """
+    offset, fall = _offset_and_fall(camera, camera_T_ground)
+    meets = offset * fall > BARELY
+    return np.asarray(np.where(meets, offset / np.where(meets, fall, 1.0), np.inf))
+
+
+def _offset_and_fall(camera: Camera, camera_T_ground: Motor) -> tuple[float, FloatArray]:
+    """The ground's offset from the camera along its normal, and how far each pixel's ray, one
+    metre deep, goes along it.
+    """
     up = camera_T_ground.rotor.apply(np.array([0.0, 0.0, 1.0]))
     x = (np.arange(camera.width) - camera.cx) / camera.fx
     y = (np.arange(camera.height) - camera.cy) / camera.fy
     fall = up[0] * x[None, :] + up[1] * y[:, None] + up[2]
-    offset = float(np.dot(up, camera_T_ground.translation_m))
-    meets = offset * fall > 1e-9
-    return np.asarray(np.where(meets, offset / np.where(meets, fall, 1.0), np.inf))
+    return float(np.dot(up, camera_T_ground.translation_m)), fall
