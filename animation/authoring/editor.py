@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -32,7 +32,7 @@ class Drag:
 
     object_name: str
     kind: Kind
-    axis: FloatArray = (0.0, 0.0, 1.0)  # type: ignore[assignment]
+    axis: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     frame: Frame = "local"
 
     def __post_init__(self) -> None:

@@ -147,11 +147,12 @@ def estimate_noise(imu: ImuStream) -> StreamNoise:
         allan_deviation(values, imu.rate_hz)
         for values in (imu.angular_rate_rad_s, imu.specific_force_m_s2)
     ]
-    axes = [tuple(fitted_noise(curve, axis) for axis in range(3)) for curve in curves]
-    gyro, accel = axes
-    (gyro_density, gyro_walk), (accel_density, accel_walk) = (_pooled(three) for three in axes)
+    gyro, accel = (
+        (fitted_noise(curve, 0), fitted_noise(curve, 1), fitted_noise(curve, 2)) for curve in curves
+    )
+    (gyro_density, gyro_walk), (accel_density, accel_walk) = _pooled(gyro), _pooled(accel)
     noise = ImuNoise(gyro_density, gyro_walk, accel_density, accel_walk)
-    return StreamNoise(curves[0], curves[1], gyro, accel, noise)  # type: ignore[arg-type]
+    return StreamNoise(curves[0], curves[1], gyro, accel, noise)
 
 
 def fitted_noise(curve: AllanCurve, axis: int) -> NoiseEstimate:

@@ -59,6 +59,10 @@ _AHEAD = Motor.from_rotor_translation(
 )
 
 
+# White noise of a cheap sensor, and biases that wander so fast that a run sees many of them.
+_FAST_WALKS = ImuNoise(1e-3, 1e-3, 1e-2, 1e-2)
+
+
 @dataclass(frozen=True)
 class Experiment:
     """What is simulated, and how long.
@@ -77,7 +81,7 @@ class Experiment:
 
     motion: str
     duration_s: float = 120.0
-    noise: ImuNoise = ImuNoise(1e-3, 1e-3, 1e-2, 1e-2)  # noqa: RUF009
+    noise: ImuNoise = _FAST_WALKS
     imu_hz: float = 200.0
     camera_hz: float = 20.0
     sigma_m: float = 0.01

@@ -38,7 +38,7 @@ def on_time(run) -> list[tuple[int, int]]:
     return [(int(t), k) for k, t in enumerate(run.measurements.trajectory.time_ns)]
 
 
-def same(one: PoseFilter, other: PoseFilter) -> None:
+def check_same(one: PoseFilter, other: PoseFilter) -> None:
     for name in ("velocity_m_s", "gyro_bias_rad_s", "accel_bias_m_s2", "covariance"):
         a, b = (getattr(stream.state, name) for stream in (one, other))
         assert a.tobytes() == b.tobytes(), name
@@ -69,13 +69,13 @@ def test_the_order_of_arrival_changes_nothing(record, rng):
     delays[0] = delays[-10:] = 0  # it starts with the first, and the last must arrive at all
     late = [(t + int(delay), k) for (t, k), delay in zip(on_time(run), delays, strict=True)]
     assert [k for _, k in sorted(late)] != list(range(len(late)))
-    same(fed(run, late), fed(run, on_time(run)))
+    check_same(fed(run, late), fed(run, on_time(run)))
 
 
 def test_measurements_ahead_of_the_inertial_data_wait(record, rng):
     run = record(rng, 2.0)
     early = [(max(t - 60_000_000, int(run.imu.time_ns[0])), k) for t, k in on_time(run)]
-    same(fed(run, early), fed(run, on_time(run)))
+    check_same(fed(run, early), fed(run, on_time(run)))
 
 
 def test_what_comes_too_late_or_from_before_the_start_is_refused(record, rng):
@@ -397,7 +397,7 @@ def test_motion_is_not_taken_for_rest(record, rng):
     assert {one.kind for one in stream.innovations} == {"camera_pose"}
 
 
-def hours(seconds: float, rng: np.random.Generator) -> None:
+def check_covariances(seconds: float, rng: np.random.Generator) -> None:
     """Fast shaking at 200 Hz, a pose now and then: covariances stay what covariances are."""
     count = int(seconds * 200)
     stamps = np.arange(count, dtype=np.int64) * 5_000_000
@@ -423,9 +423,9 @@ def hours(seconds: float, rng: np.random.Generator) -> None:
 
 
 def test_covariances_stay_symmetric_and_positive_for_minutes(rng):
-    hours(200.0, rng)
+    check_covariances(200.0, rng)
 
 
 @pytest.mark.slow
 def test_covariances_stay_symmetric_and_positive_for_an_hour(rng):
-    hours(3600.0, rng)
+    check_covariances(3600.0, rng)
