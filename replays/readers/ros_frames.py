@@ -9,18 +9,18 @@ from __future__ import annotations
 import threading
 import weakref
 from collections.abc import Iterator, Sequence
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import cv2
 import numpy as np
 
-from motorcade.ga import IntArray
 from motorcade.replays.errors import RecordingError, one_line, refusal
+from motorcade.replays.readers.decoded import DecodedFrames
 from motorcade.replays.readers.frames import FRAME_LIMIT
 from motorcade.replays.readers.pictures import PIXEL_LIMIT
-from motorcade.replays.recording import Frame, ImageArray
+from motorcade.replays.recording import ImageArray
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -114,7 +114,7 @@ class Bag:
         return refusal(self.path, f"expected a whole ROS bag: {told}")
 
 
-class BagFrames:
+class BagFrames(DecodedFrames):
     """Pictures of one topic of a bag, in the order of their header stamps.
 
     Args:
@@ -143,21 +143,6 @@ class BagFrames:
         if stalls.size:
             problem = "expected header stamps that increase, got equal or earlier ones"
             raise refusal(path, problem, field=f"{one_line(topic)} frame {stalls[0] + 1}")
-
-    @property
-    def time_ns(self) -> IntArray:
-        """Stamps ``(N,)``, strictly increasing, read-only."""
-        return self._time_ns
-
-    def __len__(self) -> int:
-        return len(self._time_ns)
-
-    def __getitem__(self, index: int) -> Frame:
-        index = range(len(self))[index]
-        return Frame(int(self._time_ns[index]), f"frame {index}", partial(self._image, index))
-
-    def __iter__(self) -> Iterator[Frame]:
-        return (self[index] for index in range(len(self)))
 
     def __reduce__(self) -> tuple[type[BagFrames], tuple[Any, ...]]:
         """Reopen the file in another process."""

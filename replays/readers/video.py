@@ -10,7 +10,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from fractions import Fraction
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,10 +22,11 @@ from av.video.stream import VideoStream
 
 from motorcade.ga import IntArray
 from motorcade.replays.errors import one_line, refusal
+from motorcade.replays.readers.decoded import DecodedFrames
 from motorcade.replays.readers.frames import FRAME_LIMIT
 from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.readers.pictures import PIXEL_LIMIT
-from motorcade.replays.recording import Frame, ImageArray, Recording
+from motorcade.replays.recording import ImageArray, Recording
 
 if TYPE_CHECKING:
     from motorcade.tracking.camera import Camera
@@ -56,7 +56,7 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     )
 
 
-class VideoFrames:
+class VideoFrames(DecodedFrames):
     """Pictures of the first video stream of a file, in the order they are shown.
 
     Args:
@@ -81,21 +81,6 @@ class VideoFrames:
             raise refusal(path, problem, field=f"frame {stalls[0] + 1}")
         self._decoder: _Decoder | None = None
         self._lock = threading.Lock()
-
-    @property
-    def time_ns(self) -> IntArray:
-        """Stamps ``(N,)``, strictly increasing, read-only."""
-        return self._time_ns
-
-    def __len__(self) -> int:
-        return len(self._time_ns)
-
-    def __getitem__(self, index: int) -> Frame:
-        index = range(len(self))[index]
-        return Frame(int(self._time_ns[index]), f"frame {index}", partial(self._image, index))
-
-    def __iter__(self) -> Iterator[Frame]:
-        return (self[index] for index in range(len(self)))
 
     def __reduce__(self) -> tuple[type[VideoFrames], tuple[Path]]:
         """Reopen the file in another process: a decoder cannot be sent."""

@@ -52,7 +52,8 @@ class Accessors:
             if not np.isfinite(made).all():
                 raise expected(field, "finite numbers", "NaN or infinity")
             return made
-        entry = self._entries[int(index)]  # type: ignore[call-overload]
+        number = integer(index, field, 0, len(self._entries) - 1)
+        entry = table(self._entries[number], field)
         made = raw.astype(np.float64)
         if entry.get("normalized") is True:
             made = np.maximum(made / np.iinfo(raw.dtype).max, -1.0)

@@ -8,9 +8,9 @@ import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.images import Texture, decode_texture
-from motorcade.animation.formats.limits import MAX_NODES, MAX_TEXT_BYTES, beside, read_bounded
+from motorcade.animation.formats.limits import MAX_NODES, beside, read_bounded
 from motorcade.animation.formats.md5.motion import read_clip
-from motorcade.animation.formats.md5.words import Words, orientation
+from motorcade.animation.formats.md5.words import Words, opened, orientation
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip, Skin, Surface
 from motorcade.ga import FloatArray, IntArray, Motor
@@ -28,12 +28,7 @@ def read_md5_mesh(path: Path) -> Rig:
     Raises:
         FormatError: a file that is not consistent, or a motion of other joints.
     """
-    words = Words(read_bounded(path, MAX_TEXT_BYTES))
-    words.need("MD5Version")
-    words.integer("MD5Version", 10, 10)
-    if words.peek() == "commandline":
-        words.word("commandline")
-        words.word("commandline")
+    words = opened(path)
     words.need("numJoints")
     count = words.integer("numJoints", 1, MAX_NODES)
     words.need("numMeshes")

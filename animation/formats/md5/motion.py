@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, expected
-from motorcade.animation.formats.limits import MAX_NODES, MAX_POSES, MAX_TEXT_BYTES, read_bounded
-from motorcade.animation.formats.md5.words import Words, orientation
+from motorcade.animation.formats.limits import MAX_NODES, MAX_POSES
+from motorcade.animation.formats.md5.words import Words, opened, orientation
 from motorcade.animation.formats.rig.curves import great_arc, with_times
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip
@@ -47,12 +47,7 @@ def read_clip(path: Path, names: tuple[str, ...], parents: IntArray) -> RigClip:
 
 
 def _motion(path: Path) -> tuple[tuple[str, ...], IntArray, Transforms, RigClip]:
-    words = Words(read_bounded(path, MAX_TEXT_BYTES))
-    words.need("MD5Version")
-    words.integer("MD5Version", 10, 10)
-    if words.peek() == "commandline":
-        words.word("commandline")
-        words.word("commandline")
+    words = opened(path)
     words.need("numFrames")
     frames = words.integer("numFrames", 1, MAX_POSES)
     words.need("numJoints")

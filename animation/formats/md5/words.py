@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, expected, shown
+from motorcade.animation.formats.limits import MAX_TEXT_BYTES, read_bounded
 from motorcade.ga import FloatArray
 
-__all__ = ["Words", "orientation"]
+__all__ = ["Words", "opened", "orientation"]
 
 WORD = re.compile(r'//[^\n]*|"([^"\n]*)"|([(){}])|([^\s(){}"]+)')
 
@@ -97,6 +99,21 @@ class Words:
         self.need("{")
         while self.word("a closing brace") != "}":
             pass
+
+
+def opened(path: Path) -> Words:
+    """The words of an MD5 file after its version and command line.
+
+    Raises:
+        FormatError: a file that is too large, or of another version.
+    """
+    words = Words(read_bounded(path, MAX_TEXT_BYTES))
+    words.need("MD5Version")
+    words.integer("MD5Version", 10, 10)
+    if words.peek() == "commandline":
+        words.word("commandline")
+        words.word("commandline")
+    return words
 
 
 def orientation(xyz: FloatArray) -> FloatArray:
