@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.animation.formats.collada_witness import ColladaWitness
 from tests.animation.formats.witness import Witness, fitted
 
 from motorcade.animation import Character
@@ -87,7 +88,8 @@ def test_joints_lie_where_the_witness_puts_them(
 ) -> None:
     """At 20 times of the clip, after the turn of axes, the unit and the lift that were read.
 
-    The Maya file's curves are Bézier, which the witness drops between keys: it is asked at keys.
+    The Maya file's curves are Bézier, which the witness drops between keys: it is asked at keys,
+    and the curves have a witness of their own below.
     """
     made, other = read_character(rigs / name), Witness(rigs / witness)
     clip = made.clips[0]
@@ -107,6 +109,23 @@ def test_joints_lie_where_the_witness_puts_them(
     assert np.abs(shift[:2]).max() < SHARE * made.height_m
     off = np.linalg.norm(theirs @ exact.T + (0.0, 0.0, shift[2]) - ours, axis=-1)
     assert off.max() < SHARE * made.height_m
+
+
+def test_joints_follow_the_bezier_curves_of_the_maya_file_between_its_keys(rigs: Path) -> None:
+    """Each cubic solved for its time by itself, at 20 times of which 18 are no keys."""
+    path = rigs / "astroboy/astro_maya.dae"
+    made, other = read_character(path), ColladaWitness(path)
+    times = np.linspace(*other.span(), 20)
+    keys = np.concatenate([curve.keys for parts in other.curves.values() for _, curve in parts])
+    assert np.abs(times[1:-1, None] - keys).min() > 1e-4
+    ours = made.skeleton.world(made.clips[0].at(times)).translation_m
+    worlds = [other.world(float(time_s)) for time_s in times]
+    theirs = np.array(
+        [[at[ASTRO + joint][:3, 3] for joint in made.skeleton.names] for at in worlds]
+    )
+    apart = ours - 0.01 * theirs[..., [2, 0, 1]]
+    apart[..., 2] -= np.median(apart[..., 2])  # lifted so that the soles stand at 0
+    assert np.linalg.norm(apart, axis=-1).max() < SHARE * made.height_m
 
 
 def skinned_by_matrices(other: Witness, time_s: float) -> np.ndarray:
