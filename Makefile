@@ -9,7 +9,7 @@ VENV    := .venv
 BIN     := $(VENV)/bin
 ROOMS   := ga tracking fusion animation render replays
 READY   := $(VENV)/.ready
-NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/*.cpp ga/kernels/*.h ga/kernels/generated/c/* $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/native/generated/*.$(kind))))
+NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/generated/c/* $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/native/generated/*.$(kind))))
 
 .PHONY: demo test test-slow lint wheel kernels names system clean
 .DEFAULT_GOAL := demo

@@ -12,8 +12,8 @@ from motorcade.ga.codegen.strategies import product, table
 from motorcade.ga.codegen.targets import TARGETS
 from motorcade.ga.codegen.targets.names import file_identifier
 from motorcade.ga.script import Script, parse
-from motorcade.ga.script.lexer import MAX_SCRIPT_CHARACTERS
 from motorcade.ga.script.meaning import algebra_named
+from motorcade.ga.script.reading.lexer import MAX_SCRIPT_CHARACTERS
 
 __all__ = ["STRATEGIES", "Generated", "generate", "read_script"]
 

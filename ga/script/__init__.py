@@ -1,15 +1,15 @@
 """CLUScript: the small language of geometric algebra programs that Gaalop and CLUCalc read.
 
 `parse` reads a text, `evaluate` runs what it read over numbers, batches or symbols. The language:
-`expressions` has the operators, `parser` the statements and macros, `pragmas` the pragmas,
-`functions` the functions and macros that are always there.
+`reading` has the operators, statements, macros and pragmas, `functions` the functions and macros
+that are always there.
 """
 
 from __future__ import annotations
 
 from motorcade.ga.script.errors import ScriptError
 from motorcade.ga.script.meaning import evaluate
-from motorcade.ga.script.parser import parse
-from motorcade.ga.script.syntax import Script
+from motorcade.ga.script.reading.parser import parse
+from motorcade.ga.script.reading.syntax import Script
 
 __all__ = ["Script", "ScriptError", "evaluate", "parse"]

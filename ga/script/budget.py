@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from motorcade.ga.algebra import Multivector
 from motorcade.ga.algebra.functions.commuting import square_of, without_scalar
-from motorcade.ga.script.syntax import Binary, Call, Expression, Unary
+from motorcade.ga.script.reading.syntax import Binary, Call, Expression, Unary
 
 __all__ = ["MAX_STEPS", "MAX_TERMS", "Budget"]
 

@@ -15,8 +15,8 @@ import numpy as np
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.script.errors import Place
 from motorcade.ga.script.names import free_names
+from motorcade.ga.script.reading.syntax import AlgebraPragma, Script
 from motorcade.ga.script.run import Run, constants_of
-from motorcade.ga.script.syntax import AlgebraPragma, Script
 
 __all__ = ["ALGEBRAS", "algebra_named", "algebra_of", "evaluate", "free_variables"]
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from motorcade.ga.script.errors import Place
-from motorcade.ga.script.syntax import (
+from motorcade.ga.script.reading.syntax import (
     Assignment,
     Call,
     Expression,

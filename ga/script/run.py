@@ -12,8 +12,8 @@ from motorcade.ga.algebra.scalars import is_numeric
 from motorcade.ga.script.budget import Budget
 from motorcade.ga.script.errors import Place, ScriptError
 from motorcade.ga.script.functions import COMMON_MACROS, CONFORMAL_MACROS, FUNCTIONS, is_finite
-from motorcade.ga.script.parser import parse
-from motorcade.ga.script.syntax import (
+from motorcade.ga.script.reading.parser import parse
+from motorcade.ga.script.reading.syntax import (
     Argument,
     Assignment,
     Binary,

@@ -2,5 +2,6 @@
 
 A `kernel` has a name and a definition; `library` writes the files with `emit_c`, `emit_numpy` and
 `emit_glsl`.
-Definitions approximate with `fit` and scale with `powers_of_two`.
+Definitions approximate with `fit` and scale with `powers_of_two`; as they are written with their
+operations in mind, `like_terms` is all that is simplified.
 """

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from motorcade.ga.codegen.passes.like_terms import collected
+from motorcade.ga.codegen.library_kernels.like_terms import collected
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.trace import casadi_function, trace

@@ -20,7 +20,7 @@ from motorcade.ga.codegen.library_kernels.emit_numpy import numpy_source
 from motorcade.ga.codegen.library_kernels.fit import fitted, horner
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.library import GENERATED
-from motorcade.ga.codegen.passes.like_terms import collected
+from motorcade.ga.codegen.library_kernels.like_terms import collected
 from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, SINGLE, Precision
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.trace import trace
@@ -94,7 +94,7 @@ def test_c_code_compiles_without_warnings_and_computes_what_casadi_computes(
 
 def build(arguments: list[str]) -> None:
     assert COMPILER is not None
-    command = [COMPILER, *WARNINGS, "-I", str(GENERATED.parent), *arguments]
+    command = [COMPILER, *WARNINGS, "-I", str(GENERATED.parent / "native"), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 

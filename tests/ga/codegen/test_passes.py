@@ -13,10 +13,10 @@ import pytest
 pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
 pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is not installed")
 
-from motorcade.ga.codegen.passes import field
-from motorcade.ga.codegen.passes.fingerprints import fingerprints
+from motorcade.ga.codegen.passes.equality import field
+from motorcade.ga.codegen.passes.equality.fingerprints import fingerprints
+from motorcade.ga.codegen.passes.equality.samples import sampled
 from motorcade.ga.codegen.passes.optimize import PASSES, optimized
-from motorcade.ga.codegen.passes.samples import sampled
 from motorcade.ga.codegen.passes.stats import cost_of, count_operations, table_of_passes
 from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
@@ -349,7 +349,7 @@ def test_searches_are_left_out_of_long_tapes_and_the_table_says_so(
     tape = traced(TABLE_2 + "?zero = (m + 1)*(m - 1) - m*m + 1;")
     short, _ = optimized(tape)
     monkeypatch.setattr("motorcade.ga.codegen.passes.optimize.LONGEST_SEARCHED", 50)
-    monkeypatch.setattr("motorcade.ga.codegen.passes.merge._LONGEST_COMPARED", 50)
+    monkeypatch.setattr("motorcade.ga.codegen.passes.equality.merge._LONGEST_COMPARED", 50)
     made, passes = optimized(tape)
     check_same_values(tape, made)
     assert made.outputs == short.outputs, "zeros are proved on tapes of any length"

@@ -12,7 +12,7 @@ import pytest
 
 from motorcade.ga.codegen.library_kernels.library import GENERATED
 
-SOURCES = GENERATED.parent
+SOURCES = GENERATED.parent / "native"
 SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O1", "-fPIC"]
 
 # Every kernel on every layout, with buffers that end where the data ends.

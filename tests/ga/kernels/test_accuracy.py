@@ -2,8 +2,8 @@
 
 import pytest
 
-from motorcade.ga.kernels.accuracy import largest_errors
-from motorcade.ga.kernels.similarity_accuracy import similarity_errors
+from motorcade.ga.kernels.accuracy.motors import largest_errors
+from motorcade.ga.kernels.accuracy.similarities import similarity_errors
 
 pytest.importorskip("mpmath", reason="mpmath is not installed")
 

@@ -1,6 +1,6 @@
 """How accurate the kernels of similarities are: normwise errors against 50 digits.
 
-As `accuracy` has it for motors, with scales from a quarter to four. In the reference a similarity
+As `motors` has it, with scales from a quarter to four. In the reference a similarity
 ``A + B E + d e123∞`` is the three quadruples ``P = A + B``, ``N = A - B`` and ``d``, of which
 products are ``P₁P₂, N₁N₂, P₁d₂ + d₁N₂``; projection is the closed form ``((s + ν) - F) m /
 (ν √(2 (s + ν)))`` of ``m ~m = s + F``, logarithm and exponential are those of the complex number
@@ -15,7 +15,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga.kernels.accuracy import Numbers, dot, hard_motors, product, signs, worst_error
+from motorcade.ga.kernels.accuracy.motors import (
+    Numbers,
+    dot,
+    hard_motors,
+    product,
+    signs,
+    worst_error,
+)
 from motorcade.ga.kernels.similarity_batches import (
     similarity_apply,
     similarity_blend,

@@ -10,10 +10,10 @@ screen is read and left out: ``:IPNS;``, ``:Red;``, ``:a^b;``, ``_BGColor = Whit
 from __future__ import annotations
 
 from motorcade.ga.script.errors import Source
-from motorcade.ga.script.expressions import Cursor, parse_expression
-from motorcade.ga.script.lexer import Token, tokenize
-from motorcade.ga.script.pragmas import parse_pragma
-from motorcade.ga.script.syntax import (
+from motorcade.ga.script.reading.expressions import Cursor, parse_expression
+from motorcade.ga.script.reading.lexer import Token, tokenize
+from motorcade.ga.script.reading.pragmas import parse_pragma
+from motorcade.ga.script.reading.syntax import (
     AlgebraPragma,
     Argument,
     Assignment,

@@ -7,10 +7,16 @@ gone. Equal or worse levels are not taken, so that numbers which are factored we
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.passes.factor import factored
-from motorcade.ga.codegen.passes.forms import Coefficient, Form, Forms, Monomial, form_cost
 from motorcade.ga.codegen.passes.rebuild import copied, product_of
 from motorcade.ga.codegen.passes.stats import cost_of
+from motorcade.ga.codegen.passes.sums_of_products.factor import factored
+from motorcade.ga.codegen.passes.sums_of_products.forms import (
+    Coefficient,
+    Form,
+    Forms,
+    Monomial,
+    form_cost,
+)
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
 __all__ = ["expanded"]

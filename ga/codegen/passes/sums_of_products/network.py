@@ -11,8 +11,8 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from motorcade.ga.codegen.passes.forms import HIGHEST_DEGREE, Forms, Monomial
 from motorcade.ga.codegen.passes.rebuild import copied, product_of
+from motorcade.ga.codegen.passes.sums_of_products.forms import HIGHEST_DEGREE, Forms, Monomial
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
 __all__ = ["Network", "Term", "without"]

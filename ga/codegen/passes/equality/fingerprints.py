@@ -25,9 +25,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga.codegen.passes import field
-from motorcade.ga.codegen.passes.field import Element
-from motorcade.ga.codegen.passes.signs import nonnegative_nodes
+from motorcade.ga.codegen.passes.equality import field
+from motorcade.ga.codegen.passes.equality.field import Element
+from motorcade.ga.codegen.passes.equality.signs import nonnegative_nodes
 from motorcade.ga.codegen.tape import Node, Tape
 
 __all__ = ["MANY_POINTS", "POINTS", "Fingerprint", "Fingerprints", "fingerprints"]

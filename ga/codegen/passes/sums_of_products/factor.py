@@ -12,9 +12,9 @@ from __future__ import annotations
 from collections import Counter
 from itertools import combinations
 
-from motorcade.ga.codegen.passes.forms import Monomial
-from motorcade.ga.codegen.passes.network import Network, Term, without
 from motorcade.ga.codegen.passes.stats import cost_of
+from motorcade.ga.codegen.passes.sums_of_products.forms import Monomial
+from motorcade.ga.codegen.passes.sums_of_products.network import Network, Term, without
 from motorcade.ga.codegen.tape import Tape
 
 __all__ = ["factored"]

@@ -12,8 +12,8 @@ import math
 import re
 
 from motorcade.ga.script.errors import Source
-from motorcade.ga.script.lexer import Token
-from motorcade.ga.script.syntax import AlgebraPragma, OutputPragma, Pragma, RangePragma
+from motorcade.ga.script.reading.lexer import Token
+from motorcade.ga.script.reading.syntax import AlgebraPragma, OutputPragma, Pragma, RangePragma
 
 __all__ = ["parse_pragma"]
 

@@ -10,8 +10,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from motorcade.ga.script.errors import Place, ScriptError, Source
-from motorcade.ga.script.lexer import Token
-from motorcade.ga.script.syntax import Argument, Binary, Call, Expression, Name, Number, Unary
+from motorcade.ga.script.reading.lexer import Token
+from motorcade.ga.script.reading.syntax import (
+    Argument,
+    Binary,
+    Call,
+    Expression,
+    Name,
+    Number,
+    Unary,
+)
 
 __all__ = ["MAX_ARGUMENTS", "MAX_NESTING", "MAX_OPERATIONS", "Cursor", "parse_expression"]
 

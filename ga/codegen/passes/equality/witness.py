@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga.codegen.passes.samples import sampled
+from motorcade.ga.codegen.passes.equality.samples import sampled
 from motorcade.ga.codegen.tape import Tape
 
 __all__ = ["Witness"]

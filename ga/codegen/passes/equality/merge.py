@@ -11,15 +11,15 @@ from __future__ import annotations
 from fractions import Fraction
 from functools import cached_property
 
-from motorcade.ga.codegen.passes import field
-from motorcade.ga.codegen.passes.fingerprints import (
+from motorcade.ga.codegen.passes.equality import field
+from motorcade.ga.codegen.passes.equality.fingerprints import (
     MANY_POINTS,
     Fingerprint,
     Fingerprints,
     fingerprints,
 )
+from motorcade.ga.codegen.passes.equality.witness import Witness
 from motorcade.ga.codegen.passes.rebuild import copied
-from motorcade.ga.codegen.passes.witness import Witness
 from motorcade.ga.codegen.tape import BOOLEANS, Tape, TapeBuilder
 
 __all__ = ["merged"]
