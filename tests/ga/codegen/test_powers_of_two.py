@@ -77,7 +77,7 @@ def run(request: pytest.FixtureRequest, tmp_path: Path) -> Any:
 def compiled(*arguments: str) -> str:
     assert COMPILER is not None
     command = [COMPILER, "-std=c11", "-Wall", "-Wextra", "-Werror", "-fno-math-errno",
-               "-fno-trapping-math", "-I", str(GENERATED.parent / "native"), *arguments]  # fmt: skip
+               "-fno-trapping-math", f"-I{GENERATED.parent / 'native'}", *arguments]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stderr
