@@ -7,8 +7,8 @@ import os
 import shutil
 from pathlib import Path
 
-from motorcade.replays.progress import track
-from motorcade.replays.provenance import code_digest
+from motorcade.replays.engine.progress import track
+from motorcade.replays.engine.provenance import code_digest
 from motorcade.replays.synthetic_room import write_recording
 
 MARKER = ".rendered"

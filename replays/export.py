@@ -17,7 +17,7 @@ from motorcade.animation import Character, Clip, Placement
 from motorcade.animation.formats import CameraPath, write_gltf
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
 from motorcade.replays.characters.acting import character_named, clip_named, walked
-from motorcade.replays.knobs import parse_knobs
+from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.pipeline import pipeline, trajectories
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.tracking.camera import Camera

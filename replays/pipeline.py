@@ -17,21 +17,21 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.ga import Trajectory
-from motorcade.replays.atomic import copy_file, write_bytes
-from motorcade.replays.graph import Graph, Run
-from motorcade.replays.knobs import parse_knobs
+from motorcade.replays.engine.graph import Graph, Run
+from motorcade.replays.engine.knobs import parse_knobs
+from motorcade.replays.files.atomic import copy_file, write_bytes
+from motorcade.replays.files.trajectories import write_trajectory
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.replays.report.summary import without_nan
-from motorcade.replays.stages.camera_poses import camera_poses
-from motorcade.replays.stages.convergence import convergence
+from motorcade.replays.stages.camera.camera_poses import camera_poses
 from motorcade.replays.stages.errors import errors
-from motorcade.replays.stages.fused import fused
-from motorcade.replays.stages.imu import imu
-from motorcade.replays.stages.overlay import overlay
-from motorcade.replays.stages.placed import placed
+from motorcade.replays.stages.inertial.convergence import convergence
+from motorcade.replays.stages.inertial.fused import fused
+from motorcade.replays.stages.inertial.imu import imu
 from motorcade.replays.stages.report import report
 from motorcade.replays.stages.smoothed import smoothed
-from motorcade.replays.trajectory_files import write_trajectory
+from motorcade.replays.stages.view.overlay import overlay
+from motorcade.replays.stages.view.placed import placed
 
 log = logging.getLogger("motorcade.pipeline")
 

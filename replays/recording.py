@@ -23,7 +23,7 @@ from motorcade.replays.errors import refusal
 if TYPE_CHECKING:
     from motorcade.fusion.imu.noise import ImuNoise
     from motorcade.fusion.imu.stream import ImuStream
-    from motorcade.replays.loose_markers import LooseMarkers
+    from motorcade.replays.markers.loose import LooseMarkers
     from motorcade.tracking.boards import Board
     from motorcade.tracking.camera import Camera
     from motorcade.tracking.slam import MapSnapshot
@@ -281,7 +281,7 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
             whatever the layout's reader refuses.
     """
     from motorcade.replays.readers import manifest as manifests
-    from motorcade.replays.readers.detect import read_layout
+    from motorcade.replays.readers.layouts.detect import read_layout
 
     root = Path(path)
     try:

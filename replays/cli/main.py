@@ -8,29 +8,12 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from motorcade.replays.cli import (
-    allan,
-    author,
-    bench,
-    blend,
-    calibrate,
-    compare,
-    consistency,
-    demo,
-    detect,
-    doctor,
-    evaluate,
-    export,
-    generate,
-    graph,
-    inspect,
-    run,
-    simulate_imu,
-    smooth,
-    sweep,
-    sync,
-)
 from motorcade.replays.cli.arguments import one_line
+from motorcade.replays.cli.characters import author, blend
+from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, sweep
+from motorcade.replays.cli.sensors import allan, calibrate, detect, simulate_imu, sync
+from motorcade.replays.cli.tools import bench, doctor, generate
+from motorcade.replays.cli.trajectories import compare, consistency, evaluate, smooth
 
 COMMANDS = (
     demo,

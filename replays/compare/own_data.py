@@ -26,7 +26,7 @@ from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.measure.traits import measured_trait
 from motorcade.replays.compare.measure.truth import RecordedTruth
 from motorcade.replays.compare.tuning import BORROWS, Tuned, borrowed, tuned
-from motorcade.replays.progress import track
+from motorcade.replays.engine.progress import track
 
 __all__ = ["compare_recorded"]
 

@@ -1,7 +1,7 @@
 """A plan from beginning to end: parameters, cells, figures; over processes, and taken up again.
 
 What is finished is kept in ``OUT/.finished``, a file for each search and cell, named after all
-that it depends on: its fields and the code (`motorcade.replays.provenance`). A run that was stopped
+that it depends on: its fields and the code (`replays.engine.provenance`). A run that was stopped
 goes on where it was, one with more seeds or methods computes those, and one after a change of the
 code begins anew.
 """
@@ -20,7 +20,6 @@ from typing import Any, TypeVar
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor
-from motorcade.replays.atomic import write_bytes
 from motorcade.replays.compare.cells import Cell, Row, run_cell
 from motorcade.replays.compare.figures.statistics import Sample
 from motorcade.replays.compare.figures.tables import Outcome, write_tables
@@ -28,8 +27,9 @@ from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.measure.traits import Trait, run_trait
 from motorcade.replays.compare.plan import SLOW, Plan
 from motorcade.replays.compare.tuning import BORROWS, Tuned, Tuning, borrowed, run_tuning
-from motorcade.replays.progress import track
-from motorcade.replays.provenance import code_digest
+from motorcade.replays.engine.progress import track
+from motorcade.replays.engine.provenance import code_digest
+from motorcade.replays.files.atomic import write_bytes
 
 __all__ = ["compare", "finished"]
 

@@ -11,9 +11,9 @@ from motorcade.fusion.metrics.consistency import Consistency
 from motorcade.ga import FloatArray
 from motorcade.render.plots import plot_series
 from motorcade.render.plots.style import COLOURS, with_own_ids
-from motorcade.replays.atomic import write_bytes
 from motorcade.replays.consistency.experiment import PARTS, Experiment
 from motorcade.replays.consistency.run import Plan, Verdict, as_json
+from motorcade.replays.files.atomic import write_bytes
 
 __all__ = ["write_page"]
 

@@ -21,7 +21,7 @@ from motorcade.replays.consistency.experiment import (
     judge,
     simulate,
 )
-from motorcade.replays.progress import track
+from motorcade.replays.engine.progress import track
 
 __all__ = ["Plan", "Verdict", "as_json", "as_table", "run_plan"]
 

@@ -12,8 +12,8 @@ import yaml
 
 from motorcade.ga import FloatArray, Motor, Rotor
 from motorcade.replays.errors import RecordingError, one_line, read_bounded, refusal
+from motorcade.replays.files.trajectories import UNIT_TOLERANCE
 from motorcade.replays.readers.tables import data_rows
-from motorcade.replays.trajectory_files import UNIT_TOLERANCE
 from motorcade.tracking.camera import Camera, CameraModel
 
 __all__ = [
@@ -138,7 +138,7 @@ def make_camera(
 def transform(value: object, path: Path, field: str) -> Motor:
     """Make a motor of a 4 by 4 matrix: four rows of four, or sixteen numbers row by row.
 
-    Rounded rotations are made orthonormal, within `trajectory_files.UNIT_TOLERANCE`.
+    Rounded rotations are made orthonormal, within `files.trajectories.UNIT_TOLERANCE`.
 
     Raises:
         RecordingError: not sixteen finite numbers, or not a rigid motion.

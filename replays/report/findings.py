@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera_poses import CameraPoses
-from motorcade.replays.stages.convergence import Convergence
+from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.errors import Errors
-from motorcade.replays.stages.fused import FusedPath
-from motorcade.replays.stages.imu import Imu
-from motorcade.replays.stages.overlay import Overlay
+from motorcade.replays.stages.inertial.convergence import Convergence
+from motorcade.replays.stages.inertial.fused import FusedPath
+from motorcade.replays.stages.inertial.imu import Imu
 from motorcade.replays.stages.smoothed import Smoothed
+from motorcade.replays.stages.view.overlay import Overlay
 
 Spans = tuple[tuple[float, float], ...]
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import kernels
-from motorcade.replays.readers.corner_frames import CornerFrames
+from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.report.findings import Findings
 from motorcade.replays.report.pictures import plots
 from motorcade.replays.report.summary import COLUMNS, shown_columns, shown_value

@@ -20,8 +20,8 @@ from motorcade.fusion.metrics import (
 )
 from motorcade.ga import FloatArray, Trajectory
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera_poses import CameraPoses
-from motorcade.replays.stages.fused import FusedPath
+from motorcade.replays.stages.camera.camera_poses import CameraPoses
+from motorcade.replays.stages.inertial.fused import FusedPath
 from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.tracking import BoardTrack, registration_px
 

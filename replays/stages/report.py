@@ -6,18 +6,18 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from motorcade.replays.artifacts import new_file
+from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.recording import Recording
 from motorcade.replays.report.findings import Findings
 from motorcade.replays.report.page import page
 from motorcade.replays.report.summary import summarise
-from motorcade.replays.stages.camera_poses import CameraPoses
-from motorcade.replays.stages.convergence import Convergence
+from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.errors import Errors
-from motorcade.replays.stages.fused import FusedPath
-from motorcade.replays.stages.imu import Imu
-from motorcade.replays.stages.overlay import Overlay
+from motorcade.replays.stages.inertial.convergence import Convergence
+from motorcade.replays.stages.inertial.fused import FusedPath
+from motorcade.replays.stages.inertial.imu import Imu
 from motorcade.replays.stages.smoothed import Smoothed
+from motorcade.replays.stages.view.overlay import Overlay
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from motorcade.fusion.smooth import automatic_window_s, smooth
 from motorcade.ga import Trajectory
-from motorcade.replays.stages.fused import FusedPath
+from motorcade.replays.stages.inertial.fused import FusedPath
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from motorcade.replays.engine.graph import Graph
+from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.errors import one_line, refusal
-from motorcade.replays.graph import Graph
-from motorcade.replays.knobs import parse_knobs
 from motorcade.replays.readers.manifest.section import Section, load_toml
 
 __all__ = ["SEEDED", "PlannedRun", "Sweep", "read_sweep"]

@@ -16,12 +16,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from motorcade.replays.atomic import write_bytes
+from motorcade.replays.engine.executors import outcomes
+from motorcade.replays.engine.progress import track
+from motorcade.replays.engine.provenance import code_digest
 from motorcade.replays.errors import one_line
-from motorcade.replays.executors import outcomes
+from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.pipeline import Job, require_writable, run_job
-from motorcade.replays.progress import track
-from motorcade.replays.provenance import code_digest
 from motorcade.replays.recording import open_recording
 from motorcade.replays.sweep.plan import PlannedRun, Sweep
 from motorcade.replays.sweep.report import report_page
@@ -63,7 +63,7 @@ def sweep(plan: Sweep, out: Path, executor: str) -> Summary:
     Args:
         plan: the runs.
         out: the folder of results; on a cluster, one that all workers see.
-        executor: see `motorcade.replays.executors.outcomes`.
+        executor: see `motorcade.replays.engine.executors.outcomes`.
 
     Raises:
         OSError: nothing can be written in `out`.

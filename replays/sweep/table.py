@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from motorcade.replays.atomic import write_bytes
+from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.sweep.plan import PlannedRun
 
 __all__ = ["FIGURES", "Row", "rows_of", "write_csv", "write_parquet"]

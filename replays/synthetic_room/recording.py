@@ -18,11 +18,11 @@ from motorcade.fusion.imu.noise import ADIS16448, ImuNoise
 from motorcade.fusion.imu.simulate import simulate_imu
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import OffscreenRenderer
-from motorcade.replays.imu_files import write_imu
+from motorcade.replays.files.imu import write_imu
+from motorcade.replays.files.trajectories import even_stamps, write_trajectory
 from motorcade.replays.synthetic_room.furniture import BOARD, CHARACTER_HEIGHT_M, world_T_board
 from motorcade.replays.synthetic_room.path import LEVEL, HandheldPath
 from motorcade.replays.synthetic_room.scene import room
-from motorcade.replays.trajectory_files import even_stamps, write_trajectory
 from motorcade.tracking.camera import Camera
 
 CAMERA = Camera(640, 480, 510.0, 510.0, 319.5, 239.5)

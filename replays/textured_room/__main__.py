@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from motorcade.replays.progress import track
+from motorcade.replays.engine.progress import track
 from motorcade.replays.textured_room import SCENARIOS, scenario, write_recording
 
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.imu_files import write_imu
+from motorcade.replays.files.imu import write_imu
+from motorcade.replays.files.trajectories import even_stamps
 from motorcade.replays.textured_room.scenarios import RATE_HZ, Scenario
-from motorcade.replays.trajectory_files import even_stamps
 
 __all__ = ["IMU_RATE_HZ", "IMU_T_CAMERA", "simulated_imu", "write_inertial"]
 

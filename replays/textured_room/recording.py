@@ -15,12 +15,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.replays.atomic import write_bytes
-from motorcade.replays.readers.tum_rgbd import DEPTH_UNITS_PER_M
+from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.readers.layouts.tum_rgbd import DEPTH_UNITS_PER_M
 from motorcade.replays.textured_room.inertial import write_inertial
 from motorcade.replays.textured_room.renderer import Sensor, View
 from motorcade.replays.textured_room.scenarios import Scenario
-from motorcade.replays.trajectory_files import write_trajectory
 
 __all__ = ["write_recording"]
 

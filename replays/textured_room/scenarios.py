@@ -24,10 +24,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from motorcade.ga import Trajectory
+from motorcade.replays.files.trajectories import even_stamps
 from motorcade.replays.textured_room.paths import LOOP_S, Path, handheld, loop, turning
 from motorcade.replays.textured_room.renderer import Renderer, Sensor, View
 from motorcade.replays.textured_room.scene import furnished_room
-from motorcade.replays.trajectory_files import even_stamps
 
 __all__ = ["RATE_HZ", "SCENARIOS", "Scenario", "scenario"]
 

@@ -16,8 +16,8 @@ from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.fusion.motions.degradations import Blackouts, Degradation, InTurn, Outliers
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import FloatArray, Trajectory
+from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers.inertial import read_imu
-from motorcade.replays.trajectory_files import read_trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["BLACKOUTS", "NOISE", "SETTINGS", "SPOILT", "Flight", "flight", "measured"]

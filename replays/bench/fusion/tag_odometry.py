@@ -20,8 +20,8 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
 from motorcade.replays.bench.tracking.tag_flips import tagslam_folder
 from motorcade.replays.bench.tracking.tag_map import RECORDING, reference_path
-from motorcade.replays.readers import tagslam
-from motorcade.replays.readers.tagslam_odometry import read_rig_odometry
+from motorcade.replays.readers.tagslam import corners as tagslam
+from motorcade.replays.readers.tagslam.odometry import read_rig_odometry
 from motorcade.tracking.markers.mapping import map_markers
 from motorcade.tracking.measurements import PoseMeasurements
 

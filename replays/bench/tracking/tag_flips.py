@@ -21,8 +21,8 @@ import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Rotor
 from motorcade.replays.bench.data import data_folder
-from motorcade.replays.readers import tagslam
-from motorcade.replays.readers.tagslam_reference import TagSlamReference, read_reference
+from motorcade.replays.readers.tagslam import corners as tagslam
+from motorcade.replays.readers.tagslam.reference import TagSlamReference, read_reference
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
     Resolution,

@@ -17,8 +17,8 @@ import numpy as np
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.bench.tracking.tag_flips import tagslam_folder
-from motorcade.replays.readers import tagslam
-from motorcade.replays.readers.tagslam_reference import read_reference
+from motorcade.replays.readers.tagslam import corners as tagslam
+from motorcade.replays.readers.tagslam.reference import read_reference
 from motorcade.tracking.markers.mapping import map_markers, track_rig
 
 __all__ = ["bench_map", "map_table", "reference_path"]

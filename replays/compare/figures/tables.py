@@ -39,7 +39,6 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import FloatArray
-from motorcade.replays.atomic import write_bytes
 from motorcade.replays.compare.cells import RAW
 from motorcade.replays.compare.figures.ranking import rankings, ratios_to_motor
 from motorcade.replays.compare.figures.statistics import (
@@ -55,6 +54,7 @@ from motorcade.replays.compare.figures.statistics import (
 )
 from motorcade.replays.compare.measure.ruler import METRICS
 from motorcade.replays.compare.tuning import LADDERS, Tuned
+from motorcade.replays.files.atomic import write_bytes
 
 __all__ = ["FORMAT", "Outcome", "write_tables"]
 

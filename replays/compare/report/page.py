@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from motorcade.render.plots.style import COLOURS
-from motorcade.replays.atomic import write_bytes
 from motorcade.replays.compare.report import names
 from motorcade.replays.compare.report.crossing import Crossing, crossing
 from motorcade.replays.compare.report.findings import findings
@@ -34,6 +33,7 @@ from motorcade.replays.compare.report.traits_tables import (
     trait_matrices,
     verdict_counts,
 )
+from motorcade.replays.files.atomic import write_bytes
 
 if TYPE_CHECKING:
     from jinja2 import Environment

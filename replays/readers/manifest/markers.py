@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from motorcade.replays.errors import RecordingError
-from motorcade.replays.loose_markers import LooseMarkers
+from motorcade.replays.markers.loose import LooseMarkers
 from motorcade.replays.readers.manifest.section import Section
 from motorcade.tracking.markers import FAMILIES
 from motorcade.tracking.markers.marker_map import MarkerMap

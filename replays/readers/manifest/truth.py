@@ -25,11 +25,11 @@ import numpy as np
 
 from motorcade.ga import IntArray, Motor, Rotor, Trajectory
 from motorcade.replays.errors import refusal
+from motorcade.replays.files.trajectories import even_stamps, read_times, read_trajectory
 from motorcade.replays.readers.calibration import read_numbers, transform
-from motorcade.replays.readers.frames import natural
+from motorcade.replays.readers.frames.files import natural
 from motorcade.replays.readers.manifest.section import Section
 from motorcade.replays.readers.tables import read_table
-from motorcade.replays.trajectory_files import even_stamps, read_times, read_trajectory
 
 if TYPE_CHECKING:
     from motorcade.replays.recording import Recording

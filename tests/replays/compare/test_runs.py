@@ -23,7 +23,7 @@ from motorcade.replays.compare.own_data import compare_recorded
 from motorcade.replays.compare.plan import DEGRADATIONS, SLOW, Plan, quick, standard
 from motorcade.replays.compare.run import compare
 from motorcade.replays.compare.tuning import BORROWS, LADDERS
-from motorcade.replays.trajectory_files import write_trajectory
+from motorcade.replays.files.trajectories import write_trajectory
 
 UNITS = ("_m", "_deg", "_s2", "_ms", "_ratio", "_turns", "log_scale_rmse")
 SMALL = Plan(

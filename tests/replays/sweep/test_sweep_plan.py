@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from motorcade.replays.engine.graph import GraphError
 from motorcade.replays.errors import RecordingError
-from motorcade.replays.graph import GraphError
 from motorcade.replays.pipeline import pipeline
 from motorcade.replays.sweep import read_sweep
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from motorcade.replays.cli import main
-from motorcade.replays.executors import outcomes
+from motorcade.replays.engine.executors import outcomes
 from motorcade.replays.pipeline import Job, pipeline, run_job
 from motorcade.replays.sweep import Summary, read_sweep, sweep
 from motorcade.replays.sweep import run as runner
@@ -133,6 +133,6 @@ def test_a_cluster_that_is_not_there_is_told_in_one_line(
     config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("motorcade.replays.executors._ANSWERS_WITHIN_S", 0.5)
+    monkeypatch.setattr("motorcade.replays.engine.executors._ANSWERS_WITHIN_S", 0.5)
     with pytest.raises(RuntimeError, match="no Dask scheduler answers at tcp:"):
         swept(config('["one"]', seeds="[0]"), tmp_path / "out", "tcp://127.0.0.1:9")

@@ -1,0 +1,1 @@
+"""Commands on characters and scenes."""

@@ -1,0 +1,44 @@
+"""`motorcade demo`: the whole stage graph on an embedded synthetic recording."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.recordings.run import add_run_options, print_summary
+
+
+def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        demo,
+        name="demo",
+        summary="render a synthetic recording and run everything on it",
+        example="motorcade demo --out out/demo",
+    )
+    add_run_options(parser, out=Path("out/demo"))
+    parser.add_argument("--seed", type=int, default=0, help="of the path and the sensors (0)")
+
+
+def demo(arguments: argparse.Namespace) -> None:
+    """Render the recording where it is not there yet, then run it as any other."""
+    from motorcade.replays.demo import ensure_demo_recording
+    from motorcade.replays.pipeline import Job, run_job
+
+    cache = arguments.cache or arguments.out / ".cache"
+    recording = ensure_demo_recording(arguments.out / "recording", arguments.seed)
+    job = Job(
+        recording=recording,
+        manifest=None,
+        out=arguments.out,
+        cache=cache,
+        until=arguments.until,
+        settings=tuple(arguments.settings),
+    )
+    print_summary(run_job(job), arguments.out, as_json=arguments.json)
+    page = arguments.out / "report.html"
+    if page.exists():
+        print(f"open {page}")

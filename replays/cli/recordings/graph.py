@@ -1,0 +1,39 @@
+"""`motorcade graph`: the stage graph as Mermaid text, or as an SVG file."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from motorcade.replays.cli.arguments import Subparsers, new_command
+
+
+def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        draw,
+        name="graph",
+        summary="draw the stage graph",
+        example="motorcade graph --svg graph.svg",
+    )
+    parser.add_argument("--svg", type=Path, metavar="FILE", help="write a picture instead")
+    parser.add_argument("--knobs", action="store_true", help="list every stage's knobs instead")
+
+
+def draw(arguments: argparse.Namespace) -> None:
+    """Print or write the drawing."""
+    from motorcade.replays.engine import drawing
+    from motorcade.replays.files.atomic import write_bytes
+    from motorcade.replays.pipeline import pipeline
+
+    graph = pipeline()
+    if arguments.svg is not None:
+        write_bytes(arguments.svg, drawing.svg(graph).encode())
+    elif arguments.knobs:
+        for stage in graph.stages.values():
+            for knob in stage.knobs.values():
+                print(f"{stage.name}.{knob.name} = {knob.default!r}")
+    else:
+        print(drawing.mermaid(graph), end="")

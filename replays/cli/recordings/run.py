@@ -1,0 +1,117 @@
+"""`motorcade run`: the whole stage graph on one or several recordings."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from motorcade.replays.cli.arguments import Subparsers, new_command, one_line
+
+
+def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        run_recordings,
+        name="run",
+        summary="track, fuse, smooth and augment recordings; leave videos and error reports",
+        example="motorcade run images/ --manifest camera.toml --out out/run --set fused.gate=0.99",
+    )
+    parser.add_argument(
+        "recordings",
+        type=Path,
+        nargs="+",
+        metavar="RECORDING",
+        help="folder, video or bag; of several, each leaves its results in OUT/NAME",
+    )
+    parser.add_argument(
+        "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
+    )
+    add_run_options(parser, out=Path("out"))
+    parser.add_argument(
+        "--executor",
+        default="local",
+        metavar="E",
+        help="of several recordings: local, processes, or a Dask scheduler's tcp://host:port",
+    )
+
+
+def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:
+    """Options shared with `demo`."""
+    parser.add_argument("--out", type=Path, default=out, metavar="DIR", help=f"results ({out})")
+    parser.add_argument("--until", default="report", metavar="STAGE", help="stop after this stage")
+    parser.add_argument(
+        "--set",
+        dest="settings",
+        action="append",
+        default=[],
+        metavar="STAGE.KNOB=VALUE",
+        help="change a knob; `motorcade graph --knobs` lists them",
+    )
+    parser.add_argument("--cache", type=Path, metavar="DIR", help="stage outputs (OUT/.cache)")
+    parser.add_argument("--json", action="store_true", help="print the error report as JSON")
+
+
+def run_recordings(arguments: argparse.Namespace) -> None:
+    """Run one recording here, or several by the executor asked for."""
+    from motorcade.replays.engine.executors import check_executor, outcomes
+    from motorcade.replays.pipeline import Job, run_job
+
+    check_executor(arguments.executor)
+    _refuse_equal_names(arguments.recordings)
+    jobs = [
+        Job(
+            recording=path,
+            manifest=arguments.manifest,
+            out=arguments.out / path.resolve().name
+            if len(arguments.recordings) > 1
+            else arguments.out,
+            cache=arguments.cache,
+            until=arguments.until,
+            settings=tuple(arguments.settings),
+        )
+        for path in arguments.recordings
+    ]
+    if len(jobs) == 1:
+        print_summary(run_job(jobs[0]), jobs[0].out, as_json=arguments.json)
+        return
+    done: dict[str, object] = {}
+    for job, outcome in outcomes(run_job, jobs, arguments.executor):
+        if isinstance(outcome, BaseException):
+            print(f"motorcade: {job.recording}: {one_line(outcome)}", file=sys.stderr)
+            continue
+        done[str(job.recording)] = outcome
+        if not arguments.json:
+            print(f"{job.recording}:")
+            print_summary(outcome, job.out, as_json=False)
+    if arguments.json:
+        print(json.dumps(done, indent=2))
+    if len(done) < len(jobs):
+        failed = len(jobs) - len(done)
+        raise RuntimeError(f"{failed} of {len(jobs)} recordings failed; the others are done")
+
+
+def _refuse_equal_names(recordings: list[Path]) -> None:
+    """Several recordings write into folders of their names, which must differ."""
+    names = [path.resolve().name for path in recordings]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(
+                f"run: {names.count(name)} recordings are called {name!r} and would write into "
+                "one folder; run them one at a time, each with its own --out"
+            )
+
+
+def print_summary(summary: dict[str, object], out: Path, *, as_json: bool) -> None:
+    """The table of errors, or the whole report as JSON, and where the results lie."""
+    from motorcade.replays.report.summary import as_table
+
+    if as_json:
+        print(json.dumps(summary, indent=2))
+        return
+    if "errors" in summary:
+        print(as_table(summary))
+    print(f"results in {out}")

@@ -1,0 +1,63 @@
+"""`motorcade sweep`: recordings times knobs times seeds, one table, one report."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from motorcade.replays.cli.arguments import Subparsers, new_command, print_json
+
+DESCRIPTION = """\
+Run every combination of recordings, knobs and seeds; leave one table and a comparative report.
+What is finished is not run again. Paths in CONFIG.toml are relative to it:
+
+  recordings = ["flights/*", {path = "board.mp4", manifest = "board.toml"}]
+  seeds = [0, 1, 2]                   # left out: one run with the knobs' own seeds
+  until = "errors"                    # or any later stage, as with `motorcade run --until`
+
+  [knobs]                             # `motorcade graph --knobs` lists them
+  camera_poses.source = "simulated"   # the same in every run
+  fused.gate = [0.99, 0.9999]         # each in turn"""
+
+
+def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        run_sweep,
+        name="sweep",
+        summary="run every combination of recordings, knobs and seeds; leave one table and a "
+        "comparative report; what is finished is not run again",
+        example="motorcade sweep sweep.toml --out out/sweep --executor tcp://scheduler:8786",
+    )
+    parser.description = DESCRIPTION
+    parser.add_argument("config", type=Path, metavar="CONFIG.toml")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out/sweep"), metavar="DIR", help="results (out/sweep)"
+    )
+    parser.add_argument(
+        "--executor",
+        default="processes",
+        metavar="E",
+        help="processes (default), local, or a Dask scheduler's address such as tcp://host:8786",
+    )
+    parser.add_argument("--json", action="store_true", help="print the table as JSON")
+
+
+def run_sweep(arguments: argparse.Namespace) -> None:
+    """Read the file, run what is missing, say where the results lie; failures end with status 1."""
+    from motorcade.replays.engine.executors import check_executor
+    from motorcade.replays.pipeline import pipeline
+    from motorcade.replays.sweep import read_sweep, sweep
+
+    plan = read_sweep(arguments.config, pipeline())
+    summary = sweep(plan, arguments.out, check_executor(arguments.executor))
+    if arguments.json:
+        print_json({"rows": [dict(row) for row in summary.rows]})
+    else:
+        print(f"{summary.done} runs done, {summary.done_before} were done before")
+        print("results in " + ", ".join(map(str, summary.files)))
+    if summary.failed:
+        told = f"{summary.failed} of {len(plan)} runs failed"
+        raise RuntimeError(f"{told}; the table says why, the others are done")

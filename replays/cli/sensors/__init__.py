@@ -1,0 +1,1 @@
+"""Commands on cameras and inertial sensors: detection, calibration, noise, time."""

@@ -1,0 +1,1 @@
+"""Commands on the program and its machine: code generation, benchmarks, findings."""

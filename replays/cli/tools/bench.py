@@ -1,0 +1,46 @@
+"""`motorcade bench`: the performance figures, measured on this machine."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from motorcade.replays.cli.arguments import Subparsers, new_command
+
+
+def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        bench,
+        name="bench",
+        summary="measure performance beside GLM and other libraries, in one run",
+        example="motorcade bench blend --json blend.json",
+    )
+    parser.add_argument(
+        "suites",
+        nargs="*",
+        metavar="SUITE",
+        help="blend, accuracy, table3, smooth, lag, slam, fusion, tracking, animation, render "
+        "(all)",
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
+
+
+def bench(arguments: argparse.Namespace) -> None:
+    """Run the suites asked for and print their tables."""
+    from motorcade.replays.bench.tables import SUITES, run_suite
+    from motorcade.replays.files.atomic import write_bytes
+
+    chosen = arguments.suites or list(SUITES)
+    unknown = [name for name in chosen if name not in SUITES]
+    if unknown:
+        raise ValueError(f"bench: expected suites of {', '.join(SUITES)}, came {unknown[0]!r}")
+    figures = {}
+    for name in chosen:
+        figures[name], table = run_suite(name)
+        print(table)
+    if arguments.json is not None:
+        write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())

@@ -1,0 +1,1 @@
+"""Commands on trajectories: smoothing, errors, comparison, consistency."""

@@ -1,0 +1,104 @@
+"""`motorcade compare`: every smoother in every representation, on known motions or own data."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from motorcade.replays.cli.arguments import Subparsers, new_command
+
+
+def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        compare_smoothers,
+        name="compare",
+        summary="compare smoothers and representations of poses, with intervals over seeds",
+        example="motorcade compare --trajectories gimbal_crossing handheld --seeds 20 --out out/c",
+    )
+    names = "names; all without"
+    parser.add_argument("--trajectories", nargs="+", default=[], metavar="NAME", help=names)
+    parser.add_argument(
+        "--degradations", "--noise", nargs="+", default=[], metavar="NAME", help=names
+    )
+    parser.add_argument("--methods", nargs="+", default=[], metavar="NAME", help=names)
+    parser.add_argument("--representations", nargs="+", default=[], metavar="NAME", help=names)
+    parser.add_argument("--seeds", type=int, metavar="N", help="test seeds (20)")
+    parser.add_argument(
+        "--input", type=Path, metavar="FILE", help="an estimated trajectory instead, with --truth"
+    )
+    parser.add_argument("--truth", type=Path, metavar="FILE", help="its reference")
+    parser.add_argument("--align", choices=("none", "se3", "sim3"), default="se3",
+                        help="of --input with --truth (se3)")  # fmt: skip
+    parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, metavar="N",
+                        help="processes (one a core)")  # fmt: skip
+    parser.add_argument("--quick", action="store_true", help="a small comparison, in seconds")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("out/compare"),
+        metavar="DIR",
+        help="for the results (out/compare); a stopped run goes on there",
+    )
+
+
+def compare_smoothers(arguments: argparse.Namespace) -> None:
+    """Compare, write the tables and the report, print the findings."""
+    from motorcade.replays.compare.figures.summary import as_text
+    from motorcade.replays.compare.plan import quick, standard
+    from motorcade.replays.compare.run import compare
+    from motorcade.replays.pipeline import require_writable
+
+    if (arguments.input is None) != (arguments.truth is None):
+        raise ValueError("compare: expected --input and --truth together, got one of them")
+    require_writable(arguments.out)
+    if arguments.input is not None:
+        print(as_text(_recorded(arguments)))
+        _report(arguments.out)
+        return
+    if arguments.seeds is not None and arguments.seeds < 1:
+        raise ValueError(f"--seeds: expected 1 or more, got {arguments.seeds}")
+    chosen = {
+        "motions": tuple(arguments.trajectories),
+        "degradations": tuple(arguments.degradations),
+        "methods": tuple(arguments.methods),
+        "representations": tuple(arguments.representations),
+    }
+    if arguments.quick:
+        given: dict[str, Any] = {name: value for name, value in chosen.items() if value}
+        if arguments.seeds is not None:
+            given["test_seeds"] = tuple(range(100, 100 + arguments.seeds))
+        plan = replace(quick(), **given)
+    else:
+        plan = standard(20 if arguments.seeds is None else arguments.seeds, **chosen)
+    print(as_text(compare(plan, arguments.out, arguments.workers)))
+    _report(arguments.out)
+
+
+def _report(out: Path) -> None:
+    from motorcade.replays.compare.report import Results, write_report
+
+    print(f"report: {write_report(Results.read(out), out)}; tables beside it")
+
+
+def _recorded(arguments: argparse.Namespace) -> dict[str, object]:
+    from motorcade.replays.compare.own_data import compare_recorded
+    from motorcade.replays.files.trajectories import read_trajectory
+
+    for name in ("trajectories", "degradations", "seeds", "quick"):
+        if getattr(arguments, name):
+            raise ValueError(f"--{name}: expected without --input, whose data it does not change")
+    estimate, truth = (
+        read_trajectory(path, rate_hz=arguments.rate_hz)
+        for path in (arguments.input, arguments.truth)
+    )
+    return compare_recorded(
+        estimate, truth, arguments.out, arguments.input.stem, arguments.methods,
+        arguments.representations, arguments.align,
+    )  # fmt: skip

@@ -1,0 +1,58 @@
+"""`motorcade consistency`: whether the filter's errors are as large as it says, over many runs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from pathlib import Path
+
+from motorcade.replays.cli.arguments import Subparsers, new_command
+
+
+def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        consistency,
+        name="consistency",
+        summary="NEES and NIS of the filter over simulated runs, beside quaternions and Euler "
+        "angles",
+        example="motorcade consistency --motions gimbal_crossing --runs 100 --out out/consistency",
+    )
+    parser.add_argument("--motions", nargs="+", metavar="NAME",
+                        help="rigid ones (gimbal_crossing, handheld, walk_and_look)")  # fmt: skip
+    parser.add_argument("--filters", metavar="NAMES",
+                        help="motor, quaternion, euler, euler_exact (the first three)")  # fmt: skip
+    parser.add_argument("--runs", type=int, metavar="N", help="of each motion (100)")
+    parser.add_argument("--seed", type=int, metavar="N", help="of the first run (0)")
+    parser.add_argument("--duration-s", type=float, metavar="S", help="of each run (120 s)")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, metavar="N",
+                        help="processes (one a core)")  # fmt: skip
+    parser.add_argument("--out", type=Path, default=Path("out/consistency"), metavar="DIR",
+                        help="for the page (out/consistency)")  # fmt: skip
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
+
+
+def consistency(arguments: argparse.Namespace) -> None:
+    """Run, write the page, print the shares of steps within the bounds."""
+    from motorcade.replays.consistency.page import write_page
+    from motorcade.replays.consistency.run import Plan, as_json, as_table, run_plan
+    from motorcade.replays.files.atomic import write_bytes
+    from motorcade.replays.pipeline import require_writable
+
+    names = ("motions", "filters", "runs", "seed", "duration_s")
+    given = {name: getattr(arguments, name) for name in names}
+    if given["filters"] is not None:
+        given["filters"] = tuple(name.strip() for name in given["filters"].split(","))
+    if given["motions"] is not None:
+        given["motions"] = tuple(given["motions"])
+    plan = Plan(**{name: value for name, value in given.items() if value is not None})
+    require_writable(arguments.out)
+    verdicts = run_plan(plan, arguments.workers)
+    figures = as_json(plan, verdicts)
+    print(as_table(figures))
+    print(f"page: {write_page(plan, verdicts, arguments.out)}")
+    if arguments.json is not None:
+        write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())

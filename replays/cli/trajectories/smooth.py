@@ -1,0 +1,114 @@
+"""`motorcade smooth`: a trajectory file in, a smoother one out."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from motorcade.replays.cli.arguments import Subparsers, new_command
+
+
+def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        smooth_file,
+        name="smooth",
+        summary="smooth a TUM, EuRoC or KITTI trajectory file",
+        example="motorcade smooth poses.tum -o smooth.tum --method gaussian --set sigma_s=0.1",
+    )
+    parser.add_argument("input", type=Path, metavar="IN", help="trajectory file")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT")
+    parser.add_argument("--representation", default="motor", metavar="R", help="motor by default")
+    parser.add_argument(
+        "--method", default="auto", metavar="M", help="auto by default, which says what it picked"
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a parameter of the method, such as sigma_s=0.1; may be repeated",
+    )
+    parser.add_argument(
+        "--list", action=_List, nargs=0, help="list methods, parameters, representations; and exit"
+    )
+    parser.add_argument(
+        "--report", action="store_true", help="say how far poses moved and how jitter fell, as JSON"
+    )
+    parser.add_argument("--format", choices=("tum", "euroc", "kitti"), help="of both files")
+    parser.add_argument("--rate-hz", type=float, help="rate of a KITTI file, which has no stamps")
+
+
+def smooth_file(arguments: argparse.Namespace) -> None:
+    """Read, smooth, write; say what "auto" picked and, where asked, what changed."""
+    from motorcade.fusion.smooth import choose, smooth
+    from motorcade.fusion.smooth.changes import changes
+    from motorcade.replays.cli.arguments import print_json
+    from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+
+    method, parameters = arguments.method, parsed_settings(arguments.set, arguments.method)
+    trajectory = read_trajectory(arguments.input, arguments.format, rate_hz=arguments.rate_hz)
+    picked = None
+    if method == "auto":
+        picked = choose(trajectory, arguments.representation)
+        smoothed = picked.smooth(trajectory)
+    else:
+        smoothed = smooth(trajectory, method, arguments.representation, **parameters)
+    write_trajectory(smoothed, arguments.output, arguments.format)
+    if arguments.report:
+        used = {"method": method, "representation": arguments.representation} | parameters
+        if picked is not None:
+            used |= {"method": picked.method} | picked.parameters
+            used["outliers"] = picked.noise.outliers
+        print_json(used | changes(trajectory, smoothed))
+    elif picked is not None:
+        print(f"auto: {picked}")
+
+
+def parsed_settings(settings: Iterable[str], method: str) -> dict[str, Any]:
+    """``["sigma_s=0.1", ...]`` as parameters, read by the kind of their defaults.
+
+    Raises:
+        ValueError: an unknown method or parameter, or a value of the wrong kind.
+    """
+    from motorcade.fusion.smooth import method_parameters
+
+    known = method_parameters(method)
+    made: dict[str, Any] = {}
+    for setting in settings:
+        name, equals, text = (part.strip() for part in setting.partition("="))
+        if not equals or name not in known:
+            names = ", ".join(known) or "none"
+            raise ValueError(
+                f"--set: expected name=value, names of {method}: {names}; got {setting!r}"
+            )
+        kind = type(known[name])
+        try:
+            made[name] = kind(text)
+        except ValueError:
+            raise ValueError(f"--set {name}: expected {kind.__name__}, got {text!r}") from None
+    return made
+
+
+class _List(argparse.Action):
+    """Print what there is to choose from, and exit."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[Any] | None,
+        option_string: str | None = None,
+    ) -> None:
+        from motorcade.fusion.smooth import METHODS, REPRESENTATIONS, method_parameters
+
+        print("methods, and their parameters where they are not given:")
+        for name in METHODS:
+            defaults = " ".join(f"{key}={value}" for key, value in method_parameters(name).items())
+            print(f"  {name:26s} {defaults}")
+        print(f"representations: {', '.join(REPRESENTATIONS)}")
+        parser.exit()

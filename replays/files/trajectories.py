@@ -1,0 +1,303 @@
+"""Trajectories as text: TUM, EuRoC and KITTI files, read and written without losing a digit.
+
+=========  ==========================================================================  ===========
+format     one row                                                                     stamps
+=========  ==========================================================================  ===========
+``tum``    ``stamp tx ty tz qx qy qz qw``, white space between                         s
+``euroc``  ``stamp, px, py, pz, qw, qx, qy, qz`` and any more columns, commas between  ns
+``kitti``  the twelve numbers of a 3 by 4 matrix, row by row                           none
+=========  ==========================================================================  ===========
+
+Metres; poses are ``parent_T_child``. Text rounds, so a quaternion whose norm is within 0.01 of 1
+is normalised and a matrix block that is within 0.01 of orthonormal (largest element of
+``R^T R - 1``) is replaced by the nearest rotation; what lies further off is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal, cast, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Similarity, Trajectory
+from motorcade.replays.errors import did_you_mean, refusal
+from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.readers.tables import Table, data_rows, in_order, read_table
+
+__all__ = [
+    "UNIT_TOLERANCE",
+    "TrajectoryFormat",
+    "even_stamps",
+    "matrix_poses",
+    "quaternion_poses",
+    "read_times",
+    "read_trajectory",
+    "trajectory_format",
+    "write_trajectory",
+]
+
+TrajectoryFormat = Literal["tum", "euroc", "kitti"]
+UNIT_TOLERANCE = 0.01
+# A similarity that differs by rounding from a rigid motion is one.
+_SCALE_TOLERANCE = 1e-12
+_REACH_M = 1e9
+_POSITION = ("tx", "ty", "tz")
+_QUATERNION = {"tum": ("qx", "qy", "qz", "qw"), "euroc": ("qw", "qx", "qy", "qz")}
+_MATRIX = tuple(f"m{row}{column}" for row in (1, 2, 3) for column in (1, 2, 3, 4))
+_SUFFIXES: dict[str, TrajectoryFormat] = {
+    ".tum": "tum",
+    ".txt": "tum",
+    ".csv": "euroc",
+    ".kitti": "kitti",
+}
+_EUROC_HEADER = (
+    "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []"
+)
+
+
+def read_trajectory(
+    path: Path | str,
+    fmt: TrajectoryFormat | None = None,
+    *,
+    rate_hz: float | None = None,
+    times: Path | str | None = None,
+    parent: str = "world",
+    child: str = "camera",
+) -> Trajectory:
+    """Read a trajectory file.
+
+    Args:
+        path: the file, at most 256 MiB.
+        fmt: its format; by default found from its first row of numbers.
+        rate_hz: for KITTI files, poses per second; the first stamp is 0.
+        times: for KITTI files instead, a file with one stamp in seconds a row.
+        parent: name of the frame that poses map to.
+        child: name of the frame that moves.
+
+    Raises:
+        RecordingError: missing file, no rows, wrong count of columns, NaN, decreasing stamps,
+            rotations further than `UNIT_TOLERANCE` from unit; each with its line. Of rows with
+            equal stamps the first is kept, and the log names the others.
+        ValueError: KITTI without `rate_hz` or `times`, or with both, or another format with one.
+    """
+    file = Path(path)
+    fmt = trajectory_format(file) if fmt is None else _known(fmt)
+    if fmt == "kitti":
+        return _read_kitti(file, rate_hz, times, parent, child)
+    if rate_hz is not None or times is not None:
+        raise ValueError(f"rate_hz, times: only KITTI files lack stamps; {file} is read as {fmt}")
+    separator, unit = (b",", "ns") if fmt == "euroc" else (None, "s")
+    table = read_table(
+        file,
+        _POSITION + _QUATERNION[fmt],
+        separator=separator,
+        unit=unit,
+        header=True,
+        more_columns=fmt == "euroc",
+    )
+    table = table.rows(in_order(file, table.lines, table.time_ns))
+    wxyz = table.values[:, 3:] if fmt == "euroc" else table.values[:, [6, 3, 4, 5]]
+    poses = quaternion_poses(table, wxyz, table.values[:, :3])
+    return Trajectory(table.time_ns, poses, parent, child)
+
+
+def write_trajectory(
+    trajectory: Trajectory, path: Path | str, fmt: TrajectoryFormat | None = None
+) -> None:
+    """Write a trajectory file, all or nothing.
+
+    Stamps are written exactly (nine decimals of a second in TUM) and every number with the digits
+    that bring the same float64 back. KITTI files hold no stamps; keep them elsewhere.
+
+    Args:
+        trajectory: rigid poses ``(N,)``; similarities of scale 1 are.
+        path: the file to write or replace.
+        fmt: its format; by default from the name's ending: .tum and .txt, .csv (EuRoC), .kitti.
+
+    Raises:
+        ValueError: an unknown ending without `fmt`, or a pose with a scale other than 1, which no
+            text format holds; `Trajectory.save` keeps it.
+        OSError: the file cannot be written; what was there before is still there.
+    """
+    file = Path(path)
+    if fmt is None:
+        if file.suffix.lower() not in _SUFFIXES:
+            known = ", ".join(_SUFFIXES)
+            raise ValueError(f"{file}: expected a name ending in {known}, or the format given")
+        fmt = _SUFFIXES[file.suffix.lower()]
+    rows = {"tum": _tum_rows, "euroc": _euroc_rows, "kitti": _kitti_rows}[_known(fmt)]
+    lines = rows(trajectory.time_ns, _rigid(trajectory, file))
+    write_bytes(file, "\n".join([*lines, ""]).encode("ascii"))
+
+
+def trajectory_format(path: Path) -> TrajectoryFormat:
+    """Tell the format of a file from its first row of numbers.
+
+    Raises:
+        RecordingError: neither commas with at least 8 columns, nor 8, nor 12 columns.
+    """
+    for line, row in data_rows(path, None):
+        text = b" ".join(row)
+        if text[:1].isalpha() and not text.lower().startswith((b"nan", b"inf")):
+            continue
+        if text.count(b",") >= 7:
+            return "euroc"
+        if b"," not in text and len(row) in (8, 12):
+            return "tum" if len(row) == 8 else "kitti"
+        raise refusal(
+            path,
+            "expected a trajectory (TUM: 8 columns, KITTI: 12, EuRoC: 8 or more with commas), "
+            f"got {len(text.split(b',' if b',' in text else None))} columns",
+            line=line,
+        )
+    raise refusal(path, "expected a trajectory, got no row of numbers")
+
+
+def read_times(path: Path, unit: str = "s") -> tuple[IntArray, IntArray]:
+    """Read a file of one stamp a row, strictly increasing: lines ``(N,)`` and stamps ``(N,)`` ns.
+
+    Raises:
+        RecordingError: no rows, more columns, no numbers, stamps that do not increase.
+    """
+    table = read_table(path, (), unit=unit)
+    stalls = np.flatnonzero(np.diff(table.time_ns) <= 0)
+    if stalls.size:
+        at = int(stalls[0]) + 1
+        raise refusal(
+            path,
+            f"expected increasing stamps, got {table.time_ns[at]} ns after "
+            f"{table.time_ns[at - 1]} ns",
+            line=int(table.lines[at]),
+        )
+    return table.lines, table.time_ns
+
+
+def even_stamps(count: int, rate_hz: float) -> IntArray:
+    """Stamps ``(count,)`` from 0 at a fixed rate, each rounded to a nanosecond by itself.
+
+    Raises:
+        ValueError: a rate that is not above 0 and at most 1e6 Hz.
+    """
+    if not 1e-6 <= rate_hz <= 1e6:
+        raise ValueError(f"rate_hz: expected a rate from 1e-6 to 1e6 Hz, got {rate_hz}")
+    stamps: IntArray = np.rint(np.arange(count) * (1e9 / rate_hz)).astype(np.int64)
+    return stamps
+
+
+def quaternion_poses(table: Table, wxyz: FloatArray, translation_m: FloatArray) -> Motor:
+    """Make motors from rows of quaternions ``(N, 4)`` and translations ``(N, 3)`` of a table.
+
+    Raises:
+        RecordingError: a quaternion's norm further than `UNIT_TOLERANCE` from 1, or a translation
+            beyond 1e9 m, with its line.
+    """
+    with np.errstate(over="ignore"):
+        norm = np.sqrt(np.sum(wxyz * wxyz, axis=1))
+    _refuse_rows(
+        table,
+        ~(np.abs(norm - 1.0) <= UNIT_TOLERANCE),
+        norm,
+        f"expected a unit quaternion (norm within {UNIT_TOLERANCE} of 1), got norm",
+    )
+    _refuse_far(table, translation_m)
+    return Motor.from_quaternion_translation(wxyz / norm[:, None], translation_m)
+
+
+def matrix_poses(table: Table, rotation: FloatArray, translation_m: FloatArray) -> Motor:
+    """Make motors from rows of matrices ``(N, 3, 3)`` and translations ``(N, 3)`` of a table.
+
+    Raises:
+        RecordingError: a matrix further than `UNIT_TOLERANCE` from a rotation, or a translation
+            beyond 1e9 m, with its line.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        gram = np.swapaxes(rotation, 1, 2) @ rotation
+        excess = np.nan_to_num(np.abs(gram - np.eye(3)).max(axis=(1, 2)), nan=np.inf)
+    problem = f"expected a rotation (R^T R within {UNIT_TOLERANCE} of 1), got a difference of"
+    _refuse_rows(table, excess > UNIT_TOLERANCE, excess, problem)
+    left, _, right = np.linalg.svd(rotation)
+    nearest = left @ right
+    determinant = np.linalg.det(nearest)
+    _refuse_rows(
+        table, determinant < 0.0, determinant, "expected a rotation, got a reflection, determinant"
+    )
+    _refuse_far(table, translation_m)
+    return Motor.from_rotor_translation(Rotor.from_matrix(nearest), translation_m)
+
+
+def _read_kitti(
+    path: Path, rate_hz: float | None, times: Path | str | None, parent: str, child: str
+) -> Trajectory:
+    if (rate_hz is None) == (times is None):
+        raise ValueError(
+            f"{path}: KITTI files hold no stamps; give either rate_hz or a times file, "
+            f"got rate_hz={rate_hz} and times={times}"
+        )
+    table = read_table(path, _MATRIX)
+    if times is not None:
+        _, time_ns = read_times(Path(times))
+        if len(time_ns) != len(table):
+            problem = f"expected {len(time_ns)} poses for the stamps of {times}, got {len(table)}"
+            raise refusal(path, problem)
+    elif rate_hz is not None:
+        time_ns = even_stamps(len(table), rate_hz)
+    matrices = table.values.reshape(-1, 3, 4)
+    poses = matrix_poses(table, matrices[:, :, :3], matrices[:, :, 3])
+    return Trajectory(time_ns, poses, parent, child)
+
+
+def _known(fmt: str) -> TrajectoryFormat:
+    if fmt not in get_args(TrajectoryFormat):
+        advice = did_you_mean(fmt, get_args(TrajectoryFormat))
+        raise ValueError(f"fmt: expected a trajectory format, got {fmt!r}; {advice}")
+    return cast("TrajectoryFormat", fmt)
+
+
+def _refuse_rows(table: Table, bad: NDArray[np.bool_], amount: FloatArray, problem: str) -> None:
+    if np.any(bad):
+        row = int(np.flatnonzero(bad)[0])
+        raise refusal(table.path, f"{problem} {amount[row]:.6g}", line=int(table.lines[row]))
+
+
+def _refuse_far(table: Table, translation_m: FloatArray) -> None:
+    reach = np.abs(translation_m).max(axis=1)
+    _refuse_rows(table, reach > _REACH_M, reach, f"expected a position within {_REACH_M:g} m, got")
+
+
+def _rigid(trajectory: Trajectory, path: Path) -> Motor:
+    if not isinstance(trajectory.poses, Similarity):
+        return trajectory.poses
+    motors, scale = trajectory.poses.as_motor_scale()
+    off = int(np.argmax(np.abs(scale - 1.0)))
+    if abs(scale[off] - 1.0) > _SCALE_TOLERANCE:
+        raise ValueError(
+            f"{path}: expected poses of scale 1, which is all that this format holds, got scale "
+            f"{float(scale[off]):.9g} at index {off}; a .npz file keeps it"
+        )
+    return motors
+
+
+def _tum_rows(time_ns: IntArray, poses: Motor) -> Iterator[str]:
+    wxyz, translation_m = poses.as_quaternion_translation()
+    yield "# timestamp tx ty tz qx qy qz qw"
+    numbers = np.concatenate([translation_m, wxyz[:, [1, 2, 3, 0]]], axis=1)
+    for stamp, row in zip(time_ns.tolist(), numbers.tolist(), strict=True):
+        seconds, rest = divmod(abs(stamp), 10**9)
+        sign = "-" if stamp < 0 else ""
+        yield f"{sign}{seconds}.{rest:09d} {' '.join(map(repr, row))}"
+
+
+def _euroc_rows(time_ns: IntArray, poses: Motor) -> Iterator[str]:
+    wxyz, translation_m = poses.as_quaternion_translation()
+    yield _EUROC_HEADER
+    numbers = np.concatenate([translation_m, wxyz], axis=1)
+    for stamp, row in zip(time_ns.tolist(), numbers.tolist(), strict=True):
+        yield f"{stamp},{','.join(map(repr, row))}"
+
+
+def _kitti_rows(time_ns: IntArray, poses: Motor) -> Iterator[str]:
+    for row in poses.as_matrix()[:, :3].reshape(-1, 12).tolist():
+        yield " ".join(map(repr, row))

@@ -1,0 +1,199 @@
+"""Markers in picture files: found, posed, described for machines, and drawn for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from motorcade.ga import FloatArray
+from motorcade.replays.errors import RecordingError
+from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.readers.frames.pictures import read_gray
+from motorcade.replays.recording import ImageArray
+from motorcade.tracking import (
+    Camera,
+    Detection,
+    PosedMarker,
+    TrackingError,
+    detect_markers,
+    pose_marker,
+)
+from motorcade.tracking.checks import check_length
+
+__all__ = ["MarkerPicture", "describe", "draw", "drawing_names", "markers_in", "write_drawing"]
+
+_OUTLINE, _FIRST, _DOUBTFUL = (0, 200, 0), (0, 0, 255), (0, 165, 255)  # blue, green, red
+_AXES = ((0, 0, 255), (0, 255, 0), (255, 0, 0))
+_SUBPIXEL_BITS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class MarkerPicture:
+    """The markers of one picture.
+
+    Fields:
+        path: the file.
+        gray: what was searched.
+        detections: by rising id.
+        posed: one for each detection where camera and size are known, else empty; None for a
+            marker that has no pose (outside what the lens model covers).
+    """
+
+    path: Path
+    gray: ImageArray
+    detections: tuple[Detection, ...]
+    posed: tuple[PosedMarker | None, ...] = ()
+
+
+def markers_in(
+    paths: Sequence[Path],
+    family: str,
+    camera: Camera | None = None,
+    size_m: float | None = None,
+) -> Iterator[MarkerPicture | RecordingError]:
+    """Find the markers of picture files, one by one; a file that cannot be read gives its error.
+
+    Args:
+        paths: PNG, JPEG, BMP or PNM files, grey or colour, 8 or 16 bits.
+        family: one of `tracking.FAMILIES`.
+        camera: straightens lines; with `size_m` gives poses. The pictures must have its size.
+        size_m: side of the markers' black square, metres.
+
+    Raises:
+        ValueError: an unknown family, a size that is not above zero or is given without a camera.
+    """
+    if size_m is not None and camera is None:
+        raise ValueError("size_m: expected a camera with it, since poses need both, got none")
+    if size_m is not None:
+        check_length(size_m, "size_m")
+    size = None if camera is None else (camera.width, camera.height)
+    for path in paths:
+        try:
+            gray = read_gray(path, None, size)
+        except RecordingError as fault:
+            yield fault
+            continue
+        found = detect_markers(gray, family, camera)
+        posed: tuple[PosedMarker | None, ...] = ()
+        if camera is not None and size_m is not None:
+            posed = tuple(_posed(one, camera, size_m) for one in found)
+        yield MarkerPicture(path, gray, found, posed)
+
+
+def _posed(detection: Detection, camera: Camera, size_m: float) -> PosedMarker | None:
+    try:
+        return pose_marker(detection, camera, size_m)
+    except TrackingError:
+        return None
+
+
+def describe(picture: MarkerPicture) -> dict[str, Any]:
+    """What was found, for JSON: pixels, metres, quaternions wxyz (see `motorcade detect`)."""
+    height, width = picture.gray.shape
+    rows = []
+    for index, one in enumerate(picture.detections):
+        row: dict[str, Any] = {
+            "id": one.marker_id,
+            "family": one.family,
+            "corners_px": np.round(one.corners_px, 4).tolist(),
+            "wrong_cells": one.wrong_cells,
+            "agreement": round(one.agreement, 4),
+            "sharp": one.sharp,
+        }
+        if picture.posed:
+            row |= _described_pose(picture.posed[index])
+        rows.append(row)
+    return {"file": str(picture.path), "width_px": width, "height_px": height, "markers": rows}
+
+
+def _described_pose(posed: PosedMarker | None) -> dict[str, Any]:
+    if posed is None:
+        return {"candidates": [], "ambiguity": None}
+    candidates = [
+        {
+            "camera_T_marker": {
+                "translation_m": pose.translation_m.tolist(),
+                "rotation_wxyz": pose.rotor.as_quaternion().tolist(),
+            },
+            "reprojection_rmse_px": float(error),
+        }
+        for pose, error in zip(posed.camera_T_marker, posed.candidates.error_px, strict=True)
+    ]
+    return {"candidates": candidates, "ambiguity": posed.ambiguity}
+
+
+def draw(picture: MarkerPicture, camera: Camera | None = None) -> ImageArray:
+    """The picture with outlines, ids, a dot on each printed top-left corner, and axes of poses.
+
+    Outlines of corners that are not sharp are orange. Returns BGR ``(height, width, 3)``.
+    """
+    canvas = cv2.cvtColor(picture.gray, cv2.COLOR_GRAY2BGR)
+    for index, one in enumerate(picture.detections):
+        colour = _OUTLINE if one.sharp else _DOUBTFUL
+        cv2.polylines(
+            canvas, [_fixed(one.corners_px)], True, colour, 1, cv2.LINE_AA, _SUBPIXEL_BITS
+        )
+        first = _fixed(one.corners_px)[0]
+        cv2.circle(canvas, first.tolist(), 40, _FIRST, -1, cv2.LINE_AA, _SUBPIXEL_BITS)
+        posed = picture.posed[index] if picture.posed else None
+        if camera is not None and posed is not None:
+            _draw_axes(canvas, posed, camera)
+        _write_id(canvas, one)
+    return np.asarray(canvas, np.uint8)
+
+
+def drawing_names(paths: Sequence[Path]) -> list[str]:
+    """A name for the drawing of each file: its own stem, numbered where it came up before."""
+    stems = [path.stem for path in paths]
+    before = [stems[:index].count(stem) for index, stem in enumerate(stems)]
+    return [
+        f"{stem}_{count + 1}.png" if count else f"{stem}.png"
+        for stem, count in zip(stems, before, strict=True)
+    ]
+
+
+def write_drawing(picture: MarkerPicture, path: Path, camera: Camera | None = None) -> None:
+    """Write `draw`'s picture as a PNG file.
+
+    Raises:
+        OSError: a file that cannot be written.
+    """
+    _, data = cv2.imencode(".png", draw(picture, camera))
+    write_bytes(path, data.tobytes())
+
+
+def _draw_axes(canvas: ImageArray, posed: PosedMarker, camera: Camera) -> None:
+    """The better pose's axes x red, y green, z blue, half a marker long, from its first corner."""
+    pose = posed.camera_T_marker[0]
+    far = np.linalg.norm(pose.apply([0.0, 0.0, 0.0]))
+    spans = np.linalg.norm(posed.detection.corners_px[1] - posed.detection.corners_px[0])
+    length = 0.5 * float(spans) * float(far) / camera.fx
+    ends = camera.project(pose.apply(length * np.vstack([np.zeros(3), np.eye(3)])))
+    if not np.isfinite(ends).all():
+        return
+    origin = _fixed(ends[0]).tolist()
+    for end, colour in zip(ends[1:], _AXES, strict=True):
+        cv2.line(canvas, origin, _fixed(end).tolist(), colour, 2, cv2.LINE_AA, _SUBPIXEL_BITS)
+
+
+def _write_id(canvas: ImageArray, one: Detection) -> None:
+    span = float(np.linalg.norm(one.corners_px[2] - one.corners_px[0]))
+    scale = float(np.clip(span / 80.0, 0.4, 2.0))
+    text = str(one.marker_id)
+    (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 1)
+    column, row = one.corners_px.mean(axis=0) + np.array([-0.5 * width, 0.5 * height])
+    place = (round(column), round(row))
+    for colour, thickness in (((255, 255, 255), 4), ((200, 0, 200), 1)):
+        cv2.putText(
+            canvas, text, place, cv2.FONT_HERSHEY_SIMPLEX, scale, colour, thickness, cv2.LINE_AA
+        )
+
+
+def _fixed(places: FloatArray) -> Any:
+    """Pixels as the fixed-point numbers that OpenCV draws sub-pixel places from."""
+    return np.rint(places * 2**_SUBPIXEL_BITS).astype(np.int32)

@@ -1,0 +1,1 @@
+"""Frame sequences, whatever they come from: picture files, videos, or marker corners alone."""

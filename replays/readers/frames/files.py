@@ -1,0 +1,265 @@
+"""Frame sequences made of picture files: which files belong to a recording, and reading them.
+
+Pictures are numbered in natural order (img_9 before img_10). Where stamps come from a rate, a gap
+in the numbers is refused: every later stamp would be wrong.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from motorcade.ga import IntArray
+from motorcade.replays.errors import DamagedError, one_line, read_bounded, refusal
+from motorcade.replays.readers.frames import pictures
+from motorcade.replays.recording import Frame
+
+if TYPE_CHECKING:
+    from motorcade.tracking import Camera
+
+__all__ = [
+    "FRAME_LIMIT",
+    "PictureFrames",
+    "inside",
+    "natural",
+    "numbered",
+    "picture_glob",
+    "refuse_gaps",
+]
+
+FRAME_LIMIT = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class PictureFrames:
+    """Pictures in files, one a frame.
+
+    Fields:
+        files: ``N`` picture files.
+        time_ns: ``(N,)`` stamps, strictly increasing.
+        size: (width, height) that every picture must have; None before the camera is known.
+        depth_files: depth picture of each frame, None where it has none.
+        depth_units_per_m: what a metre is in the depth pictures.
+        right_files: right picture of each frame, where they are rectified pairs.
+    """
+
+    files: tuple[Path, ...]
+    time_ns: IntArray
+    size: tuple[int, int] | None = None
+    depth_files: tuple[Path | None, ...] = ()
+    depth_units_per_m: float = 1000.0
+    right_files: tuple[Path, ...] = ()
+
+    def __post_init__(self) -> None:
+        own = np.array(self.time_ns, dtype=np.int64)
+        own.setflags(write=False)
+        object.__setattr__(self, "time_ns", own)
+        if len(own) != len(self.files) or np.any(np.diff(own) <= 0):
+            raise ValueError(
+                f"time_ns: expected {len(self.files)} increasing stamps, got {len(own)}"
+            )
+
+    def __len__(self) -> int:
+        return len(self.files)
+
+    def __getitem__(self, index: int) -> Frame:
+        index = range(len(self))[index]
+        path, field = self.files[index], f"frame {index}"
+        read_image = partial(pictures.read_picture, path, field, self.size)
+        depth = self.depth_files[index] if self.depth_files else None
+        read_depth = None
+        if depth is not None:
+            read_depth = partial(
+                pictures.read_depth, depth, field, self.size, self.depth_units_per_m
+            )
+        read_right = None
+        if self.right_files:
+            read_right = partial(pictures.read_gray, self.right_files[index], field, self.size)
+        return Frame(int(self.time_ns[index]), path.name, read_image, read_depth, read_right)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return (self[index] for index in range(len(self)))
+
+    def check(self, camera: Camera | None) -> None:
+        """Read every file and look at its header, end and size, without decoding.
+
+        Raises:
+            RecordingError: the first picture that is missing, truncated or of another size.
+        """
+        for fault in self._damage(camera).values():
+            raise fault
+
+    def intact(self, camera: Camera | None) -> tuple[PictureFrames, tuple[str, ...]]:
+        """Leave out what is truncated or corrupt: a frame, or a frame's depth alone.
+
+        Raises:
+            RecordingError: a picture that is missing or of another size, or damage in half of the
+                frames or more.
+        """
+        damage = self._damage(camera)
+        if not damage:
+            return self, ()
+        told = tuple(str(fault) for fault in damage.values())
+        if 2 * len(damage) >= len(self):
+            problem = f"{len(damage)} of {len(self)} frames are damaged, the first: {told[0]}"
+            raise refusal(self.files[0].parent, problem)
+        whole = [
+            index
+            for index, path in enumerate(self.files)
+            if path not in damage and not (self.right_files and self.right_files[index] in damage)
+        ]
+        depth = [None if path in damage else path for path in self.depth_files]
+        intact = replace(
+            self,
+            files=tuple(self.files[index] for index in whole),
+            time_ns=self.time_ns[whole],
+            depth_files=tuple(depth[index] for index in whole) if depth else (),
+            right_files=tuple(self.right_files[index] for index in whole)
+            if self.right_files
+            else (),
+        )
+        return intact, told
+
+    def _damage(self, camera: Camera | None) -> dict[Path, DamagedError]:
+        """What is wrong with each damaged file; other faults are raised."""
+        size = self.size if camera is None else (camera.width, camera.height)
+        damage: dict[Path, DamagedError] = {}
+        depth = set(self.depth_files)
+        for path, field in self._all_files():
+            advice = pictures.UNALIGNED if path in depth else pictures.ANOTHER_SIZE
+            try:
+                pictures.read_picture_bytes(path, field, size, advice)
+            except DamagedError as fault:
+                damage[path] = fault
+        return damage
+
+    def content(self) -> Iterator[bytes]:
+        """The bytes of all pictures, each after its length."""
+        yield f"depth units {self.depth_units_per_m!r}".encode()
+        for path, field in self._all_files():
+            data = read_bounded(path, pictures.FILE_LIMIT, field)
+            yield f"{field} {path.suffix} {len(data)}\n".encode()
+            yield data
+
+    def first_size(self) -> tuple[int, int]:
+        """Width and height of the first picture, for layouts whose calibration leaves them out.
+
+        Raises:
+            RecordingError: the first picture is missing or truncated.
+        """
+        data = pictures.read_picture_bytes(self.files[0], "frame 0", None)
+        return pictures.picture_size(data)
+
+    def _all_files(self) -> Iterator[tuple[Path, str]]:
+        for index, path in enumerate(self.files):
+            yield path, f"frame {index}"
+        for index, depth in enumerate(self.depth_files):
+            if depth is not None:
+                yield depth, f"depth of frame {index}"
+        for index, right in enumerate(self.right_files):
+            yield right, f"right of frame {index}"
+
+
+def inside(root: Path, name: str, source: Path, line: int | None = None) -> Path:
+    """Join a file name that stands in an untrusted file to the folder it must stay in.
+
+    Raises:
+        RecordingError: an absolute name, one with `..`, or no name at all.
+    """
+    relative = PurePosixPath(name)
+    escapes = relative.is_absolute() or ".." in relative.parts or "\\" in name or "\0" in name
+    if escapes or not relative.parts:
+        raise refusal(
+            source,
+            f"expected a file name inside {root}, got {one_line(name)}",
+            line=line,
+        )
+    return root / relative
+
+
+def pictures_in(root: Path) -> tuple[Path, ...]:
+    """Find every picture that lies in a folder itself, in natural order.
+
+    Raises:
+        RecordingError: nothing found, or a million files or more.
+    """
+    found = [path for path in root.iterdir() if path.suffix.lower() in pictures.SUFFIXES]
+    if not found:
+        known = " ".join(pictures.SUFFIXES)
+        raise refusal(root, f"expected pictures ({known}), got none", advice="say [frames] images")
+    if len(found) > FRAME_LIMIT:
+        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(found)}")
+    return tuple(sorted(found, key=natural))
+
+
+def picture_glob(root: Path, pattern: str) -> tuple[Path, ...]:
+    """Find picture files by a pattern such as `images/*.jpg`, in natural order.
+
+    Raises:
+        RecordingError: nothing found, a million files or more, files that are no pictures, a
+            pattern that is empty or leads outside.
+    """
+    inside(root, pattern, root)
+    if pattern.count("**") > 1:
+        raise refusal(root, f"expected at most one ** in the pattern, got {one_line(pattern)}")
+    try:
+        found = sorted(root.glob(pattern), key=natural)
+    except (ValueError, OSError, re.error) as fault:
+        raise refusal(root, f"the pattern {one_line(pattern)} cannot be used: {fault}") from fault
+    if not found:
+        raise refusal(root, f"expected pictures {one_line(pattern)}, got none")
+    if len(found) > FRAME_LIMIT:
+        raise refusal(root, f"expected at most {FRAME_LIMIT} pictures, got {len(found)}")
+    for path in found:
+        if path.suffix.lower() not in pictures.SUFFIXES:
+            known = " ".join(pictures.SUFFIXES)
+            raise refusal(path, f"expected pictures ({known})", advice="narrow the pattern")
+    return tuple(found)
+
+
+def numbered(paths: Sequence[Path]) -> list[int] | None:
+    """The last number in each file name, or None where the names differ in something else."""
+    parts = [re.fullmatch(r"(.*?)([0-9]{1,18})([^0-9]*)", path.name) for path in paths]
+    if any(part is None for part in parts):
+        return None
+    found = [part for part in parts if part is not None]
+    if len({(part[1], part[3]) for part in found}) != 1:
+        return None
+    return [int(part[2]) for part in found]
+
+
+def refuse_gaps(paths: Sequence[Path], advice: str) -> None:
+    """Refuse numbered pictures of which one is missing: stamps made from a rate would be wrong.
+
+    Raises:
+        RecordingError: the numbers do not run in equal steps; the first missing one is named.
+    """
+    numbers = numbered(paths)
+    if numbers is None or len(numbers) < 2:
+        return
+    steps = np.diff(np.array(numbers, dtype=np.int64))
+    usual = int(np.median(steps))
+    odd = np.flatnonzero(steps != usual)
+    if odd.size:
+        at = int(odd[0])
+        before = paths[at]
+        raise refusal(
+            before.parent,
+            f"expected pictures numbered in steps of {usual}, got {before.name} followed by "
+            f"{paths[at + 1].name}: a picture is missing",
+            advice=advice,
+        )
+
+
+def natural(path: Path) -> tuple[list[tuple[int, int, str]], str]:
+    """Sort key that compares runs of digits as numbers."""
+    parts = re.split(r"([0-9]+)", path.as_posix())
+    return [
+        (1, int(part[:18]), part) if index % 2 else (0, 0, part) for index, part in enumerate(parts)
+    ], path.as_posix()

@@ -1,0 +1,253 @@
+"""Video files as frame sequences: the container's own stamps, decoded lazily and in order.
+
+Opening reads the packets' stamps only. Pictures asked for in order are decoded in one pass; going
+back or far ahead seeks to the nearest keyframe first. Stamps are `pts · time_base`, to the
+nanosecond. A rotation in the metadata is not applied.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import av
+import numpy as np
+from av.container import InputContainer
+from av.error import FFmpegError
+from av.video.frame import VideoFrame
+from av.video.stream import VideoStream
+
+from motorcade.ga import IntArray
+from motorcade.replays.errors import one_line, refusal
+from motorcade.replays.readers.frames.decoded import DecodedFrames
+from motorcade.replays.readers.frames.files import FRAME_LIMIT
+from motorcade.replays.readers.frames.pictures import PIXEL_LIMIT
+from motorcade.replays.readers.gpmf import read_telemetry
+from motorcade.replays.recording import ImageArray, Recording
+
+if TYPE_CHECKING:
+    from motorcade.tracking.camera import Camera
+
+__all__ = ["SUFFIXES", "VideoFrames", "read", "recognise"]
+
+SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".ts")
+_BLOCK = 2**20
+
+
+def recognise(root: Path) -> bool:
+    """Whether this is a file with a video's ending."""
+    return root.is_file() and root.suffix.lower() in SUFFIXES
+
+
+def read(root: Path, *, own_truth: bool = True) -> Recording:
+    """Read a video file, with the IMU of a GoPro's telemetry where it holds one.
+
+    Without a manifest nothing is known of its camera, nor of how that sits on the IMU.
+
+    Raises:
+        RecordingError: not a video, truncated, without stamps, or with damaged telemetry.
+    """
+    frames = VideoFrames(root)
+    return Recording(
+        name=root.stem, root=root, layout="video", frames=frames, imu=read_telemetry(root)
+    )
+
+
+class VideoFrames(DecodedFrames):
+    """Pictures of the first video stream of a file, in the order they are shown.
+
+    Args:
+        path: the file.
+
+    Raises:
+        RecordingError: not a video, truncated, without stamps, or with equal stamps.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._pts, self._keys, time_base, self.size = _scan(path)
+        # Exact in Python's integers; a float would lose nanoseconds after some weeks.
+        stamps = [round(int(pts) * time_base * 10**9) for pts in self._pts]
+        if max(map(abs, stamps)) >= 2**62:
+            raise refusal(path, "expected stamps within 146 years, got larger ones")
+        self._time_ns = np.array(stamps, dtype=np.int64)
+        self._time_ns.setflags(write=False)
+        stalls = np.flatnonzero(np.diff(self._time_ns) <= 0)
+        if stalls.size:
+            problem = "expected stamps that increase, got equal ones"
+            raise refusal(path, problem, field=f"frame {stalls[0] + 1}")
+        self._decoder: _Decoder | None = None
+        self._lock = threading.Lock()
+
+    def __reduce__(self) -> tuple[type[VideoFrames], tuple[Path]]:
+        """Reopen the file in another process: a decoder cannot be sent."""
+        return VideoFrames, (self._path,)
+
+    def check(self, camera: Camera | None) -> None:
+        """Compare the stream's size with the camera's; opening has looked for the file's end.
+
+        Raises:
+            RecordingError: another size.
+        """
+        if camera is not None and self.size != (camera.width, camera.height):
+            raise refusal(
+                self._path,
+                f"expected {camera.width} x {camera.height} pixels as the camera has, "
+                f"got {self.size[0]} x {self.size[1]}",
+                advice="correct the camera's width and height",
+            )
+
+    def intact(self, camera: Camera | None) -> tuple[VideoFrames, tuple[str, ...]]:
+        """All of it; raises as `check`."""
+        self.check(camera)
+        return self, ()
+
+    def content(self) -> Iterator[bytes]:
+        """The file's bytes."""
+        try:
+            with self._path.open("rb") as file:
+                while block := file.read(_BLOCK):
+                    yield block
+        except OSError as fault:
+            raise refusal(self._path, f"cannot be read: {fault.strerror or fault}") from fault
+
+    def _image(self, index: int) -> ImageArray:
+        with self._lock:
+            try:
+                picture = self._decoder_for(index).image(index)
+                if picture.shape[1::-1] != self.size:
+                    raise ValueError(f"expected {self.size} pixels, got {picture.shape[1::-1]}")
+                return picture
+            except (FFmpegError, ValueError, StopIteration) as fault:
+                self._stop()
+                raise refusal(
+                    self._path,
+                    f"the picture cannot be decoded: {fault or 'the stream ends before it'}",
+                    field=f"frame {index}",
+                    advice="copy the file again",
+                ) from fault
+
+    def _decoder_for(self, index: int) -> _Decoder:
+        """The running decoder if going on is the shortest way, or a new one from a keyframe."""
+        place = int(np.searchsorted(self._keys, index, side="right")) - 1
+        key = int(self._keys[place]) if place >= 0 else 0
+        running = self._decoder
+        if running is not None and key - 1 <= running.at <= index:
+            return running
+        self._stop()
+        self._decoder = _Decoder(self._path, self._pts, key)
+        return self._decoder
+
+    def _stop(self) -> None:
+        if self._decoder is not None:
+            self._decoder.close()
+        self._decoder = None
+
+
+class _Decoder:
+    """A running pass over the stream from a keyframe on, and the picture it stands on."""
+
+    def __init__(self, path: Path, pts: IntArray, key: int) -> None:
+        self._pts = pts
+        self._container = _open(path)
+        stream = self._container.streams.video[0]
+        stream.thread_type = "AUTO"
+        if key > 0:
+            self._container.seek(int(pts[key]), stream=stream)
+        self._frames = self._container.decode(stream)
+        self._frame: VideoFrame | None = None
+        self.at = key - 1
+
+    def image(self, index: int) -> ImageArray:
+        """Decode on up to this picture, RGB."""
+        while self._frame is None or self.at < index:
+            self._frame = next(self._frames)
+            self.at = int(np.searchsorted(self._pts, self._frame.pts or 0))
+        if self.at != index or self._frame.pts != self._pts[index]:
+            raise ValueError(f"expected pts {self._pts[index]}, got {self._frame.pts}")
+        return np.asarray(self._frame.to_ndarray(format="rgb24"), dtype=np.uint8)
+
+    def close(self) -> None:
+        self._container.close()
+
+
+def _open(path: Path) -> InputContainer:
+    """Open a file as a video; a playlist in its place may not reach for the network."""
+    return av.open(str(path.resolve()), options={"protocol_whitelist": "file"})
+
+
+def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
+    """Read all packets: pts in the order shown, indices of keyframes, time base, size."""
+    try:
+        _refuse_cut_boxes(path)
+        with _open(path) as container:
+            if not container.streams.video:
+                raise refusal(path, "expected a video stream, got none")
+            stream = container.streams.video[0]
+            width, height = stream.codec_context.width, stream.codec_context.height
+            shown, stated = _shown_packets(path, container, stream), stream.frames
+            time_base = stream.time_base
+    except (FFmpegError, OSError) as fault:
+        reason = getattr(fault, "strerror", None) or fault
+        raise refusal(
+            path, f"cannot be read as a video: {reason}", advice="is the copy complete?"
+        ) from fault
+    if not (width > 0 and height > 0 and width * height <= PIXEL_LIMIT) or time_base is None:
+        raise refusal(path, f"expected at most {PIXEL_LIMIT} pixels, got {width} x {height}")
+    if not shown or len(shown) < stated:
+        raise refusal(
+            path,
+            f"the video is truncated: expected {stated or 'some'} pictures, got {len(shown)}",
+            advice="copy the file again",
+        )
+    pts = np.array([place for place, _ in shown], dtype=np.int64)
+    keys = np.flatnonzero([is_key for _, is_key in shown]).astype(np.int64)
+    return pts, keys, time_base, (width, height)
+
+
+def _refuse_cut_boxes(path: Path) -> None:
+    """Walk the outermost boxes of an MP4 or MOV file: each must end inside the file."""
+    end = path.stat().st_size
+    at = 0
+    with path.open("rb") as file:
+        while at + 8 <= end:
+            file.seek(at)
+            header = file.read(16)
+            if at == 0 and header[4:8] != b"ftyp":
+                return
+            size = int.from_bytes(header[:4], "big")
+            if size == 1:
+                size = int.from_bytes(header[8:], "big")
+            elif size == 0:
+                return
+            if size < 8 or at + size > end:
+                box = one_line(header[4:8])
+                problem = (
+                    f"the video is truncated: its box {box} of {size} bytes at {at} is not whole"
+                )
+                raise refusal(path, problem, advice="copy the file again")
+            at += size
+
+
+def _shown_packets(
+    path: Path, container: InputContainer, stream: VideoStream
+) -> list[tuple[int, bool]]:
+    """Stamp of each packet that is shown, and whether it is a keyframe, in the order shown."""
+    shown: list[tuple[int, bool]] = []
+    for packet in container.demux(stream):
+        if packet.size == 0 or packet.is_discard:
+            continue
+        if packet.pts is None:
+            raise refusal(
+                path,
+                "expected a stamp for each picture, got none",
+                field=f"frame {len(shown)}",
+                advice="put the stream into an MP4 or Matroska file",
+            )
+        shown.append((packet.pts, packet.is_keyframe))
+        if len(shown) > FRAME_LIMIT:
+            raise refusal(path, f"expected at most {FRAME_LIMIT} pictures, got more")
+    return sorted(shown)

@@ -1,0 +1,62 @@
+"""Which layout a folder has: each is known by one file or pattern, looked for in a fixed order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+from motorcade.replays.errors import refusal
+from motorcade.replays.readers.frames import video
+from motorcade.replays.readers.layouts import euroc, kitti, seven_scenes, tum_rgbd
+from motorcade.replays.readers.ros import recording as ros
+from motorcade.replays.readers.tagslam import corners as tagslam_corners
+from motorcade.replays.readers.tagslam import recording as tagslam
+from motorcade.replays.recording import Recording
+
+__all__ = ["find_layout", "read_layout"]
+
+
+class LayoutReader(Protocol):
+    """Reads a folder of one layout; without `own_truth` it leaves the folder's truth aside."""
+
+    def __call__(self, root: Path, *, own_truth: bool = True) -> Recording: ...
+
+
+_LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (
+    (euroc.recognise, euroc.read, "EuRoC (mav0/cam0/data.csv)"),
+    (tum_rgbd.recognise, tum_rgbd.read, "TUM RGB-D (rgb.txt)"),
+    (seven_scenes.recognise, seven_scenes.read, "7-Scenes (frame-000000.color.png)"),
+    (kitti.recognise, kitti.read, "KITTI (calib.txt beside image_2, image_0 or image_l)"),
+    (tagslam_corners.recognise, tagslam.read, "TagSLAM's corners (tag_detections.bag)"),
+    (ros.recognise, ros.read, "a ROS bag (.bag, .mcap, metadata.yaml)"),
+    (video.recognise, video.read, "a video file"),
+)
+
+
+def find_layout(root: Path) -> LayoutReader | None:
+    """The reader for a folder or file; None where no layout is recognised."""
+    return next((read for recognise, read, _ in _LAYOUTS if recognise(root)), None)
+
+
+def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
+    """Read a recording whose layout is known.
+
+    Args:
+        root: folder or file.
+        own_truth: whether to read the truth that lies there; a manifest may name another.
+
+    Raises:
+        RecordingError: no known layout, with what was looked for; or what its reader refuses.
+    """
+    read = find_layout(root)
+    if read is not None:
+        return read(root, own_truth=own_truth)
+    if root.is_dir() and not any(root.iterdir()):
+        raise refusal(root, "expected a recording, got an empty folder")
+    looked_for = ", ".join(what for _, _, what in _LAYOUTS)
+    raise refusal(
+        root,
+        f"expected a recording, got neither {looked_for} nor motorcade.toml",
+        advice="describe any other folder of pictures in a manifest (docs/manifests)",
+    )

@@ -1,0 +1,242 @@
+"""Bags of ROS 1 and ROS 2 opened without ROS, and their pictures as a frame sequence.
+
+What a message may cost is bounded, compressed ROS 2 storage files are refused, and only message
+types that are known here are taken apart.
+"""
+
+from __future__ import annotations
+
+import threading
+import weakref
+from collections.abc import Iterator, Sequence
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import cv2
+import numpy as np
+
+from motorcade.replays.errors import RecordingError, one_line, refusal
+from motorcade.replays.readers.frames.decoded import DecodedFrames
+from motorcade.replays.readers.frames.files import FRAME_LIMIT
+from motorcade.replays.readers.frames.pictures import PIXEL_LIMIT
+from motorcade.replays.recording import ImageArray
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+    from motorcade.tracking.camera import Camera
+
+__all__ = ["IMAGE_TYPES", "Bag", "BagFrames"]
+
+_RAW, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
+IMAGE_TYPES = (_RAW, _COMPRESSED)
+_BLOCK = 2**20
+_CHANNELS = {
+    "mono8": 1, "8UC1": 1, "rgb8": 3, "bgr8": 3, "8UC3": 3, "rgba8": 4, "bgra8": 4,
+}  # fmt: skip
+_TO_RGB = {"bgr8": [2, 1, 0], "8UC3": [2, 1, 0], "rgba8": [0, 1, 2], "bgra8": [2, 1, 0]}
+
+
+class Bag:
+    """An open bag; close it, or use it as a context manager.
+
+    Raises:
+        RecordingError: missing, damaged, or compressed as a whole.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._ros1 = path.suffix.lower() == ".bag"
+        try:
+            self._reader: Any = _reader(path, ros1=self._ros1)
+            self._reader.open()
+        except Exception as fault:  # the parsers' errors have no common base
+            raise self._refusal(fault) from fault
+        if not self._ros1 and self._reader.compression_mode:
+            problem = "expected plain storage, got compressed files"
+            raise refusal(path, problem, advice="`ros2 bag convert` or zstd unpacks them")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._reader.close()
+
+    def topics(self, types: Sequence[str]) -> list[str]:
+        """Names of topics of these types that hold messages, sorted."""
+        found = {one.topic for one in self._reader.connections if one.msgtype in types}
+        return sorted(found)
+
+    def messages(
+        self, topics: Sequence[str], types: Sequence[str], at_ns: int | None = None
+    ) -> Iterator[tuple[int, Any]]:
+        """Header stamps and messages; only those recorded at `at_ns` where it is given."""
+        for _, stamp, message in self.recorded(topics, types, at_ns):
+            yield stamp, message
+
+    def recorded(
+        self, topics: Sequence[str], types: Sequence[str], at_ns: int | None = None
+    ) -> Iterator[tuple[int, int, Any]]:
+        """As `messages`, each with the time it was recorded at before.
+
+        Raises:
+            RecordingError: damaged, or a type defined otherwise than usual.
+        """
+        wanted = [
+            one for one in self._reader.connections if one.topic in topics and one.msgtype in types
+        ]
+        if not wanted:
+            return
+        store = _types(self._ros1)
+        for one in wanted:
+            if self._ros1 and one.digest != store.generate_msgdef(one.msgtype, ros_version=1)[1]:
+                problem = f"expected the usual {one.msgtype}, got another definition"
+                raise refusal(self.path, problem, field=one_line(one.topic))
+        span = {} if at_ns is None else {"start": at_ns, "stop": at_ns + 1}
+        take = store.deserialize_ros1 if self._ros1 else store.deserialize_cdr
+        try:
+            for connection, recorded_ns, raw in self._reader.messages(wanted, **span):
+                message: Any = take(raw, connection.msgtype)
+                stamp = message.header.stamp
+                yield recorded_ns, int(stamp.sec) * 10**9 + int(stamp.nanosec), message
+        except (RecordingError, GeneratorExit):
+            raise
+        except Exception as fault:  # as above
+            raise self._refusal(fault) from fault
+
+    def _refusal(self, fault: Exception) -> RecordingError:
+        told = one_line(str(fault) or type(fault).__name__, 120)
+        return refusal(self.path, f"expected a whole ROS bag: {told}")
+
+
+class BagFrames(DecodedFrames):
+    """Pictures of one topic of a bag, in the order of their header stamps.
+
+    Args:
+        path: the bag.
+        topic: of images, raw or compressed.
+        size: (width, height) that every picture must have; None where the camera is unknown.
+
+    Raises:
+        RecordingError: damaged, stamps that do not increase, or too many pictures.
+    """
+
+    def __init__(self, path: Path, topic: str, size: tuple[int, int] | None = None) -> None:
+        self._path, self._topic, self._size = path, topic, size
+        self._lock = threading.Lock()
+        self._bag: Bag | None = None
+        places = []
+        with Bag(path) as bag:
+            for recorded_ns, stamp, _ in bag.recorded([topic], IMAGE_TYPES):
+                places.append((recorded_ns, stamp))
+                if len(places) > FRAME_LIMIT:
+                    raise refusal(path, f"expected at most {FRAME_LIMIT} pictures, got more")
+        self._recorded_ns = [recorded for recorded, _ in places]
+        self._time_ns = np.array([stamp for _, stamp in places], dtype=np.int64)
+        self._time_ns.setflags(write=False)
+        stalls = np.flatnonzero(np.diff(self._time_ns) <= 0)
+        if stalls.size:
+            problem = "expected header stamps that increase, got equal or earlier ones"
+            raise refusal(path, problem, field=f"{one_line(topic)} frame {stalls[0] + 1}")
+
+    def __reduce__(self) -> tuple[type[BagFrames], tuple[Any, ...]]:
+        """Reopen the file in another process."""
+        return BagFrames, (self._path, self._topic, self._size)
+
+    def check(self, camera: Camera | None) -> None:
+        """Compare the first picture's size with the camera's.
+
+        Raises:
+            RecordingError: another size.
+        """
+        if camera is not None and len(self):
+            self._size = (camera.width, camera.height)
+            self._image(0)
+
+    def intact(self, camera: Camera | None) -> tuple[BagFrames, tuple[str, ...]]:
+        """All of it; raises as `check`."""
+        self.check(camera)
+        return self, ()
+
+    def content(self) -> Iterator[bytes]:
+        """The bag's bytes, and the topic."""
+        yield self._topic.encode()
+        root = self._path
+        for path in sorted(root.iterdir()) if root.is_dir() else [root]:
+            if path.is_file():
+                with path.open("rb") as file:
+                    while block := file.read(_BLOCK):
+                        yield block
+
+    def _image(self, index: int) -> ImageArray:
+        field = f"{one_line(self._topic)} frame {index}"
+        with self._lock:
+            if self._bag is None:
+                self._bag = Bag(self._path)
+                weakref.finalize(self, self._bag.close)
+            found = self._bag.messages([self._topic], IMAGE_TYPES, self._recorded_ns[index])
+            wanted = int(self._time_ns[index])
+            message = next((one for stamp, one in found if stamp == wanted), None)
+        if message is None:
+            raise refusal(self._path, "the picture is gone", field=field)
+        decode = _raw if hasattr(message, "encoding") else _compressed
+        picture = decode(message, self._path, field)
+        if self._size is not None and picture.shape[1::-1] != self._size:
+            problem = f"expected {self._size} pixels as the camera has, got {picture.shape[1::-1]}"
+            raise refusal(self._path, problem, field=field)
+        return picture
+
+
+def _raw(message: Any, path: Path, field: str) -> ImageArray:
+    encoding = str(message.encoding)
+    if encoding not in _CHANNELS:
+        problem = f"expected one of {', '.join(_CHANNELS)}, got {one_line(encoding)}"
+        raise refusal(path, problem, field=field)
+    channels, (height, width, step) = (
+        _CHANNELS[encoding],
+        (int(message.height), int(message.width), int(message.step)),
+    )
+    fits = 0 < height * width <= PIXEL_LIMIT and step >= width * channels
+    if not fits or message.data.size != height * step:
+        problem = f"expected {height} rows of {step} bytes, got {message.data.size}"
+        raise refusal(path, problem, field=field)
+    rows = message.data.reshape(height, step)[:, : width * channels]
+    if channels == 1:
+        return np.array(rows, dtype=np.uint8)
+    picture = rows.reshape(height, width, channels)
+    return np.ascontiguousarray(picture[..., _TO_RGB.get(encoding, [0, 1, 2])], dtype=np.uint8)
+
+
+def _compressed(message: Any, path: Path, field: str) -> ImageArray:
+    flags = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
+    try:
+        picture = cv2.imdecode(np.asarray(message.data, dtype=np.uint8), flags)
+    except cv2.error as fault:
+        raise refusal(path, f"cannot be decoded: {one_line(fault)}", field=field) from fault
+    if picture is None or picture.dtype != np.uint8:
+        raise refusal(path, "expected an 8-bit PNG or JPEG picture", field=field)
+    if picture.ndim == 3:
+        picture = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+    return np.asarray(picture, dtype=np.uint8)
+
+
+def _reader(path: Path, *, ros1: bool) -> Any:
+    if ros1:
+        from rosbags.rosbag1 import Reader as Reader1
+
+        return Reader1(path)
+    from rosbags.rosbag2 import Reader as Reader2
+
+    return Reader2(path)
+
+
+@cache
+def _types(ros1: bool) -> Typestore:
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)

@@ -1,0 +1,1 @@
+"""Stages around the inertial stream: read or simulated, and fused with the poses."""

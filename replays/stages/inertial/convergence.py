@@ -1,0 +1,74 @@
+"""Stage `convergence`: how the filter recovers when it starts with the wrong idea of up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.fusion.filter import fuse
+from motorcade.fusion.metrics import associate, tilt_rad
+from motorcade.ga import FloatArray
+from motorcade.replays.recording import Recording
+from motorcade.replays.stages.camera.camera_poses import CameraPoses
+from motorcade.replays.stages.inertial.fused import FusedPath, filter_settings
+from motorcade.replays.stages.inertial.imu import Imu
+from motorcade.replays.stages.inertial.imu_noise import assumed_noise
+from motorcade.replays.stages.inertial.levelled import levelled
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """Tilt error (N,) in degrees over seconds after a start `initial_tilt_deg` wrong.
+
+    `settled_s` is when it falls below a tenth of the start for good, None if it never does;
+    `judged_by` names what the tilt was compared with. There are no errors where no filter ran.
+    """
+
+    initial_tilt_deg: float
+    time_s: FloatArray
+    tilt_error_deg: FloatArray
+    settled_s: float | None
+    judged_by: str
+
+
+def convergence(
+    recording: Recording,
+    camera_poses: CameraPoses,
+    imu: Imu,
+    fused: FusedPath,
+    *,
+    initial_tilt_deg: float = 5.0,
+    duration_s: float = 20.0,
+) -> Convergence:
+    """Run the causal filter again from a wrong tilt and zero biases, without looking ahead.
+
+    The tilt is judged by the truth where that shares the world of the poses (they were simulated
+    from it), otherwise by the fused path. Where that came about without the filter nothing runs.
+    """
+    if fused.by != "imu":
+        return Convergence(initial_tilt_deg, np.zeros(0), np.zeros(0), None, "nothing")
+    simulated = camera_poses.origin == "simulated"
+    level = levelled(camera_poses, imu)
+    reference = recording.truth if simulated else None
+    if reference is None:
+        reference = fused.trajectory.transformed_by(left=level.level_T_world)
+    end_ns = fused.trajectory.time_ns[0] + int(duration_s * 1e9)
+    stamps = fused.trajectory.time_ns[fused.trajectory.time_ns <= end_ns]
+    again = fuse(
+        level.measurements,
+        imu.stream,
+        assumed_noise(imu.noise, imu.origin),
+        imu.imu_T_camera,
+        stamps,
+        settings=filter_settings(imu, initial_tilt_deg, leaned=level.leaned),
+        smoothed=False,
+    )
+    pairs = associate(again.trajectory, reference)
+    time_s = (pairs.time_ns - stamps[0]) * 1e-9
+    error_deg = np.rad2deg(tilt_rad(pairs.estimate, pairs.reference))
+    judge = "truth" if simulated else "fused path, which knows the same data"
+    above = np.flatnonzero(error_deg > initial_tilt_deg / 10)
+    after = int(above[-1]) + 1 if above.size else 0
+    settled = float(time_s[after]) if after < len(time_s) else None
+    return Convergence(initial_tilt_deg, time_s, error_deg, settled, judge)

@@ -1,0 +1,178 @@
+"""Stage `fused`: one path between frames and through blackouts, by an IMU or an odometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.filter import FilterSettings, fuse
+from motorcade.fusion.graph.odometry import fuse_odometry
+from motorcade.fusion.imu import ImuNoise
+from motorcade.ga import FloatArray, Trajectory
+from motorcade.replays.recording import Odometry, Recording
+from motorcade.replays.stages.camera.camera_poses import CameraPoses
+from motorcade.replays.stages.inertial.imu import Imu
+from motorcade.replays.stages.inertial.imu_noise import assumed_noise
+from motorcade.replays.stages.inertial.levelled import Levelled, levelled
+from motorcade.tracking import PoseMeasurements
+
+By = Literal["imu", "odometry", "nothing"]
+
+ALIGNMENT_SIGMA_DEG = {"recorded": 1.0, "reference": 0.0, "tracked": 0.0}
+"""How far the world's z may be from up, and the camera's calibrated attitude on the IMU from the
+true one, by where the IMU came from; a simulated one knows both."""
+LEVELLED_SIGMA_DEG = 3.0
+"""The same of z, where up was taken from the mean of the accelerometer: what the motion adds to
+that in a few seconds."""
+
+
+@dataclass(frozen=True, eq=False)
+class FusedPath:
+    """The path `world_T_camera` at N stamps, and how it came about.
+
+    `covariance` (N, 6, 6) is that of the right perturbation, rotation (rad) first. `nis` (N,) are
+    the filter's normalised innovations squared, NaN where nothing was measured or no filter ran;
+    `accepted` (N,) is false where it left a measurement out. `by` says what was fused with the
+    camera's poses, `account` the same in words.
+    """
+
+    trajectory: Trajectory
+    covariance: FloatArray
+    nis: FloatArray
+    accepted: NDArray[np.bool_]
+    by: By
+    account: str
+
+
+def fused(
+    recording: Recording,
+    camera_poses: CameraPoses,
+    imu: Imu,
+    *,
+    by: Literal["auto", "imu", "odometry", "nothing"] = "auto",
+    look_ahead: bool = True,
+    noise_factor: float | None = None,
+    walk_factor: float | None = None,
+    alignment_sigma_deg: float | None = None,
+    gate: float = 0.9999,
+    initial_tilt_deg: float = 0.0,
+) -> FusedPath:
+    """Join the measured poses with what else was recorded, at every stamp at which one was sought.
+
+    `by=auto` filters with the IMU, unless that could only be simulated along the tracked path and
+    an odometry was recorded: then the odometry bridges what the camera did not see. Where lengths
+    have no unit nothing can be fused, and the path stays as it was tracked.
+
+    The rest is the filter's. `look_ahead` adds the backward pass; without it every estimate knows
+    only its past. `noise_factor` multiplies the IMU's white densities: by default 10 for a recorded
+    IMU, 1 for one simulated from the truth, 1000 for one simulated along the tracked path;
+    `walk_factor` its bias walks: 1, 1, 1000. `alignment_sigma_deg` above zero has the vertical of
+    the world and the attitude of the camera on the IMU estimated, from so much doubt about each
+    axis: by default 1 for a recorded IMU, else 0. `gate` is the probability with which a good
+    measurement passes; `initial_tilt_deg` starts so far off upright.
+
+    Raises ValueError where `by` asks for what is not there, or for what looks ahead without leave.
+    """
+    odometry = recording.odometry
+    chosen = _chosen(camera_poses, imu, odometry, look_ahead) if by == "auto" else by
+    if chosen == "nothing":
+        return _as_tracked(camera_poses)
+    if not camera_poses.metric:
+        raise ValueError(f"fused.by={by}: lengths of the tracked path have no unit")
+    if chosen == "odometry":
+        if odometry is None:
+            raise ValueError("fused.by=odometry, but the recording holds none")
+        if not look_ahead:
+            raise ValueError("fused.by=odometry looks ahead always; choose fused.by=imu without")
+        return _by_odometry(camera_poses, odometry)
+    noise = assumed_noise(imu.noise, imu.origin, noise_factor, walk_factor)
+    level = levelled(camera_poses, imu)
+    settings = filter_settings(
+        imu, initial_tilt_deg, alignment_sigma_deg, gate, leaned=level.leaned
+    )
+    return _by_imu(camera_poses, imu, noise, level, settings, look_ahead)
+
+
+def _chosen(camera_poses: CameraPoses, imu: Imu, odometry: Odometry | None, look_ahead: bool) -> By:
+    if not camera_poses.metric:
+        return "nothing"
+    return "odometry" if imu.origin == "tracked" and odometry and look_ahead else "imu"
+
+
+def _as_tracked(camera_poses: CameraPoses) -> FusedPath:
+    measured = camera_poses.measurements
+    account = "left as tracked"
+    if not camera_poses.metric:
+        account = "left as tracked: lengths have no unit, so nothing can be fused with it"
+    return _unjudged(measured, "nothing", account)
+
+
+def _unjudged(found: PoseMeasurements, by: By, account: str) -> FusedPath:
+    count = len(found)
+    accepted = np.ones(count, dtype=np.bool_)
+    return FusedPath(
+        found.trajectory, found.covariance, np.full(count, np.nan), accepted, by, account
+    )
+
+
+def _by_odometry(camera_poses: CameraPoses, odometry: Odometry) -> FusedPath:
+    """The pose graph's path at the stamps sought, between its nodes by the screw motion."""
+    found = fuse_odometry(
+        camera_poses.measurements, odometry.trajectory, odometry.odometry_T_camera
+    )
+    path, sought = found.trajectory, camera_poses.sought_ns
+    stamps = sought[(sought >= path.time_ns[0]) & (sought <= path.time_ns[-1])]
+    rows = np.searchsorted(path.time_ns, stamps)
+    at = Trajectory(stamps, path.motors_at(stamps), path.parent, path.child)
+    account = "fused with the recorded odometry, which bridges what the camera did not see"
+    return _unjudged(PoseMeasurements(at, found.covariance[rows]), "odometry", account)
+
+
+def _by_imu(
+    camera_poses: CameraPoses, imu: Imu, noise: ImuNoise, level: Levelled,
+    settings: FilterSettings, look_ahead: bool,
+) -> FusedPath:  # fmt: skip
+    found = fuse(
+        level.measurements,
+        imu.stream,
+        noise,
+        imu.imu_T_camera,
+        camera_poses.sought_ns,
+        settings=settings,
+        smoothed=look_ahead,
+    )
+    account = f"fused with the {'recorded' if imu.origin == 'recorded' else 'simulated'} IMU"
+    if level.leaned:
+        account += f" (the world's z leans {level.lean_deg:.0f}° from up)"
+    return FusedPath(
+        found.trajectory.transformed_by(left=level.level_T_world.inverse()),
+        found.covariance,
+        found.nis,
+        found.accepted,
+        "imu",
+        account,
+    )
+
+
+def filter_settings(
+    imu: Imu,
+    initial_tilt_deg: float = 0.0,
+    alignment_sigma_deg: float | None = None,
+    gate: float = 0.9999,
+    *,
+    leaned: bool = False,
+) -> FilterSettings:
+    """What the filter assumes besides; `leaned`: up was taken from the accelerometer's mean."""
+    if alignment_sigma_deg is None:
+        alignment_sigma_deg = ALIGNMENT_SIGMA_DEG[imu.origin]
+    sigma_rad = float(np.deg2rad(alignment_sigma_deg))
+    up_rad = float(np.deg2rad(max(alignment_sigma_deg, LEVELLED_SIGMA_DEG)))
+    return FilterSettings(
+        gate=gate,
+        initial_tilt_error_rad=float(np.deg2rad(initial_tilt_deg)),
+        gravity_sigma_rad=up_rad if leaned else sigma_rad,
+        mount_sigma_rad=sigma_rad,
+    )

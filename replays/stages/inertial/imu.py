@@ -1,0 +1,107 @@
+"""Stage `imu`: the recorded inertial stream, or one simulated along the path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream, simulate_imu
+from motorcade.fusion.sync import synchronise
+from motorcade.ga import Motor
+from motorcade.replays.recording import Recording
+from motorcade.replays.stages.camera.camera_poses import CameraPoses
+from motorcade.replays.stages.inertial.imu_noise import Origin
+
+NEAREST_KNOTS_S = 0.02
+FEWEST_POSES = 4
+
+
+@dataclass(frozen=True)
+class Imu:
+    """An inertial stream, its noise model, where the camera sits on it, and where it came from.
+
+    `clock_offset_s` was taken off the recorded stamps (what the IMU's clock showed at an event
+    minus what the camera's did), and `clock_offset_sigma_s` is its deviation; None where it was not
+    sought.
+    """
+
+    stream: ImuStream
+    noise: ImuNoise
+    imu_T_camera: Motor
+    origin: Origin
+    clock_offset_s: float = 0.0
+    clock_offset_sigma_s: float | None = None
+
+
+def imu(
+    recording: Recording,
+    camera_poses: CameraPoses,
+    *,
+    source: Literal["auto", "recorded", "reference", "tracked"] = "auto",
+    sync: Literal["off", "estimate"] = "off",
+    rate_hz: float = 200.0,
+    knot_spacing_s: float | None = None,
+    seed: int = 0,
+) -> Imu:
+    """The recording's own IMU; without one, a simulation along the tracked path.
+
+    A stream simulated from the tracked path adds nothing that the images did not know, so it
+    flatters no result; `source=reference` simulates from the truth instead and is meant for
+    experiments. `sync=estimate` finds the offset between the clocks of camera and recorded IMU by
+    the motion of both, and takes it off; otherwise the stamps are believed. `knot_spacing_s` is
+    that of the simulation's spline: by default one knot a pose, but none nearer than 0.02 s, so
+    that the stream moves as the poses do. Raises ValueError where the source asked for is not
+    there, and where the motion does not tell the offset.
+    """
+    imu_T_camera = recording.imu_T_camera
+    if imu_T_camera is None:
+        imu_T_camera = Motor.identity()
+    noise = recording.imu_noise or ADIS16448
+    origin: Origin = "recorded" if recording.imu is not None else "tracked"
+    origin = origin if source == "auto" else source
+    if origin == "recorded":
+        if recording.imu is None:
+            raise ValueError(f"{recording.name}: imu.source=recorded, but it has no IMU stream")
+        made = Imu(recording.imu, noise, imu_T_camera, origin)
+        return made if sync == "off" else _on_camera_clock(made, camera_poses)
+    if sync != "off":
+        raise ValueError(f"{recording.name}: imu.sync={sync} needs a recorded IMU")
+    path = recording.truth if origin == "reference" else camera_poses.measurements.trajectory
+    if path is None:
+        raise ValueError(f"{recording.name}: imu.source=reference, but it has no truth")
+    world_T_imu = path.transformed_by(right=imu_T_camera.inverse(), child="imu")
+    if len(path) < FEWEST_POSES:
+        raise ValueError(
+            f"{recording.name}: expected at least {FEWEST_POSES} poses to simulate an IMU along, "
+            f"got {len(path)}"
+        )
+    if knot_spacing_s is None:
+        knot_spacing_s = max(float(np.median(np.diff(path.time_s))), NEAREST_KNOTS_S)
+    simulated = simulate_imu(
+        world_T_imu, rate_hz, noise, np.random.default_rng(seed), knot_spacing_s=knot_spacing_s
+    )
+    return Imu(simulated.stream, noise, imu_T_camera, origin)
+
+
+def _on_camera_clock(imu: Imu, camera_poses: CameraPoses) -> Imu:
+    """The stream with its stamps carried over to the camera's clock."""
+    if camera_poses.metres_a_unit is not None or not camera_poses.metric:
+        raise ValueError(
+            "imu.sync=estimate needs a path whose metres do not come from the IMU itself; find the "
+            "offset on another recording (motorcade sync), and state it in a manifest "
+            "([imu] clock_offset_s = ...)"
+        )
+    found = synchronise(camera_poses.measurements.trajectory, imu.stream, imu.noise)
+    stream = ImuStream(
+        imu.stream.time_ns - round(found.offset_s * 1e9),
+        imu.stream.angular_rate_rad_s,
+        imu.stream.specific_force_m_s2,
+    )
+    return replace(
+        imu,
+        stream=stream,
+        clock_offset_s=found.offset_s,
+        clock_offset_sigma_s=found.offset_sigma_s,
+    )

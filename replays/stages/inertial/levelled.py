@@ -1,0 +1,69 @@
+"""Measured poses in a world whose z is up, as the filter wants them.
+
+The world of a board or marker may hang on a wall, and that of SLAM looks where the first camera
+did: what a carried accelerometer reads on the mean, turned into the world, points up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.replays.stages.camera.camera_poses import CameraPoses
+from motorcade.replays.stages.inertial.imu import Imu
+from motorcade.tracking import PoseMeasurements
+
+__all__ = ["Levelled", "levelled"]
+
+_UPRIGHT_DEG = 3.0
+_MOST_SAMPLES = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class Levelled:
+    """Measurements in the level world, where that stands, and how far z was from up.
+
+    `leaned` is false where the world was upright as it came; `level_T_world` is then the identity.
+    """
+
+    measurements: PoseMeasurements
+    level_T_world: Motor
+    lean_deg: float
+    leaned: bool
+
+
+def levelled(camera_poses: CameraPoses, imu: Imu) -> Levelled:
+    """Turn a world upright whose z is more than 3° from up by a recorded IMU.
+
+    Poses simulated from a truth keep that truth's world, and an IMU simulated along a path has z
+    for up anyway. The mean is off by the change of velocity over the time, in units of gravity.
+    """
+    found = camera_poses.measurements
+    upright = Levelled(found, Motor.identity(), 0.0, leaned=False)
+    up = _mean_up(camera_poses, imu)
+    if imu.origin != "recorded" or camera_poses.origin == "simulated" or up is None:
+        return upright
+    lean_rad = float(np.arctan2(np.hypot(up[0], up[1]), up[2]))
+    if np.rad2deg(lean_rad) <= _UPRIGHT_DEG:
+        return upright
+    across = float(np.hypot(up[0], up[1]))
+    axis = np.array([up[1], -up[0], 0.0]) / across if across > 0.0 else np.array([1.0, 0.0, 0.0])
+    turn = Motor.from_rotor_translation(Rotor.from_rotation_vector(lean_rad * axis), np.zeros(3))
+    turned = PoseMeasurements(found.trajectory.transformed_by(left=turn), found.covariance)
+    return Levelled(turned, turn, float(np.rad2deg(lean_rad)), leaned=True)
+
+
+def _mean_up(camera_poses: CameraPoses, imu: Imu) -> FloatArray | None:
+    """The mean specific force ``(3,)`` in the world; None where the IMU covers no pose."""
+    path, stream = camera_poses.measurements.trajectory, imu.stream
+    rows = np.flatnonzero(
+        (stream.time_ns >= path.time_ns[0]) & (stream.time_ns <= path.time_ns[-1])
+    )
+    rows = rows[:: max(1, len(rows) // _MOST_SAMPLES)]
+    if not len(rows):
+        return None
+    world_T_imu = path.motors_at(stream.time_ns[rows]) @ imu.imu_T_camera.inverse()
+    mean: FloatArray = world_T_imu.rotor.apply(stream.specific_force_m_s2[rows]).mean(axis=0)
+    return mean

@@ -1,0 +1,1 @@
+"""Stages of the augmented view: the ground, who stands on it, and the video."""

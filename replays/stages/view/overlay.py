@@ -1,0 +1,190 @@
+"""Stage `overlay`: the character in the footage, as H.264 video."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from motorcade.animation import Character
+from motorcade.ga import Trajectory
+from motorcade.render import (
+    RENDERERS,
+    RendererName,
+    RenderUnavailable,
+    render_overlay,
+    write_video,
+)
+from motorcade.render.light import lighting_of_footage
+from motorcade.render.matching import Matching
+from motorcade.render.scene import DepthArray, ImageArray, Lighting
+from motorcade.replays.characters.acting import character_named, clip_named, walked
+from motorcade.replays.engine.artifacts import ASIDE, new_file
+from motorcade.replays.engine.graph import Unavailable
+from motorcade.replays.engine.progress import track
+from motorcade.replays.readers.frames.corners import CornerFrames
+from motorcade.replays.recording import Frame, Recording
+from motorcade.replays.stages.smoothed import Smoothed
+from motorcade.replays.stages.view.placed import Placed
+
+log = logging.getLogger("motorcade")
+
+# Frames, spread over the recording, from which light is estimated.
+LIT_FRAMES = 8
+
+
+@dataclass(frozen=True)
+class Overlay:
+    """A video: how many of its frames show something drawn, on what the character stands, what
+    lights it, and whether the footage was undistorted.
+    """
+
+    path: Path
+    frames_with_character: int
+    frames: int
+    stands_on: str
+    lit_by: str
+    footage: str
+    seconds: float = field(metadata=ASIDE)
+
+
+def overlay(
+    recording: Recording,
+    smoothed: Smoothed,
+    placed: Placed,
+    *,
+    representation: str | None = None,
+    renderer: str = "fast",
+    light: Literal["fixed", "estimated"] = "fixed",
+    lens: Literal["straighten", "bend"] = "straighten",
+    gain: float = 1.0,
+    exposure_s: float = 0.0,
+    noise: float | None = 0.0,
+) -> Overlay:
+    """Draw the placed character into every frame that has a smoothed pose.
+
+    `representation` says along which of the smoothed paths; without it, the first of them.
+    `renderer` draws: "fast", or "pyrender" (docs/rendering.md says when to take which).
+    `light=estimated` takes sun and ambient light from frames with depth, and keeps the fixed light
+    where none tell. `lens=bend` leaves the footage as it was taken and bends what is drawn as the
+    lens does; otherwise the footage is straightened. `gain` brightens what is drawn, `exposure_s`
+    blurs it by the motion in that time, `noise` (of 255; none: each frame's own) grains it.
+    Frames without a pose (before the first, after the last) are shown as they are. Where the
+    recording has depth, what is nearer hides the character. Raises `Unavailable` without OpenGL and
+    for recordings of corners, which hold no pictures, and ValueError without a camera or for a
+    representation that was not smoothed or an unknown renderer.
+    """
+    if recording.camera is None:
+        raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
+    if isinstance(recording.frames, CornerFrames):
+        raise Unavailable("the recording holds corners of markers and no pictures to draw into")
+    path = _chosen(smoothed, representation)
+    character = character_named(placed.character)
+    clip = clip_named(character, placed.clip)
+    if len(placed.path_m):
+        clip = walked(
+            character, clip, placed.path_m, placed.placement.scale, placed.plane_T_character
+        )
+    start = time.perf_counter()
+    footage = _Footage(recording, bent=lens == "bend")
+    found = _estimated(footage, path, placed, character) if light == "estimated" else None
+    pictures = render_overlay(
+        footage.frames(track(recording.frames, "drawing", len(recording.frames))),
+        footage.camera,
+        path,
+        character,
+        clip,
+        placed.placement,
+        lighting=found,
+        matching=Matching(gain, exposure_s, noise),
+        renderer=_known(renderer),
+    )
+    file = new_file("overlay.mp4")
+    try:
+        write_video(file, footage.counted(pictures), recording.frames.time_ns)
+    except RenderUnavailable as missing:
+        raise Unavailable(str(missing)) from missing
+    return Overlay(
+        file,
+        footage.drawn_into,
+        len(recording.frames),
+        placed.stands_on,
+        "light estimated from the footage" if found is not None else "a fixed light",
+        "original" if lens == "bend" else "undistorted",
+        time.perf_counter() - start,
+    )
+
+
+def _estimated(
+    footage: _Footage, path: Trajectory, placed: Placed, character: Character
+) -> Lighting | None:
+    """The light of a few straightened frames, spread over the recording; None without depth."""
+    frames = footage.recording.frames
+    some = [frames[int(k)] for k in np.unique(np.linspace(0, len(frames) - 1, LIT_FRAMES).round())]
+    straight = _Footage(footage.recording, bent=False)
+    height_m = placed.placement.scale * character.height_m
+    found = lighting_of_footage(
+        straight.frames(some), straight.camera, path, placed.placement, height_m
+    )
+    if found is None:
+        log.warning("overlay.light=estimated: no depth to tell the light by; the fixed one is kept")
+    return found
+
+
+class _Footage:
+    """The frames on their way to the renderer and back, and how many of them came back changed.
+
+    Bent footage is as the lens took it; other footage is as a camera without distortion has it.
+    """
+
+    def __init__(self, recording: Recording, bent: bool) -> None:
+        assert recording.camera is not None  # checked by the stage
+        self.recording, self._taken_by = recording, recording.camera
+        self.camera = recording.camera if bent else recording.camera.undistorted()
+        self.drawn_into = 0
+        self._bent = bent
+        self._given: ImageArray | None = None
+
+    def frames(
+        self, frames: Iterable[Frame]
+    ) -> Iterator[tuple[int, ImageArray, DepthArray | None]]:
+        """Stamp, picture and depth of frames."""
+        for frame in frames:
+            picture, depth_m = frame.image(), frame.depth_m()
+            if not self._bent:
+                picture = self._taken_by.undistort_image(picture)
+                depth_m = None if depth_m is None else self._taken_by.undistort_depth(depth_m)
+            self._given = picture
+            yield frame.time_ns, picture, depth_m
+
+    def counted(self, pictures: Iterable[ImageArray]) -> Iterator[ImageArray]:
+        """The drawn frames as they are."""
+        for picture in pictures:
+            given = self._given
+            if given is not None:
+                before = given if given.ndim == 3 else given[..., None]
+                self.drawn_into += bool(np.any(picture != before))
+            yield picture
+
+
+def _known(renderer: str) -> RendererName:
+    for name in RENDERERS:
+        if renderer == name:
+            return name
+    raise ValueError(f"overlay.renderer: expected one of {', '.join(RENDERERS)}, came {renderer!r}")
+
+
+def _chosen(smoothed: Smoothed, representation: str | None) -> Trajectory:
+    if representation is None:
+        return next(iter(smoothed.trajectories.values()))
+    if representation not in smoothed.trajectories:
+        known = ", ".join(smoothed.trajectories)
+        raise ValueError(
+            f"overlay.representation: expected one of {known}, came {representation!r}"
+        )
+    return smoothed.trajectories[representation]

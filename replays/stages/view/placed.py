@@ -1,0 +1,118 @@
+"""Stage `placed`: which character stands where, upright on a board, a plane found, or the floor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from motorcade.animation import Placement, place_on_plane
+from motorcade.ga import FloatArray, Motor, frozen
+from motorcade.replays.characters.acting import (
+    MANNEQUIN,
+    character_named,
+    clip_named,
+    path_of,
+    walked,
+)
+from motorcade.replays.recording import Recording
+from motorcade.replays.stages.camera.camera_poses import CameraPoses
+from motorcade.replays.stages.smoothed import Smoothed
+from motorcade.replays.stages.view.ground import ground_on_board, ground_on_floor, ground_on_plane
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A character by name, the clip it plays, where it stands in the world, and on what.
+
+    `character` is "mannequin" or a file. Where it walks, `path_m` ``(P, 2)`` are points of the
+    plane and `plane_T_character` is where the placement stands in it; else there are no points.
+    """
+
+    character: str
+    clip: str
+    placement: Placement
+    stands_on: str
+    content: str = ""
+    path_m: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    plane_T_character: Motor = field(default_factory=Motor.identity)
+
+
+def placed(
+    recording: Recording,
+    camera_poses: CameraPoses,
+    smoothed: Smoothed,
+    *,
+    character: Path = Path(MANNEQUIN),
+    clip: str | None = None,
+    path: tuple[float, ...] = (),
+    on: Literal["auto", "board", "plane", "floor"] = "auto",
+    floor_m: float = 0.0,
+    position_m: tuple[float, ...] = (),
+    heading_deg: float | None = None,
+    height_m: float | None = None,
+) -> Placed:
+    """Stand the character on the board or markers, on a plane that was found, or on a floor.
+
+    `character` is the mannequin or a file that holds one (glTF, Collada, MD5, FBX), `clip` one of
+    its clips or of the mannequin's, which are retargeted: idle, walk, jog, run, wave, turn. With a
+    `path` of points x,y,x,y,… in the plane's frame, metres, it walks along them at the clip's own
+    speed with planted feet and stays at the end; the clip is then the walk unless another is named.
+    (A checkerboard's frame begins at its first inner corner: y runs up, so the board lies below 0.)
+    `on` "auto" takes the board or the marker seen most where the poses come from it, else the plane
+    where one is found (in depth, or among the points that SLAM mapped; the floor where gravity is
+    known, a plane that faces the picture's up where it is not), else the floor: z = `floor_m`, in
+    the world of SLAM a level `floor_m` above the foot of what was mapped. `position_m` (x, y) lies
+    in the plane's own frame; without it the character stands in the middle of the board, marker or
+    plane, or on the floor where the first camera looks. `heading_deg` turns from the plane's x
+    towards its y; without it the character looks at the first camera. `height_m` is the
+    character's; without it, half the shorter side of the board or plane, a marker's side, and at
+    most 1.75 m, or 1.75 m on a floor; where lengths have no unit, at most a quarter of the scene's
+    depth. Raises ValueError for a board or plane that is asked for and not there.
+    """
+    if position_m and len(position_m) != 2:
+        raise ValueError(f"placed.position_m: expected x,y, came {len(position_m)} numbers")
+    way = path_of(path) if path else None
+    seen_from = next(iter(smoothed.trajectories.values()))
+    first_camera = seen_from.motors[0]
+    ground = None
+    if on in ("auto", "board"):
+        ground = ground_on_board(recording, camera_poses)
+    if on == "plane" or (on == "auto" and ground is None):
+        ground = ground_on_plane(recording, camera_poses, seen_from)
+    if ground is None and on in ("board", "plane"):
+        lacking = "no board is known" if on == "board" else "no plane that faces up was found"
+        raise ValueError(f"{recording.name}: placed.on={on}, but {lacking}")
+    if ground is None:
+        ground = ground_on_floor(recording, camera_poses, seen_from, floor_m)
+    plane = ground.world_T_plane
+    who = character_named(str(character))
+    clip = clip or ("idle" if way is None else "walk")
+    motion = clip_named(who, clip)
+    if way is None:
+        position = np.array(position_m or ground.position_m)
+        towards = (plane.inverse() @ first_camera).translation_m[:2] - position
+        heading = float(np.arctan2(towards[1], towards[0]))
+    else:  # in the middle of its way, where shadow and light are made for
+        if position_m:
+            raise ValueError("placed.position_m: expected none beside placed.path, which says it")
+        position = 0.5 * (way.points_m.min(axis=0) + way.points_m.max(axis=0))
+        heading = 0.0
+    if heading_deg is not None:
+        heading = float(np.deg2rad(heading_deg))
+    placement = place_on_plane(
+        who,
+        position,
+        heading,
+        height_m=ground.height_m if height_m is None else height_m,
+        world_T_plane=plane,
+    )
+    inside = plane.inverse() @ placement.world_T_character
+    points = np.zeros((0, 2)) if way is None else way.points_m
+    if way is not None:  # refused here rather than when it is drawn
+        walked(who, motion, points, placement.scale, inside)
+    content = sha256(character.read_bytes()).hexdigest() if character.is_file() else ""
+    return Placed(str(character), clip, placement, ground.name, content, frozen(points), inside)

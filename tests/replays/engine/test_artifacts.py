@@ -1,0 +1,111 @@
+"""Artifacts: what is written is read back, all or nothing, and only as the type asked for."""
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.replays.engine import artifacts
+
+
+@dataclass(frozen=True)
+class Inner:
+    name: str
+    weights: np.ndarray
+
+
+@dataclass(frozen=True)
+class Outer:
+    inner: Inner
+    parts: dict[str, Inner]
+    spans: tuple[float, ...]
+    note: str | None
+    film: Path
+    seconds: float = field(metadata=artifacts.ASIDE)
+
+
+def outer(tmp_path: Path, seconds: float = 1.0) -> Outer:
+    film = tmp_path / "film.bin"
+    film.write_bytes(b"moving pictures")
+    inner = Inner("a", np.array([0.1, np.nan, -0.0]))
+    return Outer(inner, {"b": Inner("b", np.arange(3))}, (1.0, 2.5), None, film, seconds)
+
+
+def test_a_value_comes_back_as_it_was(tmp_path: Path) -> None:
+    value = outer(tmp_path)
+    read = artifacts.read_artifact(artifacts.write_artifact(value, tmp_path / "kept", 0.5), Outer)
+    np.testing.assert_array_equal(read.inner.weights, value.inner.weights)
+    np.testing.assert_array_equal(read.parts["b"].weights, [0, 1, 2])
+    assert read.parts["b"].weights.dtype == np.int64
+    assert (read.spans, read.note, read.seconds) == ((1.0, 2.5), None, 1.0)
+    assert read.film.read_bytes() == b"moving pictures"
+
+
+@pytest.mark.parametrize("kind", [Motor, Similarity])
+def test_trajectories_come_back_with_their_type_of_pose(
+    kind: type[Motor] | type[Similarity], tmp_path: Path
+) -> None:
+    value = Trajectory(np.arange(5), kind.random(np.random.default_rng(2), (5,)))
+    read = artifacts.read_artifact(artifacts.write_artifact(value, tmp_path / "t", 0.5), Trajectory)
+    assert type(read.poses) is kind
+    np.testing.assert_array_equal(read.poses.coefficients, value.poses.coefficients)
+
+
+def test_what_no_type_of_a_union_takes_is_refused(tmp_path: Path) -> None:
+    @dataclass(frozen=True)
+    class Poses:
+        time_ns: np.ndarray
+        poses: dict[str, np.ndarray]
+        parent: str = "world"
+        child: str = "camera"
+
+    other = Poses(np.arange(2), {"coefficients": np.zeros((2, 5))})
+    stored = artifacts.write_artifact(other, tmp_path / "t", 0.5)
+    with pytest.raises(artifacts.ArtifactError, match=r"\(\*, 8\).*\(\*, 12\)"):
+        artifacts.read_artifact(stored, Trajectory)
+
+
+def test_the_digest_is_that_of_the_content_alone(tmp_path: Path) -> None:
+    first = artifacts.write_artifact(outer(tmp_path, seconds=1.0), tmp_path / "first", 0.5)
+    second = artifacts.write_artifact(outer(tmp_path, seconds=2.0), tmp_path / "second", 0.7)
+    assert first.digest == second.digest
+
+
+def test_half_written_artifacts_are_not_found_and_swept(tmp_path: Path) -> None:
+    name = f"fused-{'a' * 24}"
+    dead, alive = tmp_path / f".{name}.999999999", tmp_path / f".{name}.{os.getpid()}"
+    foreign = [tmp_path / ".mydata.999999999", tmp_path / f"{name}.999999999"]
+    for folder in (dead, alive, *foreign):
+        folder.mkdir()
+    assert artifacts.find_artifact(tmp_path / name) is None
+    artifacts.sweep_unfinished(tmp_path)
+    assert not dead.exists()
+    assert alive.exists()
+    assert all(folder.exists() for folder in foreign)
+
+
+@pytest.mark.parametrize("name", ["arrays.npz", "value.json", "artifact.json", "files/0.bin"])
+def test_a_damaged_artifact_is_found_out_and_dropped(
+    name: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    stored = artifacts.write_artifact(outer(tmp_path), tmp_path / "kept", 0.5)
+    assert artifacts.find_artifact(stored.folder) == stored
+    whole = (stored.folder / name).read_bytes()
+    (stored.folder / name).write_bytes(whole[: len(whole) // 2])
+    assert artifacts.find_artifact(stored.folder) is None
+    assert "damaged, so it is computed again" in caplog.text
+    assert not stored.folder.exists()
+
+
+def test_content_that_does_not_fit_the_type_is_refused(tmp_path: Path) -> None:
+    stored = artifacts.write_artifact(outer(tmp_path), tmp_path / "kept", 0.5)
+    with pytest.raises(artifacts.ArtifactError, match="cannot be read as"):
+        artifacts.read_artifact(stored, Inner)
+
+
+def test_what_cannot_be_stored_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match=r"value\.name: a set cannot be stored"):
+        artifacts.write_artifact(Inner({1}, np.zeros(1)), tmp_path / "kept", 0.5)  # type: ignore[arg-type]

@@ -1,0 +1,396 @@
+"""Manifests: any folder or video file, every key, and one clear line for every mistake."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from motorcade.ga import Motor, Rotor
+from motorcade.replays.errors import RecordingError
+from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.recording import Recording, open_recording
+from motorcade.tracking.boards import CharucoBoard, Checkerboard, MarkerGrid, SingleMarker
+
+Make = Callable[..., Any]
+
+FRAMES = '[frames]\nimages = "images/*.jpg"\nrate_hz = 25\n'
+CAMERA = "[camera]\nfx = 20.0\nfy = 21\ncx = 11.5\ncy = 7.5\n"
+BOARD = '[board]\ntype = "checkerboard"\ncolumns = 9\nrows = 6\nsquare_m = 0.04\n'
+TRUTH = '[truth]\nfile = "poses.txt"\nformat = "matrix4"\nconvention = "world_T_camera"\n'
+IDENTITY = str(np.eye(4).tolist())
+
+
+def described(root: Path, *tables: str) -> Recording:
+    """Open a recording with a manifest that lies elsewhere."""
+    described_by = root.parent / "manifest.toml"
+    described_by.write_text("".join(tables))
+    return open_recording(root, described_by)
+
+
+def same_poses(a: Motor, b: Motor) -> bool:
+    return bool(np.allclose(a.as_matrix(), b.as_matrix(), rtol=0, atol=1e-9))
+
+
+def test_any_folder_of_pictures_opens(make: Make) -> None:
+    made = make("folder")
+    recording = described(made.root, 'name = "desk"\n', FRAMES, CAMERA, BOARD, TRUTH)
+    recording.check()
+    assert (recording.name, recording.layout) == ("desk", "images")
+    assert np.array_equal(recording.frames.time_ns, made.time_ns)
+    assert [frame.name for frame in recording.frames][8:10] == ["img_9.jpg", "img_10.jpg"]
+    assert recording.camera is not None
+    assert (recording.camera.width, recording.camera.height) == (24, 16)
+    assert recording.board == Checkerboard(9, 6, 0.04)
+    assert same_poses(recording.world_T_board, Motor.identity())
+    assert recording.truth is not None
+    assert same_poses(recording.truth.poses, made.poses)
+
+
+def test_a_manifest_inside_the_recording_is_found(make: Make) -> None:
+    made = make("folder")
+    (made.root / "motorcade.toml").write_text(FRAMES + CAMERA)
+    assert open_recording(made.root).camera is not None
+    assert described(made.root, FRAMES).camera is None
+
+
+def test_calibration_may_stand_in_files(make: Make) -> None:
+    made = make("folder")
+    (made.root / "K.txt").write_text("20 0 11.5\n0, 21, 7.5\n0 0 1\n")
+    (made.root / "D.txt").write_text("-0.29 0.08\n")
+    table = '[camera]\nmodel = "radtan"\nmatrix_file = "K.txt"\ndistortion_file = "D.txt"\n'
+    camera = described(made.root, FRAMES, table).camera
+    assert camera is not None
+    assert (camera.fx, camera.fy, camera.cx, camera.cy) == (20.0, 21.0, 11.5, 7.5)
+    assert camera.distortion == (-0.29, 0.08)
+    (made.root / "D.txt").write_text("-0.29 0.08 1\n")
+    with pytest.raises(RecordingError, match=r"D\.txt: .*distortion: radtan expects .* got 3"):
+        described(made.root, FRAMES, table)
+    (made.root / "K.txt").write_text("20 0 11.5 0 21 7.5\n")
+    with pytest.raises(RecordingError, match=r"K\.txt: expected 9 numbers, got 6"):
+        described(made.root, FRAMES, table)
+
+
+def test_stamps_come_from_a_file_in_any_unit(make: Make) -> None:
+    made = make("folder")
+    (made.root / "t.txt").write_text("".join(f"{1_000_000.25 + i}\n" for i in range(12)))
+    table = '[frames]\nimages = "images/*.jpg"\nstamps = "t.txt"\nstamps_unit = "us"\n'
+    assert described(made.root, table).frames.time_ns[:2].tolist() == [1_000_000_250, 1_000_001_250]
+    (made.root / "t.txt").write_text("1\n2\n")
+    with pytest.raises(RecordingError, match=r"t\.txt: expected 12 stamps for as many .* got 2"):
+        described(made.root, table)
+    (made.root / "t.txt").write_text("1\n2\n1.5\n")
+    with pytest.raises(RecordingError, match=r"t\.txt, line 3: expected increasing stamps"):
+        described(made.root, table)
+
+
+@pytest.mark.parametrize(
+    ("table", "board"),
+    [
+        (BOARD, Checkerboard(9, 6, 0.04)),
+        (
+            '[board]\ntype="marker_grid"\nfamily="tag36h11"\ncolumns=4\nrows=3\nmarker_m=0.05\n'
+            "gap_m=0.02\nfirst_id=7\n",
+            MarkerGrid("tag36h11", 4, 3, 0.05, 0.02, 7),
+        ),
+        (
+            '[board]\ntype="marker"\nfamily="tag25h9"\nmarker_id=3\nside_m=0.1\n',
+            SingleMarker("tag25h9", 3, 0.1),
+        ),
+        (
+            '[board]\ntype="charuco"\nfamily="aruco_4x4_50"\ncolumns=7\nrows=5\nsquare_m=0.04\n'
+            "marker_m=0.03\n",
+            CharucoBoard("aruco_4x4_50", 7, 5, 0.04, 0.03),
+        ),
+    ],
+)
+def test_every_board_can_be_described(make: Make, table: str, board: object) -> None:
+    assert described(make("folder").root, FRAMES, table).board == board
+
+
+class TestTruth:
+    def test_conventions_are_turned_into_world_T_camera(self, make: Make) -> None:
+        made = make("folder")
+        np.savetxt(made.root / "poses.txt", made.poses.inverse().as_matrix().reshape(-1, 16))
+        table = TRUTH.replace('"world_T_camera"', '"camera_T_world"')
+        truth = described(made.root, FRAMES, table).truth
+        assert truth is not None
+        assert same_poses(truth.poses, made.poses)
+
+    def test_poses_of_the_imu_need_its_place(self, make: Make) -> None:
+        made = make("folder")
+        table = TRUTH.replace('"world_T_camera"', '"world_T_imu"')
+        with pytest.raises(RecordingError, match=r"\[truth\] convention: world_T_imu needs imu_T"):
+            described(made.root, FRAMES, table)
+        (made.root / "imu.csv").write_text("0,1,1,1,1,1,1\n5,1,1,1,1,1,1\n")
+        pose = Motor.random(np.random.default_rng(1))
+        imu = f'[imu]\nfile = "imu.csv"\nimu_T_camera = {pose.as_matrix().tolist()}\n'
+        recording = described(made.root, FRAMES, table, imu)
+        assert recording.truth is not None
+        assert same_poses(recording.truth.poses, made.poses @ pose)
+
+    def test_a_stated_offset_of_the_imus_clock_is_taken_off(self, make: Make) -> None:
+        made = make("folder")
+        (made.root / "imu.csv").write_text("0,1,1,1,1,1,1\n5000000,1,1,1,1,1,1\n")
+        table = f'[imu]\nfile = "imu.csv"\nimu_T_camera = {IDENTITY}\nclock_offset_s = -0.25\n'
+        recording = described(made.root, FRAMES, table)
+        assert recording.imu is not None
+        assert recording.imu.time_ns.tolist() == [250_000_000, 255_000_000]
+        with pytest.raises(RecordingError, match=r"\[imu\] clock_offset_s: expected a number from"):
+            described(made.root, FRAMES, table.replace("-0.25", "1e30"))
+
+    def test_the_board_may_be_the_world_in_either_convention(self, make: Make) -> None:
+        made = make("folder")
+        pose = Motor.random(np.random.default_rng(2))
+        board = BOARD + f"world_T_board = {pose.as_matrix().tolist()}\n"
+        ours = described(made.root, FRAMES, board, TRUTH + 'board_frame = "motorcade"\n')
+        assert ours.truth is not None
+        assert same_poses(ours.truth.poses, pose @ made.poses)
+        theirs = described(made.root, FRAMES, board, TRUTH + 'board_frame = "opencv"\n')
+        assert theirs.truth is not None
+        flipped = Motor.from_rotor_translation(
+            Rotor.from_matrix(np.diag([1.0, -1.0, -1.0])), np.zeros(3)
+        )
+        assert same_poses(theirs.truth.poses, pose @ flipped @ made.poses)
+        with pytest.raises(RecordingError, match=r"board_frame: expected a \[board\]"):
+            described(made.root, FRAMES, TRUTH + 'board_frame = "opencv"\n')
+
+    def test_rotation_vectors_are_opencvs(self, make: Make) -> None:
+
+        made = make("folder")
+        rows = np.random.default_rng(3).uniform(-2, 2, (12, 6))
+        np.savetxt(made.root / "poses.txt", rows)
+        truth = described(made.root, FRAMES, TRUTH.replace("matrix4", "rotation_vector")).truth
+        assert truth is not None
+        for row, motor in zip(rows, truth.poses, strict=True):
+            assert np.allclose(cv2.Rodrigues(row[:3])[0], motor.rotor.as_matrix(), atol=1e-12)
+            assert np.allclose(row[3:], motor.translation_m)
+
+    def test_matrices_may_stand_in_blocks_or_one_a_file(self, make: Make) -> None:
+        made = make("folder")
+        blocks = made.poses.as_matrix()
+        np.savetxt(made.root / "poses.txt", blocks.reshape(-1, 4))
+        for index, block in enumerate(blocks):
+            np.savetxt(made.root / f"pose{index}.mat", block)
+        for file in ("poses.txt", "pose*.mat"):
+            truth = described(made.root, FRAMES, TRUTH.replace("poses.txt", file)).truth
+            assert truth is not None
+            assert same_poses(truth.poses, made.poses)
+
+    def test_stamped_formats_bring_their_own_stamps(self, make: Make) -> None:
+        made = make("folder")
+        recording = described(made.root, FRAMES, TRUTH)
+        assert recording.truth is not None
+        for fmt in ("tum", "euroc"):
+            write_trajectory(recording.truth, made.root / "poses.txt", fmt)
+            truth = described(made.root, FRAMES, TRUTH.replace("matrix4", fmt)).truth
+            assert truth is not None
+            assert same_poses(truth.poses, made.poses)
+            assert np.array_equal(truth.time_ns, made.time_ns)
+            with pytest.raises(RecordingError, match="rate_hz: not for"):
+                described(made.root, FRAMES, TRUTH.replace("matrix4", fmt), "rate_hz = 5\n")
+
+    def test_unstamped_poses_are_counted(self, make: Make) -> None:
+        made = make("folder")
+        lines = (made.root / "poses.txt").read_text().splitlines()
+        (made.root / "poses.txt").write_text("\n".join(lines + lines[:2]))
+        with pytest.raises(RecordingError, match="a pose for each of 12 frames, got 14; say how"):
+            described(made.root, FRAMES, TRUTH)
+        truth = described(made.root, FRAMES, TRUTH, "rows = 12\n").truth
+        assert truth is not None
+        assert same_poses(truth.poses, made.poses)
+        assert len(described(made.root, FRAMES, TRUTH, "rate_hz = 50\n").truth or ()) == 14
+        (made.root / "images" / "img_12.jpg").unlink()
+        with pytest.raises(RecordingError, match="for each of 11 frames, got 12"):
+            described(made.root, FRAMES, TRUTH, "rows = 12\n")
+
+
+class TestOnTopOfALayout:
+    def test_tables_replace_what_the_layout_says(self, make: Make) -> None:
+        made = make("tum_rgbd", "unknown camera")
+        recording = described(made.root, CAMERA, BOARD)
+        recording.check()
+        assert recording.layout == "tum_rgbd"
+        assert recording.camera is not None
+        assert recording.truth is not None
+        assert recording.frames[0].depth_m() is not None
+
+    def test_a_truth_can_be_chosen_where_the_layout_cannot(self, make: Make) -> None:
+        made = make("euroc")
+        truth = made.root / "mav0" / "state_groundtruth_estimate0" / "data.csv"
+        truth.write_text("broken")
+        write = "1 1 0 0 0 0 0 1\n"
+        (made.root / "mine.tum").write_text(write)
+        table = TRUTH.replace("poses.txt", "mine.tum").replace("matrix4", "tum")
+        recording = described(made.root, table.replace("world_T_camera", "world_T_imu"))
+        assert recording.truth is not None
+        assert recording.imu_T_camera is not None
+        expected = recording.imu_T_camera.translation_m + np.array([1.0, 0.0, 0.0])
+        assert np.allclose(recording.truth.poses.translation_m[0], expected)
+
+    def test_noise_and_mounting_can_be_replaced_alone(self, make: Make) -> None:
+        made = make("euroc")
+        (made.root / "noise.yaml").write_text(
+            "gyroscope_noise_density: 1e-3\ngyroscope_random_walk: 1e-4\n"
+            "accelerometer_noise_density: 1.0e-2\naccelerometer_random_walk: 0.1\n"
+        )
+        table = f'[imu]\nnoise_file = "noise.yaml"\nimu_T_camera = {IDENTITY}\n'
+        recording = described(made.root, table)
+        assert recording.imu_noise is not None
+        assert recording.imu_noise.gyro_density_rad_s_rthz == 1e-3
+        assert recording.imu_T_camera is not None
+        assert same_poses(recording.imu_T_camera, Motor.identity())
+
+    def test_without_layout_the_frames_are_asked_for(self, make: Make) -> None:
+        with pytest.raises(RecordingError, match="frames: the table is missing"):
+            described(make("folder").root, CAMERA)
+
+
+MISTAKES = {
+    "unknown table": ("[camra]\nfx = 1\n", r"'camra': unknown key; did you mean camera\?"),
+    "unknown key": (
+        FRAMES + CAMERA + "distorsion = [1]\n",
+        r"\[camera\] 'distorsion': unknown key; did you mean distortion\?",
+    ),
+    "key of another board": (FRAMES + BOARD + "gap_m = 1\n", r"\[board\] 'gap_m': unknown key"),
+    "not a table": ("frames = 3\n", r"\[frames\]: expected a table, got '3'"),
+    "not TOML": ("[frames\n", "expected TOML"),
+    "twice": (FRAMES + FRAMES, "expected TOML"),
+    "deep": ("a = " + "[" * 5000, "expected TOML: nested too deeply"),
+    "huge": ("#" * 70_000, "expected at most 65536 bytes, got 70000"),
+    "no rate": ('[frames]\nimages = "images/*.jpg"\n', r"\[frames\] rate_hz: the key is missing"),
+    "rate 0": (FRAMES.replace("25", "0"), r"rate_hz: expected a number from 0.001"),
+    "rate text": (FRAMES.replace("25", '"25"'), r"rate_hz: expected a number .* got '25'"),
+    "rate true": (FRAMES.replace("25", "true"), r"rate_hz: expected a number .* got 'True'"),
+    "rate nan": (FRAMES.replace("25", "nan"), r"rate_hz: expected a number .* got 'nan'"),
+    "two stamps": (FRAMES + 'stamps = "t.txt"\n', "expected either rate_hz or stamps, got both"),
+    "unit": (
+        '[frames]\nimages = "images/*.jpg"\nstamps = "t.txt"\nstamps_unit = "sec"\n',
+        "stamps_unit: expected one of s, ms, us, ns",
+    ),
+    "no pictures": (FRAMES.replace("images/*", "img/*"), "expected pictures 'img/.*', got none"),
+    "no pictures but": (FRAMES.replace("images/*.jpg", "*.txt"), r"poses\.txt: expected pictures"),
+    "pattern outside": (FRAMES.replace("images/*", "../*"), "expected a file name inside"),
+    "bad pattern": (FRAMES.replace("images/*.jpg", "**x/*.jpg"), "cannot be used|got none"),
+    "size": (FRAMES + CAMERA + "width = 24\n", r"\[camera\] height: the key is missing"),
+    "wrong size": (
+        FRAMES + CAMERA + "width = 24\nheight = 17\n",
+        "frame 0: expected 24 x 17 pixels as the camera has, got 24 x 16",
+    ),
+    "no fx": (FRAMES + CAMERA.replace("fx", "cx", 1), "expected TOML|fx"),
+    "model": (
+        FRAMES + CAMERA + 'model = "fisheye"\n',
+        r"model: expected one of pinhole, radtan, equidistant, got 'fisheye'",
+    ),
+    "coefficients": (
+        FRAMES + CAMERA + 'model = "radtan"\ndistortion = [0.1, 0.2, 0.3]\n',
+        "distortion: radtan expects 2 or 4 or 5 or 8 coefficients, got 3",
+    ),
+    "no model": (FRAMES + CAMERA + "distortion = [0.1]\n", "model: the key is missing"),
+    "distortion nan": (
+        FRAMES + CAMERA + 'model = "radtan"\ndistortion = [0.1, nan]\n',
+        "distortion: expected a number",
+    ),
+    "board kind": (FRAMES + '[board]\ntype = "chess"\n', "type: expected one of checkerboard"),
+    "board size": (FRAMES + BOARD.replace("9", "0"), r"checkerboard: Checkerboard\.columns"),
+    "board huge": (FRAMES + BOARD.replace("9", "90000"), "columns: expected a whole number from"),
+    "board float": (FRAMES + BOARD.replace("9", "9.5"), "columns: expected a whole number"),
+    "family": (
+        FRAMES + '[board]\ntype="marker"\nfamily="tag36h1"\nmarker_id=0\nside_m=1\n',
+        r"family: expected one of .* did you mean tag36h11\?",
+    ),
+    "board pose": (
+        FRAMES + BOARD + "world_T_board = [[1, 0], [0, 1]]\n",
+        r"\[board\] world_T_board: expected 4 rows of 4 numbers",
+    ),
+    "board scaled": (
+        FRAMES + BOARD + f"world_T_board = {(2 * np.eye(4)).tolist()}\n",
+        "world_T_board: expected a rotation",
+    ),
+    "markers' family": (
+        FRAMES + '[markers]\nfamily = "tag36"\nside_m = 0.1\n',
+        r"\[markers\] family: expected one of",
+    ),
+    "markers' side": (
+        FRAMES + '[markers]\nfamily = "tag36h11"\nside_m = 0\n',
+        r"\[markers\] side_m: expected a number from",
+    ),
+    "markers' map": (
+        FRAMES + '[markers]\nfamily = "tag36h11"\nside_m = 0.1\nmap_file = "map.json"\n',
+        r"\[markers\] map_file: .*map\.json",
+    ),
+    "map of slam": (FRAMES + '[slam]\nmap_file = "map.npz"\n', r"\[slam\] map_file: .*map\.npz"),
+    "truth format": (FRAMES + TRUTH.replace("matrix4", "mat"), "format: expected one of tum"),
+    "truth file": (FRAMES + TRUTH.replace("poses", "pose"), r"pose\.txt: the file is missing"),
+    "no convention": (
+        FRAMES + TRUTH.replace('convention = "world_T_camera"', ""),
+        r"\[truth\] convention: the key is missing",
+    ),
+    "rows": (FRAMES + TRUTH + "rows = 13\n", "rows: expected a whole number from 1 to 12"),
+    "imu mounting": (FRAMES + '[imu]\nfile = "imu.csv"\n', r"imu_T_camera: the key is missing"),
+    "no imu": (FRAMES + f"[imu]\nimu_T_camera = {IDENTITY}\n", r"\[imu\] file: the key is missing"),
+    "name": (FRAMES.replace("[frames]", "name = 3\n[frames]"), "name: expected text, got '3'"),
+    "settings": ("settings = 'a.b=1'\n" + FRAMES, "settings: expected a list of texts"),
+    "a setting": ("settings = ['a.b=1', 2]\n" + FRAMES, "settings: expected texts, got '2'"),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), MISTAKES.values(), ids=MISTAKES)
+def test_a_mistake_gives_one_line_that_names_it(make: Make, text: str, message: str) -> None:
+    made = make("folder")
+    (made.root / "imu.csv").write_text("0,1,1,1,1,1,1\n5,1,1,1,1,1,1\n")
+    with pytest.raises(RecordingError, match=message) as refused:
+        described(made.root, text).check()
+    assert "\n" not in str(refused.value)
+
+
+def test_a_missing_or_truncated_picture_is_named(make: Make) -> None:
+    made = make("folder")
+    path = made.root / "images" / "img_7.jpg"
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) // 2])
+    with pytest.raises(RecordingError, match=r"img_7\.jpg, frame 6: the picture is truncated"):
+        described(made.root, FRAMES, CAMERA).check()
+    path.unlink()
+    with pytest.raises(RecordingError, match=r"img_6\.jpg followed by img_8\.jpg"):
+        described(made.root, FRAMES, CAMERA)
+
+
+def test_a_found_manifest_may_not_look_outside(make: Make) -> None:
+    made = make("folder")
+    outside = made.root.parent / "poses.txt"
+    (made.root / "poses.txt").rename(outside)
+    for name in ("../poses.txt", str(outside)):
+        text = FRAMES + TRUTH.replace("poses.txt", name)
+        (made.root / "motorcade.toml").write_text(text)
+        with pytest.raises(RecordingError, match="expected a file name inside"):
+            open_recording(made.root)
+        assert described(made.root, text).truth is not None
+    (made.root / "link.txt").symlink_to(outside)
+    (made.root / "motorcade.toml").write_text(FRAMES + TRUTH.replace("poses", "link"))
+    with pytest.raises(RecordingError, match=r"\[truth\] file: .* got a link out of it"):
+        open_recording(made.root)
+
+
+@settings(deadline=None, max_examples=100)
+@given(
+    place=st.integers(0, 10**6),
+    text=st.text(alphabet=st.characters(codec="utf-8"), max_size=6),
+    length=st.integers(0, 5),
+)
+def test_a_garbled_manifest_is_read_or_refused(
+    tmp_path_factory: pytest.TempPathFactory, place: int, text: str, length: int
+) -> None:
+    root = tmp_path_factory.getbasetemp() / "garbled"
+    root.mkdir(exist_ok=True)
+    whole = 'name = "x"\n' + FRAMES + CAMERA + BOARD + TRUTH
+    at = place % len(whole)
+    garbled = root / "garbled.toml"
+    garbled.write_text(whole[:at] + text + whole[at + length :], newline="")
+    with pytest.raises(RecordingError) as refused:
+        open_recording(root, garbled)
+    assert "\n" not in str(refused.value)

@@ -1,0 +1,157 @@
+"""Picture files: sizes as OpenCV sees them; a truncated or corrupt file never gives a picture."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from motorcade.replays.errors import RecordingError
+from motorcade.replays.readers.frames.files import (
+    PictureFrames,
+    inside,
+    numbered,
+    picture_glob,
+    refuse_gaps,
+)
+from motorcade.replays.readers.frames.pictures import picture_size, read_depth, read_picture
+
+ENDINGS = (".png", ".jpg", ".bmp", ".ppm", ".pgm")
+
+
+def encoded(ending: str, seed: int = 0, size: tuple[int, int] = (37, 21)) -> bytes:
+    rng = np.random.default_rng(seed)
+    shape = (size[1], size[0]) if ending == ".pgm" else (size[1], size[0], 3)
+    done, data = cv2.imencode(ending, rng.integers(0, 256, shape, dtype=np.uint8))
+    assert done
+    return data.tobytes()
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_the_size_is_the_decoded_one(ending: str) -> None:
+    for size in ((1, 1), (37, 21), (640, 3)):
+        assert picture_size(encoded(ending, size=size)) == size
+
+
+def test_progressive_jpegs_and_ones_with_bytes_behind_are_whole() -> None:
+    image = np.zeros((9, 14, 3), np.uint8)
+    _, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])
+    assert picture_size(data.tobytes()) == (14, 9)
+    assert picture_size(data.tobytes() + b"\0\0maker's notes") == (14, 9)
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+@settings(deadline=None, max_examples=40)
+@given(cut=st.floats(0.0, 1.0, exclude_max=True))
+def test_a_truncated_picture_is_refused(ending: str, cut: float) -> None:
+    data = encoded(ending)
+    with pytest.raises(ValueError, match=r"truncated|corrupt|expected"):
+        picture_size(data[: int(cut * len(data))])
+
+
+@settings(deadline=None, max_examples=60)
+@given(place=st.integers(8, 10**6), bit=st.integers(0, 7))
+def test_a_flipped_bit_in_a_png_is_refused(place: int, bit: int) -> None:
+    data = bytearray(encoded(".png"))
+    data[8 + place % (len(data) - 8)] ^= 1 << bit
+    with pytest.raises(ValueError, match=r"corrupt|truncated"):
+        picture_size(bytes(data))
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    start=st.sampled_from([b"", b"\x89PNG\r\n\x1a\n", b"\xff\xd8", b"BM", b"P5 ", b"P6 9 9 255 "]),
+    rest=st.binary(max_size=200),
+)
+def test_garbage_is_refused(start: bytes, rest: bytes) -> None:
+    with pytest.raises(ValueError, match=r"truncated|corrupt|expected"):
+        picture_size(start + rest)
+
+
+def test_a_size_that_fills_the_memory_is_refused_before_decoding() -> None:
+    with pytest.raises(ValueError, match="expected at most 100000000 pixels"):
+        picture_size(b"BM" + (70).to_bytes(4, "little") + bytes(8) + (40).to_bytes(4, "little")
+                     + (10**6).to_bytes(4, "little") * 2 + bytes(60))  # fmt: skip
+
+
+def test_pixels_are_rgb_or_grey_as_stored(tmp_path: Path) -> None:
+    red = np.zeros((4, 6, 3), np.uint8)
+    red[..., 2] = 255
+    cv2.imwrite(str(tmp_path / "red.png"), red)
+    cv2.imwrite(str(tmp_path / "grey.png"), red[..., 2])
+    assert read_picture(tmp_path / "red.png", "frame 0", (6, 4))[0, 0].tolist() == [255, 0, 0]
+    assert read_picture(tmp_path / "grey.png", "frame 0", (6, 4)).shape == (4, 6)
+
+
+def test_a_rotation_in_the_metadata_is_not_applied(tmp_path: Path) -> None:
+    data = encoded(".jpg")
+    exif = b"Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"
+    segment = b"\xff\xe1" + (len(exif) + 2).to_bytes(2, "big") + exif
+    (tmp_path / "a.jpg").write_bytes(data[:2] + segment + data[2:])
+    assert cv2.imread(str(tmp_path / "a.jpg")).shape == (37, 21, 3)
+    assert read_picture(tmp_path / "a.jpg", "frame 0", (37, 21)).shape == (21, 37, 3)
+
+
+def test_depth_is_metres_and_nan_where_unknown(tmp_path: Path) -> None:
+    stored = np.array([[0, 65535, 1000], [1, 2500, 65534]], np.uint16)
+    cv2.imwrite(str(tmp_path / "d.png"), stored)
+    metres = read_depth(tmp_path / "d.png", "frame 0", None, 1000.0)
+    assert np.allclose(metres, [[np.nan, np.nan, 1.0], [0.001, 2.5, 65.534]], equal_nan=True)
+    cv2.imwrite(str(tmp_path / "d.png"), stored.astype(np.uint8))
+    with pytest.raises(RecordingError, match="expected one channel of uint16, got uint8"):
+        read_depth(tmp_path / "d.png", "frame 0", None, 1000.0)
+
+
+def test_a_picture_of_another_size_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_bytes(encoded(".png"))
+    with pytest.raises(RecordingError, match=r"a\.png, frame 7: expected 640 x 480 .* got 37 x 21"):
+        read_picture(tmp_path / "a.png", "frame 7", (640, 480))
+
+
+def test_frames_are_read_when_asked_for(tmp_path: Path) -> None:
+    files = tuple(tmp_path / f"{i}.png" for i in range(3))
+    frames = PictureFrames(files, np.array([0, 5, 9]), (37, 21))
+    kept = [frames[0], frames[-1]]
+    files[2].write_bytes(encoded(".png", seed=2))
+    assert kept[1].time_ns == 9
+    assert kept[1].gray().shape == (21, 37)
+    assert kept[1].depth_m() is None
+    with pytest.raises(RecordingError, match="frame 0: the file is missing"):
+        kept[0].image()
+    with pytest.raises(IndexError):
+        frames[3]
+
+
+def test_gray_is_bt_601_luma(tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_bytes(encoded(".png"))
+    frame = PictureFrames((tmp_path / "a.png",), np.array([0]))[0]
+    luma = frame.image() @ np.array([0.299, 0.587, 0.114])
+    assert np.abs(frame.gray() - luma).max() < 0.51
+
+
+def test_stamps_must_increase_and_fit() -> None:
+    for stamps in ([0, 0], [1, 0], [0]):
+        with pytest.raises(ValueError, match="expected 2 increasing stamps"):
+            PictureFrames((Path("a.png"), Path("b.png")), np.array(stamps))
+
+
+def test_files_are_in_natural_order(tmp_path: Path) -> None:
+    for number in (10, 9, 1, 100):
+        (tmp_path / f"img_{number}.png").touch()
+    files = picture_glob(tmp_path, "*.png")
+    assert numbered(files) == [1, 9, 10, 100]
+
+
+def test_a_gap_in_the_numbers_is_refused_by_name() -> None:
+    files = [Path(f"img_{i:04d}.jpg") for i in (1, 2, 3, 5, 6)]
+    with pytest.raises(RecordingError, match=r"img_0003\.jpg followed by img_0005\.jpg"):
+        refuse_gaps(files, "copy it again")
+    refuse_gaps([Path(f"{i}.jpg") for i in (0, 5, 10, 15)], "copy it again")
+
+
+@pytest.mark.parametrize("name", ["/etc/passwd", "../a.png", "a/../../b", "", "a\\b", "a\0b", "."])
+def test_names_that_lead_outside_are_refused(tmp_path: Path, name: str) -> None:
+    with pytest.raises(RecordingError, match="line 4: expected a file name inside"):
+        inside(tmp_path, name, tmp_path / "rgb.txt", 4)

@@ -1,0 +1,129 @@
+"""Videos: the container's stamps, pictures equal to a plain pass, whatever the order asked for."""
+
+import pickle
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from motorcade.replays.errors import RecordingError
+from motorcade.replays.readers.frames.video import VideoFrames
+from motorcade.replays.recording import open_recording
+
+
+@pytest.fixture
+def shown(video_file: Path) -> list[tuple[int, np.ndarray]]:
+    """Stamps (ns) and pictures by a plain pass of PyAV."""
+    with av.open(str(video_file)) as container:
+        return [
+            (round(1e9 * frame.pts * frame.time_base), frame.to_ndarray(format="rgb24"))
+            for frame in container.decode(video=0)
+        ]
+
+
+def test_stamps_and_pictures_are_those_of_a_plain_pass(
+    video_file: Path, shown: list[tuple[int, np.ndarray]]
+) -> None:
+    frames = open_recording(video_file).frames
+    assert frames.time_ns.tolist() == [stamp for stamp, _ in shown]
+    assert len(set(np.diff(frames.time_ns).tolist())) > 1
+    for frame, (_, picture) in zip(frames, shown, strict=True):
+        assert np.array_equal(frame.image(), picture)
+
+
+def test_any_order_gives_the_same_pictures(
+    video_file: Path, shown: list[tuple[int, np.ndarray]]
+) -> None:
+    frames = VideoFrames(video_file)
+    for index in [30, 29, 59, 0, 0, 11, 12, 13, 47, 48, *np.random.default_rng(0).permutation(60)]:
+        assert np.array_equal(frames[int(index)].image(), shown[index][1]), index
+
+
+def test_reading_in_order_opens_the_file_once(
+    video_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frames = VideoFrames(video_file)
+    opened = []
+    plain = av.open
+    monkeypatch.setattr(
+        "av.open", lambda path, **options: opened.append(path) or plain(path, **options)
+    )
+    for frame in frames:
+        frame.image()
+        frame.gray()
+    assert len(opened) == 1
+
+
+def test_a_video_can_be_sent_to_another_process(video_file: Path) -> None:
+    frames = VideoFrames(video_file)
+    first = frames[3].image()
+    assert np.array_equal(pickle.loads(pickle.dumps(frames))[3].image(), first)
+
+
+def test_a_manifest_gives_a_video_its_camera(video_file: Path, tmp_path: Path) -> None:
+    manifest = tmp_path / "clip.toml"
+    camera = "[camera]\nfx = 60\nfy = 60\ncx = 31.5\ncy = 23.5\n"
+    manifest.write_text(camera)
+    recording = open_recording(video_file, manifest)
+    recording.check()
+    assert recording.camera is not None
+    assert (recording.camera.width, recording.camera.height) == (64, 48)
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    video_file.rename(folder / "clip.mp4")
+    manifest.write_text('[frames]\nvideo = "clip.mp4"\n' + camera)
+    assert open_recording(folder, manifest).layout == "video"
+    manifest.write_text('[frames]\nvideo = "clip.mp4"\nrate_hz = 30\n')
+    with pytest.raises(RecordingError, match="rate_hz: not for a video"):
+        open_recording(folder, manifest)
+    manifest.write_text('[frames]\nvideo = "clip.mp4"\n' + camera + "width = 65\nheight = 48\n")
+    with pytest.raises(RecordingError, match="expected 65 x 48 pixels as the camera has, got 64"):
+        open_recording(folder, manifest)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.6, 0.99, 0.9999])
+def test_a_truncated_video_is_refused(video_file: Path, share: float) -> None:
+    data = video_file.read_bytes()
+    video_file.write_bytes(data[: int(share * len(data))])
+    with pytest.raises(
+        RecordingError, match=r"clip\.mp4: (cannot be read as a video|the video is)"
+    ):
+        open_recording(video_file)
+
+
+def test_a_video_whose_index_stands_in_front_is_counted(video_file: Path, tmp_path: Path) -> None:
+    front = tmp_path / "front.mp4"
+    with (
+        av.open(str(video_file)) as source,
+        av.open(str(front), "w", options={"movflags": "faststart"}) as target,
+    ):
+        stream = target.add_stream_from_template(source.streams.video[0])
+        for packet in source.demux(video=0):
+            if packet.size:
+                packet.stream = stream
+                target.mux(packet)
+    assert len(VideoFrames(front)) == 60
+    data = front.read_bytes()
+    front.write_bytes(data[: len(data) * 3 // 4])
+    with pytest.raises(RecordingError, match="the video is truncated: its box 'mdat'"):
+        open_recording(front)
+
+
+def test_fewer_pictures_than_the_index_promises_are_refused(
+    video_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from motorcade.replays.readers.frames import video
+
+    plain = video._shown_packets
+    monkeypatch.setattr(video, "_shown_packets", lambda *given: plain(*given)[:50])
+    with pytest.raises(RecordingError, match="truncated: expected 60 pictures, got 50"):
+        open_recording(video_file)
+
+
+def test_a_file_that_is_no_video_is_refused(tmp_path: Path) -> None:
+    for content in (b"not a video at all", bytes(1000), np.random.default_rng(0).bytes(5000)):
+        path = tmp_path / "fake.mp4"
+        path.write_bytes(content)
+        with pytest.raises(RecordingError, match="cannot be read as a video"):
+            open_recording(path)

@@ -1,0 +1,218 @@
+"""What the inertial stages do with worlds that lean, with clocks, and with odometry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
+from motorcade.fusion.metrics import evaluate
+from motorcade.fusion.motions.standard import MOTIONS
+from motorcade.fusion.simulate_poses import simulate_camera_poses
+from motorcade.ga import IntArray, Motor, Trajectory
+from motorcade.replays.recording import Frame, Odometry, Recording
+from motorcade.replays.stages.camera.camera_poses import CameraPoses
+from motorcade.replays.stages.camera.metres import NoMetres, in_metres
+from motorcade.replays.stages.inertial.convergence import convergence
+from motorcade.replays.stages.inertial.fused import FusedPath, fused
+from motorcade.replays.stages.inertial.imu import Imu, imu
+from motorcade.tracking import Camera, PoseMeasurements
+from motorcade.tracking.slam import MapSnapshot
+from motorcade.tracking.slam.results import SlamResult
+
+MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
+CAMERA = Camera(640, 480, 300.0, 300.0, 319.5, 239.5)
+OFFSET_S = 0.025
+
+
+class Stamps:
+    """Frames of which nothing but the stamps is asked."""
+
+    def __init__(self, time_ns: IntArray) -> None:
+        self.time_ns = time_ns
+
+    def __len__(self) -> int:
+        return len(self.time_ns)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return iter(())
+
+
+def path(rate_hz: float = 20.0, child: str = "camera") -> Trajectory:
+    """Where the camera really was for ten seconds; z is up."""
+    sampled = MOTIONS["handheld"].sampled(rate_hz, 10.0, child="imu")
+    return sampled.transformed_by(right=MOUNT, child=child)
+
+
+@pytest.fixture(scope="module")
+def stream() -> ImuStream:
+    truth = MOTIONS["handheld"].sampled(200.0, 10.0, child="imu")
+    return simulate_imu(truth, 200.0, ADIS16448, np.random.default_rng(1)).stream
+
+
+def measured(left: Motor | None = None, gap_s: tuple[float, float] = (0.0, 0.0)) -> CameraPoses:
+    """The path as a board in a world of its own would give it, with nothing in the gap."""
+    rng = np.random.default_rng(2)
+    found = simulate_camera_poses(path(), 20.0, 0.002, 0.002, rng)
+    seconds = (found.trajectory.time_ns - found.trajectory.time_ns[0]) * 1e-9
+    seen = (seconds < gap_s[0]) | (seconds >= gap_s[1])
+    trajectory = found.trajectory if left is None else found.trajectory.transformed_by(left=left)
+    kept = PoseMeasurements(trajectory[seen], found.covariance[seen])
+    nothing = np.full(len(kept), np.nan)
+    return CameraPoses(kept, found.trajectory.time_ns, nothing, "board", "as given")
+
+
+def recording(**more: Any) -> Recording:
+    return Recording("made up", Path(), "images", Stamps(path().time_ns), **more)  # type: ignore[arg-type]
+
+
+def with_imu(stream: ImuStream) -> Recording:
+    return recording(imu=stream, imu_T_camera=MOUNT)
+
+
+def both(one: Recording, poses: CameraPoses, **knobs: Any) -> tuple[Imu, FusedPath]:
+    made = imu(one, poses)
+    return made, fused(one, poses, made, **knobs)
+
+
+@pytest.mark.parametrize("lean_deg", [0.0, 40.0, 90.0, 180.0])
+def test_a_world_that_leans_is_fused_as_well_as_an_upright_one(
+    lean_deg: float, stream: ImuStream
+) -> None:
+    """A board on a wall: what bridges two seconds must know where down is."""
+    angles = np.deg2rad([lean_deg, 0.0, 30.0])
+    turn = Motor.from_euler_translation(angles, np.array([1.0, 2.0, 3.0]))
+    one, poses = with_imu(stream), measured(turn, gap_s=(4.0, 6.0))
+    made, found = both(one, poses)
+    judged = evaluate(found.trajectory, path().transformed_by(left=turn), align="none")
+    assert judged.ape_m.max < 0.06
+    assert judged.rotation_deg.max < 0.5
+    assert ("leans" in found.account) == (lean_deg > 3.0)
+    again = convergence(one, poses, made, found, duration_s=8.0)
+    assert again.settled_s is not None
+    assert again.settled_s < 3.0
+
+
+def test_the_clock_of_a_recorded_imu_is_set_where_that_is_asked_for(stream: ImuStream) -> None:
+    late = ImuStream(
+        stream.time_ns + round(OFFSET_S * 1e9),
+        stream.angular_rate_rad_s,
+        stream.specific_force_m_s2,
+    )
+    one, poses = with_imu(late), measured()
+    believed, found = imu(one, poses), imu(one, poses, sync="estimate")
+    assert (believed.clock_offset_s, believed.clock_offset_sigma_s) == (0.0, None)
+    assert found.clock_offset_s == pytest.approx(OFFSET_S, abs=1e-3)
+    assert found.clock_offset_sigma_s is not None
+    assert 0.0 < found.clock_offset_sigma_s < 1e-3
+    apart = np.abs(found.stream.time_ns - stream.time_ns)
+    assert apart.max() < 1e6
+    errors = [
+        evaluate(fused(one, poses, made).trajectory, path(), align="none").rotation_deg.rmse
+        for made in (believed, found)
+    ]
+    assert errors[1] < 0.7 * errors[0]
+
+
+def test_a_clock_cannot_be_set_by_metres_that_came_from_it(stream: ImuStream) -> None:
+    inertial = replace(measured(), metres_a_unit=2.0)
+    with pytest.raises(ValueError, match="clock_offset_s"):
+        imu(with_imu(stream), inertial, sync="estimate")
+    with pytest.raises(ValueError, match=r"sync=estimate needs a recorded IMU"):
+        imu(recording(), measured(), sync="estimate")
+
+
+def test_a_path_without_a_unit_is_left_as_it_was_tracked(stream: ImuStream) -> None:
+    one, poses = with_imu(stream), replace(measured(gap_s=(4.0, 6.0)), metric=False)
+    made, found = both(one, poses)
+    assert found.by == "nothing"
+    np.testing.assert_array_equal(
+        found.trajectory.poses.coefficients, poses.measurements.trajectory.poses.coefficients
+    )
+    assert "lengths have no unit" in found.account
+    assert convergence(one, poses, made, found).time_s.size == 0
+    for by in ("imu", "odometry"):
+        with pytest.raises(ValueError, match="have no unit"):
+            fused(one, poses, made, by=by)
+
+
+def drifting() -> Odometry:
+    """A path in its own world that goes astray by a few centimetres, smooth from step to step."""
+    mount = Motor.from_euler_translation(np.array([0.3, 0.2, -0.1]), np.array([0.1, 0.0, 0.2]))
+    truth = path(30.0).transformed_by(right=mount.inverse(), child="body")
+    astray = np.cumsum(
+        np.random.default_rng(5).standard_normal((len(truth), 6)) * np.repeat([2e-4, 5e-4], 3),
+        axis=0,
+    )
+    own = Motor.from_euler_translation(np.array([0.0, 0.0, 2.0]), np.array([5.0, 0.0, 0.0]))
+    drifted = truth.transformed_by(left=own, right=Motor.from_twist(astray))
+    return Odometry(drifted, mount)
+
+
+def test_a_recorded_odometry_bridges_what_the_camera_did_not_see(stream: ImuStream) -> None:
+    poses = measured(gap_s=(4.0, 6.0))
+    made, found = both(recording(odometry=drifting()), poses)
+    assert found.by == "odometry"
+    assert "recorded odometry" in found.account
+    sought = poses.sought_ns
+    inside = sought[sought <= drifting().trajectory.time_ns[-1]]
+    np.testing.assert_array_equal(found.trajectory.time_ns, inside)
+    assert evaluate(found.trajectory, path(), align="none").ape_m.max < 0.015
+    alone = fused(recording(odometry=drifting()), poses, made, by="imu")
+    assert evaluate(alone.trajectory, path(), align="none").ape_m.max > 0.1
+    # What was measured by an IMU, or may not look ahead, goes through the filter.
+    one = recording(odometry=drifting(), imu=stream, imu_T_camera=MOUNT)
+    assert both(one, poses)[1].by == "imu"
+    assert fused(recording(odometry=drifting()), poses, made, look_ahead=False).by == "imu"
+    with pytest.raises(ValueError, match="looks ahead always"):
+        fused(recording(odometry=drifting()), poses, made, by="odometry", look_ahead=False)
+    with pytest.raises(ValueError, match="holds none"):
+        fused(recording(), poses, made, by="odometry")
+
+
+def mapped(truth: Trajectory) -> SlamResult:
+    """What SLAM by one camera makes of a path, in units of half a metre: a wall of points."""
+    rng = np.random.default_rng(6)
+    half = Motor.from_rotor_translation(truth.motors.rotor, 2.0 * truth.motors.translation_m)
+    noise = Motor.from_twist(rng.standard_normal((len(truth), 6)) * np.repeat([1e-3, 4e-3], 3))
+    frames = Trajectory(truth.time_ns, half @ noise)
+    keyframes = frames[::10]
+    places = keyframes.motors.translation_m.mean(axis=0)
+    points = places + keyframes.motors[0].rotor.apply(
+        rng.uniform([-6.0, -6.0, 8.0], [6.0, 6.0, 14.0], (60, 3))
+    )
+    rows, names = np.divmod(np.arange(len(keyframes) * 60), 60)
+    own = keyframes.motors[rows].inverse().apply(points[names])
+    ahead = own[:, 2] > 1.0
+    snapshot = MapSnapshot(
+        keyframes.time_ns, keyframes.motors, points, np.zeros((60, 32), np.uint8), rows[ahead],
+        names[ahead], CAMERA.project(own[ahead]), np.full(np.count_nonzero(ahead), np.nan), False,
+    )  # fmt: skip
+    spread = np.tile(np.diag(np.repeat([1e-3, 4e-3], 3) ** 2), (len(frames), 1, 1))
+    states = ("tracking",) * len(frames)
+    return SlamResult(frames, spread, frames.time_ns, states, None, snapshot, False, 0, {})
+
+
+def test_an_imu_tells_metres_where_it_was_carried_and_says_why_not(stream: ImuStream) -> None:
+    one = replace(with_imu(stream), camera=CAMERA)
+    found = in_metres(one, mapped(path()))
+    assert found.made.metres_a_unit == pytest.approx(0.5, rel=3 * found.scale_sigma)
+    assert found.scale_sigma < 0.05
+    judged = evaluate(found.made.measurements.trajectory, path(), align="se3")
+    assert judged.ape_m.rmse < 0.03
+    with pytest.raises(NoMetres, match="no IMU was recorded"):
+        in_metres(replace(one, imu=None), mapped(path()))
+    with pytest.raises(NoMetres, match="where the camera sits"):
+        in_metres(replace(one, imu_T_camera=None), mapped(path()))
+    still = Trajectory(path().time_ns, Motor.stack([path().motors[0]] * len(path())))
+    at_rest = simulate_imu(
+        still.transformed_by(right=MOUNT.inverse(), child="imu"), 200.0, ADIS16448,
+        np.random.default_rng(1),
+    ).stream  # fmt: skip
+    with pytest.raises(NoMetres, match="tell"):
+        in_metres(replace(one, imu=at_rest), mapped(still))
