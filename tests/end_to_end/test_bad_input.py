@@ -10,9 +10,9 @@ import pytest
 
 from motorcade.replays.cli import main
 from motorcade.replays.errors import RecordingError
+from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.recording import open_recording
 from motorcade.replays.textured_room import Scenario, Sensor, handheld, write_recording
-from motorcade.replays.trajectory_files import read_trajectory
 from motorcade.tracking import Camera
 
 SMALL = Sensor(Camera(160, 120, 140.0, 140.0, 79.5, 59.5))

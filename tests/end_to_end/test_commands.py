@@ -12,7 +12,7 @@ import pytest
 
 from motorcade.render import read_frames
 from motorcade.replays.cli import main
-from motorcade.replays.trajectory_files import read_trajectory
+from motorcade.replays.files.trajectories import read_trajectory
 
 
 def run(*arguments: object) -> int:
@@ -67,7 +67,7 @@ def test_a_second_run_computes_nothing(
     def compute(*arguments: object) -> None:
         raise AssertionError("a stage was computed again")
 
-    monkeypatch.setattr("motorcade.replays.graph._compute", compute)
+    monkeypatch.setattr("motorcade.replays.engine.graph._compute", compute)
     before = {path.name: path.read_bytes() for path in finished.glob("report.*")}
     assert run("run", board_recording, "--out", finished) == 0
     assert before == {path.name: path.read_bytes() for path in finished.glob("report.*")}
@@ -75,7 +75,7 @@ def test_a_second_run_computes_nothing(
 
 KILLER = """
 import os, sys
-from motorcade.replays import artifacts
+from motorcade.replays.engine import artifacts
 from motorcade.replays.cli import main
 
 stage, whole = sys.argv[1], artifacts._publish

@@ -16,8 +16,8 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.replays.bench.tracking.tag_flips import tagslam_folder
 from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from motorcade.replays.cli import main
+from motorcade.replays.files.trajectories import even_stamps, read_trajectory, write_trajectory
 from motorcade.replays.textured_room import scenario, write_recording
-from motorcade.replays.trajectory_files import even_stamps, read_trajectory, write_trajectory
 from motorcade.tracking import Camera
 from motorcade.tracking.markers.marker_map import MarkerMap
 

@@ -12,8 +12,8 @@ import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
+from motorcade.replays.files.trajectories import write_trajectory
 from motorcade.replays.recording import open_recording
-from motorcade.replays.trajectory_files import write_trajectory
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 GUIDE = README.parent / "docs" / "which_smoother.md"

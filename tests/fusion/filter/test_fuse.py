@@ -14,9 +14,9 @@ from motorcade.fusion.metrics import absolute_translation_m, associate, rotation
 from motorcade.fusion.motions.degradations import Blackouts, InTurn, Latency, Outliers
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
-from motorcade.replays.readers.euroc import read as read_euroc
+from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.readers.layouts.euroc import read as read_euroc
 from motorcade.replays.recording import Recording
-from motorcade.replays.trajectory_files import read_trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
 

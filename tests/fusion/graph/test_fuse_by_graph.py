@@ -16,8 +16,8 @@ from motorcade.fusion.imu import ADIS16448
 from motorcade.fusion.metrics import absolute_translation_m, rotation_rad
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers.inertial import read_imu
-from motorcade.replays.trajectory_files import read_trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
 Record = Callable[..., Any]

@@ -13,7 +13,7 @@ from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.bench.fusion.tag_odometry import bench_tag_odometry, tag_odometry_table
-from motorcade.replays.readers.tagslam_odometry import read_rig_odometry
+from motorcade.replays.readers.tagslam.odometry import read_rig_odometry
 from motorcade.tracking.measurements import PoseMeasurements
 
 MOUNT = Motor.from_euler_translation(np.array([0.3, -0.2, 3.0]), np.array([0.05, 0.02, 0.1]))

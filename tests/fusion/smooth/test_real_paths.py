@@ -9,9 +9,9 @@ from motorcade.fusion.metrics import Align, evaluate
 from motorcade.fusion.smooth import choose
 from motorcade.fusion.smooth.changes import changes
 from motorcade.ga import Motor
+from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.recording import open_recording
-from motorcade.replays.stages.camera_poses import camera_poses
-from motorcade.replays.trajectory_files import read_trajectory
+from motorcade.replays.stages.camera.camera_poses import camera_poses
 
 MANIFESTS = Path(__file__).parents[3] / "docs" / "manifests"
 XYZ, DESK = "freiburg1_xyz-groundtruth.txt", "fr2_desk_groundtruth.txt"
