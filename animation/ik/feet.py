@@ -3,7 +3,8 @@
 A foot in stance neither slides nor turns: over each stance its ball is held over one place of the
 ground and its heading is kept; what that takes is faded in and out over the swings between. The
 ball's height is shifted as a whole, so that it comes down and rises as it did. Where
-its heel or toes would sink the foot is turned about the ball; else it keeps its orientation. Then
+its heel or toes would sink the foot is turned about the ball; else it keeps its orientation. A
+foot that swings is lifted, between toe-off and landing, where heel, ball or toes would graze. Then
 the leg is bent to it, and the hips are lowered where a leg would not reach.
 """
 
@@ -16,7 +17,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.ik.soles import raised_soles
+from motorcade.animation.ik.soles import raised_soles, sole_clearance_m
+from motorcade.animation.ik.swings import stretches, swing_lift_m
 from motorcade.animation.ik.two_bone import bend_limb
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import FloatArray, Motor, Rotor
@@ -68,7 +70,7 @@ def find_stances(positions_m: FloatArray, time_s: FloatArray) -> NDArray[np.bool
     speed = np.linalg.norm(np.gradient(positions_m, time_s, axis=0), axis=1)
     low = height <= height.min() + LOW * np.ptp(height) + 1e-9
     standing: NDArray[np.bool_] = low & (speed <= SLOW * speed.max() + 1e-9)
-    for start, end in _runs(standing):
+    for start, end in stretches(standing):
         if time_s[end - 1] - time_s[start] < SHORTEST_STANCE_S:
             standing[start:end] = False
     return standing
@@ -114,16 +116,19 @@ def plant_feet(
         at = world[:, ball].translation_m
         standing = find_stances(at, time_s) if stances is None else stances[index]
         sole = float(skeleton.rest_world[ball].translation_m[2])
-        shift = _holding(at, time_s, standing, floor, sole)
+        middle = at + _holding(at, time_s, standing, floor, sole)
         facing = _facing(skeleton, world, (ankle, ball), time_s, standing)
-        middle = at + shift
         foot, end = (
             Motor.from_rotor_translation(
                 facing @ pose.rotor, middle + facing.apply(pose.translation_m - at)
             )
             for pose in (world[:, ankle], world[:, ball])
         )
-        toes = end.rotor
+        low = sole_clearance_m(skeleton, (foot, end), ankle, ball, floor.height_m)
+        lift = swing_lift_m(middle, low, time_s, standing, _leg_m(skeleton, leg))
+        below = floor.height_m(middle[:, :2]) + sole - middle[:, 2]
+        up = _upward(np.maximum(lift, below))
+        foot, end, toes = up @ foot, up @ end, end.rotor
         if skeleton.parents[ball] == ankle:
             foot, toes = raised_soles(skeleton, (foot, end), ankle, ball, floor.height_m)
         feet.append((inside.rotor @ foot.rotor, inside.rotor @ toes))
@@ -152,13 +157,13 @@ def _turned(skeleton: Skeleton, poses: Motor, leg: Leg, foot: Rotor, toes: Rotor
 def _holding(
     at: FloatArray, time_s: FloatArray, standing: NDArray[np.bool_], ground: Ground, sole_m: float
 ) -> FloatArray:
-    """Shifts ``(F, 3)`` that hold the ball over one place in each stance, and never below ground.
+    """Shifts ``(F, 3)`` that hold the ball over one place in each stance.
 
     Heights are shifted by their median over the stance: pressing the ball down from its first to
-    its last moment would drag the swings down with it, until toes graze.
+    its last moment would drag the swings down with it.
     """
     shift, known = np.zeros_like(at), np.zeros(len(at), dtype=bool)
-    for start, end in _runs(standing):
+    for start, end in stretches(standing):
         anchor = np.median(at[start:end], axis=0)
         anchor[2] = ground.height_m(anchor[None, :2])[0] + sole_m
         shift[start:end, :2] = (anchor - at[start:end])[:, :2]
@@ -167,9 +172,20 @@ def _holding(
     if np.any(known):
         for axis in range(3):
             shift[:, axis] = _faded(time_s, shift[:, axis], known)
-    below = ground.height_m((at + shift)[:, :2]) + sole_m - (at + shift)[:, 2]
-    shift[:, 2] += np.maximum(below, 0.0)
     return shift
+
+
+def _upward(height_m: FloatArray) -> Motor:
+    """Shifts ``(F,)`` along z."""
+    up = np.zeros((len(height_m), 3))
+    up[:, 2] = height_m
+    return Motor.from_rotor_translation(Rotor.identity((len(up),)), up)
+
+
+def _leg_m(skeleton: Skeleton, leg: Leg) -> float:
+    joints = [skeleton.index(name) for name in (leg.hip, leg.knee, leg.ankle)]
+    bones = np.diff(skeleton.rest_world.translation_m[joints], axis=0)
+    return float(np.linalg.norm(bones, axis=1).sum())
 
 
 def _facing(
@@ -193,7 +209,7 @@ def _facing(
         across = rest[ball].rotor.inverse().apply(np.array([-along[1], along[0], 0.0]))
         side = world[:, ball].rotor.apply(across)
         heading = np.unwrap(np.arctan2(side[:, 1], side[:, 0]))
-        for start, end in _runs(standing):
+        for start, end in stretches(standing):
             turn[start:end, 2] = np.median(heading[start:end]) - heading[start:end]
         turn[:, 2] = _faded(time_s, turn[:, 2], standing)
     return Rotor.from_rotation_vector(turn)
@@ -233,9 +249,3 @@ def _lowered(
     made = poses.coefficients.copy()
     made[:, root] = (down @ poses[:, root]).coefficients
     return Motor(made)
-
-
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Starts and ends of stretches that are true."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

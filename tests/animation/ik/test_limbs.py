@@ -129,6 +129,50 @@ def test_a_planted_foot_neither_slides_nor_sinks(skeleton):
     assert steps < 1.5 * np.linalg.norm(np.diff(before, axis=0), axis=1).max()
 
 
+def _grazing(skeleton, rate_hz: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+    """Toes ``(F, 3)``, played and planted, that swing there and back from 0.5 s to 1 s, so high."""
+    time_s = np.arange(0.0, 1.5, 1.0 / rate_hz)
+    standing = (time_s < 0.5) | (time_s > 1.0)
+    swing = np.where(standing, 0.0, np.sin(2.0 * np.pi * (time_s - 0.5)) ** 2)
+    targets = np.stack([0.25 * swing, np.full_like(swing, 0.1), 0.08 + high * swing], axis=1)
+    low = skeleton.rest.coefficients.copy()
+    low[0] = (Motor.from_twist([0, 0, 0, 0, 0, -0.1]) @ skeleton.rest[0]).coefficients
+    poses = bend_limb(skeleton, Motor(low), LIMB, targets)
+    legs = [Leg("thigh", "calf", "foot", "toes")]
+    made = plant_feet(skeleton, time_s, poses, legs, stances=[standing])
+    played, planted = (_at(skeleton, one, "toes").translation_m for one in (poses, made))
+    return played, planted
+
+
+@pytest.mark.parametrize("high", [-0.03, 0.0, 0.005, 0.03])
+def test_a_swinging_foot_clears_the_ground_without_a_jolt(skeleton, high):
+    """By 1.4 % of the leg's 0.87 m; and velocities change by half as much in half the time."""
+    _, toes = _grazing(skeleton, 240.0, high)
+    swing = toes[int(240 * 0.6) : int(240 * 0.9)]
+    assert 0.012 < swing[:, 2].min() < 0.03
+    assert np.abs(toes[: int(240 * 0.5), 2]).max() < 1e-6
+    steps = []
+    for rate_hz in (480.0, 960.0):
+        speed = np.diff(_grazing(skeleton, rate_hz, high)[1], axis=0) * rate_hz
+        steps.append(np.linalg.norm(np.diff(speed, axis=0), axis=1).max())
+    assert steps[1] < 0.6 * steps[0]
+
+
+def test_a_foot_that_goes_high_or_nowhere_is_not_lifted(skeleton):
+    time_s = np.arange(0.0, 1.5, 1.0 / 60.0)
+    before, after = _grazing(skeleton, 60.0, 0.15)
+    np.testing.assert_allclose(after[42:48], before[42:48], atol=2e-3)
+    legs, still = [Leg("thigh", "calf", "foot", "toes")], Motor.stack([skeleton.rest] * 90)
+    moved = still.coefficients.copy()
+    sway = np.zeros((90, 6))
+    sway[:, 3] = 0.004 * np.sin(2.0 * np.pi * time_s)
+    moved[:, 0] = (Motor.from_twist(sway) @ still[:, 0]).coefficients
+    made = plant_feet(
+        skeleton, time_s, Motor(moved), legs, stances=[(time_s % 1.0) < 0.5],
+    )  # fmt: skip
+    assert _at(skeleton, made, "toes").translation_m[:, 2].max() < 5e-4
+
+
 def test_a_standing_foot_keeps_its_heading_while_the_ankle_goes_over_the_ball(skeleton):
     """At heel-off the way from ankle to ball turns back; the foot does not."""
     pitch = np.linspace(0.0, np.radians(130.0), 31)
