@@ -113,7 +113,7 @@ class Character:
             if clip.name == name:
                 return clip
         listed = ", ".join(f"'{clip.name}'" for clip in self.clips) or "none"
-        raise ValueError(f"clip: expected one of {listed}, got '{name}'")
+        raise ValueError(f"clip: expected one of {listed}, got {name!r}")
 
 
 def _numbers(value: IntArray, name: str, shape: tuple[int, int], limit: int) -> IntArray:

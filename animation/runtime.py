@@ -22,7 +22,7 @@ __all__ = ["PoseRuntime"]
 Floats32 = NDArray[np.float32]
 Layers = Sequence[tuple[int, float, float]]
 
-_WIDTHS = {"matrix": 12, "motor": 8, "local": 8}
+_WIDTHS = {"matrix": 12, "motor": 8}
 
 
 class PoseRuntime:
@@ -73,11 +73,11 @@ class PoseRuntime:
             out: an array to write into, float32 in C order.
 
         Raises:
-            ValueError: no layer, more than two under "motor", no such clip, a time that is not
-                finite, weights that are negative or all zero, an unknown kind.
-            TypeError: a number of a clip below 0.
+            ValueError: no layer, more than two under "motor", no such clip, a number of a clip
+                that is no integer, a time that is not finite, weights that are negative or all
+                zero, an unknown kind, another array to write into.
         """
-        if kind not in ("matrix", "motor"):
+        if kind not in _WIDTHS:
             raise ValueError(f"palette(kind): expected 'matrix' or 'motor', got {kind!r}")
         made = np.empty((self._count, _WIDTHS[kind]), np.float32) if out is None else out
         self._rig.pose(layers, self._by_screw, kind, made)
@@ -85,7 +85,7 @@ class PoseRuntime:
 
     def local(self, layers: Layers) -> Motor:
         """The blended local poses, Motor ``(J,)`` in float32; arguments as for `palette`."""
-        made = np.empty((self._count, _WIDTHS["local"]), np.float32)
+        made = np.empty((self._count, 8), np.float32)
         self._rig.pose(layers, self._by_screw, "local", made)
         return Motor.normalize(made)
 
@@ -94,8 +94,13 @@ class PoseRuntime:
     ) -> float:
         """Seconds that one palette takes without Python's share, over `times` of them, for
         measurements; the clocks of the layers go on by 1/60 s each time.
+
+        Raises:
+            ValueError: as for `palette`, or a number of times below 1.
         """
-        made = np.empty((self._count, _WIDTHS[kind]), np.float32)
+        if times < 1:
+            raise ValueError(f"repeat(times): expected 1 or more, got {times}")
+        made = self.palette(layers, kind)
         return self._rig.repeat(layers, self._by_screw, kind, made, times) / times
 
 

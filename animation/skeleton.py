@@ -5,6 +5,7 @@ skeleton is a Motor of shape (*, J), or a Similarity where joints grow or shrink
 an order in which parents come first.
 """
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
@@ -35,7 +36,7 @@ class Skeleton:
 
     def __post_init__(self) -> None:
         count = len(self.names)
-        twice = sorted({name for name in self.names if self.names.count(name) > 1})
+        twice = sorted(name for name, times in Counter(self.names).items() if times > 1)
         if not count or twice:
             raise ValueError(f"Skeleton.names: expected one or more different names, got {twice}")
         parents = np.array(self.parents)

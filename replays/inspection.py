@@ -129,5 +129,7 @@ def _posed(skeleton: Skeleton, clips: tuple[Clip, ...], pose: str) -> dict[str, 
         at_s = float(seconds)
     except ValueError as fault:
         raise ValueError(f"pose: expected CLIP@SECONDS, got '{pose}'") from fault
+    if not np.isfinite(at_s):
+        raise ValueError(f"pose: expected CLIP@SECONDS with finite seconds, got '{pose}'")
     places = skeleton.world(chosen.at(at_s)).translation_m
     return {"clip": name, "at_s": at_s, "joints": _joints(skeleton, places, "position_m")}

@@ -14,6 +14,9 @@ from motorcade.ga import FloatArray, Motor, checked_floats
 
 __all__ = ["blend_clips", "differences_m"]
 
+MOST_SAMPLES = 100_000
+"""Of a blended clip: half an hour at 60 Hz."""
+
 
 def blend_clips(
     first: Clip,
@@ -43,7 +46,7 @@ def blend_clips(
 
     Raises:
         ValueError: another number of joints, a weight outside 0 to 1, a rate that is not
-            positive, or clips of no length.
+            positive, more than 100,000 samples, or clips of no length.
     """
     if first.poses.shape[1] != second.poses.shape[1]:
         raise ValueError(
@@ -56,6 +59,11 @@ def blend_clips(
         raise ValueError(f"blend_clips(rate_hz): expected a number above 0, got {rate_hz}")
     lengths = np.array([first.duration_s, second.duration_s])
     length = float((1.0 - weight) * lengths[0] + weight * lengths[1] if in_phase else max(lengths))
+    if length * rate_hz > MOST_SAMPLES:
+        raise ValueError(
+            f"blend_clips(rate_hz): expected at most {MOST_SAMPLES} samples, got "
+            f"{rate_hz:g} Hz for {length:g} s"
+        )
     if not length > 0.0:
         raise ValueError(f"blend_clips: '{first.name}' and '{second.name}' have no length")
     time_s = np.linspace(0.0, length, max(2, round(length * rate_hz) + 1))

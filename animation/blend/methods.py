@@ -102,7 +102,14 @@ def blend_poses(poses: Poses, weights: ArrayLike, method: BlendMethod = "motor")
 
 
 def stacked(poses: Sequence[Poses]) -> Poses:
-    """Poses ``(*, J)`` side by side, ``(*, K, J)``; similarities where one of them is."""
+    """Poses ``(*, J)`` side by side, ``(*, K, J)``; similarities where one of them is.
+
+    Raises:
+        ValueError: no poses, or poses of different joints.
+    """
+    joints = [pose.shape[-1:] for pose in poses]
+    if not joints or joints != [joints[0]] * len(joints) or not joints[0]:
+        raise ValueError(f"blend: expected poses (*, J) of the same joints, got {joints} of them")
     grow = any(isinstance(pose, Similarity) for pose in poses)
     alike = [
         Similarity.from_motor_scale(pose) if grow and isinstance(pose, Motor) else pose
@@ -127,10 +134,12 @@ def _shares(shape: tuple[int, ...], weights: ArrayLike) -> FloatArray:
         )
     if np.any(given < 0.0):
         raise ValueError(f"blend_poses(weights): expected shares >= 0, got {given.min():g}")
-    total = np.sum(given, axis=-2, keepdims=True)
-    if not np.all(total > 0.0):
+    most = np.max(given, axis=-2, keepdims=True)
+    if not np.all(most > 0.0):
         raise ValueError("blend_poses(weights): expected a share above 0 for every joint")
-    return np.swapaxes(np.broadcast_to(given / total, shape), -1, -2)
+    ratios = given / most  # first, so that no sum overflows
+    shares = ratios / np.sum(ratios, axis=-2, keepdims=True)
+    return np.swapaxes(np.broadcast_to(shares, shape), -1, -2)
 
 
 def _rigid(method: BlendMethod, motors: Motor, shares: FloatArray) -> Motor:

@@ -23,7 +23,7 @@ namespace {
 
 template <class T, int dimensions>
 using Array = nb::ndarray<T, nb::ndim<dimensions>, nb::c_contig, nb::device::cpu>;
-using Layers = std::vector<std::tuple<std::size_t, double, float>>;
+using Layers = std::vector<std::tuple<nb::object, double, float>>;
 
 void expect(bool holds, const char *what) {
     if (!holds) throw std::invalid_argument(what);
@@ -50,17 +50,39 @@ void skin(const Mesh &mesh, Skinning method, Array<const float, 2> palette, Arra
     mesh.skin(method, palette.data(), positions.data(), normals.data(), threads);
 }
 
-std::vector<Layer> layers_of(const Layers &given) {
+[[noreturn]] void refuse(const std::string &wanted, nb::handle came) {
+    throw std::invalid_argument("layers: expected " + wanted + ", got " + nb::repr(came).c_str());
+}
+
+// Which clip, by an integer of Python's or of an array's; the rig checks its range.
+std::ptrdiff_t number_of(nb::handle clip) {
+    const std::string wanted = "an integer as the number of a clip";
+    if (!PyIndex_Check(clip.ptr()) || PyBool_Check(clip.ptr())) refuse(wanted, clip);
+    const Py_ssize_t number = PyNumber_AsSsize_t(clip.ptr(), nullptr);
+    if (number == -1 && PyErr_Occurred()) {
+        PyErr_Clear();
+        refuse(wanted, clip);
+    }
+    return number;
+}
+
+std::vector<Layer> layers_of(nb::handle given) {
+    Layers tuples;
+    if (!nb::try_cast<Layers>(given, tuples)) refuse("(number of a clip, time_s, weight) for each layer", given);
     std::vector<Layer> layers;
-    layers.reserve(given.size());
-    for (const auto &[clip, time_s, weight] : given) layers.push_back({clip, time_s, weight});
+    layers.reserve(tuples.size());
+    for (const auto &[clip, time_s, weight] : tuples) layers.push_back({number_of(clip), time_s, weight});
     return layers;
 }
 
-void pose(Rig &rig, const Layers &layers, bool by_screw, const std::string &kind, Array<float, 2> out) {
+void pose(Rig &rig, nb::handle layers, bool by_screw, const std::string &kind, nb::handle given) {
     const bool matrices = kind == "matrix";
-    expect(out.shape(0) == rig.joints() && out.shape(1) == (matrices ? 12U : 8U),
-           "out: expected a row a joint, of 12 numbers for matrices and 8 for motors");
+    Array<float, 2> out;
+    // Never converted: a copy would take the result.
+    expect(nb::try_cast(given, out, false) && out.shape(0) == rig.joints() &&
+               out.shape(1) == (matrices ? 12U : 8U),
+           "out: expected a row a joint, of 12 numbers for matrices and 8 for motors, in writable "
+           "float32 and C order");
     rig.blend(layers_of(layers), by_screw);
     if (matrices)
         rig.palette_matrices(out.data());
@@ -71,9 +93,9 @@ void pose(Rig &rig, const Layers &layers, bool by_screw, const std::string &kind
 }
 
 // Seconds that `times` poses take without Python's share, for measurements.
-double repeat(Rig &rig, const Layers &layers, bool by_screw, const std::string &kind,
+double repeat(Rig &rig, nb::handle layers, bool by_screw, const std::string &kind,
               Array<float, 2> out, std::size_t times) {
-    pose(rig, layers, by_screw, kind, out);
+    pose(rig, layers, by_screw, kind, out.cast());
     std::vector<Layer> moving = layers_of(layers);
     const auto start = std::chrono::steady_clock::now();
     for (std::size_t k = 0; k < times; ++k) {
@@ -98,7 +120,7 @@ NB_MODULE(_runtime, module) {
         .value("similarity", Skinning::similarity);
     nb::class_<Mesh>(module, "Mesh")
         .def(nb::new_(&mesh_of), "positions"_a, "normals"_a, "joints"_a, "weights"_a)
-        .def("skin", &skin, "method"_a, "palette"_a, "positions"_a, "normals"_a, "threads"_a);
+        .def("skin", &skin, "method"_a, "palette"_a.noconvert(), "positions"_a.noconvert(), "normals"_a.noconvert(), "threads"_a);
     nb::class_<Rig>(module, "Rig")
         .def("__init__",
              [](Rig *self, Array<const std::int64_t, 1> parents, Array<const double, 2> inverse_rest) {
@@ -115,6 +137,6 @@ NB_MODULE(_runtime, module) {
                  return rig.add({time_s.data(), time_s.shape(0)}, poses.data(), looped);
              },
              "time_s"_a, "poses"_a, "looped"_a)
-        .def("pose", &pose, "layers"_a, "by_screw"_a, "kind"_a, "out"_a)
-        .def("repeat", &repeat, "layers"_a, "by_screw"_a, "kind"_a, "out"_a, "times"_a);
+        .def("pose", &pose, "layers"_a.none(), "by_screw"_a, "kind"_a, "out"_a)
+        .def("repeat", &repeat, "layers"_a.none(), "by_screw"_a, "kind"_a, "out"_a.noconvert(), "times"_a);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "rows.h"
@@ -65,13 +66,13 @@ std::size_t Rig::add(std::span<const double> time_s, const double *poses, bool l
 }
 
 void Rig::sample(const Layer &layer, Pose &out) {
-    const Keys &keys = clips_.at(layer.clip);
+    const Keys &keys = clips_.at(static_cast<std::size_t>(layer.clip));
     const std::vector<double> &times = keys.time_s;
     const double first = times.front(), last = times.back();
     double clock = std::clamp(layer.time_s, first, last);
     if (keys.looped) {
-        const double period = last - first, passed = layer.time_s - first;
-        clock = first + (passed - std::floor(passed / period) * period);
+        const double passed = std::fmod(layer.time_s - first, last - first);
+        clock = passed < 0.0 ? last + passed : first + passed;
     }
     const auto after = std::upper_bound(times.begin() + 1, times.end() - (times.size() > 1), clock);
     const std::size_t before = static_cast<std::size_t>(after - times.begin()) - 1;
@@ -88,13 +89,13 @@ void Rig::mix(const Pose &a, const Pose &b, float fraction, bool by_screw, Pose 
         fractions_.data(), out.data(), padded_);
 }
 
-void Rig::sum(std::span<const Layer> layers) {
+void Rig::sum(std::span<const Layer> layers, float total) {
     const Pose &pivot = samples_[0];
     std::fill(total_.begin(), total_.end(), 0.0F);
     const auto step = static_cast<std::ptrdiff_t>(padded_);
     const std::ptrdiff_t steps[4] = {step, step, step, step};
     for (std::size_t k = 0; k < layers.size(); ++k) {
-        std::fill(fractions_.begin(), fractions_.end(), layers[k].weight);
+        std::fill(fractions_.begin(), fractions_.end(), layers[k].weight / total);
         const float *const inputs[4] = {total_.data(), pivot.data(), samples_[k].data(), fractions_.data()};
         float *out = blended_.data();
         motorcade_accumulate_f32(inputs, steps, &out, &step, padded_ / LANES);
@@ -103,24 +104,41 @@ void Rig::sum(std::span<const Layer> layers) {
     run(motorcade_normalize_f32, total_.data(), blended_.data(), padded_);
 }
 
-void Rig::blend(std::span<const Layer> layers, bool by_screw) {
-    if (layers.empty() || (by_screw && layers.size() > 2))
-        throw std::invalid_argument("layers: expected one or more, of a blend by the screw two at most");
+float Rig::checked_total(std::span<const Layer> layers) const {
     float total = 0.0F;
-    for (const Layer &layer : layers) {
-        if (layer.clip >= clips_.size() || !std::isfinite(layer.time_s) || !(layer.weight >= 0.0F))
-            throw std::invalid_argument("layers: expected clip, finite time_s and weight >= 0");
-        total += layer.weight;
+    for (std::size_t k = 0; k < layers.size(); ++k) {
+        const auto &[clip, time_s, weight] = layers[k];
+        std::ostringstream wrong;
+        if (clip < 0 || static_cast<std::size_t>(clip) >= clips_.size())
+            wrong << "number of a clip to be from 0 to " << std::ptrdiff_t(clips_.size()) - 1 << ", got " << clip;
+        else if (!std::isfinite(time_s))
+            wrong << "time_s to be finite, got " << time_s;
+        else if (!(weight >= 0.0F && std::isfinite(weight)))
+            wrong << "weight to be 0 or more and finite in float32, got " << weight;
+        if (wrong.tellp() > 0)
+            throw std::invalid_argument("layers: expected of layer " + std::to_string(k) + " the " + wrong.str());
+        total += weight;
     }
     if (!(total > 0.0F && std::isfinite(total)))
-        throw std::invalid_argument("layers: expected weights with a finite sum above 0");
-    while (samples_.size() < layers.size()) samples_.emplace_back(MOTOR * padded_);
-    if (layers.size() == 1) return sample(layers[0], blended_);
-    for (std::size_t k = 0; k < layers.size(); ++k) sample(layers[k], samples_[k]);
-    if (layers.size() == 2)
-        mix(samples_[0], samples_[1], layers[1].weight / total, by_screw, blended_);
+        throw std::invalid_argument("layers: expected weights with a finite sum above 0, got " + std::to_string(total));
+    return total;
+}
+
+void Rig::blend(std::span<const Layer> layers, bool by_screw) {
+    if (layers.empty() || (by_screw && layers.size() > 2))
+        throw std::invalid_argument("layers: expected one or more, of a blend by the screw two at most, got " +
+                                    std::to_string(layers.size()));
+    const float total = checked_total(layers);
+    layers_.clear();
+    for (const Layer &layer : layers)
+        if (layer.weight > 0.0F) layers_.push_back(layer);
+    while (samples_.size() < layers_.size()) samples_.emplace_back(MOTOR * padded_);
+    if (layers_.size() == 1) return sample(layers_[0], blended_);
+    for (std::size_t k = 0; k < layers_.size(); ++k) sample(layers_[k], samples_[k]);
+    if (layers_.size() == 2)
+        mix(samples_[0], samples_[1], layers_[1].weight / total, by_screw, blended_);
     else
-        sum(layers);
+        sum(layers_, total);
 }
 
 void Rig::palette_matrices(float *out) {

@@ -20,7 +20,7 @@ struct Keys {
 
 // What a layer of a blend samples, where, and with how much weight.
 struct Layer {
-    std::size_t clip;
+    std::ptrdiff_t clip;
     double time_s;
     float weight;
 };
@@ -37,7 +37,8 @@ public:
     std::size_t joints() const { return joints_; }
     std::size_t clips() const { return clips_.size(); }
 
-    // Local poses of a blend; by the screw (two layers at most) or linear.
+    // Local poses of a blend; by the screw (two layers at most) or linear. Layers without weight
+    // are left out. Throws std::invalid_argument that says which layer is wrong and why.
     void blend(std::span<const Layer> layers, bool by_screw);
     // Palette of the last blend: 3x4 matrices by rows, or motors.
     void palette_matrices(float *out);
@@ -48,12 +49,14 @@ public:
 private:
     void sample(const Layer &layer, Pose &out);
     void mix(const Pose &a, const Pose &b, float fraction, bool by_screw, Pose &out);
-    void sum(std::span<const Layer> layers);
+    void sum(std::span<const Layer> layers, float total);
+    float checked_total(std::span<const Layer> layers) const;
 
     std::size_t joints_, padded_;
     std::vector<std::int32_t> parents_;
     std::vector<float> inverse_motors_, inverse_matrices_;
     std::vector<Keys> clips_;
+    std::vector<Layer> layers_;  // of the last blend, those with weight
     std::vector<Pose> samples_;
     Pose blended_, total_, fractions_, matrices_;
     std::vector<float> rows_, model_;

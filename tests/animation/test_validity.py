@@ -139,7 +139,7 @@ def test_the_runtime_refuses_what_it_cannot_play(skeleton, rng, method):
                    [(0, 0.0, 0.0)], [(0, 0.0, np.nan)], [(0, np.inf, 1.0)]):  # fmt: skip
         with pytest.raises(ValueError, match=r"layer|time|weight|clip"):
             runtime.palette(layers)
-    with pytest.raises(TypeError):
+    with pytest.raises(ValueError, match="from 0 to 0, got -1"):
         runtime.palette([(-1, 0.0, 1.0)])
     with pytest.raises(ValueError, match="expected rigid poses of 3 joints"):
         PoseRuntime(skeleton, [Clip("few", time_s, Motor.random(rng, (2, 2)))], method)

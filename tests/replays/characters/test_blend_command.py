@@ -64,6 +64,11 @@ def test_a_blend_is_drawn_as_video(figure, tmp_path):
     [
         (["--clips", "idle"], "expected two names with a comma between"),
         (["--clips", "idle,dance"], "expected one of 'idle', 'walk'"),
+        (["--clips=-1,0"], "got '-1'"),
+        (["--clips", "1.5,True"], "got '1.5'"),
+        (["--clips", "idle,"], "got ''"),
+        (["--clips", "idle,walk", "--weight", "nan"], "expected 0 to 1, got nan"),
+        (["--clips", "idle,walk", "--rate-hz", "1e12"], "expected at most 100000 samples"),
         (["--clips", "idle,walk", "--weight", "2"], "expected 0 to 1, got 2.0"),
         (["--clips", "idle,walk", "--method", "slerp"], "expected one of motor, motor_linear"),
         (["--clips", "idle,walk", "--out", "blend.avi"], "ending in .glb or .mp4"),

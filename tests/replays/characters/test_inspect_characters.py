@@ -78,7 +78,14 @@ def test_a_motion_is_told_without_a_mesh(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("pose", "message"), [("somersault@0", "one of 'idle', 'walk'"), ("walk@soon", "CLIP@SECONDS")]
+    ("pose", "message"),
+    [
+        ("somersault@0", "one of 'idle', 'walk'"),
+        ("-1@0", "one of 'idle', 'walk'.*got '-1@0'"),
+        ("0", "one of 'idle', 'walk'.*got '0'"),
+        ("walk@soon", "CLIP@SECONDS"),
+        ("walk@nan", "finite seconds, got 'walk@nan'"),
+    ],
 )
 def test_poses_that_are_none_are_refused(figure: Path, pose: str, message: str) -> None:
     with pytest.raises(ValueError, match=message):
