@@ -55,8 +55,8 @@ def swing_lift_m(
 
 def _smooth_over(values: FloatArray, time_s: FloatArray) -> FloatArray:
     """A smooth curve ``(F,)`` nowhere below the values."""
-    first, last = (np.searchsorted(time_s, time_s + shift, side) for shift, side in (
-        (-SPREAD_S, "left"), (SPREAD_S, "right")))  # fmt: skip
+    first = np.searchsorted(time_s, time_s - SPREAD_S, side="left")
+    last = np.searchsorted(time_s, time_s + SPREAD_S, side="right")
     near = [slice(a, b) for a, b in zip(first, last, strict=True)]
     most = np.array([values[rows].max() for rows in near])
     made = np.empty_like(most)
