@@ -103,6 +103,16 @@ class Character:
         """Height of the rest pose above z = 0."""
         return float(self.vertices[:, 2].max())
 
+    @cached_property
+    def influences(self) -> tuple[IntArray, FloatArray]:
+        """Joints and weights ``(V, 4)``, the heaviest of each vertex first.
+
+        Sums of versors take their signs from the first: no sum can then cancel.
+        """
+        order = np.argsort(-self.weights, axis=1, kind="stable")
+        joints = np.take_along_axis(self.joints, order, axis=1)
+        return joints, np.take_along_axis(self.weights, order, axis=1)
+
     def clip(self, name: str) -> Clip:
         """The clip of that name.
 

@@ -42,11 +42,12 @@ class Skinner:
         if len(self._skeleton) > 65536:
             raise ValueError(f"Skinner: expected up to 65536 joints, got {len(self._skeleton)}")
         self._shape = character.vertices.shape
+        joints, weights = character.influences
         self._mesh = Mesh(
             np.ascontiguousarray(character.vertices),
             np.ascontiguousarray(character.normals),
-            np.ascontiguousarray(character.joints),
-            np.ascontiguousarray(character.weights),
+            np.ascontiguousarray(joints),
+            np.ascontiguousarray(weights),
         )
 
     def skin(self, local_pose: Motor | Similarity) -> tuple[Floats32, Floats32]:

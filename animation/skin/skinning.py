@@ -6,7 +6,7 @@ motion. ``linear`` sums matrices, which shrinks a surface where its joints diffe
 and are one and the same by theory; they bulge a little where joints bend. ``similarity`` grows as
 well. For one pose after another in real time see `Skinner`.
 Sources: Magnenat-Thalmann, Laperrière, Thalmann (1988) for linear; Kavan, Collins, Zara, O'Sullivan
-(2007) for dual quaternions, whose signs are taken from a vertex's first joint.
+(2007) for dual quaternions, whose signs are taken from a vertex's heaviest joint.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def skin(
 
 def _sums(character: Character, entries: FloatArray, with_signs: bool) -> FloatArray:
     """Weighted sums of palette entries ``(*, V, 8 or 12)``."""
-    joints, weights = character.joints, character.weights
+    joints, weights = character.influences
     first = entries[..., joints[:, 0], :]
     total: FloatArray = first * weights[:, 0, None]
     for k in range(1, 4):
