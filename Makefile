@@ -1,6 +1,7 @@
 # make demo   the whole pipeline on an embedded synthetic recording, into out/demo
 # make test   the test suite         make test-slow   its tests that take longer
 # make lint   ruff and mypy          make wheel   build and check the wheel
+# make mutation   whether the tests notice small faults in MUTATED (hours; resumes)
 # make kernels   generate the kernels from their definitions
 # Each prepares what it needs by itself: environment, dependencies, compiled kernels.
 
@@ -11,7 +12,7 @@ ROOMS   := ga tracking fusion animation render replays
 READY   := $(VENV)/.ready
 NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/generated/c/* $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/native/generated/*.$(kind))))
 
-.PHONY: demo test test-slow lint wheel kernels names system clean
+.PHONY: demo test test-slow mutation lint wheel kernels names system clean
 .DEFAULT_GOAL := demo
 
 demo: $(READY) system
@@ -22,6 +23,11 @@ test: $(READY) system
 
 test-slow: $(READY) system
 	$(BIN)/python -m pytest -q -n 2 --dist loadgroup -m slow
+
+# Names modules or folders of one room; see tests/mutation/__main__.py.
+MUTATED ?= $(wildcard ga/*.py) ga/algebra ga/codegen/passes ga/conversions ga/rivals ga/script ga/versors
+mutation: $(READY)
+	$(BIN)/python -m tests.mutation $(MUTATED)
 
 lint: $(READY) names
 	$(BIN)/ruff check .

@@ -1,0 +1,84 @@
+"""Which tests reach which lines, and how long each takes: one run of the tests under coverage."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from coverage import CoverageData
+from tests.mutation.mutants import Mutant
+from tests.mutation.running import Watch, forked, run_tests
+
+__all__ = ["Measured", "measured"]
+
+_LONGEST_S = 3600.0
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a run of the tests told: seconds of each that passed, lines with their tests."""
+
+    seconds: dict[str, float]
+    lines: CoverageData
+
+    def tests_of(self, file: Path, mutant: Mutant, most_s: float) -> list[str]:
+        """Tests that reach a mutant, those of one file together, quick ones first.
+
+        Of all that reach it as many as take `most_s` together; at least one parameter of each test
+        function comes before the second of any.
+        """
+        contexts = self.lines.contexts_by_lineno(str(file.resolve()))
+        first, last = (1, max(contexts, default=1)) if mutant.at_import else mutant.lines
+        names = {
+            name.rpartition("|")[0] for k in range(first, last + 1) for name in contexts.get(k, ())
+        }
+        turns: Counter[str] = Counter()
+        ranked = []
+        for name in sorted(
+            names & self.seconds.keys(), key=lambda name: (self.seconds[name], name)
+        ):
+            function = name.partition("[")[0]
+            ranked.append((turns[function], self.seconds[name], name))
+            turns[function] += 1
+        chosen, spent = [], 0.0
+        for _, seconds, name in sorted(ranked):
+            spent += seconds
+            if chosen and spent > most_s:
+                break
+            chosen.append(name)
+        return self._by_file(chosen)
+
+    def _by_file(self, names: list[str]) -> list[str]:
+        cost: Counter[str] = Counter()
+        for name in names:
+            cost[name.partition("::")[0]] += self.seconds[name]  # type: ignore[assignment]
+        return sorted(names, key=lambda name: cost[name.partition("::")[0]])
+
+
+def measured(room: str, tests: Iterable[Path], folder: Path, *, anew: bool) -> Measured:
+    """What is kept in a folder of a run of these tests, after that run where there was none yet."""
+    name = "+".join(path.as_posix().replace("/", ".") for path in tests)
+    kept, lines = folder / f"{name}.json", folder / f"{name}.coverage"
+    if anew or not kept.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        lines.unlink(missing_ok=True)
+        os.environ["COVERAGE_FILE"] = str(lines)
+        watch = forked(lambda: _run(room, tests), _LONGEST_S)
+        for failed in watch.failed:
+            print(f"left out, it fails: {failed}", flush=True)
+            watch.seconds.pop(failed, None)
+        kept.write_text(json.dumps(watch.seconds), encoding="utf-8")
+    data = CoverageData(str(lines))
+    data.read()
+    return Measured(json.loads(kept.read_text("utf-8")), data)
+
+
+def _run(room: str, tests: Iterable[Path]) -> Watch:
+    watch = Watch()
+    options = [f"--cov={room}", "--cov-context=test", "--cov-report="]
+    run_tests(watch, *options, *(str(path) for path in tests))
+    return watch
