@@ -11,20 +11,25 @@ from motorcade.render.light.harmonics import harmonics, irradiance_factors, rota
 from motorcade.render.light.lamps import (
     character_lighting,
     estimated_lighting,
+    light_on,
     sun_share,
     sunlight_direction,
     viewer_frame,
 )
+from motorcade.render.light.prints import Prints, lighting_without_depth
 
 __all__ = [
     "LightEstimate",
+    "Prints",
     "ShadedPoints",
     "character_lighting",
     "estimate_light",
     "estimated_lighting",
     "harmonics",
     "irradiance_factors",
+    "light_on",
     "lighting_of_footage",
+    "lighting_without_depth",
     "rotate_harmonics",
     "shaded_points",
     "sun_share",

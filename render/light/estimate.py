@@ -22,7 +22,7 @@ from motorcade.render.light.harmonics import harmonics, rotate_harmonics
 from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.tracking.camera import Camera
 
-__all__ = ["LightEstimate", "ShadedPoints", "estimate_light", "shaded_points"]
+__all__ = ["LightEstimate", "ShadedPoints", "estimate_light", "linear", "shaded_points"]
 
 HUE_STEP = 0.05
 """Width of a cell of log red and log blue over brightness that counts as one paint."""
@@ -149,7 +149,7 @@ def shaded_points(
     return ShadedPoints(
         world_T_camera.apply(_at(known, camera, r, c)),
         world_T_camera.rotor.apply(normals),
-        _linear(shown[fit] / 255.0),
+        linear(shown[fit] / 255.0),
     )
 
 
@@ -235,6 +235,6 @@ def _at(
     return np.stack([x * depth, y * depth, depth], axis=1)
 
 
-def _linear(color: FloatArray) -> FloatArray:
+def linear(color: FloatArray) -> FloatArray:
     """Linear light of sRGB values from 0 to 1 (IEC 61966-2-1)."""
     return np.asarray(np.where(color < 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4))

@@ -124,16 +124,30 @@ def sun_share(lighting: Lighting, point_m: FloatArray, normal: FloatArray) -> fl
     Returns:
         0 to 1, of linear light; intensities are in pyrender's units, where a sun of π gives 1.
     """
+    direct, other = (float(np.mean(part)) for part in light_on(lighting, point_m, normal))
+    return direct / (direct + other) if direct > 0.0 else 0.0
+
+
+def light_on(
+    lighting: Lighting, point_m: FloatArray, normal: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Light that the sun sends to a surface where nothing hides it, and all other: (3,) each.
+
+    Args:
+        lighting: the light of the scene.
+        point_m: (3,) on the surface, world.
+        normal: (3,) unit, world.
+    """
     sun = np.array(lighting.sun.direction)
     facing = max(0.0, -float(np.dot(sun, normal)) / float(np.linalg.norm(sun)))
-    direct = facing * lighting.sun.intensity * float(np.mean(lighting.sun.color)) / np.pi
-    other = float(np.mean(lighting.ambient))
+    direct = facing * lighting.sun.intensity / np.pi * np.array(lighting.sun.color)
+    other = np.array(lighting.ambient)
     for lamp in lighting.lamps:
         step = np.array(lamp.position_m) - point_m
         distance = float(np.linalg.norm(step))
         cosine = max(0.0, float(np.dot(step, normal)) / distance)
-        other += cosine * lamp.intensity * float(np.mean(lamp.color)) / (np.pi * distance**2)
-    return direct / (direct + other) if direct > 0.0 else 0.0
+        other = other + cosine * lamp.intensity / (np.pi * distance**2) * np.array(lamp.color)
+    return direct, other
 
 
 def _row(vector: FloatArray) -> tuple[float, float, float]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.render.light import Prints
 from motorcade.replays.recording import Frame, Recording
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.tracking import Board
@@ -25,7 +26,9 @@ from motorcade.tracking.planes import (
     find_planes_in_depth,
 )
 
-__all__ = ["Ground", "ground_on_board", "ground_on_floor", "ground_on_plane", "upward"]
+__all__ = [
+    "Ground", "ground_on_board", "ground_on_floor", "ground_on_plane", "prints_of", "upward",
+]  # fmt: skip
 
 FLOOR_HEIGHT_M = 1.75
 FARTHEST_M = 4.0
@@ -83,6 +86,19 @@ def ground_on_board(recording: Recording, camera_poses: CameraPoses) -> Ground |
     side_m = float(known.side_m[base])
     name = f"marker {known.marker_ids[base]}"
     return Ground(known.world_T_marker[base], (0.5 * side_m, -0.5 * side_m), side_m, name)
+
+
+def prints_of(recording: Recording, camera_poses: CameraPoses) -> Prints | None:
+    """Boards and markers whose place in the world is known; None where there are none."""
+    if recording.board is not None and camera_poses.origin in ("board", "simulated"):
+        points = recording.board.points_m[:, :2]
+        low, high = points.min(axis=0)[None], points.max(axis=0)[None]
+        return Prints(recording.world_T_board.reshape(1), low, high)
+    if camera_poses.marker_map is None:
+        return None
+    known = MarkerMap.load(camera_poses.marker_map)
+    side = known.side_m[:, None]
+    return Prints(known.world_T_marker, side * [0.0, -1.0], side * [1.0, 0.0])
 
 
 def ground_on_plane(

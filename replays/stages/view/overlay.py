@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -20,19 +19,20 @@ from motorcade.render import (
     render_overlay,
     write_video,
 )
-from motorcade.render.light import lighting_of_footage
+from motorcade.render.light import Prints, lighting_of_footage, lighting_without_depth
 from motorcade.render.matching import Matching
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
+from motorcade.render.video.ahead import ahead
 from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.engine.artifacts import ASIDE, new_file
 from motorcade.replays.engine.graph import Unavailable
 from motorcade.replays.engine.progress import track
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Frame, Recording
+from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.smoothed import Smoothed
+from motorcade.replays.stages.view.ground import prints_of
 from motorcade.replays.stages.view.placed import Placed
-
-log = logging.getLogger("motorcade")
 
 # Frames, spread over the recording, from which light is estimated.
 LIT_FRAMES = 8
@@ -55,6 +55,7 @@ class Overlay:
 
 def overlay(
     recording: Recording,
+    camera_poses: CameraPoses,
     smoothed: Smoothed,
     placed: Placed,
     *,
@@ -70,10 +71,11 @@ def overlay(
 
     `representation` says along which of the smoothed paths; without it, the first of them.
     `renderer` draws: "fast", or "pyrender" (docs/rendering.md says when to take which).
-    `light=estimated` takes sun and ambient light from frames with depth, and keeps the fixed light
-    where none tell. `lens=bend` leaves the footage as it was taken and bends what is drawn as the
-    lens does; otherwise the footage is straightened. `gain` brightens what is drawn, `exposure_s`
-    blurs it by the motion in that time, `noise` (of 255; none: each frame's own) grains it.
+    `light=estimated` takes sun and ambient light from frames with depth; without depth it takes
+    brightness and colour from board or markers, else from the pictures' mean, and no direction.
+    `lens=bend` leaves the footage as it was taken and bends what is drawn as the lens does;
+    otherwise the footage is straightened. `gain` brightens what is drawn, `exposure_s` blurs it by
+    the motion in that time, `noise` (of 255; none: each frame's own) grains it.
     Frames without a pose (before the first, after the last) are shown as they are. Where the
     recording has depth, what is nearer hides the character. Raises `Unavailable` without OpenGL and
     for recordings of corners, which hold no pictures, and ValueError without a camera or for a
@@ -92,7 +94,10 @@ def overlay(
         )
     start = time.perf_counter()
     footage = _Footage(recording, bent=lens == "bend")
-    found = _estimated(footage, path, placed, character) if light == "estimated" else None
+    lighting, lit_by = None, "a fixed light"
+    if light == "estimated":
+        prints = prints_of(recording, camera_poses)
+        lighting, lit_by = _estimated(footage, path, placed, character, prints)
     pictures = render_overlay(
         footage.frames(track(recording.frames, "drawing", len(recording.frames))),
         footage.camera,
@@ -100,7 +105,7 @@ def overlay(
         character,
         clip,
         placed.placement,
-        lighting=found,
+        lighting=lighting,
         matching=Matching(gain, exposure_s, noise),
         renderer=_known(renderer),
     )
@@ -114,26 +119,25 @@ def overlay(
         footage.drawn_into,
         len(recording.frames),
         placed.stands_on,
-        "light estimated from the footage" if found is not None else "a fixed light",
+        lit_by,
         "original" if lens == "bend" else "undistorted",
         time.perf_counter() - start,
     )
 
 
 def _estimated(
-    footage: _Footage, path: Trajectory, placed: Placed, character: Character
-) -> Lighting | None:
-    """The light of a few straightened frames, spread over the recording; None without depth."""
+    footage: _Footage, path: Trajectory, placed: Placed, character: Character, prints: Prints | None
+) -> tuple[Lighting, str]:
+    """The light of a few straightened frames, spread over the recording, and what told it."""
     frames = footage.recording.frames
-    some = [frames[int(k)] for k in np.unique(np.linspace(0, len(frames) - 1, LIT_FRAMES).round())]
+    some = np.unique(np.linspace(0, len(frames) - 1, LIT_FRAMES).round())
     straight = _Footage(footage.recording, bent=False)
+    seen = list(straight.frames(frames[int(k)] for k in some))
     height_m = placed.placement.scale * character.height_m
-    found = lighting_of_footage(
-        straight.frames(some), straight.camera, path, placed.placement, height_m
-    )
-    if found is None:
-        log.warning("overlay.light=estimated: no depth to tell the light by; the fixed one is kept")
-    return found
+    found = lighting_of_footage(seen, straight.camera, path, placed.placement, height_m)
+    if found is not None:
+        return found, "light estimated from surfaces with depth"
+    return lighting_without_depth(seen, straight.camera, path, placed.placement, height_m, prints)
 
 
 class _Footage:
@@ -154,13 +158,16 @@ class _Footage:
         self, frames: Iterable[Frame]
     ) -> Iterator[tuple[int, ImageArray, DepthArray | None]]:
         """Stamp, picture and depth of frames."""
-        for frame in frames:
-            picture, depth_m = frame.image(), frame.depth_m()
-            if not self._bent:
-                picture = self._taken_by.undistort_image(picture)
-                depth_m = None if depth_m is None else self._taken_by.undistort_depth(depth_m)
+        for time_ns, picture, depth_m in ahead(self._prepared, frames):
             self._given = picture
-            yield frame.time_ns, picture, depth_m
+            yield time_ns, picture, depth_m
+
+    def _prepared(self, frame: Frame) -> tuple[int, ImageArray, DepthArray | None]:
+        picture, depth_m = frame.image(), frame.depth_m()
+        if not self._bent:
+            picture = self._taken_by.undistort_image(picture)
+            depth_m = None if depth_m is None else self._taken_by.undistort_depth(depth_m)
+        return frame.time_ns, picture, depth_m
 
     def counted(self, pictures: Iterable[ImageArray]) -> Iterator[ImageArray]:
         """The drawn frames as they are."""
