@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga import IntArray
 from motorcade.render.scene import ImageArray
+from motorcade.render.video.ahead import ahead
 
 CLOCKS_HZ = {".mp4": 90_000, ".mkv": 1000}
 QUALITY = 18
@@ -101,20 +102,29 @@ def _encode(path: Path, frames: Iterable[ImageArray], ticks: IntArray) -> None:
             "ffv1" if lossless else "libx264", rate=_usual_rate(ticks, clock)
         )
         _set_up(stream, lossless, clock)
-        count = 0
-        shape: tuple[int, ...] = ()
-        for picture in frames:
-            shape = _checked_shape(picture, shape, count, len(ticks))
+
+        def packets(numbered: tuple[int, ImageArray]) -> Any:
+            number, picture = numbered
             frame = _frame(picture, lossless)
-            if count == 0:
+            if number == 0:
                 stream.height, stream.width = frame.height, frame.width
-            frame.pts = int(ticks[count])
-            frame.time_base = clock
-            file.mux(stream.encode(frame))
-            count += 1
-        if count != len(ticks):
-            raise ValueError(f"write_video(frames): expected {len(ticks)} frames, got {count}")
+            frame.pts, frame.time_base = int(ticks[number]), clock
+            return stream.encode(frame)
+
+        for some in ahead(packets, _checked(frames, len(ticks))):
+            file.mux(some)
         file.mux(stream.encode(None))
+
+
+def _checked(frames: Iterable[ImageArray], expected: int) -> Iterator[tuple[int, ImageArray]]:
+    """Frames with their numbers: as many as expected, all of the first one's shape."""
+    count = 0
+    shape: tuple[int, ...] = ()
+    for count, picture in enumerate(frames, 1):
+        shape = _checked_shape(picture, shape, count - 1, expected)
+        yield count - 1, picture
+    if count != expected:
+        raise ValueError(f"write_video(frames): expected {expected} frames, got {count}")
 
 
 def _set_up(stream: Any, lossless: bool, clock: Fraction) -> None:
