@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.screening import refuse_movement
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import FloatArray, IntArray, checked_floats
 
@@ -135,14 +136,22 @@ def allan_deviation(
 def estimate_noise(imu: ImuStream) -> StreamNoise:
     """Noise densities of a sensor that stood still, by its Allan curves.
 
-    Samples are taken as even at the stream's median interval. Temperature, vibration and
-    movement all count as noise; where the walk does not rise out of the white noise within a ninth
-    of the recording it is uncertain, and its deviation says so.
+    Samples are taken as even at the stream's median interval. Temperature and vibration count as
+    noise; where the walk does not rise out of the white noise within a ninth of the recording it
+    is uncertain, and its deviation says so.
 
     Raises:
-        ValueError: a recording of fewer than 100 samples, or with gaps, or noise that is zero.
+        ValueError: a recording of fewer than 100 samples, or with gaps, or of a sensor that moved
+            (see `refuse_movement`), or noise that is zero.
     """
     _check_even(imu)
+    try:
+        refuse_movement(imu)
+    except ValueError as moved:
+        raise ValueError(
+            f"{moved}; Allan deviation takes all that moves for noise: record hours at rest, or "
+            "cut the recording to where it lies still"
+        ) from moved
     curves = [
         allan_deviation(values, imu.rate_hz)
         for values in (imu.angular_rate_rad_s, imu.specific_force_m_s2)

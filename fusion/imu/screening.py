@@ -28,6 +28,11 @@ _TURN_WINDOW_S = 0.1
 _TURN_DEVIATIONS = 6.0
 _FEWEST_TURNS = 30
 _GAP_MEDIANS = 1.75
+# Means of windows that differ from the next by more are those of a sensor that moves: drift of the
+# biases is far slower. Noise may add so many deviations of such a difference.
+_TURNS_RAD_S = 0.05
+_PUSHED_M_S2 = 0.3
+_NOISE_DEVIATIONS = 6.0
 
 
 def screen_imu(imu: ImuStream) -> tuple[str, ...]:
@@ -71,6 +76,36 @@ def refuse_degrees(imu: ImuStream) -> None:
             "angular_rate_rad_s: expected radians a second, got readings by which gravity turns "
             f"{share:.4f} times as far, as in degrees a second; multiply by {np.deg2rad(1.0):.8g}"
         )
+
+
+def refuse_movement(imu: ImuStream) -> None:
+    """Refuse a stream of a sensor that did not lie still.
+
+    Means over half seconds are compared with the next. Vibration averages out in them and passes,
+    as does what is slower than 0.05 rad/s or 0.3 m/s² in half a second, and turning evenly about
+    the vertical, which looks like a bias.
+
+    Raises:
+        ValueError: with the largest of the differences, and when it was.
+    """
+    count = max(2, round(_WINDOW_S * imu.rate_hz))
+    for name, values, limit, unit in (
+        ("angular rate", imu.angular_rate_rad_s, _TURNS_RAD_S, "rad/s"),
+        ("specific force", imu.specific_force_m_s2, _PUSHED_M_S2, "m/s²"),
+    ):
+        windows = _windows(values, count)
+        if len(windows) < 2:
+            return
+        change = np.linalg.norm(np.diff(np.mean(windows, axis=1), axis=0), axis=-1)
+        # White noise: the means differ by √count less than neighbouring samples.
+        noise = np.sqrt(np.mean(np.sum(np.diff(windows, axis=1) ** 2, axis=-1)) / count)
+        largest = int(np.argmax(change))
+        if change[largest] > limit + _NOISE_DEVIATIONS * noise:
+            raise ValueError(
+                f"imu: expected a sensor at rest, got one that moves: its mean {name} over half a "
+                f"second changes by {change[largest]:.3g} {unit} into the next, "
+                f"{(largest + 1) * count / imu.rate_hz:.1f} s after its first sample"
+            )
 
 
 def _felt_at_rest(imu: ImuStream) -> float | None:

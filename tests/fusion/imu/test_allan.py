@@ -15,9 +15,12 @@ from motorcade.fusion.imu import (
     simulate_imu,
 )
 from motorcade.fusion.imu.allan import fitted_noise
+from motorcade.fusion.imu.screening import refuse_movement
+from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.motion import Factor, Motion
 from motorcade.fusion.motions.signals import Polynomial
 from motorcade.ga import FloatArray, Motor
+from motorcade.replays.readers.inertial import read_imu
 
 STANDING = Motion((Factor(np.zeros(6), Polynomial((1.0,))),), Motor)
 
@@ -134,3 +137,50 @@ def test_what_has_no_allan_deviation_is_refused(rng):
         estimate_noise(ImuStream(gapped, noise, noise))
     with pytest.raises(ValueError, match="expected noise on axis 1, got readings that do not"):
         estimate_noise(ImuStream(stamps, noise, noise * [1.0, 0.0, 1.0]))
+
+
+@pytest.mark.parametrize("name", ["handheld", "walk_and_look", "distant_circle", "stop_and_go"])
+def test_a_sensor_that_moves_is_refused(name, rng):
+    path = ContinuousPath.along(MOTIONS[name], 20.0)
+    moving = simulate_imu(path, 200.0, ADIS16448, rng).stream
+    with pytest.raises(ValueError, match=r"at rest, got one that moves: .*; Allan deviation takes"):
+        estimate_noise(moving)
+
+
+def test_a_flight_is_refused(data_dir):
+    with pytest.raises(ValueError, match="at rest, got one that moves: its mean angular rate"):
+        estimate_noise(read_imu(data_dir / "imu/V102_imu.txt"))
+
+
+@pytest.mark.parametrize("noise", [1.0, 10.0, 100.0])
+def test_a_sensor_at_rest_passes_however_noisy_and_drifting(noise, rng):
+    sizes = noise * np.array([1.7e-4, 1.9e-5, 2e-3, 3e-3])
+    path = ContinuousPath.along(STANDING, 300.0)
+    refuse_movement(simulate_imu(path, 100.0, ImuNoise(*sizes), rng).stream)
+
+
+@pytest.mark.parametrize(
+    ("turned", "pushed", "said"),
+    [
+        (0.045, 0.0, None),
+        (0.0, 0.29, None),
+        (0.06, 0.0, "its mean angular rate over half a second changes by 0.06 rad/s"),
+        (0.0, 0.32, "its mean specific force over half a second changes by 0.32 m/s²"),
+    ],
+)
+def test_what_is_a_movement_is_told_with_its_time(turned, pushed, said):
+    """Readings that step once, at 7 s, as those of a sensor that was touched; no noise."""
+    stamps = np.arange(2000) * 10_000_000
+    after = (np.arange(2000) >= 700)[:, None]
+    rate, force = after * [0.0, turned, 0.0], np.array([0.0, 0.0, 9.81]) + after * [pushed, 0, 0]
+    touched = ImuStream(stamps, rate, force)
+    if said is None:
+        refuse_movement(touched)
+        return
+    with pytest.raises(ValueError, match=f"{said} into the next, 7.0 s after its first sample"):
+        refuse_movement(touched)
+
+
+def test_too_short_a_recording_says_nothing_of_movement(rng):
+    stamps = np.arange(99) * 10_000_000
+    refuse_movement(ImuStream(stamps, rng.standard_normal((99, 3)), np.zeros((99, 3))))
