@@ -15,7 +15,7 @@ import numpy as np
 from motorcade.animation.formats.errors import FormatError
 from motorcade.ga import FloatArray, Motor, Rotor
 
-__all__ = ["Transforms", "turned"]
+__all__ = ["Transforms"]
 
 # How far from one uniform scale the axes may be, as a share of it, before a block counts as
 # sheared. Files with six printed digits, and matrices split into float32 parts, stay below.
@@ -44,13 +44,6 @@ class Transforms:
     def shape(self) -> tuple[int, ...]:
         """Batch shape."""
         return self.scale.shape
-
-    @staticmethod
-    def identity(shape: tuple[int, ...]) -> Transforms:
-        """Transforms that move nothing."""
-        wxyz = np.zeros((*shape, 4))
-        wxyz[..., 0] = 1.0
-        return Transforms(wxyz, np.zeros((*shape, 3)), np.ones(shape))
 
     @staticmethod
     def from_parts(wxyz: FloatArray, translation: FloatArray, scales: FloatArray) -> Transforms:
@@ -126,14 +119,6 @@ class Transforms:
             np.concatenate([part.scale for part in parts]),
             blocks,
         )
-
-
-def turned(wxyz: FloatArray, vector: FloatArray) -> FloatArray:
-    """Vectors (*, 3) turned by unit quaternions (*, 4)."""
-    w, v = wxyz[..., :1], wxyz[..., 1:]
-    half = np.cross(v, vector)
-    moved: FloatArray = vector + 2.0 * (w * half + np.cross(v, half))
-    return moved
 
 
 def _not_zero(scale: FloatArray) -> FloatArray:

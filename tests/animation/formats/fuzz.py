@@ -5,7 +5,8 @@
 Small files of every format are made here and mutated: bytes, words, JSON values. Where the real
 rigs lie in the folder, some of them are mutated too. The program ends with 1 where anything but a
 `FormatError` came out, a value is not finite, an input took too long, or memory grew beyond
-bounds; it then names the input, which the same seed makes again.
+bounds; it then names the input, which the same seed makes again. Broken inputs are kept in the
+folder that FUZZ_KEEP names.
 """
 
 from __future__ import annotations
@@ -102,6 +103,7 @@ def run(
     small, real = sources(data)
     ended: Counter[str] = Counter()
     faults: list[str] = []
+    slowest = (0.0, "none")
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("error")
         for number in range(inputs):
@@ -120,11 +122,13 @@ def run(
                 if kept:
                     (Path(kept) / f"{number}{suffix}").write_bytes(path.read_bytes())
             seconds = time.perf_counter() - start
+            slowest = max(slowest, (seconds, f"input {number} ({suffix}, {path.stat().st_size} B)"))
             if seconds > SLOWEST_S:
                 faults.append(f"input {number} ({suffix}) took {seconds:.1f} s")
                 tell(faults[-1])
             if number % 5000 == 4999:
                 tell(f"{number + 1} inputs: {dict(ended)}, {memory_bytes() >> 20} MiB at most")
+    tell(f"slowest: {slowest[1]} in {slowest[0]:.2f} s")
     return ended, faults
 
 
