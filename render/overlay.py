@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import product
 
 import cv2
 import numpy as np
@@ -10,12 +12,13 @@ from numpy.typing import ArrayLike
 
 from motorcade.animation import Character, Clip, Placement, skin
 from motorcade.animation.skin import Skinner
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory, checked_floats
+from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory, checked_floats
 from motorcade.render.backends.renderer import Renderer, RendererName, new_renderer
 from motorcade.render.composite import as_rgb, darken, over
 from motorcade.render.lens import LensWarp
-from motorcade.render.light import character_lighting, sun_share, sunlight_direction
+from motorcade.render.light import Prints, character_lighting, sun_share, sunlight_direction
 from motorcade.render.matching import Matching, blended, exposed, frame_noise, noisy
+from motorcade.render.occluders import known_depth
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting, Surface
 from motorcade.render.shadow import (
     BYTES_POWER,
@@ -23,6 +26,7 @@ from motorcade.render.shadow import (
     ground_depth,
     ground_shade,
     shade_in_picture,
+    shade_step_m,
 )
 from motorcade.tracking.camera import Camera
 
@@ -30,6 +34,9 @@ from motorcade.tracking.camera import Camera
 SHADOW_REACH = 1.6
 # What stands higher than this above the ground, in heights of the character, takes no shadow.
 LOW = 0.1
+# A clip travels when the figure comes farther than this from its place, in heights, at one of these
+# many moments.
+TRAVELS, MOMENTS = 0.4, 64
 
 StampedFrame = tuple[int, ImageArray] | tuple[int, ImageArray, DepthArray | None]
 
@@ -46,6 +53,7 @@ def render_overlay(
     lighting: Lighting | None = None,
     look: ShadowLook | None = None,
     matching: Matching | None = None,
+    prints: Prints | None = None,
     renderer: RendererName = "fast",
 ) -> Iterator[ImageArray]:
     """Draw a placed character with its shadow into every frame that has a pose.
@@ -69,6 +77,8 @@ def render_overlay(
         lighting: all the light, in place of one that is made for the viewer.
         look: of the shadow.
         matching: how what is drawn is fitted to the footage; its noise is the same in every run.
+        prints: boards and markers whose place is known: where a frame has no depth, they and the
+            ground hide what is behind them.
         renderer: that draws; see `new_renderer`.
 
     Yields:
@@ -77,13 +87,12 @@ def render_overlay(
     Raises:
         RenderUnavailable: this machine has no OpenGL.
         ValueError: a frame of another size, light from below ground, a direction and a lighting
-            both, a lens too wide to be bent, or an
-            unknown renderer.
+            both, a lens too wide to be bent, or an unknown renderer.
     """
     if light_direction is not None and lighting is not None:
         raise ValueError("render_overlay: expected light_direction or lighting, got both")
     light = lighting or _usual_light(placement, world_T_camera, character, light_direction)
-    stage = _Stage(camera, character, clip, placement, light, look or ShadowLook())
+    stage = _Stage(camera, character, clip, placement, light, look or ShadowLook(), prints)
     matched = matching or Matching()
     rng = np.random.default_rng(0)
     span_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
@@ -106,7 +115,7 @@ def render_overlay(
             drawn = [
                 stage.draw(
                     drawing, world_T_camera.motors_at(moment), 1e-9 * (moment - start_ns),
-                    with_ground=depth_m is not None,
+                    measured=depth_m is not None,
                 )
                 for moment in np.clip(matched.moments_ns(time_ns), *span_ns)
             ]  # fmt: skip
@@ -132,8 +141,16 @@ def _usual_light(
     return character_lighting(placement, cameras, placement.scale * character.height_m, direction)
 
 
-Drawn = tuple[Layer, FloatArray | None, DepthArray | None]
-"""What is drawn at one moment: layer, shade in bytes, and where asked the depth of the ground."""
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """One moment in the footage's pixels: layer, shade in bytes, where depth was measured the depth
+    of the ground, and where not the depth of what is known to hide the figure.
+    """
+
+    layer: Layer
+    shade: FloatArray | None
+    ground_m: DepthArray | None
+    known_m: DepthArray | None
 
 
 class _Stage:
@@ -147,10 +164,12 @@ class _Stage:
         placement: Placement,
         lighting: Lighting,
         look: ShadowLook,
+        prints: Prints | None,
     ) -> None:
         self.lens = LensWarp(camera)
         self._skinner = Skinner(character, "linear")
         self.character, self.clip, self.placement, self.look = character, clip, placement, look
+        self.lighting, self.prints = lighting, prints
         self.height_m = placement.scale * character.height_m
         stand = placement.world_T_character
         sun = np.array(lighting.sun.direction) / np.linalg.norm(lighting.sun.direction)
@@ -158,6 +177,7 @@ class _Stage:
         up = stand.rotor.apply(np.array([0.0, 0.0, 1.0]))
         self.strength = sun_share(lighting, stand.translation_m, up)
         self.half_width_m = SHADOW_REACH * self.height_m
+        self._travels = _travels(character, clip)
         self.surface = Surface(
             placement.apply(character.vertices),
             stand.rotor.apply(character.normals),
@@ -167,30 +187,53 @@ class _Stage:
         )
 
     def draw(
-        self, renderer: Renderer, world_T_camera: Motor, time_s: float, *, with_ground: bool
-    ) -> Drawn:
+        self, renderer: Renderer, world_T_camera: Motor, time_s: float, *, measured: bool
+    ) -> _Drawn:
         """The character and its shade at one moment, as the footage's camera sees them."""
         vertices, normals = self._skinned(self.clip.at(time_s))
-        stand = self.placement.world_T_character
-        renderer.move(0, self.placement.apply(vertices), stand.rotor.apply(normals))
+        stand, own_m = self.placement.world_T_character, self.placement.scale * vertices
+        renderer.move(0, stand.apply(own_m), stand.rotor.apply(normals))
+        center_m = self._center(own_m)
+        if self._travels:
+            renderer.relight(self.lighting.moved_by(stand.rotor.apply(center_m)))
         pinhole = self.lens.pinhole
         layer = self.lens.layer(renderer.render(pinhole, world_T_camera))
+        camera_T_ground = world_T_camera.inverse() @ stand
+        shade = self._shade(own_m, center_m, camera_T_ground)
+        if measured:
+            ground = ground_depth(pinhole, camera_T_ground).astype(np.float32)
+            return _Drawn(layer, shade, self.lens.depth(ground), None)
+        hull_m = stand.apply(_box(own_m))
+        known = known_depth(pinhole, world_T_camera, hull_m, self.prints, stand)
+        return _Drawn(layer, shade, None, None if known is None else self.lens.depth(known))
+
+    def _center(self, own_m: FloatArray) -> FloatArray:
+        """Where on the ground light and shadow are made for: (3,) under a figure that travels.
+
+        It moves by whole cells of the shadow's coarsest grid, so that a shadow never shimmers.
+        """
+        if not self._travels:
+            return np.zeros(3)
+        step_m = shade_step_m(self.half_width_m)
+        middle = 0.5 * (own_m[:, :2].min(axis=0) + own_m[:, :2].max(axis=0))
+        return np.append(step_m * np.rint(middle / step_m), 0.0)
+
+    def _shade(
+        self, own_m: FloatArray, center_m: FloatArray, camera_T_ground: Motor
+    ) -> FloatArray | None:
+        """The share of the stored values that the figure takes from each pixel's ground."""
         shade = ground_shade(
-            self.placement.scale * vertices,
+            own_m - center_m,
             self.character.triangles,
             self.ground_light,
             self.half_width_m,
             self.look,
             self.strength,
         )
-        camera_T_ground = world_T_camera.inverse() @ stand
         stored = 1.0 - (1.0 - np.clip(shade, 0.0, 1.0)) ** BYTES_POWER
-        seen = shade_in_picture(stored, self.half_width_m, pinhole, camera_T_ground)
-        bent = seen if seen is None else self.lens.smooth(seen)
-        if not with_ground:
-            return layer, bent, None
-        ground = ground_depth(pinhole, camera_T_ground).astype(np.float32)
-        return layer, bent, self.lens.depth(ground)
+        camera_T_shade = camera_T_ground @ Motor.from_rotor_translation(Rotor.identity(), center_m)
+        seen = shade_in_picture(stored, self.half_width_m, self.lens.pinhole, camera_T_shade)
+        return seen if seen is None else self.lens.smooth(seen)
 
     def _skinned(self, pose: Motor | Similarity) -> tuple[FloatArray, FloatArray]:
         """Vertices and normals in character space, compiled where joints are rigid."""
@@ -202,25 +245,41 @@ class _Stage:
     def laid_over(
         self,
         frame: ImageArray,
-        drawn: list[Drawn],
+        drawn: list[_Drawn],
         depth_m: DepthArray | None,
         matching: Matching,
         rng: np.random.Generator,
     ) -> ImageArray:
         """One frame: the shade on the ground, then the character over it."""
-        layer = exposed(blended([one[0] for one in drawn]), matching.gain)
-        shades = [one[1] for one in drawn if one[1] is not None]
-        if depth_m is not None:
+        layer = exposed(blended([one.layer for one in drawn]), matching.gain)
+        middle = drawn[len(drawn) // 2]
+        hiding_m = middle.known_m if depth_m is None else depth_m
+        if hiding_m is not None:
             layer = Layer(layer.rgba, _depth_to_the_rim(layer))
         sigma = frame_noise(frame) if matching.noise is None else matching.noise
+        shades = [one.shade for one in drawn if one.shade is not None]
         if shades:
             shade = shades[0] if len(shades) == 1 else np.mean(shades, axis=0)
-            ground = drawn[len(drawn) // 2][2]
-            if depth_m is not None and ground is not None:
-                above = (depth_m > 0.0) & (depth_m < ground - LOW * self.height_m)
+            if depth_m is not None and middle.ground_m is not None:
+                above = (depth_m > 0.0) & (depth_m < middle.ground_m - LOW * self.height_m)
                 shade = np.where(above, 0.0, shade)
             frame = darken(frame, shade)
-        return noisy(over(frame, layer, depth_m), layer.rgba[..., 3] / 255.0, sigma, rng)
+        return noisy(over(frame, layer, hiding_m), layer.rgba[..., 3] / 255.0, sigma, rng)
+
+
+def _travels(character: Character, clip: Clip) -> bool:
+    """Whether a clip takes its character away from where it was placed."""
+    moments = np.linspace(0.0, clip.duration_s, MOMENTS)
+    places_m = character.skeleton.world(clip.at(moments)).translation_m[..., :2]
+    middle_m = 0.5 * (places_m.min(axis=1) + places_m.max(axis=1))
+    return bool(np.linalg.norm(middle_m, axis=-1).max() > TRAVELS * character.height_m)
+
+
+def _box(points_m: FloatArray) -> FloatArray:
+    """The eight corners of the box about points (V, 3)."""
+    low, high = points_m.min(axis=0), points_m.max(axis=0)
+    which = np.array(list(product((False, True), repeat=3)))
+    return np.asarray(np.where(which, high, low))
 
 
 def _depth_to_the_rim(layer: Layer) -> DepthArray:

@@ -4,7 +4,7 @@ World coordinates in metres, right-handed. Colours and textures are sRGB; light 
 Texture coordinate (0, 0) is the lower left corner of the picture, (1, 1) the upper right.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,6 +106,19 @@ class Lighting:
     lamps: tuple[Lamp, ...]
     shadow_center_m: tuple[float, float, float]
     shadow_radius_m: float
+
+    def moved_by(self, offset_m: FloatArray) -> "Lighting":
+        """The same light about another place: lamps and shadows moved by (3,) metres, world."""
+        lamps = tuple(
+            replace(lamp, position_m=_moved(lamp.position_m, offset_m)) for lamp in self.lamps
+        )
+        center_m = _moved(self.shadow_center_m, offset_m)
+        return replace(self, lamps=lamps, shadow_center_m=center_m)
+
+
+def _moved(place_m: tuple[float, float, float], by_m: FloatArray) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in np.add(place_m, by_m))
+    return x, y, z
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,8 @@ from motorcade.tracking.camera import Camera
 
 GRID = 320
 LAYERS = 6
+# Cells of the grid to one of the coarsest, which wide blurs are computed on.
+COARSEST = 4
 # How quickly area that hides sky turns dark; one full layer lets exp(-2.2) = 11 % through.
 DENSITY = 2.2
 # The renderer's curve from light to bytes: a share of light is this power of it in bytes.
@@ -102,6 +104,11 @@ def ground_shade(
     return np.asarray(1.0 - (1.0 - direct) * (1.0 - ambient))
 
 
+def shade_step_m(half_width_m: float) -> float:
+    """By multiples of this the grid may be moved without changing what it samples, metres."""
+    return COARSEST * 2.0 * half_width_m / GRID
+
+
 def shade_in_picture(
     shade: FloatArray, half_width_m: float, camera: Camera, camera_T_ground: Motor
 ) -> FloatArray | None:
@@ -157,7 +164,7 @@ def _spread(at: FloatArray, amount: FloatArray, sigma: FloatArray, cell: float) 
 
 def _blurred(at_cell: FloatArray, amount: FloatArray, width: float) -> FloatArray:
     """Amounts on the whole grid, blurred; for wide blurs a coarser grid is enough."""
-    coarse = 1 if width < 4.0 else 2 if width < 8.0 else 4
+    coarse = 1 if width < 4.0 else 2 if width < 8.0 else COARSEST
     size = GRID // coarse
     dropped = _dropped(at_cell / coarse + 0.5 * size - 0.5, amount / coarse**2, size)
     soft = cv2.GaussianBlur(

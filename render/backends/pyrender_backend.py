@@ -24,11 +24,12 @@ from motorcade.render.backends.renderer import (
     OPENCV_T_OPENGL,
     check_camera,
     check_moved,
+    check_relit,
     check_size,
     linear,
     shadow_camera,
 )
-from motorcade.render.scene import Layer, Lighting, Surface
+from motorcade.render.scene import Lamp, Layer, Lighting, Sun, Surface
 from motorcade.tracking.camera import Camera
 
 
@@ -52,7 +53,7 @@ class OffscreenRenderer:
         self._size = (width, height)
         self._open = True
         self._scene: Any = None
-        self._lit = True
+        self._lighting: Lighting | None = None
         self._primitives: list[Any] = []
 
     def __enter__(self) -> Self:
@@ -89,7 +90,7 @@ class OffscreenRenderer:
         pyrender = self._pyrender
         ambient = (0.0, 0.0, 0.0) if lighting is None else lighting.ambient
         self._scene = _ordered_scene(pyrender, ambient)
-        self._lit = lighting is not None
+        self._lighting = lighting
         self._primitives = [self._primitive(surface) for surface in surfaces]
         nodes = [self._scene.add(pyrender.Mesh([one])) for one in self._primitives]
         self._renderer._sorted_mesh_nodes = lambda scene: nodes
@@ -98,6 +99,20 @@ class OffscreenRenderer:
         self._camera: Any = self._scene.add(
             pyrender.IntrinsicsCamera(1.0, 1.0, 0.0, 0.0, znear=NEAR_M, zfar=FAR_M)
         )
+
+    def relight(self, lighting: Lighting) -> None:
+        """Light the scene that is shown anew, as light that follows a walker does.
+
+        Args:
+            lighting: with as many lamps as the scene was shown in.
+
+        Raises:
+            ValueError: another number of lamps, or a scene that was shown without light.
+        """
+        check_relit(self._lighting, lighting)
+        self._lighting = lighting
+        self._scene.ambient_light = lighting.ambient
+        self._set_lights(lighting)
 
     def move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:
         """Give a surface of the scene new vertices and normals, as each pose of a character does.
@@ -144,7 +159,7 @@ class OffscreenRenderer:
         lens.cx, lens.cy = camera.cx + 0.5, camera.cy + 0.5
         self._scene.set_pose(self._camera, world_T_camera.as_matrix() @ OPENCV_T_OPENGL)
         flags = self._pyrender.RenderFlags.OFFSCREEN | self._pyrender.RenderFlags.RGBA
-        if self._lit:
+        if self._lighting is not None:
             flags |= self._pyrender.RenderFlags.SHADOWS_DIRECTIONAL
         else:
             flags |= self._pyrender.RenderFlags.FLAT
@@ -160,7 +175,7 @@ class OffscreenRenderer:
             texture = pyrender.Texture(source=surface.texture, source_channels="RGB")
         colors = None
         if surface.colors is not None:
-            shown = linear(surface.colors) if self._lit else surface.colors
+            shown = linear(surface.colors) if self._lighting is not None else surface.colors
             colors = np.concatenate([shown, np.ones((len(shown), 1))], axis=1)
         material = pyrender.MetallicRoughnessMaterial(
             baseColorFactor=(1.0, 1.0, 1.0, 1.0),
@@ -179,22 +194,27 @@ class OffscreenRenderer:
 
     def _add_lights(self, lighting: Lighting) -> None:
         pyrender = self._pyrender
-        sun = pyrender.DirectionalLight(color=lighting.sun.color, intensity=lighting.sun.intensity)
+        lights = [pyrender.DirectionalLight()] + [pyrender.PointLight() for _ in lighting.lamps]
+        self._scene.light_order = [self._scene.add(light) for light in lights]
+        self._set_lights(lighting)
+
+    def _set_lights(self, lighting: Lighting) -> None:
+        """Give every light of the scene its place, strength and colour."""
         radius = lighting.shadow_radius_m
-        # pyrender fits the shadow map to the whole scene; a fixed ball keeps it sharp and still.
+        # pyrender fits the shadow map to the whole scene; a ball of ours keeps it sharp and still.
         world_T_light, (nearest, farthest) = shadow_camera(lighting)
-        lens = pyrender.OrthographicCamera(radius, radius, znear=nearest, zfar=farthest)
-        lights = [self._scene.add(sun, pose=world_T_light)]
+        lens = self._pyrender.OrthographicCamera(radius, radius, znear=nearest, zfar=farthest)
         self._renderer._get_light_cam_matrices = lambda scene, node, flags: (
             np.linalg.inv(world_T_light),
             lens.get_projection_matrix(),
         )
-        for lamp in lighting.lamps:
-            pose = np.eye(4)
+        poses = [world_T_light] + [np.eye(4) for _ in lighting.lamps]
+        for pose, lamp in zip(poses[1:], lighting.lamps, strict=True):
             pose[:3, 3] = lamp.position_m
-            point = pyrender.PointLight(color=lamp.color, intensity=lamp.intensity)
-            lights.append(self._scene.add(point, pose=pose))
-        self._scene.light_order = lights
+        shining: tuple[Sun | Lamp, ...] = (lighting.sun, *lighting.lamps)
+        for node, pose, light in zip(self._scene.light_order, poses, shining, strict=True):
+            node.light.color, node.light.intensity = light.color, light.intensity
+            self._scene.set_pose(node, pose)
 
 
 def _import_pyrender() -> Any:

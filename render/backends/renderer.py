@@ -40,6 +40,10 @@ class Renderer(Protocol):
         """Set the scene, in place of any earlier one; without light, colours as they are."""
         ...
 
+    def relight(self, lighting: Lighting) -> None:
+        """Move the light of the scene: as many lamps as were shown, in other places."""
+        ...
+
     def move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:
         """Give a surface new vertices and normals, world, (V, 3); V must stay the same."""
         ...
@@ -102,6 +106,17 @@ def check_camera(camera: Camera, size: tuple[int, int]) -> None:
             f"render(camera): expected a pinhole camera of {size[0]} x {size[1]}, "
             f"got {camera.model} of {camera.width} x {camera.height}"
         )
+
+
+def check_relit(shown: Lighting | None, lighting: Lighting) -> None:
+    """Refuse light for a scene that was shown without, or in another number of lamps.
+
+    Raises:
+        ValueError: as said.
+    """
+    if shown is None or len(shown.lamps) != len(lighting.lamps):
+        expected = "a scene shown in light" if shown is None else f"{len(shown.lamps)} lamps"
+        raise ValueError(f"relight(lighting): expected {expected}, got {len(lighting.lamps)} lamps")
 
 
 def check_moved(shape: tuple[int, ...], vertices: FloatArray, normals: FloatArray) -> None:

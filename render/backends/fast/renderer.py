@@ -26,6 +26,7 @@ from motorcade.render.backends.renderer import (
     NEAR_M,
     OPENCV_T_OPENGL,
     check_camera,
+    check_relit,
     check_size,
     shadow_camera,
 )
@@ -123,6 +124,22 @@ class FastRenderer:
         self._shown = True
         if lighting is not None:
             self._light(lighting)
+
+    def relight(self, lighting: Lighting) -> None:
+        """Light the scene that is shown anew, as light that follows a walker does.
+
+        Args:
+            lighting: with as many lamps as the scene was shown in.
+
+        Raises:
+            ValueError: another number of lamps, or a scene that was shown without light.
+            RuntimeError: the renderer is closed.
+            ContextLost: its context is gone.
+        """
+        check_relit(self._lighting, lighting)
+        self._begin("relight")
+        self._lighting = lighting
+        self._light(lighting)
 
     def move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:
         """Give a surface of the scene new vertices and normals, as each pose of a character does.
@@ -238,7 +255,7 @@ class FastRenderer:
         self._meshes, self._carried = [], {}
 
     def _light(self, lighting: Lighting) -> None:
-        """Tell the programs of the light, which stays until another scene is shown."""
+        """Tell the programs of the light, which stays until the scene is lit anew."""
         if self._shadows is None:
             large = max(self._size) > _SHADOW_SIZE
             self._shadows = ShadowMap(self._gl, _LARGE_SHADOW_SIZE if large else _SHADOW_SIZE)

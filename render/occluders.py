@@ -1,0 +1,110 @@
+"""What hides a character though no depth was measured: flat prints, and the ground it stands on.
+
+A board or a marker whose place in the world is known is a rectangle, and the ground is a plane;
+both have a depth in every picture. What they hide is hidden by the same rule as by measured depth.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.render.light.prints import Prints
+from motorcade.render.scene import DepthArray
+from motorcade.render.shadow import ground_depth
+from motorcade.tracking.camera import Camera
+
+__all__ = ["known_depth"]
+
+# What has sunk into a plane by less than this is held to stand on it.
+SUNK_M = 1e-3
+# A rectangle with a corner nearer than this, or behind the camera, has no outline to go by.
+NEAREST_M = 0.01
+# Planes through the eye, nearly, are seen edge on and hide nothing.
+EDGE_ON = 1e12
+
+
+def known_depth(
+    camera: Camera,
+    world_T_camera: Motor,
+    figure_m: FloatArray,
+    prints: Prints | None,
+    world_T_ground: Motor,
+) -> DepthArray | None:
+    """Depth of the nearest thing that is known without a sensor, in every pixel.
+
+    Args:
+        camera: pinhole.
+        world_T_camera: its pose, batch shape ().
+        figure_m: (C, 3) corners of a hull of what is drawn, world: a plane that has it and the
+            camera on one side hides nothing of it and is left out.
+        prints: rectangles that hide from both sides.
+        world_T_ground: a plane z = 0 without end that hides what lies beneath it; a camera that is
+            beneath it itself sees through, for then it is no ground.
+
+    Returns:
+        (height, width) float32 metres along the optical axis, 0 where nothing is known; or None
+        where nothing can hide the figure.
+    """
+    nearest = np.full((camera.height, camera.width), np.inf, dtype=np.float32)
+    hides = False
+    camera_T_world = world_T_camera.inverse()
+    eye_m = world_T_camera.translation_m
+    if _side(world_T_ground, eye_m) > 0.0 and _between(world_T_ground, eye_m, figure_m):
+        hides = True
+        nearest[:] = ground_depth(camera, camera_T_world @ world_T_ground)
+    for k in range(0 if prints is None else len(prints)):
+        assert prints is not None  # counted above
+        world_T_print = prints.world_T_print[k]
+        if _between(world_T_print, eye_m, figure_m):
+            hides = True
+            _lay(nearest, camera, camera_T_world @ world_T_print, prints.low_m[k], prints.high_m[k])
+    return np.where(np.isfinite(nearest), nearest, np.float32(0.0)) if hides else None
+
+
+def _side(world_T_plane: Motor, points_m: FloatArray) -> FloatArray:
+    """Heights (C,) above a plane, metres."""
+    return np.asarray(world_T_plane.inverse().apply(points_m)[..., 2])
+
+
+def _between(world_T_plane: Motor, eye_m: FloatArray, figure_m: FloatArray) -> bool:
+    """Whether any of the figure lies beyond the plane, seen from the eye."""
+    towards = 1.0 if _side(world_T_plane, eye_m) >= 0.0 else -1.0
+    return bool(np.min(towards * _side(world_T_plane, figure_m)) < -SUNK_M)
+
+
+def _lay(
+    nearest: DepthArray, camera: Camera, camera_T_print: Motor, low: FloatArray, high: FloatArray
+) -> None:
+    """Take the depth of one rectangle wherever it is nearer than what was there."""
+    # Carries (x, y, 1) of the print to depth times (column, row, 1).
+    to_picture = camera.matrix @ camera_T_print.as_matrix()[:3][:, [0, 1, 3]]
+    if np.linalg.cond(to_picture) > EDGE_ON:
+        return
+    first, last = _extent(camera, camera_T_print, low, high)
+    rows, columns = np.arange(first[1], last[1] + 1), np.arange(first[0], last[0] + 1)
+    from_picture = np.linalg.inv(to_picture)
+    x, y, inverse_depth = (
+        row[0] * columns[None, :] + row[1] * rows[:, None] + row[2] for row in from_picture
+    )
+    # Over a positive inverse depth, low < x / inverse depth < high needs no division.
+    inside = (inverse_depth > 0.0) & (x > low[0] * inverse_depth) & (x < high[0] * inverse_depth)
+    inside &= (y > low[1] * inverse_depth) & (y < high[1] * inverse_depth)
+    depth_m = (1.0 / inverse_depth[inside]).astype(np.float32)
+    region = nearest[first[1] : last[1] + 1, first[0] : last[0] + 1]
+    region[inside] = np.minimum(region[inside], depth_m)
+
+
+def _extent(
+    camera: Camera, camera_T_print: Motor, low: FloatArray, high: FloatArray
+) -> tuple[IntArray, IntArray]:
+    """First and last (column, row) that may show a rectangle; all where it reaches behind."""
+    size = np.array([camera.width, camera.height])
+    x, y = [low[0], high[0], high[0], low[0]], [low[1], low[1], high[1], high[1]]
+    corners = camera_T_print.apply(np.stack([x, y, np.zeros(4)], axis=-1))
+    if np.min(corners[:, 2]) < NEAREST_M:
+        return np.zeros(2, dtype=np.int64), size - 1
+    pixels = camera.project(corners)
+    first = np.clip(np.floor(pixels.min(axis=0)), 0, size - 1)
+    last = np.clip(np.ceil(pixels.max(axis=0)), 0, size - 1)
+    return first.astype(np.int64), last.astype(np.int64)
