@@ -132,7 +132,7 @@ class Sampler:
         return parts
 
     def _measured(self, clip: RigClip, times: FloatArray, tolerance: float) -> IntArray:
-        """Parts (F - 1,) for each step, from how far the quarters of the screws lie off.
+        """Parts (F - 1,) for each step, from how far quarters of it lie off screws and even growth.
 
         The middle alone would not tell: a curve that eases in and out crosses the screw there.
         """
@@ -144,6 +144,11 @@ class Sampler:
         screw = motors[:-1:4].interpolate(motors[4::4], shares[1:, None, None])
         off = screw.inverse() @ Motor(np.moveaxis(steps.coefficients[:, 1:], 1, 0))
         apart = np.linalg.norm(off.translation_m, axis=-1) + off.rotor.angle() * self.height_m
+        growth = np.log(np.abs(poses.scale[:, self.watched]))
+        if np.ptp(growth, axis=0).max(initial=0.0) > 1e-4:
+            even = growth[:-1:4] + shares[1:, None, None] * (growth[4::4] - growth[:-1:4])
+            inside = np.moveaxis(growth[:-1].reshape(len(times) - 1, 4, -1)[:, 1:], 1, 0)
+            apart += np.abs(inside - even) * self.height_m
         return _parts_for(apart.max(axis=(0, 2), initial=0.0), tolerance)
 
     def _check(self, times: list[FloatArray]) -> None:

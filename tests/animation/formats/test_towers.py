@@ -145,6 +145,21 @@ def test_cubic_splines_agree_with_scipy(write: Write) -> None:
     np.testing.assert_allclose(found, wanted[:, [2, 0, 1]], atol=2e-4)
 
 
+def test_scales_along_curves_agree_with_scipy_between_their_keys(write: Write) -> None:
+    """Samples are set wherever even growth would leave the curve."""
+    keys, sizes = np.array([0.0, 0.4, 1.0]), np.array([1.0, 3.0, 0.5])
+    slopes = np.array([4.0, -2.0, 1.0])
+    made = samples.gltf_tower()
+    rows = np.stack([slopes, sizes, slopes], axis=1).reshape(9, 1) * np.ones(3)
+    samples.animate(made, "grow", made.add(keys), {(2, "scale"): made.add(rows)}, "CUBICSPLINE")
+    character = read_character(write("cubic.glb", made.glb()))
+    times = np.linspace(0.0, 1.0, 67)
+    world = character.skeleton.world(character.clip("grow").at(times))
+    assert isinstance(world, Similarity)
+    wanted = CubicHermiteSpline(keys, sizes, slopes)(times)
+    np.testing.assert_allclose(world.scale[:, 1], wanted, rtol=5e-4)
+
+
 def test_sparse_and_normalised_accessors_are_unpacked(write: Write) -> None:
     made = read_character(write("rich.gltf", samples.rich_gltf().gltf()))
     np.testing.assert_allclose(
