@@ -2,6 +2,7 @@
 # make test   the test suite         make test-slow   its tests that take longer
 # make lint   ruff and mypy          make wheel   build and check the wheel
 # make mutation   whether the tests notice small faults in MUTATED (hours; resumes)
+# make docs   the documentation site, into build/site
 # make kernels   generate the kernels from their definitions
 # Each prepares what it needs by itself: environment, dependencies, compiled kernels.
 
@@ -33,6 +34,10 @@ lint: $(READY) names
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	MYPYPATH=build/names $(BIN)/mypy $(addprefix -p motorcade.,$(ROOMS))
+
+# Strict: a broken link or anchor is an error. mkdocs finds the rooms by their names as mypy does.
+docs: $(READY) names
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 
 # Writes the kernels' C and NumPy code anew from their definitions; `make` then compiles it.
 kernels: $(READY)

@@ -1,0 +1,65 @@
+"""What the pages show works as it stands there: every block runs, and answers what is shown."""
+
+import importlib
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.docs.pages import agrees, blocks, line_agrees, run
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
+LONG = {"ar_on_my_video", "compare_representations", "imu_and_camera"}
+
+if not DOCS.exists():
+    pytest.skip("no pages here: an installed wheel is tested", allow_module_level=True)
+
+
+def cases() -> list[object]:
+    marks = {True: [pytest.mark.slow], False: []}
+    return [pytest.param(p, id=p.stem, marks=marks[p.stem in LONG]) for p in TUTORIALS]
+
+
+@pytest.mark.parametrize("page", cases())
+def test_a_tutorial_runs_and_answers_what_it_shows(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    before = set(sys.modules)
+    importlib.invalidate_caches()
+    ran = 0
+    try:
+        for block, said in run(page):
+            ran += 1
+            if block.answer is not None:
+                assert agrees(block.answer, said), f"{page.name}:{block.line} answers\n{said}"
+    finally:
+        for name in set(sys.modules) - before:  # files of the page, which the next one lacks
+            if str(tmp_path) in str(getattr(sys.modules[name], "__file__", "")):
+                del sys.modules[name]
+    assert ran > 3
+
+
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
+def test_a_tutorial_shows_what_comes_out(page: Path) -> None:
+    assert any(block.runs and block.answer for block in blocks(page))
+
+
+@pytest.mark.parametrize(
+    ("shown", "said", "same"),
+    [
+        ("APE 0.12 m", "APE 0.1249 m", True),
+        ("APE 0.12 m", "APE 0.14 m", False),
+        ("8 frames", "9 frames", False),
+        ("a … c", "a bb c", True),
+        ("a … c", "a bb d", False),
+        ("[1.0, 2.0]", "[1.0, 2.0]", True),
+        ("[1.0, 2.0]", "(1.0, 2.0)", False),
+        ("1.5e-3 m", "1.52e-3 m", True),
+        ("1.5e-3 m", "1.8e-3 m", False),
+    ],
+)
+def test_answers_are_compared_to_the_digits_shown(shown: str, said: str, same: bool) -> None:
+    assert line_agrees(shown, said) is same
