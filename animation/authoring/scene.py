@@ -141,7 +141,7 @@ def read_scene(path: Path) -> Scene:
         if not isinstance(name, str) or not name or name in parents:
             raise ValueError(f"{where}.name: expected a name of its own, got {name!r}")
         parent = given.get("parent")
-        if parent is not None and parent not in parents:
+        if parent is not None and not (isinstance(parent, str) and parent in parents):
             raise ValueError(f"{where}.parent: expected an object named before, got {parent!r}")
         parents[name] = parent
         poses[name] = VersorObjectPose(_similarity(given, where))
@@ -153,7 +153,11 @@ def _similarity(given: Mapping[str, Any], where: str) -> Similarity:
         raise ValueError(f"{where}: expected wxyz or euler_deg, got both")
     rotor = Rotor.identity()
     if "wxyz" in given:
-        rotor = Rotor.from_quaternion(vector(given["wxyz"], f"{where}.wxyz", 4))
+        wxyz = vector(given["wxyz"], f"{where}.wxyz", 4)
+        try:
+            rotor = Rotor.from_quaternion(wxyz)
+        except ValueError as fault:
+            raise ValueError(f"{where}.wxyz: {fault}") from fault
     elif "euler_deg" in given:
         angles = np.radians(vector(given["euler_deg"], f"{where}.euler_deg", 3))
         rotor = Rotor.from_euler(angles)
@@ -211,5 +215,5 @@ def _text(path: Path) -> str:
 def _json(where: str, text: str) -> Any:
     try:
         return json.loads(text)
-    except (json.JSONDecodeError, RecursionError) as fault:
+    except (ValueError, RecursionError) as fault:  # also numbers of thousands of digits
         raise ValueError(f"{where}: expected JSON, got {' '.join(str(fault).split())}") from fault

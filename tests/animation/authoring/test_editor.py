@@ -72,6 +72,19 @@ def test_growing_keeps_the_origin_and_carries_children(scene):
     np.testing.assert_allclose(_matrix(edited)[:3, :3], 1.5 * before[:3, :3], atol=1e-12)
 
 
+@pytest.mark.parametrize("frame", ["local", "parent", "global"])
+def test_on_euler_angles_shifts_and_growth_are_those_on_versors(scene, frame):
+    """Only turns go another way."""
+    drags = [(Drag("cup", "translate", (0.0, 3.0, -4.0), frame), 0.7), (Drag("cup", "scale"), 1.4)]
+    found = []
+    for start in (scene, scene.on_euler_angles()):
+        editor = SceneEditor(start)
+        for drag, amount in drags:
+            editor.apply(drag, amount)
+        found.append(_matrix(editor.scene))
+    np.testing.assert_allclose(found[1], found[0], atol=1e-12)
+
+
 def test_a_drag_counts_from_where_it_began(scene):
     editor = SceneEditor(scene)
     editor.begin(Drag("cup", "rotate", (0, 0, 1)))
@@ -184,6 +197,11 @@ def test_refusals(scene):
         editor.begin(Drag("plate", "rotate"))
     with pytest.raises(RuntimeError, match="begin a drag first"):
         editor.drag_to(1.0)
+    editor.begin(Drag("cup", "rotate"))
+    for verb in (lambda: editor.begin(Drag("cup", "rotate")), editor.undo, editor.redo):
+        with pytest.raises(RuntimeError, match="end or cancel the drag that is going on first"):
+            verb()
+    editor.cancel()
     with pytest.raises(ValueError, match="expected a factor above 0, got 0"):
         editor.apply(Drag("cup", "scale"), 0.0)
     assert editor.scene is scene
@@ -193,3 +211,35 @@ def test_refusals(scene):
         Drag("cup", "shear")
     with pytest.raises(ValueError, match="expected two poses of type VersorObjectPose"):
         editor.path("cup", EulerObjectPose(np.zeros(3), np.zeros(3)), scene.pose("cup"))
+
+
+@pytest.mark.parametrize("step", [-0.1, np.nan, np.inf])
+@pytest.mark.parametrize("name", ["angle_rad", "distance_m", "scale"])
+def test_steps_that_are_none_are_refused(name, step):
+    with pytest.raises(ValueError, match=rf"Snapping\.{name}: expected 0 or a step above 0"):
+        Snapping(**{name: step})
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        (([0.0, 0.0], [0.0] * 3, 1.0), r"EulerObjectPose\.angles_rad"),
+        ((np.zeros((2, 3)), [0.0] * 3, 1.0), r"angles_rad: expected \(3,\), got \(2, 3\)"),
+        (([0.0] * 3, [0.0, np.nan, 0.0], 1.0), r"position_m: expected finite"),
+        (([0.0] * 3, [0.0] * 3, 0.0), "scale: expected a number above 0, got 0"),
+        (([0.0] * 3, [0.0] * 3, np.nan), "scale: expected a number above 0, got nan"),
+    ],
+)
+def test_poses_that_are_none_are_refused(fields, message):
+    with pytest.raises(ValueError, match=message):
+        EulerObjectPose(*fields)
+
+
+def test_scenes_that_are_no_trees_are_refused(scene):
+    cup, table = scene.pose("cup"), scene.pose("table")
+    with pytest.raises(ValueError, match="one pose for each object and no others"):
+        Scene({"table": None, "cup": "table"}, {"table": table})
+    with pytest.raises(ValueError, match="the parent of 'cup' before it, got 'table'"):
+        Scene({"cup": "table", "table": "cup"}, {"table": table, "cup": cup})
+    with pytest.raises(ValueError, match=r"one similarity, got a batch of shape \(2,\)"):
+        VersorObjectPose(Similarity.identity((2,)))

@@ -68,6 +68,9 @@ def test_gestures_are_replayed(scene_file, tmp_path):
         ({"do": "rotate", "object": "cup", "amounts_rad": [1e300]}, "expected a number, got 1e"),
         ({"do": "rotate", "object": "cup", "amounts_rad": [1], "axis": [0, 0, 0]}, "direction"),
         ({"do": "rotate", "object": "cup", "amounts_rad": [1], "frame": []}, "local, parent or"),
+        ({"do": []}, r"expected rotate, translate, scale, undo or redo, got \[\]"),
+        ({"do": "rotate", "object": []}, r"object: expected a name, got \[\]"),
+        ({"do": "undo", "object": "cup"}, "expected fields of do, got 'object'"),
         ([1, 2], "expected an object of JSON, got list"),
     ],
 )
@@ -83,6 +86,11 @@ def test_a_line_that_is_no_gesture_is_named(tmp_path, line, message):
         ({"objects": []}, "expected a list of 1 to"),
         ({"objects": [{"name": ""}]}, r"objects\[0\].name"),
         ({"objects": [{"name": "a", "parent": "b"}]}, "expected an object named before, got 'b'"),
+        ({"objects": [{"name": "a", "parent": []}]}, r"an object named before, got \[\]"),
+        ({"objects": [{"name": "a"}, {"name": "a"}]}, "expected a name of its own, got 'a'"),
+        ({"objects": [{"name": "a", "wxyz": [1, 0, 0, 0], "euler_deg": [0, 0, 0]}]}, "got both"),
+        ({"objects": [{"name": "a", "wxyz": [0, 0, 0, 0]}]}, "scene.json.*wxyz"),
+        ({"objects": [{"name": "a", "scale": True}]}, "scale: expected a number, got True"),
         ({"objects": [{"name": "a", "scale": 0}]}, "scale: expected 1e-6 to 1e6, got 0"),
         ({"objects": [{"name": "a", "wxyz": [1, 0, 0]}]}, "expected 4 numbers"),
         ({"objects": [{"name": "a", "size": 1}]}, "expected fields of"),
@@ -100,9 +108,30 @@ def test_hostile_files_are_refused(tmp_path):
     deep.write_text("[" * 200_000)
     with pytest.raises(ValueError, match="expected JSON"):
         read_scene(deep)
+    long = tmp_path / "long.json"
+    long.write_text("[" + "1" * 5000 + "]")
+    with pytest.raises(ValueError, match=r"long\.json: expected JSON"):
+        read_scene(long)
+    long.write_bytes(b"\xff\xfe[")
+    with pytest.raises(ValueError, match="expected UTF-8, got other bytes"):
+        read_scene(long)
     large = tmp_path / "large.json"
     large.write_bytes(b" " * (17 * 2**20))
     with pytest.raises(ValueError, match="at most"):
         read_scene(large)
     with pytest.raises(ValueError, match="cannot be read"):
         read_scene(tmp_path / "missing.json")
+
+
+def test_more_gestures_than_the_limit_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("motorcade.animation.authoring.gestures.MOST_GESTURES", 2)
+    path = _gestures(tmp_path, *[{"do": "undo"}] * 3)
+    with pytest.raises(ValueError, match="expected at most 2 gestures, got 3"):
+        read_gestures(path)
+
+
+def test_a_rotation_may_be_given_as_angles(tmp_path):
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps({"objects": [{"name": "a", "euler_deg": [0, 0, 90]}]}))
+    turned = read_scene(path).world_T_object("a").apply([1.0, 0.0, 0.0])
+    np.testing.assert_allclose(turned, [0.0, 1.0, 0.0], atol=1e-15)

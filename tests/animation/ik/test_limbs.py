@@ -207,3 +207,35 @@ def test_hips_come_down_where_a_leg_would_not_reach(skeleton):
     foot = _at(skeleton, made, "foot").translation_m
     np.testing.assert_allclose(foot[:, 2], skeleton.rest_world[3].translation_m[2] - 0.2, atol=1e-6)
     assert _at(skeleton, made, "hips").translation_m[0, 2] < 0.95
+
+
+def test_limbs_and_aims_that_are_none_are_refused(skeleton):
+    rest = skeleton.rest
+    flat = rest.coefficients.copy()
+    flat[skeleton.index("calf")] = Motor.identity().coefficients
+    with pytest.raises(ValueError, match="expected bones longer than 0"):
+        bend_limb(skeleton, Motor(flat), LIMB, [0.0, 0.0, 0.5])
+    with pytest.raises(ValueError, match=r"Chain\.joints: expected two or more, got \('hips',\)"):
+        Chain(("hips",))
+    with pytest.raises(ValueError, match=r"aim\(axis\): expected a direction"):
+        aim(skeleton, rest, "head", [1.0, 0.0, 0.0], axis=(0.0, 0.0, 0.0))
+    for share in (-0.1, 1.1, np.nan):
+        with pytest.raises(ValueError, match=r"aim\(share\): expected 0 to 1"):
+            aim(skeleton, rest, "head", [1.0, 0.0, 0.0], share=share)
+    with pytest.raises(ValueError, match="got 'tail'"):
+        aim(skeleton, rest, "tail", [1.0, 0.0, 0.0])
+    for target in ([np.nan, 0.0, 0.0], [1.0, 0.0]):
+        with pytest.raises(ValueError, match="target_m"):
+            bend_limb(skeleton, rest, LIMB, target)
+
+
+@pytest.mark.parametrize("keep", [True, False])
+def test_the_end_of_a_limb_keeps_its_turn_in_the_world_or_follows_the_limb(skeleton, keep):
+    target = skeleton.rest_world.translation_m[skeleton.index("foot")] + [0.2, 0.05, 0.2]
+    made = bend_limb(skeleton, skeleton.rest, LIMB, target, keep_end_orientation=keep)
+    number = skeleton.index("foot")
+    if keep:
+        found, wanted = skeleton.world(made)[number], skeleton.rest_world[number]
+    else:
+        found, wanted = made[number], skeleton.rest[number]
+    assert float((found.rotor.inverse() @ wanted.rotor).angle()) < 1e-9
