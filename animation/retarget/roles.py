@@ -11,6 +11,8 @@ import re
 from collections.abc import Mapping
 from functools import lru_cache
 
+import numpy as np
+
 from motorcade.animation.ik import Leg
 from motorcade.animation.skeleton import Skeleton
 
@@ -42,7 +44,8 @@ WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 def body_of(skeleton: Skeleton) -> dict[str, int]:
     """Joints by their role: "hips", "neck", "head", "left_thigh", "right_index_1", "spine_1", …
 
-    The spine's joints are those between hips and neck (or head, or collarbones), counted from
+    Sides are the figure's own: names that tell them as a viewer sees them are turned about. The
+    spine's joints are those between hips and neck (or head, or collarbones), counted from
     below, whatever they are called.
     """
     return dict(_body(skeleton))
@@ -113,9 +116,29 @@ def _body(skeleton: Skeleton) -> tuple[tuple[str, int], ...]:
             body.setdefault(role, number)
     if "hips" not in body and all(f"{side}_thigh" in body for side in SIDES):
         body["hips"] = common_parent(skeleton, [body[f"{side}_thigh"] for side in SIDES])
+    if _mirrored(skeleton, body):
+        body = {_other_side(role): number for role, number in body.items()}
     for level, number in enumerate(_spine(skeleton, body), start=1):
         body[f"spine_{level}"] = number
     return tuple(body.items())
+
+
+def _mirrored(skeleton: Skeleton, body: Mapping[str, int]) -> bool:
+    """Whether what names call left lies to the right of where the toes point, at rest."""
+    at = skeleton.rest_world.translation_m
+    ahead, across = np.zeros(3), np.zeros(3)
+    for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
+        if not {f"{side}_foot", f"{side}_toes"} <= set(body):
+            return False
+        ahead += at[body[f"{side}_toes"]] - at[body[f"{side}_foot"]]
+        for part in ("thigh", "upper_arm"):
+            across += sign * at[body[f"{side}_{part}"]] if f"{side}_{part}" in body else 0.0
+    return float(np.cross(ahead, across)[2]) < 0.0
+
+
+def _other_side(role: str) -> str:
+    side, sign, part = role.partition("_")
+    return SIDES[1 - SIDES.index(side)] + sign + part if side in SIDES else role
 
 
 def _role(side: str, part: str, words: list[tuple[str, str]]) -> str:
@@ -162,6 +185,11 @@ def _spine(skeleton: Skeleton, body: Mapping[str, int]) -> list[int]:
     if not tops or "hips" not in body:
         return []
     joint = int(skeleton.parents[tops[0]])
+    # Where arms hang lower than the neck, what lies between belongs to the neck.
+    line = ancestors(skeleton, tops[0])
+    shoulders = (body.get(f"left_{part}") for part in ("clavicle", "upper_arm"))
+    carrier = next((int(skeleton.parents[one]) for one in shoulders if one is not None), -1)
+    joint = carrier if carrier in line and carrier not in taken else joint
     above_hips = set(ancestors(skeleton, body["hips"]))
     while joint >= 0 and joint not in taken and joint not in above_hips:
         found.append(joint)

@@ -13,7 +13,8 @@ from itertools import pairwise
 import numpy as np
 
 from motorcade.animation.clip import Clip
-from motorcade.animation.retarget.reference import NO_BONE_M, Match, constants
+from motorcade.animation.retarget.match import NO_BONE_M, Match
+from motorcade.animation.retarget.reference import constants
 from motorcade.animation.retarget.roles import (
     SIDES,
     ancestors,
@@ -21,6 +22,7 @@ from motorcade.animation.retarget.roles import (
     common_parent,
     joints_alike,
 )
+from motorcade.animation.retarget.spines import spread_spine
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import FloatArray, Motor, Rotor
 
@@ -65,6 +67,8 @@ def retarget(
     if joints is None:
         numbers.setdefault(carrier, hips)
     match = Match(source, target, dict(sorted(numbers.items())), moved)
+    if joints is None and not match.one_rig:
+        match = spread_spine(match)
     poses = _turned(match)
     if carrier in numbers:
         poses = _carried(match, poses, carrier, _way(match, carrier, hips))
