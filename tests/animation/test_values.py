@@ -206,3 +206,53 @@ def test_place_refuses(arguments: dict[str, object], message: str) -> None:
 def test_placement_refuses_a_scale_that_is_not_positive(scale: float) -> None:
     with pytest.raises(ValueError, match=r"Placement\.scale"):
         Placement(Motor.identity(), scale)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        (("", [0.0], (1, 3)), r"Clip\.name: expected a name, got an empty string"),
+        (("c", [0.0, 1.0], (3, 3)), r"Clip\.poses of 'c': expected shape \(2, J\), got \(3, 3\)"),
+        (("c", [0.0], (1,)), r"Clip\.poses of 'c': expected shape \(1, J\), got \(1,\)"),
+        (("c", [[0.0]], (1, 3)), r"Clip\.time_s of 'c': expected \(F,\)"),
+        (("c", [0.0, 0.0], (2, 3)), r"Clip\.time_s of 'c': expected \(F,\) strictly increasing"),
+    ],
+)
+def test_clips_that_are_none_are_refused_by_field(fields: tuple, message: str) -> None:
+    name, time_s, shape = fields
+    with pytest.raises(ValueError, match=message):
+        Clip(name, np.array(time_s), Motor.identity(shape))
+
+
+@pytest.mark.parametrize("count", [-1, 3])
+def test_a_count_of_keys_beyond_the_samples_is_refused(count: int) -> None:
+    with pytest.raises(ValueError, match=rf"Clip\.key_count of 'c': expected 1 to 2, got {count}"):
+        Clip("c", np.array([0.0, 1.0]), Motor.identity((2, 3)), key_count=count)
+
+
+def test_names_of_joints_lead_to_their_numbers() -> None:
+    skeleton = chain(3)
+    assert [skeleton.index(name) for name in skeleton.names] == [0, 1, 2]
+    with pytest.raises(ValueError, match="expected one of its joints, got 'tail'"):
+        skeleton.index("tail")
+
+
+def test_a_character_without_vertices_is_refused() -> None:
+    none = np.zeros((0, 3))
+    with pytest.raises(ValueError, match="expected one vertex or more, got none"):
+        Character(
+            chain(), none, none, np.zeros((0, 3), dtype=np.int64), none,
+            np.zeros((0, 4), dtype=np.int64), np.zeros((0, 4)),
+        )  # fmt: skip
+
+
+def test_the_heaviest_influence_of_each_vertex_stands_first() -> None:
+    """Among equals the order of the file stays."""
+    figure = replace(
+        triangle(chain()),
+        joints=np.array([[0, 1, 2, 0], [2, 1, 0, 0], [1, 0, 2, 0]]),
+        weights=np.array([[0.1, 0.6, 0.3, 0.0], [0.5, 0.5, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]),
+    )
+    joints, weights = figure.influences
+    assert joints.tolist() == [[1, 2, 0, 0], [2, 1, 0, 0], [1, 0, 2, 0]]
+    np.testing.assert_array_equal(weights, np.sort(figure.weights, axis=1)[:, ::-1])

@@ -7,7 +7,7 @@ import pytest
 
 from motorcade.animation import Clip
 from motorcade.animation.blend import blend_clips, closed, differences_m
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Similarity
 
 
 def test_in_phase_the_cycle_takes_the_weighted_mean_of_the_times(cycle):
@@ -71,3 +71,38 @@ def test_refusals(cycle):
     few = Clip("few", walk.time_s, walk.poses[:, :2])
     with pytest.raises(ValueError, match="expected clips of one skeleton, got 4 joints"):
         blend_clips(walk, few, 0.5)
+    for rate_hz in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match=r"blend_clips\(rate_hz\): expected a number above 0"):
+            blend_clips(walk, walk, 0.5, rate_hz=rate_hz)
+    with pytest.raises(ValueError, match="expected at most 100000 samples, got 1e\\+12 Hz"):
+        blend_clips(walk, walk, 0.5, rate_hz=1e12)
+
+
+def test_points_of_a_body_lie_apart_by_the_turn_times_their_distance(skeleton, rng):
+    """Farther from a joint its turn counts more; points at the joints are what is told without."""
+    time_s = np.linspace(0.0, 1.0, 5)
+    walk, run = (
+        Clip(name, time_s, skeleton.rest @ Motor.from_twist(0.5 * rng.standard_normal((5, 4, 6))))
+        for name in ("walk", "run")
+    )
+    pair = ("motor", "euler")
+    at_joints = differences_m(walk, run, skeleton, (0.4,), methods=pair)
+    same = differences_m(walk, run, skeleton, (0.4,), np.zeros((4, 3)), pair)
+    far = differences_m(walk, run, skeleton, (0.4,), np.full((4, 3), 5.0), pair)
+    assert at_joints == same
+    assert far[pair] > 2.0 * same[pair]
+
+
+def test_a_clip_that_grows_is_compared_by_its_turns_and_places(cycle, skeleton):
+    walk, run = cycle("walk", 1.2), cycle("run", 0.8)
+    grown = [Clip(one.name, one.time_s, Similarity.from_motor_scale(one.poses, 1.0), True)
+             for one in (walk, run)]  # fmt: skip
+    pair = ("motor", "rotor_linear")
+    found = differences_m(*grown, skeleton, (0.5,), methods=pair)
+    wanted = differences_m(walk, run, skeleton, (0.5,), methods=pair)
+    assert found[pair] == pytest.approx(wanted[pair], abs=1e-12)
+
+
+def test_a_loop_is_closed_already(cycle):
+    walk = cycle("walk", 1.2)
+    assert closed(walk) is walk

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Clip
-from motorcade.animation.blend import BlendSpace, phase_between, split_root_motion
-from motorcade.ga import Motor, Rotor
+from motorcade.animation.blend import BlendSpace, RootMotion, phase_between, split_root_motion
+from motorcade.ga import Motor, Rotor, Similarity
 
 FEET = ("left_foot", "right_foot")
 
@@ -85,3 +85,41 @@ def test_refusals_of_root_motion(skeleton, cycle):
     clip = cycle("walk", 1.2)
     with pytest.raises(ValueError, match="expected a root joint"):
         split_root_motion(clip, skeleton, "head")
+
+
+def test_refusals_of_phases(skeleton, cycle):
+    walk = cycle("walk", 1.2)
+    once = Clip("once", walk.time_s, walk.poses)
+    space = BlendSpace(np.array([1.0, 2.0]), (walk, walk))
+    for times, values in (([1.0, 0.0], [1.0, 1.0]), ([0.0, 1.0], [1.0]), (0.0, 1.0)):
+        with pytest.raises(ValueError, match="expected rising times"):
+            space.phases(times, values)
+    with pytest.raises(ValueError, match=r"offsets: expected 2 phases, got shape \(3,\)"):
+        BlendSpace(np.array([1.0, 2.0]), (walk, walk), np.zeros(3))
+    with pytest.raises(ValueError, match="expected a loop, got 'once'"):
+        phase_between(walk, once, skeleton, FEET)
+    still = Clip("still", np.array([0.0, 1.0]), Motor.stack([skeleton.rest] * 2), looped=True)
+    for clip, joints in ((walk, ()), (still, FEET)):
+        with pytest.raises(ValueError, match=f"expected joints that move in '{clip.name}'"):
+            phase_between(clip, clip, skeleton, joints)
+    with pytest.raises(ValueError, match="got 'tail'"):
+        phase_between(walk, walk, skeleton, ("tail",))
+
+
+def test_the_way_of_a_clip_that_grows_is_split_off_too(skeleton, cycle):
+    """What is left grows as before, and put back on its way it is the clip again."""
+    clip = _travelling(cycle, 0.7)
+    sizes = np.linspace(1.0, 2.0, len(clip.time_s))[:, None] * np.ones(4)
+    grown = Clip("grown", clip.time_s, Similarity.from_motor_scale(clip.poses, sizes))
+    inside, way = split_root_motion(grown, skeleton)
+    assert isinstance(inside.poses, Similarity)
+    np.testing.assert_allclose(inside.poses.scale, sizes, rtol=1e-12)
+    again = Similarity.from_motor_scale(way.at(clip.time_s)) @ inside.poses[:, 0]
+    np.testing.assert_allclose(again.as_matrix(), grown.poses[:, 0].as_matrix(), atol=1e-12)
+
+
+def test_ways_that_are_none_are_refused():
+    with pytest.raises(ValueError, match=r"RootMotion\.start_T_now: expected shape \(2,\), got"):
+        RootMotion(np.array([0.0, 1.0]), Motor.identity((3,)), False)
+    with pytest.raises(ValueError, match=r"RootMotion\.time_s: expected"):
+        RootMotion(np.array([1.0, 0.0]), Motor.identity((2,)), False)

@@ -82,5 +82,8 @@ def test_refusals(cycle):
         CrossFade(walk, walk, 0.0, 0.0)
     with pytest.raises(ValueError, match=r"Inertialized\.start_s"):
         Inertialized(walk, walk, np.nan)
+    for into_s in (np.nan, np.inf):
+        with pytest.raises(ValueError, match=r"Shifted\.into_s: expected seconds, got"):
+            Shifted(walk, into_s=into_s)
     with pytest.raises(ValueError, match=r"Shifted\.rate"):
         Shifted(walk, rate=-1.0)

@@ -12,7 +12,7 @@ from tests.animation.formats import samples
 from tests.animation.formats.samples import Write
 from tests.animation.formats.witness import Witness
 
-from motorcade.animation import Character, Clip, mannequin
+from motorcade.animation import Character, Clip, Skeleton, mannequin
 from motorcade.animation.formats import CameraPath, FormatError, read_character, write_gltf
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 
@@ -112,6 +112,66 @@ def test_a_path_carries_the_character_and_the_camera(
         np.testing.assert_allclose(view[:3, 1], [0, -1, 0], atol=1e-6)
 
 
+def test_points_lie_where_they_are_in_the_world_and_a_still_figure_is_carried(
+    figure: Character, tmp_path: Path, rng: np.random.Generator
+) -> None:
+    """Without any clip the figure stands in its rest pose, all along the path."""
+    stamps = np.array([0, 500_000_000, 1_000_000_000])
+    steps = Motor.from_twist(0.3 * rng.standard_normal((3, 6)))
+    points = rng.standard_normal((5, 3))
+    path = tmp_path / "points.glb"
+    way = Trajectory(stamps, steps, "world", "character")
+    write_gltf(path, figure, [], world_T_character=way, points_m=points)
+    witness = Witness(path)
+    axes = np.array([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+    world = witness.world(0.5)
+    cloud = witness.document["meshes"][1]["primitives"][0]
+    assert cloud["mode"] == 0
+    stored = witness.accessor(cloud["attributes"]["POSITION"])
+    placed = np.concatenate([stored, np.ones((5, 1))], axis=1) @ (axes @ world["map"]).T
+    np.testing.assert_allclose(placed[:, :3], points, atol=1e-6)
+    found = np.array([(axes @ world[name])[:3, 3] for name in figure.skeleton.names])
+    wanted = (steps[1] @ figure.skeleton.rest_world).translation_m
+    np.testing.assert_allclose(found, wanted, atol=NEAR_M)
+
+
+def test_a_path_may_change_the_size_of_what_it_carries(figure: Character, tmp_path: Path) -> None:
+    """And a clip that is no loop is played once."""
+    stamps = np.array([0, 2_000_000_000])
+    sizes = Similarity.from_motor_scale(Motor.identity((2,)), np.array([1.0, 4.0]))
+    once = Clip("once", np.array([0.0, 0.1]), figure.clip("walk").at([0.0, 0.1]))
+    path = tmp_path / "grown.glb"
+    write_gltf(path, figure, [once], world_T_character=Trajectory(stamps, sizes))
+    witness = Witness(path)
+    for time_s, size in ((0.0, 1.0), (1.0, 2.0), (2.0, 4.0)):
+        world = witness.world(time_s)
+        block = world["path"][:3, :3]
+        assert np.cbrt(np.linalg.det(block)) == pytest.approx(size, rel=1e-3)
+    local = figure.skeleton.world(once.at(1.0)).translation_m
+    world = witness.world(2.0)
+    found = np.array([world[name][:3, 3] for name in figure.skeleton.names])[:, [2, 0, 1]]
+    np.testing.assert_allclose(found, 4.0 * local, atol=1e-4)
+
+
+def test_many_joints_are_numbered_by_two_bytes(tmp_path: Path) -> None:
+    count = 300
+    shift = np.zeros((count, 6))
+    shift[1:, 5] = 0.01
+    skeleton = Skeleton(
+        tuple(f"joint {k}" for k in range(count)), np.arange(count) - 1, Motor.from_twist(shift)
+    )
+    weights, joints = np.zeros((count, 4)), np.zeros((count, 4), dtype=np.int64)
+    weights[:, 0], joints[:, 0] = 1.0, np.arange(count)
+    vertices = np.stack([np.arange(count) % 2, np.arange(count) % 3, np.arange(count)], axis=1)
+    long = Character(
+        skeleton, 0.1 * vertices, np.tile([1.0, 0, 0], (count, 1)), np.array([[0, 1, 2]]),
+        np.full((count, 3), 0.5), joints, weights,
+    )  # fmt: skip
+    write_gltf(tmp_path / "long.glb", long)
+    found = read_character(tmp_path / "long.glb", unit_m=1.0)
+    np.testing.assert_array_equal(found.joints, joints)
+
+
 def test_the_file_states_what_the_format_asks_for(written: Path) -> None:
     data = written.read_bytes()
     magic, version, length = struct.unpack_from("<4sII", data)
@@ -167,6 +227,15 @@ def test_wrong_requests_are_refused(figure: Character, tmp_path: Path) -> None:
         write_gltf(tmp_path / "figure.glb", figure, camera=CameraPath(still, 0.8, 1.0))
     with pytest.raises(ValueError, match="between 0 and pi"):
         CameraPath(still, 4.0, 1.0)
+    for aspect in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match=r"CameraPath\.aspect: expected a positive number"):
+            CameraPath(still, 0.8, aspect)
+    points = np.zeros((4, 3))
+    with pytest.raises(ValueError, match=r"points_m\): expected a path of the character too"):
+        write_gltf(tmp_path / "figure.glb", figure, points_m=points)
+    for wrong in (points[:0], points[:, :2], points[0], points * np.nan):
+        with pytest.raises(ValueError, match=r"points_m\): expected finite points \(N, 3\)"):
+            write_gltf(tmp_path / "figure.glb", figure, points_m=wrong, world_T_character=still)
     assert list(tmp_path.iterdir()) == []
 
 
