@@ -17,12 +17,9 @@ import numpy as np
 
 from motorcade.fusion.filter.extended_pose import ERROR_SIZE, skew
 from motorcade.fusion.imu.noise import ImuNoise
-from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, kernels
+from motorcade.ga import FloatArray, Motor, Rotor, kernels
 
-__all__ = [
-    "Increments", "Intervals", "advance", "increments", "intervals", "process_noise", "transitions",
-]  # fmt: skip
+__all__ = ["Increments", "Intervals", "advance", "increments", "process_noise", "transitions"]
 
 _SERIES_BELOW_RAD = 0.02
 _R, _P, _V, _BG, _BA = (slice(3 * i, 3 * i + 3) for i in range(5))
@@ -35,9 +32,6 @@ class Intervals:
     dt_s: FloatArray
     rate_rad_s: FloatArray
     force_m_s2: FloatArray
-
-    def __getitem__(self, part: slice) -> Intervals:
-        return Intervals(self.dt_s[part], self.rate_rad_s[part], self.force_m_s2[part])
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,14 +54,6 @@ class Increments:
     second: FloatArray
     velocity_m_s: FloatArray
     position_m: FloatArray
-
-
-def intervals(imu: ImuStream, stamps_ns: IntArray) -> Intervals:
-    """Data between rising stamps; rate and force are means of the samples at both ends."""
-    data = imu.at(stamps_ns)
-    rate, force = data.angular_rate_rad_s, data.specific_force_m_s2
-    dt_s = np.diff(stamps_ns) * 1e-9
-    return Intervals(dt_s, 0.5 * (rate[1:] + rate[:-1]), 0.5 * (force[1:] + force[:-1]))
 
 
 def increments(data: Intervals, gyro_bias: FloatArray, accel_bias: FloatArray) -> Increments:

@@ -50,15 +50,14 @@ def test_velocity_acceleration_and_jerk_are_those_of_the_origin(name: str) -> No
     assert worst(found.world_jerk_m_s3, jerk) < 1e-2
 
 
-def test_the_world_twist_drives_the_pose_from_the_left() -> None:
-    motion = MOTIONS["tumble"]
+@pytest.mark.parametrize("name", ["tumble", "zoom"])
+def test_the_world_twist_drives_the_pose_from_the_left(name: str) -> None:
+    motion = MOTIONS[name]
     path = motion.sampled(200.0, 2.0)
     found = differentiated(path, window_s=0.06, order=6)
     poses = found.trajectory.poses
-    assert isinstance(poses, Motor)
     ahead = motion.at(path.time_ns * 1e-9 + 1e-5).pose
-    assert isinstance(ahead, Motor)
-    driven = Motor.from_twist(1e-5 * found.world_twist) @ poses
+    driven = type(poses).from_twist(1e-5 * found.world_twist) @ poses
     assert np.abs((driven.inverse() @ ahead).as_twist())[20:-20].max() < 1e-8
 
 

@@ -111,20 +111,31 @@ class ErrorCoordinates(ABC):
         return matrices
 
 
-class ExtendedPose(ErrorCoordinates):
-    """The filter's own: on the right of the pair of motors, position and velocity turning along."""
+class QuaternionTranslation(ErrorCoordinates):
+    """The error-state filter as commonly written: turn in the moving frame, position in the world.
+
+    Source: J. Solà, Quaternion kinematics for the error-state Kalman filter, arXiv:1711.02508,
+    2017 (section 5, local angular errors), also known as the multiplicative filter.
+    """
 
     def rotation_difference(self, rotor: Rotor, other: Rotor) -> FloatArray:
         """Rotation vectors ``(*, 3)`` in the moving frame."""
         return (rotor.inverse() @ other).as_rotation_vector()
 
     def rotated(self, rotor: Rotor, error: FloatArray) -> Rotor:
-        """``R Exp(error)``."""
+        """``q Exp(error)``."""
         return rotor @ Rotor.from_rotation_vector(error)
 
     def rotation_from_body(self, rotor: Rotor) -> FloatArray:
         """The identity."""
         return np.tile(np.eye(3), (*rotor.shape, 1, 1))
+
+
+class ExtendedPose(QuaternionTranslation):
+    """The filter's own: on the right of the pair of motors, position and velocity turning along.
+
+    Orientations err as in the multiplicative filter.
+    """
 
     def difference(self, state: State, other: State) -> FloatArray:
         """Logarithms of one extended pose seen from the other, and the biases' differences."""
@@ -145,26 +156,6 @@ class ExtendedPose(ErrorCoordinates):
     def from_body(self, state: State) -> FloatArray:
         """The identity."""
         return np.tile(np.eye(ERROR_SIZE), (*state.rotor.shape, 1, 1))
-
-
-class QuaternionTranslation(ErrorCoordinates):
-    """The error-state filter as commonly written: turn in the moving frame, position in the world.
-
-    Source: J. Solà, Quaternion kinematics for the error-state Kalman filter, arXiv:1711.02508,
-    2017 (section 5, local angular errors), also known as the multiplicative filter.
-    """
-
-    def rotation_difference(self, rotor: Rotor, other: Rotor) -> FloatArray:
-        """Rotation vectors ``(*, 3)`` in the moving frame."""
-        return (rotor.inverse() @ other).as_rotation_vector()
-
-    def rotated(self, rotor: Rotor, error: FloatArray) -> Rotor:
-        """``q Exp(error)``."""
-        return rotor @ Rotor.from_rotation_vector(error)
-
-    def rotation_from_body(self, rotor: Rotor) -> FloatArray:
-        """The identity."""
-        return np.tile(np.eye(3), (*rotor.shape, 1, 1))
 
 
 class ExactEulerAngles(ErrorCoordinates):

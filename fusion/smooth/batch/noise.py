@@ -60,10 +60,6 @@ class NoiseModel:
     scale: Sizes
     outliers: float
 
-    def model(self, representation: str = "motor") -> KalmanFilter:
-        """The Kalman filter with this noise."""
-        return _filter(self.order, [self.rotation, self.translation, self.scale], representation)
-
 
 def estimate_noise(
     trajectory: Trajectory, representation: str = "motor", order: int | None = None

@@ -121,8 +121,14 @@ def test_bad_samples_are_refused_and_leave_the_filter_as_it_was(record, rng):
     for call, message in (
         (lambda: stream.pose(last, pose, -covariance), "covariance: expected a symmetric positive"),
         (lambda: stream.pose(last, pose, np.eye(3)), "covariance: expected"),
+        (lambda: stream.pose(last, pose, np.ones((2, 6, 6))), r"covariance: .* got \(2, 6, 6\)"),
+        (lambda: stream.pose(last, Motor.identity((2,)), covariance), r"pose: .* got \(2,\)"),
         (lambda: stream.position(last, [0.0, np.nan, 0.0], np.eye(3)), "position_m"),
         (lambda: stream.velocity(last, np.zeros(2), np.eye(3)), "velocity_m_s: expected"),
+        (
+            lambda: stream.velocity(last, np.zeros((2, 3)), np.eye(3)),
+            "velocity_m_s: expected three",
+        ),
         (lambda: stream.tag(last, np.zeros((5, 2)), np.zeros((5, 3)), CAMERA), "n from 1 to 4"),
         (lambda: stream.tag(last, [[0.0, 0.0]], [[0.0, 0.0, 1.0]], CAMERA, 0.0), "sigma_px"),
         (lambda: PoseFilter(run.noise, history_s=0.0), "history_s: expected"),

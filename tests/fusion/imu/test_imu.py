@@ -215,6 +215,7 @@ def test_streams_refuse_bad_data_and_stay_frozen():
         ((stamps[:1], zeros[:1], zeros[:1]), "with N >= 2"),
         ((stamps[::-1], zeros, zeros), "strictly increasing stamps, got 10000000 at index 1"),
         ((stamps, zeros[:3], zeros), r"angular_rate_rad_s: expected shape \(4, 3\), got \(3, 3\)"),
+        ((stamps, zeros, zeros[None]), r"specific_force_m_s2: expected shape \(4, 3\), got \(1,"),
         ((stamps, zeros, zeros + np.nan), "specific_force_m_s2: expected finite numbers"),
     ]:
         with pytest.raises(ValueError, match=message):
@@ -226,6 +227,7 @@ def test_streams_refuse_bad_data_and_stay_frozen():
     copy = pickle.loads(pickle.dumps(good))
     assert not copy.time_ns.flags.writeable
     assert good.rate_hz == 200.0
+    assert repr(good) == "ImuStream(4 samples, 200.0 Hz, 0.015 s)"
 
 
 def test_samples_between_stamps_lie_on_the_line():

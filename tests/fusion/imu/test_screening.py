@@ -49,6 +49,18 @@ def test_recordings_pass_in_silence(data_dir, file, caplog):
     assert not caplog.records
 
 
+def test_two_seconds_say_nothing_of_the_unit_of_the_rate():
+    """Gravity turns 57 times too slowly, but too few tenths of a second show it."""
+    degrees = in_units(ridden("tumble"), 180.0 / np.pi, 1.0)
+    with pytest.raises(ValueError, match="angular_rate_rad_s: expected radians a second"):
+        screen_imu(degrees)
+    short = slice(0, 500)
+    assert screen_imu(ImuStream(
+        degrees.time_ns[short], degrees.angular_rate_rad_s[short],
+        degrees.specific_force_m_s2[short],
+    )) == ()  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("factor", "unit"), [(1 / 9.80665, "in g;"), (1e3 / 9.80665, "milli-g"), (1 / 0.3048, "ft/s²")]
 )

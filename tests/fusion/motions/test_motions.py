@@ -220,6 +220,7 @@ def test_accelerations_are_those_an_inertial_sensor_feels():
         (lambda: Motion((), Motor), "one or more"),
         (lambda: Motion((Factor(np.zeros(6), Polynomial((1.0,))),), Similarity), "7 numbers"),
         (lambda: Factor(np.zeros(5), Polynomial((1.0,))), "Factor.twist"),
+        (lambda: Factor(np.zeros((2, 7)), Polynomial((1.0,))), r"Factor.twist: .* got \(2, 7\)"),
         (lambda: Factor([0, 0, 0, 0, 0, np.nan], Polynomial((1.0,))), "finite"),
         (lambda: Polynomial(()), "Polynomial.coefficients"),
         (lambda: Sines((1.0,), (1.0, 2.0), (0.0,)), "one frequency"),

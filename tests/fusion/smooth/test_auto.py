@@ -113,3 +113,4 @@ def test_changes_say_how_far_poses_moved(rng: np.random.Generator) -> None:
     with pytest.raises(ValueError, match="expected the stamps of the raw trajectory"):
         changes(noisy, truth[1:])
     assert changes(noisy[:2], truth[:2])["raw_linear_jitter_m_s2"] is None
+    assert changes(noisy[:9], truth[:9])["smoothed_angular_jitter_rad_s2"] is None  # no spectrum

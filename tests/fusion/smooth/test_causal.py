@@ -263,6 +263,12 @@ def test_a_result_beyond_float64_is_refused() -> None:
         ("one_euro", {"derivative_cutoff_hz": np.nan}, "derivative_cutoff_hz: expected a positive"),
         ("one_euro", {"beta_per_m": -1.0}, "beta_per_m: expected a number of at least 0, got -1"),
         ("constant_velocity", {"noise_m": 0.0}, "noise_m: expected a positive deviation"),
+        ("constant_velocity", {"noise_m": [[0.1]]}, "noise_m: expected a positive deviation or"),
+        (
+            "constant_velocity",
+            {"noise_m": [0.1, 0.2], "noise_rad": [0.1] * 3},
+            r"noise: expected equal numbers of deviations, got \[2, 3\]",
+        ),
         ("constant_velocity", {"noise_m": [0.1, 0.2]}, "noise: expected one deviation or one for"),
         (
             "constant_velocity",

@@ -145,6 +145,7 @@ def test_the_input_is_left_as_it_was(rng: np.random.Generator) -> None:
         ({"representation": "matrix"}, r"representation: expected one of motor.*'matrix'"),
         ({"window_s": 0.0}, r"window_s: expected a positive number of seconds, got 0"),
         ({"window_s": float("nan")}, "window_s"),
+        ({"window_s": 4e-10}, "window_s: expected at least 1e-9 seconds, got 4e-10"),
         ({"order": 6}, "order: expected 0 to 5, got 6"),
     ],
 )

@@ -97,6 +97,15 @@ def test_derivatives_of_a_pose_are_differences(rng):
     np.testing.assert_allclose(found, -off.as_twist()[0], atol=2e-6)
 
 
+def test_states_that_nothing_determines_are_refused(rng):
+    """The second of three unknowns of each state stands in no residual."""
+    equations = Bordered(4, 3, 1)
+    own = rng.standard_normal((4, 5, 3)) * [1.0, 0.0, 1.0]
+    equations.add_states(rng.standard_normal((4, 5)), own, rng.standard_normal((4, 5, 1)))
+    with pytest.raises(ValueError, match="expected motion that determines the states, got too"):
+        equations.solve(np.array([True]))
+
+
 @pytest.mark.parametrize("free", [[True, True], [True, False]])
 def test_the_chain_is_solved_as_the_dense_system(rng, free):
     count, size, shared = 5, 3, 2

@@ -165,6 +165,9 @@ def test_streams_that_do_not_belong_together_are_refused(rng):
         synchronise(shaken, rest, ADIS16448)
     with pytest.raises(ValueError, match="search_s"):
         synchronise(camera, imu, ADIS16448, search_s=0.0)
+    falling = ImuStream(imu.time_ns, imu.angular_rate_rad_s, 0.0 * imu.specific_force_m_s2)
+    with pytest.raises(ValueError, match="imu: expected specific forces, got zeros"):
+        synchronise(camera, falling, ADIS16448)
 
 
 def test_the_command_writes_what_it_finds(rng, tmp_path, capsys):

@@ -10,6 +10,7 @@ from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.fusion.visual_inertial import InertialStart, start_inertial
 from motorcade.fusion.visual_inertial.linear import linear_start
+from motorcade.fusion.visual_inertial.start import _upright
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
@@ -118,6 +119,15 @@ def test_an_even_pace_tells_no_scale_and_that_is_said(seed):
             start_inertial(measured_in_units(noisy), imu, ADIS16448, mount)
     else:
         assert start_inertial(measured_in_units(noisy), imu, ADIS16448, mount).log_scale_sigma > 1.0
+
+
+@pytest.mark.parametrize("down", [[0.0, 0.0, -9.8], [0.0, 0.0, 9.8], [3.0, -4.0, 8.0], [0, 1, 0]])
+def test_gravity_is_turned_down_by_the_shortest_way(down):
+    """Also where it points straight up, and every way is as short."""
+    up = _upright(np.array(down))
+    size = np.linalg.norm(down)
+    np.testing.assert_allclose(up.apply(down), [0.0, 0.0, -size], atol=1e-9)
+    assert up.angle() == pytest.approx(np.arccos(-down[2] / size), abs=1e-9)
 
 
 def test_bad_input_is_refused(rng):

@@ -147,6 +147,10 @@ def test_bad_input_is_refused(scene: Scene):
         LandmarkObservations(seen.keyframe - 1, seen.landmark, seen.px)
     with pytest.raises(ValueError, match=r"observations\.landmark: expected rows below 5"):
         scene.adjusted(scene.keyframes, scene.landmarks_m[:5])
+    first = seen.keyframe == 0
+    alone = LandmarkObservations(seen.keyframe[first], seen.landmark[first], seen.px[first])
+    with pytest.raises(ValueError, match="keyframes: expected two or more, got 1"):
+        replace(scene, observations=alone).adjusted(scene.keyframes[:1], scene.landmarks_m)
     later = Trajectory(scene.keyframes.time_ns + 10**12, scene.keyframes.poses)
     with pytest.raises(ValueError, match="keyframes: expected stamps"):
         scene.adjusted(later, scene.landmarks_m)
