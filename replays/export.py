@@ -38,7 +38,8 @@ class Shown:
         path: see `paths`.
         character: who stands there.
         clip: what it does.
-        placement: where it stands.
+        placement: where it stands at first.
+        carry: what moves it along from there, None where nothing does.
         points_m: (N, 3) mapped points, world; N may be 0.
     """
 
@@ -49,7 +50,17 @@ class Shown:
     character: Character
     clip: Clip
     placement: Placement
+    carry: Trajectory | None
     points_m: FloatArray
+
+    @property
+    def world_T_character(self) -> Trajectory:
+        """Where the character stands over the path's time."""
+        stand = self.placement.world_T_character
+        if self.carry is None:
+            ends = self.path.time_ns[[0, -1]]
+            return Trajectory(ends, Motor.stack([stand, stand]), "world", "character")
+        return self.carry.transformed_by(right=stand, child="character")
 
 
 def open_run(folder: Path) -> Shown:
@@ -94,6 +105,7 @@ def open_run(folder: Path) -> Shown:
         character,
         clip,
         placed.placement,
+        placed.carry,
         np.asarray(found.points, dtype=np.float64),
     )
 
@@ -110,15 +122,14 @@ def write_run_gltf(shown: Shown, path: Path) -> None:
     """
     camera = shown.camera
     field_rad = 2.0 * float(np.arctan(0.5 * camera.height / camera.fy))
-    rotor_place = shown.placement.world_T_character
-    stand = Similarity.from_motor_scale(rotor_place, np.float64(shown.placement.scale))
-    ends = shown.path.time_ns[[0, -1]]
+    stands = shown.world_T_character
+    grown = Similarity.from_motor_scale(stands.motors, np.float64(shown.placement.scale))
     points = _thinned(shown.points_m)
     write_gltf(
         path,
         shown.character,
         [shown.clip],
-        world_T_character=Trajectory(ends, Similarity.stack([stand, stand])),
+        world_T_character=Trajectory(stands.time_ns, grown),
         camera=CameraPath(shown.path, field_rad, camera.width / camera.height),
         points_m=points if len(points) else None,
     )
@@ -165,7 +176,8 @@ def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
     if camera is None:
         raise ValueError(f"{shown.recording.name}: expected a camera, got none")
     first_ns, last_ns = int(shown.path.time_ns[0]), int(shown.path.time_ns[-1])
-    colors = shown.character.colors
+    colors, stands = shown.character.colors, shown.world_T_character
+    span_ns = int(stands.time_ns[0]), int(stands.time_ns[-1])
     for frame in shown.recording.frames:
         if not first_ns <= frame.time_ns <= last_ns:
             continue
@@ -177,12 +189,13 @@ def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
         )
         picture = camera.undistort_image(frame.image())
         stream.log("world/camera/picture", rr.Image(picture).compress(jpeg_quality=85))
+        stand = stands.motors_at(np.clip(np.int64(frame.time_ns), *span_ns))
         vertices, normals = skin(shown.character, shown.clip.at((frame.time_ns - first_ns) * 1e-9))
         stream.log(
             "world/character",
             rr.Mesh3D(
-                vertex_positions=shown.placement.apply(vertices).astype(np.float32),
-                vertex_normals=shown.placement.world_T_character.rotor.apply(normals),
+                vertex_positions=stand.apply(shown.placement.scale * vertices).astype(np.float32),
+                vertex_normals=stand.rotor.apply(normals),
                 triangle_indices=shown.character.triangles,
                 vertex_colors=None if colors is None else np.rint(255 * colors).astype(np.uint8),
             ),

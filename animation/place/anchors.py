@@ -13,7 +13,10 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Motor, Rotor, Similarity
 
-__all__ = ["Anchor", "plane_anchor"]
+__all__ = ["Anchor", "followed", "plane_anchor"]
+
+# What a hand turns no marker faster than, and how long it may be unseen and still count as seen.
+_FASTEST_RAD_S, _UNSEEN_S = 12.0, 0.15
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +72,66 @@ class Anchor:
         shown = self.at(time_s)
         offset = Similarity.normalize((target.inverse() @ shown).coefficients)
         return replace(self, target=target, time_s=time_s, offset=offset)
+
+    def carried(self, target: Similarity, time_s: float) -> Anchor:
+        """The anchor after its target has moved of its own: what is shown moves along at once.
+
+        Raises:
+            ValueError: a batch, or a time before the last correction.
+        """
+        shown = self.at(time_s)
+        offset = Similarity.normalize((self.target.inverse() @ shown).coefficients)
+        return replace(self, target=target, time_s=time_s, offset=offset)
+
+
+def followed(
+    seen_s: FloatArray,
+    world_T_target: Motor,
+    time_s: FloatArray,
+    *,
+    fastest_m_s: float,
+    settle_s: float = 0.25,
+) -> Motor:
+    """Where to show what hangs on a thing that moves and is not always seen.
+
+    It moves along at once while the thing is seen to move. Where tracking leaps (faster than the
+    thing can be), or finds the thing again, it glides there from where it was held.
+
+    Args:
+        seen_s: ``(S,)`` rising times at which it was seen, S at least 1.
+        world_T_target: Motor ``(S,)``, where it was then.
+        time_s: ``(F,)`` rising times to be shown; before the first sighting it waits there.
+        fastest_m_s: a faster step is a leap; so is a turn at more than 12 rad/s.
+        settle_s: a glide's rest falls to 1/e in this time.
+
+    Returns:
+        Motor ``(F,)``.
+
+    Raises:
+        ValueError: nothing seen, or shapes that differ.
+    """
+    if not len(seen_s) or world_T_target.shape != (len(seen_s),):
+        raise ValueError(
+            f"followed(world_T_target): expected one pose for each of 1 or more times, got "
+            f"{world_T_target.shape} for {len(seen_s)}"
+        )
+    targets = Similarity.from_motor_scale(world_T_target, np.ones(len(seen_s)))
+    steps = (world_T_target[:-1].inverse() @ world_T_target[1:]).as_twist()
+    passed = np.diff(seen_s)
+    leaps = (
+        (passed > _UNSEEN_S)
+        | (np.linalg.norm(np.diff(world_T_target.translation_m, axis=0), axis=-1)
+           > fastest_m_s * passed)
+        | (np.linalg.norm(steps[:, :3], axis=-1) > _FASTEST_RAD_S * passed)
+    )  # fmt: skip
+    anchor, row, shown = Anchor(targets[0], float(seen_s[0]), settle_s), 0, []
+    for moment in time_s:
+        while row + 1 < len(seen_s) and seen_s[row + 1] <= moment:
+            told = anchor.corrected if leaps[row] else anchor.carried
+            row += 1
+            anchor = told(targets[row], float(seen_s[row]))
+        shown.append(anchor.at(max(float(moment), float(seen_s[0]))).as_motor_scale()[0])
+    return Motor.stack(shown)
 
 
 def plane_anchor(

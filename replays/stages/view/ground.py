@@ -16,7 +16,7 @@ from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
 from motorcade.render.light import Prints
 from motorcade.replays.recording import Frame, Recording
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
-from motorcade.tracking import Board
+from motorcade.tracking import Board, MarkerGrid, SingleMarker
 from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.planes import (
     Plane,
@@ -27,7 +27,8 @@ from motorcade.tracking.planes import (
 )
 
 __all__ = [
-    "Ground", "ground_on_board", "ground_on_floor", "ground_on_plane", "prints_of", "upward",
+    "Ground", "ground_on_board", "ground_on_floor", "ground_on_marker", "ground_on_plane",
+    "known_marker", "prints_of", "upward",
 ]  # fmt: skip
 
 FLOOR_HEIGHT_M = 1.75
@@ -83,9 +84,31 @@ def ground_on_board(recording: Recording, camera_poses: CameraPoses) -> Ground |
         return None
     known = MarkerMap.load(camera_poses.marker_map)
     base = int(np.argmin(np.linalg.norm(known.world_T_marker.as_twist(), axis=-1)))
-    side_m = float(known.side_m[base])
-    name = f"marker {known.marker_ids[base]}"
-    return Ground(known.world_T_marker[base], (0.5 * side_m, -0.5 * side_m), side_m, name)
+    side_m, number = float(known.side_m[base]), int(known.marker_ids[base])
+    return ground_on_marker(known.world_T_marker[base], side_m, number)
+
+
+def ground_on_marker(world_T_marker: Motor, side_m: float, marker_id: int) -> Ground:
+    """The middle of one marker."""
+    return Ground(world_T_marker, (0.5 * side_m, -0.5 * side_m), side_m, f"marker {marker_id}")
+
+
+def known_marker(recording: Recording, camera_poses: CameraPoses, marker_id: int) -> Motor | None:
+    """Where a map, or the board that it is part of, has a marker; None where neither knows it."""
+    board = recording.board
+    if camera_poses.origin in ("board", "simulated") and isinstance(
+        board, MarkerGrid | SingleMarker
+    ):
+        rows = np.flatnonzero(board.marker_ids == marker_id)
+        if len(rows):
+            corner_m = board.points_m[4 * int(rows[0])]
+            inside = Motor.from_rotor_translation(Rotor.identity(), corner_m)
+            return recording.world_T_board @ inside
+    if camera_poses.marker_map is None:
+        return None
+    known = MarkerMap.load(camera_poses.marker_map)
+    rows = np.flatnonzero(known.marker_ids == marker_id)
+    return known.world_T_marker[int(rows[0])] if len(rows) else None
 
 
 def prints_of(recording: Recording, camera_poses: CameraPoses) -> Prints | None:

@@ -31,6 +31,7 @@ from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Frame, Recording
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.smoothed import Smoothed
+from motorcade.replays.stages.view.carried import seen_from_anchor
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.replays.stages.view.placed import Placed
 
@@ -77,7 +78,8 @@ def overlay(
     otherwise the footage is straightened. `gain` brightens what is drawn, `exposure_s` blurs it by
     the motion in that time, `noise` (of 255; none: each frame's own) grains it.
     Frames without a pose (before the first, after the last) are shown as they are. Where the
-    recording has depth, what is nearer hides the character. Raises `Unavailable` without OpenGL and
+    recording has depth, what is nearer hides the character; where it has none, the board, markers
+    and the ground do. Raises `Unavailable` without OpenGL and
     for recordings of corners, which hold no pictures, and ValueError without a camera or for a
     representation that was not smoothed or an unknown renderer.
     """
@@ -95,18 +97,19 @@ def overlay(
     start = time.perf_counter()
     footage = _Footage(recording, bent=lens == "bend")
     lighting, lit_by = None, "a fixed light"
+    prints = prints_of(recording, camera_poses)
     if light == "estimated":
-        prints = prints_of(recording, camera_poses)
         lighting, lit_by = _estimated(footage, path, placed, character, prints)
     pictures = render_overlay(
         footage.frames(track(recording.frames, "drawing", len(recording.frames))),
         footage.camera,
-        path,
+        seen_from_anchor(path, placed.carry),
         character,
         clip,
         placed.placement,
         lighting=lighting,
         matching=Matching(gain, exposure_s, noise),
+        prints=prints if placed.carry is None else None,  # they stand still in the world only
         renderer=_known(renderer),
     )
     file = new_file("overlay.mp4")

@@ -1,8 +1,8 @@
-"""Stage `placed`: which character stands where, upright on a board, a plane found, or the floor."""
+"""Stage `placed`: which character stands where: on a board, a marker, a plane or the floor."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Literal
@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from motorcade.animation import Placement, place_on_plane
-from motorcade.ga import FloatArray, Motor, frozen
+from motorcade.ga import FloatArray, Motor, Trajectory, frozen
 from motorcade.replays.characters.acting import (
     MANNEQUIN,
     character_named,
@@ -21,7 +21,14 @@ from motorcade.replays.characters.acting import (
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.smoothed import Smoothed
-from motorcade.replays.stages.view.ground import ground_on_board, ground_on_floor, ground_on_plane
+from motorcade.replays.stages.view.carried import find_marker
+from motorcade.replays.stages.view.ground import (
+    ground_on_board,
+    ground_on_floor,
+    ground_on_marker,
+    ground_on_plane,
+    known_marker,
+)
 
 
 @dataclass(frozen=True)
@@ -30,6 +37,8 @@ class Placed:
 
     `character` is "mannequin" or a file. Where it walks, `path_m` ``(P, 2)`` are points of the
     plane and `plane_T_character` is where the placement stands in it; else there are no points.
+    Where it stands on a marker that moves, `carry` says what moves the placement along: the pose
+    that takes what stands in the world at the first frame to where it is later.
     """
 
     character: str
@@ -39,6 +48,7 @@ class Placed:
     content: str = ""
     path_m: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
     plane_T_character: Motor = field(default_factory=Motor.identity)
+    carry: Trajectory | None = None
 
 
 def placed(
@@ -49,7 +59,8 @@ def placed(
     character: Path = Path(MANNEQUIN),
     clip: str | None = None,
     path: tuple[float, ...] = (),
-    on: Literal["auto", "board", "plane", "floor"] = "auto",
+    on: Literal["auto", "board", "marker", "plane", "floor"] = "auto",
+    marker: int | None = None,
     floor_m: float = 0.0,
     position_m: tuple[float, ...] = (),
     heading_deg: float | None = None,
@@ -65,7 +76,10 @@ def placed(
     `on` "auto" takes the board or the marker seen most where the poses come from it, else the plane
     where one is found (in depth, or among the points that SLAM mapped; the floor where gravity is
     known, a plane that faces the picture's up where it is not), else the floor: z = `floor_m`, in
-    the world of SLAM a level `floor_m` above the foot of what was mapped. `position_m` (x, y) lies
+    the world of SLAM a level `floor_m` above the foot of what was mapped. "marker" takes the marker
+    with the id `marker`, which may move: it is looked for in every frame, and where it is not seen
+    the character waits, and glides back once it is. Markers of a map must stand still, so a map
+    that leaves the moving ones out makes the camera's path sure. `position_m` (x, y) lies
     in the plane's own frame; without it the character stands in the middle of the board, marker or
     plane, or on the floor where the first camera looks. `heading_deg` turns from the plane's x
     towards its y; without it the character looks at the first camera. `height_m` is the
@@ -78,7 +92,16 @@ def placed(
     way = path_of(path) if path else None
     seen_from = next(iter(smoothed.trajectories.values()))
     first_camera = seen_from.motors[0]
-    ground = None
+    ground, carry = None, None
+    if (on == "marker") != (marker is not None):
+        raise ValueError(f"placed.marker: expected an id with placed.on=marker, came {marker}")
+    if marker is not None:
+        known = known_marker(recording, camera_poses, marker)
+        found = find_marker(recording, seen_from, marker, known)
+        ground = ground_on_marker(found.world_T_marker, found.side_m, marker)
+        if found.path is not None:
+            ground = replace(ground, name=f"{ground.name}, which moves")
+            carry = found.path.transformed_by(right=found.world_T_marker.inverse(), child="start")
     if on in ("auto", "board"):
         ground = ground_on_board(recording, camera_poses)
     if on == "plane" or (on == "auto" and ground is None):
@@ -115,4 +138,6 @@ def placed(
     if way is not None:  # refused here rather than when it is drawn
         walked(who, motion, points, placement.scale, inside)
     content = sha256(character.read_bytes()).hexdigest() if character.is_file() else ""
-    return Placed(str(character), clip, placement, ground.name, content, frozen(points), inside)
+    return Placed(
+        str(character), clip, placement, ground.name, content, frozen(points), inside, carry
+    )  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motorcade.animation.place import Anchor, plane_anchor
+from motorcade.animation.place import Anchor, followed, plane_anchor
 from motorcade.ga import Motor, Similarity
 
 
@@ -49,6 +49,37 @@ def test_the_frame_rate_does_not_matter(targets):
 def test_a_settling_time_of_zero_follows_at_once(targets):
     anchor = Anchor(targets[0], settle_s=0.0).corrected(targets[1], 1.0)
     assert _apart(anchor.at(1.0), targets[1]) < 1e-15
+
+
+def test_what_carries_itself_is_followed_at_once_and_the_rest_settles(targets):
+    """A correction leaves an offset; the target's own motion after it is shown in full."""
+    anchor = Anchor(targets[0]).corrected(targets[1], 0.0)
+    step = Similarity.from_twist([0.1, -0.2, 0.05, 0.0, 0.3, 0.1, -0.2])
+    moved = step @ targets[1]
+    carried = anchor.carried(moved, 0.1)
+    assert _apart(carried.at(0.1), step @ anchor.at(0.1)) < 1e-12
+    assert _apart(carried.at(0.6), step @ anchor.at(0.6)) < 1e-12
+    assert _apart(carried.at(20.0), moved) < 1e-11
+
+
+def test_a_thing_that_moves_is_followed_without_lag_and_leaps_are_glided_over(rng):
+    seen_s = np.delete(np.arange(60) / 30.0, np.arange(20, 30))
+    twist = np.array([0.2, -0.1, 0.3, 0.2, 0.1, -0.1])
+    true = Motor.from_twist(seen_s[:, None] * twist)
+    leap = Motor.from_twist([0.0, 0.0, 0.0, 0.5, 0.0, 0.0])
+    given = Motor.concatenate([true[:40], leap @ true[40:]])
+    shown = followed(seen_s, given, np.arange(-5, 60) / 30.0, fastest_m_s=2.0)
+    places, before = shown.translation_m, true.translation_m
+    np.testing.assert_allclose(places[:6], np.tile(before[0], (6, 1)), atol=1e-12)
+    np.testing.assert_allclose(places[5:25], before[:20], atol=1e-12)
+    np.testing.assert_allclose(places[25:35], np.tile(before[19], (10, 1)), atol=1e-12)
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    own = np.linalg.norm(np.diff(before[:20], axis=0), axis=1).max()
+    assert steps.max() < 2.0 * own + 0.5 * (1.0 - np.exp(-1.0 / (30.0 * 0.25)))
+    left = np.linalg.norm(places[-1] - given.translation_m[-1])
+    assert left < 0.6 * np.exp(-9.0 / (30.0 * 0.25))
+    with pytest.raises(ValueError, match="expected one pose for each"):
+        followed(seen_s, given[:3], seen_s, fastest_m_s=1.0)
 
 
 def test_a_plane_anchor_stands_up_from_its_plane(rng):

@@ -1,0 +1,221 @@
+"""A character on a marker: it stands where the marker is, moves with it, and never pops."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.render import render_overlay
+from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path
+from motorcade.replays.characters.acting import character_named, clip_named
+from motorcade.replays.markers.loose import LooseMarkers
+from motorcade.replays.recording import Frame, FrameSequence, ImageArray, Recording
+from motorcade.replays.stages.camera.camera_poses import CameraPoses
+from motorcade.replays.stages.smoothed import Smoothed
+from motorcade.replays.stages.view.carried import seen_from_anchor
+from motorcade.replays.stages.view.placed import Placed, placed
+from motorcade.tracking import Board, Camera, MarkerGrid, PoseMeasurements, SingleMarker
+
+CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)
+FRAMES, RATE_HZ, SIDE_M, ID = 40, 20.0, 0.1, 7
+TIME_NS = np.rint(np.arange(FRAMES) * 1e9 / RATE_HZ).astype(np.int64)
+HIDDEN = range(4, 16)
+
+
+class Pictures:
+    """Frames in memory."""
+
+    def __init__(self, pictures: Sequence[ImageArray]) -> None:
+        self.pictures, self.time_ns = pictures, TIME_NS
+
+    def __len__(self) -> int:
+        return len(self.pictures)
+
+    def __getitem__(self, index: int) -> Frame:
+        return Frame(int(self.time_ns[index]), str(index), self.pictures[index].copy)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return (self[index] for index in range(len(self)))
+
+    def check(self, camera: Camera | None) -> None: ...
+
+    def intact(self, camera: Camera | None) -> tuple[FrameSequence, tuple[str, ...]]:
+        return self, ()
+
+    def content(self) -> Iterator[bytes]:
+        return iter(())
+
+
+def wandering(frame: int) -> Motor:
+    """Carried about before the camera, and turned, smoothly."""
+    t = frame / RATE_HZ
+    place = [0.12 * np.sin(1.5 * t) - 0.05, 0.08 * np.sin(2.1 * t) + 0.05, 0.05 * np.sin(t)]
+    turn = Rotor.from_rotation_vector([0.5 * np.sin(1.2 * t), 0.4, 0.6 * np.sin(0.9 * t)])
+    return Motor.from_rotor_translation(turn, place)
+
+
+def still(frame: int) -> Motor:
+    return wandering(5)
+
+
+def leaping(frame: int) -> Motor:
+    away = Motor.from_rotor_translation(Rotor.identity(), [0.2, -0.1, 0.0])
+    return still(0) if frame < 20 else away @ still(0)
+
+
+@cache
+def drawn(where: Callable[[int], Motor], hidden: range) -> tuple[ImageArray, ...]:
+    """Pictures of the marker along the camera's path."""
+    rng = np.random.default_rng(3)
+    cameras = handheld_path(FRAMES, 0.7)
+    pictures = []
+    for k in range(FRAMES):
+        ids = np.array([], dtype=np.int64) if k in hidden else np.array([ID])
+        poses = Motor.stack([where(k)])[: len(ids)]
+        scene = TagScene(CAMERA, "tag36h11", ids, SIDE_M, poses)
+        pictures.append(scene.picture(cameras[k], rng))
+    return tuple(pictures)
+
+
+def recorded(
+    where: Callable[[int], Motor], hidden: range = range(0), board: Board | None = None
+) -> tuple[Recording, Smoothed, CameraPoses]:
+    """Pictures of one marker by a camera whose path is known."""
+    pictures = drawn(where, hidden)
+    recording = Recording(
+        "drawn", Path("drawn"), "images", Pictures(pictures), CAMERA, board=board,
+        world_T_board=where(0), markers=LooseMarkers("tag36h11", SIDE_M),
+    )  # fmt: skip
+    path = Trajectory(TIME_NS, handheld_path(FRAMES, 0.7))
+    measured = PoseMeasurements(path, np.tile(np.eye(6) * 1e-6, (FRAMES, 1, 1)))
+    nothing = np.full(FRAMES, np.nan)
+    origin = "slam" if board is None else "board"
+    found = CameraPoses(measured, TIME_NS, nothing, origin, "as given")
+    return recording, Smoothed({"motor": path}, None), found
+
+
+def feet_m(made: Placed) -> FloatArray:
+    """Where the character's soles are at every frame (FRAMES, 3), world."""
+    own = made.placement.apply([0.0, 0.0, 0.0])
+    if made.carry is None:
+        return np.tile(own, (FRAMES, 1))
+    np.testing.assert_array_equal(made.carry.time_ns, TIME_NS)
+    return made.carry.motors.apply(own)
+
+
+def middles_m(where: Callable[[int], Motor]) -> FloatArray:
+    half = [0.5 * SIDE_M, -0.5 * SIDE_M, 0.0]
+    return np.array([where(k).apply(half) for k in range(FRAMES)])
+
+
+def pixels(points_m: FloatArray) -> FloatArray:
+    return CAMERA.project(handheld_path(FRAMES, 0.7).inverse().apply(points_m))
+
+
+def on_marker(given: tuple[Recording, Smoothed, CameraPoses]) -> Placed:
+    recording, smoothed, found = given
+    return placed(recording, found, smoothed, on="marker", marker=ID, heading_deg=30.0)
+
+
+def test_it_moves_with_the_marker() -> None:
+    made = on_marker(recorded(wandering))
+    assert made.stands_on == "marker 7, which moves"
+    apart = np.linalg.norm(pixels(feet_m(made)) - pixels(middles_m(wandering)), axis=1)
+    assert apart.max() < 1.0
+    assert made.carry is not None
+    up = (made.carry.motors @ made.placement.world_T_character).rotor.apply([0.0, 0.0, 1.0])
+    wanted = np.array([wandering(k).rotor.apply([0.0, 0.0, 1.0]) for k in range(FRAMES)])
+    tilted = np.arccos(np.clip(np.sum(up * wanted, axis=1), -1.0, 1.0))
+    assert np.rad2deg(tilted).max() < 4.0
+    np.testing.assert_allclose(made.carry.motors[0].as_matrix(), np.eye(4), atol=1e-9)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_it_is_drawn_where_the_marker_is() -> None:
+    """What differs from the footage stands over the marker's middle in every frame."""
+    recording, smoothed, _ = given = recorded(wandering)
+    made = on_marker(given)
+    path = seen_from_anchor(smoothed.trajectories["motor"], made.carry)
+    figure = character_named(made.character)
+    clip = clip_named(figure, made.clip)
+    frames = [(frame.time_ns, frame.image()) for frame in recording.frames][::8]
+    made_of = render_overlay(frames, CAMERA, path, figure, clip, made.placement)
+    ends_m = np.array([[0.5, -0.5, 0.0], [0.5, -0.5, 1.0]]) * SIDE_M
+    for (stamp, before), after in zip(frames, made_of, strict=True):
+        k = int(np.flatnonzero(stamp == TIME_NS)[0])
+        changed = np.any(np.abs(after.astype(int) - before[..., None]) > 20, axis=2)
+        rows, columns = np.nonzero(changed)
+        assert len(rows) > 60
+        view = handheld_path(FRAMES, 0.7)[k].inverse()
+        for column, row in CAMERA.project(view.apply(wandering(k).apply(ends_m))):
+            assert np.hypot(columns - column, rows - row).min() < 6.0
+
+
+def test_unseen_it_waits_and_then_glides_back() -> None:
+    shown = feet_m(on_marker(recorded(wandering, HIDDEN)))
+    true = middles_m(wandering)
+    waits = shown[HIDDEN.start - 1 : HIDDEN.stop]
+    np.testing.assert_allclose(waits, np.tile(waits[0], (len(waits), 1)), atol=1e-12)
+    missed = float(np.linalg.norm(true[HIDDEN.stop] - waits[0]))
+    assert missed > 0.05
+    # No frame goes farther than the marker itself, and what the glide's first frame makes good.
+    steps = np.linalg.norm(np.diff(shown, axis=0), axis=1)
+    own = np.linalg.norm(np.diff(true, axis=0), axis=1)
+    glide = missed * (1.0 - np.exp(-1.0 / (0.25 * RATE_HZ)))
+    assert np.all(steps < own + 1.1 * glide + 1e-3)
+    assert np.linalg.norm(shown[-1] - true[-1]) < 0.15 * missed
+
+
+def test_a_leap_is_glided_over_and_a_lone_wrong_frame_ignored() -> None:
+    shown, true = feet_m(on_marker(recorded(leaping))), middles_m(leaping)
+    leap = float(np.linalg.norm(true[-1] - true[0]))
+    steps = np.linalg.norm(np.diff(shown, axis=0), axis=1)
+    assert steps.max() < 1.05 * leap * (1.0 - np.exp(-1.0 / (0.25 * RATE_HZ)))
+    assert np.linalg.norm(shown[-1] - true[-1]) < 0.05 * leap
+
+    def once(frame: int) -> Motor:
+        return leaping(25) if frame in (12, 13) else still(frame)
+
+    quiet = feet_m(on_marker(recorded(once)))
+    assert np.linalg.norm(quiet - middles_m(still), axis=1).max() < 0.05 * leap
+
+
+@pytest.mark.parametrize(
+    "board", [SingleMarker("tag36h11", ID, SIDE_M), MarkerGrid("tag36h11", 1, 1, SIDE_M, 0.02, ID)]
+)
+def test_a_marker_that_stands_still_is_the_board_that_it_is(board: Board) -> None:
+    recording, smoothed, found = recorded(still, board=board)
+    made = on_marker((recording, smoothed, found))
+    usual = placed(recording, found, smoothed, on="board", heading_deg=30.0, height_m=SIDE_M)
+    assert made.carry is None
+    assert made.stands_on == "marker 7"
+    np.testing.assert_allclose(
+        made.placement.world_T_character.as_matrix(),
+        usual.placement.world_T_character.as_matrix(), atol=1e-9,
+    )  # fmt: skip
+    assert made.placement.scale == pytest.approx(usual.placement.scale)
+
+
+def test_a_still_marker_that_no_map_knows_is_found_once_for_all_frames() -> None:
+    made = on_marker(recorded(still, HIDDEN))
+    assert made.carry is None
+    apart = np.linalg.norm(pixels(feet_m(made)) - pixels(middles_m(still)), axis=1)
+    assert apart.max() < 0.5
+
+
+def test_what_is_asked_for_and_not_there_is_refused() -> None:
+    recording, smoothed, found = recorded(still, range(FRAMES))
+    with pytest.raises(ValueError, match=r"drawn: placed\.marker=7, but no frame with a pose"):
+        placed(recording, found, smoothed, on="marker", marker=ID)
+    with pytest.raises(ValueError, match=r"placed\.marker: expected an id with placed\.on=marker"):
+        placed(recording, found, smoothed, on="marker")
+    with pytest.raises(ValueError, match=r"placed\.marker: expected an id with placed\.on=marker"):
+        placed(recording, found, smoothed, marker=ID)
+    nameless = Recording("plain", Path("plain"), "images", recording.frames, CAMERA)
+    with pytest.raises(ValueError, match=r"plain: placed\.marker=7, but no family of markers"):
+        placed(nameless, found, smoothed, on="marker", marker=ID)
