@@ -83,9 +83,11 @@ def write_pictures(folder: Path, frames: Iterable[tuple[int, ImageArray]]) -> in
 
 
 def _write(picture: ImageArray, text: str) -> None:
-    """A label in the upper left corner, dark behind light."""
-    size = max(0.35, picture.shape[1] / 640.0)
-    at = (int(8 * size), int(22 * size))
-    for color, thick in (((0, 0, 0), 3), ((255, 255, 255), 1)):
-        cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.6 * size, color, thick,
+    """A label in the upper left corner, light with a dark rim."""
+    size = max(0.35, min(1.0, picture.shape[1] / 420.0))
+    x, y = int(8 * size), int(22 * size)
+    # The rim is made of shifted copies: thicker strokes would be spaced wider.
+    rim = [(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy]
+    for dx, dy, color in [(*step, (0, 0, 0)) for step in rim] + [(0, 0, (255, 255, 255))]:
+        cv2.putText(picture, text, (x + dx, y + dy), cv2.FONT_HERSHEY_SIMPLEX, 0.6 * size, color, 1,
                     cv2.LINE_AA)  # fmt: skip

@@ -7,7 +7,11 @@ import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render.printed import printed_surface
-from motorcade.replays.bench.registration import drawn_corner_distances_px, shake_px, straightened
+from motorcade.replays.bench.view.registration import (
+    drawn_corner_distances_px,
+    shake_px,
+    straightened,
+)
 from motorcade.replays.recording import open_recording
 from motorcade.tracking import track_board
 from motorcade.tracking.boards import Checkerboard

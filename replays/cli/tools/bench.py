@@ -6,6 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
+from motorcade.replays.bench.tables import SUITES, run_suite
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
 
@@ -23,15 +24,13 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "suites",
         nargs="*",
         metavar="SUITE",
-        help="blend, accuracy, table3, smooth, lag, slam, fusion, tracking, animation, render "
-        "(all)",
+        help=f"{', '.join(SUITES)} (all)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
 
 
 def bench(arguments: argparse.Namespace) -> None:
     """Run the suites asked for and print their tables."""
-    from motorcade.replays.bench.tables import SUITES, run_suite
     from motorcade.replays.files.atomic import write_bytes
 
     chosen = arguments.suites or list(SUITES)

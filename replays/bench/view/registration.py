@@ -6,15 +6,14 @@ and once on frames whose distortion was taken out. Beside it, how much a virtual
 board shakes in the picture along each path. Smoothing calms the point, but the footage itself is
 shaken by the hand that took it: what is smoother than that slides against it, and the distances of
 corners say by how much.
-
-    python -m motorcade.replays.bench.registration
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,14 +31,17 @@ from motorcade.tracking import BoardTrack, track_board
 from motorcade.tracking.boards import BoardCorners, Checkerboard
 from motorcade.tracking.camera import Camera
 
-__all__ = ["Registration", "drawn_corner_distances_px", "shake_px", "vamr_board"]
+__all__ = [
+    "Registration", "bench_registration", "drawn_corner_distances_px", "registration_lines",
+    "shake_px", "straightened", "vamr_board",
+]  # fmt: skip
 
 PIXELS_PER_M = 4000.0
 INK, PAPER = np.array([32, 44, 96]), np.array([244, 240, 228])
 EDGE_PX = 10.0
 ABOVE_M = (0.16, -0.10, 0.15)
 """The virtual point: over the middle of the board, as high as a character's head."""
-_MANIFEST = Path(__file__).parents[2] / "docs" / "manifests" / "vamr_board.toml"
+_MANIFEST = Path(__file__).parents[3] / "docs" / "manifests" / "vamr_board.toml"
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,8 +164,12 @@ def straightened(track: BoardTrack, camera: Camera) -> BoardTrack:
     return replace(track, observations=moved)
 
 
-def main() -> None:
-    """Measure and print."""
+def bench_registration() -> dict[str, Any]:
+    """Distances and shaking along the path as tracked, and smoothed causally and offline.
+
+    Raises:
+        OSError: the recording is not here.
+    """
     recording, board, camera, track = vamr_board()
     raw = track.measurements.trajectory
     paths = {"as tracked": raw}
@@ -171,24 +177,31 @@ def main() -> None:
         paths[name] = smooth(raw, method, "motor", **settings)
     pictures = [(frame.time_ns, frame.image()) for frame in recording.frames]
     straight = [(stamp, camera.undistort_image(one)) for stamp, one in pictures]
+    corners = []
     for name, path in paths.items():
         for kind, frames, lens, seen in (
             ("distorted", pictures, camera, track),
             ("undistorted", straight, camera.undistorted(), straightened(track, camera)),
         ):
             found = drawn_corner_distances_px(frames, lens, path, seen, board, Motor.identity())
-            print(
-                f"{name:<12}{kind:<13}{found.rms_px:.3f} px RMS, at most "
-                f"{found.distance_px.max():.2f}, drawn board found in {found.found} of "
-                f"{found.frames} frames"
-            )
+            corners.append({
+                "path": name, "frames_are": kind, "corner_rms_px": found.rms_px,
+                "corner_max_px": float(found.distance_px.max()),
+                "found": found.found, "frames": found.frames,
+            })  # fmt: skip
     if recording.truth is not None:
         paths["reference"] = recording.truth
-    calm = shake_px(raw, camera, np.array(ABOVE_M))
-    for name, path in paths.items():
-        pixels = shake_px(path, camera, np.array(ABOVE_M))
-        print(f"{name:<12}shakes {pixels:.3f} px, {pixels / calm:.2f} of as tracked")
+    shakes = {name: shake_px(path, camera, np.array(ABOVE_M)) for name, path in paths.items()}
+    return {"corners": corners, "shake_px": shakes}
 
 
-if __name__ == "__main__":
-    main()
+def registration_lines(found: Mapping[str, Any]) -> Iterator[str]:
+    """A line a path and kind of frames, then one a path."""
+    for row in found["corners"]:
+        yield (
+            f"  {row['path']:<12}{row['frames_are']:<13}{row['corner_rms_px']:.3f} px RMS, at most "
+            f"{row['corner_max_px']:.2f}, drawn board found in {row['found']} of {row['frames']}"
+        )
+    calm = found["shake_px"]["as tracked"]
+    for name, pixels in found["shake_px"].items():
+        yield f"  {name:<12}shakes {pixels:.3f} px, {pixels / calm:.2f} of as tracked"
