@@ -103,8 +103,11 @@ def _tried(file: Path, text: str, known: Measured, mutant: Mutant, most_s: float
     def work() -> list[str]:
         install(file, text)
         watch = Watch(tests)
-        code = run_tests(watch, "-x", *dict.fromkeys(name.partition("::")[0] for name in tests))
-        return watch.failed or ([] if code in (0, 5) else [f"pytest ends with {code}"])
+        for path in dict.fromkeys(name.partition("::")[0] for name in tests):
+            code = run_tests(watch, "-x", path)
+            if watch.failed or code not in (0, 5):
+                return watch.failed or [f"{path}: pytest ends with {code}"]
+        return []
 
     start = time.monotonic()
     try:

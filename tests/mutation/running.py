@@ -28,7 +28,9 @@ import pytest
 __all__ = ["Watch", "forked", "import_others", "install", "module_name", "run_tests"]
 
 _MOST_MEMORY = 16 << 30
-_QUIET = ["-q", "--no-header", "-p", "no:cacheprovider", "-m", "not slow"]
+# Hypothesis is among what was imported beforehand.
+_QUIET = ["-q", "-p", "no:cacheprovider", "-m", "not slow"]
+_QUIET += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
 
 
 class Watch:
@@ -68,7 +70,7 @@ def forked(work: Callable[[], Any], seconds: float) -> Any:
 
     Raises:
         TimeoutError: it took longer.
-        ChildProcessError: the child died.
+        ChildProcessError: the child died, or the work raised what the message says.
     """
     context = multiprocessing.get_context("fork")
     here, there = context.Pipe(duplex=False)
@@ -78,7 +80,10 @@ def forked(work: Callable[[], Any], seconds: float) -> Any:
     try:
         if not here.poll(seconds):
             raise TimeoutError(f"more than {seconds:.0f} s")
-        return here.recv()
+        found, raised = here.recv()
+        if raised is not None:
+            raise ChildProcessError(raised)
+        return found
     except EOFError as gone:
         raise ChildProcessError("the child died") from gone
     finally:
@@ -90,7 +95,11 @@ def forked(work: Callable[[], Any], seconds: float) -> Any:
 def _send(work: Callable[[], Any], there: Connection) -> None:
     os.setsid()
     resource.setrlimit(resource.RLIMIT_AS, (_MOST_MEMORY, _MOST_MEMORY))
-    there.send(work())
+    try:
+        answer = (work(), None)
+    except Exception as raised:
+        answer = (None, f"{type(raised).__name__}: {raised}")
+    there.send(answer)
 
 
 def module_name(path: Path) -> str:

@@ -78,3 +78,5 @@ def test_what_takes_too_long_is_ended() -> None:
 def test_a_child_that_dies_is_told_of() -> None:
     with pytest.raises(ChildProcessError, match="died"):
         forked(lambda: os._exit(3), 60.0)
+    with pytest.raises(ChildProcessError, match="ZeroDivisionError: division by zero"):
+        forked(lambda: 1 / 0, 60.0)
