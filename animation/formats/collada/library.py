@@ -9,7 +9,7 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_VALUES
 from motorcade.ga import FloatArray
 
-__all__ = ["Library"]
+__all__ = ["Library", "inputs_of", "matrices_of", "number"]
 
 
 class Library:
@@ -125,6 +125,3 @@ def number(text: str, field: str, low: int, high: int) -> int:
 def matrices_of(values: FloatArray) -> FloatArray:
     """Matrices (n, 4, 4) out of rows (n, 16), written row by row as Collada does."""
     return np.ascontiguousarray(values.reshape(-1, 4, 4))
-
-
-__all__ += ["inputs_of", "matrices_of", "number"]

@@ -13,7 +13,7 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.fields import integer, listed, table, text
 from motorcade.animation.formats.limits import MAX_FILE_BYTES, MAX_TEXT_BYTES, beside, read_bounded
 
-__all__ = ["Document", "open_gltf"]
+__all__ = ["Document", "load", "open_gltf"]
 
 MAGIC = b"glTF"
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
@@ -82,7 +82,7 @@ def open_gltf(path: Path) -> Document:
     return Document(root, _buffers(root, binary, folder), folder)
 
 
-def embedded(uri: str, field: str) -> bytes:
+def _embedded(uri: str, field: str) -> bytes:
     """The bytes of a `data:` address."""
     head, comma, body = uri.partition(",")
     if not comma or not head.endswith(";base64"):
@@ -144,7 +144,7 @@ def _buffers(root: dict[str, Any], binary: bytes | None, folder: Path) -> list[b
 def load(uri: str, folder: Path, field: str) -> bytes:
     """Bytes behind an address: embedded, or in a file of the same folder."""
     if uri.startswith("data:"):
-        return embedded(uri, field)
+        return _embedded(uri, field)
     named = beside(folder, uri, field)
     try:
         return read_bounded(named)
@@ -154,6 +154,3 @@ def load(uri: str, folder: Path, field: str) -> bytes:
 
 def _refuse_constant(name: str) -> float:
     raise FormatError(f"JSON: expected numbers, got {name}")
-
-
-__all__ += ["embedded", "load"]

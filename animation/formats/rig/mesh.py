@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.formats.errors import FormatError, expected
+from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.rig.values import Surface
 from motorcade.ga import FloatArray, IntArray
 
-__all__ = ["Influences", "normals_of", "strongest_four"]
+__all__ = ["Influences", "normals_of", "strongest_four", "unit_or_up"]
 
 # A dropped share or a sum off by this much is worth telling.
 TOLD_SHARE = 0.01
@@ -82,12 +82,7 @@ def normals_of(vertices: FloatArray, triangles: IntArray) -> FloatArray:
 
     Vertices at the same place share a normal, so that seams of textures do not show. A vertex in
     no triangle, or in flat ones alone, gets +z.
-
-    Raises:
-        FormatError: a vertex number out of range.
     """
-    if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
-        raise FormatError("triangles: expected numbers of vertices, got others")
     _, places = np.unique(np.round(vertices, 9), axis=0, return_inverse=True)
     places = places.reshape(-1)
     a, b, c = (vertices[triangles[:, corner]] for corner in range(3))
@@ -109,6 +104,3 @@ def unit_or_up(vectors: FloatArray) -> FloatArray:
     made[short] = (0.0, 0.0, 1.0)
     unit: FloatArray = made / np.linalg.norm(made, axis=1, keepdims=True)
     return unit
-
-
-__all__ += ["unit_or_up"]

@@ -10,7 +10,7 @@ from motorcade.animation.formats.errors import FormatError
 from motorcade.animation.formats.rig.binding import Binding
 from motorcade.animation.formats.rig.joints import Joints, nearest_joints
 from motorcade.animation.formats.rig.mesh import normals_of, strongest_four, unit_or_up
-from motorcade.animation.formats.rig.values import NodeTree, Surface
+from motorcade.animation.formats.rig.values import NodeTree, Skin, Surface
 from motorcade.ga import FloatArray, IntArray
 
 __all__ = ["BoundMesh", "bound_mesh"]
@@ -48,7 +48,7 @@ def bound_mesh(
                 continue
             part = _hanging(tree, joints, frames, surface, joint)
         else:
-            part = _skinned(joints, frames, surface)
+            part = _skinned(joints, frames, surface, surface.skin)
         parts.append(part)
         notices += part.notices
     if not parts:
@@ -82,11 +82,8 @@ def _hanging(
     return _placed(surface, (frames[joint] @ below)[None], numbers, weights, ())
 
 
-def _skinned(joints: Joints, frames: FloatArray, surface: Surface) -> BoundMesh:
+def _skinned(joints: Joints, frames: FloatArray, surface: Surface, skin: Skin) -> BoundMesh:
     """A surface in the bind pose that all share: posed there by its own bind matrices."""
-    skin = surface.skin
-    if skin is None:
-        raise FormatError(f"'{surface.name}': expected a skin, got none")
     held = strongest_four(surface)
     own = np.searchsorted(joints.nodes, skin.nodes)
     matrices = frames[own] @ skin.inverse_bind
