@@ -14,7 +14,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray
 from motorcade.render.scene import DepthArray, Layer
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["LensWarp"]
 

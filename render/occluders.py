@@ -12,7 +12,7 @@ from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.render.light.prints import Prints
 from motorcade.render.scene import DepthArray
 from motorcade.render.shadow import ground_depth
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["known_depth"]
 

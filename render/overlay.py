@@ -28,7 +28,7 @@ from motorcade.render.shadow import (
     shade_in_picture,
     shade_step_m,
 )
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 # Half-width of the ground that can take a shadow, in heights of the character.
 SHADOW_REACH = 1.6

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 GRID = 320
 LAYERS = 6

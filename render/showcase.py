@@ -10,7 +10,7 @@ from motorcade.animation import Character, Clip, place_on_plane
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
 from motorcade.render.overlay import render_overlay
 from motorcade.render.scene import ImageArray
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["show_clip"]
 

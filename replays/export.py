@@ -20,7 +20,7 @@ from motorcade.replays.characters.acting import character_named, clip_named, wal
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.pipeline import pipeline, trajectories
 from motorcade.replays.recording import Recording, open_recording
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["Shown", "open_run", "write_rrd", "write_run_gltf"]
 

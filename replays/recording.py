@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from motorcade.fusion.imu.stream import ImuStream
     from motorcade.replays.markers.loose import LooseMarkers
     from motorcade.tracking.boards import Board
-    from motorcade.tracking.camera import Camera
+    from motorcade.tracking.cameras.camera import Camera
     from motorcade.tracking.slam import MapSnapshot
 
 __all__ = [

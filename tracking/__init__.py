@@ -6,6 +6,10 @@ corner, x right and y up as printed, z out of the printed face). Needs OpenCV.
 
 from __future__ import annotations
 
+from motorcade.tracking.board_tracking.registration import registration_px
+from motorcade.tracking.board_tracking.selection import Choice, choose
+from motorcade.tracking.board_tracking.track import FRAME_STATES, BoardTrack, track_board
+from motorcade.tracking.board_tracking.tracker import BoardTracker, TrackedFrame
 from motorcade.tracking.boards import (
     Board,
     BoardCorners,
@@ -16,13 +20,13 @@ from motorcade.tracking.boards import (
     Pattern,
     SingleMarker,
 )
-from motorcade.tracking.calibrate import (
+from motorcade.tracking.cameras.calibrate import (
     Calibration,
     CalibrationError,
     calibrate,
     spread_views,
 )
-from motorcade.tracking.camera import Camera, CameraModel
+from motorcade.tracking.cameras.camera import Camera, CameraModel
 from motorcade.tracking.markers import (
     FAMILIES,
     Detection,
@@ -40,10 +44,6 @@ from motorcade.tracking.pose import (
     refine,
     reprojection_px,
 )
-from motorcade.tracking.registration import registration_px
-from motorcade.tracking.selection import Choice, choose
-from motorcade.tracking.track import FRAME_STATES, BoardTrack, track_board
-from motorcade.tracking.tracker import BoardTracker, TrackedFrame
 
 __all__ = [
     "FAMILIES",

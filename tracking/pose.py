@@ -18,7 +18,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Motor
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = [
     "SIGMA_FLOOR_PX",

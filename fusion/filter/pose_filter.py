@@ -12,7 +12,7 @@ from motorcade.fusion.filter.kinds import KINDS
 from motorcade.fusion.filter.settings import FilterSettings, engine
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["FilterState", "Innovation", "PoseFilter"]
 

@@ -17,7 +17,7 @@ from motorcade.fusion.visual_inertial.observations import LandmarkObservations
 from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
 from motorcade.fusion.visual_inertial.tight import VisualInertial, adjust_visual_inertial
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import PoseMeasurements
 from motorcade.tracking.slam import SlamResult
 

@@ -20,7 +20,7 @@ from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.visual_inertial.observations import LandmarkObservations
 from motorcade.ga import FloatArray, Motor, Trajectory, checked_floats
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 if TYPE_CHECKING:
     import gtsam

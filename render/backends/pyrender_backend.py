@@ -30,7 +30,7 @@ from motorcade.render.backends.renderer import (
     shadow_camera,
 )
 from motorcade.render.scene import Lamp, Layer, Lighting, Sun, Surface
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 
 class OffscreenRenderer:

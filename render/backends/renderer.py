@@ -10,7 +10,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Motor
 from motorcade.render.scene import Layer, Lighting, Surface
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 NEAR_M, FAR_M = 0.02, 60.0
 # From OpenGL's camera axes to OpenCV's: half a turn about x.

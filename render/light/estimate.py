@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
 from motorcade.render.light.harmonics import harmonics, rotate_harmonics
 from motorcade.render.scene import DepthArray, ImageArray
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["LightEstimate", "ShadedPoints", "estimate_light", "linear", "shaded_points"]
 

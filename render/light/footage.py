@@ -12,7 +12,7 @@ from motorcade.render.composite import as_rgb
 from motorcade.render.light.estimate import ShadedPoints, estimate_light, shaded_points
 from motorcade.render.light.lamps import estimated_lighting
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["lighting_of_footage"]
 

@@ -22,7 +22,7 @@ from motorcade.render.composite import as_rgb
 from motorcade.render.light.estimate import linear
 from motorcade.render.light.lamps import character_lighting, light_on, sunlight_direction
 from motorcade.render.scene import DepthArray, ImageArray, Lamp, Lighting
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["Prints", "lighting_without_depth"]
 

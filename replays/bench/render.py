@@ -34,7 +34,7 @@ from motorcade.render.backends.renderer import (
 from motorcade.render.light import character_lighting
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.replays.bench.data import data_folder
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["RenderRow", "bench_render", "render_table"]
 

@@ -14,7 +14,7 @@ from motorcade.ga import FloatArray, Motor, Rotor
 from motorcade.replays.errors import RecordingError, one_line, read_bounded, refusal
 from motorcade.replays.files.trajectories import UNIT_TOLERANCE
 from motorcade.replays.readers.tables import data_rows
-from motorcade.tracking.camera import Camera, CameraModel
+from motorcade.tracking.cameras.camera import Camera, CameraModel
 
 __all__ = [
     "make_camera",

@@ -21,7 +21,7 @@ from motorcade.replays.readers.calibration import (
 )
 
 if TYPE_CHECKING:
-    from motorcade.tracking.camera import Camera
+    from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["CHAIN_NAMES", "IMU_NAMES", "ChainCamera", "find", "read_chain"]
 

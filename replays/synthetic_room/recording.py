@@ -23,7 +23,7 @@ from motorcade.replays.files.trajectories import even_stamps, write_trajectory
 from motorcade.replays.synthetic_room.furniture import BOARD, CHARACTER_HEIGHT_M, world_T_board
 from motorcade.replays.synthetic_room.path import LEVEL, HandheldPath
 from motorcade.replays.synthetic_room.scene import room
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(640, 480, 510.0, 510.0, 319.5, 239.5)
 FRAMES, RATE_HZ = 204, 30.0

@@ -20,7 +20,7 @@ from motorcade.render import (
     new_renderer,
 )
 from motorcade.render.backends import platform
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(320, 240, 260.3, 257.9, 166.4, 110.6)
 LIGHTING = Lighting(
@@ -263,7 +263,7 @@ def test_osmesa_draws_what_egl_draws(name: str, tmp_path: Path) -> None:
         "import sys, numpy as np\n"
         "from motorcade.ga import Motor\n"
         "from motorcade.render import Surface, new_renderer\n"
-        "from motorcade.tracking.camera import Camera\n"
+        "from motorcade.tracking.cameras.camera import Camera\n"
         "corners = np.array([[-1, -1, 3], [-1, 1, 4], [1, 1, 3], [1, -1, 4.0]])\n"
         "front = np.tile([0.0, 0.0, -1.0], (4, 1))\n"
         "s = Surface(corners, front, np.array([[0, 1, 2], [0, 2, 3]]), 0.5 + 0.1 * corners)\n"

@@ -11,7 +11,7 @@ from motorcade.render import Layer, over, render_overlay
 from motorcade.render.composite import as_rgb, darken
 from motorcade.render.light import character_lighting, sunlight_direction
 from motorcade.render.shadow import GRID, ShadowLook, ground_shade, shade_in_picture
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(200, 150, 180.0, 180.0, 99.5, 74.5)
 

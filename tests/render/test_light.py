@@ -15,7 +15,7 @@ from motorcade.render.light import (
     shaded_points,
     sun_share,
 )
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 TO_SUN = np.array([0.48, -0.6, 0.64])
 CAMERA = Camera(160, 120, 140.0, 140.0, 79.5, 59.5)

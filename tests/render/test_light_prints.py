@@ -14,7 +14,7 @@ from motorcade.render.light import (
     sunlight_direction,
 )
 from motorcade.render.scene import ImageArray
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(160, 120, 140.0, 140.0, 79.5, 59.5)
 HEIGHT_M = 0.2

@@ -7,7 +7,7 @@ import pytest
 from motorcade.render.lens import LensWarp
 from motorcade.render.matching import Matching, blended, exposed, frame_noise, noisy
 from motorcade.render.scene import Layer
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 BENT = Camera(160, 120, 110.0, 110.0, 79.0, 60.0, "radtan", (-0.25, 0.05, 0.002, -0.001))
 

@@ -11,7 +11,7 @@ from motorcade.render.occluders import known_depth
 from motorcade.render.overlay import SHADOW_REACH
 from motorcade.render.scene import ImageArray
 from motorcade.render.shadow import ShadowLook, shade_step_m
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(120, 90, 100.0, 103.0, 61.2, 43.4)
 FAR_BELOW = Motor.from_rotor_translation(Rotor.identity(), [0.0, 0.0, -50.0])

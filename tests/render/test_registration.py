@@ -15,7 +15,7 @@ from motorcade.replays.bench.view.registration import (
 from motorcade.replays.recording import open_recording
 from motorcade.tracking import track_board
 from motorcade.tracking.boards import Checkerboard
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 MANIFEST = Path(__file__).parents[2] / "docs" / "manifests" / "vamr_board.toml"
 CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)

@@ -22,7 +22,7 @@ from motorcade.ga import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.boards.picture import Pattern, draw
 from motorcade.tracking.boards.saddles import contrast, sharpen_saddles
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray
 
 __all__ = ["Checkerboard"]

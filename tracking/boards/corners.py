@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.boards.picture import Pattern
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 
 __all__ = ["Board", "BoardCorners"]

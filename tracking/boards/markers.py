@@ -15,7 +15,7 @@ import numpy as np
 from motorcade.ga import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.boards.picture import Pattern, draw
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length
 from motorcade.tracking.markers.detection import detect_markers
 from motorcade.tracking.markers.edges import sharpen_quads

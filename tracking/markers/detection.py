@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.ga import FloatArray, checked_floats, frozen
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.markers.backends import Backend, Quads, backend_for, find_quads
 from motorcade.tracking.markers.edges import sharpen_quads

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 
 __all__ = ["sharpen_quads"]

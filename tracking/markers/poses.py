@@ -12,7 +12,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import check_length
 from motorcade.tracking.markers.detection import Detection
 from motorcade.tracking.markers.families import marker_points_m

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.planes.finding import FEWEST, FoundPlanes, find_planes
 
 __all__ = ["STRIDE", "depth_sigma_m", "find_planes_in_depth"]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga import FloatArray, Motor, checked_floats
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.planes.plane import Plane
 
 __all__ = ["Hit", "Rays", "hit_test"]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.slam.features import DepthImage, Picture, find_corners
 from motorcade.tracking.slam.geometry import PosedPicture, inverse, refine_pose

@@ -31,7 +31,7 @@ from motorcade.render.backends.renderer import (
     shadow_camera,
 )
 from motorcade.render.scene import Layer, Lighting, Surface
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 _SHADOW_UNIT, _TEXTURE_UNIT = 0, 1
 # Texels of the shadow map's side; pictures larger than this get the larger one.

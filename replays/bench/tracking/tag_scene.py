@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.markers.families import marker_cells, marker_points_m
 

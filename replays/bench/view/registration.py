@@ -29,7 +29,7 @@ from motorcade.replays.bench.tracking.board_smoothing import CAUSAL, OFFLINE
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.tracking import BoardTrack, track_board
 from motorcade.tracking.boards import BoardCorners, Checkerboard
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = [
     "Registration", "bench_registration", "drawn_corner_distances_px", "registration_lines",

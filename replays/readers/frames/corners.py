@@ -12,7 +12,7 @@ import numpy as np
 from motorcade.ga import IntArray, Motor
 from motorcade.replays.errors import refusal
 from motorcade.replays.recording import Frame, ImageArray
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 
 __all__ = ["CornerFrames"]

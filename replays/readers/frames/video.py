@@ -29,7 +29,7 @@ from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.recording import ImageArray, Recording
 
 if TYPE_CHECKING:
-    from motorcade.tracking.camera import Camera
+    from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["SUFFIXES", "VideoFrames", "read", "recognise"]
 

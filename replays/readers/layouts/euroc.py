@@ -29,7 +29,7 @@ from motorcade.replays.recording import Recording
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu.noise import ImuNoise
-    from motorcade.tracking.camera import Camera
+    from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["read", "recognise"]
 

@@ -21,7 +21,7 @@ from motorcade.replays.readers.calibration import make_camera
 from motorcade.replays.readers.frames.files import PictureFrames, inside
 from motorcade.replays.readers.tables import Listing, read_listing
 from motorcade.replays.recording import Recording
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["read", "recognise"]
 

@@ -12,7 +12,7 @@ from motorcade.replays.readers.calibration import (
     yaml_camera,
 )
 from motorcade.replays.readers.manifest.section import Section, load_toml
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["CAMERA_KEYS", "camera_toml", "read_camera", "section_camera"]
 

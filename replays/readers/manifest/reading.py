@@ -37,7 +37,7 @@ from motorcade.replays.readers.manifest.truth import TRUTH_KEYS, read_truth
 from motorcade.replays.readers.tables import UNITS
 from motorcade.replays.recording import FrameSequence, Recording
 from motorcade.tracking.boards import Board
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "STEREO_KEYS", "read"]
 

@@ -25,7 +25,7 @@ from motorcade.replays.recording import ImageArray
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-    from motorcade.tracking.camera import Camera
+    from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["IMAGE_TYPES", "Bag", "BagFrames"]
 

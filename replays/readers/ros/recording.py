@@ -23,7 +23,7 @@ from motorcade.replays.readers.calibration import make_camera, yaml_model
 from motorcade.replays.readers.inertial import read_noise
 from motorcade.replays.readers.ros.frames import IMAGE_TYPES, Bag, BagFrames
 from motorcade.replays.recording import Recording
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["read", "recognise"]
 

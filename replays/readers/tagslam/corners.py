@@ -21,7 +21,7 @@ from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.readers.calibration import make_camera, read_yaml, yaml_floats
 from motorcade.replays.readers.ros.bag import read_bag
 from motorcade.replays.readers.tagslam.bodies import MarkerSides, read_marker_sides
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 
 __all__ = ["TagSlamRecording", "bag_file", "read", "recognise", "stamp_ns"]

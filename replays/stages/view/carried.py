@@ -21,7 +21,7 @@ from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.marker_poses import markers_found
 from motorcade.tracking import MarkerGrid, SingleMarker
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import pose_stream
 from motorcade.tracking.markers.disambiguate.chains import most_probable

@@ -12,7 +12,7 @@ from motorcade.fusion.filter import FilterSettings, PoseFilter, RestDetection, f
 from motorcade.fusion.filter.extended_pose import corrected, extended_pose
 from motorcade.fusion.imu import ADIS16448, ImuStream
 from motorcade.ga import FloatArray, Motor
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import PoseMeasurements
 
 CAMERA = Camera(752, 480, 460.0, 457.0, 367.0, 248.0, "radtan", (-0.28, 0.07, 2e-4, 2e-5))

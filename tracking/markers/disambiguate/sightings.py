@@ -13,7 +13,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor, checked_floats, frozen
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import (
     CornerStream,
     checked_numbers,

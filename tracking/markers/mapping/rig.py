@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
     Sightings,

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.markers.families import marker_points_m, side_cells
 from motorcade.tracking.markers.photometric.libraries import (

@@ -9,7 +9,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate.sightings import Sightings, rotation_covariance

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from motorcade.ga import FloatArray, checked_floats
-from motorcade.tracking import lenses
+from motorcade.tracking.cameras import lenses
 
 __all__ = ["Camera", "CameraModel"]
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Motor
 from motorcade.tracking.boards import BoardCorners
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.pose import PlanarCandidates, RefinedPose, TrackingError, refine
 
 __all__ = ["Choice", "choose", "consistent"]

@@ -13,10 +13,11 @@ from typing import Literal
 import numpy as np
 
 from motorcade.ga import FloatArray, Motor
+from motorcade.tracking.board_tracking.following import follow
+from motorcade.tracking.board_tracking.selection import Choice, choose, consistent
 from motorcade.tracking.boards import Board, BoardCorners, GrayImage
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import check_count, checked_gray
-from motorcade.tracking.following import follow
 from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.pose import (
     PlanarCandidates,
@@ -24,7 +25,6 @@ from motorcade.tracking.pose import (
     TrackingError,
     planar_candidates,
 )
-from motorcade.tracking.selection import Choice, choose, consistent
 
 __all__ = ["BoardTracker", "TrackedFrame"]
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor
-from motorcade.tracking import lenses
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras import lenses
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["Fit", "Observations", "fit_camera"]
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.camera import Camera, CameraModel
-from motorcade.tracking.intrinsics_fit import Fit, Observations, fit_camera
+from motorcade.tracking.cameras.camera import Camera, CameraModel
+from motorcade.tracking.cameras.intrinsics_fit import Fit, Observations, fit_camera
 from motorcade.tracking.pose import SIGMA_FLOOR_PX, TrackingError, planar_candidates, refine
 
 __all__ = ["Calibration", "CalibrationError", "calibrate", "spread_views"]

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.tracking.board_tracking.track import BoardTrack
 from motorcade.tracking.boards import Board
-from motorcade.tracking.camera import Camera
-from motorcade.tracking.track import BoardTrack
+from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["registration_px"]
 

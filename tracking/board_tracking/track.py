@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory, checked_floats, frozen
+from motorcade.tracking.board_tracking.tracker import BoardTracker, TrackedFrame
 from motorcade.tracking.boards import Board, GrayImage
-from motorcade.tracking.camera import Camera
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
 from motorcade.tracking.pose import TrackingError
-from motorcade.tracking.tracker import BoardTracker, TrackedFrame
 
 __all__ = ["FRAME_STATES", "BoardTrack", "track_board"]
 
