@@ -9,10 +9,15 @@ from __future__ import annotations
 import difflib
 import reprlib
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
-__all__ = ["DamagedError", "RecordingError", "did_you_mean", "one_line", "read_bounded", "refusal"]
+__all__ = [
+    "DamagedError", "RecordingError", "did_you_mean", "one_line", "open_bounded", "read_bounded",
+    "refusal",
+]  # fmt: skip
 
 
 _PATH_SHOWN = 300
@@ -74,12 +79,19 @@ def did_you_mean(name: str, allowed: Iterable[str]) -> str:
 
 
 def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> bytes:
-    """Read a whole regular file of at most `limit_bytes`.
+    """Read a whole regular file of at most `limit_bytes`; raises as `open_bounded`."""
+    with open_bounded(path, limit_bytes, field) as file:
+        return file.read()
+
+
+@contextmanager
+def open_bounded(path: Path, limit_bytes: int, field: str | None = None) -> Iterator[BinaryIO]:
+    """Open a regular file of 1 to `limit_bytes` bytes, to be read within the block.
 
     Raises:
         DamagedError: empty.
         RecordingError: missing, not a regular file (a pipe would hang), larger than the limit, or
-            unreadable.
+            unreadable, also within the block.
     """
     try:
         about = path.stat()
@@ -89,7 +101,10 @@ def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> byte
             raise refusal(
                 path, f"expected at most {limit_bytes} bytes, got {about.st_size}", field=field
             )
-        data = path.read_bytes()
+        if about.st_size == 0:
+            raise DamagedError(str(refusal(path, "the file is empty", field=field)))
+        with path.open("rb") as file:
+            yield file
     except FileNotFoundError as missing:
         raise refusal(path, "the file is missing", field=field) from missing
     except (OSError, ValueError) as fault:
@@ -97,9 +112,6 @@ def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> byte
             raise
         reason = getattr(fault, "strerror", None) or str(fault)
         raise refusal(path, f"cannot be read: {reason}", field=field) from fault
-    if not data:
-        raise DamagedError(str(refusal(path, "the file is empty", field=field)))
-    return data
 
 
 def _printable(text: str) -> str:

@@ -232,7 +232,7 @@ class Recording:
             digest.update(block)
         return digest.hexdigest()
 
-    def _facts(self) -> Iterator[tuple[str, bytes]]:
+    def _facts(self) -> Iterator[tuple[str, bytes | memoryview]]:
         for label in ("name", "layout", "camera", "board", "imu_noise"):
             yield label, repr(getattr(self, label)).encode()
         for label in ("imu_T_camera", "world_T_board"):
@@ -242,8 +242,8 @@ class Recording:
         if self.slam_map is not None:
             known = self.slam_map
             yield "slam map poses", _bytes(known.world_T_camera.coefficients)
-            yield "slam map points", _bytes(known.points) + known.descriptors.tobytes()
-            yield "slam map pixels", _bytes(known.px) + _bytes(known.depth)
+            yield "slam map points", _bytes(known.points).tobytes() + known.descriptors.tobytes()
+            yield "slam map pixels", _bytes(known.px).tobytes() + _bytes(known.depth).tobytes()
         yield "damaged", repr(self.damaged).encode()
         if self.baseline_m is not None:
             yield "baseline", repr(self.baseline_m).encode()
@@ -297,5 +297,5 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
         raise refusal(where, f"cannot be read: {fault.strerror or fault}") from fault
 
 
-def _bytes(array: NDArray[np.int64] | NDArray[np.float64]) -> bytes:
-    return np.ascontiguousarray(array).tobytes()
+def _bytes(array: NDArray[np.int64] | NDArray[np.float64]) -> memoryview:
+    return np.ascontiguousarray(array).reshape(-1).view(np.uint8).data

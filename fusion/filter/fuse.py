@@ -34,7 +34,8 @@ class Fused:
         state_covariance: ``(N, 15, 15)`` of the IMU's state: rotation (rad), position (m) and
             velocity (m/s) of the right perturbation, in the IMU's axes, then both biases. Where
             more is estimated ``(N, 24, 24)``: tilt of gravity (2, rad), right perturbation of
-            `imu_T_camera` (6), time offset (s); variances of what is not estimated are zero.
+            `imu_T_camera` (6), time offset (s); variances of what is not estimated are zero. It has
+            no rows where it was not asked for.
         nis: ``(N,)`` normalised innovations squared of the forward pass, six degrees of freedom;
             NaN where nothing was measured and at the start.
         accepted: ``(N,)`` false where a measurement was left out.
@@ -66,13 +67,15 @@ def fuse(
     settings: FilterSettings | None = None,
     smoothed: bool = True,
     time_offset_s: float = 0.0,
+    state_covariances: bool = True,
 ) -> Fused:
     """Fuse measured camera poses with an IMU, by the code of `PoseFilter`.
 
-    Inertial data are integrated at their full rate. Memory: 56 bytes a sample, about 4 kB a
-    measurement and 2 kB a stamp asked for (an hour at 200 Hz with poses at 20 Hz: 0.5 GB). Where
-    the world's z is not up the accelerometer contradicts the camera, and the tilt ends up in its
-    bias as far as the motion allows, unless `FilterSettings.gravity_sigma_rad` is set.
+    Inertial data are integrated at their full rate. Memory: about 1.5 kB a measurement, 0.9 kB a
+    stamp asked for, and 1.8 or 4.6 kB more for its `state_covariance`; what the backward pass needs
+    besides is made again, piece by piece. Where the world's z is not up the accelerometer
+    contradicts the camera, and the tilt ends up in its bias as far as the motion allows, unless
+    `FilterSettings.gravity_sigma_rad` is set.
 
     Args:
         measurements: ``world_T_camera`` with covariances; the world's z is up.
@@ -90,6 +93,7 @@ def fuse(
             past, as if it ran live, and `nis` and `accepted` are as judged live.
         time_offset_s: what is added to the measurements' stamps to be the IMU's time; a first
             guess where `FilterSettings.time_offset_sigma_s` is above zero.
+        state_covariances: without them the result's `state_covariance` has no rows.
 
     Raises:
         ValueError: the IMU and the measurements do not overlap in time, or `stamps_ns` are no
@@ -100,19 +104,24 @@ def fuse(
     used = covered(measurements, imu, shift_ns)
     wanted = wanted_stamps(used.trajectory.time_ns + shift_ns, imu, stamps_ns)
     run = engine(chosen, noise, imu_T_camera, time_offset_s)
-    made = _Made.empty(len(wanted), chosen.error_size)
+    made = _Made.empty(len(wanted))
+    size = chosen.error_size
+    whole = np.zeros((len(wanted) if state_covariances else 0, size, size))
     columns = [
         np.ascontiguousarray(values)
         for values in (imu.time_ns, imu.angular_rate_rad_s, imu.specific_force_m_s2)
     ]
-    run.samples(*(values[:1] for values in columns))
+    run.hold(*columns)
     _schedule(run, used)
-    run.outputs(np.ascontiguousarray(wanted), *made.arrays, final=smoothed)
-    run.samples(*(values[1:] for values in columns))
+    run.outputs(
+        np.ascontiguousarray(wanted), *made.arrays,
+        whole=whole if state_covariances else None, final=smoothed,
+    )  # fmt: skip
+    run.play()
     if smoothed:
         run.smooth()
     nis, accepted = _judged(run, used.trajectory.time_ns + shift_ns, wanted, live=not smoothed)
-    return made.fused(wanted, measurements.trajectory, nis, accepted, chosen.gravity_m_s2)
+    return made.fused(wanted, measurements.trajectory, whole, nis, accepted, chosen.gravity_m_s2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,8 +135,8 @@ class _Made:
     others: FloatArray
 
     @classmethod
-    def empty(cls, count: int, size: int) -> _Made:
-        shapes = ((count, 8), (count, 3), (count, 6), (count, size, size), (count, 13))
+    def empty(cls, count: int) -> _Made:
+        shapes = ((count, 8), (count, 3), (count, 6), (count, 6, 6), (count, 13))
         return cls(*(np.zeros(shape) for shape in shapes))
 
     @property
@@ -135,7 +144,7 @@ class _Made:
         return self.pose, self.velocity, self.bias, self.covariance, self.others
 
     def fused(
-        self, wanted: IntArray, measured: Trajectory, nis: FloatArray,
+        self, wanted: IntArray, measured: Trajectory, whole: FloatArray, nis: FloatArray,
         accepted: NDArray[np.bool_], gravity_m_s2: float,
     ) -> Fused:  # fmt: skip
         """The result, seen from the camera."""
@@ -146,8 +155,8 @@ class _Made:
             velocity_m_s=self.velocity,
             gyro_bias_rad_s=self.bias[:, :3],
             accel_bias_m_s2=self.bias[:, 3:],
-            covariance=camera_covariance(self.covariance, mount),
-            state_covariance=self.covariance,
+            covariance=self.covariance,
+            state_covariance=whole,
             nis=nis,
             accepted=accepted,
             gravity_m_s2=Rotor(self.others[:, :4]).apply(np.array([0.0, 0.0, -gravity_m_s2])),

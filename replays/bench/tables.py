@@ -19,6 +19,7 @@ SUITES: Mapping[str, tuple[str, str, str]] = {
     "tracking": ("tracking.suite", "bench_tracking", "tracking_table"),
     "animation": ("animation", "bench_animation", "animation_table"),
     "render": ("render", "bench_render", "render_table"),
+    "memory": ("memory", "bench_memory", "memory_table"),
     "view": ("view.suite", "bench_view", "view_table"),
 }
 """By name: a module of this package, its function that measures, and the one that prints."""

@@ -70,7 +70,7 @@ def read_trajectory(
     """Read a trajectory file.
 
     Args:
-        path: the file, at most 256 MiB.
+        path: the file, at most 1 GiB.
         fmt: its format; by default found from its first row of numbers.
         rate_hz: for KITTI files, poses per second; the first stamp is 0.
         times: for KITTI files instead, a file with one stamp in seconds a row.

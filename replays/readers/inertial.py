@@ -12,7 +12,7 @@ from pathlib import Path
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.screening import screen_imu
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.replays.errors import refusal
+from motorcade.replays.errors import RecordingError, refusal
 from motorcade.replays.readers.calibration import read_yaml
 from motorcade.replays.readers.tables import in_order, read_table
 
@@ -29,15 +29,21 @@ def read_imu(path: Path) -> ImuStream:
         RecordingError: no rows, wrong columns, NaN, decreasing stamps, each with its line; force
             in g or rate in degrees, where the readings tell.
     """
-    table = read_table(path, _COLUMNS, separator=b",", unit="ns", header=True, more_columns=True)
-    table = table.rows(in_order(path, table.lines, table.time_ns))
     try:
-        stream = ImuStream(table.time_ns, table.values[:, :3], table.values[:, 3:])
+        stream = _stream(path)
         for notice in screen_imu(stream):
             _LOG.warning("%s: %s", path, notice)
         return stream
+    except RecordingError:
+        raise
     except ValueError as fault:
         raise refusal(path, str(fault)) from fault
+
+
+def _stream(path: Path) -> ImuStream:
+    table = read_table(path, _COLUMNS, separator=b",", unit="ns", header=True, more_columns=True)
+    table = table.rows(in_order(path, table.lines, table.time_ns))
+    return ImuStream(table.time_ns, table.values[:, :3], table.values[:, 3:])
 
 
 def read_noise(path: Path) -> ImuNoise:

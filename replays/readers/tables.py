@@ -8,7 +8,7 @@ decreases is refused. Comments open with `#`; blank lines are skipped.
 
 from __future__ import annotations
 
-import io
+import itertools
 import logging
 from array import array
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray
-from motorcade.replays.errors import one_line, read_bounded, refusal
+from motorcade.replays.errors import one_line, open_bounded, refusal
 
 __all__ = [
     "UNITS",
@@ -32,11 +32,12 @@ __all__ = [
     "stamp_ns",
 ]
 
-FILE_LIMIT = 256 * 2**20
+FILE_LIMIT = 2**30
 LINE_LIMIT = 2**16
 UNITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
 """Powers of ten from a unit to nanoseconds."""
 
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _CONTEXT = Context(prec=60, rounding=ROUND_HALF_EVEN)
 _LOG = logging.getLogger("motorcade.replays")
 
@@ -61,7 +62,9 @@ class Table:
         return len(self.lines)
 
     def rows(self, chosen: IntArray) -> Table:
-        """The rows of these indices."""
+        """The rows of these rising indices; the table itself where they are all."""
+        if len(chosen) == len(self):
+            return self
         return replace(
             self,
             lines=self.lines[chosen],
@@ -90,16 +93,18 @@ def data_rows(path: Path, separator: bytes | None) -> Iterator[tuple[int, list[b
     Raises:
         RecordingError: missing, empty, too large, or not text.
     """
-    data = read_bounded(path, FILE_LIMIT).removeprefix(b"\xef\xbb\xbf")
-    if b"\0" in data:
-        raise refusal(path, "expected a text file, got binary data")
-    for number, line in enumerate(io.BytesIO(data), start=1):
-        if len(line) > LINE_LIMIT:
-            raise refusal(path, f"expected lines of at most {LINE_LIMIT} bytes", line=number)
-        row = line.strip()
-        if not row or row.startswith(b"#"):
-            continue
-        yield number, row.split(separator)
+    with open_bounded(path, FILE_LIMIT) as file:
+        for number in itertools.count(1):
+            line = file.readline(LINE_LIMIT + 1)
+            if not line:
+                return
+            if b"\0" in line:
+                raise refusal(path, "expected a text file, got binary data", line=number)
+            if len(line) > LINE_LIMIT:
+                raise refusal(path, f"expected lines of at most {LINE_LIMIT} bytes", line=number)
+            row = (line.removeprefix(_BYTE_ORDER_MARK) if number == 1 else line).strip()
+            if row and not row.startswith(b"#"):
+                yield number, row.split(separator)
 
 
 def stamp_ns(text: bytes, unit: str) -> int:
@@ -114,6 +119,8 @@ def stamp_ns(text: bytes, unit: str) -> int:
             differences of stamps fit into int64.
     """
     power = UNITS[unit]
+    if text.isdigit() and len(text) + power <= 18:
+        return int(text) * 10**power
     try:
         value = Decimal(text.decode("ascii").strip())
     except (InvalidOperation, UnicodeDecodeError) as fault:
@@ -174,10 +181,11 @@ def read_table(
         lines.append(line)
     if not lines:
         raise refusal(path, "expected at least one row of numbers, got none")
-    where = np.array(lines, dtype=np.int64)
-    values = np.array(numbers, dtype=np.float64).reshape(len(where), len(columns))
+    # The arrays' own memory, not copies: tables may be long.
+    where = np.frombuffer(lines, dtype=np.int64)
+    values = np.frombuffer(numbers, dtype=np.float64).reshape(len(where), len(columns))
     _refuse_not_finite(path, where, values, columns)
-    time_ns = np.array(stamps, dtype=np.int64) if stamped else np.zeros(len(where), dtype=np.int64)
+    time_ns = np.frombuffer(stamps, np.int64) if stamped else np.zeros(len(where), dtype=np.int64)
     return Table(path, where, time_ns, values)
 
 

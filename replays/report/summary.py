@@ -44,7 +44,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
         },
         "imu": {
             "origin": findings.imu.origin,
-            "samples": len(findings.imu.stream.time_ns),
+            "samples": len(findings.imu.stream(findings.recording)),
             "clock_offset_s": findings.imu.clock_offset_s,
             "clock_offset_sigma_s": findings.imu.clock_offset_sigma_s,
         },

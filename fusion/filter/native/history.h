@@ -18,9 +18,9 @@ template <std::size_t N> void Timeline<N>::replay(std::size_t from, std::size_t 
         streak_.clear();
     } else {
         std::size_t kept = from - 1;
-        while (events_[kept].covariance.empty()) --kept;
-        now_ = events_[kept].after;
-        unpack(events_[kept].covariance, p_);
+        while (!events_[kept].known) --kept;
+        now_ = events_[kept].known->after;
+        unpack(events_[kept].known->covariance, p_);
         seek(events_[kept].time_ns);
         first = kept + 1;
         streak_.clear();
@@ -50,15 +50,15 @@ template <std::size_t N> void Timeline<N>::reopen() {
         (witness.size == 6 && a < 3 ? turned : moved) += witness.linear[a] * witness.linear[a];
     const bool fast = witness.kind == Kind::velocity, seen = witness.kind == Kind::corners;
     Event &given_up = events_[target];
-    given_up.doubted = true;
+    given_up.doubt = std::make_unique<Doubt>();
     const std::array<double, 5> &start = settings_.start_sigma;
     const double share = far == 0 ? 1.0 : 0.01;
     const double room[5] = {seen ? 1.0 : turned, seen ? 1.0 : fast ? 0.0 : moved,
                             moved + share * start[2] * start[2], share * start[3] * start[3],
                             share * start[4] * start[4]};
-    std::copy_n(room, 5, given_up.doubt);
+    std::copy_n(room, 5, given_up.doubt->added);
     if (target == 0 && witness.size == 6 && witness.kind == given_up.kind)
-        std::copy_n(witness.linear.begin(), 6, given_up.restart);
+        std::copy_n(witness.linear.begin(), 6, given_up.doubt->restart);
     replay(target, next_);
 
     std::size_t agree = 0;
@@ -67,19 +67,13 @@ template <std::size_t N> void Timeline<N>::reopen() {
         ++reopened_;
         return;
     }
-    given_up.doubted = false;
-    std::fill_n(given_up.restart, 6, 0.0);
+    given_up.doubt.reset();
     replay(target, next_);
     streak_.pop_front();
 }
 
-template <std::size_t N> void Timeline<N>::doubt(const Event &event) {
-    for (std::size_t k = 0; k < 15; ++k) p_.row[k][k] += event.doubt[k / 3];
-}
-
-template <std::size_t N> void Timeline<N>::keep_residual(Event &event, const Innovation<N> &innovation) {
-    event.size = innovation.size;
-    event.linear.assign(innovation.residual, innovation.residual + innovation.size);
+template <std::size_t N> void Timeline<N>::doubt(const Doubt &doubt) {
+    for (std::size_t k = 0; k < 15; ++k) p_.row[k][k] += doubt.added[k / 3];
 }
 
 // What the backward pass needs of a measurement, after its residual.
@@ -100,9 +94,9 @@ template <std::size_t N> void Timeline<N>::keep_and_forget() {
     if (started_) {
         Event check;
         check.time_ns = check.stamp_ns = time_ns_;
-        events_.insert(events_.begin() + static_cast<std::ptrdiff_t>(next_), check);
+        events_.insert(events_.begin() + static_cast<std::ptrdiff_t>(next_), std::move(check));
         process(next_++);
-        while (next_ > 2 && events_[1].time_ns <= oldest && !events_[1].covariance.empty()) {
+        while (next_ > 2 && events_[1].time_ns <= oldest && events_[1].known) {
             events_.pop_front();
             --next_;
             forgotten_ = true;
@@ -119,12 +113,27 @@ template <std::size_t N> void Timeline<N>::keep_and_forget() {
 
 template <std::size_t N> void Timeline<N>::write(Event &event) {
     if (sink.pose == nullptr || (event.judged && !sink.final)) return;
-    const std::size_t row = event.number;
-    for (std::size_t i = 0; i < N; ++i) std::copy_n(p_.row[i], N, sink.covariance + (N * row + i) * N);
-    put(row);
+    put(event.number, p_);
 }
 
-template <std::size_t N> void Timeline<N>::put(std::size_t row) const {
+// Row of the sink: the state, the covariance p and what that makes of the camera's pose.
+template <std::size_t N> void Timeline<N>::put(std::size_t row, const Matrix<N> &p) const {
+    if (sink.whole != nullptr)
+        for (std::size_t i = 0; i < N; ++i) std::copy_n(p.row[i], N, sink.whole + (N * row + i) * N);
+    double effect[6][N] = {}, by_pose[36], spread[6][N];
+    motorcade_pose_effect(now_.mount, by_pose);
+    for (std::size_t a = 0; a < 6; ++a) {
+        std::copy_n(by_pose + 6 * a, 6, effect[a]);
+        if constexpr (N > 15) effect[a][mounting + a] = 1.0;
+        std::fill_n(spread[a], N, 0.0);
+        for (std::size_t k = 0; k < N; ++k) filter::add<N>(spread[a], effect[a][k], p.row[k]);
+    }
+    for (std::size_t a = 0; a < 6; ++a)
+        for (std::size_t b = 0; b < 6; ++b) {
+            double &seen = sink.covariance[36 * row + 6 * a + b];
+            seen = 0.0;
+            for (std::size_t k = 0; k < N; ++k) seen += spread[a][k] * effect[b][k];
+        }
     std::copy_n(now_.pose, 8, sink.pose + 8 * row);
     std::copy_n(now_.velocity, 3, sink.velocity + 3 * row);
     std::copy_n(now_.bias, 6, sink.bias + 6 * row);

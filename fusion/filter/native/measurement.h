@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "state.h"
@@ -14,24 +15,35 @@ constexpr std::size_t pose_numbers = 8 + 36, position_numbers = 3 + 3 + 9, veloc
 constexpr std::size_t corner_numbers = 3 + 2 + 3;  // world point, x/z and y/z, xx xy yy of their covariance
 constexpr double nearest_depth_m = 1e-3;
 
+// What was known after a moment, its covariance packed.
+struct Known {
+    State after;
+    std::vector<double> covariance;
+};
+
+// Where a prediction was given up: variances added then (turn, position, velocity, both biases), and
+// where a start was wrong the twist to what was measured next.
+struct Doubt {
+    double added[5] = {};
+    double restart[6] = {};
+};
+
 struct Event {
     std::int64_t time_ns = 0;   // on the IMU's clock, as far as that was known
     std::int64_t stamp_ns = 0;  // as given
     Kind kind = Kind::check;
+    bool judged = false;
     std::size_t number = 0;     // of the measurement, or of the output
     double shift_s = 0.0;       // what was added to the stamp
     std::vector<double> data;
 
-    // What became of it.
+    // What became of it. Long recordings have many: what can be made again is kept of few.
     double nis = 0.0, factor = 0.0;  // a factor of 0: left out
     double live_nis = 0.0, live_factor = 0.0;  // as judged first, before anything later was known
-    bool judged = false;
-    bool doubted = false;            // the prediction was given up here
-    double doubt[5] = {};            // variances added then: turn, position, velocity, both biases
-    double restart[6] = {};          // where a start was wrong: the twist to what was measured next
-    State after;
-    std::vector<double> covariance;  // after it, packed; empty where none was kept
-    // Residual (m); for a backward pass besides: effect (m, N), gain (m, N), inverse (m, m).
+    std::unique_ptr<Doubt> doubt;
+    std::unique_ptr<Known> known;
+    // Of one left out its residual (m); for a backward pass residual, effect (m, N), gain (m, N) and
+    // inverse (m, m).
     std::size_t size = 0;
     std::vector<double> linear;
 

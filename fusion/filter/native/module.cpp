@@ -3,9 +3,11 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/unique_ptr.h>
 
 #include <memory>
+#include <optional>
 
 #include "rest.h"
 #include "smoother.h"
@@ -60,10 +62,13 @@ public:
     virtual ~Engine() = default;
     virtual void imu(std::int64_t time_ns, nb::handle rate, nb::handle force) = 0;
     virtual void samples(const Stamps &time_ns, const Rows &rate, const Rows &force) = 0;
+    virtual void hold(const Stamps &time_ns, const Rows &rate, const Rows &force) = 0;
+    virtual void play() = 0;
     virtual void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data) = 0;
     virtual void schedule(int kind, const Stamps &time_ns, const Rows &data) = 0;
     virtual void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity, const Made &bias,
-                         const MadeCubes &covariance, const Made &others, bool final) = 0;
+                         const MadeCubes &covariance, const Made &others, const std::optional<MadeCubes> &whole,
+                         bool final) = 0;
     virtual void smooth() = 0;
     virtual nb::object state() const = 0;
     virtual nb::object judged() const = 0;
@@ -85,9 +90,7 @@ public:
     }
 
     void samples(const Stamps &time_ns, const Rows &rate, const Rows &force) override {
-        expect(rate.shape(1) == 3 && force.shape(1) == 3 && rate.shape(0) == time_ns.shape(0) &&
-                   force.shape(0) == time_ns.shape(0),
-               "imu: expected stamps (N,), rates and forces (N, 3)");
+        expect_columns(time_ns, rate, force);
         nb::gil_scoped_release unlocked;
         for (std::size_t k = 0; k < time_ns.shape(0); ++k) {
             Sample sample;
@@ -96,6 +99,18 @@ public:
             std::copy_n(force.data() + 3 * k, 3, sample.read.force);
             one(sample);
         }
+    }
+
+    void hold(const Stamps &time_ns, const Rows &rate, const Rows &force) override {
+        expect_columns(time_ns, rate, force);
+        expect(time_ns.shape(0) > 0, "imu: expected at least one sample");
+        held_time_ = time_ns, held_rate_ = rate, held_force_ = force;
+        filter_.hold(time_ns.data(), rate.data(), force.data(), time_ns.shape(0));
+    }
+
+    void play() override {
+        nb::gil_scoped_release unlocked;
+        while (filter_.play()) rest(filter_.samples().back());
     }
 
     void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data) override {
@@ -120,14 +135,17 @@ public:
     }
 
     void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity, const Made &bias,
-                 const MadeCubes &covariance, const Made &others, bool final) override {
+                 const MadeCubes &covariance, const Made &others, const std::optional<MadeCubes> &whole,
+                 bool final) override {
         const std::size_t count = time_ns.shape(0);
         expect(pose.shape(0) == count && pose.shape(1) == 8 && velocity.shape(0) == count && velocity.shape(1) == 3 &&
                    bias.shape(0) == count && bias.shape(1) == 6 && covariance.shape(0) == count &&
-                   covariance.shape(1) == N && covariance.shape(2) == N && others.shape(0) == count &&
-                   others.shape(1) == 13,
+                   covariance.shape(1) == 6 && covariance.shape(2) == 6 && others.shape(0) == count &&
+                   others.shape(1) == 13 &&
+                   (!whole || (whole->shape(0) == count && whole->shape(1) == N && whole->shape(2) == N)),
                "outputs: expected arrays of one row a stamp");
-        filter_.sink = {pose.data(), velocity.data(), bias.data(), covariance.data(), others.data(), final};
+        filter_.sink = {pose.data(), velocity.data(), bias.data(), covariance.data(), others.data(),
+                        whole ? whole->data() : nullptr, final};
         std::vector<Event> events(count);
         for (std::size_t k = 0; k < count; ++k) {
             events[k].kind = Kind::output;
@@ -169,12 +187,23 @@ public:
     }
 
     nb::tuple held() const override {
-        return nb::make_tuple(filter_.kept_samples(), filter_.events().size(), filter_.reopened());
+        return nb::make_tuple(filter_.samples().size(), filter_.events().size(), filter_.reopened());
     }
 
 private:
+    static void expect_columns(const Stamps &time_ns, const Rows &rate, const Rows &force) {
+        expect(rate.shape(1) == 3 && force.shape(1) == 3 && rate.shape(0) == time_ns.shape(0) &&
+                   force.shape(0) == time_ns.shape(0),
+               "imu: expected stamps (N,), rates and forces (N, 3)");
+    }
+
     void one(const Sample &sample) {
         filter_.imu(sample);
+        rest(sample);
+    }
+
+    // Where the sensor rests, that is a measurement.
+    void rest(const Sample &sample) {
         if (!rest_.wanted() || !filter_.started()) return;
         if (!rest_.found(sample, filter_.state(), gravity_)) return;
         Event still;
@@ -188,6 +217,8 @@ private:
     Filter<N> filter_;
     Rest rest_;
     double gravity_;
+    Stamps held_time_;
+    Rows held_rate_, held_force_;
 };
 
 std::unique_ptr<Engine> engine(const std::array<double, 5> &model, const std::array<double, 6> &start,
@@ -225,10 +256,12 @@ NB_MODULE(_filter, module) {
     nb::class_<Engine>(module, "Engine")
         .def("imu", &Engine::imu, "time_ns"_a, "gyro"_a, "accel"_a)
         .def("samples", &Engine::samples, "time_ns"_a, "gyro"_a, "accel"_a)
+        .def("hold", &Engine::hold, "time_ns"_a, "gyro"_a, "accel"_a)
+        .def("play", &Engine::play)
         .def("add", &Engine::add, "kind"_a, "time_ns"_a, "number"_a, "data"_a)
         .def("schedule", &Engine::schedule, "kind"_a, "time_ns"_a, "data"_a)
         .def("outputs", &Engine::outputs, "time_ns"_a, "pose"_a, "velocity"_a, "bias"_a, "covariance"_a, "others"_a,
-             "final"_a)
+             "whole"_a.none(), "final"_a)
         .def("smooth", &Engine::smooth)
         .def("state", &Engine::state)
         .def("judged", &Engine::judged)

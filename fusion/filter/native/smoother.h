@@ -15,22 +15,33 @@ template <std::size_t N> class Filter final : public Timeline<N> {
 public:
     using Timeline<N>::Timeline;
 
-    // Rewrites what the sink holds for the moments passed so far. The state ends where it started.
+    // Rewrites what the sink holds for the moments passed so far. Between states that were kept all is
+    // made again first. The state ends where it started.
     void smooth() {
         Matrix<N> curvature;
         double gradient[N] = {};
-        for (std::size_t i = this->next_; i-- > 0;) {
-            const Event &event = this->events_[i];
-            if (event.kind == Kind::output) rewrite(event, gradient, curvature);
-            if (event.measures() && event.factor > 0.0 && i > 0) take_in(event, gradient, curvature);
-            if (i > 0) carry_back(this->events_[i - 1], event.time_ns, gradient, curvature);
+        this->thorough_ = true;
+        for (std::size_t end = this->next_; end > 0;) {
+            std::size_t kept = end > 1 ? end - 2 : 0;
+            while (!this->events_[kept].known) --kept;
+            const std::size_t first = end > 1 ? kept + 1 : 0;
+            if (first > 0) this->replay(first, end);
+            for (std::size_t i = end; i-- > first;) {
+                Event &event = this->events_[i];
+                if (event.kind == Kind::output) rewrite(event, gradient, curvature);
+                if (event.measures() && event.factor > 0.0 && i > 0) take_in(event, gradient, curvature);
+                if (i > 0) carry_back(this->events_[i - 1], event.time_ns, gradient, curvature);
+                event.known.reset();
+                event.linear = std::vector<double>();
+            }
+            end = first;
         }
     }
 
 private:
     void carry_back(const Event &from, std::int64_t to, double *gradient, Matrix<N> &curvature) {
         steps_.clear();
-        this->now_ = from.after;
+        this->now_ = from.known->after;
         this->seek(from.time_ns);
         this->advance(to, [this](const Transition &f, const Densities &) { steps_.push_back(f); });
         for (std::size_t k = steps_.size(); k-- > 0;) propagate_back(curvature, gradient, steps_[k]);
@@ -60,20 +71,15 @@ private:
 
     // x Exp(-P λ) and P - P Λ P in place of what the forward pass wrote.
     void rewrite(const Event &event, const double *gradient, const Matrix<N> &curvature) {
-        const std::size_t row = event.number;
-        const Sink &sink = this->sink;
-        double *given = sink.covariance + row * N * N;
         Matrix<N> p;
         double error[N] = {};
-        for (std::size_t i = 0; i < N; ++i) {
-            std::copy_n(given + i * N, N, p.row[i]);
+        unpack(event.known->covariance, p);
+        for (std::size_t i = 0; i < N; ++i)
             for (std::size_t k = 0; k < N; ++k) error[i] -= p.row[i][k] * gradient[k];
-        }
         sharpen(p, curvature);
-        for (std::size_t i = 0; i < N; ++i) std::copy_n(p.row[i], N, given + i * N);
-        this->now_ = event.after;
+        this->now_ = event.known->after;
         correct<N>(this->now_, error);
-        this->put(row);
+        this->put(event.number, p);
     }
 
     std::vector<Transition> steps_;  // of one interval, kept for its memory

@@ -12,13 +12,9 @@
 #include <string>
 
 #include "measurement.h"
+#include "samples.h"
 
 namespace motorcade::filter {
-
-struct Sample {
-    std::int64_t time_ns;
-    Reading read;
-};
 
 struct Settings {
     double gravity_m_s2;
@@ -35,9 +31,14 @@ struct Settings {
     std::size_t check_every;                       // samples between kept states; 0: at events only
 };
 
-// Where the path is written as it passes the moments asked for; rows by the events' numbers.
+// In a whole recording the state is kept at every so many events, and made again between them.
+constexpr std::size_t stride = 64;
+
+// Where the path is written as it passes the moments asked for; rows by the events' numbers. Of the
+// covariance, that of the camera's pose (6, 6), and where it is asked for that of the error (N, N).
 struct Sink {
     double *pose = nullptr, *velocity = nullptr, *bias = nullptr, *covariance = nullptr, *others = nullptr;
+    double *whole = nullptr;
     bool final = false;  // also when things are done again
 };
 
@@ -58,6 +59,20 @@ public:
         samples_.push_back(sample);
         catch_up();
         if (settings_.check_every != 0 && ++unchecked_ >= settings_.check_every) keep_and_forget();
+    }
+
+    // Takes the samples of a whole recording, rising and finite, where the caller holds them.
+    void hold(const std::int64_t *time_ns, const double *rate, const double *force, std::size_t count) {
+        if (settings_.check_every != 0 || !samples_.empty()) refuse("hold: expected a filter of a whole recording");
+        samples_.hold(time_ns, rate, force, count);
+        samples_.show();
+    }
+
+    // Carries everything to the next sample held; false where none is left.
+    bool play() {
+        if (!samples_.show()) return false;
+        catch_up();
+        return true;
     }
 
     // Takes an event at any time that the history still holds.
@@ -90,7 +105,7 @@ public:
     const std::deque<Event> &events() const { return events_; }
     std::size_t done() const { return next_; }
     std::size_t reopened() const { return reopened_; }
-    std::size_t kept_samples() const { return samples_.size(); }
+    const Samples &samples() const { return samples_; }
     Sink sink;
 
 protected:
@@ -99,7 +114,7 @@ protected:
         double fall[3];
         motion_.gravity(now_, fall);
         while (time_ns_ < to && sample_ + 1 < samples_.size()) {
-            const Sample &one = samples_[sample_], &next = samples_[sample_ + 1];
+            const Sample one = samples_[sample_], next = samples_[sample_ + 1];
             const std::int64_t end = std::min(to, next.time_ns);
             const Reading here = reading(time_ns_), there = end == next.time_ns ? next.read : reading(end);
             Reading mean;
@@ -121,9 +136,7 @@ protected:
     }
 
     void seek(std::int64_t time_ns) {
-        const auto after = std::upper_bound(samples_.begin(), samples_.end(), time_ns,
-                                            [](std::int64_t t, const Sample &s) { return t < s.time_ns; });
-        sample_ = static_cast<std::size_t>(after - samples_.begin()) - 1;
+        sample_ = samples_.after(time_ns) - 1;
         time_ns_ = time_ns;
     }
 
@@ -131,7 +144,9 @@ protected:
         advance(to, [this](const Transition &f, const Densities &q) { propagate(p_, f, q); });
     }
 
-    void put(std::size_t row) const;  // the state but its covariance, into the sink
+    // See history.h.
+    void replay(std::size_t from, std::size_t to);
+    void put(std::size_t row, const Matrix<N> &p) const;
 
     Settings settings_;
     Motion motion_;
@@ -139,16 +154,17 @@ protected:
     Matrix<N> p_;
     std::int64_t time_ns_ = 0;
     std::size_t sample_ = 0;
-    std::deque<Sample> samples_;
+    Samples samples_;
     std::deque<Event> events_;
     std::size_t next_ = 0;  // of the events, the first that waits
     bool started_ = false;
+    bool thorough_ = false;  // every event keeps all that a backward pass needs
 
 private:
     Reading reading(std::int64_t t) const {
-        const Sample &one = samples_[sample_];
+        const Sample one = samples_[sample_];
         if (t == one.time_ns) return one.read;
-        const Sample &next = samples_[sample_ + 1];
+        const Sample next = samples_[sample_ + 1];
         const double part = static_cast<double>(t - one.time_ns) / static_cast<double>(next.time_ns - one.time_ns);
         Reading made;
         for (int i = 0; i < 3; ++i) {
@@ -213,16 +229,24 @@ private:
             carry(event.time_ns);
             if (event.measures()) measure(event, index);
         }
-        event.after = now_;
-        if (event.kind == Kind::output)
-            write(event);
-        else
-            event.covariance = packed(p_);
+        if (event.kind == Kind::output) write(event);
+        keep(event, index);
         if (!event.judged) {
             event.live_nis = event.nis;
             event.live_factor = event.factor;
         }
         event.judged = true;
+    }
+
+    void keep(Event &event, std::size_t index) {
+        const bool live = settings_.check_every != 0 && event.kind != Kind::output;
+        if (!thorough_ && !live && index % stride != 0) {
+            event.known.reset();
+            return;
+        }
+        if (!event.known) event.known = std::make_unique<Known>();
+        event.known->after = now_;
+        event.known->covariance = packed(p_);
     }
 
     // The first pose as a state: at rest, biases zero, with room for both to be wrong.
@@ -232,7 +256,8 @@ private:
         seek(event.time_ns);
         now_ = first_;
         const double *mount = event.kind == Kind::camera_pose ? first_.mount : one;
-        motorcade_moved(event.data.data(), event.restart, measured);
+        const Doubt none;
+        motorcade_moved(event.data.data(), (event.doubt ? *event.doubt : none).restart, measured);
         motorcade_start(measured, mount, now_.pose, spread);
         p_ = Matrix<N>();
         for (std::size_t i = 0; i < 6; ++i)
@@ -247,9 +272,9 @@ private:
         }
         lean();
         started_ = true;
-        event.factor = event.doubted ? 0.0 : 1.0;
+        event.factor = event.doubt ? 0.0 : 1.0;
         event.nis = std::nan("");
-        if (event.doubted) doubt(event);
+        if (event.doubt) doubt(*event.doubt);
     }
 
     double start_sigma(std::size_t k) const {
@@ -275,8 +300,7 @@ private:
     void measure(Event &event, std::size_t index) {
         Innovation<N> innovation;
         Gain<N> gain;
-        if (event.doubted) doubt(event);
-        event.linear.clear();
+        if (event.doubt) doubt(*event.doubt);
         event.factor = 0.0;
         event.nis = std::nan("");
         const bool predicted = Prediction<N>(now_, reading(time_ns_)).of(event, innovation) &&
@@ -285,7 +309,10 @@ private:
             event.nis = gain.nis;
             event.factor = judged(gain.nis, innovation.size);
         }
-        keep_residual(event, innovation);
+        event.size = innovation.size;
+        event.linear = event.factor == 0.0 || thorough_
+                           ? std::vector<double>(innovation.residual, innovation.residual + innovation.size)
+                           : std::vector<double>();
         if (event.factor == 0.0) {
             streak_.push_back(index);
             if (streak_.size() > settings_.patience) streak_.pop_front();
@@ -302,7 +329,7 @@ private:
         for (std::size_t a = 0; a < m; ++a) filter::add<N>(error, innovation.residual[a], gain.gain[a]);
         update(p_, innovation, gain);
         correct<N>(now_, error);
-        if (sink.final) keep_linear(event, innovation, gain);
+        if (thorough_) keep_linear(event, innovation, gain);
     }
 
     double judged(double nis, std::size_t freedom) const {
@@ -312,10 +339,8 @@ private:
     }
 
     // See history.h.
-    void replay(std::size_t from, std::size_t to);
     void reopen();
-    void doubt(const Event &event);
-    void keep_residual(Event &event, const Innovation<N> &innovation);
+    void doubt(const Doubt &doubt);
     void keep_linear(Event &event, const Innovation<N> &innovation, const Gain<N> &gain);
     void keep_and_forget();
     void write(Event &event);

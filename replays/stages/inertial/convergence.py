@@ -49,7 +49,8 @@ def convergence(
     if fused.by != "imu":
         return Convergence(initial_tilt_deg, np.zeros(0), np.zeros(0), None, "nothing")
     simulated = camera_poses.origin == "simulated"
-    level = levelled(camera_poses, imu)
+    stream = imu.stream(recording)
+    level = levelled(camera_poses, imu, stream)
     reference = recording.truth if simulated else None
     if reference is None:
         reference = fused.trajectory.transformed_by(left=level.level_T_world)
@@ -57,12 +58,13 @@ def convergence(
     stamps = fused.trajectory.time_ns[fused.trajectory.time_ns <= end_ns]
     again = fuse(
         level.measurements,
-        imu.stream,
+        stream,
         assumed_noise(imu.noise, imu.origin),
         imu.imu_T_camera,
         stamps,
         settings=filter_settings(imu, initial_tilt_deg, leaned=level.leaned),
         smoothed=False,
+        state_covariances=False,
     )
     pairs = associate(again.trajectory, reference)
     time_s = (pairs.time_ns - stamps[0]) * 1e-9

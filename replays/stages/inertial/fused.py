@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.filter import FilterSettings, fuse
 from motorcade.fusion.graph.odometry import fuse_odometry
-from motorcade.fusion.imu import ImuNoise
+from motorcade.fusion.imu import ImuNoise, ImuStream
 from motorcade.ga import FloatArray, Trajectory
 from motorcade.replays.recording import Odometry, Recording
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
@@ -89,11 +89,12 @@ def fused(
             raise ValueError("fused.by=odometry looks ahead always; choose fused.by=imu without")
         return _by_odometry(camera_poses, odometry)
     noise = assumed_noise(imu.noise, imu.origin, noise_factor, walk_factor)
-    level = levelled(camera_poses, imu)
+    stream = imu.stream(recording)
+    level = levelled(camera_poses, imu, stream)
     settings = filter_settings(
         imu, initial_tilt_deg, alignment_sigma_deg, gate, leaned=level.leaned
     )
-    return _by_imu(camera_poses, imu, noise, level, settings, look_ahead)
+    return _by_imu(camera_poses, imu, stream, noise, level, settings, look_ahead)
 
 
 def _chosen(camera_poses: CameraPoses, imu: Imu, odometry: Odometry | None, look_ahead: bool) -> By:
@@ -132,17 +133,18 @@ def _by_odometry(camera_poses: CameraPoses, odometry: Odometry) -> FusedPath:
 
 
 def _by_imu(
-    camera_poses: CameraPoses, imu: Imu, noise: ImuNoise, level: Levelled,
+    camera_poses: CameraPoses, imu: Imu, stream: ImuStream, noise: ImuNoise, level: Levelled,
     settings: FilterSettings, look_ahead: bool,
 ) -> FusedPath:  # fmt: skip
     found = fuse(
         level.measurements,
-        imu.stream,
+        stream,
         noise,
         imu.imu_T_camera,
         camera_poses.sought_ns,
         settings=settings,
         smoothed=look_ahead,
+        state_covariances=False,
     )
     account = f"fused with the {'recorded' if imu.origin == 'recorded' else 'simulated'} IMU"
     if level.leaned:

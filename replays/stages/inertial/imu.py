@@ -20,19 +20,39 @@ FEWEST_POSES = 4
 
 @dataclass(frozen=True)
 class Imu:
-    """An inertial stream, its noise model, where the camera sits on it, and where it came from.
+    """What inertial stream there is, its noise model, where the camera sits on it, its origin.
 
-    `clock_offset_s` was taken off the recorded stamps (what the IMU's clock showed at an event
-    minus what the camera's did), and `clock_offset_sigma_s` is its deviation; None where it was not
-    sought.
+    `simulated` is there unless the stream is the recording's own, which is not stored twice;
+    `stream` gives the one or the other. `clock_offset_s` is taken off the recorded stamps (what the
+    IMU's clock showed at an event minus what the camera's did), and `clock_offset_sigma_s` is its
+    deviation; None where it was not sought.
     """
 
-    stream: ImuStream
+    simulated: ImuStream | None
     noise: ImuNoise
     imu_T_camera: Motor
     origin: Origin
     clock_offset_s: float = 0.0
     clock_offset_sigma_s: float | None = None
+
+    def stream(self, recording: Recording) -> ImuStream:
+        """The stream on the camera's clock; `recording` is the one that the stage was given.
+
+        Raises:
+            ValueError: another recording, without a stream.
+        """
+        if self.simulated is not None:
+            return self.simulated
+        recorded = recording.imu
+        if recorded is None:
+            raise ValueError(f"{recording.name}: expected a recorded IMU, got none")
+        if self.clock_offset_s == 0.0:
+            return recorded
+        return ImuStream(
+            recorded.time_ns - round(self.clock_offset_s * 1e9),
+            recorded.angular_rate_rad_s,
+            recorded.specific_force_m_s2,
+        )
 
 
 def imu(
@@ -64,8 +84,8 @@ def imu(
     if origin == "recorded":
         if recording.imu is None:
             raise ValueError(f"{recording.name}: imu.source=recorded, but it has no IMU stream")
-        made = Imu(recording.imu, noise, imu_T_camera, origin)
-        return made if sync == "off" else _on_camera_clock(made, camera_poses)
+        made = Imu(None, noise, imu_T_camera, origin)
+        return made if sync == "off" else _on_camera_clock(made, recording.imu, camera_poses)
     if sync != "off":
         raise ValueError(f"{recording.name}: imu.sync={sync} needs a recorded IMU")
     path = recording.truth if origin == "reference" else camera_poses.measurements.trajectory
@@ -85,23 +105,13 @@ def imu(
     return Imu(simulated.stream, noise, imu_T_camera, origin)
 
 
-def _on_camera_clock(imu: Imu, camera_poses: CameraPoses) -> Imu:
-    """The stream with its stamps carried over to the camera's clock."""
+def _on_camera_clock(imu: Imu, recorded: ImuStream, camera_poses: CameraPoses) -> Imu:
+    """The IMU with the offset by which its stamps are carried over to the camera's clock."""
     if camera_poses.metres_a_unit is not None or not camera_poses.metric:
         raise ValueError(
             "imu.sync=estimate needs a path whose metres do not come from the IMU itself; find the "
             "offset on another recording (motorcade sync), and state it in a manifest "
             "([imu] clock_offset_s = ...)"
         )
-    found = synchronise(camera_poses.measurements.trajectory, imu.stream, imu.noise)
-    stream = ImuStream(
-        imu.stream.time_ns - round(found.offset_s * 1e9),
-        imu.stream.angular_rate_rad_s,
-        imu.stream.specific_force_m_s2,
-    )
-    return replace(
-        imu,
-        stream=stream,
-        clock_offset_s=found.offset_s,
-        clock_offset_sigma_s=found.offset_sigma_s,
-    )
+    found = synchronise(camera_poses.measurements.trajectory, recorded, imu.noise)
+    return replace(imu, clock_offset_s=found.offset_s, clock_offset_sigma_s=found.offset_sigma_s)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from motorcade.fusion.imu import ImuStream
 from motorcade.ga import FloatArray, Motor, Rotor
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.inertial.imu import Imu
@@ -34,7 +35,7 @@ class Levelled:
     leaned: bool
 
 
-def levelled(camera_poses: CameraPoses, imu: Imu) -> Levelled:
+def levelled(camera_poses: CameraPoses, imu: Imu, stream: ImuStream) -> Levelled:
     """Turn a world upright whose z is more than 3° from up by a recorded IMU.
 
     Poses simulated from a truth keep that truth's world, and an IMU simulated along a path has z
@@ -42,7 +43,7 @@ def levelled(camera_poses: CameraPoses, imu: Imu) -> Levelled:
     """
     found = camera_poses.measurements
     upright = Levelled(found, Motor.identity(), 0.0, leaned=False)
-    up = _mean_up(camera_poses, imu)
+    up = _mean_up(camera_poses, imu, stream)
     if imu.origin != "recorded" or camera_poses.origin == "simulated" or up is None:
         return upright
     lean_rad = float(np.arctan2(np.hypot(up[0], up[1]), up[2]))
@@ -55,9 +56,9 @@ def levelled(camera_poses: CameraPoses, imu: Imu) -> Levelled:
     return Levelled(turned, turn, float(np.rad2deg(lean_rad)), leaned=True)
 
 
-def _mean_up(camera_poses: CameraPoses, imu: Imu) -> FloatArray | None:
+def _mean_up(camera_poses: CameraPoses, imu: Imu, stream: ImuStream) -> FloatArray | None:
     """The mean specific force ``(3,)`` in the world; None where the IMU covers no pose."""
-    path, stream = camera_poses.measurements.trajectory, imu.stream
+    path = camera_poses.measurements.trajectory
     rows = np.flatnonzero(
         (stream.time_ns >= path.time_ns[0]) & (stream.time_ns <= path.time_ns[-1])
     )

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.filter import FilterSettings, Fused, RestDetection, fuse
+from motorcade.fusion.filter.fuse import camera_covariance
 from motorcade.fusion.imu import ImuStream
 from motorcade.fusion.metrics import absolute_translation_m, associate, rotation_rad, tilt_rad
 from motorcade.fusion.motions.degradations import Blackouts, InTurn, Latency, Outliers
@@ -61,6 +62,23 @@ def test_it_answers_at_any_stamps_and_agrees_with_itself(record, rng):
     odd = run.fuse(stamps_ns=between).trajectory
     np.testing.assert_array_equal(odd.time_ns, between)
     assert rms(errors_of(odd, run.camera)[0]) < 0.006
+
+
+@pytest.mark.parametrize("more", [{}, {"gravity_sigma_rad": 0.02, "mount_sigma_rad": 0.02}])
+@pytest.mark.parametrize("smoothed", [False, True])
+def test_the_cameras_covariance_is_that_of_the_state_seen_from_it(record, rng, smoothed, more):
+    run = record(rng, 10.0)
+    options = {"settings": FilterSettings(**more), "smoothed": smoothed}
+    whole, lean = run.fuse(**options), run.fuse(**options, state_covariances=False)
+    expected = camera_covariance(whole.state_covariance, whole.imu_T_camera)
+    sigma = np.sqrt(np.diagonal(expected, axis1=1, axis2=2))
+    scale = sigma[:, :, None] * sigma[:, None]
+    np.testing.assert_allclose(whole.covariance / scale, expected / scale, atol=1e-9)
+    np.testing.assert_array_equal(lean.covariance, whole.covariance)
+    np.testing.assert_array_equal(
+        lean.trajectory.motors.coefficients, whole.trajectory.motors.coefficients
+    )
+    assert len(lean.state_covariance) == 0
 
 
 def blacked_out(measurements: PoseMeasurements, spans_s) -> PoseMeasurements:
