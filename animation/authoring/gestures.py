@@ -76,7 +76,7 @@ def _gesture(given: Any, where: str) -> Gesture:
     if kind in ("undo", "redo"):
         _only(given, {"do"}, where)
         return Gesture(None, step=kind)
-    if not isinstance(kind, str) or kind not in _AMOUNTS:
+    if kind not in tuple(_AMOUNTS):  # whatever JSON holds, lists too
         raise ValueError(f"{where}: do: expected {', '.join(_AMOUNTS)}, undo or redo, got {kind!r}")
     _only(given, {"object", "do", "axis", "frame", _AMOUNTS[kind]}, where)
     name = given.get("object")
