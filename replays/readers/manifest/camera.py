@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from motorcade.tracking.cameras.camera import Camera
 __all__ = ["CAMERA_KEYS", "camera_toml", "read_camera", "section_camera"]
 
 CAMERA_KEYS = (
-    "model", "width", "height", "fx", "fy", "cx", "cy", "matrix_file", "distortion",
+    "model", "width", "height", "fx", "fy", "cx", "cy", "matrix_file", "fov_deg", "distortion",
     "distortion_file",
 )  # fmt: skip
 
@@ -53,12 +54,7 @@ def section_camera(
     """
     if size is None or "width" in section or "height" in section:
         size = (section.whole("width", 1), section.whole("height", 1))
-    section.only_one("matrix_file", "fx")
-    if "matrix_file" in section:
-        intrinsics = read_matrix(file("matrix_file"))
-    else:
-        fx, fy = (section.number(key, 1e-3, 1e9) for key in ("fx", "fy"))
-        intrinsics = (fx, fy, section.number("cx", -1e9, 1e9), section.number("cy", -1e9, 1e9))
+    intrinsics = _intrinsics(section, size, file)
     section.only_one("distortion", "distortion_file")
     source, distortion = path, tuple[float, ...]()
     if "distortion" in section:
@@ -70,6 +66,23 @@ def section_camera(
     lensless = "model" not in section and not distortion
     model = "pinhole" if lensless else section.text("model", models)
     return make_camera(source, size, intrinsics, model, distortion)
+
+
+def _intrinsics(
+    section: Section, size: tuple[int, int], file: Callable[[str], Path]
+) -> tuple[float, float, float, float]:
+    """fx, fy, cx, cy in pixels: as given, of a matrix, or of a lens that is known by its view."""
+    section.only_one("matrix_file", "fx")
+    section.only_one("fov_deg", "fx")
+    section.only_one("fov_deg", "matrix_file")
+    if "matrix_file" in section:
+        return read_matrix(file("matrix_file"))
+    if "fov_deg" in section:
+        half_rad = math.radians(0.5 * section.number("fov_deg", 1.0, 170.0))
+        focal = 0.5 * size[0] / math.tan(half_rad)
+        return focal, focal, 0.5 * (size[0] - 1), 0.5 * (size[1] - 1)
+    fx, fy = (section.number(key, 1e-3, 1e9) for key in ("fx", "fy"))
+    return fx, fy, section.number("cx", -1e9, 1e9), section.number("cy", -1e9, 1e9)
 
 
 def camera_toml(camera: Camera) -> str:

@@ -123,7 +123,8 @@ def _first_that_works(recording: Recording, ways: Mapping[str, _Way]) -> CameraP
     if recording.camera is None:
         raise ValueError(
             f"{recording.name}: no camera known, so its poses cannot be tracked; describe it in a "
-            "manifest ([camera] fx = ..., fy = ..., cx = ..., cy = ...)"
+            "manifest: [camera] with fx, fy, cx, cy as `motorcade calibrate` finds them, or with "
+            "fov_deg = 65 where only a guess of how wide it sees can be had"
         )
     raise ValueError(f"{recording.name}: no camera pose found; {'; '.join(passed_over)}")
 

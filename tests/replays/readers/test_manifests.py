@@ -58,6 +58,13 @@ def test_a_manifest_inside_the_recording_is_found(make: Make) -> None:
     assert described(made.root, FRAMES).camera is None
 
 
+def test_a_field_of_view_stands_for_a_calibration(make: Make) -> None:
+    camera = described(make("folder").root, FRAMES, "[camera]\nfov_deg = 90.0\n").camera
+    assert camera is not None
+    edges = camera.unproject(np.array([[-0.5, 7.5], [23.5, 7.5]]))
+    np.testing.assert_allclose(edges / edges[:, 2:], [[-1, 0, 1], [1, 0, 1]], atol=1e-12)
+
+
 def test_calibration_may_stand_in_files(make: Make) -> None:
     made = make("folder")
     (made.root / "K.txt").write_text("20 0 11.5\n0, 21, 7.5\n0 0 1\n")
@@ -281,6 +288,8 @@ MISTAKES = {
         FRAMES + CAMERA + "width = 24\nheight = 17\n",
         "frame 0: expected 24 x 17 pixels as the camera has, got 24 x 16",
     ),
+    "view and fx": (FRAMES + CAMERA + "fov_deg = 60\n", "expected either fov_deg or fx, got both"),
+    "view": (FRAMES + "[camera]\nfov_deg = 180\n", "fov_deg: expected a number from 1 to 170"),
     "no fx": (FRAMES + CAMERA.replace("fx", "cx", 1), "expected TOML|fx"),
     "model": (
         FRAMES + CAMERA + 'model = "fisheye"\n',
