@@ -194,6 +194,8 @@ def test_heading_turns_the_face_from_x_towards_y() -> None:
         ({"height_m": np.nan}, "height_m"),
         ({"height_m": 1.0, "position_m": (0.0, 0.0, 0.0)}, "position_m"),
         ({"height_m": 1.0, "heading_rad": np.inf}, "heading_rad"),
+        ({"height_m": 1.0, "position_m": np.zeros((2, 2))}, "one position and one heading"),
+        ({"height_m": 1.0, "heading_rad": [0.0, 1.0]}, "one position and one heading"),
         ({"height_m": 1.0, "world_T_plane": Motor.identity((2,))}, "one pose"),
     ],
 )

@@ -46,10 +46,6 @@ class _Curve:
     into: FloatArray | None
     out: FloatArray | None
 
-    @property
-    def curved(self) -> bool:
-        return bool(np.any(self.kinds == "BEZIER"))
-
     def at(self, times: FloatArray) -> FloatArray:
         """Values (n, width)."""
         made = with_times(self.keys, self.values, times)

@@ -125,6 +125,46 @@ def test_documents_that_are_not_consistent_are_refused_by_name(
 
 
 @pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"<a><b></a>", "XML: mismatched tag"),
+        (b"", "the file is empty"),
+        (b"plain", "XML: syntax error"),
+        (b'<?xml version="1.0" encoding="x-nothing"?><a/>', "XML: unknown encoding"),
+        (b'<?xml version="1.0" encoding="utf-7"?><a/>', "XML: "),
+        (b"<a>\xff</a>", "XML: not well-formed"),
+    ],
+)
+def test_texts_that_are_no_xml_are_refused(write: Write, data: bytes, message: str) -> None:
+    with pytest.raises(FormatError, match=message):
+        read_character(write("bad.dae", data))
+
+
+def test_a_scene_without_nodes_is_refused(write: Write) -> None:
+    text = samples.collada_tower().decode()
+    start, end = text.index('<node id="base"'), text.rindex("</visual_scene>")
+    with pytest.raises(FormatError, match="visual_scene: expected one node or more, got none"):
+        read_character(write("bare.dae", (text[:start] + text[end:]).encode()))
+
+
+def test_weights_of_fewer_vertices_than_the_mesh_has_are_refused(write: Write) -> None:
+    data = document(("<vcount>1 1 1 1 2 2 2 2 1 1 1 1", "<vcount>1 1 1 1 2 2 2 2 1 1 1"),
+                    ("1 0</v>", "</v>"))  # fmt: skip
+    with pytest.raises(FormatError, match="expected weights of every vertex, got 11"):
+        read_character(write("few.dae", data))
+
+
+def test_a_skin_without_a_bind_shape_is_bound_as_it_stands(write: Write) -> None:
+    shape = "<bind_shape_matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</bind_shape_matrix>"
+    plain = read_character(write("plain.dae", document()))
+    bare = read_character(write("bare.dae", document((shape, ""))))
+    np.testing.assert_array_equal(bare.vertices, plain.vertices)
+    large = shape.replace("1 0 0 0 0 1 0 0 0 0 1 0", "2 0 0 0 0 2 0 0 0 0 2 0")
+    grown = read_character(write("grown.dae", document((shape, large))))
+    np.testing.assert_allclose(grown.vertices, 2.0 * plain.vertices, atol=1e-9)
+
+
+@pytest.mark.parametrize(
     ("inside", "message"),
     [
         ("<ph><p>0 1 2</p><h>3 4 5</h></ph>", "polygons without holes, got some with holes"),

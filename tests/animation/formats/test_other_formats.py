@@ -103,6 +103,17 @@ def test_empty_meshes_of_md5_are_passed_over(write: Write) -> None:
     assert not any("texture" in note for note in read_character(write("b.md5mesh", bare)).notices)
 
 
+def test_roots_of_md5_stand_in_the_world(write: Write) -> None:
+    """Two joints without parents lie where a joint and its child would."""
+    data = mesh(('"top" 0 ( 0 0 1 )', '"top" -1 ( 0 0 1 )'))
+    apart, below = (read_character(write(name, one)) for name, one in
+                    (("roots.md5mesh", data), ("chain.md5mesh", mesh())))  # fmt: skip
+    assert apart.skeleton.parents.tolist() == [-1, -1]
+    np.testing.assert_allclose(
+        apart.skeleton.rest_world.as_matrix(), below.skeleton.rest_world.as_matrix(), atol=1e-12
+    )
+
+
 def test_a_picture_beside_paints_the_mesh_of_md5(write: Write, tmp_path: Path) -> None:
     Image.new("RGB", (1, 1), (255, 0, 0)).save(tmp_path / "tower.png")
     found = read_character(write("red.md5mesh", mesh(('"tower"', '"tower.png"'))))
@@ -198,6 +209,22 @@ def test_long_texts_of_numbers_are_read_a_piece_at_a_time(
         )
 
 
+def test_what_values_refuse_is_told_as_an_error_of_the_file(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever a reader overlooks, a caller has one kind of error to look for."""
+
+    def refuse(*_: object) -> None:
+        raise ValueError("Skeleton.rest: expected something else")
+
+    for name in ("assemble_character", "assemble_motion"):
+        monkeypatch.setattr(f"motorcade.animation.formats.door.{name}", refuse)
+    path = write("odd.bvh", bvh())
+    for read in (read_motion, read_character):
+        with pytest.raises(FormatError, match=r"odd\.bvh: Skeleton\.rest: expected something else"):
+            read(path)
+
+
 @pytest.mark.parametrize("unit_m", [0.0, -1.0, np.nan, np.inf, 1e9])
 def test_units_that_are_none_are_refused(write: Write, unit_m: float) -> None:
     path = write("tower.bvh", bvh())
@@ -288,6 +315,16 @@ def test_fbx_that_assimp_cannot_export_is_refused(
         read_character(write("a.fbx", b"Kaydara"))
 
 
+@pytest.mark.parametrize(
+    ("what", "bound"), [("-v", fbx.MEMORY_LIMIT_BYTES // 1024), ("-t", int(fbx.TIME_LIMIT_S))]
+)
+def test_assimp_runs_within_bounds(write: Write, assimp: Path, what: str, bound: int) -> None:
+    """Of memory, in KiB, and of seconds of a processor; as the program itself sees them."""
+    _program(assimp, f"#!/bin/sh\nulimit {what} >&2; exit 3\n")
+    with pytest.raises(FormatError, match=f"assimp: {bound}$"):
+        read_character(write("a.fbx", b"Kaydara"))
+
+
 def test_assimp_may_write_no_file_beyond_the_limit(
     write: Write, assimp: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -309,6 +346,7 @@ BINARY = b"UnitScaleFactorS\x06\0\0\0doubleS\x06\0\0\0NumberS\0\0\0\0D"
         (BINARY + np.float64(np.nan).tobytes(), None),
         (b"nothing of the kind", None),
     ],
+    ids=["binary", "text", "zero", "nan", "silent"],
 )
 def test_the_unit_of_fbx_is_read_from_the_file_in_centimetres(
     write: Write, assimp: Path, tmp_path: Path, data: bytes, metres: float | None

@@ -163,3 +163,28 @@ def test_the_room_is_imported_without_what_makes_the_skin() -> None:
     program = "import sys, motorcade.animation; print('skimage' in sys.modules)"
     made = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert made.stdout.strip() == "False", made.stderr
+
+
+class _Balls:
+    """Balls of 0.3 m at points (N, 3), in the place of a body."""
+
+    def __init__(self, *centres_m: tuple[float, float, float]) -> None:
+        self._centres_m = centres_m
+
+    def distance_m(self, points_m: np.ndarray, near_m: float = 0.0) -> np.ndarray:
+        apart = [np.linalg.norm(points_m - centre, axis=1) for centre in self._centres_m]
+        return np.min(apart, axis=0) - 0.15
+
+
+def test_a_solid_in_pieces_is_refused() -> None:
+    """Half of a body is one piece: what floats beside it would tear its skin."""
+    with pytest.raises(RuntimeError, match="no grid gives about 2000 triangles in one whole piece"):
+        meshed(_Balls((0.0, 0.0, 0.4), (0.0, 0.4, 0.9)), 2_000)
+
+
+def test_without_scikit_image_the_extra_that_brings_it_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "skimage.measure", None)
+    with pytest.raises(ModuleNotFoundError, match=r'pip install "motorcade\[pipeline\]"'):
+        meshed(_Balls((0.0, 0.0, 0.4)), 2_000)
