@@ -17,6 +17,22 @@ def test_bounds_are_scipys(freedom, runs):
         np.testing.assert_allclose(found, np.array(expected) / runs, rtol=1e-10)
 
 
+def test_bounds_keep_95_of_100_averages_unless_said_otherwise():
+    expected = np.array(stats.chi2.interval(0.95, 600)) / 100
+    np.testing.assert_allclose(chi2_bounds(6, 100), expected, rtol=1e-10)
+    found = Consistency.of(np.ones((100, 2)), 6)
+    np.testing.assert_allclose((found.low, found.high), expected, rtol=1e-10)
+    wide = Consistency.of(np.ones((100, 2)), 6, 0.999)
+    assert wide.low < found.low < found.high < wide.high
+
+
+def test_an_average_at_a_bound_is_within_it():
+    found = Consistency(6, 10, np.array([3.9, 4.0, 6.0, 8.0, 8.1]), 4.0, 8.0)
+    assert found.share_within == 0.6
+    assert found.ratio == pytest.approx(1.0)
+    assert Consistency.of(np.array([[2.0]]), 4).ratio == 0.5  # one run of one step
+
+
 def test_errors_of_the_stated_covariance_keep_the_bounds_and_others_do_not(rng):
     factor = rng.standard_normal((40, 200, 6, 6))
     covariance = factor @ factor.swapaxes(-1, -2)
@@ -47,7 +63,11 @@ def test_correlations_count():
     [
         (lambda: chi2_bounds(0, 5), "freedom: expected 1 or more"),
         (lambda: chi2_bounds(5, 0), "runs: expected 1 or more"),
-        (lambda: chi2_bounds(5, 5, 1.0), "probability"),
+        (lambda: chi2_bounds(5, 5, 1.0), "probability: expected above 0 and below 1, got 1.0"),
+        (lambda: chi2_bounds(5, 5, 0.0), "probability: expected above 0 and below 1, got 0.0"),
+        (lambda: Consistency.of(np.ones((0, 5)), 6), r"values: expected \(runs, steps\)"),
+        (lambda: Consistency.of(np.ones((2, 0)), 6), r"values: expected \(runs, steps\)"),
+        (lambda: Consistency.of(np.ones((2, 5, 1)), 6), r"values: expected \(runs, steps\)"),
         (lambda: Consistency.of(np.ones(5), 6), r"values: expected \(runs, steps\)"),
         (lambda: Consistency.of(np.full((2, 5), np.nan), 6), "values"),
         (

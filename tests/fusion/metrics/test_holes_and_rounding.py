@@ -168,6 +168,8 @@ def test_the_cut_off_is_lowered_for_slow_estimates_only():
     assert evaluate(truth, truth).energy_above_hz == 5.0
     assert evaluate(truth[::4], truth).energy_above_hz == pytest.approx(2.5)
     assert evaluate(truth[:1], truth).energy_above_hz == 5.0
+    assert evaluate(truth[:400:40][:2], truth).energy_above_hz == pytest.approx(0.25)
+    assert evaluate(truth, truth, energy_above_hz=0.5).energy_above_hz == 0.5
     for bad in (0.0, np.inf, np.nan):
         with pytest.raises(ValueError, match="energy_above_hz: expected a number above 0"):
             evaluate(truth, truth, energy_above_hz=bad)

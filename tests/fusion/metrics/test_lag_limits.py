@@ -82,6 +82,17 @@ def test_rates_over_more_than_a_quarter_of_a_second_do_not_count(handheld, step_
         angular_rate_lag_s(slow, truth)
 
 
+def test_four_rates_tell_a_lag_and_three_do_not(handheld):
+    """Steps of 20 ms here and there: rates are of steps, and these are few."""
+    truth = handheld.trajectory(100.0, 24.0)
+    whole = late_by(handheld, 12.0)
+    rows = np.array([[k, k + 1] for k in (0, 180, 360, 540, 720)]).ravel()
+    four = np.append(rows[:8], 700)
+    assert 1e3 * angular_rate_lag_s(whole[four], truth) == pytest.approx(12.0, abs=0.5)
+    with pytest.raises(NotObservableError, match=r"4 steps of at most 0.25 s.*, got 3"):
+        angular_rate_lag_s(whole[np.append(rows[:6], [540, 700])], truth)
+
+
 @pytest.mark.parametrize(("gap_ms", "counts"), [(59, True), (61, False)])
 def test_rates_over_more_than_three_intervals_do_not_count(handheld, gap_ms, counts):
     """After a gap the estimate is turned aside; across the gap alone this looks like a rate."""
@@ -128,11 +139,11 @@ def test_motion_the_other_way_fits_at_no_lag(handheld):
         position_lag_s(opposite(path), path)
 
 
-@pytest.mark.parametrize("size", [0.2, 1.0, 30.0])
-def test_lag_does_not_depend_on_the_units_nor_on_where_the_origin_is(handheld, size):
+@pytest.mark.parametrize(("size", "away"), [(0.2, 1.0), (1.0, 1e5), (30.0, 1.0)])
+def test_lag_does_not_depend_on_the_units_nor_on_where_the_origin_is(handheld, size, away):
     truth, late = handheld.trajectory(100.0, 24.0), late_by(handheld, 8.0)
     scaled = Trajectory(late.time_ns, Motor.from_rotor_translation(
-        late.motors.rotor, size * late.motors.translation_m + [100.0, -50.0, 3.0]
+        late.motors.rotor, size * late.motors.translation_m + away * np.array([100.0, -50.0, 3.0])
     ))  # fmt: skip
     assert 1e3 * position_lag_s(scaled, truth) == pytest.approx(8.0, abs=0.01)
 

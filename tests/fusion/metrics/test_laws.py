@@ -9,6 +9,7 @@ import pytest
 
 from motorcade.fusion.metrics import (
     absolute_translation_m,
+    angular_rate_lag_s,
     drift_by_length,
     energy_excess_above,
     evaluate,
@@ -16,10 +17,12 @@ from motorcade.fusion.metrics import (
     jitter,
     log_dimensionless_jerk,
     log_scales,
+    position_lag_s,
     position_overshoot_m,
     relative_errors_by_length,
     rotation_overshoot_rad,
     rotation_rad,
+    tilt_rad,
     without_scale,
 )
 from motorcade.fusion.motions import MOTIONS
@@ -115,6 +118,9 @@ def test_evaluate_puts_them_together(rng):
         "rotation_path_ratio": found.path_ratio,
         "peak_rate_ratio": found.peak_rate_ratio,
         "spurious_turns": 0,
+        "lag_ms": 1e3 * position_lag_s(estimate, truth),
+        "angular_rate_lag_ms": 1e3 * angular_rate_lag_s(estimate, truth),
+        "tilt_mean_deg": np.rad2deg(tilt_rad(estimate.motors, truth.motors).mean()),
         "log_scale_rmse": None,
     }
     for key, value in expected.items():

@@ -99,6 +99,41 @@ def test_evaluate_reports_the_length_it_was_given(pair):
     assert evaluate(*pair, rpe_length_m=1e4).rpe_by_length_trans_m is None
 
 
+def test_lengths_and_starts_are_kittis_unless_said_otherwise():
+    """Its development kit: 100, 200, …, 800 m, from every tenth frame on."""
+    metres = np.arange(0.0, 900.0, 1.0)[:, None] * [1.0, 0.0, 0.0]
+    path = Motor.from_rotor_translation(Rotor.identity((900,)), metres)
+    found = drift_by_length(path, path)
+    assert [drift.length_m for drift in found] == [100.0 * k for k in range(1, 9)]
+    # From 0, 10, … the last pose but one can be reached: 900 - length - 1 of them, by tens.
+    assert [drift.count for drift in found] == [80, 70, 60, 50, 40, 30, 20, 10]
+    assert drift_by_length(path, path, (100.0,), every=1)[0].count == 799
+
+
+@pytest.mark.parametrize("bad", [-1.0, 0.0, np.inf, np.nan])
+def test_lengths_are_numbers_above_zero(pair, bad):
+    for refused in (
+        lambda: relative_errors_by_length(pair[0].motors, pair[1].motors, bad),
+        lambda: drift_by_length(pair[0].motors, pair[1].motors, (bad,)),
+    ):
+        with pytest.raises(ValueError, match="length_m: expected above 0, got"):
+            refused()
+
+
+def test_a_stretch_ends_when_its_length_is_reached():
+    """Steps of 1 m and stretches of 2: at every second pose, and the odd one is left out."""
+    along = np.arange(6.0)[:, None] * [0.0, 1.0, 0.0]
+    truth = Motor.from_rotor_translation(Rotor.identity((6,)), along)
+    estimate = Motor.from_rotor_translation(Rotor.identity((6,)), along * 1.5)
+    metres, radians = relative_errors_by_length(estimate, truth, 2.0)
+    np.testing.assert_allclose(metres, [1.0, 1.0], atol=1e-12)
+    np.testing.assert_allclose(radians, [0.0, 0.0], atol=1e-12)
+    with pytest.raises(NotObservableError, match="a path of 6 m or more, got 5 m"):
+        relative_errors_by_length(estimate, truth, 6.0)
+    with pytest.raises(NotObservableError, match=r"one of \(6.0, 7.0\) m, got 5 m"):
+        drift_by_length(estimate, truth, (6.0, 7.0))
+
+
 def test_short_lengths_are_steps(pair):
     steps = relative_errors(pair[0].motors, pair[1].motors)
     short = relative_errors_by_length(pair[0].motors, pair[1].motors, 1e-6)

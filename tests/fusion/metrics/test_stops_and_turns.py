@@ -35,7 +35,8 @@ def walking(speeds_m_s, step_s=0.1) -> Trajectory:
     ("speed", "expected"),
     [
         ([1.0, 0.19, 1.0], [(0, 1, 2)]),
-        ([1.0, 0.21, 1.0], []),  # no stop: more than a fifth of the peak before
+        ([1.0, 0.2, 1.0], []),  # no stop: no less than a fifth of the peak before
+        ([1.0, 0.1, 0.5], [(0, 1, 3)]),  # no peak after it: no more than five times as fast
         ([1.0, 0.1, 0.49, 0.1, 1.0], [(0, 1, 4)]),  # no peak between: less than five times
         ([1.0, 0.1, 0.51, 0.05, 1.0], [(0, 1, 2), (2, 3, 4)]),
         ([1.0, 0.1, 0.05, 0.02], [(0, 2 + 1, 4)]),  # the end stands for the second peak
