@@ -7,11 +7,15 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from motorcade.render.plots.style import COLOURS, as_svg, house_style, label_plainly, new_figure
+from motorcade.render.plots.style import (
+    AXIS_COLOURS,
+    as_svg,
+    house_style,
+    label_plainly,
+    new_figure,
+)
 
 Curve = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
-
-_AXES = {"x": COLOURS["euler"], "y": COLOURS["motor"], "z": COLOURS["dual_quaternion"]}
 
 
 def plot_allan(curves: Mapping[str, Curve], unit_of: Mapping[str, str]) -> str:
@@ -23,7 +27,7 @@ def plot_allan(curves: Mapping[str, Curve], unit_of: Mapping[str, str]) -> str:
     with house_style():
         figure, panels = new_figure(9.0, 3.6, columns=len(curves))
         for axes, (name, (tau_s, deviation, model)) in zip(panels, curves.items(), strict=True):
-            for column, (axis, colour) in enumerate(_AXES.items()):
+            for column, (axis, colour) in enumerate(zip("xyz", AXIS_COLOURS, strict=True)):
                 axes.plot(tau_s, model[:, column], color=colour, linewidth=1.0)
                 axes.plot(tau_s, deviation[:, column], "o", color=colour, markersize=3, label=axis)
             axes.set_xscale("log")
@@ -33,4 +37,4 @@ def plot_allan(curves: Mapping[str, Curve], unit_of: Mapping[str, str]) -> str:
             axes.set_xlabel("averaging time (s)")
             axes.set_ylabel(f"Allan deviation ({unit_of[name]})")
             axes.legend(loc="best", fontsize=8)
-        return as_svg(figure)
+        return as_svg(figure, f"Allan deviation of {' and '.join(curves)}")

@@ -1,62 +1,125 @@
-"""Quantities over time, one line a trajectory or representation."""
+"""Quantities over time, one line a trajectory or representation, and bands about them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from numpy.typing import NDArray
 
+from motorcade.ga import FloatArray
 from motorcade.render.plots.style import (
+    AXIS_COLOURS,
+    COLOURS,
+    WIDTH_IN,
     as_svg,
     house_style,
     label_plainly,
     line_style,
     new_figure,
+    thinned,
 )
 
+__all__ = ["Band", "Series", "plot_bands", "plot_series", "plot_within_sigma"]
+
 Series = tuple[NDArray[Any], NDArray[Any]]
+TINT = "#999999"
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """A middle and what lies about it, each ``(N,)``: percentiles over runs, for example."""
+
+    time_s: FloatArray
+    low: FloatArray
+    middle: FloatArray
+    high: FloatArray
 
 
 def plot_series(
     series: Mapping[str, Series],
-    title: str,
+    label: str,
     unit: str,
     *,
     log_scale: bool = False,
     shaded_s: tuple[tuple[float, float], ...] = (),
-    height_in: float = 2.3,
-    width_in: float = 9.0,
+    height_in: float = 2.4,
+    width_in: float = WIDTH_IN,
     nested: bool = False,
     limits: tuple[float, float] | None = None,
-    band: tuple[float, float] | None = None,
 ) -> str:
     """`series` maps a name of `style.COLOURS` to (seconds (N,), values (N,)); an `<svg>` element.
 
-    Spans of `shaded_s` (start, end in seconds) are tinted: blackouts, lost frames. `nested` draws
-    each line thinner than the one before it and on top, so that lines that coincide are all seen,
-    and leaves the legend to the page. `limits` are the ends of the axis of values;
-    values between those of `band` are tinted.
+    `label` says what is drawn, `unit` stands at the axis; the legend is left to the page. Spans of
+    `shaded_s` (start, end in seconds) are tinted: blackouts, lost frames. `nested` draws each line
+    thinner than the one before it and on top, so that lines that coincide are all seen. `limits`
+    are the ends of the axis of values.
     """
     with house_style():
         figure, (axes,) = new_figure(width_in, height_in)
         for start, end in shaded_s:
-            axes.axvspan(start, end, color="#999999", alpha=0.25, linewidth=0)
-        if band is not None:
-            axes.axhspan(*band, color="#999999", alpha=0.4, linewidth=0)
+            axes.axvspan(start, end, color=TINT, alpha=0.25, linewidth=0)
         for i, (name, (time_s, values)) in enumerate(series.items()):
-            nest = {"linewidth": max(3.4 - 0.5 * i, 0.7), "zorder": 2.0 + i} if nested else {}
-            axes.plot(time_s, values, **(line_style(name) | nest))
+            nest = {}
+            if nested and name != "measured":  # noise, which a thick line would spread over all
+                nest = {"linewidth": nested_width(i), "zorder": 2.0 + i}
+            axes.plot(*thinned(time_s, values), **(line_style(name) | nest))
         if log_scale:
             axes.set_yscale("log")
             label_plainly(axes.yaxis)
         if limits is not None:
             axes.set_ylim(*limits)
-        axes.set_title(title)
         axes.set_xlabel("time (s)")
         axes.set_ylabel(unit)
         axes.margins(x=0.01)
-        if not nested:
-            # Above the axes, beside the title, where it hides no line.
-            axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(series), fontsize=8)
-        return as_svg(figure)
+        return as_svg(figure, label)
+
+
+def nested_width(number: int) -> float:
+    """Points across of the n-th line among those that are drawn within each other."""
+    return max(3.4 - 0.5 * number, 0.7)
+
+
+def plot_bands(
+    bands: Mapping[str, Band], label: str, unit: str, *, height_in: float = 2.4
+) -> str:  # fmt: skip
+    """Middles as lines within tinted bands, values above 0 on a logarithmic axis.
+
+    `bands` maps a name of `style.COLOURS` to its band; the legend is left to the page.
+    """
+    with house_style():
+        figure, (axes,) = new_figure(WIDTH_IN, height_in)
+        for i, (name, band) in enumerate(bands.items()):
+            tint = axes.fill_between(band.time_s, band.low, band.high, color=COLOURS[name])
+            tint.set(alpha=0.22, linewidth=0.0, zorder=2.0 + 0.1 * i)
+            line = line_style(name) | {"linewidth": nested_width(i), "zorder": 3.0 + i}
+            axes.plot(band.time_s, band.middle, **line)
+        axes.set_yscale("log")
+        label_plainly(axes.yaxis)
+        axes.set_xlabel("time (s)")
+        axes.set_ylabel(unit)
+        axes.margins(x=0.01)
+        return as_svg(figure, label)
+
+
+def plot_within_sigma(
+    time_s: FloatArray, errors: FloatArray, sigma: FloatArray, label: str, unit: str
+) -> str:
+    """Errors ``(N, 3)`` of x, y and z, a panel each, over the bands of ±1σ and ±2σ, an `<svg>`.
+
+    `sigma` ``(N, 3)`` are the deviations that the filter states. Where it is right, errors lie in
+    the inner band 68 % of the time and in the outer one 95 %.
+    """
+    with house_style():
+        figure, panels = new_figure(WIDTH_IN, 3.9, rows=3)
+        for column, (axes, name) in enumerate(zip(panels, "xyz", strict=True)):
+            for times, alpha in ((2.0, 0.22), (1.0, 0.3)):
+                at_s, reach = thinned(time_s, times * sigma[:, column])
+                axes.fill_between(at_s, -reach, reach, color=TINT, alpha=alpha, linewidth=0)
+            line = thinned(time_s, errors[:, column])
+            axes.plot(*line, color=AXIS_COLOURS[column])
+            axes.set_ylabel(f"{name} ({unit})")
+            axes.margins(x=0.01)
+        panels[-1].set_xlabel("time (s)")
+        return as_svg(figure, label)

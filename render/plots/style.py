@@ -1,17 +1,26 @@
 """The house style of plots: quiet axes, colour-blind safe lines, readable on light and dark pages.
 
-Figures are drawn once, with marker colours for ink, grid and page; `as_svg` turns these into CSS
-variables (`--ink`, `--grid`, `--page`), so that the page decides. Line colours are those of
-Okabe and Ito, "Color Universal Design" (2008), which keep apart on both grounds.
+Figures are drawn once, with marker colours for ink, grid and page and the light shade of each line;
+`as_svg` turns all of these into CSS variables, so that the page decides. `page_colours` is the CSS
+that a page needs for its lines. The hues are near those of Okabe and Ito, "Color Universal Design"
+(2008), moved until each has a contrast of 3 or more to its page, and any two that share a plot
+differ by 12 or more in CIEDE2000, also as protanopes, deuteranopes and tritanopes see them.
 """
 
 from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from html import escape
+from itertools import pairwise
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from motorcade.ga import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,22 +28,57 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INK, GRID, PAGE = "#123456", "#abcdef", "#fedcba"
-COLOURS = {
-    "truth": INK,
-    "measured": "#999999",
-    "fused": "#56b4e9",
-    "motor": "#009e73",
-    "similarity": "#8c8c00",
-    "rotor": "#56b4e9",
-    "dual_quaternion": "#0072b2",
-    "quaternion": "#e69f00",
-    "euler_unwrapped": "#cc79a7",
-    "euler": "#d55e00",
-    "euler_exact": "#cc79a7",
+
+HUES: Mapping[str, tuple[str, str]] = MappingProxyType({
+    "grey": ("#929292", "#b2b2b2"),
+    "sky": ("#0196fd", "#63c8ff"),
+    "green": ("#1a9a65", "#00ae7f"),
+    "olive": ("#676347", "#9a9905"),
+    "blue": ("#276698", "#0479c5"),
+    "orange": ("#dd7800", "#ffb925"),
+    "pink": ("#b379af", "#be8ab8"),
+    "vermilion": ("#b6540f", "#b14e00"),
+})  # fmt: skip
+"""Shades of lines on a light and on a dark page."""
+
+_HUE_OF = {
+    "measured": "grey",
+    "fused": "sky",
+    "motor": "green",
+    "similarity": "olive",
+    "rotor": "sky",
+    "dual_quaternion": "blue",
+    "quaternion": "orange",
+    "euler_unwrapped": "pink",
+    "euler": "vermilion",
+    "euler_exact": "pink",
 }
+
+COLOURS = {"truth": INK} | {name: HUES[hue][0] for name, hue in _HUE_OF.items()}
 """One colour a name, the same in every report; no plot has both of two that share one."""
 
-_VARIABLES = {INK: "var(--ink)", GRID: "var(--grid)", PAGE: "var(--page)"}
+ON_PAGES = {"truth": "var(--ink)"} | {name: f"var(--line-{hue})" for name, hue in _HUE_OF.items()}
+ON_PAGES |= {"x": "var(--line-vermilion)", "y": "var(--line-green)", "z": "var(--line-blue)"}
+"""The same and the axes as CSS, for pages that hold `page_colours`."""
+
+AXIS_COLOURS = tuple(HUES[hue][0] for hue in ("vermilion", "green", "blue"))
+"""Of x, y and z."""
+
+WIDTH_IN = 5.0
+"""Half of a wide page, and all of a phone, where text is then as large as it is here."""
+
+_VARIABLES = {INK: "var(--ink)", GRID: "var(--grid)", PAGE: "var(--page)"} | {
+    light: f"var(--line-{hue})" for hue, (light, _) in HUES.items()
+}
+
+
+def page_colours() -> str:
+    """CSS that names the lines' colours, by the page's ground."""
+    light, dark = (
+        ";".join(f"--line-{hue}:{shades[ground]}" for hue, shades in HUES.items())
+        for ground in (0, 1)
+    )
+    return f":root{{{light}}}@media (prefers-color-scheme:dark){{:root{{{dark}}}}}"
 
 
 @contextmanager
@@ -44,7 +88,7 @@ def house_style() -> Iterator[None]:
 
     settings: Any = {
         "font.family": "sans-serif",
-        "font.size": 9.0,
+        "font.size": 10.0,
         "axes.titlesize": 10.0,
         "axes.titlelocation": "left",
         "axes.edgecolor": GRID,
@@ -74,13 +118,18 @@ def house_style() -> Iterator[None]:
         yield
 
 
-def new_figure(width_in: float, height_in: float, columns: int = 1) -> tuple[Figure, list[Axes]]:
-    """A figure that belongs to no window system, with its axes side by side."""
+def new_figure(
+    width_in: float, height_in: float, columns: int = 1, rows: int = 1
+) -> tuple[Figure, list[Axes]]:
+    """A figure that belongs to no window system, with its axes side by side or stacked.
+
+    Stacked axes share what runs across.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width_in, height_in))
-    axes = figure.subplots(1, columns, squeeze=False)
-    return figure, list(axes[0])
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=rows > 1)
+    return figure, list(axes.ravel())
 
 
 def line_style(name: str) -> dict[str, Any]:
@@ -92,6 +141,25 @@ def line_style(name: str) -> dict[str, Any]:
         "linewidth": emphasis.get(name, 1.1),
         "zorder": 5.0 if name == "truth" else 3.0 if name == "motor" else 2.0,
     }
+
+
+def thinned(time_s: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A long line as the least and the largest value of each of 600 spans; a short one as it is.
+
+    At the width of plots the two look the same.
+    """
+    spans = 600
+    if len(values) <= 2 * spans:
+        return time_s, values
+    edges = np.linspace(0, len(values), spans + 1).round().astype(int)
+    kept = {0, len(values) - 1}
+    for start, end in pairwise(edges.tolist()):
+        kept |= {
+            start + int(np.argmin(values[start:end])),
+            start + int(np.argmax(values[start:end])),
+        }
+    rows = np.array(sorted(kept))
+    return time_s[rows], values[rows]
 
 
 def label_plainly(axis: Axis) -> None:
@@ -106,17 +174,29 @@ def label_plainly(axis: Axis) -> None:
     axis.set_minor_formatter(Plain())
 
 
-def as_svg(figure: Figure) -> str:
-    """The figure as an `<svg>` element that takes its ink from the page around it."""
+def as_svg(figure: Figure, label: str) -> str:
+    """The figure as an `<svg>` element that takes its ink and type from the page around it.
+
+    `label` says what it shows to those who cannot see it.
+    """
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
     svg = text.getvalue()
     svg = svg[svg.index("<svg") :]
-    svg = re.sub(r'width="[\d.]+pt" height="[\d.]+pt"', 'width="100%"', svg, count=1)
+    size = rf'width="100%" role="img" aria-label="{escape(label)}"'
+    svg = re.sub(r'width="[\d.]+pt" height="[\d.]+pt"', lambda _: size, svg, count=1)
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r"font-family: [^;\"]+", "font-family: system-ui, sans-serif", svg)
+    svg = re.sub(r' transform="rotate\(-?0 [^"]*"', "", svg)
+    svg = re.sub(r'(?<= )(?:d|x|y)="[^"]*"', _rounded, svg)
     for colour, variable in _VARIABLES.items():
         svg = svg.replace(colour, variable)
     return svg
+
+
+def _rounded(attribute: re.Match[str]) -> str:
+    """Coordinates to a hundredth of a point, less than any screen shows."""
+    return re.sub(r"-?\d+\.\d{3,}", lambda number: f"{float(number[0]):.2f}", attribute[0])
 
 
 def with_own_ids(svg: str, mark: str) -> str:
@@ -127,5 +207,9 @@ def with_own_ids(svg: str, mark: str) -> str:
 
 
 def standing_alone(svg: str) -> str:
-    """An `<svg>` element of `as_svg` as a file of its own, dark on white."""
-    return svg.replace("<svg ", '<svg style="--ink:#222222;--grid:#dddddd;--page:#ffffff" ', 1)
+    """An `<svg>` element of `as_svg` as a file of its own, light or dark as viewers prefer."""
+    style = (
+        ":root{--ink:#222222;--grid:#dddddd;--page:#ffffff}@media (prefers-color-scheme:dark)"
+        "{:root{--ink:#e4e9f0;--grid:#323a46;--page:#14181e}}" + page_colours()
+    )
+    return re.sub(r"(<svg [^>]*>)", lambda head: f"{head[1]}<style>{style}</style>", svg, count=1)

@@ -1,30 +1,113 @@
-"""Paths of the camera seen from above and from the side, metres, equal scales, z up."""
+"""Paths of the camera in space: from above, from the side, and in three dimensions, z up."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
-from motorcade.ga import Trajectory
-from motorcade.render.plots.style import as_svg, house_style, line_style, new_figure
+import numpy as np
+
+from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.render.plots.style import (
+    GRID,
+    WIDTH_IN,
+    as_svg,
+    house_style,
+    line_style,
+    new_figure,
+)
+
+__all__ = ["plot_path_3d", "plot_plan_and_elevation"]
+
+# Corners of a camera's picture and its centre, in the camera's axes, for a size of 1.
+_PYRAMID = np.array(
+    [[-0.6, -0.45, 1.0], [0.6, -0.45, 1.0], [0.6, 0.45, 1.0], [-0.6, 0.45, 1.0], [0.0, 0.0, 0.0]]
+)
+_EDGES = (0, 1, 2, 3, 0, 4, 1, 2, 4, 3)
+_CAMERAS = 9
 
 
 def plot_plan_and_elevation(trajectories: Mapping[str, Trajectory]) -> str:
     """Plan (x, y) and elevation (x, z) of named trajectories, as an `<svg>` element.
 
-    Names are those of `style.COLOURS`; all trajectories must share their parent frame.
+    Names are those of `style.COLOURS`; all trajectories must share their parent frame. Scales are
+    equal; the legend is left to the page.
     """
     with house_style():
-        figure, (plan, elevation) = new_figure(9.0, 3.6, columns=2)
-        for axes, (across, up), title in (
-            (plan, (0, 1), "plan"),
-            (elevation, (0, 2), "elevation"),
-        ):
+        figure, panels = new_figure(WIDTH_IN, 2.9, columns=2)
+        for axes, up, title in zip(panels, (1, 2), ("from above", "from the side"), strict=True):
             for name, trajectory in trajectories.items():
                 position = trajectory.poses.translation_m
-                axes.plot(position[:, across], position[:, up], **line_style(name))
+                axes.plot(position[:, 0], position[:, up], **line_style(name))
             axes.set_aspect("equal", adjustable="datalim")
             axes.set_title(title)
-            axes.set_xlabel(f"{'xyz'[across]} (m)")
+            axes.set_xlabel("x (m)")
             axes.set_ylabel(f"{'xyz'[up]} (m)")
-        plan.legend(loc="best", fontsize=8)
-        return as_svg(figure)
+            axes.locator_params(nbins=4)
+        return as_svg(figure, "paths from above and from the side")
+
+
+def plot_path_3d(trajectories: Mapping[str, Trajectory]) -> str:
+    """Named trajectories in three dimensions, with cameras along the first, as an `<svg>` element.
+
+    Names are those of `style.COLOURS`; all trajectories must share their parent frame. Scales are
+    equal, z is up, without perspective. Cameras are pyramids that open where they look, at even
+    steps in time. Beneath each path lies its shadow on the lowest plane; the legend is left to the
+    page.
+    """
+    from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d import Axes3D
+
+    paths = {name: one.poses.translation_m for name, one in trajectories.items()}
+    with house_style():
+        figure = Figure(figsize=(WIDTH_IN, 3.5))
+        figure.set_layout_engine("none")
+        axes = figure.add_axes((0.02, 0.02, 0.94, 0.98), projection="3d", proj_type="ortho")
+        assert isinstance(axes, Axes3D)
+        low, high = _cube(np.concatenate(list(paths.values())))
+        for name, path in paths.items():
+            axes.plot(*path.T, **line_style(name))
+            shadow = {"linewidth": 0.8, "alpha": 0.25, "zorder": 1.0, "label": None}
+            axes.plot(path[:, 0], path[:, 1], low[2], **(line_style(name) | shadow))
+        name, first = next(iter(trajectories.items()))
+        for corners in _pyramids(first, 0.09 * float(np.max(high - low))):
+            axes.plot(*corners.T, color=line_style(name)["color"], linewidth=0.8)
+        _furnish(axes, low, high)
+        return as_svg(figure, "paths in three dimensions")
+
+
+def _cube(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Ends of axes about the points, with a margin, none below a third of the longest."""
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    reach = 0.5 * np.ptp(points, axis=0)
+    reach = np.maximum(1.15 * reach, max(float(reach.max()) / 3.0, 1e-6))
+    return middle - reach, middle + reach
+
+
+def _pyramids(path: Trajectory, size_m: float) -> FloatArray:
+    """Outlines ``(C, 10, 3)`` of cameras at even steps in time."""
+    rows = np.unique(np.linspace(0, len(path) - 1, _CAMERAS).round().astype(int))
+    poses = path.poses[rows]
+    motors = poses if isinstance(poses, Motor) else poses.as_motor_scale()[0]
+    corners: FloatArray = motors.reshape(-1, 1).apply(size_m * _PYRAMID)
+    return corners[:, _EDGES]
+
+
+def _furnish(axes: Any, low: FloatArray, high: FloatArray) -> None:
+    """Equal scales, quiet walls, and a view from above and aside."""
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_box_aspect(high - low, zoom=1.1)
+    axes.view_init(elev=24.0, azim=-58.0)
+    for name, axis in zip("xyz", (axes.xaxis, axes.yaxis, axes.zaxis), strict=True):
+        axis.set_pane_color((0.0, 0.0, 0.0, 0.0))
+        axis.line.set_color(GRID)
+        axis._axinfo["grid"].update(color=GRID, linewidth=0.6)
+        axis.set_label_text(f"{name} (m)")
+        axis.set_major_locator(_few())
+    axes.tick_params(labelsize=9, pad=0)
+
+
+def _few() -> Any:
+    from matplotlib.ticker import MaxNLocator
+
+    return MaxNLocator(4)

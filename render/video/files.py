@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -53,21 +54,28 @@ def write_video(path: Path, frames: Iterable[ImageArray], time_ns: ArrayLike) ->
         part.unlink(missing_ok=True)
 
 
-def read_frames(path: Path) -> Iterator[tuple[int, ImageArray]]:
+def read_frames(path: Path, every: int = 1) -> Iterator[tuple[int, ImageArray]]:
     """The frames of a video file, decoded.
+
+    Args:
+        path: of the file.
+        every: which of them: the first, and each n-th after it.
 
     Yields:
         stamp in ns from the start of the video, and the uint8 RGB picture (h, w, 3).
 
     Raises:
         OSError: a file that cannot be read or holds no video.
+        ValueError: `every` below 1.
     """
     import av
 
+    if every < 1:
+        raise ValueError(f"read_frames(every): expected 1 or more, got {every}")
     with av.open(str(path)) as container:
         if not container.streams.video:
             raise OSError(f"{path}: expected a video stream, got none")
-        for frame in container.decode(video=0):
+        for frame in islice(container.decode(video=0), None, None, every):
             if frame.pts is None or frame.time_base is None:
                 raise OSError(f"{path}: expected a stamp on every frame, got one without")
             stamp_ns = round(frame.pts * frame.time_base * 1_000_000_000)

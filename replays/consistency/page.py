@@ -8,20 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.fusion.metrics.consistency import Consistency
-from motorcade.ga import FloatArray
-from motorcade.render.plots import plot_series
-from motorcade.render.plots.style import COLOURS, with_own_ids
+from motorcade.render.plots import Band, plot_bands, plot_squares
+from motorcade.render.plots.style import with_own_ids
 from motorcade.replays.consistency.experiment import PARTS, Experiment
 from motorcade.replays.consistency.run import Plan, Verdict, as_json
 from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.pages import page_environment
 
 __all__ = ["write_page"]
 
 _HERE = Path(__file__).parent
-# The house style of pages, which the comparison of smoothers keeps.
-_STYLE = _HERE.parent / "compare" / "report" / "templates"
-# Steps that a line is drawn through, at most.
-_DRAWN = 800
 # Where 95 % of steps are expected within the bounds.
 _GOOD = (0.90, 0.99)
 _FILTERS = {
@@ -31,6 +27,15 @@ _FILTERS = {
     "euler": "angles as the state, integrated by their rates, measured with a noise of their own",
     "euler_exact": "angles as the state, motion and noise converted exactly",
 }
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """What is shown, what it is sorted by, and its ground."""
+
+    text: str
+    value: float
+    tint: str = ""
 
 
 @dataclass(frozen=True)
@@ -46,20 +51,17 @@ def write_page(plan: Plan, verdicts: Mapping[str, Mapping[str, Verdict]], folder
     Raises:
         OSError: a folder that cannot be written.
     """
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader([_HERE, _STYLE]), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    environment.globals.update(COLOURS=COLOURS)
-    page = environment.get_template("page.html").render(
-        plan=plan,
-        experiment=Experiment(plan.motions[0], plan.duration_s),
-        parts=tuple(PARTS),
-        rows=[_shown(row) for row in as_json(plan, verdicts)["rows"]],
-        filters={name: _FILTERS[name] for name in plan.filters},
-        plots={motion: _plots(motion, of) for motion, of in verdicts.items()},
+    page = (
+        page_environment(_HERE)
+        .get_template("page.html")
+        .render(
+            plan=plan,
+            experiment=Experiment(plan.motions[0], plan.duration_s),
+            parts=tuple(PARTS),
+            rows=[_shown(row) for row in as_json(plan, verdicts)["rows"]],
+            filters={name: _FILTERS[name] for name in plan.filters},
+            plots={motion: _plots(motion, of) for motion, of in verdicts.items()},
+        )
     )
     path = folder / "consistency.html"
     write_bytes(path, page.encode())
@@ -70,26 +72,26 @@ def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
     """A row of the table: shares within and averages over what is expected, then errors."""
     judged = [f"nees_{part}" for part in PARTS] + ["nis"]
     shares = [float(row[f"{name}_share_within"]) for name in judged]
+    position_mm = 1e3 * float(row["position_rmse_m"])
     return {
         "motion": row["motion"],
         "filter": row["filter"],
         "shares": [
-            {
-                "text": f"{100 * share:.1f} %",
-                "tint": "b2" if _GOOD[0] <= share <= _GOOD[1] else "o3",
-            }
+            _Cell(f"{100 * share:.1f} %", share, "b2" if _GOOD[0] <= share <= _GOOD[1] else "o3")
             for share in shares
         ],
-        "ratios": [f"{row[f'{name}_over_expected']:.3g}" for name in judged],
-        "rotation": f"{row['rotation_rmse_deg']:.3g}°",
-        "worst": f"{row['rotation_worst_deg']:.3g}°",
-        "position": f"{1e3 * row['position_rmse_m']:.3g} mm",
-        "left_out": row["left_out"],
+        "ratios": [_figure(row[f"{name}_over_expected"]) for name in judged],
+        "errors": [
+            _figure(row["rotation_rmse_deg"], "°"),
+            _figure(row["rotation_worst_deg"], "°"),
+            _figure(position_mm, " mm"),
+            _Cell(str(row["left_out"]), float(row["left_out"])),
+        ],
     }
 
 
-def _tint(share: float) -> str:
-    return "b2" if _GOOD[0] <= share <= _GOOD[1] else "o3"
+def _figure(value: float, unit: str = "") -> _Cell:
+    return _Cell(f"{value:.3g}{unit}", float(value))
 
 
 def _plots(motion: str, verdicts: Mapping[str, Verdict]) -> list[_Plot]:
@@ -99,11 +101,10 @@ def _plots(motion: str, verdicts: Mapping[str, Verdict]) -> list[_Plot]:
         plots.append(_squares(motion, part, f"NEES of the {part}", judged, verdicts, 0))
     innovations = {name: one.nis for name, one in verdicts.items()}
     plots.append(_squares(motion, "nis", "NIS of the measured poses", innovations, verdicts, 1))
-    turns = {name: _thinned(one.time_s, one.rotation_rms_deg) for name, one in verdicts.items()}
-    svg = plot_series(turns, "", "degrees", log_scale=True, nested=True)
-    plots.append(
-        _Plot("Rotation error", "Root mean square over the runs.", _own(svg, motion, "rotation"))
-    )
+    spread = {name: Band(one.time_s, *one.rotation_spread_deg) for name, one in verdicts.items()}
+    svg = plot_bands(spread, f"rotation error on {motion}", "rotation error (°)")
+    caption = "Median over the runs, and where the middle 80 % of them lie."
+    plots.append(_Plot("Rotation error", caption, with_own_ids(svg, f"{motion}-rotation")))
     return plots
 
 
@@ -112,22 +113,8 @@ def _squares(
     verdicts: Mapping[str, Verdict], skipped: int,
 ) -> _Plot:  # fmt: skip
     one = next(iter(judged.values()))
-    series = {
-        of: _thinned(verdicts[of].time_s[skipped:], found.average) for of, found in judged.items()
-    }
-    highest = max(float(values.max()) for _, values in series.values())
-    svg = plot_series(
-        series, "", "average", log_scale=True, nested=True, band=(one.low, one.high),
-        limits=(0.5 * one.low, 1.2 * max(highest, one.high)),
-    )  # fmt: skip
-    caption = f"Expected {one.freedom}; tinted: {one.low:.2f} to {one.high:.2f}."
-    return _Plot(title, caption, _own(svg, motion, name))
-
-
-def _thinned(time_s: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    every = -(-len(time_s) // _DRAWN)
-    return time_s[::every], values[::every]
-
-
-def _own(svg: str, motion: str, name: str) -> str:
-    return with_own_ids(svg, f"{motion}-{name}")
+    series = {of: (verdicts[of].time_s[skipped:], found.average) for of, found in judged.items()}
+    unit = "average over the runs"
+    svg = plot_squares(series, one.freedom, (one.low, one.high), f"{title} on {motion}", unit)
+    caption = f"Expected {one.freedom}, dashed; tinted: {one.low:.2f} to {one.high:.2f}."
+    return _Plot(title, caption, with_own_ids(svg, f"{motion}-{name}"))

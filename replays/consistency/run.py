@@ -85,6 +85,7 @@ class Verdict:
         nees: by part of the state.
         nis: of the innovations, without the first stamp.
         rotation_rms_deg, position_rms_m: over the runs, stamp by stamp.
+        rotation_spread_deg: the 10th, 50th and 90th percentile over the runs, stamp by stamp.
         rotation_worst_deg: of any run at any stamp after five seconds.
         left_out: measurements that the gate refused, of all runs.
     """
@@ -94,6 +95,7 @@ class Verdict:
     nis: Consistency
     rotation_rms_deg: FloatArray
     position_rms_m: FloatArray
+    rotation_spread_deg: tuple[FloatArray, FloatArray, FloatArray]
     rotation_worst_deg: float
     left_out: int
 
@@ -206,6 +208,7 @@ def _verdict(parts: Sequence[Judged]) -> Verdict:
     position = joined([one.position_m for one in parts])
     nis = joined([one.nis for one in parts])[:, 1:]
     settled = int(np.searchsorted(time_s, _SETTLED_S))
+    low, middle, high = np.percentile(rotation, (10, 50, 90), axis=0)
     return Verdict(
         time_s,
         {
@@ -215,6 +218,7 @@ def _verdict(parts: Sequence[Judged]) -> Verdict:
         Consistency.of(nis, _INNOVATION_FREEDOM),
         np.sqrt(np.mean(rotation**2, axis=0)),
         np.sqrt(np.mean(position**2, axis=0)),
+        (low, middle, high),
         float(rotation[:, settled:].max()),
         int(sum(np.sum(one.left_out) for one in parts)),
     )

@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import kernels
+from motorcade.replays.pages import page_environment
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.report.findings import Findings
-from motorcade.replays.report.pictures import plots
+from motorcade.replays.report.pictures import sections
+from motorcade.replays.report.sheet import sheet_jpeg
 from motorcade.replays.report.summary import COLUMNS, shown_columns, shown_value
 
 MOST_NAMED = 3
@@ -32,10 +34,7 @@ IMU_ORIGINS = {
 
 def page(findings: Findings) -> str:
     """The whole page as HTML text; the video is inside as a data address."""
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
+    template = page_environment(TEMPLATE.parent).get_template(TEMPLATE.name)
     figures = findings.errors.figures
     keys = shown_columns(figures)
     return template.render(
@@ -43,12 +42,14 @@ def page(findings: Findings) -> str:
         headline=_headline(findings),
         video=_video(findings),
         video_caption=_video_caption(findings),
+        shape=_shape(findings),
+        sheet=_sheet(findings),
         no_video=_no_video(findings),
         facts=_facts(findings),
         errors_caption=_errors_caption(findings),
         columns=[f"{COLUMNS[key][0]} ({COLUMNS[key][1]})" for key in keys],
         rows=_rows(figures, keys),
-        plots=plots(findings),
+        sections=sections(findings),
         has_truth=findings.recording.truth is not None,
         provenance=_provenance(),
     )
@@ -82,8 +83,25 @@ def _imu(findings: Findings) -> str:
 def _video(findings: Findings) -> str | None:
     if findings.overlay is None:
         return None
-    encoded = base64.b64encode(findings.overlay.path.read_bytes()).decode("ascii")
-    return f"data:video/mp4;base64,{encoded}"
+    return _data_address("video/mp4", findings.overlay.path.read_bytes())
+
+
+def _sheet(findings: Findings) -> str | None:
+    """Frames of the video on one sheet; None where one frame is all there is."""
+    film = findings.overlay
+    if film is None or film.frames < 2:
+        return None
+    return _data_address("image/jpeg", sheet_jpeg(film.path, film.frames))
+
+
+def _shape(findings: Findings) -> float:
+    """Width over height of the video."""
+    camera = findings.recording.camera
+    return camera.width / camera.height if camera is not None else 4.0 / 3.0
+
+
+def _data_address(kind: str, data: bytes) -> str:
+    return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
 
 
 def _no_video(findings: Findings) -> str:
@@ -137,8 +155,8 @@ def _errors_caption(findings: Findings) -> str:
         "sim3": "after alignment with scale (Sim3)",
     }[errors.align]
     return (
-        f"Against the recording's truth, {how}; root mean squares. The best of a column is green. "
-        + _smoothing(findings)
+        f"Against the recording's truth, {how}; root mean squares. "
+        "The best of a column is tinted. " + _smoothing(findings)
     )
 
 
@@ -157,7 +175,14 @@ def _rows(figures: dict[str, dict[str, float | None]], keys: list[str]) -> list[
     rows = []
     for name, row in figures.items():
         shown = {key: shown_value(key, row.get(key)) for key in keys}
-        cells = [{"text": shown[key], "best": shown[key].lstrip("-") == best[key]} for key in keys]
+        cells = [
+            {
+                "text": shown[key],
+                "value": row.get(key),
+                "best": shown[key].lstrip("-") == best[key],
+            }
+            for key in keys
+        ]
         rows.append({"name": name, "cells": cells})
     return rows
 

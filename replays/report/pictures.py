@@ -2,58 +2,141 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
-from motorcade.render.plots import plot_plan_and_elevation, plot_series
+from motorcade.fusion.metrics import alignment_of, associate
+from motorcade.ga import Trajectory
+from motorcade.render.plots import (
+    plot_path_3d,
+    plot_plan_and_elevation,
+    plot_rotation_and_twist,
+    plot_series,
+)
+from motorcade.render.plots.errors import Series
+from motorcade.render.plots.style import with_own_ids
+from motorcade.replays.report.filtering import filter_pictures
 from motorcade.replays.report.findings import Findings, Spans
+from motorcade.replays.report.picture import Picture
+
+__all__ = ["Section", "sections"]
+
+_AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
-class Picture:
-    """One plot of the page: heading, caption, and the `<svg>` element."""
+class Section:
+    """Plots under one heading; none of them is empty."""
 
     title: str
-    caption: str
-    svg: str
+    told: str
+    pictures: tuple[Picture, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Lines that all plots share, for one legend; none where they differ."""
+        legends = {one.names for one in self.pictures}
+        return legends.pop() if len(legends) == 1 else ()
 
 
-def plots(findings: Findings) -> list[Picture]:
+def sections(findings: Findings) -> list[Section]:
     """Every plot that this run's data allows."""
     lost = findings.unmeasured_spans_s()
-    return [_path(findings), *_errors(findings, lost), _shake(findings, lost), *_tilt(findings)]
-
-
-def _path(findings: Findings) -> Picture:
-    trajectories = {
-        "measured": findings.camera_poses.measurements.trajectory,
-        **findings.smoothed.trajectories,
-    }
-    caption = "Where the camera went, metres: from above, and from the side. z is up."
-    truth = findings.recording.truth
-    if truth is not None and findings.errors.align == "none":
-        trajectories["truth"] = truth
-    return Picture("Path", caption, plot_plan_and_elevation(trajectories))
-
-
-def _errors(findings: Findings, lost: Spans) -> list[Picture]:
-    series = findings.errors.against_truth
-    if not series:
-        return []
-    rotation = {name: (one.time_s, one.rotation_deg) for name, one in series.items()}
-    position = {name: (one.time_s, 1e3 * one.position_m) for name, one in series.items()}
     shaded = " Tinted: no pose was measured." if lost else ""
-    return [
-        Picture(
-            "Rotation error over time",
-            "Angle between estimated and true orientation, logarithmic." + shaded,
-            plot_series(rotation, "rotation error", "degrees", log_scale=True, shaded_s=lost),
+    found = [
+        Section("Path", "Where the camera went and how it turned, z up.", _path(findings)),
+        Section(
+            "Errors over time",
+            "Logarithmic; lines that coincide lie within each other." + shaded,
+            (*_errors(findings, lost), _shake(findings, lost)),
         ),
-        Picture(
-            "Position error over time",
-            "Distance between estimated and true camera centre, logarithmic." + shaded,
-            plot_series(position, "position error", "mm", log_scale=True, shaded_s=lost),
+        Section(
+            "The filter",
+            "Whether it was as sure of itself as it should have been.",
+            tuple(filter_pictures(findings)),
         ),
     ]
+    marked = [
+        replace(one, pictures=tuple(_marked(one.title, k, p) for k, p in enumerate(one.pictures)))
+        for one in found
+    ]
+    return [one for one in marked if one.pictures]
+
+
+def _marked(title: str, number: int, picture: Picture) -> Picture:
+    """The picture with ids that are its own on the page."""
+    mark = f"{title.split()[-1].lower()}-{number}"
+    return replace(picture, svg=with_own_ids(picture.svg, mark))
+
+
+def _path(findings: Findings) -> tuple[Picture, ...]:
+    measured = findings.camera_poses.measurements.trajectory
+    smoothed = findings.smoothed.trajectories
+    first, path = next(iter(smoothed.items()))
+    shown = _beside_truth(findings, {first: path, "measured": measured, **smoothed})
+    few = {name: shown[name] for name in (first, "measured", "truth") if name in shown}
+    pictures = [
+        Picture(
+            "In space",
+            "The path with cameras along it, which open where they look; its shadow below.",
+            plot_path_3d(few),
+            tuple(few),
+        ),
+        Picture(
+            "From above and from the side",
+            "Metres, equal scales.",
+            plot_plan_and_elevation(shown),
+            tuple(shown),
+        ),
+    ]
+    if len(path) > 1:
+        drawn = plot_rotation_and_twist(path, int(measured.time_ns[0]))
+        told = (
+            f"Rotation since the first pose as a rotation vector, and the twist in the camera's "
+            f"axes: turning and speed. Smoothed as {first}."
+        )
+        pictures.append(Picture("Rotation and twist", told, drawn, _AXES))
+    return tuple(pictures)
+
+
+def _beside_truth(findings: Findings, trajectories: dict[str, Trajectory]) -> dict[str, Trajectory]:
+    """The paths and the truth in the truth's world, aligned as the first path's errors are."""
+    truth = findings.recording.truth
+    if truth is None:
+        return trajectories
+    pairs = associate(next(iter(trajectories.values())), truth)
+    fit = alignment_of(pairs, findings.errors.align)
+    return {name: fit.apply_to(one) for name, one in trajectories.items()} | {"truth": truth}
+
+
+def _errors(findings: Findings, lost: Spans) -> tuple[Picture, ...]:
+    series = findings.errors.against_truth
+    if not series:
+        return ()
+    rotation = {name: (one.time_s, one.rotation_deg) for name, one in series.items()}
+    position = {name: (one.time_s, 1e3 * one.position_m) for name, one in series.items()}
+    return tuple(
+        Picture(
+            title,
+            told,
+            _over_time(values, f"{title.lower()} ({unit})", lost),
+            tuple(values),
+        )
+        for title, told, values, unit in (
+            (
+                "Rotation error",
+                "Angle between estimated and true orientation.",
+                rotation,
+                "°",
+            ),
+            (
+                "Position error",
+                "Distance from the true camera centre.",
+                position,
+                "mm",
+            ),
+        )
+    )
 
 
 def _shake(findings: Findings, lost: Spans) -> Picture:
@@ -62,32 +145,13 @@ def _shake(findings: Findings, lost: Spans) -> Picture:
         for name, one in findings.errors.shake.items()
     }
     return Picture(
-        "Jitter over time",
-        "Length of the angular acceleration, logarithmic: shaking shows as height. Euler angles "
-        "leap where one of them wraps or the pitch passes ±90°; unwrapping heals only the former.",
-        plot_series(series, "angular acceleration", "rad/s²", log_scale=True, shaded_s=lost),
+        "Shaking",
+        "Length of the angular acceleration: shaking shows as height. Euler angles leap where one "
+        "of them wraps or the pitch passes ±90°; unwrapping heals only the former.",
+        _over_time(series, "angular acceleration (rad/s²)", lost),
+        tuple(series),
     )
 
 
-def _tilt(findings: Findings) -> list[Picture]:
-    found = findings.convergence
-    if not len(found.time_s):
-        return []
-    settled = (
-        f"it is below a tenth of that for good after {found.settled_s:.2f} s"
-        if found.settled_s is not None
-        else "it does not settle below a tenth of that here"
-    )
-    return [
-        Picture(
-            "Convergence from a wrong start",
-            f"The filter once more, forwards only, started {found.initial_tilt_deg:g}° wrong in "
-            f"tilt with zero biases, judged by the {found.judged_by}: {settled}.",
-            plot_series(
-                {"fused": (found.time_s, found.tilt_error_deg)},
-                "tilt error",
-                "degrees",
-                log_scale=True,
-            ),
-        )
-    ]
+def _over_time(series: Mapping[str, Series], quantity: str, lost: Spans) -> str:
+    return plot_series(series, quantity, quantity, log_scale=True, shaded_s=lost, nested=True)

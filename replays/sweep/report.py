@@ -9,19 +9,19 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from motorcade.render.plots.style import COLOURS
+from motorcade.render.plots.strips import strip
+from motorcade.render.plots.style import ON_PAGES
+from motorcade.replays.pages import page_environment
 from motorcade.replays.report.summary import COLUMNS, shown_value
-from motorcade.replays.sweep.pictures import strip
 from motorcade.replays.sweep.plan import Sweep
 from motorcade.replays.sweep.table import FIGURES, Row
 
 __all__ = ["report_page"]
 
 _TEMPLATES = Path(__file__).with_name("templates")
-_HOUSE_STYLE = Path(__file__).parents[1] / "compare" / "report" / "templates"
 _MOST_SHOWN = 5_000
 _MOST_VALUES = 12
-_GREY = "#888888"
+_GREY = "var(--soft)"
 _DRAWN = ("ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitter_rad_s2")
 
 
@@ -36,32 +36,28 @@ class _Cell:
 
 def report_page(plan: Sweep, rows: Sequence[Row]) -> str:
     """The page as HTML text; it needs nothing beside it."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader([_TEMPLATES, _HOUSE_STYLE]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-    )
     failures = [row for row in rows if row["status"] == "failed"]
     knobs = [name for name, values in plan.knobs if len(values) > 1]
     judged = [row for row in rows if row["path"] is not None]
     figures = [key for key in FIGURES if any(row[key] is not None for row in judged)]
     shown = rows[:_MOST_SHOWN]
-    return environment.get_template("sweep.html").render(
-        headline=_headline(plan),
-        facts=[
-            {"label": "runs", "value": len(plan)},
-            {"label": "failed", "value": len(failures)},
-            {"label": "recordings", "value": len(plan.recordings)},
-            {"label": "seeds", "value": len(plan.seeds)},
-        ],
-        failures=failures[:_MOST_SHOWN],
-        medians=_medians(judged, knobs, figures),
-        groups=_groups(judged, _axes(plan, knobs), figures),
-        every=_every(shown, knobs, figures),
-        table_caption=_caption(len(shown), len(rows)),
+    return (
+        page_environment(_TEMPLATES)
+        .get_template("sweep.html")
+        .render(
+            headline=_headline(plan),
+            facts=[
+                {"label": "runs", "value": len(plan)},
+                {"label": "failed", "value": len(failures)},
+                {"label": "recordings", "value": len(plan.recordings)},
+                {"label": "seeds", "value": len(plan.seeds)},
+            ],
+            failures=failures[:_MOST_SHOWN],
+            medians=_medians(judged, knobs, figures),
+            groups=_groups(judged, _axes(plan, knobs), figures),
+            every=_every(shown, knobs, figures),
+            table_caption=_caption(len(shown), len(rows)),
+        )
     )
 
 
@@ -143,7 +139,7 @@ def _groups(
 ) -> list[dict[str, Any]]:
     """Plots of each axis that has more than one value, and not too many to be drawn."""
     paths = list(dict.fromkeys(str(row["path"]) for row in rows))
-    colours = {path: COLOURS.get(path, _GREY) for path in paths}
+    colours = {path: ON_PAGES.get(path, _GREY) for path in paths}
     legend = [{"name": path, "colour": colours[path]} for path in paths]
     groups = []
     for axis in axes:

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.render.plots.style import COLOURS
 from motorcade.replays.compare.report import names
 from motorcade.replays.compare.report.crossing import Crossing, crossing
 from motorcade.replays.compare.report.findings import findings
@@ -34,6 +33,7 @@ from motorcade.replays.compare.report.traits_tables import (
     verdict_counts,
 )
 from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.pages import page_environment
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -74,13 +74,9 @@ def motion_file(motion: str) -> str:
 
 
 def _environment() -> Environment:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup, escape
 
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
+    environment = page_environment(_TEMPLATES)
 
     def sentence(text: str) -> Markup:
         """Names in backticks become code that may break after its underscores."""
@@ -90,8 +86,8 @@ def _environment() -> Environment:
     def name(text: str) -> Markup:
         return Markup(str(escape(text)).replace("_", "_<wbr>"))
 
-    environment.filters.update(sentence=sentence, name=name, known=math.isfinite)
-    environment.globals.update(COLOURS=COLOURS, names=names, motion_file=motion_file)
+    environment.filters.update(sentence=sentence, name=name)
+    environment.globals.update(names=names, motion_file=motion_file)
     return environment
 
 

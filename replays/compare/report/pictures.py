@@ -37,8 +37,8 @@ def small_panels(drawn: Sequence[Replayed]) -> list[Panel]:
     for one, values in zip(drawn, errors, strict=True):
         series = {name: (one.time_s, value) for name, value in values.items()}
         svg = plot_series(
-            series, "", "rotation error (°)", log_scale=True, width_in=3.6, height_in=1.9,
-            nested=True, limits=limits,
+            series, f"rotation error, {one.motion}", "rotation error (°)", log_scale=True,
+            width_in=3.6, height_in=1.9, nested=True, limits=limits,
         )  # fmt: skip
         svg = with_own_ids(svg, f"small-{one.motion}")
         panels.append(Panel(one.motion, "", svg, tuple(values)))
@@ -61,7 +61,7 @@ def large_panels(drawn: Replayed) -> list[Panel]:
     for title, (time_s, values, unit) in lines.items():
         ordered = _nested(values)
         series = {name: (time_s, one) for name, one in ordered.items()}
-        svg = plot_series(series, "", unit, log_scale=True, height_in=2.6, nested=True)
+        svg = plot_series(series, title, unit, log_scale=True, nested=True)
         caption = f"`{drawn.method}` with {LABELS[drawn.degradation]}"
         mark = f"{drawn.degradation}-{drawn.method}-{title.split()[0]}"
         panels.append(Panel(title, caption, with_own_ids(svg, mark), tuple(ordered)))

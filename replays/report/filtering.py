@@ -1,0 +1,121 @@
+"""What the filter said of itself, beside what came: deviations, innovations, convergence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.fusion.metrics import alignment_of, associate
+from motorcade.fusion.metrics.consistency import chi2_bounds
+from motorcade.ga import FloatArray
+from motorcade.render.plots import plot_series, plot_squares, plot_within_sigma
+from motorcade.replays.report.findings import Findings
+from motorcade.replays.report.picture import Picture
+
+__all__ = ["FilterErrors", "filter_errors", "filter_pictures"]
+
+_FREEDOM = 6
+# A one-sigma band holds this share of Gaussian errors.
+_WITHIN = 0.683
+
+
+@dataclass(frozen=True, eq=False)
+class FilterErrors:
+    """Errors of the fused path and their stated deviations, in the camera's axes.
+
+    Fields:
+        time_s: seconds after the first measured pose ``(P,)``.
+        errors, sigma: ``(P, 6)``, rotation (rad) first, then translation (m).
+    """
+
+    time_s: FloatArray
+    errors: FloatArray
+    sigma: FloatArray
+
+
+def filter_errors(findings: Findings) -> FilterErrors | None:
+    """Logarithms from the aligned fused path to the truth at its stamps; None without either.
+
+    Alignment takes away some of the error that the deviations count.
+    """
+    truth, path = findings.recording.truth, findings.fused.trajectory
+    if truth is None or findings.fused.by == "nothing":
+        return None
+    pairs = associate(path, truth)
+    fit = alignment_of(pairs, findings.errors.align)
+    stamps = pairs.time_ns
+    inside = (stamps >= truth.time_ns[0]) & (stamps <= truth.time_ns[-1])
+    rows, stamps = pairs.estimate_index[inside], stamps[inside]
+    # Between the truth's stamps: motion within a few milliseconds would pass for error.
+    wrong = fit.apply(path.motors[rows]).inverse() @ truth.motors_at(stamps)
+    variances = np.diagonal(findings.fused.covariance[rows], axis1=-2, axis2=-1)
+    start_ns = int(findings.camera_poses.measurements.trajectory.time_ns[0])
+    return FilterErrors((stamps - start_ns) * 1e-9, wrong.as_twist(), np.sqrt(variances))
+
+
+def filter_pictures(findings: Findings) -> list[Picture]:
+    """Errors within their deviations, NIS, and how a wrong start is forgotten."""
+    return [*_within(findings), *_nis(findings), *_tilt(findings)]
+
+
+def _within(findings: Findings) -> list[Picture]:
+    found = filter_errors(findings)
+    if found is None or not len(found.time_s):
+        return []
+    pictures = []
+    for title, part, factor, unit in (
+        ("Rotation within ±σ", slice(0, 3), np.rad2deg(1.0), "°"),
+        ("Position within ±σ", slice(3, 6), 1e3, "mm"),
+    ):
+        errors, sigma = factor * found.errors[:, part], factor * found.sigma[:, part]
+        share = float(np.mean(np.abs(errors) <= sigma))
+        told = (
+            f"Errors of the fused path in the camera's axes; tinted: one and two deviations that "
+            f"the filter states. {100 * share:.0f} % lie within one; {100 * _WITHIN:.0f} % would "
+            "where it is right. Errors that last, as of a board or a calibration, it knows nothing "
+            "of."
+        )
+        svg = plot_within_sigma(found.time_s, errors, sigma, title, unit)
+        pictures.append(Picture(title, told, svg, ("x", "y", "z")))
+    return pictures
+
+
+def _nis(findings: Findings) -> list[Picture]:
+    fused = findings.fused
+    known = np.isfinite(fused.nis) & (fused.nis > 0.0)
+    if not np.any(known):
+        return []
+    start_ns = int(findings.camera_poses.measurements.trajectory.time_ns[0])
+    time_s = (fused.trajectory.time_ns[known] - start_ns) * 1e-9
+    low, high = chi2_bounds(_FREEDOM, 1)
+    nis = fused.nis[known]
+    share = float(np.mean((nis >= low) & (nis <= high)))
+    left_out = int(np.count_nonzero(~fused.accepted))
+    told = (
+        f"Innovations squared, normalised by what the filter expects: {_FREEDOM} on average "
+        f"(dashed), 95 % within the tint ({low:.2f} to {high:.2f}) where it is right; here "
+        f"{100 * share:.0f} %. Below: it trusts itself too little. {left_out} were left out."
+    )
+    svg = plot_squares(
+        {"fused": (time_s, nis)}, _FREEDOM, (low, high), "NIS of the poses", "NIS", dots=True
+    )
+    return [Picture("NIS of the measured poses", told, svg, ("fused",))]
+
+
+def _tilt(findings: Findings) -> list[Picture]:
+    found = findings.convergence
+    if not len(found.time_s):
+        return []
+    settled = (
+        f"it is below a tenth of that for good after {found.settled_s:.2f} s"
+        if found.settled_s is not None
+        else "it does not settle below a tenth of that here"
+    )
+    told = (
+        f"The filter once more, forwards only, started {found.initial_tilt_deg:g}° wrong in tilt "
+        f"with zero biases, judged by the {found.judged_by}: {settled}."
+    )
+    series = {"fused": (found.time_s, found.tilt_error_deg)}
+    svg = plot_series(series, "tilt error", "tilt error (°)", log_scale=True)
+    return [Picture("Convergence from a wrong start", told, svg, ("fused",))]
