@@ -10,7 +10,7 @@ import numpy as np
 from motorcade.animation.blend.methods import BLEND_METHODS, BlendMethod, blend_poses, stacked
 from motorcade.animation.clip import Clip
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import FloatArray, Motor, checked_floats
+from motorcade.ga import FloatArray, checked_floats
 
 __all__ = ["blend_clips", "differences_m"]
 
@@ -112,17 +112,11 @@ def differences_m(
     apart: dict[tuple[BlendMethod, BlendMethod], float] = {}
     names = tuple(methods)
     for weight in weights:
-        positions = {
-            name: skeleton.world(
-                _rigid(blend_clips(first, second, weight, name, in_phase=in_phase, offset=offset))
-            ).apply(held)
-            for name in names
-        }
+        positions = {}
+        for name in names:
+            made = blend_clips(first, second, weight, name, in_phase=in_phase, offset=offset)
+            positions[name] = skeleton.world(made.rigid_poses).apply(held)
         for a, b in combinations(names, 2):
             distance = float(np.linalg.norm(positions[a] - positions[b], axis=-1).max())
             apart[a, b] = max(apart.get((a, b), 0.0), distance)
     return apart
-
-
-def _rigid(clip: Clip) -> Motor:
-    return clip.poses if isinstance(clip.poses, Motor) else clip.poses.as_motor_scale()[0]

@@ -89,8 +89,7 @@ def split_root_motion(
             f"split_root_motion: expected a root joint and a clip of two poses or more, got joint "
             f"'{skeleton.names[number]}' and {len(clip.time_s)} poses"
         )
-    rigid = clip.poses if isinstance(clip.poses, Motor) else clip.poses.as_motor_scale()[0]
-    root = rigid[:, number]
+    root = clip.rigid_poses[:, number]
     way = _ground(root @ root[0].inverse(), root.translation_m)
     back = way.inverse()
     inside = _with_root(clip.poses, number, back)

@@ -51,7 +51,7 @@ class _Curve:
         made = with_times(self.keys, self.values, times)
         if len(self.keys) < 2:
             return made
-        before, fraction = between(self.keys, times)
+        before, _, fraction = between(self.keys, times)
         kinds = self.kinds[before]
         hold = (kinds == "STEP") & (fraction < 1.0)
         made = np.where(hold[:, None], self.values[before], made)

@@ -63,7 +63,7 @@ def _joints(words: Words, count: int) -> tuple[tuple[str, ...], IntArray, Motor]
         numbers.append(words.floats(6, f"joint '{names[-1]}'"))
     words.need("}")
     values = np.stack(numbers)
-    world = Motor.from_quaternion_translation(_unit(orientation(values[:, 3:])), values[:, :3])
+    world = Motor.from_quaternion_translation(orientation(values[:, 3:]), values[:, :3])
     return tuple(names), np.array(parents), world
 
 
@@ -74,11 +74,6 @@ def _local(parents: IntArray, world: Motor) -> Transforms:
         local[held] = (world[parents[held]].inverse() @ world[held]).coefficients
     wxyz, places = Motor(local).as_quaternion_translation()
     return Transforms(wxyz, places, np.ones(len(parents)))
-
-
-def _unit(wxyz: FloatArray) -> FloatArray:
-    unit: FloatArray = wxyz / np.linalg.norm(wxyz, axis=-1, keepdims=True)
-    return unit
 
 
 def _mesh(

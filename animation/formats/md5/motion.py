@@ -76,7 +76,7 @@ def _motion(path: Path) -> tuple[tuple[str, ...], IntArray, Transforms, RigClip]
             before = np.array([bin(int(flags[joint]) & ((1 << part) - 1)).count("1")
                                for joint in moved], dtype=np.int64)  # fmt: skip
             values[frame, moved, part] = row[starts[moved] + before]
-    rest = Transforms(_unit(orientation(base[:, 3:])), base[:, :3], np.ones(joints))
+    rest = Transforms(orientation(base[:, 3:]), base[:, :3], np.ones(joints))
     return names, parents, rest, _clip(path.stem[:200], values, rate)
 
 
@@ -101,15 +101,10 @@ def _hierarchy(
 def _clip(name: str, values: FloatArray, rate: int) -> RigClip:
     """A clip over frames (F, J, 6) of positions and orientations."""
     keys = np.arange(len(values)) / rate
-    wxyz, places = _unit(orientation(values[..., 3:])), values[..., :3]
+    wxyz, places = orientation(values[..., 3:]), values[..., :3]
 
     def at(times: FloatArray) -> Transforms:
         turned = great_arc(keys, wxyz, times)
         return Transforms(turned, with_times(keys, places, times), np.ones(turned.shape[:-1]))
 
     return RigClip(name, keys, at, np.arange(values.shape[1]))
-
-
-def _unit(wxyz: FloatArray) -> FloatArray:
-    unit: FloatArray = wxyz / np.linalg.norm(wxyz, axis=-1, keepdims=True)
-    return unit

@@ -117,7 +117,7 @@ def opened(path: Path) -> Words:
 
 
 def orientation(xyz: FloatArray) -> FloatArray:
-    """Quaternions wxyz (*, 4) from their last three parts (*, 3); the first is negative or 0.
+    """Unit quaternions wxyz (*, 4) from their last three parts (*, 3); the first is not positive.
 
     Raises:
         FormatError: parts longer than 1.
@@ -125,4 +125,6 @@ def orientation(xyz: FloatArray) -> FloatArray:
     rest = 1.0 - np.sum(xyz * xyz, axis=-1, keepdims=True)
     if np.any(rest < -0.01):
         raise expected("orientation", "parts of a unit quaternion", "longer ones")
-    return np.concatenate([-np.sqrt(np.maximum(rest, 0.0)), xyz], axis=-1)
+    wxyz = np.concatenate([-np.sqrt(np.maximum(rest, 0.0)), xyz], axis=-1)
+    unit: FloatArray = wxyz / np.linalg.norm(wxyz, axis=-1, keepdims=True)
+    return unit

@@ -21,24 +21,24 @@ JUMP_S = 1e-6
 """How long before a step its old value is sampled last."""
 
 
-def between(keys: FloatArray, times: FloatArray) -> tuple[np.ndarray, FloatArray]:
-    """The key (n,) at or before each time, and the fraction (n,) of the way to the next.
+def between(keys: FloatArray, times: FloatArray) -> tuple[np.ndarray, np.ndarray, FloatArray]:
+    """The keys (n,) at or before each time and after it, and the fraction (n,) of the way.
 
     Times outside are held at the ends.
     """
     if len(keys) == 1:
-        return np.zeros(len(times), dtype=np.int64), np.zeros(len(times))
+        alone = np.zeros(len(times), dtype=np.int64)
+        return alone, alone, np.zeros(len(times))
     before = np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 2)
     fraction = (times - keys[before]) / (keys[before + 1] - keys[before])
-    return before, np.clip(fraction, 0.0, 1.0)
+    return before, before + 1, np.clip(fraction, 0.0, 1.0)
 
 
 def with_times(keys: FloatArray, values: FloatArray, times: FloatArray) -> FloatArray:
     """Values (n, ...) at times on straight lines between keys (K,) with values (K, ...)."""
     if len(keys) == len(times) and np.array_equal(keys, times):
         return values
-    before, fraction = between(keys, times)
-    after = np.minimum(before + 1, len(keys) - 1)
+    before, after, fraction = between(keys, times)
     share = fraction.reshape(-1, *[1] * (values.ndim - 1))
     made: FloatArray = values[before] + share * (values[after] - values[before])
     return made
@@ -48,8 +48,7 @@ def great_arc(keys: FloatArray, wxyz: FloatArray, times: FloatArray) -> FloatArr
     """Quaternions (n, ..., 4) at times, turning evenly and the short way between keys."""
     if len(keys) == len(times) and np.array_equal(keys, times):
         return wxyz
-    before, fraction = between(keys, times)
-    after = np.minimum(before + 1, len(keys) - 1)
+    before, after, fraction = between(keys, times)
     share = fraction.reshape(-1, *[1] * (wxyz.ndim - 2))
     return arcs(_unit(wxyz[before]), _unit(wxyz[after]), share)
 
@@ -76,8 +75,7 @@ def hermite(
     keys: FloatArray, values: FloatArray, into: FloatArray, out: FloatArray, times: FloatArray
 ) -> FloatArray:
     """Values (n, ...) on cubics with slopes a second `into` and `out` of the keys (K, ...)."""
-    before, fraction = between(keys, times)
-    after = np.minimum(before + 1, len(keys) - 1)
+    before, after, fraction = between(keys, times)
     shape = (-1, *[1] * (values.ndim - 1))
     u = fraction.reshape(shape)
     step = (keys[after] - keys[before]).reshape(shape)

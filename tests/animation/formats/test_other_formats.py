@@ -43,6 +43,11 @@ def changed(data: bytes, *changes: tuple[str, str]) -> bytes:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
+        (("numJoints 2", "numJoints 3"), "expected"),
+        (("MD5Version 10", "MD5Version 6"), "from 10 to 10, got 6"),
+        (('"top" 0', '"top" 1'), "parent of joint 1: expected a whole number from -1 to 0"),
+        (("weight 0 0", "weight 0 7"), "joints below 2, got 7"),
+        (("tri 0 0", "tri 0 77"), "vertices below 12, got 77"),
         (("numJoints 2", "numJoints 0"), "numJoints: expected a whole number from 1"),
         (("joints {", "joints ["), r"file: expected '{', got \["),
         (("( 0 0 1 ) ( 0 0 0 )", "( 0 0 1 ) ( 0 0 9 )"), "parts of a unit quaternion"),
@@ -123,6 +128,10 @@ def test_a_picture_beside_paints_the_mesh_of_md5(write: Write, tmp_path: Path) -
 @pytest.mark.parametrize(
     ("change", "message"),
     [
+        (("Frames: 3", "Frames: 4"), "4 frames of 15 numbers, got 45"),
+        (("Zrotation", "Wrotation"), "names such as Xrotation"),
+        (("0 5 1 10", "0 5 x 10"), "expected numbers"),
+        (("}\nMOTION", "MOTION"), "closed braces"),
         (("HIERARCHY", "HIERARCHIES"), "file: expected HIERARCHY, got HIERARCHIES"),
         (("MOTION", "MOTIONS: "), "MOTION: expected Frames: and Frame Time:"),
         (("MOTION", "MOTIO"), "expected a section MOTION, got none"),
