@@ -222,6 +222,15 @@ def test_two_poses_are_enough() -> None:
     assert worst(fitted.at(pair.time_ns).as_matrix(), pair.poses.as_matrix()) < 1e-6
 
 
+@pytest.mark.parametrize(("spacing_s", "steps"), [(0.05, 3), (0.1, 4)])
+def test_derivatives_are_exact_so_that_few_steps_settle_a_fit(
+    spacing_s: float, steps: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Steps by wrong derivatives shrink by a factor each; by exact ones, by their square."""
+    monkeypatch.setattr("motorcade.ga.spline_fit._MAX_STEPS", steps)
+    CumulativeBSpline.fit(sampled(), spacing_s)
+
+
 def test_names_and_span_come_from_the_trajectory() -> None:
     named = Trajectory(sampled().time_ns, sampled().poses, "map", "imu")
     fitted = CumulativeBSpline.fit(named, 0.07)

@@ -103,6 +103,43 @@ def test_resampling_at_the_own_stamps_changes_nothing(
     assert distance(again.poses, trajectory.poses) < 1e-14
 
 
+@pytest.mark.parametrize(("rate_hz", "offsets"), [
+    (2.0, [0, 500, 1000]), (3.0, [0, 333, 667, 1000]), (0.4, [0]), (1.0, [0, 1000]), (0.8, [0]),
+    (1e3 / 999, [0, 999]),
+])  # fmt: skip
+def test_even_stamps_start_at_the_first_and_stay_inside(rate_hz: float, offsets: list[int]) -> None:
+    path = Trajectory(START_NS + np.array([0, 1_000_000_000]), Motor.identity((2,)), "map", "imu")
+    even = path.at_rate(rate_hz)
+    np.testing.assert_array_equal(np.rint((even.time_ns - START_NS) / 1e6), offsets)
+    assert (even.parent, even.child) == ("map", "imu")
+
+
+def test_even_stamps_have_the_poses_between(trajectory: Trajectory, distance: Distance) -> None:
+    even = trajectory.at_rate(37.0)
+    assert np.ptp(np.diff(even.time_ns)) <= 1
+    assert distance(even.poses, trajectory.at(even.time_ns)) == 0.0
+    assert trajectory.time_ns[-1] - even.time_ns[-1] < 1e9 / 37.0
+
+
+def test_rates_of_one_pose_a_nanosecond_are_the_last() -> None:
+    path = Trajectory(START_NS + np.array([0, 7]), Motor.identity((2,)))
+    np.testing.assert_array_equal(path.at_rate(1e9).time_ns, START_NS + np.arange(8))
+    for rate_hz in (0.0, -1.0, 1.001e9, np.nan, np.inf):
+        with pytest.raises(ValueError, match=r"rate_hz: expected a positive number up to 1e9"):
+            path.at_rate(rate_hz)
+
+
+def test_a_trajectory_tells_its_frames_length_and_span() -> None:
+    path = Trajectory(np.array([5, 1_250_000_005]), Motor.identity((2,)), "map", "imu")
+    assert repr(path) == "Trajectory(map_T_imu, 2 poses, 1.250 s)"
+
+
+def test_another_format_of_file_is_named(trajectory: Trajectory, tmp_path: Path) -> None:
+    np.savez(tmp_path / "next.npz", format=np.array("motorcade trajectory 2"))
+    with pytest.raises(ValueError, match="expected the format 'motorcade trajectory 1', got 'mot"):
+        Trajectory.load(tmp_path / "next.npz")
+
+
 def test_frames_move_by_composition(
     trajectory: Trajectory, rng: np.random.Generator, distance: Distance
 ) -> None:
