@@ -16,7 +16,9 @@ from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
 from motorcade.render.light import Prints
 from motorcade.replays.recording import Frame, Recording
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
+from motorcade.replays.stages.view.in_view import best_place
 from motorcade.tracking import Board, MarkerGrid, SingleMarker
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.planes import (
     Plane,
@@ -34,12 +36,12 @@ __all__ = [
 FLOOR_HEIGHT_M = 1.75
 FARTHEST_M = 4.0
 """On a floor the character stands at most this far in front of the first camera."""
-_FRAMES_SEARCHED = 5
+_FRAMES_SEARCHED, _EVERY_PX = 5, 4
 _MOST_SAMPLES = 2000
 _FEWEST_POINTS = 50
-# Of the scene's depth: how far a point of a map may lie off a plane, a character's height where
-# lengths have no unit, and how much of the heights may lie below a floor.
-_POINT_NOISE, _FREE_HEIGHT, _FOOT = 0.01, 0.25, 0.05
+# Of the scene's depth: how far a point of a map may lie off a plane, a character's greatest and
+# least height where lengths have no unit; and how much of the heights may lie below a floor.
+_POINT_NOISE, _FREE_HEIGHT, _LEAST_FREE_HEIGHT, _FOOT = 0.01, 0.25, 0.05, 0.05
 _TILTED_WORLDS = ("seven_scenes",)
 
 
@@ -133,7 +135,9 @@ def ground_on_plane(
         world_T_camera = path.motors_at(np.int64(frame.time_ns))
         plane = _chosen(_planes_of(recording, frame, world_T_camera), world_T_camera, up)
         if plane is not None:
-            return _stage(plane, f"found in the depth of {frame.name}", up, FLOOR_HEIGHT_M)
+            where = f"found in the depth of {frame.name}"
+            points = world_T_camera.apply(_points_of(recording, frame))
+            return _stage(plane, where, up, FLOOR_HEIGHT_M, recording.camera, path, points)
     points = camera_poses.points
     if len(points) < _FEWEST_POINTS:
         return None
@@ -146,8 +150,12 @@ def ground_on_plane(
     if plane is None:
         return None
     highest = FLOOR_HEIGHT_M if camera_poses.metric else _FREE_HEIGHT * depth
+    if not camera_poses.metric:
+        # Whoever holds a camera is about as tall as it is high above what they stand on.
+        above = float(np.median((plane.world_T_plane.inverse() @ path.motors).translation_m[:, 2]))
+        highest = min(highest, max(above, _LEAST_FREE_HEIGHT * depth))
     where = "found in the map" + ("" if camera_poses.metric else " (lengths without unit)")
-    return _stage(plane, where, up, highest)
+    return _stage(plane, where, up, highest, recording.camera, path, points)
 
 
 def ground_on_floor(
@@ -174,11 +182,27 @@ def ground_on_floor(
 _GUESS = "up being the picture's"
 
 
-def _stage(plane: Plane, where: str, up: tuple[FloatArray, str] | None, highest_m: float) -> Ground:
+def _stage(
+    plane: Plane,
+    where: str,
+    up: tuple[FloatArray, str] | None,
+    highest_m: float,
+    camera: Camera | None,
+    path: Trajectory,
+    points: FloatArray,
+) -> Ground:
     wide, tall = plane.size_m
     how = _GUESS if up is None else up[1]
     name = f"a plane of {wide:.2f} x {tall:.2f} m {where}, {how}"
-    return Ground(plane.world_T_plane, (0.0, 0.0), min(0.5 * min(wide, tall), highest_m), name)
+    height_m = min(0.5 * min(wide, tall), highest_m)
+    place = (0.0, 0.0)
+    if camera is not None:
+        plane_T_world = plane.world_T_plane.inverse()
+        place = best_place(
+            plane.outline, height_m, camera, plane_T_world @ path.motors,
+            plane_T_world.apply(points), plane.rms_m,
+        )  # fmt: skip
+    return Ground(plane.world_T_plane, place, height_m, name)
 
 
 def _chosen(
@@ -210,6 +234,18 @@ def _planes_of(recording: Recording, frame: Frame, world_T_camera: Motor) -> lis
     except ValueError:  # hardly any depth in this frame: another may have more
         return []
     return [plane.moved(world_T_camera) for plane in found.planes]
+
+
+def _points_of(recording: Recording, frame: Frame) -> FloatArray:
+    """Points ``(p, 3)`` of a frame's depth, thinned, in the camera's frame."""
+    depth, camera = frame.depth_m(), recording.camera
+    if depth is None or camera is None:
+        return np.zeros((0, 3))
+    y, x = np.mgrid[: depth.shape[0] : _EVERY_PX, : depth.shape[1] : _EVERY_PX].reshape(2, -1)
+    ahead = depth[y, x].astype(np.float64)
+    known = np.isfinite(ahead) & (ahead > 0.0)
+    rays = camera.unproject(np.stack([x[known], y[known]], axis=-1).astype(np.float64))
+    return np.asarray(rays / rays[:, 2:] * ahead[known, None])
 
 
 def _scene_depth(points: FloatArray, world_T_camera: Motor) -> float:

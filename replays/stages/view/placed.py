@@ -80,12 +80,13 @@ def placed(
     with the id `marker`, which may move: it is looked for in every frame, and where it is not seen
     the character waits, and glides back once it is. Markers of a map must stand still, so a map
     that leaves the moving ones out makes the camera's path sure. `position_m` (x, y) lies
-    in the plane's own frame; without it the character stands in the middle of the board, marker or
-    plane, or on the floor where the first camera looks. `heading_deg` turns from the plane's x
-    towards its y; without it the character looks at the first camera. `height_m` is the
-    character's; without it, half the shorter side of the board or plane, a marker's side, and at
-    most 1.75 m, or 1.75 m on a floor; where lengths have no unit, at most a quarter of the scene's
-    depth. Raises ValueError for a board or plane that is asked for and not there.
+    in the plane's own frame; without it the character stands in the middle of the board or marker,
+    on a plane where it is in view best and longest, or on the floor where the first camera looks.
+    `heading_deg` turns from the plane's x towards its y; without it the character looks at the
+    first camera. `height_m` is the character's; without it, half the shorter side of the board or
+    plane, a marker's side, and at most 1.75 m, or 1.75 m on a floor; where lengths have no unit, at
+    most as tall as the camera is high above the plane, nor than a quarter of the scene's depth.
+    Raises ValueError for a board or plane that is asked for and not there.
     """
     if position_m and len(position_m) != 2:
         raise ValueError(f"placed.position_m: expected x,y, came {len(position_m)} numbers")

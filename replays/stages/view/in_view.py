@@ -1,0 +1,93 @@
+"""Where on a plane a character finds room and is seen well: whole, for long, not tiny."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, Motor
+from motorcade.tracking.cameras.camera import Camera
+
+__all__ = ["best_place"]
+
+_CAMERAS, _STEPS, _INSIDE = 40, 15, 0.8
+# Of the character's height: what is higher than this, and nearer than this, is in its way; so many
+# points of a sensor may be wrong.
+_STEP, _ROOM, _STRAYS = 0.05, 0.2, 3
+_MARGIN, _LARGE_ENOUGH, _HEADLESS, _FROM_MIDDLE = 0.03, 0.25, 0.3, 0.05
+
+
+def best_place(
+    outline_m: FloatArray,
+    height_m: float,
+    camera: Camera,
+    plane_T_camera: Motor,
+    points_m: FloatArray,
+    noise_m: float,
+) -> tuple[float, float]:
+    """The place on a plane where the character is in view best, taken over the camera's path.
+
+    A frame counts fully where it shows the character whole and at least a quarter as tall as the
+    picture, less where it is smaller or only its feet are shown. Of places that are seen alike the
+    one nearest the plane's middle is taken. Places where something stands are passed over, unless
+    there are no others; what may stand between place and camera is not looked at.
+
+    Args:
+        outline_m: ``(k, 2)`` convex, anticlockwise, about the origin of the plane's frame.
+        height_m: of the character.
+        camera: that takes the pictures; its distortion is left aside.
+        plane_T_camera: Motor ``(N,)``, its poses in the plane's frame.
+        points_m: ``(p, 3)`` seen or mapped, in the plane's frame.
+        noise_m: of these.
+
+    Returns:
+        x and y in the plane's frame; its origin where no place is in view.
+    """
+    rows = np.unique(np.linspace(0, len(plane_T_camera) - 1, _CAMERAS).round().astype(int))
+    places = _places(outline_m)
+    ends = np.stack([np.pad(places, ((0, 0), (0, 1)), constant_values=z) for z in (0.0, height_m)])
+    seen = plane_T_camera[rows].inverse().reshape(-1, 1, 1).apply(ends[None])
+    pinhole = camera.undistorted()
+    ahead = np.all(seen[..., 2] > 0.25 * height_m, axis=1)
+    pixels = pinhole.project(np.where(ahead[:, None, :, None], seen, [0.0, 0.0, 1.0]))
+    inside = _inside(pixels, pinhole) & ahead[:, None]
+    share = np.abs(pixels[:, 1, :, 1] - pixels[:, 0, :, 1]) / pinhole.height
+    worth = np.minimum(share / _LARGE_ENOUGH, 1.0) * inside[:, 0]
+    score = np.mean(np.where(inside[:, 1], worth, _HEADLESS * worth), axis=0)
+    if not score.any():
+        return 0.0, 0.0
+    free = _free(places, height_m, points_m, noise_m)
+    if np.any(score[free] > 0.0):
+        score = np.where(free, score, -np.inf)
+    reach = np.linalg.norm(outline_m, axis=1).max()
+    score = score - _FROM_MIDDLE * np.linalg.norm(places, axis=1) / reach
+    x, y = places[int(np.argmax(score))]
+    return float(x), float(y)
+
+
+def _places(outline_m: FloatArray) -> FloatArray:
+    """A grid over the plane, the origin and what lies well within its outline."""
+    low, high = outline_m.min(axis=0), outline_m.max(axis=0)
+    grid = np.stack(np.meshgrid(*np.linspace(low, high, _STEPS).T), axis=-1).reshape(-1, 2)
+    corner, along = _INSIDE * outline_m, np.roll(outline_m, -1, axis=0) - outline_m
+    away = grid[:, None] - corner
+    within = np.all(along[:, 0] * away[..., 1] - along[:, 1] * away[..., 0] >= 0.0, axis=1)
+    return np.concatenate([np.zeros((1, 2)), grid[within]])
+
+
+def _free(
+    places: FloatArray, height_m: float, points_m: FloatArray, noise_m: float
+) -> NDArray[np.bool_]:
+    """Whether hardly a point stands up from the plane where the character would."""
+    lowest = max(_STEP * height_m, 4.0 * noise_m)
+    up = points_m[(points_m[:, 2] > lowest) & (points_m[:, 2] < height_m)]
+    near = np.array(
+        [np.count_nonzero(np.hypot(*(up[:, :2] - one).T) < _ROOM * height_m) for one in places]
+    )
+    return near <= _STRAYS
+
+
+def _inside(pixels: FloatArray, camera: Camera) -> NDArray[np.bool_]:
+    size = np.array([camera.width, camera.height])
+    edge = _MARGIN * size
+    return np.asarray(np.all((pixels > edge) & (pixels < size - edge), axis=-1))

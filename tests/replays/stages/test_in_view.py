@@ -1,0 +1,69 @@
+"""The place on a plane that is seen best, where nothing stands."""
+
+import numpy as np
+import pytest
+
+from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.replays.stages.view.in_view import best_place
+from motorcade.tracking.cameras.camera import Camera
+
+CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)
+OUTLINE = np.array([[-3.0, -2.0], [3.0, -2.0], [3.0, 2.0], [-3.0, 2.0]])
+NOTHING = np.zeros((0, 3))
+HEIGHT_M = 1.0
+ENDS = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, HEIGHT_M]])
+
+
+def level(eyes_m: FloatArray, heading_rad: float = 0.0) -> Motor:
+    """Cameras that look level along x, turned towards y."""
+    axes = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    turn = Rotor.from_rotation_vector([0.0, 0.0, heading_rad]) @ Rotor.from_matrix(axes)
+    count = len(eyes_m)
+    return Motor.from_rotor_translation(Rotor.identity((count,)) @ turn, eyes_m)
+
+
+def whole(place: tuple[float, float], plane_T_camera: Motor) -> FloatArray:
+    """Whether each camera has the character whole in its picture."""
+    seen = plane_T_camera.inverse().reshape(-1, 1).apply(ENDS + np.array([*place, 0.0]))
+    ahead = np.all(seen[..., 2] > 0.0, axis=1)
+    pixels = CAMERA.project(np.where(ahead[:, None, None], seen, [0.0, 0.0, 1.0]))
+    inside = np.all((pixels >= 0.0) & (pixels <= [319.0, 239.0]), axis=(1, 2))
+    return np.asarray(ahead & inside)
+
+
+def test_a_camera_that_goes_by_has_it_whole_as_long_as_any_place_allows() -> None:
+    """Forward over the plane's middle: a place there would soon be behind the camera."""
+    ride = level(np.stack([np.linspace(-5, 0, 30), np.zeros(30), np.full(30, 0.8)], axis=-1))
+    found = best_place(OUTLINE, HEIGHT_M, CAMERA, ride, NOTHING, 0.0)
+    assert np.count_nonzero(whole(found, ride)) >= 29
+    assert np.count_nonzero(whole((0.0, 0.0), ride)) < 25
+
+
+def test_seen_alike_the_middle_is_taken() -> None:
+    far = level(np.tile([-9.0, 0.0, 0.8], (5, 1)))
+    ring = best_place(OUTLINE[:, ::-1][::-1] * [0.1, 0.1], HEIGHT_M, CAMERA, far, NOTHING, 0.0)
+    np.testing.assert_allclose(ring, 0.0, atol=0.05)
+
+
+def test_where_something_stands_it_does_not(rng: np.random.Generator) -> None:
+    look = level(np.tile([-5.0, 0.0, 0.8], (5, 1)))
+    free = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, NOTHING, 0.0))
+    mug = np.append(free, 0.2) + rng.uniform(-0.1, 0.1, (200, 3))
+    other = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, mug, 0.01))
+    assert np.linalg.norm(other - free) > 0.2
+    assert whole((other[0], other[1]), look).all()
+    # Paper on the table, a lamp above its head, and a few wrong points are in nobody's way.
+    flat, above = mug * [1.0, 1.0, 0.1], mug + np.array([0.0, 0.0, 2.0])
+    harmless = np.concatenate([flat, above, mug[:2]])
+    same = best_place(OUTLINE, HEIGHT_M, CAMERA, look, harmless, 0.01)
+    np.testing.assert_array_equal(same, free)
+
+
+@pytest.mark.parametrize("crowded", [True, False])
+def test_out_of_view_or_room_it_still_has_a_place(crowded: bool, rng: np.random.Generator) -> None:
+    look = level(np.tile([-5.0, 0.0, 0.8], (5, 1)), 0.0 if crowded else np.pi)
+    crowd = rng.uniform([-3.5, -2.5, 0.2], [3.5, 2.5, 0.9], (20_000, 3))
+    found = best_place(OUTLINE, HEIGHT_M, CAMERA, look, crowd if crowded else NOTHING, 0.01)
+    assert np.all(np.isfinite(found))
+    if not crowded:
+        assert found == (0.0, 0.0)
