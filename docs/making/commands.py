@@ -22,8 +22,8 @@ def commands_page() -> str:
     """Every command with its help, its example among it, in the order of `motorcade --help`."""
     parts = [
         "# Commands",
-        "Every command exits 0 on success, 2 on bad usage, and 1 on a failed job, with one line that "
-        "says what, where and what to do. `--json` writes results whose keys carry their units.",
+        "Every command exits 0 on success, 2 on bad usage, and 1 on a failed job, with one line "
+        "that says what, where and what to do. `--json` writes results whose keys carry units.",
     ]
     for name, parser in commands().items():
         parts += [f"## {name}", f"```text\n{parser.format_help().rstrip()}\n```"]

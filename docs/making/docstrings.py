@@ -1,4 +1,4 @@
-"""An extension of griffe: the section "Fields:" of our docstrings is what it calls "Attributes:"."""
+"""An extension of griffe: what our docstrings call "Fields:" is what it calls "Attributes:"."""
 
 from __future__ import annotations
 

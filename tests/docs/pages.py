@@ -131,7 +131,7 @@ def _lines_agree(expected: list[str], came: list[str]) -> bool:
 
 def line_agrees(expected: str, came: str) -> bool:
     """Words alike, numbers to the digits shown, `…` for anything."""
-    if fnmatch.fnmatchcase(_words(came), re.sub(r"\s*…\s*", "*", _words(_escaped(expected)))):
+    if fnmatch.fnmatchcase(_words(came), re.sub(r"\s*…\s*", "*", _escaped(_words(expected)))):
         shown, found = NUMBER.findall(expected), NUMBER.findall(came)
         return "…" in expected or all(
             _number_agrees(one, other) for one, other in zip(shown, found, strict=True)
@@ -144,17 +144,17 @@ def _escaped(line: str) -> str:
 
 
 def _words(line: str) -> str:
-    return " ".join(NUMBER.sub("0", line).split())
+    """The line with one space between words and every number a 0, whatever it is."""
+    return re.sub(r"([\[(]) ", r"\1", " ".join(NUMBER.sub("0", line).split()))
 
 
 def _number_agrees(shown: str, found: str) -> bool:
-    digits = re.sub(r"e.*", "", shown).partition(".")[2]
-    exponent = int(shown.partition("e")[2] or 0)
-    last = 10.0 ** (exponent - len(digits))
-    whole = "." not in shown and "e" not in shown
-    return math.isclose(
-        float(shown), float(found), abs_tol=0.0 if whole else 1.01 * last, rel_tol=1e-9
-    )
+    """Whole numbers alike, others to the last digit shown."""
+    if not re.search("[.e]", shown + found):
+        return int(shown) == int(found)
+    digits = shown.partition("e")[0].partition(".")[2]
+    last = 10.0 ** (int(shown.partition("e")[2] or 0) - len(digits))
+    return math.isclose(float(shown), float(found), abs_tol=1.01 * last, rel_tol=1e-9)
 
 
 def main() -> None:

@@ -5,7 +5,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
 from tests.docs.pages import agrees, blocks, line_agrees, run
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -53,6 +52,7 @@ def test_a_tutorial_shows_what_comes_out(page: Path) -> None:
         ("APE 0.12 m", "APE 0.1249 m", True),
         ("APE 0.12 m", "APE 0.14 m", False),
         ("8 frames", "9 frames", False),
+        ("30 Hz", "30.000001 Hz", True),
         ("a … c", "a bb c", True),
         ("a … c", "a bb d", False),
         ("[1.0, 2.0]", "[1.0, 2.0]", True),
