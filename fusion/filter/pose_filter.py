@@ -28,7 +28,7 @@ class FilterState:
         world_T_imu, velocity_m_s: pose, and velocity in the world ``(3,)``.
         gyro_bias_rad_s, accel_bias_m_s2: ``(3,)``.
         gravity_m_s2: in the world ``(3,)``.
-        imu_T_camera, time_offset_s: as estimated, or as given.
+        imu_T_camera, time_offset_s: as estimated, or as given (the identity without a camera).
         covariance: ``(15, 15)`` or ``(24, 24)``; see `Fused.state_covariance`.
     """
 
@@ -79,7 +79,7 @@ class PoseFilter:
 
     Args:
         noise: the IMU's; see `fuse`.
-        imu_T_camera: pose of the camera on the IMU.
+        imu_T_camera: pose of the camera on the IMU; None without a camera.
         settings: gravity, gate, rest, what else to estimate.
         time_offset_s: what is added to a camera's stamps to be the IMU's time.
         history_s: how late a measurement may come; memory is 56 bytes a sample and 4 kB a
@@ -103,6 +103,7 @@ class PoseFilter:
         if not np.isfinite(time_offset_s):
             raise ValueError(f"time_offset_s: expected a finite number, got {time_offset_s}")
         self._settings = settings or FilterSettings()
+        self._has_camera = imu_T_camera is not None
         mount = Motor.identity() if imu_T_camera is None else imu_T_camera
         self._engine = engine(self._settings, noise, mount, time_offset_s, history_s)
         self._measured = 0
@@ -128,7 +129,12 @@ class PoseFilter:
         self._add("imu_pose", time_ns, row)
 
     def camera_pose(self, time_ns: int, world_T_camera: Motor, covariance: ArrayLike) -> None:
-        """Take a pose of the camera, stamped by the camera's clock; see `pose`."""
+        """Take a pose of the camera, stamped by the camera's clock; see `pose`.
+
+        Raises:
+            ValueError: a filter that was not told `imu_T_camera`, besides. So all of the camera.
+        """
+        self._check_mount()
         row = np.concatenate([_one(world_T_camera), _spread(covariance, 6)])
         self._add("camera_pose", time_ns, row)
 
@@ -152,6 +158,7 @@ class PoseFilter:
         The lens's distortion is taken off them first; their noise, `sigma_px` an axis, goes along
         by its derivative.
         """
+        self._check_mount()
         pixels = checked_floats(corners_px, "corners_px", (2,))
         points = checked_floats(corners_m, "corners_m", (3,))
         if pixels.ndim != 2 or not 1 <= len(pixels) <= 4 or points.shape != (len(pixels), 3):
@@ -201,6 +208,13 @@ class PoseFilter:
                 *(part.tolist() for part in self._engine.judged()), strict=True
             )
         )
+
+    def _check_mount(self) -> None:
+        if not self._has_camera:
+            raise ValueError(
+                "imu_T_camera: expected the camera's pose on the IMU to take what a camera saw, got "
+                "None; give it to PoseFilter"
+            )
 
     def _add(self, kind: str, time_ns: int, row: FloatArray) -> None:
         self._engine.add(KINDS[kind], time_ns, self._measured, np.ascontiguousarray(row))

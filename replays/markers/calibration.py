@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import FloatArray
-from motorcade.replays.errors import RecordingError
+from motorcade.replays.errors import RecordingError, refusal
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.readers.frames.files import pictures_in
 from motorcade.replays.readers.frames.pictures import SUFFIXES, read_gray
@@ -75,8 +75,12 @@ def calibrate_pictures(
 
     Raises:
         CalibrationError: too few pictures show the board, or what `tracking.calibrate` refuses.
-        RecordingError: a folder without pictures, a video that cannot be read.
+        RecordingError: a path that does not exist, a folder without pictures, a video that cannot
+            be read.
     """
+    for path in paths:
+        if not path.exists():
+            raise refusal(path, "the file is missing")
     size: tuple[int, int] | None = None
     found: list[tuple[str, BoardCorners]] = []
     unreadable: list[str] = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -13,6 +14,12 @@ from motorcade.ga import Motor
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.inertial.imu_noise import Origin
+
+log = logging.getLogger("motorcade.imu")
+_NO_MOUNT = (
+    "the camera's pose on the IMU is not known; put imu_T_camera (4 by 4, from camera to IMU "
+    "coordinates, as `motorcade sync` finds it) into [imu] of a manifest"
+)
 
 NEAREST_KNOTS_S = 0.02
 FEWEST_POSES = 4
@@ -72,18 +79,18 @@ def imu(
     experiments. `sync=estimate` finds the offset between the clocks of camera and recorded IMU by
     the motion of both, and takes it off; otherwise the stamps are believed. `knot_spacing_s` is
     that of the simulation's spline: by default one knot a pose, but none nearer than 0.02 s, so
-    that the stream moves as the poses do. Raises ValueError where the source asked for is not
-    there, and where the motion does not tell the offset.
+    that the stream moves as the poses do. A simulated IMU sits where the recorded one does, and in
+    the camera itself where that is not known. Nothing is guessed of a recorded one: where nothing
+    tells how the camera sits on it, `auto` leaves it aside with a warning. Raises ValueError where
+    the source asked for is not there, and where the motion does not tell the offset.
     """
-    imu_T_camera = recording.imu_T_camera
-    if imu_T_camera is None:
-        imu_T_camera = Motor.identity()
-    noise = recording.imu_noise or ADIS16448
-    origin: Origin = "recorded" if recording.imu is not None else "tracked"
-    origin = origin if source == "auto" else source
+    origin = _origin(recording) if source == "auto" else source
+    imu_T_camera, noise = recording.imu_T_camera, recording.imu_noise or ADIS16448
     if origin == "recorded":
         if recording.imu is None:
             raise ValueError(f"{recording.name}: imu.source=recorded, but it has no IMU stream")
+        if imu_T_camera is None:
+            raise ValueError(f"{recording.name}: imu.source=recorded, but {_NO_MOUNT}")
         made = Imu(None, noise, imu_T_camera, origin)
         return made if sync == "off" else _on_camera_clock(made, recording.imu, camera_poses)
     if sync != "off":
@@ -91,6 +98,8 @@ def imu(
     path = recording.truth if origin == "reference" else camera_poses.measurements.trajectory
     if path is None:
         raise ValueError(f"{recording.name}: imu.source=reference, but it has no truth")
+    if imu_T_camera is None:
+        imu_T_camera = Motor.identity()
     world_T_imu = path.transformed_by(right=imu_T_camera.inverse(), child="imu")
     if len(path) < FEWEST_POSES:
         raise ValueError(
@@ -103,6 +112,16 @@ def imu(
         world_T_imu, rate_hz, noise, np.random.default_rng(seed), knot_spacing_s=knot_spacing_s
     )
     return Imu(simulated.stream, noise, imu_T_camera, origin)
+
+
+def _origin(recording: Recording) -> Origin:
+    """Recorded, unless there is no stream, or nothing tells how the camera sits on its sensor."""
+    if recording.imu is None:
+        return "tracked"
+    if recording.imu_T_camera is None:
+        log.warning("%s: its IMU is left aside: %s", recording.name, _NO_MOUNT)
+        return "tracked"
+    return "recorded"
 
 
 def _on_camera_clock(imu: Imu, recorded: ImuStream, camera_poses: CameraPoses) -> Imu:

@@ -104,6 +104,22 @@ def test_what_comes_too_late_or_from_before_the_start_is_refused(record, rng):
         assert count < 100  # of 400 samples, half a second and what lies between kept states
 
 
+def test_without_its_mount_nothing_of_a_camera_is_taken():
+    """It is never taken for the identity: a pose of the IMU itself is another measurement."""
+    stream = PoseFilter(ADIS16448)
+    stream.imu(0, np.zeros(3), GRAVITY)
+    stream.pose(0, Motor.identity(), np.eye(6))
+    one, seen = Motor.identity(), np.eye(6)
+    for call in (
+        lambda: stream.camera_pose(0, one, seen),
+        lambda: stream.tag_pose(0, one, seen, one),
+        lambda: stream.tag(0, [[367.0, 248.0]], [[0.0, 0.0, 1.0]], CAMERA),
+    ):
+        with pytest.raises(ValueError, match="imu_T_camera: expected the camera's pose on the IMU"):
+            call()
+    assert [found.kind for found in stream.innovations] == ["imu_pose"]
+
+
 def test_bad_samples_are_refused_and_leave_the_filter_as_it_was(record, rng):
     run = record(rng, 1.0)
     stream = fed(run, on_time(run))

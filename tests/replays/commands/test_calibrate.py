@@ -121,7 +121,10 @@ def test_what_gives_no_camera_is_told_in_one_line(folder: Path, tmp_path: Path, 
     other = refusal_of(*two, "--board", "tag36h11_id_7_65mm")
     assert "in none of 2 that could be read, 0 could not" in other
     assert "expected a name such as" in refusal_of(*two, "--board", "chessboard")
-    assert "no.mp4" in refusal_of(tmp_path / "no.mp4", "--board", BOARD.name)
+    for missing in (tmp_path / "no.mp4", tmp_path / "no.png", tmp_path / "no_folder"):
+        said = f"motorcade: {missing}: the file is missing"
+        assert refusal_of(missing, "--board", BOARD.name) == said
+        assert refusal_of(*two, missing, "--board", BOARD.name) == said
     for index in range(5):
         cv2.imwrite(str(tmp_path / f"flat_{index}.png"), take(tilted(index, 0.0)))
     flat = [tmp_path / f"flat_{index}.png" for index in range(5)]

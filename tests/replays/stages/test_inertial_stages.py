@@ -119,6 +119,22 @@ def test_the_clock_of_a_recorded_imu_is_set_where_that_is_asked_for(stream: ImuS
     assert errors[1] < 0.7 * errors[0]
 
 
+def test_an_imu_of_unknown_mount_is_never_taken_to_sit_in_the_camera(
+    stream: ImuStream, caplog: pytest.LogCaptureFixture
+) -> None:
+    one, poses = recording(imu=stream), measured()
+    with pytest.raises(ValueError, match=r"made up: imu.source=recorded, but .* put imu_T_camera"):
+        imu(one, poses, source="recorded")
+    assert not caplog.records
+    made = imu(one, poses)
+    assert made.origin == "tracked"
+    (warned,) = caplog.messages
+    assert warned.startswith("made up: its IMU is left aside: the camera's pose on the IMU is not")
+    assert "into [imu] of a manifest" in warned
+    with pytest.raises(ValueError, match=r"imu.sync=estimate needs a recorded IMU"):
+        imu(one, poses, sync="estimate")
+
+
 def test_a_clock_cannot_be_set_by_metres_that_came_from_it(stream: ImuStream) -> None:
     inertial = replace(measured(), metres_a_unit=2.0)
     with pytest.raises(ValueError, match="clock_offset_s"):
