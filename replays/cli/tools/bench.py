@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
+from typing import Any
 
 from motorcade.replays.bench.tables import SUITES, run_suite
 from motorcade.replays.cli.arguments import Subparsers, new_command
@@ -31,15 +32,17 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def bench(arguments: argparse.Namespace) -> None:
     """Run the suites asked for and print their tables."""
+    from motorcade.replays.bench.page import MACHINE, machine
     from motorcade.replays.files.atomic import write_bytes
 
     chosen = arguments.suites or list(SUITES)
     unknown = [name for name in chosen if name not in SUITES]
     if unknown:
         raise ValueError(f"bench: expected suites of {', '.join(SUITES)}, came {unknown[0]!r}")
-    figures = {}
+    figures: dict[str, Any] = {}
     for name in chosen:
         figures[name], table = run_suite(name)
         print(table)
     if arguments.json is not None:
+        figures[MACHINE] = machine()
         write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
