@@ -117,6 +117,8 @@ def two_views(first_px: FloatArray, px: FloatArray, matrix: FloatArray) -> TwoVi
     poses = _from_homography if model == "homography" else _from_essential
     given = homography if model == "homography" else essential
     supported = [(_support(pose, first_px, px, matrix), pose) for pose in poses(given, matrix)]
+    if not supported:  # a homography of nothing but a turn
+        return None
     supported.sort(key=lambda one: -int(np.count_nonzero(one[0])))
     good, pose = supported[0]
     count = int(np.count_nonzero(good))
