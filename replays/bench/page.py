@@ -34,8 +34,8 @@ JOINTS = 1000
 _HEAD = """# Benchmarks
 
 Written by `python -m motorcade.replays.bench.page` from what `motorcade bench --json` measured in
-one run. Times are medians; those of other libraries were taken in the same run, on the same data and
-cores. Compare ratios: times of two machines, or of two runs, say little.
+one run. Times are medians; those of other libraries were taken in the same run, on the same data
+and cores. Compare ratios: times of two machines, or of two runs, say little.
 """
 
 

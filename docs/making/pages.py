@@ -1,21 +1,38 @@
-"""A hook of mkdocs: the page of commands, written from the command line's own help as it stands."""
+"""A hook of mkdocs: pages that are made of something else than Markdown in this folder.
+
+The page of commands is the command line's own help as it stands; changelog, contributing and
+security are files at the top of the repository, where their readers look for them first.
+"""
 
 from __future__ import annotations
 
 import argparse
 from functools import partial
+from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
-PAGE = "reference/commands.md"
+TOP = Path(__file__).resolve().parents[2]
+FROM_THE_TOP = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
 WIDTH = 88
 
 
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
-    """Add the page to those of the site."""
-    files.append(File.generated(config, PAGE, content=commands_page()))
+    """Add the pages to those of the site."""
+    made = {name.lower(): page_from_the_top(name) for name in FROM_THE_TOP}
+    made["reference/commands.md"] = commands_page()
+    for name, content in made.items():
+        files.append(File.generated(config, name, content=content))
     return files
+
+
+def page_from_the_top(name: str) -> str:
+    """A file at the top, with its links as they are from this folder."""
+    text = (TOP / name).read_text(encoding="utf-8").replace("](docs/", "](")
+    for other in FROM_THE_TOP:
+        text = text.replace(f"]({other})", f"]({other.lower()})")
+    return text
 
 
 def commands_page() -> str:
