@@ -8,8 +8,9 @@ Of every module a seeded sample of its mutants is taken (`mutants` says which ki
 over each the tests run that reach its lines, until one fails. Which tests reach what, and how long
 they take, comes from one run of all tests named (those of the room, if none are): the first time,
 and with ``--measure``, which new tests or changed lines need. Of the tests that reach a mutant as
-many run as take ``--seconds`` together. It is caught when a test fails or takes too long. Mutants
-that compute the same as the original stand in ``equivalent.toml``, each with the reason.
+many run as take ``--seconds`` of a processor together. It is caught when a test fails or takes five
+times as long. Mutants that compute the same as the original stand, with the reason, in
+``equivalent.toml``.
 
 Results lie in ``build/mutation``, and a run that was ended goes on where it was. Two runs at a time
 are fine where their modules differ. No source is changed: see `running`.
@@ -34,7 +35,7 @@ from tests.mutation.running import Watch, forked, import_others, install, run_te
 FOLDER = Path("build/mutation")
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 # Setting up takes time that no test counts.
-_SLOWER, _SETTING_UP_S = 5.0, 60.0
+_SLOWER, _SETTING_UP_S = 5.0, 30.0
 
 Record = dict[str, Any]
 

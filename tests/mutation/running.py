@@ -17,7 +17,8 @@ import os
 import resource
 import signal
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
+from math import ceil
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -28,13 +29,15 @@ import pytest
 __all__ = ["Watch", "forked", "import_others", "install", "module_name", "run_tests"]
 
 _MOST_MEMORY = 16 << 30
+# How much longer than its processor time a run may take beside others.
+_PATIENCE = 10.0
 # Hypothesis is among what was imported beforehand.
 _QUIET = ["-q", "-p", "no:cacheprovider", "-m", "not slow"]
 _QUIET += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
 
 
 class Watch:
-    """Keeps the tests that were chosen, in their order, and notes what became of each."""
+    """Keeps the tests that were chosen, in their order; notes their processor time and failures."""
 
     def __init__(self, chosen: Sequence[str] | None = None) -> None:
         self.seconds: dict[str, float] = {}
@@ -51,8 +54,14 @@ class Watch:
         if report.failed:
             self.failed.append(report.nodeid)
 
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, object, object]:
+        start = sum(os.times()[:4])
+        answer = yield
+        self.seconds[item.nodeid] = sum(os.times()[:4]) - start
+        return answer
+
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        self.seconds[report.nodeid] = self.seconds.get(report.nodeid, 0.0) + report.duration
         if report.failed:
             self.failed.append(report.nodeid)
 
@@ -66,20 +75,20 @@ def run_tests(watch: Watch, *arguments: str) -> int:
 
 
 def forked(work: Callable[[], Any], seconds: float) -> Any:
-    """What the work gives, in a child process that is ended with all its own after that time.
+    """What the work gives, in a child process that may take so much of a processor's time.
 
     Raises:
-        TimeoutError: it took longer.
+        TimeoutError: nothing came in ten times as long; the child and all its own are ended.
         ChildProcessError: the child died, or the work raised what the message says.
     """
     context = multiprocessing.get_context("fork")
     here, there = context.Pipe(duplex=False)
-    child = context.Process(target=_send, args=(work, there))
+    child = context.Process(target=_send, args=(work, ceil(seconds), there))
     child.start()
     there.close()
     try:
-        if not here.poll(seconds):
-            raise TimeoutError(f"more than {seconds:.0f} s")
+        if not here.poll(_PATIENCE * seconds):
+            raise TimeoutError(f"nothing came in {_PATIENCE * seconds:.0f} s")
         found, raised = here.recv()
         if raised is not None:
             raise ChildProcessError(raised)
@@ -92,8 +101,9 @@ def forked(work: Callable[[], Any], seconds: float) -> Any:
         child.join()
 
 
-def _send(work: Callable[[], Any], there: Connection) -> None:
+def _send(work: Callable[[], Any], seconds: int, there: Connection) -> None:
     os.setsid()
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     resource.setrlimit(resource.RLIMIT_AS, (_MOST_MEMORY, _MOST_MEMORY))
     try:
         answer = (work(), None)

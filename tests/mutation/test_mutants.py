@@ -71,8 +71,17 @@ def test_a_mutated_module_is_imported_and_its_file_left_alone(
 
 
 def test_what_takes_too_long_is_ended() -> None:
-    with pytest.raises(TimeoutError, match=r"more than 0 s"):
-        forked(lambda: time.sleep(60), 0.2)
+    with pytest.raises(TimeoutError, match=r"nothing came in 1 s"):
+        forked(lambda: time.sleep(60), 0.1)
+
+
+def test_what_computes_too_long_is_ended() -> None:
+    def endless() -> None:
+        while True:
+            pass
+
+    with pytest.raises(ChildProcessError, match="died"):
+        forked(endless, 1.0)
 
 
 def test_a_child_that_dies_is_told_of() -> None:
