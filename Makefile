@@ -13,7 +13,7 @@ ROOMS   := ga tracking fusion animation render replays
 READY   := $(VENV)/.ready
 NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/generated/c/* $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/native/generated/*.$(kind))))
 
-.PHONY: demo test test-slow mutation lint wheel kernels names system clean
+.PHONY: demo test test-slow mutation lint wheel kernels names system browser clean
 .DEFAULT_GOAL := demo
 
 demo: $(READY) system
@@ -22,7 +22,7 @@ demo: $(READY) system
 test: $(READY) system
 	$(BIN)/python -m pytest -q -n 2 --dist loadgroup -m "not slow"
 
-test-slow: $(READY) system
+test-slow: $(READY) browser
 	$(BIN)/python -m pytest -q -n 2 --dist loadgroup -m slow
 
 # Names modules or folders of one room; see tests/mutation/__main__.py.
@@ -57,6 +57,10 @@ $(READY): $(NATIVE)
 # Headless OpenGL comes from the system's packages: installed where permitted, named where not.
 system:
 	@sh .ci/system_libraries
+
+# The same, and a browser, in which tests open the pages.
+browser:
+	@sh .ci/system_libraries tests
 
 # mypy finds motorcade.<room> through these links, since the rooms lie at the top of the repository.
 names:

@@ -58,7 +58,8 @@ def plot_squares(
             if dots:
                 _dots(axes, time_s, values, style)
             else:
-                axes.plot(*thinned(time_s, values), **(style | {"linewidth": nested_width(i)}))
+                style |= {"linewidth": nested_width(i, len(series))}
+                axes.plot(*thinned(time_s, values), **style)
         axes.set_yscale("log")
         label_plainly(axes.yaxis)
         bottom = min(bounds[0], max(lowest, 0.1 * bounds[0]))

@@ -63,7 +63,7 @@ def plot_series(
         for i, (name, (time_s, values)) in enumerate(series.items()):
             nest = {}
             if nested and name != "measured":  # noise, which a thick line would spread over all
-                nest = {"linewidth": nested_width(i), "zorder": 2.0 + i}
+                nest = {"linewidth": nested_width(i, len(series)), "zorder": 2.0 + i}
             axes.plot(*thinned(time_s, values), **(line_style(name) | nest))
         if log_scale:
             axes.set_yscale("log")
@@ -76,9 +76,9 @@ def plot_series(
         return as_svg(figure, label)
 
 
-def nested_width(number: int) -> float:
-    """Points across of the n-th line among those that are drawn within each other."""
-    return max(3.4 - 0.5 * number, 0.7)
+def nested_width(number: int, count: int) -> float:
+    """Points across of the n-th of so many lines that are drawn within each other."""
+    return 3.8 - 2.9 * number / max(count - 1, 1)
 
 
 def plot_bands(
@@ -93,7 +93,7 @@ def plot_bands(
         for i, (name, band) in enumerate(bands.items()):
             tint = axes.fill_between(band.time_s, band.low, band.high, color=COLOURS[name])
             tint.set(alpha=0.22, linewidth=0.0, zorder=2.0 + 0.1 * i)
-            line = line_style(name) | {"linewidth": nested_width(i), "zorder": 3.0 + i}
+            line = line_style(name) | {"linewidth": nested_width(i, len(bands)), "zorder": 3.0 + i}
             axes.plot(band.time_s, band.middle, **line)
         axes.set_yscale("log")
         label_plainly(axes.yaxis)
