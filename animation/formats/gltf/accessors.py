@@ -17,7 +17,7 @@ from motorcade.animation.formats.gltf.fields import integer, table
 from motorcade.animation.formats.limits import MAX_VALUES
 from motorcade.ga import FloatArray, IntArray
 
-__all__ = ["Accessors"]
+__all__ = ["Accessors", "widened"]
 
 TYPES: dict[int, np.dtype[Any]] = {
     5120: np.dtype("<i1"), 5121: np.dtype("<u1"), 5122: np.dtype("<i2"), 5123: np.dtype("<u2"),
@@ -48,7 +48,7 @@ class Accessors:
         """
         raw = self._raw(index, field, kind)
         if raw.dtype.kind == "f":
-            made = raw.astype(np.float64)
+            made = widened(raw)
             if not np.isfinite(made).all():
                 raise expected(field, "finite numbers", "NaN or infinity")
             return made
@@ -143,6 +143,12 @@ class Accessors:
         made = base.copy()
         made[where] = new
         return made
+
+
+def widened(raw: NDArray[Any]) -> FloatArray:
+    """Numbers as float64; NaN that would signal stays quiet, to be refused by name."""
+    with np.errstate(invalid="ignore"):
+        return raw.astype(np.float64)
 
 
 def _component(entry: dict[str, Any], field: str) -> np.dtype[Any]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.formats.errors import FormatError, expected
-from motorcade.animation.formats.gltf.accessors import Accessors
+from motorcade.animation.formats.gltf.accessors import Accessors, widened
 from motorcade.animation.formats.gltf.container import Document
 from motorcade.animation.formats.gltf.fields import integer, listed, table
 from motorcade.animation.formats.gltf.nodes import Nodes
@@ -215,7 +215,7 @@ def _group(
     values: list[Any],
     field: str,
 ) -> _Group:
-    stacked = np.stack(values, axis=1).astype(np.float64)
+    stacked = widened(np.stack(values, axis=1))
     # NaN fails both comparisons.
     if not (stacked.max() <= 1e9 and stacked.min() >= -1e9):
         raise expected(f"{field} {path}", "finite keys up to 1e9", "others")

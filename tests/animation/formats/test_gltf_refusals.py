@@ -123,6 +123,26 @@ def test_keys_that_do_not_fit_are_refused(
         read_character(write("bad.glb", made.glb()))
 
 
+@pytest.mark.parametrize("name", ["inverseBindMatrices", "WEIGHTS_0", "keys", "turns"])
+@pytest.mark.parametrize("bits", [0x7FA00000, 0xFFA00001, 0x7FC00000, 0x7F800000])
+def test_numbers_that_are_none_are_refused_quietly_whatever_their_bits(
+    write: Write, name: str, bits: int
+) -> None:
+    """A NaN that signals would warn of its cast before any check sees it."""
+    made = samples.gltf_tower()
+    document = made.document
+    number = {
+        "inverseBindMatrices": document["skins"][0]["inverseBindMatrices"],
+        "WEIGHTS_0": document["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"],
+        "keys": document["animations"][0]["samplers"][0]["input"],
+        "turns": document["animations"][0]["samplers"][0]["output"],
+    }[name]
+    start = document["bufferViews"][document["accessors"][number]["bufferView"]]["byteOffset"]
+    struct.pack_into("<I", made.data, start + 4, bits)
+    with pytest.raises(FormatError, match=r"expected (finite|increasing)"):
+        read_character(write("signal.glb", made.glb()))
+
+
 @pytest.mark.parametrize(
     ("rows", "kind", "message"),
     [
