@@ -9,6 +9,7 @@ from motorcade.render.light.estimate import (
 from motorcade.render.light.footage import lighting_of_footage
 from motorcade.render.light.harmonics import harmonics, irradiance_factors, rotate_harmonics
 from motorcade.render.light.lamps import (
+    certainty,
     character_lighting,
     estimated_lighting,
     light_on,
@@ -22,6 +23,7 @@ __all__ = [
     "LightEstimate",
     "Prints",
     "ShadedPoints",
+    "certainty",
     "character_lighting",
     "estimate_light",
     "estimated_lighting",

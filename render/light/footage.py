@@ -10,7 +10,7 @@ from motorcade.animation import Placement
 from motorcade.ga import Trajectory
 from motorcade.render.composite import as_rgb
 from motorcade.render.light.estimate import ShadedPoints, estimate_light, shaded_points
-from motorcade.render.light.lamps import estimated_lighting
+from motorcade.render.light.lamps import certainty, estimated_lighting, sunlight_direction
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
 from motorcade.tracking.cameras.camera import Camera
 
@@ -26,7 +26,7 @@ def lighting_of_footage(
     world_T_camera: Trajectory,
     placement: Placement,
     height_m: float,
-) -> Lighting | None:
+) -> tuple[Lighting, str] | None:
     """The light that falls on a placed character, estimated from frames with depth.
 
     About eight frames, spread over the recording, are enough; every one that is given is used.
@@ -39,8 +39,9 @@ def lighting_of_footage(
         height_m: of the placed character; surfaces two heights away count half.
 
     Returns:
-        sun and ambient light, or None where too few points with depth were seen: without depth
-        there are no surfaces to tell light from paint by.
+        sun and ambient light, and what of them was assumed; or None where too few points with depth
+        were seen: without depth there are no surfaces to tell light from paint by. Where surfaces
+        hardly tell where light comes from, it comes from where the fixed light does.
 
     Raises:
         ValueError: sizes that differ, or a camera with distortion.
@@ -57,4 +58,9 @@ def lighting_of_footage(
     stand = placement.world_T_character
     middle = stand.apply(np.array([0.0, 0.0, 0.5 * height_m]))
     estimate = estimate_light(ShadedPoints.joined(parts), middle, 2.0 * height_m)
-    return estimated_lighting(placement, height_m, estimate)
+    assumed = sunlight_direction(placement, world_T_camera.motors)
+    sure = certainty(estimate)
+    told = "light estimated from surfaces with depth"
+    if sure < 1.0:
+        told += ", its direction assumed" if sure == 0.0 else ", its direction in part assumed"
+    return estimated_lighting(placement, height_m, estimate, assumed), told

@@ -17,6 +17,8 @@ SUN_FROM = (1.0, 0.42, 0.55)
 # Paints that face one way take shading for their own: of the synthetic room's contrast, 1.1, the
 # estimate finds 0.46. Below the lesser bound a figure looks cut out of paper.
 CONTRAST_LOST, CONTRASTS = 2.0, (0.7, 1.6)
+# Of the estimate's own contrast: at the lesser its direction is chance, at the greater it is sure.
+TELLING = (0.10, 0.30)
 WARM, COOL = (1.0, 0.955, 0.89), (0.86, 0.92, 1.0)
 
 
@@ -81,8 +83,18 @@ def character_lighting(
     )
 
 
+def certainty(estimate: LightEstimate) -> float:
+    """How much of an estimate's direction is to be believed, 0 to 1, by its contrast."""
+    least, most = TELLING
+    return float(np.clip((estimate.contrast - least) / (most - least), 0.0, 1.0))
+
+
 def estimated_lighting(
-    placement: Placement, height_m: float, estimate: LightEstimate, least_elevation_rad: float = 0.3
+    placement: Placement,
+    height_m: float,
+    estimate: LightEstimate,
+    assumed: FloatArray | None = None,
+    least_elevation_rad: float = 0.3,
 ) -> Lighting:
     """Sun and ambient light as they were found in the pictures.
 
@@ -90,11 +102,17 @@ def estimated_lighting(
         placement: of the character.
         height_m: of the placed character.
         estimate: the light in the placement's world.
+        assumed: (3,) the way light would travel if nothing told it; it takes the part that
+            `certainty` leaves. Without it the estimate's direction is taken as it is.
         least_elevation_rad: a sun nearer to the ground, or below it, is raised to this height,
             since it throws the shadow.
     """
     up = placement.world_T_character.rotor.apply(np.array([0.0, 0.0, 1.0]))
     towards = estimate.towards_light
+    if assumed is not None:
+        sure = certainty(estimate)
+        towards = sure * towards - (1.0 - sure) * assumed
+        towards /= max(float(np.linalg.norm(towards)), 1e-9)
     height = float(np.dot(towards, up))
     if height < np.sin(least_elevation_rad):
         level = towards - height * up

@@ -118,6 +118,18 @@ def test_an_estimated_sun_below_the_ground_is_raised(placement: Placement) -> No
     np.testing.assert_allclose(kept.sun.direction, -TO_SUN, atol=1e-12)
 
 
+def test_a_direction_that_hardly_shows_gives_way_to_the_assumed_one(placement: Placement) -> None:
+    assumed = np.array([0.0, 0.6, -0.8])
+    for contrast, share in ((0.05, 0.0), (0.2, 0.5), (0.5, 1.0)):
+        bands = np.zeros(9)
+        bands[0], bands[[3, 1, 2]] = 1.0, contrast / np.sqrt(3.0) * TO_SUN
+        found = LightEstimate(bands, np.ones(3))
+        assert found.contrast == pytest.approx(contrast)
+        made = np.array(estimated_lighting(placement, 1.0, found, assumed).sun.direction)
+        wanted = (1.0 - share) * assumed - share * TO_SUN
+        np.testing.assert_allclose(made, wanted / np.linalg.norm(wanted), atol=1e-12)
+
+
 def test_the_suns_share_is_its_irradiance_over_all() -> None:
     sun = Sun((0.0, 0.0, -2.0), np.pi * 0.6)
     lighting = Lighting((0.2, 0.2, 0.2), sun, (), (0.0, 0.0, 0.0), 1.0)

@@ -139,7 +139,7 @@ def _estimated(
     height_m = placed.placement.scale * character.height_m
     found = lighting_of_footage(seen, straight.camera, path, placed.placement, height_m)
     if found is not None:
-        return found, "light estimated from surfaces with depth"
+        return found
     return lighting_without_depth(seen, straight.camera, path, placed.placement, height_m, prints)
 
 

@@ -15,9 +15,9 @@ from motorcade.animation import Placement, mannequin, place_on_plane, skin
 from motorcade.ga import FloatArray, Trajectory
 from motorcade.render import Lighting, Surface, render_overlay
 from motorcade.render.backends.renderer import new_renderer
-from motorcade.render.light import Prints, lighting_without_depth
+from motorcade.render.light import Prints, lighting_of_footage, lighting_without_depth
 from motorcade.render.light.estimate import linear
-from motorcade.render.scene import ImageArray
+from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.replays.synthetic_room.furniture import BOARD, boxes, world_T_board
 from motorcade.replays.synthetic_room.lighting import Occluders, irradiance
 from motorcade.replays.synthetic_room.path import HandheldPath
@@ -40,6 +40,7 @@ class Shots:
     empty: list[FloatArray]
     true: list[FloatArray]
     there: list[NDArray[np.bool_]]
+    depth_m: list[DepthArray]
     poses: Trajectory
     placement: Placement
 
@@ -54,7 +55,7 @@ def undeveloped(picture: ImageArray) -> FloatArray:
 def shots() -> Shots:
     poses = HandheldPath.of(np.random.default_rng(0)).trajectory(TIME_NS)
     placement = place_on_plane(FIGURE, (0.0, 0.0), 2.6, height_m=HEIGHT_M)
-    taken = Shots([], [], [], poses, placement)
+    taken = Shots([], [], [], [], poses, placement)
     with new_renderer("fast", CAMERA.width, CAMERA.height) as renderer:
         for stamp, pose in zip(TIME_NS, poses.motors, strict=True):
             own, facing = skin(FIGURE, CLIP.at(1e-9 * (stamp - TIME_NS[0])))
@@ -68,6 +69,7 @@ def shots() -> Shots:
             within = renderer.render(CAMERA, pose)
             taken.empty.append(undeveloped(without.rgba[..., :3]))
             taken.true.append(undeveloped(within.rgba[..., :3]))
+            taken.depth_m.append(without.depth_m)
             taken.there.append(within.depth_m < without.depth_m - 1e-4)
     return taken
 
@@ -116,3 +118,16 @@ def test_paper_and_even_a_grey_world_come_nearer_than_the_fixed_light(
     assert by_paper[1] < 0.95 * fixed[1]
     assert by_grey[1] < 0.95 * fixed[1]
     assert by_paper[0] < 11.0
+
+
+def test_with_depth_direction_and_colour_come_nearer_still(shots: Shots) -> None:
+    empty, true = ([developed(light) for light in lights] for lights in (shots.empty, shots.true))
+    stamps = [int(stamp) for stamp in TIME_NS]
+    given = CAMERA, shots.poses, shots.placement, HEIGHT_M
+    found = lighting_of_footage(zip(stamps, empty, shots.depth_m, strict=True), *given)
+    assert found is not None
+    assert found[1] == "light estimated from surfaces with depth"
+    fixed, by_depth = (errors(shots, empty, true, light) for light in (None, found[0]))
+    assert by_depth[0] < 0.5 * fixed[0]
+    assert by_depth[1] < 0.75 * fixed[1]
+    assert lighting_of_footage([(stamps[0], empty[0], None)], *given) is None
