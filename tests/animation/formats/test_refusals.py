@@ -124,6 +124,27 @@ def test_more_than_four_influences_keep_the_largest(write: Write) -> None:
     assert any("more than four influences" in notice for notice in character.notices)
 
 
+def test_what_is_lost_of_hardly_any_weight_is_not_worth_a_notice(write: Write) -> None:
+    """A fifth influence of a thousandth, and shear of a joint that carries nothing."""
+    made = samples.gltf_tower()
+    attributes = made.document["meshes"][0]["primitives"][0]["attributes"]
+    attributes["JOINTS_1"] = made.add(np.zeros((12, 4)), "uint8")
+    attributes["WEIGHTS_0"] = made.add(np.tile([0.4, 0.3, 0.2, 0.099], (12, 1)))
+    attributes["WEIGHTS_1"] = made.add(np.tile([0.001, 0.0, 0.0, 0.0], (12, 1)))
+    document = made.document
+    document["nodes"][2]["children"] = [4]
+    document["nodes"].append({"name": "leaf", "scale": [1.0, 2.0, 1.0]})
+    document["skins"][0] = {
+        "joints": [1, 2, 4],
+        "inverseBindMatrices": made.add(np.tile(np.eye(4).reshape(16), (3, 1))),
+    }
+    notices = read_character(write("light.glb", made.glb())).notices
+    assert not any("influences" in told or "scales an axis" in told for told in notices)
+    document["nodes"][2]["scale"] = [1.0, 2.0, 1.0]
+    notices = read_character(write("heavy.glb", made.glb())).notices
+    assert any("scales an axis" in told for told in notices)
+
+
 def test_antipodal_keys_turn_the_short_way(write: Write) -> None:
     made = samples.gltf_tower()
     turn = np.array([[0, 0, 0, 1], [0, 0, -samples.QUARTER, -samples.QUARTER]])

@@ -79,3 +79,9 @@ def test_refusals_are_one_line(figure, arguments, message, capsys):
     told = capsys.readouterr().err.strip()
     assert message in told
     assert "\n" not in told
+
+
+def test_what_begins_with_a_dash_is_no_value_without_an_equals_sign(figure, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["blend", str(figure), "--clips", "-1,0"])
+    assert "argument --clips: expected one argument" in capsys.readouterr().err
