@@ -19,7 +19,7 @@ from typing import Any
 from motorcade.ga import Trajectory
 from motorcade.replays.engine.graph import Graph, Run
 from motorcade.replays.engine.knobs import parse_knobs
-from motorcade.replays.files.atomic import copy_file, write_bytes
+from motorcade.replays.files.atomic import copy_file, sweep_unfinished, write_bytes
 from motorcade.replays.files.trajectories import write_trajectory
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.replays.report.summary import without_nan
@@ -116,6 +116,9 @@ def export(run: Run, out: Path, about_it: dict[str, Any]) -> dict[str, Any]:
     poses = run.outputs.get("camera_poses")
     summary = account if pages is None else json.loads(pages.summary.read_text(encoding="utf-8"))
     written = set()
+    for folder in (out, out / "trajectories"):
+        if folder.is_dir():
+            sweep_unfinished(folder)
     for name, trajectory in trajectories(run).items():
         written.add(out / "trajectories" / f"{name}.tum")
         write_trajectory(trajectory, out / "trajectories" / f"{name}.tum")

@@ -2,15 +2,18 @@
 
 An artifact is a folder: `value.json` (the tree), `arrays.npz` (its arrays), `files/` (whatever the
 value points to with a `Path`), `aside.json` (fields that say how the value came about, such as
-seconds, and do not belong to its content) and `artifact.json` (format version, content digest),
-written last. The folder is built under a temporary name and renamed: a reader sees all or nothing.
+seconds, and do not belong to its content) and `artifact.json` (format version, content digest, and
+a seal over all that the digest does not cover), written last. The folder is built under a temporary
+name and renamed: a reader sees all or nothing. One that is not as it was written is computed again.
 
 Reading is driven by the type asked for, never by names found in the file; nothing is unpickled.
 """
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import errno
 import hashlib
 import json
 import logging
@@ -30,9 +33,11 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from motorcade.replays.files.atomic import is_alive
+
 log = logging.getLogger("motorcade.artifacts")
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 UNFINISHED = re.compile(r"\.(workspace|[a-z_]+-[0-9a-f]{24})\.(?P<pid>[0-9]+)")
 """Names of what is still being built; nothing else is ever swept."""
 ASIDE = {"aside": True}
@@ -56,9 +61,19 @@ def write_artifact(value: object, folder: Path, seconds: float) -> Stored:
     """Store a frozen dataclass, which took `seconds` to make, in `folder`, all or nothing.
 
     Files that the value points to are moved into the artifact. Raises TypeError for a field of
-    a kind that cannot be stored.
+    a kind that cannot be stored, and OSError naming the folder where it cannot be written.
     """
     building = folder.with_name(f".{folder.name}.{os.getpid()}")
+    try:
+        return _built(value, folder, building, seconds)
+    except OSError as fault:
+        told = f"cannot be written: {fault.strerror or fault}"
+        raise OSError(fault.errno or errno.EIO, told, str(folder)) from fault
+    finally:
+        shutil.rmtree(building, ignore_errors=True)
+
+
+def _built(value: object, folder: Path, building: Path, seconds: float) -> Stored:
     shutil.rmtree(building, ignore_errors=True)
     (building / "files").mkdir(parents=True)
     encoder = _Encoder(building / "files")
@@ -66,29 +81,49 @@ def write_artifact(value: object, folder: Path, seconds: float) -> Stored:
     _write_json(building / "value.json", tree)
     _write_json(building / "aside.json", encoder.aside)
     np.savez(building / "arrays.npz", allow_pickle=False, **encoder.arrays)
-    digest = _content_digest(building)
-    about = {"version": FORMAT_VERSION, "digest": digest, "seconds": seconds}
-    _write_json(building / "artifact.json", about)
-    return _publish(building, folder) or Stored(folder, digest, seconds)
+    about = {
+        "version": FORMAT_VERSION,
+        "name": folder.name,
+        "digest": _content_digest(building),
+        "seconds": float(seconds),
+    }
+    _write_json(building / "artifact.json", about | {"seal": _seal(building, about)})
+    return _publish(building, folder) or Stored(folder, about["digest"], about["seconds"])
 
 
 def find_artifact(folder: Path) -> Stored | None:
     """The artifact in `folder`; None where there is none, or it is not what was once written."""
-    if not folder.exists():
+    if not os.path.lexists(folder):
         return None
+    stored = _as_written(folder, folder.name)
+    if stored is None:
+        log.warning("%s: damaged, so it is computed again", folder)
+        _remove(folder)
+    return stored
+
+
+def _as_written(folder: Path, name: str) -> Stored | None:
+    """What lies in a folder, if it is what was once written under that name."""
     try:
         about = json.loads((folder / "artifact.json").read_bytes())
-        if about["version"] != FORMAT_VERSION:
+        sealed = about.pop("seal") == _seal(folder, about)
+        if not sealed or about["name"] != name or _content_digest(folder) != about["digest"]:
             return None
-        stored = Stored(folder, str(about["digest"]), float(about["seconds"]))
-        whole = _content_digest(folder) == stored.digest
-    except (OSError, ValueError, KeyError, TypeError):
-        whole = False
-    if not whole:
-        log.warning("%s: damaged, so it is computed again", folder)
-        shutil.rmtree(folder, ignore_errors=True)
+        return Stored(folder, about["digest"], about["seconds"])
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
-    return stored
+
+
+def _remove(folder: Path) -> None:
+    """Set a damaged artifact aside in one step and delete it, unless it was replaced meanwhile."""
+    aside = folder.with_name(f".{folder.name}.{os.getpid()}")
+    with contextlib.suppress(OSError):
+        folder.rename(aside)
+        if _as_written(aside, folder.name) is not None:
+            aside.rename(folder)
+    shutil.rmtree(aside, ignore_errors=True)
+    with contextlib.suppress(OSError):
+        aside.unlink()
 
 
 def read_artifact(stored: Stored, kind: Any) -> Any:
@@ -133,18 +168,8 @@ def sweep_unfinished(cache: Path) -> None:
     """Remove what killed runs left half-built in `cache`; runs that still live keep theirs."""
     for building in cache.iterdir():
         ours = UNFINISHED.fullmatch(building.name)
-        if ours is not None and not _is_alive(int(ours["pid"])):
+        if ours is not None and not is_alive(int(ours["pid"])):
             shutil.rmtree(building, ignore_errors=True)
-
-
-def _is_alive(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True
 
 
 class _Encoder:
@@ -250,6 +275,13 @@ def _content_digest(folder: Path) -> str:
     return content.hexdigest()
 
 
+def _seal(folder: Path, about: dict[str, Any]) -> str:
+    """SHA-256 over what is told about an artifact beside its content."""
+    sealed = hashlib.sha256(json.dumps(about, sort_keys=True).encode())
+    sealed.update((folder / "aside.json").read_bytes())
+    return sealed.hexdigest()
+
+
 def _publish(building: Path, folder: Path) -> Stored | None:
     """Rename into place; where another run was faster with the same key, give its result."""
     for path in building.rglob("*"):
@@ -262,8 +294,6 @@ def _publish(building: Path, folder: Path) -> Stored | None:
         earlier = find_artifact(folder)
         if earlier is None:
             building.rename(folder)
-        else:
-            shutil.rmtree(building)
         return earlier
     return None
 

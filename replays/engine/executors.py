@@ -6,8 +6,9 @@ One job's failure never ends the others, not even where its process dies.
 from __future__ import annotations
 
 import os
+import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import (
     Executor,
     Future,
@@ -18,7 +19,7 @@ from concurrent.futures import (
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from queue import SimpleQueue
 from typing import Any, TypeVar
 
@@ -46,8 +47,10 @@ def check_executor(name: str) -> str:
 
 def outcomes(
     function: Callable[[Job], Result], jobs: Sequence[Job], executor: str
-) -> Iterator[tuple[Job, Result | BaseException]]:
+) -> Generator[tuple[Job, Result | BaseException], None, None]:
     """Call `function` on every job; yields each with its result or the error that ended it.
+
+    Closing the generator, or an interrupt, ends the processes where they stand.
 
     Args:
         function: a function of a module, which other processes can import.
@@ -85,10 +88,12 @@ def _alone(function: Callable[[Job], Result], job: Job) -> Result:
 
 @contextmanager
 def _processes() -> Iterator[Executor]:
-    count = os.cpu_count() or 1
-    pool = _SeparateProcesses(count)
+    pool = _SeparateProcesses(os.cpu_count() or 1)
     try:
         yield pool
+    except BaseException:  # stopped: nobody waits for what is still running
+        pool.kill()
+        raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 
@@ -97,6 +102,7 @@ class _SeparateProcesses(Executor):
     """A pool in which a process that dies takes only its own job with it."""
 
     def __init__(self, count: int) -> None:
+        self._others = set(active_children())
         self._threads = ThreadPoolExecutor(count)
         self._pools: SimpleQueue[ProcessPoolExecutor] = SimpleQueue()
         for _ in range(count):
@@ -117,6 +123,12 @@ class _SeparateProcesses(Executor):
         finally:
             self._pools.put(pool)
 
+    def kill(self) -> None:
+        """End the processes where they stand, and forget the jobs that wait."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        for process in set(active_children()) - self._others:
+            process.kill()
+
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Let running jobs finish, then end the processes."""
         self._threads.shutdown(wait, cancel_futures=cancel_futures)
@@ -126,7 +138,12 @@ class _SeparateProcesses(Executor):
 
 def _one_process() -> ProcessPoolExecutor:
     # A fresh interpreter: OpenGL contexts and threads do not survive a fork.
-    return ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+    return ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=_leave_quietly)
+
+
+def _leave_quietly() -> None:
+    """Ctrl-C reaches every process of a terminal; that of the command answers for all of them."""
+    signal.signal(signal.SIGINT, lambda number, frame: os._exit(130))
 
 
 @contextmanager

@@ -187,6 +187,7 @@ class Graph:
             found = artifacts.find_artifact(folder)
             try:
                 stored = found or _compute(stage, outputs, settings, folder)
+                output = _read(stored, stage, outputs, settings)
             except Unavailable as missing:
                 if name == target or not self._may_be_missing(name, target):
                     raise
@@ -197,7 +198,7 @@ class Graph:
             records.append(
                 Record(name, folder.name, knobs_as_text, stored.seconds, cached=found is not None)
             )
-            outputs[name] = artifacts.read_artifact(stored, stage.output)
+            outputs[name] = output
             digests[name] = stored.digest
         return Run(outputs, unavailable, tuple(records))
 
@@ -234,6 +235,19 @@ def _told(value: Any) -> str:
     if isinstance(value, Path) and value.is_file():
         return f"{value!r} {hashlib.sha256(value.read_bytes()).hexdigest()}"
     return repr(value)
+
+
+def _read(
+    stored: artifacts.Stored, stage: Stage, outputs: Mapping[str, Any], settings: Mapping[str, Any]
+) -> Any:
+    """The output as stored; computed once more where another run took it away just now."""
+    try:
+        return artifacts.read_artifact(stored, stage.output)
+    except artifacts.ArtifactError:
+        if artifacts.find_artifact(stored.folder) is not None:
+            raise
+        again = _compute(stage, outputs, settings, stored.folder)
+        return artifacts.read_artifact(again, stage.output)
 
 
 def _compute(

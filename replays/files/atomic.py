@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import secrets
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["copy_file", "write_bytes"]
+__all__ = ["copy_file", "is_alive", "sweep_unfinished", "write_bytes"]
+
+_UNFINISHED = re.compile(r"\..+\.(?P<pid>[0-9]+)-[0-9a-f]{12}")
 
 
 def write_bytes(path: Path, data: bytes) -> None:
@@ -25,9 +28,28 @@ def copy_file(source: Path, path: Path) -> None:
         shutil.copyfile(source, building)
 
 
+def sweep_unfinished(folder: Path) -> None:
+    """Remove what killed processes left half-written in `folder`; those that live keep theirs."""
+    for building in folder.iterdir():
+        ours = _UNFINISHED.fullmatch(building.name)
+        if ours is not None and not is_alive(int(ours["pid"])):
+            building.unlink(missing_ok=True)
+
+
+def is_alive(pid: int) -> bool:
+    """Whether a process of this number runs on this machine."""
+    try:
+        os.kill(pid, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:
+        return True
+    return True
+
+
 @contextmanager
 def _replacing(path: Path) -> Iterator[Path]:
-    building = path.with_name(f".{path.name}.{secrets.token_hex(6)}")
+    building = path.with_name(f".{path.name}.{os.getpid()}-{secrets.token_hex(6)}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield building

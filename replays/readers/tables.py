@@ -120,7 +120,8 @@ def stamp_ns(text: bytes, unit: str) -> int:
     """
     power = UNITS[unit]
     if text.isdigit() and len(text) + power <= 18:
-        return int(text) * 10**power
+        whole: int = int(text) * 10**power
+        return whole
     try:
         value = Decimal(text.decode("ascii").strip())
     except (InvalidOperation, UnicodeDecodeError) as fault:

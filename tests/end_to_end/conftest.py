@@ -63,10 +63,8 @@ def photograph(world_T_camera: Motor) -> np.ndarray:
     return cv2.resize(large, (CAMERA.width, CAMERA.height), interpolation=cv2.INTER_AREA)
 
 
-@pytest.fixture(scope="session")
-def board_recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of a recording that describes itself; tests must copy it before they change it."""
-    folder = tmp_path_factory.mktemp("recordings") / "small_board"
+def write_board(folder: Path) -> Path:
+    """Write the recording into a new folder."""
     folder.mkdir()
     path = truth()
     for i in range(FRAMES):
@@ -74,3 +72,9 @@ def board_recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_trajectory(path, folder / "truth.tum")
     (folder / "motorcade.toml").write_text(MANIFEST)
     return folder
+
+
+@pytest.fixture(scope="session")
+def board_recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a recording that describes itself; tests must copy it before they change it."""
+    return write_board(tmp_path_factory.mktemp("recordings") / "small_board")
