@@ -203,7 +203,7 @@ def test_jerk_at_uneven_stamps_is_weighed_by_their_steps():
     assert log_dimensionless_jerk(along(1e3 * seconds, kinked)).linear == pytest.approx(expected)
 
 
-@pytest.mark.parametrize(("size", "told"), [(1e-17, False), (1e-9, True)])
+@pytest.mark.parametrize(("size", "told"), [(1e-17, False), (2e-13, True), (1e-9, True)])
 def test_no_score_is_made_of_rounding(size, told):
     """A shake of so many metres on a path a metre from the origin."""
     stamps = np.arange(50) * 10

@@ -117,7 +117,7 @@ def test_errors_that_leave_a_quarter_and_come_back_the_other_way_are_counted_onc
 
 
 def test_the_sign_of_a_rotor_says_nothing(rng):
-    for end_deg in (100.0, 350.0, 1000.0):
+    for end_deg in (100.0, 200.0, 260.0, 350.0, 500.0, 1000.0):
         error = about(np.deg2rad(np.linspace(0.0, end_deg, 300)))
         signs = rng.choice([-1.0, 1.0], (300, 1))
         assert whole_turns(Rotor(signs * error.coefficients)) == whole_turns(error)
@@ -176,3 +176,7 @@ def test_a_pose_costs_its_share_of_the_fastest_run(monkeypatch):
     assert seconds_per_pose(lambda path: path, trajectory) == pytest.approx(2.0 / len(trajectory))
     with pytest.raises(StopIteration):  # three runs, and no more
         next(ticks)
+    once = iter([1.0, 5.0])
+    monkeypatch.setattr("motorcade.fusion.metrics.cost.perf_counter", lambda: next(once))
+    found = seconds_per_pose(lambda path: path, trajectory, repeats=1)
+    assert found == pytest.approx(4.0 / len(trajectory))
