@@ -17,6 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.animation.ik.chain import shortest_turn
 from motorcade.animation.ik.soles import raised_soles, sole_clearance_m
 from motorcade.animation.ik.swings import stretches, swing_lift_m
 from motorcade.animation.ik.two_bone import bend_limb
@@ -135,8 +136,22 @@ def plant_feet(
         targets.append(inside.apply(foot.translation_m))
     made = _lowered(skeleton, poses, legs, targets)
     for leg, target, (foot_rotor, toe_rotor) in zip(legs, targets, feet, strict=True):
-        made = bend_limb(skeleton, made, (leg.hip, leg.knee, leg.ankle), target)
+        limb = (leg.hip, leg.knee, leg.ankle)
+        made = bend_limb(skeleton, made, limb, target, _knee_ahead(skeleton, made, limb, target))
         made = _turned(skeleton, made, leg, foot_rotor, toe_rotor)
+    return made
+
+
+def _knee_ahead(
+    skeleton: Skeleton, poses: Motor, limb: tuple[str, str, str], target: FloatArray
+) -> FloatArray:
+    """Towards what ``(F, 3)`` a knee bends whose leg is turned to a target: as it did, and along.
+
+    A knee bent towards where it was would bend backwards, once the leg is laid beyond it.
+    """
+    at = skeleton.world(poses).translation_m
+    hip, knee, ankle = (at[:, skeleton.index(name)] for name in limb)
+    made: FloatArray = hip + shortest_turn(ankle - hip, target - hip).apply(knee - hip)
     return made
 
 

@@ -1,4 +1,8 @@
-"""Walks: a character that follows a path on the ground at its clip's own speed, feet planted."""
+"""Walks: a character that follows a path on the ground at its clip's own speed, feet planted.
+
+It starts from standing and comes to stand at the path's end: the walk is left for standing, and
+standing for the walk, by inertia (`blend.Inertialized`) while the way slows down and speeds up.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +13,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from motorcade.animation.blend import Inertialized
+from motorcade.animation.blend.transitions import Motion
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Ground, Leg, find_stances, plant_feet
+from motorcade.animation.place.pacing import Pace, passing_s, standing_pose
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import FloatArray, Motor, Rotor, checked_floats, frozen
 
@@ -18,6 +25,10 @@ __all__ = ["GroundPath", "Walk", "walk_along"]
 
 # Samples a metre of the curve on which its length is measured.
 SAMPLES_A_METRE = 200.0
+# Strides are shorter than the cycle's by this factor at most; feet that hold still make up for it.
+SHORTENED = 1.2
+# How far, as a share of the highest joint's height, a foot is from where it stands for good.
+NEAR = 0.002
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,11 +112,16 @@ def walk_along(
     rate_hz: float = 60.0,
     scale: float = 1.0,
     ground: Ground | None = None,
+    standing: Clip | None = None,
+    starts: bool = True,
+    stops: bool = True,
 ) -> Walk:
-    """Walk a path from its start to its end.
+    """Walk a path from its start to its end, from standing to standing.
 
-    The clip plays at its own speed, so that the stance foot goes back as fast as the body goes on;
-    what curves and rounding leave of sliding is taken out by `plant_feet`.
+    The clip plays in step with the way, so that the stance foot goes back as fast as the body goes
+    on; what curves, rounding and strides fitted to the way leave of sliding is taken out by
+    `plant_feet`. Speeding up and slowing down take half a cycle each, a run's longer; a clip that
+    leaves the ground is slow in the air then.
 
     Args:
         path: on the plane, in its metres.
@@ -117,22 +133,31 @@ def walk_along(
         scale: of the character; a smaller one takes smaller steps, in the same time.
         ground: heights over the plane, in metres of the character's own size; told as well for
             a cycle before the path's start and after its end.
+        standing: what it does before and after, rigid and on the spot, such as an idle clip; by
+            default it stands as it rests, what legs do not carry as it is on average.
+        starts: whether it starts from standing; else it comes walking, in any phase.
+        stops: whether it comes to stand; else it is left in mid-stride.
 
     Raises:
-        ValueError: a clip that is not looped or not rigid, a speed, rate or scale not above 0.
+        ValueError: a clip that is not looped or not rigid, a speed, rate or scale not above 0; no
+            legs to start or stop with.
     """
+    _check(clip, standing, legs if starts or stops else None)
     for name, value in (("speed_m_s", speed_m_s), ("rate_hz", rate_hz), ("scale", scale)):
         if not (np.isfinite(value) and value > 0.0):
             raise ValueError(f"walk_along({name}): expected a number above 0, got {value}")
-    if not clip.looped or not isinstance(clip.poses, Motor):
-        raise ValueError(f"walk_along(clip): expected a rigid loop, got '{clip.name}'")
-    own_length = path.length_m / scale
-    count = max(2, int(np.ceil(own_length / speed_m_s * rate_hz)) + 1)
+    passing: tuple[float, ...] = ()
+    if starts or stops:
+        standing = standing_pose(clip, skeleton, legs) if standing is None else standing
+        passing = passing_s(clip, _rigid(standing, 0.0), skeleton, legs, speed_m_s)
+    pace = Pace(path.length_m / scale, speed_m_s, clip.duration_s, passing, starts, stops)
+    count = max(2, int(np.ceil(pace.done_s * rate_hz)) + 1)
     # A cycle before and after the way, so that no stance is cut by its ends.
     more = int(np.ceil(clip.duration_s * rate_hz))
     time_s = np.arange(-more, count + more) / rate_hz
-    along = speed_m_s * time_s
-    along[more + count - 1 :] += own_length - along[more + count - 1]
+    along = pace.along_m(time_s)
+    if not stops:
+        along[more + count - 1 :] += pace.length_m - along[more + count - 1]
     position, heading = path.at(scale * along)
     up = np.zeros((len(time_s), 3))
     up[:, 2] = heading
@@ -140,29 +165,97 @@ def walk_along(
     flat = np.concatenate([position, np.zeros((len(time_s), 1))], axis=1)
     # Feet are planted at the character's own size.
     own = Motor.from_rotor_translation(rotor, flat / scale)
-    poses = clip.at(clip.time_s[0] + time_s)
-    if not isinstance(poses, Motor):
-        raise ValueError(f"walk_along(clip): expected a rigid loop, got '{clip.name}'")
+    poses = _rigid(_played(clip, standing, pace), time_s)
     planted = plant_feet(
         skeleton, time_s, poses, legs, world_T_character=own, ground=ground,
-        stances=_stances(skeleton, legs, poses, speed_m_s * time_s, time_s),
+        stances=_stances(skeleton, legs, poses, time_s, pace),
     )  # fmt: skip
     way = slice(more, more + count)
     placed = Motor.from_rotor_translation(rotor[way], flat[way])
     return Walk(time_s[way], placed, planted[way])
 
 
+def _check(clip: Clip, standing: Clip | None, legs: Sequence[Leg] | None) -> None:
+    if not clip.looped or not isinstance(clip.poses, Motor):
+        raise ValueError(f"walk_along(clip): expected a rigid loop, got '{clip.name}'")
+    if standing is not None and not isinstance(standing.poses, Motor):
+        raise ValueError(f"walk_along(standing): expected rigid poses, got '{standing.name}'")
+    if legs is not None and not legs:
+        raise ValueError("walk_along(legs): expected legs to start or stop with, got none")
+
+
+@dataclass(frozen=True, eq=False)
+class _InStep:
+    """A cycle in step with a way; where strides are a lot shorter, it is nearer to standing."""
+
+    cycle: Clip
+    standing: Clip | None
+    pace: Pace
+
+    def at(self, time_s: ArrayLike) -> Motor:
+        made = _rigid(self.cycle, self.cycle.time_s[0] + self.pace.phase_s(time_s))
+        share = SHORTENED * self.pace.stride
+        if self.standing is None or share >= 1.0:
+            return made
+        return _rigid(self.standing, time_s).interpolate(made, share)
+
+
+def _played(cycle: Clip, standing: Clip | None, pace: Pace) -> Motion:
+    """What the character does, not yet planted."""
+    made: Motion = _InStep(cycle, standing, pace)
+    if standing is not None and pace.starts:
+        made = Inertialized(standing, made, 0.0, pace.change_s)
+    if standing is not None and pace.stops:
+        made = Inertialized(made, standing, pace.left_s, pace.done_s - pace.left_s)
+    return made
+
+
+def _rigid(motion: Motion, time_s: ArrayLike) -> Motor:
+    poses = motion.at(time_s)
+    if not isinstance(poses, Motor):
+        raise ValueError("walk_along: expected rigid poses, got some that grow")
+    return poses
+
+
 def _stances(
-    skeleton: Skeleton, legs: Sequence[Leg], poses: Motor, along_m: FloatArray, time_s: FloatArray
+    skeleton: Skeleton, legs: Sequence[Leg], poses: Motor, time_s: FloatArray, pace: Pace
 ) -> list[NDArray[np.bool_]]:
     """When each foot stands, ``(F,)`` each, were the way straight.
 
     Along a bend a body that turns drags its standing foot as fast as a slow swing.
     """
     at = skeleton.world(poses).translation_m
-    at[..., 0] += along_m[:, None]
-    balls = [skeleton.index(leg.ball or leg.ankle) for leg in legs]
-    return [find_stances(at[:, ball], time_s) for ball in balls]
+    at[..., 0] += pace.along_m(time_s)[:, None]
+    near_m = NEAR * float(np.max(skeleton.rest_world.translation_m[:, 2]))
+    found = []
+    for leg in legs:
+        foot = at[:, skeleton.index(leg.ball or leg.ankle)]
+        if pace.starts or pace.stops:  # what would sink between walking and standing is low, too
+            ground_m = foot[0 if pace.starts else -1, 2]
+            foot[:, 2] = np.maximum(foot[:, 2], ground_m)
+        standing = find_stances(foot, time_s)
+        if pace.starts:
+            standing = _stood_first(standing, foot, near_m, time_s < pace.change_s)
+        if pace.stops:
+            late = time_s[::-1] > pace.left_s
+            standing = _stood_first(standing[::-1], foot[::-1], near_m, late)[::-1]
+        found.append(standing)
+    return found
+
+
+def _stood_first(
+    standing: NDArray[np.bool_], at: FloatArray, near_m: float, early: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Stances ``(F,)`` of a foot that stands at first, and if it goes early, goes slowly.
+
+    It then stands no longer than it is where it stood.
+    """
+    here = ~np.logical_or.accumulate(np.linalg.norm(at - at[0], axis=1) > near_m)
+    made = standing | here
+    first = int(np.argmin(made))
+    if early[first]:
+        made[:first] &= here[:first]
+    return made
 
 
 def _catmull_rom(points: FloatArray) -> FloatArray:

@@ -206,7 +206,7 @@ def _feet() -> list[AnimationRow]:
     path = GroundPath(np.array([[0, 0], [1.5, 0], [2.5, 1.0], [2.5, 2.5], [4.0, 3.0]]))
     for name in ("walk", "jog", "run"):
         loop, speed_m_s = on_the_spot(figure.clip(name), skeleton, legs)
-        made = walk_along(path, loop, skeleton, legs, speed_m_s)
+        made = walk_along(path, loop, skeleton, legs, speed_m_s, starts=False, stops=False)
         plain = loop.at(loop.time_s[0] + made.time_s)
         # When feet stand is told by the clip on a straight way: a turn drags them along.
         ahead = Motor.from_twist(np.outer(speed_m_s * made.time_s, [0, 0, 0, 1.0, 0, 0]))

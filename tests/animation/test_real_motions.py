@@ -203,7 +203,9 @@ BEND = ((0, 0), (1.5, 0), (2.5, 1.0), (2.5, 2.5), (4.0, 3.0))
 def _along_a_bend(who: Character, clip: Clip):
     legs = legs_of(who.skeleton)
     loop, speed_m_s = on_the_spot(clip, who.skeleton, legs)
-    made = walk_along(GroundPath(np.array(BEND)), loop, who.skeleton, legs, speed_m_s)
+    made = walk_along(
+        GroundPath(np.array(BEND)), loop, who.skeleton, legs, speed_m_s, starts=False, stops=False
+    )
     # When feet stand is told by the clip on a straight way without ends: a turn drags them.
     more = int(np.ceil(60.0 * loop.duration_s))
     time_s = np.arange(-more, len(made.time_s) + more) / 60.0
@@ -248,6 +250,35 @@ def test_captured_feet_along_a_bend_neither_slide_nor_sink(figures, motions, gai
     assert found[3] < 0.01
     assert found[4] > -0.01
     assert found[5] < TOUCH_M
+
+
+@pytest.mark.parametrize(
+    ("gait", "far_m"), [("walk", 0.4), ("walk", 1.7), ("walk", 3.0), ("jog", 3.0), ("run", 3.0)]
+)
+def test_a_walker_starts_and_stops_on_feet_that_stay(gait, far_m):
+    """All skin of feet that touches the ground, from the first frame to the last."""
+    who = mannequin()
+    legs = legs_of(who.skeleton)
+    loop, speed_m_s = on_the_spot(who.clip(gait), who.skeleton, legs)
+    path = GroundPath(np.array([[0.0, 0.0], [far_m, 0.0]]))
+    made = walk_along(path, loop, who.skeleton, legs, speed_m_s)
+    at = made.plane_T_character.reshape(-1, 1).apply(skin(_soles(who), made.poses, "linear")[0])
+    gone_m = max(_gone_m(at[:, k], at[:, k, 2] < TOUCH_M, TOUCH_FRAMES) for k in range(at.shape[1]))
+    world = made.plane_T_character.reshape(-1, 1) @ who.skeleton.world(made.poses)
+    knees = world[:, [who.skeleton.index(leg.knee) for leg in legs]].translation_m
+    jolt = np.linalg.norm(np.diff(knees, 2, axis=0), axis=-1).max() * 60.0**2
+    print(gait, far_m, "any skin, depth in mm; knees in m/s²:", *_told(gone_m, at[..., 2].min()),
+          round(float(jolt)))  # fmt: skip
+    # On the shortest ways, strides much shorter than the cycle's drag their toes a little.
+    assert gone_m < (0.01 if far_m > 1.0 else 0.025)
+    assert at[..., 2].min() > -0.01
+    assert jolt < 200.0
+    # It stands in the end: feet beside each other, under the body, and still.
+    feet = world[-1, [who.skeleton.index(leg.ball) for leg in legs]].translation_m
+    assert abs(feet[0, 0] - feet[1, 0]) < 0.01
+    assert abs(feet[:, 0].mean() - far_m - 0.11) < 0.03
+    still = np.linalg.norm(np.diff(world.translation_m[[0, 1, -2, -1]], axis=0)[[0, 2]], axis=-1)
+    assert still.max() * 60.0 < 0.03
 
 
 def test_the_mannequins_gaits_tell_their_speed_by_their_feet():
