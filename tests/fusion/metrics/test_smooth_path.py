@@ -51,6 +51,12 @@ def test_a_gap_of_three_intervals_is_covered_and_a_longer_one_is_not():
     assert path.covers(seconds).tolist() == expected
 
 
+def test_gaps_at_both_ends_are_gaps_too():
+    path = SmoothPath(standing(0, 400, 500, 600, 700, 1100))
+    seconds = np.array([0.0, 0.2, 0.399, 0.4, 0.45, 0.699, 0.7, 0.9, 1.1])
+    assert path.covers(seconds).tolist() == [*[False] * 3, *[True] * 3, *[False] * 3]
+
+
 def test_two_poses_are_a_path_and_one_is_none():
     assert SmoothPath(standing(0, 100)).covers(np.array([0.05])).tolist() == [True]
     with pytest.raises(NotObservableError, match="reference: expected 2 or more poses, got 1"):
