@@ -1,5 +1,7 @@
 """Draws the graph of rooms, from the imports as they are, and the graph of stages, as SVG.
 
+Both without the arrows that go beside others: what is also reached through another one.
+
     python docs/making/drawings.py
 
 writes `docs/pictures/rooms.svg` and `docs/pictures/stages.svg`; a test holds them current.
@@ -11,6 +13,7 @@ import ast
 from collections.abc import Mapping
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 from motorcade.replays.engine import drawing
 from motorcade.replays.pipeline import pipeline
@@ -21,22 +24,32 @@ ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 
 def drawings() -> dict[str, str]:
     """The pictures by name, as they ought to be now."""
-    return {"rooms.svg": drawing.svg(rooms()), "stages.svg": drawing.svg(pipeline())}
+    graph = pipeline()
+    stages = {name: set(stage.inputs) for name, stage in graph.stages.items()}
+    rooms = {room: imported(room) for room in ROOMS}
+    return {
+        "rooms.svg": drawing.svg(graph_of(rooms, {})),
+        "stages.svg": drawing.svg(
+            graph_of(
+                {name: set() for name in graph.sources} | stages,
+                {name: stage.optional for name, stage in graph.stages.items()},
+            )
+        ),
+    }
 
 
-def rooms() -> SimpleNamespace:
-    """The rooms as a graph that can be drawn: an arrow leads to a room that imports the other.
-
-    What a room also reaches through another one has no arrow of its own.
-    """
-    direct = without_detours({room: imported(room) for room in ROOMS})
-    order = [room for room in ROOMS if direct[room]]
+def graph_of(edges: Mapping[str, set[str]], optional: Mapping[str, frozenset[str]]) -> Any:
+    """What `drawing` takes for a graph: an arrow leads to each name from those it needs."""
+    direct = without_detours(edges)
+    order = [name for name in edges if direct[name]]
     return SimpleNamespace(
-        sources=[room for room in ROOMS if not direct[room]],
+        sources=[name for name in edges if not direct[name]],
         order=order,
         stages={
-            room: SimpleNamespace(inputs=sorted(direct[room]), optional=frozenset())
-            for room in order
+            name: SimpleNamespace(
+                inputs=sorted(direct[name]), optional=optional.get(name, frozenset())
+            )
+            for name in order
         },
     )
 
