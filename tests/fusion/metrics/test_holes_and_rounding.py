@@ -72,6 +72,11 @@ def test_three_stamps_are_enough_for_jitter_and_two_are_not():
             jitter(still(few), truth)
 
 
+def test_three_poses_between_holes_count():
+    stamps = np.concatenate([np.arange(0, 200, 10), [300, 310, 320, 430]])
+    assert jitter(spiked(stamps, 21), still(np.arange(0, 500, 10))).linear_m_s2 > 1.0
+
+
 def test_a_hole_in_the_truth_is_left_out_by_itself():
     """What shakes within the hole is not judged; what shakes beside it is."""
     truth = still([*range(0, 100, 10), *range(200, 300, 10)])
