@@ -241,6 +241,21 @@ def collada_tower(kind: str = "LINEAR") -> bytes:
     ).encode()
 
 
+def collada_with(*changes: tuple[str, str], kind: str = "LINEAR") -> bytes:
+    """The Collada tower with parts of its text replaced, each found once or more."""
+    text = collada_tower(kind).decode()
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    return text.encode()
+
+
+def collada_polygons() -> str:
+    """The element that holds the polygons of the Collada tower."""
+    text = collada_tower().decode()
+    return text[text.index("<polylist") : text.index("</polylist>") + len("</polylist>")]
+
+
 def md5_mesh_tower() -> bytes:
     """The tower with z up and its triangles clockwise."""
     vertices, triangles, level = tower()
