@@ -11,7 +11,6 @@ from motorcade.render.plots.style import (
     WIDTH_IN,
     as_svg,
     house_style,
-    label_plainly,
     new_figure,
 )
 
@@ -30,10 +29,10 @@ class Timing:
 
 
 def plot_timings(timings: Sequence[Timing], rival: str, label: str, unit: str) -> str:
-    """Bars on a logarithmic axis, the job above each, and a mark where the rival stands.
+    """Bars from zero, the job above each, and a mark where the rival stands.
 
     Args:
-        timings: one or more, figures above 0, all in `unit`.
+        timings: one or more, figures above 0, in `unit`.
         rival: whose figures `to_beat` are; it stands below the axis where there are any.
         label: what is drawn.
         unit: stands at the axis.
@@ -45,19 +44,17 @@ def plot_timings(timings: Sequence[Timing], rival: str, label: str, unit: str) -
     marks = [one.to_beat for one in timings if one.to_beat is not None]
     with house_style():
         figure, (axes,) = new_figure(WIDTH_IN, 0.7 + _BAR_IN * len(timings))
-        axes.set_xscale("log")
-        low = 0.5 * min(figures + marks)
         for row, one in enumerate(timings):
-            axes.barh(-row, one.figure - low, left=low, height=0.3, color=HUES["green"][0])
-            axes.text(low, 0.22 - row, f" {one.job}", va="bottom", fontsize=9)
-            axes.text(one.figure, -row, f" {one.figure:.3g}", va="center", fontsize=9)
+            axes.barh(-row, one.figure, height=0.3, color=HUES["green"][0])
+            axes.text(0.0, 0.22 - row, one.job, va="bottom", fontsize=9)
+            end = max(one.figure, one.to_beat or 0.0)
+            axes.text(end, -row, f"  {one.figure:.3g}", va="center", fontsize=9)
             if one.to_beat is not None:
                 at = [one.to_beat] * 2
                 axes.plot(at, [-row - 0.2, -row + 0.2], color=INK, linewidth=2.0, zorder=3.0)
         axes.set_ylim(0.5 - len(timings), 0.75)
-        axes.set_xlim(low, 2.2 * max(figures + marks))
+        axes.set_xlim(0.0, 1.15 * max(figures + marks))
         axes.set_yticks([])
         axes.grid(visible=False, axis="y")
-        label_plainly(axes.xaxis)
         axes.set_xlabel(f"{unit}; upright marks: {rival}" if marks else unit)
         return as_svg(figure, label)

@@ -28,6 +28,9 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         help=f"{', '.join(SUITES)} (all)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
+    parser.add_argument(
+        "--svg", type=Path, metavar="FILE", help="draw those of animation there, beside ozz's"
+    )
 
 
 def bench(arguments: argparse.Namespace) -> None:
@@ -39,10 +42,18 @@ def bench(arguments: argparse.Namespace) -> None:
     unknown = [name for name in chosen if name not in SUITES]
     if unknown:
         raise ValueError(f"bench: expected suites of {', '.join(SUITES)}, came {unknown[0]!r}")
+    if arguments.svg is not None and "animation" not in chosen:
+        raise ValueError("bench --svg: expected the suite animation, which it draws, among those")
     figures: dict[str, Any] = {}
     for name in chosen:
         figures[name], table = run_suite(name)
         print(table)
+    if arguments.svg is not None:
+        from motorcade.render.plots import standing_alone
+        from motorcade.replays.bench.pictures import animation_picture
+
+        picture = animation_picture(figures["animation"])
+        write_bytes(arguments.svg, standing_alone(picture).encode())
     if arguments.json is not None:
         figures[MACHINE] = machine()
         write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())

@@ -1,5 +1,5 @@
-"""Every page that a command leaves, in a real browser: wide and on a phone, light and dark, by mouse
-and by keys, and without any network.
+"""Every page that a command leaves, in a real browser: wide and on a phone, light and dark, sorted
+by mouse and by keys, and without any network.
 """
 
 from collections.abc import Callable

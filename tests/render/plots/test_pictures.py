@@ -189,7 +189,7 @@ def test_errors_stand_in_their_deviations(rng):
 def test_bars_are_as_long_as_their_figures():
     timings = [Timing("one", 5.0, 25.3), Timing("two", 1.5, 2.7), Timing("three", 80.0)]
     (axes,) = panels(plot_timings(timings, "a rival", "", "ns a joint"))
-    across = Axis.read(axes, 0, True)
+    across = Axis.read(axes, 0)
     bars = [
         points(one.get("d"))
         for one in axes.iter(f"{SVG}path")
@@ -198,6 +198,7 @@ def test_bars_are_as_long_as_their_figures():
     np.testing.assert_allclose(
         [across.value(bar[:, 0].max()) for bar in bars], [5.0, 1.5, 80.0], rtol=1e-2
     )
+    assert all(abs(float(across.value(bar[:, 0].min()))) < 0.1 for bar in bars)
     marks = [float(across.value(mark[0, 0])) for mark in strokes(axes, "--ink")]
     np.testing.assert_allclose(marks, [25.3, 2.7], rtol=1e-2)
 
