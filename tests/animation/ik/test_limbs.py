@@ -196,6 +196,25 @@ def test_a_standing_foot_keeps_its_heading_while_the_ankle_goes_over_the_ball(sk
         np.testing.assert_allclose(side, np.tile([0.0, 1.0, 0.0], (31, 1)), atol=1e-6)
 
 
+def test_a_knee_stays_ahead_where_the_leg_is_laid_beyond_it(skeleton):
+    """A foot held 0.4 m ahead of where it slid: towards its old place the knee would fold back."""
+    time_s = np.arange(60) / 60.0
+    slid = np.linspace(0.4, -0.4, 60)
+    targets = np.stack([slid, np.full(60, 0.1), np.full(60, 0.08)], axis=1)
+    low = skeleton.rest.coefficients.copy()
+    low[0] = (Motor.from_twist([0, 0, 0, 0, 0, -0.15]) @ skeleton.rest[0]).coefficients
+    poses = bend_limb(skeleton, Motor(low), LIMB, targets, [9.0, 0.1, 0.5])
+    made = plant_feet(
+        skeleton, time_s, poses, [Leg("thigh", "calf", "foot", "toes")],
+        stances=[np.ones(60, dtype=bool)],
+    )  # fmt: skip
+    for one in (poses, made):
+        hip, knee, foot = (_at(skeleton, one, name).translation_m for name in LIMB)
+        along = foot - hip
+        share = np.sum((knee - hip) * along, axis=1) / np.sum(along**2, axis=1)
+        assert (knee - hip - share[:, None] * along)[:, 0].min() > 0.05
+
+
 def test_hips_come_down_where_a_leg_would_not_reach(skeleton):
     poses = Motor.stack([skeleton.rest] * 3)
     pit = Ground(lambda at: np.full(at.shape[:-1], -0.2))
