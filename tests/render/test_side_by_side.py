@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.motions.degradations import Gaussian
+from motorcade.render.plots.style import COLOURS
 from motorcade.render.video import ErrorTraces, beside
 from motorcade.replays.side_by_side import (
     SEED,
@@ -33,7 +34,7 @@ def test_pictures_stand_in_a_row_over_their_strip() -> None:
 def test_traces_grow_with_time_and_end_at_their_values() -> None:
     time_s = np.linspace(0.0, 2.0, 21)
     traces = ErrorTraces(time_s, {"motor": np.full(21, 0.5)}, "deg", (400, 120), highest=1.0)
-    green = np.array([0x00, 0x9E, 0x73])
+    green = np.array(list(bytes.fromhex(COLOURS["motor"][1:])))
     widths = []
     for now_s in (0.5, 1.0, 2.0):
         strip = traces.strip(now_s)[40:]
