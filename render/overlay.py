@@ -34,6 +34,8 @@ from motorcade.tracking.cameras.camera import Camera
 SHADOW_REACH = 1.6
 # What stands higher than this above the ground, in heights of the character, takes no shadow.
 LOW = 0.1
+# A sun that falls less than this on a ground that moves throws no shadow there.
+LEAST_FALL = 0.05
 # A clip travels when the figure comes farther than this from its place, in heights, at one of these
 # many moments.
 TRAVELS, MOMENTS = 0.4, 64
@@ -54,6 +56,7 @@ def render_overlay(
     look: ShadowLook | None = None,
     matching: Matching | None = None,
     prints: Prints | None = None,
+    carry: Trajectory | None = None,
     renderer: RendererName = "fast",
 ) -> Iterator[ImageArray]:
     """Draw a placed character with its shadow into every frame that has a pose.
@@ -79,6 +82,9 @@ def render_overlay(
         matching: how what is drawn is fitted to the footage; its noise is the same in every run.
         prints: boards and markers whose place is known: where a frame has no depth, they and the
             ground hide what is behind them.
+        carry: what moves the placement along, on a ground that moves: the pose that takes what is
+            in the world as the placement says to where it is at that time. Before its first stamp
+            and after its last it stays as it is there.
         renderer: that draws; see `new_renderer`.
 
     Yields:
@@ -115,11 +121,17 @@ def render_overlay(
             drawn = [
                 stage.draw(
                     drawing, world_T_camera.motors_at(moment), 1e-9 * (moment - start_ns),
-                    measured=depth_m is not None,
+                    measured=depth_m is not None, carried=_carried(carry, moment),
                 )
                 for moment in np.clip(matched.moments_ns(time_ns), *span_ns)
             ]  # fmt: skip
             yield stage.laid_over(frame, drawn, depth_m, matched, rng)
+
+
+def _carried(carry: Trajectory | None, moment_ns: np.int64) -> Motor | None:
+    if carry is None:
+        return None
+    return carry.motors_at(np.clip(moment_ns, carry.time_ns[0], carry.time_ns[-1]))
 
 
 def _usual_light(
@@ -169,13 +181,10 @@ class _Stage:
         self.lens = LensWarp(camera)
         self._skinner = Skinner(character, "linear")
         self.character, self.clip, self.placement, self.look = character, clip, placement, look
-        self.lighting, self.prints = lighting, prints
+        self.given, self.prints = lighting, prints
         self.height_m = placement.scale * character.height_m
         stand = placement.world_T_character
-        sun = np.array(lighting.sun.direction) / np.linalg.norm(lighting.sun.direction)
-        self.ground_light = stand.rotor.inverse().apply(sun)
-        up = stand.rotor.apply(np.array([0.0, 0.0, 1.0]))
-        self.strength = sun_share(lighting, stand.translation_m, up)
+        self._light(lighting)
         self.half_width_m = SHADOW_REACH * self.height_m
         self._travels = _travels(character, clip)
         self.surface = Surface(
@@ -186,15 +195,38 @@ class _Stage:
             roughness=0.42,
         )
 
+    def _light(self, lighting: Lighting) -> None:
+        """Light for figure and ground."""
+        self.lighting, stand = lighting, self.placement.world_T_character
+        sun = np.array(lighting.sun.direction) / np.linalg.norm(lighting.sun.direction)
+        self.ground_light = stand.rotor.inverse().apply(sun)
+        up = stand.rotor.apply(np.array([0.0, 0.0, 1.0]))
+        self.strength = sun_share(lighting, stand.translation_m, up)
+
     def draw(
-        self, renderer: Renderer, world_T_camera: Motor, time_s: float, *, measured: bool
+        self,
+        renderer: Renderer,
+        world_T_camera: Motor,
+        time_s: float,
+        *,
+        measured: bool,
+        carried: Motor | None = None,
     ) -> _Drawn:
-        """The character and its shade at one moment, as the footage's camera sees them."""
+        """The character and its shade at one moment, as the footage's camera sees them.
+
+        Where a ground carries them, all is drawn as it is seen from there.
+        """
+        if carried is not None:
+            world_T_camera = carried.inverse() @ world_T_camera
+            about_m = self.placement.world_T_character.translation_m
+            self._light(self.given.turned_by(carried.rotor.inverse(), about_m))
+            if self.ground_light[2] > -LEAST_FALL:  # the ground has turned away from the sun
+                self.ground_light, self.strength = np.array([0.0, 0.0, -1.0]), 0.0
         vertices, normals = self._skinned(self.clip.at(time_s))
         stand, own_m = self.placement.world_T_character, self.placement.scale * vertices
         renderer.move(0, stand.apply(own_m), stand.rotor.apply(normals))
         center_m = self._center(own_m)
-        if self._travels:
+        if self._travels or carried is not None:
             renderer.relight(self.lighting.moved_by(stand.rotor.apply(center_m)))
         pinhole = self.lens.pinhole
         layer = self.lens.layer(renderer.render(pinhole, world_T_camera))

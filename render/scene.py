@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga import FloatArray, IntArray, Rotor
 
 ImageArray = NDArray[np.uint8]
 DepthArray = NDArray[np.float32]
@@ -114,6 +114,17 @@ class Lighting:
         )
         center_m = _moved(self.shadow_center_m, offset_m)
         return replace(self, lamps=lamps, shadow_center_m=center_m)
+
+    def turned_by(self, rotor: Rotor, about_m: FloatArray) -> "Lighting":
+        """The same light turned about a place (3,), world; shadows are made for the same ball."""
+
+        def turned(place_m: tuple[float, float, float]) -> tuple[float, float, float]:
+            x, y, z = (rotor.apply(np.subtract(place_m, about_m)) + about_m).tolist()
+            return x, y, z
+
+        x, y, z = rotor.apply(np.array(self.sun.direction)).tolist()
+        lamps = tuple(replace(lamp, position_m=turned(lamp.position_m)) for lamp in self.lamps)
+        return replace(self, sun=replace(self.sun, direction=(x, y, z)), lamps=lamps)
 
 
 def _moved(place_m: tuple[float, float, float], by_m: FloatArray) -> tuple[float, float, float]:

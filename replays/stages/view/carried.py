@@ -27,7 +27,7 @@ from motorcade.tracking.markers.disambiguate import pose_stream
 from motorcade.tracking.markers.disambiguate.chains import most_probable
 from motorcade.tracking.markers.families import marker_points_m
 
-__all__ = ["FoundMarker", "find_marker", "seen_from_anchor"]
+__all__ = ["FoundMarker", "find_marker"]
 
 FIXED_PX = 1.5
 """A marker that one pose brings this near to nine in ten of its sightings does not move."""
@@ -93,17 +93,6 @@ def find_marker(
     ]
     path = _shown(poses, stamps, frames_ns, FASTEST_SIDES_S * side_m)
     return FoundMarker(side_m, path.motors[0], path)
-
-
-def seen_from_anchor(world_T_camera: Trajectory, carry: Trajectory | None) -> Trajectory:
-    """The camera's path as what carries the character sees it: there the placement stands still.
-
-    What is fixed in the world moves there; light that is made for the placement turns with it.
-    """
-    if carry is None:
-        return world_T_camera
-    seen = carry.motors.inverse() @ world_T_camera.motors_at(carry.time_ns)
-    return Trajectory(carry.time_ns, seen, "start", "camera")
 
 
 def _sightings_of(recording: Recording, marker_id: int) -> tuple[CornerStream, float]:

@@ -31,7 +31,6 @@ from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Frame, Recording
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.smoothed import Smoothed
-from motorcade.replays.stages.view.carried import seen_from_anchor
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.replays.stages.view.placed import Placed
 
@@ -103,13 +102,14 @@ def overlay(
     pictures = render_overlay(
         footage.frames(track(recording.frames, "drawing", len(recording.frames))),
         footage.camera,
-        seen_from_anchor(path, placed.carry),
+        path,
         character,
         clip,
         placed.placement,
         lighting=lighting,
         matching=Matching(gain, exposure_s, noise),
-        prints=prints if placed.carry is None else None,  # they stand still in the world only
+        prints=prints if placed.carry is None else None,  # where things move, a map may not hold
+        carry=placed.carry,
         renderer=_known(renderer),
     )
     file = new_file("overlay.mp4")

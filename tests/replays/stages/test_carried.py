@@ -17,7 +17,6 @@ from motorcade.replays.markers.loose import LooseMarkers
 from motorcade.replays.recording import Frame, FrameSequence, ImageArray, Recording
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.smoothed import Smoothed
-from motorcade.replays.stages.view.carried import seen_from_anchor
 from motorcade.replays.stages.view.placed import Placed, placed
 from motorcade.tracking import Board, Camera, MarkerGrid, PoseMeasurements, SingleMarker
 
@@ -140,11 +139,11 @@ def test_it_is_drawn_where_the_marker_is() -> None:
     """What differs from the footage stands over the marker's middle in every frame."""
     recording, smoothed, _ = given = recorded(wandering)
     made = on_marker(given)
-    path = seen_from_anchor(smoothed.trajectories["motor"], made.carry)
+    path = smoothed.trajectories["motor"]
     figure = character_named(made.character)
     clip = clip_named(figure, made.clip)
     frames = [(frame.time_ns, frame.image()) for frame in recording.frames][::8]
-    made_of = render_overlay(frames, CAMERA, path, figure, clip, made.placement)
+    made_of = render_overlay(frames, CAMERA, path, figure, clip, made.placement, carry=made.carry)
     ends_m = np.array([[0.5, -0.5, 0.0], [0.5, -0.5, 1.0]]) * SIDE_M
     for (stamp, before), after in zip(frames, made_of, strict=True):
         k = int(np.flatnonzero(stamp == TIME_NS)[0])
