@@ -13,8 +13,16 @@ import numpy as np
 import pytest
 
 import motorcade.fusion
-from motorcade.fusion.metrics import Consistency, associate
-from motorcade.ga import Motor, Trajectory
+from motorcade.fusion.metrics import (
+    Consistency,
+    alignment_of,
+    associate,
+    drift_by_length,
+    evaluate,
+    frame_change_defect,
+)
+from motorcade.fusion.motions import MOTIONS
+from motorcade.ga import Motor
 
 
 def dataclasses_of_the_room() -> Iterator[type[Any]]:
@@ -37,10 +45,19 @@ def test_all_are_frozen_and_arrays_are_not_compared():
         assert not (parameters.eq and holds_arrays), kind
 
 
-def test_a_frozen_value_is_a_key_and_cannot_be_changed():
-    path = Trajectory(np.arange(3), Motor.identity((3,)))
-    values = [associate(path, path), associate(path, path), Consistency.of(np.ones((2, 3)), 1)]
-    assert len(set(values)) == 3
+def test_what_the_metrics_give_is_a_key_and_cannot_be_changed():
+    path = MOTIONS["stop_and_go"].sampled(30.0, 4.0)
+    pairs, found = associate(path, path), evaluate(path, path)
+    values: list[Any] = [
+        pairs, associate(path, path), found, found.ape_m, found.jitter, found.energy_excess,
+        found.log_jerk, found.gimbal, alignment_of(pairs, "se3"),
+        Consistency.of(np.ones((2, 3)), 1),
+        frame_change_defect(lambda one: one, path, Motor.identity(), Motor.identity()),
+        *drift_by_length(path.motors, path.motors, (0.1,)),
+    ]  # fmt: skip
+    assert len(set(values)) == len(values)
     assert values[0] != values[1]
-    with pytest.raises(FrozenInstanceError):
-        values[0].time_ns = np.arange(3)
+    for value in values:
+        name = fields(value)[0].name
+        with pytest.raises(FrozenInstanceError):
+            setattr(value, name, getattr(value, name))
