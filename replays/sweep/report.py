@@ -88,9 +88,12 @@ def _heading(key: str) -> str:
 
 
 def _figure(key: str, value: Any, best: float | None = None) -> _Cell:
+    """A figure; the best and those that look equal to it share the honour."""
     if value is None:
         return _Cell("–")
-    return _Cell(shown_value(key, value), float(value), best is not None and abs(value) == best)
+    shown = shown_value(key, value)
+    honoured = best is not None and shown.lstrip("-") == shown_value(key, best)
+    return _Cell(shown, float(value), honoured)
 
 
 def _medians(

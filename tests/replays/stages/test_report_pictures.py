@@ -1,0 +1,133 @@
+"""What the report draws of the filter is what the filter said, and the sheet is small enough."""
+
+import re
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from scipy.stats import chi2
+
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.render import write_video
+from motorcade.render.video import read_frames
+from motorcade.replays.report.filtering import filter_errors, filter_pictures
+from motorcade.replays.report.sheet import MOST_BYTES, sheet_jpeg
+
+SCREW = np.array([0.3, -0.2, 0.5, 0.4, 0.1, -0.2])
+COUNT = 50
+
+
+def findings(**changed: Any) -> Any:
+    """A truth on a screw at 100 Hz, and a path at 20 Hz between its stamps, off by known twists."""
+    rng = np.random.default_rng(11)
+    truth_ns = (np.arange(300) * 10_000_000).astype(np.int64)
+    truth = Trajectory(truth_ns, Motor.from_twist(1e-9 * truth_ns[:, None] * SCREW))
+    stamps = (3_000_000 + np.arange(COUNT) * 50_000_000).astype(np.int64)
+    sigma = rng.uniform(1e-3, 1e-2, (COUNT, 6))
+    off = sigma * rng.normal(size=(COUNT, 6))
+    right = Motor.from_twist(1e-9 * stamps[:, None] * SCREW)
+    path = Trajectory(stamps, right @ Motor.from_twist(-off))
+    nis = rng.chisquare(6, COUNT)
+    nis[::5] = np.nan
+    made: dict[str, Any] = {
+        "recording": SimpleNamespace(truth=truth),
+        "camera_poses": SimpleNamespace(
+            measurements=SimpleNamespace(trajectory=path), sought_ns=stamps
+        ),
+        "fused": SimpleNamespace(
+            trajectory=path, covariance=sigma[..., None] ** 2 * np.eye(6), nis=nis, by="imu",
+            accepted=np.arange(COUNT) % 10 != 3,
+        ),
+        "errors": SimpleNamespace(align="none"),
+        "convergence": SimpleNamespace(time_s=np.zeros(0)),
+        "off": off, "sigma": sigma,
+    }  # fmt: skip
+    return SimpleNamespace(**(made | changed))
+
+
+def test_errors_are_those_from_the_path_to_the_truth_at_its_own_stamps() -> None:
+    told = findings()
+    found = filter_errors(told)
+    assert found is not None
+    np.testing.assert_allclose(found.errors, told.off, atol=1e-9)
+    np.testing.assert_allclose(found.sigma, told.sigma, rtol=1e-12)
+    np.testing.assert_allclose(found.time_s, np.arange(COUNT) * 0.05, atol=1e-12)
+    path = told.fused.trajectory.motors.as_matrix()
+    truth = Motor.from_twist((0.003 + found.time_s[:, None]) * SCREW).as_matrix()
+    turned = Rotation.from_matrix(np.swapaxes(path[:, :3, :3], 1, 2) @ truth[:, :3, :3])
+    np.testing.assert_allclose(found.errors[:, :3], turned.as_rotvec(), atol=1e-9)
+
+
+def test_alignment_is_that_of_the_errors() -> None:
+    told = findings()
+    exact = Motor.from_twist(1e-9 * told.fused.trajectory.time_ns[:, None] * SCREW)
+    away = Motor.from_rotor_translation(Rotor.from_rotation_vector([0.4, 0.3, -1.0]), [1, 2, 3])
+    told.fused.trajectory = Trajectory(told.fused.trajectory.time_ns, away @ exact)
+    told.errors.align = "se3"
+    found = filter_errors(told)
+    assert found is not None
+    # The truth's stamps lie 3 ms away: so much of the motion is left in the alignment.
+    assert np.abs(found.errors).max() < 2e-3
+    told.errors.align = "none"
+    again = filter_errors(told)
+    assert again is not None
+    assert np.abs(again.errors).max() > 0.5
+
+
+def test_nothing_is_told_of_a_filter_that_did_not_run_or_without_a_truth() -> None:
+    assert filter_errors(findings(recording=SimpleNamespace(truth=None))) is None
+    told = findings()
+    told.fused.by = "nothing"
+    told.fused.nis = np.full(COUNT, np.nan)
+    assert filter_errors(told) is None
+    assert filter_pictures(told) == []
+
+
+def test_captions_count_what_lies_within() -> None:
+    told = findings()
+    rotation, position, nis = filter_pictures(told)
+    for picture, part in ((rotation, slice(0, 3)), (position, slice(3, 6))):
+        share = np.mean(np.abs(told.off[:, part]) <= told.sigma[:, part])
+        assert f" {100 * share:.0f} % lie within one" in picture.caption
+        assert picture.names == ("x", "y", "z")
+    low, high = chi2(6).ppf([0.025, 0.975])
+    known = told.fused.nis[np.isfinite(told.fused.nis)]
+    share = np.mean((known >= low) & (known <= high))
+    assert f"({low:.2f} to {high:.2f})" in nis.caption
+    assert f"here {100 * share:.0f} %" in nis.caption
+    assert "5 were left out" in nis.caption
+    strokes = re.findall(r'd="((?:M \S+ \S+ \s*L \S+ \S+ \s*){20,})"', nis.svg)
+    assert len(strokes) == 1
+    assert strokes[0].count("M") == len(known)
+
+
+@pytest.mark.parametrize("count", [2, 12, 40])
+def test_the_sheet_holds_up_to_twelve_frames_and_is_small(count: int, tmp_path: Path) -> None:
+    """Noise, which no JPEG makes small; each frame has a grey of its own in the middle."""
+    rng = np.random.default_rng(4)
+    frames = rng.integers(0, 256, (count, 240, 320, 3), dtype=np.uint8)
+    for k, frame in enumerate(frames):
+        frame[80:160, 100:220] = 5 * k
+    film = tmp_path / "film.mp4"
+    write_video(film, frames, np.arange(count, dtype=np.int64) * 50_000_000)
+    data = sheet_jpeg(film, count)
+    assert len(data) <= MOST_BYTES
+    sheet = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+    every = -(-count // 12)
+    chosen = list(range(0, count, every))
+    assert len(chosen) <= 12
+    for place, k in enumerate(chosen):
+        row, column = divmod(place, 3)
+        at = sheet[6 + row * 261 + 127, 6 + column * 346 + 170]
+        assert np.abs(at.astype(int) - 5 * k).max() <= 14, (place, k)
+    stamps = [time_ns for time_ns, _ in read_frames(film, every)]
+    np.testing.assert_allclose(stamps, np.array(chosen) * 50_000_000, atol=20_000)
+
+
+def test_frames_are_counted_from_one(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"read_frames\(every\): expected 1 or more, got 0"):
+        next(read_frames(tmp_path / "film.mp4", 0))
