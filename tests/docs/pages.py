@@ -95,23 +95,35 @@ def answer(line: str) -> str:
     Raises:
         RuntimeError: it exits other than 0.
     """
-    words = shlex.split(line)
-    if words[0] == "motorcade" and not set(words) & {"|", ">"}:
-        from motorcade.replays.cli import main
-
-        with contextlib.redirect_stdout(io.StringIO()) as said:
-            status = main(words[1:])
+    ours, bar, rest = line.partition("|")
+    said = io.StringIO()
+    if ours.startswith("motorcade ") and not re.search("[>*]", ours):
+        with contextlib.redirect_stdout(said):
+            status = status_of(shlex.split(ours)[1:])
         if status != 0:
-            raise RuntimeError(f"{line}: exit status {status}")
-        return said.getvalue()
+            raise RuntimeError(f"{ours}: exit status {status}")
+        if not bar:
+            return said.getvalue()
+        line = rest
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         ["bash", "-ec", line],
-        env={**os.environ, "PATH": path}, capture_output=True, text=True, check=False,
+        env={**os.environ, "PATH": path},
+        input=said.getvalue(), capture_output=True, text=True, check=False,
     )  # fmt: skip
     if done.returncode != 0:
         raise RuntimeError(f"{line}: exit status {done.returncode}\n{done.stderr}")
     return done.stdout
+
+
+def status_of(words: list[str]) -> object:
+    """Exit status of one of our commands; `--list` and `--help` leave by an exit of their own."""
+    from motorcade.replays.cli import main
+
+    try:
+        return main(words)
+    except SystemExit as left:
+        return left.code
 
 
 def agrees(shown: str, said: str) -> bool:

@@ -1,10 +1,7 @@
 """What the README shows a newcomer works as it stands there."""
 
-import json
 import re
-import sys
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -12,10 +9,12 @@ import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
+from motorcade.replays.cli.main import _parser
 from motorcade.replays.files.trajectories import write_trajectory
 from motorcade.replays.recording import open_recording
 
 README = Path(__file__).resolve().parents[2] / "README.md"
+BENCHMARKS = README.parent / "docs" / "benchmarks.md"
 GUIDE = README.parent / "docs" / "which_smoother.md"
 
 if not README.exists():
@@ -53,49 +52,18 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     stamps = np.arange(24, dtype=np.int64) * 33_333_333
     there_and_back = Motor.stack([*poses, *poses[::-1], *poses])
     write_trajectory(Trajectory(stamps, there_and_back), tmp_path / "poses.tum")
-    (tmp_path / "orbit.clu").write_text(blocks("clu")[0])
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 @pytest.mark.parametrize("number", range(len(blocks("python"))))
-def test_python_blocks_run(number: int, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    code = blocks("python")[number]
-    if "from orbit" in code:
-        generate_code(folder, monkeypatch)
-    if "codegen" in code:
-        pytest.importorskip("casadi", reason="CasADi, which only code generation needs, is missing")
-    exec(compile(code, f"README block {number}", "exec"), {})
+def test_python_blocks_run(number: int, folder: Path) -> None:
+    exec(compile(blocks("python")[number], f"README block {number}", "exec"), {})
 
 
 @pytest.mark.parametrize("number", range(len(blocks("python", GUIDE))))
 def test_python_blocks_of_the_guide_to_smoothers_run(number: int) -> None:
     exec(compile(blocks("python", GUIDE)[number], f"guide block {number}", "exec"), {})
-
-
-def generate_code(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run the README's commands that write code, and let Python find it."""
-    pytest.importorskip("casadi", reason="CasADi, which only code generation needs, is missing")
-    commands = [line for block in blocks("sh") for line in block.splitlines() if "orbit" in line]
-    assert len(commands) == 2
-    for command in commands:
-        assert main(command.split("#")[0].split()[1:]) == 0
-    assert {"orbit.py", "orbit.c", "orbit.h"} <= {path.name for path in folder.iterdir()}
-    monkeypatch.syspath_prepend(folder)
-    monkeypatch.delitem(sys.modules, "orbit", raising=False)
-
-
-def test_generated_code_gives_what_the_readme_says(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    generate_code(folder, monkeypatch)
-    (code,) = [block for block in blocks("python") if "from orbit" in block]
-    names: dict[str, Any] = {}
-    exec(code, names)
-    told = re.search(r'p\["e1"\], p\["e2"\]  # (.*)', code)
-    assert told is not None
-    made = [names["p"]["e1"], names["p"]["e2"]]
-    np.testing.assert_allclose(made, json.loads(f"[{told[1]}]"), atol=1e-15)
 
 
 def test_the_commands_for_ones_own_recording_work(folder: Path) -> None:
@@ -112,3 +80,23 @@ def test_the_commands_for_ones_own_recording_work(folder: Path) -> None:
 def test_every_link_leads_somewhere() -> None:
     for target in re.findall(r"\]\(([^)#:]+)\)", README.read_text(encoding="utf-8")):
         assert (README.parent / target).exists(), target
+
+
+def test_every_figure_stands_beside_the_command_that_makes_it() -> None:
+    table = README.read_text(encoding="utf-8").partition("| what | here |")[2].partition("\n\n")[0]
+    rows = [row.split("|")[1:-1] for row in table.splitlines()[2:]]
+    assert len(rows) >= 4
+    for _, here, _, command in rows:
+        assert re.search(r"\d", here)
+        words = command.strip().strip("`").split()
+        assert words[0] == "motorcade"
+        _parser().parse_args([*words[1:]])
+
+
+def test_figures_of_the_benchmarks_are_those_of_their_page() -> None:
+    page, told = BENCHMARKS.read_text(encoding="utf-8"), README.read_text(encoding="utf-8")
+    worst = re.findall(r"\| worst error of all kernels, float\d\d.*?\| (\S+) \|", page)
+    assert len(worst) == 2
+    for figure in worst:
+        digits, power = figure.split("e")
+        assert f"{digits}e{int(power)}" in told
