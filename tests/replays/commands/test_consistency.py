@@ -82,6 +82,19 @@ def test_a_filter_that_believes_itself_too_much_is_found_out():
     assert wrong > 2.0 * honest
 
 
+def test_the_spread_of_errors_is_that_of_the_runs():
+    """Of five runs the median is the third; the 10th and 90th percentile lie 0.4 of a step in."""
+    plan = Plan(("tumble",), ("motor",), runs=5, seed=3, duration_s=10.0)
+    verdict = run_plan(plan)["tumble"]["motor"]
+    simulated = simulate(Experiment("tumble", 10.0), range(3, 8))
+    judged = judge(simulated, Experiment("tumble", 10.0), "motor")
+    runs = np.sort(np.rad2deg(judged.rotation_rad), axis=0)
+    low, middle, high = verdict.rotation_spread_deg
+    np.testing.assert_allclose(middle, runs[2], rtol=1e-12)
+    np.testing.assert_allclose(low, 0.6 * runs[0] + 0.4 * runs[1], rtol=1e-9)
+    np.testing.assert_allclose(high, 0.4 * runs[3] + 0.6 * runs[4], rtol=1e-9)
+
+
 def test_the_command_writes_its_page_and_figures(tmp_path, capsys):
     status = main([
         "consistency", "--motions", "gimbal_crossing", "--filters", "quaternion,euler",
