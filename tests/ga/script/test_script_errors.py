@@ -9,6 +9,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from motorcade.ga.script import ScriptError, evaluate, parse
+from motorcade.ga.script.errors import Place, Source
+from motorcade.ga.script.meaning import algebra_named, algebra_of
 
 # Text, column, part of the message, part of the hint.
 REFUSED = [
@@ -263,3 +265,63 @@ def test_no_change_of_a_script_brings_anything_but_script_errors(
     start: int, dropped: int, pieces: list[str]
 ) -> None:
     only_script_errors(WHOLE[:start] + "".join(pieces) + WHOLE[start + dropped :])
+
+
+@pytest.mark.parametrize("column", [1, 2, 49, 50, 51, 52, 150, 249, 250, 251, 300])
+def test_long_lines_are_shown_in_part_with_the_caret_under_its_letter(column: int) -> None:
+    line = "".join(chr(0x4E00 + k) for k in range(300))
+    error = Source(line, "long").error(Place(1, column), "odd")
+    _, shown, caret = str(error).split("\n")
+    assert shown[caret.index("^")] == line[column - 1]
+    assert len(shown.strip()) == 100
+    assert shown.strip() in line
+    assert error.column == column
+    # As much on both sides as there is.
+    left = caret.index("^") - 4
+    assert left == column - 1 if column <= 50 else left >= 49
+
+
+def test_lines_of_a_hundred_letters_are_shown_whole() -> None:
+    line = "x" * 99 + "]"
+    _, shown, caret = str(Source(line, "whole").error(Place(1, 100), "odd")).split("\n")
+    assert shown == "    " + line
+    assert caret == " " * 103 + "^"
+
+
+def test_what_is_beside_a_tiny_scalar_is_no_rounding() -> None:
+    with pytest.raises(ScriptError, match="expected a scalar, got a multivector with e1"):
+        evaluate(parse("?y = sin(1e-20 + 1e-20*e1);"))
+    assert evaluate(parse("?y = sin(0.5 + 1e-13*e1);"))["y"].scalar_part() == np.sin(0.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "signature"),
+    [("ega2", (2, 0, 0)), ("ega3", (3, 0, 0)), ("pga2", (2, 0, 1)), ("pga3", (3, 0, 1)),
+     ("cga2", (3, 1, 0)), ("cga3", (4, 1, 0)), ("2 1 0", (2, 1, 0)), ("0  3 1", (0, 3, 1))],
+)  # fmt: skip
+def test_algebras_are_named_as_in_pragmas(name: str, signature: tuple[int, int, int]) -> None:
+    found = algebra_named(name)
+    assert found.signature == signature
+    text = f"//#pragma algebra {name}\n?x = 1;"
+    assert algebra_of(parse(text)) == found
+
+
+@pytest.mark.parametrize("name", ["", "cga4", "3 0", "3 0 0 0", "-1 0 0", "3,0,1", "٣ 0 0"])
+def test_other_names_of_algebras_are_refused(name: str) -> None:
+    with pytest.raises(ValueError, match=r"algebra: expected ega2, .*, cga3 or a signature P Q R"):
+        algebra_named(name)
+
+
+def test_macros_of_points_are_those_of_cga3_alone() -> None:
+    assert evaluate(parse("?x = VecN3(1, 2, 3);"))["x"].coefficient("einf") == 7.0
+    with pytest.raises(ScriptError, match="VecN3"):
+        evaluate(parse("//#pragma algebra ega3\n?x = VecN3(1, 2, 3);"))
+
+
+def test_nodes_are_equal_to_themselves_alone_and_deep_ones_can_be_shown() -> None:
+    text = "?x = " + "1 + " * 5000 + "1;"
+    one, two = parse(text).statements[0], parse(text).statements[0]
+    assert one == one
+    assert one != two
+    assert len({one, two}) == 2
+    assert "Assignment object" in repr(one)
