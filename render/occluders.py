@@ -1,11 +1,13 @@
-"""What hides a character though no depth was measured: flat prints, and the ground it stands on.
+"""What hides a character, and what takes its shadow: flat prints, the ground, what stands on it.
 
-A board or a marker whose place in the world is known is a rectangle, and the ground is a plane;
-both have a depth in every picture. What they hide is hidden by the same rule as by measured depth.
+Where no depth was measured, a board or a marker whose place in the world is known is a rectangle,
+and the ground is a plane; both have a depth in every picture. What they hide is hidden by the same
+rule as by measured depth. Where depth was measured, it tells how high things stand on the ground.
 """
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor
@@ -14,7 +16,7 @@ from motorcade.render.scene import DepthArray
 from motorcade.render.shadow import ground_depth
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["known_depth"]
+__all__ = ["known_depth", "raised", "share_on_ground"]
 
 # What has sunk into a plane by less than this is held to stand on it.
 SUNK_M = 1e-3
@@ -22,6 +24,8 @@ SUNK_M = 1e-3
 NEAREST_M = 0.01
 # Planes through the eye, nearly, are seen edge on and hide nothing.
 EDGE_ON = 1e12
+# Of the edge between what takes a shadow and what does not.
+SOFT_PX = 1.5
 
 
 def known_depth(
@@ -108,3 +112,33 @@ def _extent(
     first = np.clip(np.floor(pixels.min(axis=0)), 0, size - 1)
     last = np.clip(np.ceil(pixels.max(axis=0)), 0, size - 1)
     return first.astype(np.int64), last.astype(np.int64)
+
+
+def raised(depth_m: DepthArray, ground_m: DepthArray, eye_m: float) -> DepthArray:
+    """How high above the ground each pixel's thing is, metres.
+
+    Args:
+        depth_m: (height, width) measured, along the optical axis; 0 and NaN are unknown.
+        ground_m: of the plane, in the same pixels; infinite at and above the horizon.
+        eye_m: the camera's height above the ground.
+
+    Returns:
+        (height, width) float32, below 0 beneath the ground, NaN where unknown or where the camera
+        is not above the ground.
+    """
+    known = np.isfinite(depth_m) & (depth_m > 0.0) & (eye_m > 0.0)
+    share = np.where(known, depth_m, np.nan) / np.maximum(ground_m, np.finfo(np.float32).tiny)
+    return np.asarray(eye_m * (1.0 - share), dtype=np.float32)
+
+
+def share_on_ground(raised_m: DepthArray, within_m: float) -> FloatArray:
+    """How much of a shadow on the ground each pixel takes, by how far from the ground it is.
+
+    All up to half the distance `within_m`, none from half as much again on; what the sensor does
+    not tell goes by what is around it, and its noise leaves no ragged edges.
+    """
+    known = np.isfinite(raised_m)
+    share = 1.0 - np.clip(np.abs(np.where(known, raised_m, 0.0)) / within_m - 0.5, 0.0, 1.0)
+    weight = cv2.GaussianBlur(known.astype(np.float32), (0, 0), SOFT_PX)
+    smooth = cv2.GaussianBlur((share * known).astype(np.float32), (0, 0), SOFT_PX)
+    return np.where(weight > 1e-3, smooth / np.maximum(weight, 1e-3), 1.0).astype(np.float64)

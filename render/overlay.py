@@ -18,7 +18,7 @@ from motorcade.render.composite import as_rgb, darken, over
 from motorcade.render.lens import LensWarp
 from motorcade.render.light import Prints, character_lighting, sun_share, sunlight_direction
 from motorcade.render.matching import Matching, blended, exposed, frame_noise, noisy
-from motorcade.render.occluders import known_depth
+from motorcade.render.occluders import known_depth, raised, share_on_ground
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting, Surface
 from motorcade.render.shadow import (
     BYTES_POWER,
@@ -32,8 +32,9 @@ from motorcade.tracking.cameras.camera import Camera
 
 # Half-width of the ground that can take a shadow, in heights of the character.
 SHADOW_REACH = 1.6
-# What stands higher than this above the ground, in heights of the character, takes no shadow.
-LOW = 0.1
+# In heights of the character: what is farther than this from the ground, above or below, takes no
+# shadow; what is lower than this is the ground, as a sensor has it, and hides no foot.
+LOW, SOLE = 0.1, 0.05
 # A sun that falls less than this on a ground that moves throws no shadow there.
 LEAST_FALL = 0.05
 # A clip travels when the figure comes farther than this from its place, in heights, at one of these
@@ -156,13 +157,15 @@ def _usual_light(
 @dataclass(frozen=True, eq=False)
 class _Drawn:
     """One moment in the footage's pixels: layer, shade in bytes, where depth was measured the depth
-    of the ground, and where not the depth of what is known to hide the figure.
+    of the ground and the camera's height above it, and where not the depth of what is known to hide
+    the figure.
     """
 
     layer: Layer
     shade: FloatArray | None
     ground_m: DepthArray | None
     known_m: DepthArray | None
+    eye_m: float = 0.0
 
 
 class _Stage:
@@ -234,7 +237,8 @@ class _Stage:
         shade = self._shade(own_m, center_m, camera_T_ground)
         if measured:
             ground = ground_depth(pinhole, camera_T_ground).astype(np.float32)
-            return _Drawn(layer, shade, self.lens.depth(ground), None)
+            eye_m = float(camera_T_ground.inverse().translation_m[2])
+            return _Drawn(layer, shade, self.lens.depth(ground), None, eye_m)
         hull_m = stand.apply(_box(own_m))
         known = known_depth(pinhole, world_T_camera, hull_m, self.prints, stand)
         return _Drawn(layer, shade, None, None if known is None else self.lens.depth(known))
@@ -286,15 +290,18 @@ class _Stage:
         layer = exposed(blended([one.layer for one in drawn]), matching.gain)
         middle = drawn[len(drawn) // 2]
         hiding_m = middle.known_m if depth_m is None else depth_m
+        raised_m = None
+        if depth_m is not None and middle.ground_m is not None:
+            raised_m = raised(depth_m, middle.ground_m, middle.eye_m)
+            hiding_m = np.where(raised_m < SOLE * self.height_m, np.float32(0.0), depth_m)
         if hiding_m is not None:
             layer = Layer(layer.rgba, _depth_to_the_rim(layer))
         sigma = frame_noise(frame) if matching.noise is None else matching.noise
         shades = [one.shade for one in drawn if one.shade is not None]
         if shades:
             shade = shades[0] if len(shades) == 1 else np.mean(shades, axis=0)
-            if depth_m is not None and middle.ground_m is not None:
-                above = (depth_m > 0.0) & (depth_m < middle.ground_m - LOW * self.height_m)
-                shade = np.where(above, 0.0, shade)
+            if raised_m is not None:
+                shade = shade * share_on_ground(raised_m, LOW * self.height_m)
             frame = darken(frame, shade)
         return noisy(over(frame, layer, hiding_m), layer.rgba[..., 3] / 255.0, sigma, rng)
 

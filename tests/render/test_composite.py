@@ -10,7 +10,7 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import Layer, over, render_overlay
 from motorcade.render.composite import as_rgb, darken
 from motorcade.render.light import character_lighting, sunlight_direction
-from motorcade.render.shadow import GRID, ShadowLook, ground_shade, shade_in_picture
+from motorcade.render.shadow import GRID, ShadowLook, ground_depth, ground_shade, shade_in_picture
 from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(200, 150, 180.0, 180.0, 99.5, 74.5)
@@ -261,13 +261,39 @@ def test_the_same_overlay_has_the_same_bytes(figure: Character, placement: Place
 def test_depth_in_front_hides_the_character(figure: Character, placement: Placement) -> None:
     frame = np.full((150, 200, 3), 120, dtype=np.uint8)
     near = np.full((150, 200), 0.2, dtype=np.float32)
-    far = np.full((150, 200), 5.0, dtype=np.float32)
+    camera_T_ground = path(2).motors[0].inverse() @ placement.world_T_character
+    far = np.minimum(ground_depth(CAMERA, camera_T_ground), 5.0).astype(np.float32)
     arguments = (CAMERA, path(2), figure, figure.clip("idle"), placement)
     hidden = next(render_overlay([(0, frame, near)], *arguments))
     shown = next(render_overlay([(0, frame, far)], *arguments))
     plain = next(render_overlay([(0, frame, None)], *arguments))
     np.testing.assert_array_equal(hidden, frame)
     np.testing.assert_array_equal(shown, plain)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_sensors_ground_hides_no_foot_and_what_stands_on_it_takes_no_shadow(
+    figure: Character, placement: Placement, rng: np.random.Generator
+) -> None:
+    """Ground measured a centimetre too high, with noise and holes; a wall; a table's edge."""
+    frame = np.full((150, 200, 3), 120, dtype=np.uint8)
+    camera_T_ground = path(2).motors[0].inverse() @ placement.world_T_character
+    ground = np.minimum(ground_depth(CAMERA, camera_T_ground), 5.0)
+    arguments = (CAMERA, path(2), figure, figure.clip("idle"), placement)
+    plain = next(render_overlay([(0, frame, None)], *arguments)).astype(int)
+    eye_m = camera_T_ground.inverse().translation_m[2]
+    height_m = placement.scale * figure.height_m
+    noisy = ground * (1.0 - 0.02 * height_m / eye_m * rng.uniform(0.3, 1.7, ground.shape))
+    noisy[rng.random(noisy.shape) < 0.1] = np.nan
+    measured = next(render_overlay([(0, frame, noisy.astype(np.float32))], *arguments))
+    assert np.abs(measured - plain).max() <= 3
+    for away in (0.3, -0.3):
+        other = ground * (1.0 - away * height_m / eye_m)
+        other = np.where(rng.random(other.shape) < 0.1, np.nan, other).astype(np.float32)
+        made = next(render_overlay([(0, frame, other)], *arguments)).astype(int)
+        shadow = (plain.max(axis=2) < 110) & (np.ptp(plain, axis=2) == 0)
+        assert np.count_nonzero(shadow) > 100
+        assert np.median(made[shadow]) == 120
 
 
 @pytest.mark.usefixtures("opengl")

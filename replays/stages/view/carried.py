@@ -99,7 +99,7 @@ def _sightings_of(recording: Recording, marker_id: int) -> tuple[CornerStream, f
     """Corners of one marker, all frames counting, and its size."""
     frames = recording.frames
     if isinstance(frames, CornerFrames):
-        stream = next(iter(frames.streams.values()))
+        stream = frames.first
         if marker_id not in frames.side_m:
             raise ValueError(f"{recording.name}: placed.marker={marker_id} is none of its markers")
         side_m = frames.side_m[marker_id]
