@@ -110,7 +110,11 @@ def _packets(path: Path) -> Iterator[tuple[float, float, bytes]]:
     """Start, duration (s) and bytes of the packets of the telemetry track."""
     size = 0
     try:
-        with av.open(str(path.resolve()), options={"protocol_whitelist": "file"}) as container:
+        with av.open(
+            str(path.resolve()),
+            options={"protocol_whitelist": "file"},
+            metadata_errors="replace",
+        ) as container:
             tracks = [one for one in container.streams if one.type == "data"]
             for count, packet in enumerate(container.demux(tracks) if tracks else ()):
                 data = bytes(packet)

@@ -176,7 +176,9 @@ class _Decoder:
 
 def _open(path: Path) -> InputContainer:
     """Open a file as a video; a playlist in its place may not reach for the network."""
-    return av.open(str(path.resolve()), options={"protocol_whitelist": "file"})
+    return av.open(
+        str(path.resolve()), options={"protocol_whitelist": "file"}, metadata_errors="replace"
+    )
 
 
 def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
@@ -187,6 +189,8 @@ def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
             if not container.streams.video:
                 raise refusal(path, "expected a video stream, got none")
             stream = container.streams.video[0]
+            if stream.codec_context is None:  # whatever the stubs say
+                raise refusal(path, "expected a video of a known coding, got another")
             width, height = stream.codec_context.width, stream.codec_context.height
             shown, stated = _shown_packets(path, container, stream), stream.frames
             time_base = stream.time_base

@@ -1,0 +1,322 @@
+"""Broken recordings by the thousand: every reader must give its own error or a valid recording.
+
+    python -m tests.replays.readers.fuzz --inputs 20000 --seed 1
+
+Small recordings of every layout are made here (folders, bags, videos, telemetry, corners,
+manifests, trajectory files). One file of one of them is mutated: bytes, words, lines, paths. Then
+the recording is opened, checked, digested, and its first pictures are read. The program ends with 1
+where anything but a `RecordingError` of one line came out, a number is not finite, a file outside
+the recording is named, an input took too long, or memory grew beyond bounds; it then names the
+input, which the same seed makes again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import bz2
+import faulthandler
+import logging
+import os
+import resource
+import signal
+import sys
+import tempfile
+import time
+import warnings
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from tests.animation.formats.fuzz import mutated
+from tests.replays import conftest as layouts
+from tests.replays.readers import test_gopro, test_ros_recordings, test_tagslam
+
+from motorcade.ga import Trajectory
+from motorcade.replays.errors import RecordingError
+from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.readers import gpmf
+from motorcade.replays.readers.frames.files import PictureFrames
+from motorcade.replays.readers.inertial import read_imu, read_noise
+from motorcade.replays.recording import Recording, open_recording
+
+__all__ = ["Samples", "run"]
+
+SLOWEST_S = 20
+MEMORY_BYTES = 6 << 30
+LONGEST = 700
+SECRET = "secret.png"
+TRUTH = "state_groundtruth_estimate0/data.csv"
+PATHS = [
+    f"../{SECRET}", f"images/../../{SECRET}", "/etc/passwd", "..", ".", "", "/dev/zero", "a\0b",
+    "\\\\host\\share", "x" * 5000, "*", "**/*", "**/**", "[", "~", f"./././../{SECRET}",
+]  # fmt: skip
+MANIFEST = """
+name = "all of it"
+settings = ["fused.gate=0.99"]
+[frames]
+images = "images/*.jpg"
+rate_hz = 25.0
+[camera]
+model = "radtan"
+fx = 20.0
+fy = 20.0
+cx = 11.5
+cy = 7.5
+distortion = [-0.28, 0.07, 0.0002, 0.00002]
+[board]
+type = "checkerboard"
+columns = 4
+rows = 3
+square_m = 0.04
+[markers]
+family = "tag36h11"
+side_m = 0.08
+[truth]
+file = "poses.txt"
+format = "matrix4"
+convention = "world_T_camera"
+board_frame = "opencv"
+[imu]
+file = "imu.csv"
+noise_file = "imu.yaml"
+clock_offset_s = 0.01
+imu_T_camera = [[1.0, 0.0, 0.0, 0.1], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0],
+                [0.0, 0.0, 0.0, 1.0]]
+"""
+TEXTS = (".csv", ".txt", ".yaml", ".toml", ".tum", ".bag", ".mcap", ".db3", ".bz2", ".gpmf")
+
+Reader = Callable[[Path], None]
+
+
+class Samples:
+    """The recordings, made once in a folder: what opens each, its root, and its files."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        layouts.write_pictures(folder, [SECRET])
+        self.made: list[tuple[Reader, Path]] = []
+        for name in layouts.MAKERS:
+            self.made.append((_recording, layouts.MAKERS[name](_new(folder / name)).root))
+        euroc, described = folder / "euroc" / "mav0", folder / "folder"
+        (described / "motorcade.toml").write_text(MANIFEST)
+        imu = (euroc / "imu0" / "data.csv").read_text().replace("14037152732", "0")
+        (described / "imu.csv").write_text(imu)
+        (described / "imu.yaml").write_bytes((euroc / "imu0" / "sensor.yaml").read_bytes())
+        self.made.append((_recording, described))
+        for kind in test_ros_recordings.KINDS:
+            path = test_ros_recordings.write_bag(folder / f"ros_{kind}", kind)
+            self.made.append((_recording, path))
+        self.made.append((_recording, _tagslam(_new(folder / "tagslam"))))
+        video = layouts.video_file.__wrapped__(_new(folder / "video"))
+        self.made.append((_recording, video))
+        loose = _new(folder / "loose")
+        truth = folder / "tum_rgbd" / "groundtruth.txt"
+        for name, reader, content in (
+            ("path.tum", _trajectory, truth.read_bytes()),
+            (
+                "path.csv",
+                _trajectory,
+                (euroc / "state_groundtruth_estimate0/data.csv").read_bytes(),
+            ),
+            ("path.kitti.txt", _kitti, (folder / "kitti" / "poses.txt").read_bytes()),
+            ("imu.csv", _imu, (euroc / "imu0" / "data.csv").read_bytes()),
+            ("imu.yaml", _noise, (euroc / "imu0" / "sensor.yaml").read_bytes()),
+            ("packet.gpmf", _telemetry, test_gopro.packet(np.ones((8, 3)), np.ones((8, 3)))),
+        ):
+            (loose / name).write_bytes(content)
+            self.made.append((reader, loose / name))
+
+    def spoilt(self, rng: np.random.Generator) -> tuple[Reader, Path, Path, bytes]:
+        """Mutate one file: what to call, with what, which file, and what stood in it."""
+        reader, root = self.made[int(rng.integers(len(self.made)))]
+        files = [root] if root.is_file() else sorted(p for p in root.rglob("*") if p.is_file())
+        written = [path for path in files if path.suffix in TEXTS]
+        if written and rng.random() < 0.8:
+            files = written
+        path = files[int(rng.integers(len(files)))]
+        whole = path.read_bytes()
+        path.write_bytes(_changed(path, whole, rng))
+        return reader, root, path, whole
+
+
+def run(inputs: int, seed: int, tell: Callable[[str], None]) -> tuple[Counter[str], list[str]]:
+    """Read so many mutated recordings; how they ended, and what is wrong."""
+    rng = np.random.default_rng(seed)
+    ended: Counter[str] = Counter()
+    faults: list[str] = []
+    signal.signal(signal.SIGALRM, _too_long)
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        samples = Samples(Path(folder))
+        for number in range(inputs):
+            reader, root, path, whole = samples.spoilt(rng)
+            start = time.perf_counter()
+            signal.alarm(SLOWEST_S)
+            try:
+                reader(root)
+                ended["valid"] += 1
+            except RecordingError as refused:
+                ended["refused"] += 1
+                told = str(refused)
+                if "\n" in told or len(told) > LONGEST:
+                    faults.append(f"input {number} ({path.name}): told in {told[:300]!r}")
+            except Exception as fault:  # whatever else comes out is what this looks for
+                ended["FAULT"] += 1
+                where = path.relative_to(folder)
+                faults.append(f"input {number} ({where}): {type(fault).__name__}: {fault}"[:600])
+                tell(faults[-1])
+                kept = os.environ.get("FUZZ_KEEP")
+                if kept:
+                    (Path(kept) / f"{number}_{path.name}").write_bytes(path.read_bytes())
+            finally:
+                signal.alarm(0)
+                path.write_bytes(whole)
+            seconds = time.perf_counter() - start
+            if seconds > SLOWEST_S / 2:
+                tell(f"input {number} ({path.name}) took {seconds:.1f} s")
+            if number % 2000 == 1999:
+                tell(f"{number + 1} inputs: {dict(ended)}, {memory_bytes() >> 20} MiB at most")
+    return ended, faults
+
+
+def memory_bytes() -> int:
+    """Most memory that this process has held."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def main() -> int:
+    """Run as the module says; 0 where every input ended well."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--inputs", type=int, default=20_000)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    faulthandler.enable()
+    logging.getLogger("motorcade").setLevel(logging.CRITICAL)
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
+    start = time.perf_counter()
+    ended, faults = run(arguments.inputs, arguments.seed, lambda line: print(line, flush=True))
+    seconds = time.perf_counter() - start
+    print(
+        f"{arguments.inputs} inputs in {seconds:.0f} s: {dict(ended)}; {len(faults)} faults; "
+        f"{memory_bytes() >> 20} MiB at most"
+    )
+    for fault in faults[:20]:
+        print(fault)
+    return 1 if faults else 0
+
+
+def _too_long(number: int, frame: object) -> None:
+    raise TimeoutError(f"took more than {SLOWEST_S} s")
+
+
+def _new(folder: Path) -> Path:
+    folder.mkdir()
+    return folder
+
+
+def _tagslam(folder: Path) -> Path:
+    for name, text in (
+        ("cameras.yaml", test_tagslam.CAMERAS), ("camera_poses.yaml", test_tagslam.POSES),
+        ("tagslam.yaml", test_tagslam.BODIES),
+    ):  # fmt: skip
+        (folder / name).write_text(text)
+    bag = test_tagslam.packed_bag([(2, [10, 1]), (1, [2]), (3, [])])
+    (folder / "tag_detections.bag.bz2").write_bytes(bag)
+    return folder
+
+
+def _changed(path: Path, data: bytes, rng: np.random.Generator) -> bytes:
+    if path.suffix == ".bz2" and rng.random() < 0.7:  # else most of them end in the packing
+        return bz2.compress(mutated("", bz2.decompress(data), rng))
+    kind = rng.random()
+    if kind < 0.15:
+        return _path_named(data, rng)
+    if kind < 0.25:
+        return _lines(data, rng)
+    return mutated("", data, rng)
+
+
+def _path_named(data: bytes, rng: np.random.Generator) -> bytes:
+    """A word that is or may be a path leads elsewhere."""
+    word = PATHS[int(rng.integers(len(PATHS)))].encode()
+    words = data.replace(b",", b" , ").replace(b'"', b' " ').split(b" ")
+    places = [i for i, one in enumerate(words) if b"." in one or b"/" in one]
+    if not places:
+        return data
+    words[places[int(rng.integers(len(places)))]] = word
+    return b" ".join(words).replace(b" , ", b",").replace(b' " ', b'"')
+
+
+def _lines(data: bytes, rng: np.random.Generator) -> bytes:
+    """Lines are swapped, repeated or lost."""
+    lines = data.split(b"\n")
+    one, other = (int(k) for k in rng.integers(len(lines), size=2))
+    kind = rng.random()
+    if kind < 0.4:
+        lines[one], lines[other] = lines[other], lines[one]
+    elif kind < 0.7:
+        lines.insert(one, lines[other])
+    else:
+        del lines[one]
+    return b"\n".join(lines)
+
+
+def _recording(root: Path) -> None:
+    recording = open_recording(root).intact()
+    _expect_inside(recording)
+    recording.digest()
+    for index in {0, len(recording.frames) - 1}:
+        frame = recording.frames[index]
+        if recording.layout != "tagslam":
+            frame.image(), frame.depth_m(), frame.right()
+    if recording.truth is not None:
+        _expect_finite(recording.truth)
+    if recording.imu is not None and not np.isfinite(recording.imu.specific_force_m_s2).all():
+        raise AssertionError("specific force is not finite")
+
+
+def _expect_inside(recording: Recording) -> None:
+    root = recording.root.resolve()
+    if isinstance(recording.frames, PictureFrames):
+        frames = recording.frames
+        for path in (*frames.files, *filter(None, frames.depth_files), *frames.right_files):
+            if not path.resolve().is_relative_to(root):
+                raise AssertionError(f"{path} lies outside")
+
+
+def _expect_finite(path: Trajectory) -> None:
+    if not np.isfinite(path.poses.coefficients).all():
+        raise AssertionError("poses are not finite")
+
+
+def _trajectory(path: Path) -> None:
+    try:
+        _expect_finite(read_trajectory(path))
+    except ValueError as fault:
+        if isinstance(fault, RecordingError) or "only KITTI" in str(fault):
+            raise
+        if "KITTI files hold no stamps" not in str(fault):
+            raise
+
+
+def _kitti(path: Path) -> None:
+    _expect_finite(read_trajectory(path, "kitti", rate_hz=10.0))
+
+
+def _imu(path: Path) -> None:
+    read_imu(path)
+
+
+def _noise(path: Path) -> None:
+    read_noise(path)
+
+
+def _telemetry(path: Path) -> None:
+    found = gpmf._sensors(path.read_bytes(), path)
+    if not all(np.isfinite(values).all() for values in found.values()):
+        raise AssertionError("telemetry is not finite")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
