@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from motorcade.animation import Character
-from motorcade.ga import Trajectory
+from motorcade.ga import Motor, Trajectory
 from motorcade.render import (
     RENDERERS,
     RendererName,
@@ -36,6 +36,8 @@ from motorcade.replays.stages.view.placed import Placed
 
 # Frames, spread over the recording, from which light is estimated.
 LIT_FRAMES = 8
+# A path is led on so far beyond its ends by what was measured there.
+LED_ON_S = 0.5
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,8 @@ def overlay(
     `lens=bend` leaves the footage as it was taken and bends what is drawn as the lens does;
     otherwise the footage is straightened. `gain` brightens what is drawn, `exposure_s` blurs it by
     the motion in that time, `noise` (of 255; none: each frame's own) grains it.
-    Frames without a pose (before the first, after the last) are shown as they are. Where the
+    The smoothed path is led on by the measured poses next to its ends, as fusion may end before
+    them; frames without a pose (before the first, after the last) are shown as they are. Where the
     recording has depth, what is nearer hides the character; where it has none, the board, markers
     and the ground do. Raises `Unavailable` without OpenGL and
     for recordings of corners, which hold no pictures, and ValueError without a camera or for a
@@ -86,7 +89,7 @@ def overlay(
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
     if isinstance(recording.frames, CornerFrames):
         raise Unavailable("the recording holds corners of markers and no pictures to draw into")
-    path = _chosen(smoothed, representation)
+    path = led_on(_chosen(smoothed, representation), camera_poses.measurements.trajectory)
     character = character_named(placed.character)
     clip = clip_named(character, placed.clip)
     if len(placed.path_m):
@@ -180,6 +183,26 @@ class _Footage:
                 before = given if given.ndim == 3 else given[..., None]
                 self.drawn_into += bool(np.any(picture != before))
             yield picture
+
+
+def led_on(path: Trajectory, measured: Trajectory) -> Trajectory:
+    """The path with the measured steps before its first pose and after its last, if they are near.
+
+    Only steps are taken, so that nothing jumps where one source gives way to the other.
+    """
+    stamps, poses = [path.time_ns], [path.motors]
+    reach_ns = int(1e9 * LED_ON_S)
+    for end, later in ((int(path.time_ns[0]), False), (int(path.time_ns[-1]), True)):
+        beyond = measured.time_ns - end if later else end - measured.time_ns
+        rows = np.flatnonzero((beyond > 0) & (beyond <= reach_ns))
+        if not len(rows) or not measured.time_ns[0] <= end <= measured.time_ns[-1]:
+            continue
+        steps = measured.motors_at(np.int64(end)).inverse().reshape(1) @ measured.motors[rows]
+        led = path.motors[-1 if later else 0].reshape(1) @ steps
+        where = len(stamps) if later else 0
+        stamps.insert(where, measured.time_ns[rows])
+        poses.insert(where, led)
+    return Trajectory(np.concatenate(stamps), Motor.concatenate(poses), path.parent, path.child)
 
 
 def _known(renderer: str) -> RendererName:
