@@ -4,9 +4,9 @@
 
 Small files of every format are made here and mutated: bytes, words, JSON values. Where the real
 rigs lie in the folder, some of them are mutated too. The program ends with 1 where anything but a
-`FormatError` came out, a value is not finite, an input took too much of a processor, or memory grew beyond
-bounds; it then names the input, which the same seed makes again. Broken inputs are kept in the
-folder that FUZZ_KEEP names.
+`FormatError` came out, a value is not finite, an input took more of a processor than it may, or
+memory grew beyond bounds; it then names the input, which the same seed makes again. Broken inputs
+are kept in the folder that FUZZ_KEEP names.
 """
 
 from __future__ import annotations
