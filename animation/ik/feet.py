@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.ik.chain import shortest_turn
-from motorcade.animation.ik.soles import raised_soles, sole_clearance_m
+from motorcade.animation.ik.soles import Sole, raised_soles, sole_clearance_m
 from motorcade.animation.ik.swings import stretches, swing_lift_m
 from motorcade.animation.ik.two_bone import bend_limb
 from motorcade.animation.skeleton import Skeleton
@@ -40,12 +40,17 @@ class Leg:
     Args:
         hip, knee, ankle: each the parent of the next.
         ball: what touches the ground last; by default the ankle.
+        heel: how far behind the ankle the sole begins, as a share of the way from ankle to ball.
+        tip: how far before the ball it ends, likewise. Both by default as of a human foot in a
+            shoe; `fitted_legs` measures them on a mesh.
     """
 
     hip: str
     knee: str
     ankle: str
     ball: str = ""
+    heel: float = 0.47
+    tip: float = 0.7
 
 
 @dataclass(frozen=True)
@@ -125,13 +130,14 @@ def plant_feet(
             )
             for pose in (world[:, ankle], world[:, ball])
         )
-        low = sole_clearance_m(skeleton, (foot, end), ankle, ball, floor.height_m)
+        sole_of = Sole(ankle, ball, leg.heel, leg.tip)
+        low = sole_clearance_m(skeleton, (foot, end), sole_of, floor.height_m)
         lift = swing_lift_m(middle, low, time_s, standing, _leg_m(skeleton, leg))
         below = floor.height_m(middle[:, :2]) + sole - middle[:, 2]
         up = _upward(np.maximum(lift, below))
         foot, end, toes = up @ foot, up @ end, end.rotor
         if skeleton.parents[ball] == ankle:
-            foot, toes = raised_soles(skeleton, (foot, end), ankle, ball, floor.height_m)
+            foot, toes = raised_soles(skeleton, (foot, end), sole_of, floor.height_m)
         feet.append((inside.rotor @ foot.rotor, inside.rotor @ toes))
         targets.append(inside.apply(foot.translation_m))
     made = _lowered(skeleton, poses, legs, targets)

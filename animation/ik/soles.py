@@ -1,12 +1,13 @@
 """Soles over the ground: how low they are, and heels and toes raised to it by turns of the foot.
 
 Where a foot's heel and toes are is known from the rest pose, in which soles lie on z = 0: the heel
-behind the ankle and the tip before the ball by shares of a human foot.
+behind the ankle and the tip before the ball by shares of the way between the two.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,31 +15,47 @@ from motorcade.animation.ik.chain import shortest_turn
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import FloatArray, Motor, Rotor
 
-__all__ = ["raised_soles", "sole_clearance_m"]
-
-# Behind the ankle and before the ball, as shares of the way from ankle to ball.
-HEEL, TIP = 0.47, 0.7
+__all__ = ["Sole", "raised_soles", "sole_clearance_m"]
 
 Heights = Callable[[FloatArray], FloatArray]
 
 
+@dataclass(frozen=True)
+class Sole:
+    """Numbers of a foot's joints, and how far heel and tip lie behind ankle and before ball."""
+
+    ankle: int
+    ball: int
+    heel: float
+    tip: float
+
+    def marks(self, skeleton: Skeleton) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Heel, ball and tip of the sole in character space, at rest."""
+        at = skeleton.rest_world.translation_m
+        start, end = at[self.ankle], at[self.ball]
+        found = start - self.heel * (end - start), end.copy(), end + self.tip * (end - start)
+        for mark in found:
+            mark[2] = 0.0
+        return found
+
+
 def raised_soles(
-    skeleton: Skeleton, feet: tuple[Motor, Motor], ankle: int, ball: int, ground_m: Heights
+    skeleton: Skeleton, feet: tuple[Motor, Motor], sole: Sole, ground_m: Heights
 ) -> tuple[Motor, Rotor]:
     """A foot turned about its ball until its heel, and its toes until their tip, are not sunk.
 
     Args:
         skeleton: at rest with its soles on z = 0.
         feet: ankle and ball in the world ``(F,)`` each; the ball is where it shall be.
-        ankle: number of the joint.
-        ball: number of the joint.
+        sole: which joints they are.
         ground_m: heights ``(*)`` of the ground at positions ``(*, 2)``.
 
     Returns:
         the ankle in the world ``(F,)``, and the ball's rotor in the world ``(F,)``.
     """
     rest = skeleton.rest_world
-    heel, _, tip = _sole(skeleton, ankle, ball)
+    heel, _, tip = sole.marks(skeleton)
+    ankle, ball = sole.ankle, sole.ball
     pivot = feet[1].translation_m
     behind = feet[0].apply(rest[ankle].inverse().apply(heel)) - pivot
     turn = _raising(behind, pivot, ground_m)
@@ -51,7 +68,7 @@ def raised_soles(
 
 
 def sole_clearance_m(
-    skeleton: Skeleton, feet: tuple[Motor, Motor], ankle: int, ball: int, ground_m: Heights
+    skeleton: Skeleton, feet: tuple[Motor, Motor], sole: Sole, ground_m: Heights
 ) -> FloatArray:
     """Heights ``(F,)`` over the ground of the lowest of heel, ball and tip, or the foot's joint.
 
@@ -59,23 +76,14 @@ def sole_clearance_m(
     but itself.
     """
     rest = skeleton.rest_world
-    heel, middle, tip = _sole(skeleton, ankle, ball)
+    heel, middle, tip = sole.marks(skeleton)
+    ankle, ball = sole.ankle, sole.ball
     marks = [(1, ball, middle)]
     if skeleton.parents[ball] == ankle:
         marks += [(0, ankle, heel), (1, ball, tip)]
     at = [feet[foot].apply(rest[joint].inverse().apply(mark)) for foot, joint, mark in marks]
     over: FloatArray = np.min([one[:, 2] - ground_m(one[:, :2]) for one in at], axis=0)
     return over
-
-
-def _sole(skeleton: Skeleton, ankle: int, ball: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Heel, ball and tip of the sole in character space, at rest."""
-    at = skeleton.rest_world.translation_m
-    along = at[ball] - at[ankle]
-    marks = (at[ankle] - HEEL * along, at[ball].copy(), at[ball] + TIP * along)
-    for mark in marks:
-        mark[2] = 0.0
-    return marks
 
 
 def _raising(lever: FloatArray, pivot: FloatArray, ground_m: Heights) -> Rotor:
