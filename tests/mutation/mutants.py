@@ -118,7 +118,8 @@ def _is_left_alone(node: ast.AST) -> bool:
 def _instead(node: ast.AST, at_import: bool) -> Iterator[tuple[_Node, str]]:
     match node:
         case ast.BinOp(left, ast.MatMult(), right):
-            yield node, _text(ast.BinOp(right, ast.MatMult(), left))
+            if ast.dump(left) != ast.dump(right):
+                yield node, _text(ast.BinOp(right, ast.MatMult(), left))
         case ast.BinOp(left, operator, right):
             # At import a union of types is what `|` makes.
             if not (at_import and isinstance(operator, ast.BitOr)):

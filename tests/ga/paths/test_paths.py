@@ -182,6 +182,18 @@ def test_a_turning_screw_accelerates_towards_its_axis(screws: ScrewPath) -> None
     assert np.max(np.abs(bend)) > 1.0
 
 
+def test_ends_are_met_where_rounding_leads_past_them(screws: ScrewPath, spline: Spline) -> None:
+    for path in (screws, spline):
+        ends = np.array([0.0, path.duration_s])
+        exact = path.twists(ends).pose.coefficients
+        past = path.twists(ends + np.array([-0.9e-9, 0.9e-9])).pose.coefficients
+        np.testing.assert_array_equal(past, exact)
+    np.testing.assert_allclose(
+        screws.twists(screws.duration_s).pose.as_matrix(),
+        screws.trajectory.poses[-1].as_matrix(), rtol=0, atol=1e-14,
+    )  # fmt: skip
+
+
 def test_the_screw_path_refuses_what_lies_outside(screws: ScrewPath) -> None:
     for bad in (-0.01, 0.5):
         with pytest.raises(ValueError, match=r"ScrewPath: expected times in \[0, 0.401"):

@@ -10,7 +10,7 @@ import pytest
 from pytransform3d import transformations
 from scipy.spatial.transform import Rotation
 
-from motorcade.ga import DualQuaternion, EulerPose, Motor, QuaternionPose
+from motorcade.ga import DualQuaternion, EulerPose, Motor, QuaternionPose, Rotor
 from motorcade.ga.rivals import Pose
 from motorcade.ga.rivals.euler import SEQUENCES, euler_from_matrix, matrix_from_euler
 
@@ -330,3 +330,17 @@ def test_values_are_frozen_and_batches_behave_as_arrays(
         make.stack([])
     with pytest.raises(ValueError, match="stack joins single ones"):
         make.concatenate([batch[0, 0]])
+
+
+def test_euler_poses_are_intrinsic_xyz_unless_said(rng: np.random.Generator) -> None:
+    wxyz, t = Rotor.random(rng, (3,)).as_quaternion(), rng.standard_normal((3, 3))
+    given = EulerPose.from_quaternion_translation(wxyz, t)
+    made = [
+        given, EulerPose.identity((3,)), EulerPose.random(rng, (3,)),
+        EulerPose.normalize(given.coefficients), EulerPose.exp(given.log()),
+        EulerPose.from_matrix(given.as_matrix()), EulerPose(given.coefficients),
+    ]  # fmt: skip
+    assert {(pose.sequence, pose.extrinsic) for pose in made} == {("xyz", False)}
+    witness = Rotation.from_euler("XYZ", given.angles_rad).as_matrix()
+    np.testing.assert_allclose(given.as_matrix()[:, :3, :3], witness, rtol=0, atol=1e-13)
+    np.testing.assert_array_equal(EulerPose.identity((2,)).coefficients, np.zeros((2, 6)))
