@@ -1,12 +1,14 @@
 """A hook of mkdocs: pages that are made of something else than Markdown in this folder.
 
-The page of commands is the command line's own help as it stands; changelog, contributing and
+The page of commands is the command line's own help as it stands, that of stages is read off their
+functions; changelog, contributing and
 security are files at the top of the repository, where their readers look for them first.
 """
 
 from __future__ import annotations
 
 import argparse
+import inspect
 from functools import partial
 from pathlib import Path
 
@@ -22,6 +24,7 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     """Add the pages to those of the site."""
     made = {name.lower(): page_from_the_top(name) for name in FROM_THE_TOP}
     made["reference/commands.md"] = commands_page()
+    made["reference/stages.md"] = stages_page()
     for name, content in made.items():
         files.append(File.generated(config, name, content=content))
     return files
@@ -55,3 +58,42 @@ def commands() -> dict[str, argparse.ArgumentParser]:
     for parser in group.choices.values():
         parser.formatter_class = partial(parser.formatter_class, width=WIDTH)
     return dict(group.choices)
+
+
+def stages_page() -> str:
+    """Every stage of the pipeline: what it does, takes and gives, and its knobs."""
+    from motorcade.replays.pipeline import pipeline
+
+    parts = [
+        "# Stages",
+        "The stages of `motorcade run`, in an order in which they can run, as their functions in "
+        "`replays/stages` tell. A knob is set by `--set stage.knob=value`, or by `settings` in a "
+        "manifest.",
+    ]
+    for stage in (pipeline().stages[name] for name in pipeline().order):
+        takes = ", ".join(
+            f"`{name}`{' (optional)' if name in stage.optional else ''}" for name in stage.inputs
+        )
+        parts += [
+            f"## {stage.name}",
+            inspect.getdoc(stage.function) or "",
+            f"Takes {takes}; gives `{stage.output.__name__}`.",
+        ]
+        if stage.knobs:
+            rows = [
+                f"| `{knob.name}` | `{told(knob.annotation)}` | `{shown(knob.default)}` |"
+                for knob in stage.knobs.values()
+            ]
+            parts.append("\n".join(["| knob | type | default |", "|---|---|---|", *rows]))
+    return "\n\n".join(parts) + "\n"
+
+
+def told(annotation: object) -> str:
+    """A type as one writes it."""
+    name = annotation.__name__ if isinstance(annotation, type) else str(annotation)
+    return name.replace("typing.", "").replace("pathlib.", "")
+
+
+def shown(default: object) -> str:
+    """A default as one writes it."""
+    return str(default) if isinstance(default, Path) else repr(default)
