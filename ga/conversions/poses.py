@@ -102,7 +102,6 @@ def motor_from_se3(pose: Any) -> Motor:
     Raises:
         ValueError: a quaternion more than 1e-6 from unit, NaN or infinity.
     """
-    translation = pose.t.data if hasattr(pose.t, "data") else pose.t
     wxyz = pose.r.q.data.detach().cpu().double().numpy()
-    t = translation.detach().cpu().double().numpy()
+    t = pose.t.data.detach().cpu().double().numpy()
     return Motor.from_rotor_translation(Rotor.from_quaternion(wxyz), t)

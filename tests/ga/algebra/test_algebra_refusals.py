@@ -148,6 +148,8 @@ SPHERE, CIRCLE = cga.sphere(X, 2.0), cga.circle(X, Z, 2.0)
         (lambda: cga.sphere_through(ORIGIN, X, Y, X + Y), "on no plane"),
         (lambda: cga.meet(EGA3.blade("e1"), PLANE), "multivectors of Algebra"),
         (lambda: cga.meet(PLANE + 1.0, PLANE), "one grade"),
+        (lambda: cga.meet(CGA3.scalar(1.0), PLANE), "one grade"),
+        (lambda: cga.meet(PLANE, CGA3.pseudoscalar), "one grade"),
         (lambda: cga.join(LINE, LINE), "expected points"),
         (lambda: cga.coordinates(SPHERE), "expected a point"),
         (lambda: cga.coordinates(cga.infinity()), "1 that are none"),
@@ -158,6 +160,7 @@ SPHERE, CIRCLE = cga.sphere(X, 2.0), cga.circle(X, Z, 2.0)
         (lambda: cga.radius_squared(LINE), "sphere, circle or point pair"),
         (lambda: cga.normal(SPHERE), "expected a plane"),
         (lambda: cga.normal(LINE), "expected a plane or circle"),
+        (lambda: cga.normal(cga.point_pair(X, Y)), "grade 1 or 2"),
         (lambda: cga.plane_distance(cga.point(X)), "expected a plane"),
         (lambda: cga.direction(CIRCLE), "expected a line"),
         (lambda: cga.direction(PLANE), "grade 2 or 3"),
@@ -171,6 +174,18 @@ SPHERE, CIRCLE = cga.sphere(X, 2.0), cga.circle(X, Z, 2.0)
 )
 def test_degenerate_objects(call: Callable[[], Any], message: str) -> None:
     refused(call, message)
+
+
+@pytest.mark.parametrize("sizes", [(1e-9, 1.0, 1e9), (1e9, 1e-9, 1.0), (1.0, 1e9, 1e-9)])
+def test_edges_of_any_length_span_where_none_is_along_the_others(
+    sizes: tuple[float, float, float],
+) -> None:
+    a, b, c = (size * edge for size, edge in zip(sizes, (X, Y, Z), strict=True))
+    cga.sphere_through(ORIGIN, a, b, c)
+    cga.plane_through(ORIGIN, a, b)
+    cga.circle_through(ORIGIN, b, c)
+    refused(lambda: cga.sphere_through(ORIGIN, a, b, a + b), "on no plane")
+    refused(lambda: cga.plane_through(ORIGIN, c, 2.0 * c), "on no line")
 
 
 def test_one_degenerate_row_refuses_the_batch() -> None:

@@ -71,7 +71,7 @@ def close(found: Multivector, expected: Multivector, tolerance: float = 1e-13) -
 @pytest.mark.parametrize("size", [1e-9, 1e-4, 0.03, 0.3, 1.0, 2.5])
 def test_exp_is_that_of_the_matrix_of_left_multiplication(algebra: Algebra, size: float) -> None:
     rng = np.random.default_rng(3)
-    for grades in ({1}, {2}, {0, 2}, {2, 4}, set(range(6))):
+    for grades in ({1}, {2}, {3}, {4}, {0, 2}, {2, 4}, set(range(6))):
         for _ in range(3):
             x = of_grades(algebra, grades, rng, size)
             expected = scipy.linalg.expm(left_matrix(x))[:, 0]
