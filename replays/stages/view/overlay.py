@@ -36,8 +36,8 @@ from motorcade.replays.stages.view.placed import Placed
 
 # Frames, spread over the recording, from which light is estimated.
 LIT_FRAMES = 8
-# A path is led on so far beyond its ends by what was measured there.
-LED_ON_S = 0.5
+# A path is led on so far beyond its ends, where poses were measured.
+LED_ON_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def overlay(
     `lens=bend` leaves the footage as it was taken and bends what is drawn as the lens does;
     otherwise the footage is straightened. `gain` brightens what is drawn, `exposure_s` blurs it by
     the motion in that time, `noise` (of 255; none: each frame's own) grains it.
-    The smoothed path is led on by the measured poses next to its ends, as fusion may end before
+    The smoothed path is led on to measured poses within 0.1 s of its ends, as fusion may end before
     them; frames without a pose (before the first, after the last) are shown as they are. Where the
     recording has depth, what is nearer hides the character; where it has none, the board, markers
     and the ground do. Raises `Unavailable` without OpenGL and
@@ -186,20 +186,23 @@ class _Footage:
 
 
 def led_on(path: Trajectory, measured: Trajectory) -> Trajectory:
-    """The path with the measured steps before its first pose and after its last, if they are near.
+    """The path to the measured poses just before its first and after its last, at even velocity.
 
-    Only steps are taken, so that nothing jumps where one source gives way to the other.
+    That something was measured there says that the camera saw; where it was then is told better by
+    how the smoothed path goes on than by one noisy pose, and so nothing jumps.
     """
     stamps, poses = [path.time_ns], [path.motors]
-    reach_ns = int(1e9 * LED_ON_S)
-    for end, later in ((int(path.time_ns[0]), False), (int(path.time_ns[-1]), True)):
-        beyond = measured.time_ns - end if later else end - measured.time_ns
+    reach_ns = np.int64(1e9 * LED_ON_S)
+    for end, inwards in ((path.time_ns[0], 1), (path.time_ns[-1], -1)):
+        beyond = inwards * (end - measured.time_ns)
         rows = np.flatnonzero((beyond > 0) & (beyond <= reach_ns))
-        if not len(rows) or not measured.time_ns[0] <= end <= measured.time_ns[-1]:
+        within_ns = min(reach_ns, path.time_ns[-1] - path.time_ns[0])
+        if not len(rows) or within_ns == 0:
             continue
-        steps = measured.motors_at(np.int64(end)).inverse().reshape(1) @ measured.motors[rows]
-        led = path.motors[-1 if later else 0].reshape(1) @ steps
-        where = len(stamps) if later else 0
+        last, before = path.motors_at(np.stack([end, end + inwards * within_ns]))
+        twist = (before.inverse() @ last).as_twist()
+        led = last.reshape(1) @ Motor.from_twist(beyond[rows, None] / within_ns * twist)
+        where = 0 if inwards > 0 else len(stamps)
         stamps.insert(where, measured.time_ns[rows])
         poses.insert(where, led)
     return Trajectory(np.concatenate(stamps), Motor.concatenate(poses), path.parent, path.child)
