@@ -1,5 +1,7 @@
 """Exponentials, logarithms and roots: laws near 0, near π, null and hyperbolic, and witnesses."""
 
+from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -8,6 +10,7 @@ import scipy.linalg
 
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.algebra.functions import exp, log, normalize, sqrt, versor
+from motorcade.ga.algebra.functions.elementary import apply, where
 
 Generator = np.random.Generator
 SMALL = Algebra(1, 1)
@@ -329,3 +332,43 @@ def test_normalize_divides_by_the_size() -> None:
     close(normalize(x), x / 5.0)
     batch = CGA3.multivector({"e1": np.array([3.0, -6.0]), "e2": np.array([4.0, 8.0])})
     np.testing.assert_allclose(normalize(batch).norm(), 1.0, rtol=1e-15)
+
+
+@pytest.mark.parametrize("function", [log, sqrt, versor], ids=lambda f: f.__name__)
+def test_what_rounding_left_beside_a_versor_is_dropped(
+    function: Callable[[Multivector], Multivector],
+) -> None:
+    x = translator((1.0, 2.0, 3.0)) * rotor(0.7, (1, 2, 3)) * dilator(1.2)
+    spoiled = x + CGA3.multivector({"e1": 1e-18, "e2^e3^e0": -2e-18})
+    assert function(spoiled).masks == function(x).masks
+    close(function(spoiled), function(x), 1e-15)
+
+
+@pytest.mark.parametrize("function", [log, sqrt, versor], ids=lambda f: f.__name__)
+def test_elements_of_six_dimensions_without_a_closed_form_are_named(
+    function: Callable[[Multivector], Multivector],
+) -> None:
+    x = of_grades(Algebra(6), {0, 2, 4}, np.random.default_rng(12), 1.0)
+    with pytest.raises(
+        ValueError, match=rf"{function.__name__}: expected .*, got blades 1 e1\^e2 "
+    ):
+        function(x)
+
+
+def test_the_root_of_a_null_versor_is_refused() -> None:
+    """``e0 (e1 + einf)`` and the like: even, and of no size."""
+    null = CGA3.blade("e0") * CGA3.blade("e1") + CGA3.blade("e0") * CGA3.blade("e2")
+    shifted = null + CGA3.multivector({"e1^e2^e3^e0": 1.0})
+    with pytest.raises(ValueError, match="sqrt: "):
+        sqrt(shifted)
+
+
+@pytest.mark.parametrize("condition", [True, False])
+def test_a_plain_condition_chooses_one_of_two(condition: bool) -> None:
+    assert where(condition, "chosen", "otherwise") == ("chosen" if condition else "otherwise")
+    assert where(np.bool_(condition), 1.0, 2.0) == (1.0 if condition else 2.0)
+
+
+def test_scalars_without_a_function_are_named() -> None:
+    with pytest.raises(ValueError, match="expected scalars that have sin, got Fraction"):
+        apply("sin", Fraction(1, 2))
