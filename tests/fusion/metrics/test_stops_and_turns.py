@@ -85,6 +85,12 @@ def test_overshoot_takes_the_way_from_peak_to_peak_and_no_more():
     assert position_overshoot_m(before, truth) == 0.0
 
 
+def test_a_stop_back_at_the_start_tells_no_direction():
+    there_and_back = walking([1.0, -1.0, 0.0, 0.0])
+    with pytest.raises(NotObservableError, match="a truth that stops or turns back on its way"):
+        position_overshoot_m(there_and_back, there_and_back)
+
+
 def test_overshoot_reads_speeds_at_the_stamps_as_they_are():
     """Even motion at uneven stamps neither stops nor turns; long steps are no fast ones."""
     seconds = np.array([0.0, 0.1, 0.2, 0.21, 0.22, 0.32, 0.42])
