@@ -62,7 +62,7 @@ def plot_squares(
                 axes.plot(*thinned(time_s, values), **style)
         axes.set_yscale("log")
         label_plainly(axes.yaxis)
-        bottom = min(bounds[0], max(lowest, 0.1 * bounds[0]))
+        bottom = min(bounds[0], max(lowest, 0.01 * bounds[0]))
         axes.set_ylim(0.7 * bottom, 1.4 * max(highest, bounds[1]))
         axes.grid(visible=True, color=GRID)
         axes.set_xlabel("time (s)")
