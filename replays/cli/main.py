@@ -45,8 +45,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     _set_up_logging(arguments.verbose)
     try:
         arguments.command(arguments)
-    except KeyboardInterrupt:
-        print("motorcade: stopped; what was finished is kept", file=sys.stderr)
+    except KeyboardInterrupt as stop:
+        told = str(stop) or "stopped; what was finished is kept"
+        print(f"motorcade: {told}", file=sys.stderr)
         return 130
     except BrokenPipeError:
         sys.stderr.close()  # the reader of our output has gone; nothing is left to say

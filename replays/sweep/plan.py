@@ -21,9 +21,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from motorcade.replays.engine.graph import Graph
+from motorcade.replays.engine.graph import Graph, GraphError
 from motorcade.replays.engine.knobs import parse_knobs
-from motorcade.replays.errors import one_line, refusal
+from motorcade.replays.errors import RecordingError, one_line, refusal
 from motorcade.replays.readers.manifest.section import Section, load_toml
 
 __all__ = ["SEEDED", "PlannedRun", "Sweep", "read_sweep"]
@@ -98,14 +98,17 @@ def read_sweep(path: Path, graph: Graph) -> Sweep:
     """
     top = Section(path, "", load_toml(path), _KEYS)
     until = top.text("until") if "until" in top else "errors"
-    graph.needed(until)
     seeds = _seeds(top)
     knobs = tuple(_knobs(top)) if "knobs" in top else ()
-    for name, values in knobs:
-        if seeds != (None,) and name in SEEDED:
-            raise top.fault(f"knobs.{name}", "expected either this or seeds, got both")
-        for value in values:
-            parse_knobs([f"{name}={value}"], graph)
+    try:
+        graph.needed(until)
+        for name, values in knobs:
+            if seeds != (None,) and name in SEEDED:
+                raise top.fault(f"knobs.{name}", "expected either this or seeds, got both")
+            for value in values:
+                parse_knobs([f"{name}={value}"], graph)
+    except GraphError as fault:
+        raise GraphError(f"{path}: {fault}") from fault
     made = Sweep(_recordings(top), seeds, knobs, until)
     if len(made) > MOST_RUNS:
         raise refusal(path, f"expected at most {MOST_RUNS} runs, got {len(made)}")
@@ -158,6 +161,9 @@ def _recordings(top: Section) -> tuple[tuple[Path, Path | None], ...]:
         raise top.fault("recordings", f"expected a list, got {one_line(given)}")
     found: dict[tuple[Path, Path | None], None] = {}
     for entry in given:
+        if not isinstance(entry, str | Mapping):
+            expected = "expected paths, or tables of path and manifest"
+            raise top.fault("recordings", f"{expected}, got {one_line(entry)}")
         section = Section(
             top.path,
             "recordings",
@@ -165,8 +171,15 @@ def _recordings(top: Section) -> tuple[tuple[Path, Path | None], ...]:
             ("path", "manifest"),
         )
         manifest = top.path.parent / section.text("manifest") if "manifest" in section else None
-        for place in _places(top.path.parent, section.text("path")):
-            found[(place, manifest)] = None
+        try:
+            places = _places(top.path.parent, section.text("path"))
+        except (NotImplementedError, ValueError) as fault:
+            if isinstance(fault, RecordingError):
+                raise
+            raise section.fault("path", f"expected a path or pattern: {fault}") from fault
+        if not places:
+            raise section.fault("path", f"no recording is called {one_line(section.text('path'))}")
+        found |= dict.fromkeys((place, manifest) for place in places)
     return tuple(found)
 
 
@@ -176,7 +189,4 @@ def _places(folder: Path, text: str) -> list[Path]:
         return [folder / text]
     pattern = Path(text)
     base = Path(pattern.anchor) if pattern.is_absolute() else folder
-    found = sorted(base.glob(str(pattern.relative_to(pattern.anchor))))
-    if not found:
-        raise refusal(folder, f"expected recordings {one_line(text)}, got none")
-    return found
+    return sorted(base.glob(str(pattern.relative_to(pattern.anchor))))

@@ -36,13 +36,17 @@ _OUTCOME = "outcome.json"
 
 @dataclass(frozen=True)
 class Summary:
-    """How a sweep went: runs done now, done before, and failed; its rows and where they lie."""
+    """How a sweep went: runs done now, done before, and failed; its rows and where they lie.
+
+    Where it was stopped, `left` is how many runs have no row yet.
+    """
 
     done: int
     done_before: int
     failed: int
     rows: tuple[Row, ...]
     files: tuple[Path, ...]
+    left: int = 0
 
 
 @dataclass(frozen=True)
@@ -58,7 +62,9 @@ def sweep(plan: Sweep, out: Path, executor: str) -> Summary:
     """Run what of a sweep is not done yet, and gather all of it.
 
     Leaves `sweep.csv`, `sweep.parquet` (where pyarrow is installed), `sweep.html` and
-    `runs/<recording>-<key>/` in `out`. Runs that failed are tried again by the next call.
+    `runs/<recording>-<key>/` in `out`. Runs that failed are tried again by the next call. A
+    KeyboardInterrupt ends what is running; then the table holds the runs that were finished, and no
+    file is touched where there is none.
 
     Args:
         plan: the runs.
@@ -77,19 +83,26 @@ def sweep(plan: Sweep, out: Path, executor: str) -> Summary:
     failed: dict[_Task, str] = {}
     gathered: dict[_Task, dict[str, Any]] = dict(finished)
     results = outcomes(_run_task, waiting, executor)
-    for task, outcome in track(results, "runs", len(waiting)):
-        if isinstance(outcome, BaseException):
-            failed[task] = " ".join(str(outcome).split()) or type(outcome).__name__
-            log.warning("%s: %s", task.folder.name, failed[task])
-        else:
-            gathered[task] = outcome
+    try:
+        for task, outcome in track(results, "runs", len(waiting)):
+            if isinstance(outcome, BaseException):
+                failed[task] = " ".join(str(outcome).split()) or type(outcome).__name__
+                log.warning("%s: %s", task.folder.name, failed[task])
+            else:
+                gathered[task] = outcome
+    except KeyboardInterrupt:
+        results.close()
+        late = [task for task in waiting if task not in gathered and task not in failed]
+        gathered |= {task: stored for task in late if (stored := _finished(task.folder))}
+    told = [task for task in tasks if task in gathered or task in failed]
     rows = tuple(
         row
-        for task in tasks
+        for task in told
         for row in rows_of(task.run, task.folder.name, gathered.get(task), failed.get(task))
     )
+    files = _write(plan, rows, out) if rows else ()
     done = len(gathered) - len(finished)
-    return Summary(done, len(finished), len(failed), rows, _write(plan, rows, out))
+    return Summary(done, len(finished), len(failed), rows, files, len(tasks) - len(told))
 
 
 def _tasks(plan: Sweep, out: Path) -> Iterator[_Task]:

@@ -53,11 +53,16 @@ def run_sweep(arguments: argparse.Namespace) -> None:
 
     plan = read_sweep(arguments.config, pipeline())
     summary = sweep(plan, arguments.out, check_executor(arguments.executor))
+    if summary.left:
+        done = len(plan) - summary.left
+        where = f"results in {', '.join(map(str, summary.files))}" if done else "no table yet"
+        told = f"stopped; {done} of {len(plan)} runs are done, {where}"
+        raise KeyboardInterrupt(f"{told}; the same command does the rest")
     if arguments.json:
         print_json({"rows": [dict(row) for row in summary.rows]})
     else:
         print(f"{summary.done} runs done, {summary.done_before} were done before")
         print("results in " + ", ".join(map(str, summary.files)))
     if summary.failed:
-        told = f"{summary.failed} of {len(plan)} runs failed"
-        raise RuntimeError(f"{told}; the table says why, the others are done")
+        told = f"{summary.failed} of {len(plan)} runs failed; the table says why"
+        raise RuntimeError(told + (", the others are done" if summary.failed < len(plan) else ""))
