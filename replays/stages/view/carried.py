@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from motorcade.animation.place import followed
 from motorcade.fusion.smooth import smooth
@@ -139,6 +138,8 @@ def _likeliest(both: Motor, error_px: FloatArray, time_s: FloatArray) -> IntArra
 
 def _one_pose(poses: Motor, cameras: Motor, seen: CornerStream, side_m: float) -> Motor:
     """The pose that explains all corners best, robustly."""
+    from scipy.optimize import least_squares
+
     start = poses[int(np.argmin(_apart(poses)))]
 
     def residuals(twist: FloatArray) -> FloatArray:
