@@ -7,6 +7,7 @@ import logging
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
+from typing import TextIO
 
 from motorcade.replays.cli.arguments import one_line
 from motorcade.replays.cli.characters import author, blend
@@ -86,5 +87,35 @@ def _parser() -> argparse.ArgumentParser:
 
 def _set_up_logging(verbose: int) -> None:
     level = (logging.WARNING, logging.INFO, logging.DEBUG)[min(verbose, 2)]
-    logging.basicConfig(level=logging.WARNING, format="%(message)s", stream=sys.stderr)
+    handler = _Lines()
+    handler.addFilter(_Once())
+    logging.basicConfig(level=logging.WARNING, format="%(message)s", handlers=[handler])
     logging.getLogger("motorcade").setLevel(level)
+
+
+class _Once(logging.Filter):
+    """A warning that was told is not told again."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._told: set[str] = set()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether the record is news."""
+        message = record.getMessage()
+        if record.levelno != logging.WARNING or message not in self._told:
+            self._told.add(message)
+            return True
+        return False
+
+
+class _Lines(logging.StreamHandler[TextIO]):
+    """Lines on standard error, above the bar of progress where there is one."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write the record."""
+        bars = sys.modules.get("tqdm")  # imported by the first bar that is shown
+        if bars is None or not sys.stderr.isatty():
+            super().emit(record)
+            return
+        bars.tqdm.write(self.format(record), file=sys.stderr)

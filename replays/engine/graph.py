@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from motorcade.replays.engine import artifacts
+from motorcade.replays.engine.progress import working
 from motorcade.replays.engine.provenance import code_digest
 
 log = logging.getLogger("motorcade.graph")
@@ -255,7 +256,7 @@ def _compute(
 ) -> artifacts.Stored:
     log.info("%s ...", stage.name)
     start = time.perf_counter()
-    with artifacts.workspace(folder.parent):
+    with artifacts.workspace(folder.parent), working(stage.name):
         try:
             value = stage.function(*(outputs[name] for name in stage.inputs), **settings)
         except (ValueError, OverflowError, MemoryError) as error:

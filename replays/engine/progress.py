@@ -1,16 +1,75 @@
-"""Progress of long loops: a bar with rate and remaining time on a terminal, silence elsewhere."""
+"""Progress of what takes more than a second: shown on a terminal, silence elsewhere.
+
+Loops show a bar with their rate and the time that remains; what is one long step shows for how long
+it has been running.
+"""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import TypeVar
 
+__all__ = ["reading", "track", "working"]
+
 Item = TypeVar("Item")
+
+DELAY_S = 1.0
+_TICK_S = 0.5
 
 
 def track(items: Iterable[Item], what: str, total: int) -> Iterator[Item]:
     """Yield `items`, showing how far along the loop is."""
+    if not _shown():
+        yield from items
+        return
     from tqdm import tqdm
 
-    yield from tqdm(items, desc=what, total=total, disable=not sys.stderr.isatty(), leave=False)
+    yield from tqdm(items, desc=what, total=total, leave=False, delay=DELAY_S)
+
+
+@contextmanager
+def reading(what: str, size: int) -> Iterator[Callable[[int], None]]:
+    """Within the block, show how much of `size` bytes is read; what it gives takes the place."""
+    if not _shown():
+        yield lambda place: None
+        return
+    from tqdm import tqdm
+
+    with tqdm(desc=what, total=size, unit="B", unit_scale=True, leave=False, delay=DELAY_S) as bar:
+
+        def told(place: int) -> None:
+            bar.update(place - bar.n)
+
+        yield told
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """Within the block, show for how long it has been running."""
+    if not _shown():
+        yield
+        return
+    from tqdm import tqdm
+
+    over = threading.Event()
+    bar = tqdm(desc=what, bar_format="{desc}: {elapsed}", leave=False, delay=DELAY_S)
+
+    def tick() -> None:
+        while not over.wait(_TICK_S):
+            bar.update()
+
+    ticker = threading.Thread(target=tick, daemon=True)
+    ticker.start()
+    try:
+        yield
+    finally:
+        over.set()
+        ticker.join()
+        bar.close()
+
+
+def _shown() -> bool:
+    return sys.stderr.isatty()

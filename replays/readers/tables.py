@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray
+from motorcade.replays.engine.progress import reading
 from motorcade.replays.errors import one_line, open_bounded, refusal
 
 __all__ = [
@@ -37,6 +38,7 @@ LINE_LIMIT = 2**16
 UNITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
 """Powers of ten from a unit to nanoseconds."""
 
+_TOLD_EVERY = 10_000
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _CONTEXT = Context(prec=60, rounding=ROUND_HALF_EVEN)
 _LOG = logging.getLogger("motorcade.replays")
@@ -93,8 +95,11 @@ def data_rows(path: Path, separator: bytes | None) -> Iterator[tuple[int, list[b
     Raises:
         RecordingError: missing, empty, too large, or not text.
     """
-    with open_bounded(path, FILE_LIMIT) as file:
+    size = path.stat().st_size if path.is_file() else 0
+    with reading(path.name, size) as told, open_bounded(path, FILE_LIMIT) as file:
         for number in itertools.count(1):
+            if number % _TOLD_EVERY == 0:
+                told(file.tell())
             line = file.readline(LINE_LIMIT + 1)
             if not line:
                 return

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from motorcade.ga import IntArray
+from motorcade.replays.engine.progress import track
 from motorcade.replays.errors import DamagedError, one_line, read_bounded, refusal
 from motorcade.replays.readers.frames import pictures
 from motorcade.replays.recording import Frame
@@ -131,7 +132,7 @@ class PictureFrames:
         size = self.size if camera is None else (camera.width, camera.height)
         damage: dict[Path, DamagedError] = {}
         depth = set(self.depth_files)
-        for path, field in self._all_files():
+        for path, field in self._all_files("checking pictures"):
             advice = pictures.UNALIGNED if path in depth else pictures.ANOTHER_SIZE
             try:
                 pictures.read_picture_bytes(path, field, size, advice)
@@ -142,7 +143,7 @@ class PictureFrames:
     def content(self) -> Iterator[bytes]:
         """The bytes of all pictures, each after its length."""
         yield f"depth units {self.depth_units_per_m!r}".encode()
-        for path, field in self._all_files():
+        for path, field in self._all_files("reading pictures"):
             data = read_bounded(path, pictures.FILE_LIMIT, field)
             yield f"{field} {path.suffix} {len(data)}\n".encode()
             yield data
@@ -156,14 +157,16 @@ class PictureFrames:
         data = pictures.read_picture_bytes(self.files[0], "frame 0", None)
         return pictures.picture_size(data)
 
-    def _all_files(self) -> Iterator[tuple[Path, str]]:
-        for index, path in enumerate(self.files):
-            yield path, f"frame {index}"
-        for index, depth in enumerate(self.depth_files):
-            if depth is not None:
-                yield depth, f"depth of frame {index}"
-        for index, right in enumerate(self.right_files):
-            yield right, f"right of frame {index}"
+    def _all_files(self, what: str) -> Iterator[tuple[Path, str]]:
+        """Every file and what it is called, telling how far along that is."""
+        kinds = (("", self.files), ("depth of ", self.depth_files), ("right of ", self.right_files))
+        named = (
+            (path, f"{kind}frame {index}")
+            for kind, files in kinds
+            for index, path in enumerate(files)
+            if path is not None
+        )
+        return track(named, what, sum(len(files) for _, files in kinds))
 
 
 def inside(root: Path, name: str, source: Path, line: int | None = None) -> Path:

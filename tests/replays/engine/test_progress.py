@@ -1,0 +1,103 @@
+"""Progress: bars with rate and remaining time on a terminal, not a byte elsewhere."""
+
+import io
+import logging
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.replays.cli.main import _Lines, _Once
+from motorcade.replays.engine import progress
+from motorcade.replays.readers.tables import read_table
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def shown(monkeypatch: pytest.MonkeyPatch) -> Terminal:
+    """Make standard error a terminal, with bars that show at once."""
+    made = Terminal()
+    monkeypatch.setattr(sys, "stderr", made)
+    monkeypatch.setattr(progress, "DELAY_S", 0.0)
+    monkeypatch.setattr(progress, "_TICK_S", 0.02)
+    return made
+
+
+def slowly(count: int) -> list[int]:
+    return [time.sleep(0.03) or k for k in progress.track(range(count), "walking", count)]
+
+
+def test_a_loop_tells_its_rate_and_what_remains(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = shown(monkeypatch)
+
+    def steps():
+        for k in range(8):
+            time.sleep(0.05)
+            yield k
+
+    assert list(progress.track(steps(), "walking", 8)) == list(range(8))
+    told = terminal.getvalue()
+    assert "walking:" in told
+    assert "/8 [" in told
+    assert "it/s]" in told
+    assert "<00:00" in told
+
+
+def test_a_long_step_tells_that_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = shown(monkeypatch)
+    with progress.working("thinking"):
+        time.sleep(0.2)
+    assert "thinking: 00:00" in terminal.getvalue()
+
+
+def test_what_takes_less_than_a_second_is_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = shown(monkeypatch)
+    monkeypatch.setattr(progress, "DELAY_S", 60.0)
+    with progress.working("thinking"):
+        slowly(3)
+    assert "thinking" not in terminal.getvalue()
+    assert "walking" not in terminal.getvalue()
+
+
+def test_long_tables_tell_how_much_is_read(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    terminal = shown(monkeypatch)
+    path = tmp_path / "long.txt"
+    path.write_text("".join(f"{k} 0.5\n" for k in range(60_000)))
+    table = read_table(path, ("x",), unit="s")
+    np.testing.assert_array_equal(table.values[:, 0], np.full(60_000, 0.5))
+    assert "long.txt:" in terminal.getvalue()
+
+
+def test_nothing_is_said_where_there_is_no_terminal(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(progress, "DELAY_S", 0.0)
+    with progress.working("thinking"), progress.reading("file", 10) as told:
+        told(5)
+        assert list(progress.track(iter("ab"), "walking", 2)) == ["a", "b"]
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_warning_is_told_once_and_above_the_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = shown(monkeypatch)
+    handler = _Lines()
+    handler.addFilter(_Once())
+    logger = logging.getLogger("motorcade.test_of_progress")
+    logger.propagate = False
+    logger.addHandler(handler)
+    try:
+        for _ in progress.track(range(3), "walking", 3):
+            logger.warning("gap of %d s", 2)
+            logger.warning("gap of %d s", 3)
+    finally:
+        logger.removeHandler(handler)
+    lines = terminal.getvalue().replace("\r", "\n").splitlines()
+    assert [line.strip() for line in lines if line.startswith("gap")] == [
+        "gap of 2 s",
+        "gap of 3 s",
+    ]
