@@ -7,6 +7,7 @@ or EuRoC's ``sensor.yaml``, which name the four numbers alike.
 
 from __future__ import annotations
 
+import reprlib
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -98,7 +99,7 @@ def _number(content: Mapping[str, object], name: str, path: Path) -> float:
         except ValueError:
             value = content[name]
     if not _is_positive(value):
-        raise ValueError(f"{path}: {name}: expected a number above 0, got {content[name]!r}")
+        raise ValueError(f"{path}: {name}: expected a number above 0, got {reprlib.repr(content[name])}")
     return float(str(value))
 
 
