@@ -17,7 +17,15 @@ from motorcade.animation.blend import (
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.formats import read_character, read_motion, write_gltf
-from motorcade.animation.ik import Chain, Leg, aim, bend_limb, plant_feet, reach_with
+from motorcade.animation.ik import (
+    Chain,
+    Leg,
+    aim,
+    bend_limb,
+    fitted_legs,
+    plant_feet,
+    reach_with,
+)
 from motorcade.animation.mannequin import mannequin
 from motorcade.animation.place import (
     Anchor,
@@ -36,7 +44,7 @@ from motorcade.animation.skin import PoseField, Skinner, skin
 __all__ = [
     "Anchor", "BlendSpace", "Chain", "Character", "Clip", "CrossFade", "GroundPath", "Inertialized",
     "Layer", "Leg", "Placement", "PoseField", "PoseRuntime", "Skeleton", "Skinner", "aim",
-    "bend_limb", "blend_clips", "blend_layers", "blend_poses", "legs_of", "mannequin",
-    "on_the_spot", "place_on_plane", "plane_anchor", "plant_feet", "reach_with", "read_character",
-    "read_motion", "retarget", "skin", "walk_along", "write_gltf",
+    "bend_limb", "blend_clips", "blend_layers", "blend_poses", "fitted_legs", "legs_of",
+    "mannequin", "on_the_spot", "place_on_plane", "plane_anchor", "plant_feet", "reach_with",
+    "read_character", "read_motion", "retarget", "skin", "walk_along", "write_gltf",
 ]  # fmt: skip

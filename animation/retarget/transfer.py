@@ -61,8 +61,7 @@ def retarget(
         raise ValueError(
             "retarget(joints): expected one pair or more, got none: the skeletons share no names"
         )
-    local = clip.poses if isinstance(clip.poses, Motor) else clip.poses.as_motor_scale()[0]
-    moved = source.world(local)
+    moved = source.world(clip.rigid_poses)
     carrier, hips = _carrier(target), _carrier(source)
     if joints is None:
         numbers.setdefault(carrier, hips)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from motorcade.animation import Character, Clip, mannequin
+from motorcade.animation.ik import fitted_legs
 from motorcade.animation.place import GroundPath, on_the_spot, walk_along
 from motorcade.animation.retarget import legs_of, retarget
 from motorcade.ga import FloatArray, Motor
@@ -15,6 +17,9 @@ from motorcade.ga import FloatArray, Motor
 __all__ = ["MANNEQUIN", "character_named", "clip_named", "path_of", "walked"]
 
 MANNEQUIN = "mannequin"
+IDLE = "idle"
+# How a walker that has arrived idles: samples a second, and for how long.
+IDLE_HZ, LONGEST_IDLE_S = 30.0, 120.0
 
 
 def character_named(name: str) -> Character:
@@ -78,8 +83,18 @@ def path_of(numbers: tuple[float, ...]) -> GroundPath:
         raise ValueError(f"placed.path: {fault}") from fault
 
 
-def walked(character: Character, clip: Clip, path: FloatArray, scale: float, start: Motor) -> Clip:
-    """A clip that walks a path with planted feet, and stands where the path ends.
+def walked(
+    character: Character,
+    clip: Clip,
+    path: FloatArray,
+    scale: float,
+    start: Motor,
+    lasting_s: float = 0.0,
+) -> Clip:
+    """A clip that walks a path with planted feet, from standing to standing, and idles there.
+
+    It stands as the clip named idle begins, its own or the mannequin's, and idles on for as long as
+    is asked, but for two minutes at most; after that it stands still.
 
     Args:
         character: who walks; its legs are told by the names of its joints.
@@ -87,6 +102,7 @@ def walked(character: Character, clip: Clip, path: FloatArray, scale: float, sta
         path: ``(P, 2)`` points of the plane, metres.
         scale: of the character.
         start: where the character is placed, in the plane's frame.
+        lasting_s: how long the clip shall last in all.
 
     Returns:
         poses in the frame of the placed character, at the character's own size.
@@ -95,18 +111,27 @@ def walked(character: Character, clip: Clip, path: FloatArray, scale: float, sta
         ValueError: a clip that is no cycle, or legs that names do not tell.
     """
     skeleton = character.skeleton
-    legs = legs_of(skeleton)
+    legs = fitted_legs(legs_of(skeleton), character)
     if not legs:
         raise ValueError("placed.path: the names of the character's joints do not tell its legs")
     try:
         loop, speed_m_s = on_the_spot(clip, skeleton, legs)
     except ValueError as fault:
         raise ValueError(f"placed.path: '{clip.name}' is no walk ({fault})") from fault
-    walk = walk_along(GroundPath(path), loop, skeleton, legs, speed_m_s, scale=scale)
+    idle = clip_named(character, IDLE)
+    standing = Clip("standing", idle.time_s[:1], idle.rigid_poses[:1])
+    walk = walk_along(
+        GroundPath(path), loop, skeleton, legs, speed_m_s, scale=scale, standing=standing
+    )
+    arrived_s = float(walk.time_s[-1])
+    rest_s = np.arange(0.0, min(lasting_s - arrived_s, LONGEST_IDLE_S), 1.0 / IDLE_HZ)[1:]
+    idling = replace(idle, poses=idle.rigid_poses).at(rest_s + idle.time_s[0])
     way = start.inverse() @ walk.plane_T_character
     # The placement grows the character, and the way with it.
     own = Motor.from_rotor_translation(way.rotor, way.translation_m / scale)
-    poses = walk.poses.coefficients.copy()
+    rows = np.minimum(np.arange(len(walk.time_s) + len(rest_s)), len(walk.time_s) - 1)
+    poses = np.concatenate([walk.poses.coefficients, idling.coefficients])
     for root in np.flatnonzero(skeleton.parents < 0):
-        poses[:, root] = (own @ walk.poses[:, root]).coefficients
-    return Clip(f"{clip.name} along a path", walk.time_s, Motor.normalize(poses))
+        poses[:, root] = (own[rows] @ Motor.normalize(poses[:, root])).coefficients
+    time_s = np.concatenate([walk.time_s, arrived_s + rest_s])
+    return Clip(f"{clip.name} along a path", time_s, Motor.normalize(poses))

@@ -130,8 +130,9 @@ class Carried:
             raise ValueError(f"bind(character): expected at most {most} joints")
         self._program = programs.carry(CARRIERS[known], _ROWS[known], signed=known != "linear")
         self._rest = gl.buffer(_interleaved(character.vertices, character.normals))
-        self._joints = gl.buffer(np.ascontiguousarray(character.joints, np.uint16))
-        self._weights = gl.buffer(np.ascontiguousarray(character.weights, np.float32))
+        joints, weights = character.influences
+        self._joints = gl.buffer(np.ascontiguousarray(joints, np.uint16))
+        self._weights = gl.buffer(np.ascontiguousarray(weights, np.float32))
         self._palette = gl.texture((_ROWS[known], self._shape[0]), 4, dtype="f4")
         self._palette.filter = gl.NEAREST, gl.NEAREST
         content = [

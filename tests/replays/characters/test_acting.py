@@ -1,0 +1,56 @@
+"""A walker in the pipeline: from standing to standing, and alive where it has arrived."""
+
+import numpy as np
+import pytest
+
+from motorcade.animation import Character, Clip, mannequin
+from motorcade.ga import FloatArray, Motor
+from motorcade.replays.characters.acting import IDLE_HZ, walked
+
+PATH_M = np.array([[0.0, 0.0], [1.5, 0.0]])
+LASTING_S = 8.0
+
+
+@pytest.fixture(scope="module")
+def figure() -> Character:
+    return mannequin()
+
+
+@pytest.fixture(scope="module")
+def walk(figure: Character) -> Clip:
+    return walked(figure, figure.clip("walk"), PATH_M, 1.0, Motor.identity(), LASTING_S)
+
+
+def joint_m(figure: Character, clip: Clip, name: str, time_s: FloatArray) -> FloatArray:
+    poses = clip.at(time_s)
+    return figure.skeleton.world(poses).translation_m[:, figure.skeleton.index(name)]
+
+
+def test_it_arrives_and_its_feet_stay_where_they_came_to_stand(
+    figure: Character, walk: Clip
+) -> None:
+    arrived_s = walked(figure, figure.clip("walk"), PATH_M, 1.0, Motor.identity()).duration_s
+    assert arrived_s + 2.0 < walk.duration_s <= LASTING_S
+    late_s = np.arange(arrived_s, walk.duration_s, 1.0 / 60.0)
+    ankles = [name for name in figure.skeleton.names if "foot" in name.lower()]
+    assert len(ankles) == 2
+    for name in ankles:
+        stood = joint_m(figure, walk, name, late_s)
+        assert np.ptp(stood, axis=0).max() < 0.01
+        assert abs(stood[:, 0].mean() - PATH_M[-1, 0]) < 0.25
+
+
+def test_it_idles_on_without_a_jump(figure: Character, walk: Clip) -> None:
+    late_s = np.arange(walk.duration_s - 2.5, walk.duration_s, 1.0 / IDLE_HZ)
+    head = joint_m(figure, walk, "head", late_s)
+    assert np.ptp(head, axis=0).max() > 5e-4  # it breathes
+    whole_s = np.arange(0.0, walk.duration_s, 1.0 / 60.0)
+    places = figure.skeleton.world(walk.at(whole_s)).translation_m
+    steps_m = np.linalg.norm(np.diff(places, axis=0), axis=-1).max(axis=1)
+    after = whole_s[1:] > walk.duration_s - 2.5
+    assert steps_m[after].max() < 0.01
+
+
+def test_a_long_recording_is_idled_for_two_minutes(figure: Character) -> None:
+    long = walked(figure, figure.clip("walk"), PATH_M, 1.0, Motor.identity(), 1e6)
+    assert 120.0 < long.duration_s < 130.0
