@@ -67,10 +67,11 @@ def test_each_of_them_would_be_found(text: str) -> None:
     assert faults(ast.parse(text))
 
 
-def test_what_the_page_names_exists() -> None:
-    text = PAGE.read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", ["SECURITY.md", "CONTRIBUTING.md"])
+def test_what_the_page_names_exists(name: str) -> None:
+    text = (REPOSITORY / name).read_text(encoding="utf-8")
     tests = "\n".join(path.read_text() for path in (REPOSITORY / "tests").rglob("test_*.py"))
-    for name in re.findall(r"`(test_\w+)`", text):
-        assert f"def {name}(" in tests, name
-    for name in re.findall(r"`((?:tests|animation|replays|ga)/[\w./]+)`", text):
-        assert (REPOSITORY / name).exists(), name
+    for told in re.findall(r"`(test_\w+)`", text):
+        assert f"def {told}(" in tests, told
+    for told in re.findall(r"`((?:tests|animation|replays|ga|fusion|docs)/[\w./]+)`", text):
+        assert (REPOSITORY / told).exists(), told
