@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,10 +32,9 @@ class Measured:
         function comes before the second of any.
         """
         contexts = self.lines.contexts_by_lineno(str(file.resolve()))
-        first, last = (1, max(contexts, default=1)) if mutant.at_import else mutant.lines
-        names = {
-            name.rpartition("|")[0] for k in range(first, last + 1) for name in contexts.get(k, ())
-        }
+        names = _names(contexts, range(mutant.lines[0], mutant.lines[1] + 1))
+        if mutant.at_import or names == {""}:
+            names = _names(contexts, contexts)
         turns: Counter[str] = Counter()
         ranked = []
         for name in sorted(
@@ -54,6 +53,11 @@ class Measured:
             name.partition("::")[0] for name in {n.partition("[")[0] for n in chosen}
         )
         return sorted(chosen, key=lambda name: -functions[name.partition("::")[0]])
+
+
+def _names(contexts: Mapping[int, Iterable[str]], lines: Iterable[int]) -> set[str]:
+    """Tests that reach these lines; "" stands for the import."""
+    return {name.rpartition("|")[0] for line in lines for name in contexts.get(line, ())}
 
 
 def measured(room: str, tests: Iterable[Path], folder: Path, *, anew: bool) -> Measured:

@@ -155,3 +155,10 @@ def test_batches_multiply_from_both_sides() -> None:
 
 def test_whole_numbers_become_floats_in_arrays() -> None:
     assert EGA3.multivector({"e1": np.array([1, 2])}).coefficient("e1").dtype == np.float64
+
+
+def test_fractions_that_are_zero_do_not_divide() -> None:
+    x = EGA3.multivector({"e1": Fraction(1, 3)})
+    with pytest.raises(ValueError, match="divisor: expected a number that is not zero"):
+        x / Fraction(0)
+    assert (x / Fraction(2)).coefficient("e1") == Fraction(1, 6)

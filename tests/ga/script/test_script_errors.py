@@ -309,6 +309,14 @@ def test_algebras_are_named_as_in_pragmas(name: str, signature: tuple[int, int, 
     assert algebra_of(parse(text)) == found
 
 
+def test_names_that_pragmas_alone_put_out_are_free() -> None:
+    script = parse("//#pragma output z\n?x = 1;")
+    assert evaluate(script, z=3.0)["z"].scalar_part() == 3.0
+    with pytest.raises(ScriptError, match="free variables z") as caught:
+        evaluate(script)
+    assert (caught.value.line, caught.value.column) == (1, 1)
+
+
 @pytest.mark.parametrize("name", ["", "cga4", "3 0", "3 0 0 0", "-1 0 0", "3,0,1", "٣ 0 0"])
 def test_other_names_of_algebras_are_refused(name: str) -> None:
     with pytest.raises(ValueError, match=r"algebra: expected ega2, .*, cga3 or a signature P Q R"):
