@@ -2,7 +2,8 @@
 
 `code_digest(function)` covers the source of the function's module and of every module of ours that
 it imports, directly or through others, wherever in the file the import stands; the bytes of
-compiled modules; and the versions of Python and of each foreign package that these modules import.
+compiled modules; the templates and shaders that lie beside them; and the versions of Python and of
+each foreign package that these modules import.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 OURS = "motorcade"
+TEXTS = {".html", ".css", ".js", ".jinja", ".vert", ".frag", ".glsl"}
 
 
 def code_digest(function: Callable[..., Any]) -> str:
@@ -28,6 +30,9 @@ def code_digest(function: Callable[..., Any]) -> str:
     for name in sorted(modules):
         content.update(name.encode())
         content.update(hashlib.sha256(_origin(name).read_bytes()).digest())
+    for path in sorted({path for name in modules for path in _texts(_origin(name).parent)}):
+        content.update(path.name.encode())
+        content.update(hashlib.sha256(path.read_bytes()).digest())
     for name in sorted(foreign):
         content.update(f"{name}={_version(name)}".encode())
     return content.hexdigest()
@@ -83,6 +88,14 @@ def _with_parents(name: str) -> Iterator[str]:
         return
     for end in range(2, len(parts) + 1):
         yield ".".join(parts[:end])
+
+
+@functools.cache
+def _texts(folder: Path) -> frozenset[Path]:
+    """Templates and shaders in a folder of modules, and in its folders that are no packages."""
+    plain = [one for one in folder.iterdir() if one.is_dir() and not (one / "__init__.py").exists()]
+    within = [path for place in (folder, *plain) for path in place.iterdir()]
+    return frozenset(path for path in within if path.suffix in TEXTS)
 
 
 def _find(name: str) -> Path | None:

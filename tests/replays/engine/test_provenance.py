@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from motorcade.replays.engine import provenance
+from motorcade.replays.stages.report import report
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.stages.view.overlay import overlay
 
@@ -52,3 +53,25 @@ def test_the_digest_changes_with_versions(monkeypatch: pytest.MonkeyPatch) -> No
     before = provenance.code_digest(smoothed)
     monkeypatch.setattr(provenance, "_version", lambda package: "another")
     assert provenance.code_digest(smoothed) != before
+
+
+def test_the_digest_changes_with_templates_and_shaders_beside_the_modules(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seen: list[Path] = []
+    texts = provenance._texts
+
+    def noted(folder: Path) -> frozenset[Path]:
+        found = texts(folder)
+        seen.extend(found)
+        return found
+
+    monkeypatch.setattr(provenance, "_texts", noted)
+    provenance.code_digest(report)
+    assert {"template.html", "style.css", "script.js"} <= {path.name for path in seen}
+    seen.clear()
+    provenance.code_digest(overlay)
+    assert "surface.frag" in {path.name for path in seen}
+    before = provenance.code_digest(report)
+    monkeypatch.setattr(provenance, "_texts", lambda folder: frozenset())
+    assert provenance.code_digest(report) != before
