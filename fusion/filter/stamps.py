@@ -25,6 +25,8 @@ def covered(measurements: PoseMeasurements, imu: ImuStream, shift_ns: int = 0) -
             f"measurements and imu: expected spans that overlap, got {stamps[0]} to {stamps[-1]} "
             f"ns and {first} to {last} ns"
         )
+    if np.all(inside):
+        return measurements
     return PoseMeasurements(measurements.trajectory[inside], measurements.covariance[inside])
 
 

@@ -99,7 +99,8 @@ def _number(content: Mapping[str, object], name: str, path: Path) -> float:
         except ValueError:
             value = content[name]
     if not _is_positive(value):
-        raise ValueError(f"{path}: {name}: expected a number above 0, got {reprlib.repr(content[name])}")
+        given = reprlib.repr(content[name])
+        raise ValueError(f"{path}: {name}: expected a number above 0, got {given}")
     return float(str(value))
 
 

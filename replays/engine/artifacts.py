@@ -81,7 +81,7 @@ def _built(value: object, folder: Path, building: Path, seconds: float) -> Store
     _write_json(building / "value.json", tree)
     _write_json(building / "aside.json", encoder.aside)
     np.savez(building / "arrays.npz", allow_pickle=False, **encoder.arrays)
-    about = {
+    about: dict[str, Any] = {
         "version": FORMAT_VERSION,
         "name": folder.name,
         "digest": _content_digest(building),
