@@ -1,9 +1,11 @@
-"""Random CLUScripts over four scalars a, b, c and d, with functions that are defined everywhere."""
+"""Random CLUScripts over four scalars, with functions that are defined everywhere; tapes by hand."""
 
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+
+from motorcade.ga.codegen.tape import Node, Operand, Tape
 
 _VARIABLES = ("a", "b", "c", "d")
 _BLADES = ("e1", "e2", "e3", "einf", "e0", "e1^e2", "e2^e3", "e3^e1")
@@ -50,3 +52,29 @@ def _expression(rng: np.random.Generator, names: list[str], depth: int) -> str:
         return _pick(rng, _WRAPPED).format(x=left, v=v, w=w)
     right = _expression(rng, names, depth - 1)
     return f"({left} {_pick(rng, ('+', '+', '-', '*', '*', '*', '^', '.'))} {right})"
+
+
+class Nodes:
+    """A tape as it is written down: nothing is simplified or shared."""
+
+    def __init__(self, *names: str) -> None:
+        self.names = names
+        self.nodes = [Node("input", (), 0.0, (name, 0)) for name in names]
+
+    def __call__(self, op: str, *args: int) -> int:
+        self.nodes.append(Node(op, args))
+        return len(self.nodes) - 1
+
+    def constant(self, value: float) -> int:
+        self.nodes.append(Node("const", (), value))
+        return len(self.nodes) - 1
+
+    def tape(self) -> Tape:
+        inputs = tuple(Operand(name, ("1",)) for name in self.names)
+        return Tape(inputs, (Operand("out", ("1",)),), tuple(self.nodes), ((len(self.nodes) - 1,),))
+
+
+@pytest.fixture
+def nodes() -> type[Nodes]:
+    """Called with the names of inputs it begins a tape."""
+    return Nodes

@@ -1,41 +1,24 @@
 """What is known of a tape's values: at sample points, with bounds of errors, and by their signs."""
 
+from collections.abc import Callable
+from typing import Any
+
 import mpmath
 import numpy as np
 import pytest
 
 from motorcade.ga.codegen.passes.equality.samples import POINTS, sampled
 from motorcade.ga.codegen.passes.equality.signs import nonnegative_nodes
-from motorcade.ga.codegen.tape import Node, Operand, Tape
 
+MakeNodes = Callable[..., Any]
 EPSILON = float(np.finfo(np.float64).eps)
 FUNCTIONS = ["sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan"]
 
 
-class Nodes:
-    """A tape as it is written down: nothing is simplified or shared."""
-
-    def __init__(self, *names: str) -> None:
-        self.names = names
-        self.nodes = [Node("input", (), 0.0, (name, 0)) for name in names]
-
-    def __call__(self, op: str, *args: int) -> int:
-        self.nodes.append(Node(op, args))
-        return len(self.nodes) - 1
-
-    def constant(self, value: float) -> int:
-        self.nodes.append(Node("const", (), value))
-        return len(self.nodes) - 1
-
-    def tape(self) -> Tape:
-        inputs = tuple(Operand(name, ("1",)) for name in self.names)
-        return Tape(inputs, (Operand("out", ("1",)),), tuple(self.nodes), ((len(self.nodes) - 1,),))
-
-
 @pytest.mark.parametrize("function", FUNCTIONS)
-def test_errors_pass_by_the_derivative(function: str) -> None:
+def test_errors_pass_by_the_derivative(function: str, nodes: MakeNodes) -> None:
     """At least so much as mpmath's derivative lets through, and little more than that."""
-    op = Nodes("x")
+    op = nodes("x")
     inner = op("mul", 0, op.constant(0.1))
     found = op(function, inner)
     values, errors = sampled(op.tape())
@@ -52,8 +35,8 @@ def test_errors_pass_by_the_derivative(function: str) -> None:
         assert abs(float(getattr(mpmath, function)(mpmath.mpf(float(u)))) - value) <= 2 * error
 
 
-def test_sums_products_and_quotients_bound_their_errors() -> None:
-    op = Nodes("x", "y")
+def test_sums_products_and_quotients_bound_their_errors(nodes: MakeNodes) -> None:
+    op = nodes("x", "y")
     a, b = op("mul", 0, op.constant(0.1)), op("mul", 1, op.constant(0.7))
     made = [op(name, a, b) for name in ("add", "sub", "mul", "div", "atan2")]
     chosen = op("select", op("lt", a, b), a, b)
@@ -70,8 +53,10 @@ def test_sums_products_and_quotients_bound_their_errors() -> None:
     np.testing.assert_allclose(errors[chosen], 2 * EPSILON * abs(np.minimum(left, right)))
 
 
-def test_samples_have_both_signs_and_sizes_and_some_are_positive_throughout() -> None:
-    op = Nodes("x", "y")
+def test_samples_have_both_signs_and_sizes_and_some_are_positive_throughout(
+    nodes: MakeNodes,
+) -> None:
+    op = nodes("x", "y")
     op("mul", 0, 1)
     values, _ = sampled(op.tape())
     for row in values[:2]:
@@ -81,8 +66,8 @@ def test_samples_have_both_signs_and_sizes_and_some_are_positive_throughout() ->
         assert np.any(np.abs(row) < 1.0)
 
 
-def test_what_is_never_negative_is_known() -> None:
-    op, x, y = Nodes("x", "y"), 0, 1
+def test_what_is_never_negative_is_known(nodes: MakeNodes) -> None:
+    op, x, y = nodes("x", "y"), 0, 1
     zero, two, minus = (op.constant(value) for value in (0.0, 2.0, -3.0))
     square = op("mul", x, x)
     condition = op("lt", x, y)
