@@ -93,6 +93,19 @@ def test_every_figure_stands_beside_the_command_that_makes_it() -> None:
         _parser().parse_args([*words[1:]])
 
 
+def test_figures_of_smoothers_and_frames_are_those_of_their_pages() -> None:
+    told = README.read_text(encoding="utf-8")
+    (compared,) = [line for line in told.splitlines() if line.endswith("`motorcade compare` |")]
+    shares = re.findall(r"\d+\.\d %", compared)
+    assert len(shares) == 3
+    assert all(share in GUIDE.read_text(encoding="utf-8") for share in shares)
+    (drawn,) = [line for line in told.splitlines() if line.endswith("`motorcade bench render` |")]
+    times = re.findall(r"\d+ ms", drawn)
+    rendering = (README.parent / "docs" / "rendering.md").read_text(encoding="utf-8")
+    assert len(times) == 2
+    assert all(time in rendering for time in times)
+
+
 def test_figures_of_the_benchmarks_are_those_of_their_page() -> None:
     page, told = BENCHMARKS.read_text(encoding="utf-8"), README.read_text(encoding="utf-8")
     worst = re.findall(r"\| worst error of all kernels, float\d\d.*?\| (\S+) \|", page)
