@@ -65,6 +65,7 @@ def camera_poses(
     *,
     source: Literal["auto", "board", "tags", "slam", "simulated"] = "auto",
     refine: Refine = "none",
+    moving: tuple[int, ...] = (),
     slam_adjust: bool = True,
     slam_close_loops: bool = True,
     slam_threads: bool = False,
@@ -86,6 +87,8 @@ def camera_poses(
     needs torch and kornia (the extra `photometric`), and pays on small markers and for steadiness
     (`motorcade bench tracking` says how much), at 30 to 150 ms a marker on one core.
 
+    `moving` names loose markers that do not stand still: they neither map nor track.
+
     `slam_adjust` and `slam_close_loops` switched off show what the map's adjustment and its loops
     are worth; `slam_threads` maps in a second thread, after which two runs may differ.
 
@@ -98,7 +101,7 @@ def camera_poses(
     sigma_rad = float(np.deg2rad(sigma_deg))
     ways: dict[str, _Way] = {
         "board": _by_board,
-        "tags": partial(_by_markers, refine=refine),
+        "tags": partial(_by_markers, refine=refine, moving=moving),
         "slam": partial(
             _by_slam, adjust=slam_adjust, close_loops=slam_close_loops, threads=slam_threads
         ),
@@ -169,8 +172,8 @@ def _by_board(recording: Recording) -> CameraPoses:
     )
 
 
-def _by_markers(recording: Recording, *, refine: Refine) -> CameraPoses:
-    found = marker_poses(recording, refine)
+def _by_markers(recording: Recording, *, refine: Refine, moving: tuple[int, ...]) -> CameraPoses:
+    found = marker_poses(recording, refine, moving)
     recorded = isinstance(recording.frames, CornerFrames)
     known = recording.markers is not None and recording.markers.marker_map is not None
     where = "where a map places them" if known else "mapped from this recording alone"

@@ -56,17 +56,22 @@ class MarkerPoses:
     seconds: float
 
 
-def marker_poses(recording: Recording, refine: Refine = "none") -> MarkerPoses:
+def marker_poses(
+    recording: Recording, refine: Refine = "none", moving: tuple[int, ...] = ()
+) -> MarkerPoses:
     """Map the markers of a recording, unless their map is known, and track its camera by them.
 
-    The world is the map's; of a map made here, the frame of the marker seen most.
+    The world is the map's; of a map made here, the frame of the marker seen most. Markers that are
+    `moving` are left out.
 
     Raises:
         ValueError: neither recorded corners nor a family to look for, no camera, or refinement
-            where there are no pictures.
+            where there are no pictures or some markers move.
         TrackingError: no marker seen.
         Unavailable: refinement without torch and kornia.
     """
+    if refine != "none" and moving:
+        raise ValueError(f"{recording.name}: refine={refine} takes all markers, came {moving=}")
     start = time.perf_counter()
     frames, markers = recording.frames, recording.markers
     known = None if markers is None else markers.marker_map
@@ -82,6 +87,7 @@ def marker_poses(recording: Recording, refine: Refine = "none") -> MarkerPoses:
         streams, rig_T_camera = {_ONLY: stream}, {_ONLY: Motor.identity()}
         side_m = dict.fromkeys(np.unique(stream.marker_ids).tolist(), loose.side_m)
         posed = None if sightings is None else {_ONLY: sightings}
+    streams = {name: _standing(stream, moving) for name, stream in streams.items()}
     if not any(len(stream) for stream in streams.values()):
         raise TrackingError("frames: expected some that show a marker, got none")
     found = (
@@ -149,6 +155,15 @@ def _refined(*arguments: Any) -> RefinedFrame:
         return refine_frame(*arguments)
     except PhotometricUnavailable as missing:
         raise Unavailable(str(missing)) from missing
+
+
+def _standing(stream: CornerStream, moving: tuple[int, ...]) -> CornerStream:
+    """What was seen of markers that stand still."""
+    still = ~np.isin(stream.marker_ids, np.array(moving, dtype=np.int64))
+    return CornerStream(
+        stream.camera, stream.time_ns, stream.frame[still], stream.marker_ids[still],
+        stream.corners_px[still],
+    )  # fmt: skip
 
 
 def _usable(found: tuple[Detection, ...]) -> list[Detection]:

@@ -78,8 +78,8 @@ def placed(
     known, a plane that faces the picture's up where it is not), else the floor: z = `floor_m`, in
     the world of SLAM a level `floor_m` above the foot of what was mapped. "marker" takes the marker
     with the id `marker`, which may move: it is looked for in every frame, and where it is not seen
-    the character waits, and glides back once it is. Markers of a map must stand still, so a map
-    that leaves the moving ones out makes the camera's path sure. `position_m` (x, y) lies
+    the character waits, and glides back once it is. Name it in
+    `camera_poses.moving` where loose markers are mapped. `position_m` (x, y) lies
     in the plane's own frame; without it the character stands in the middle of the board or marker,
     on a plane where it is in view best and longest, or on the floor where the first camera looks.
     `heading_deg` turns from the plane's x towards its y; without it the character looks at the

@@ -11,11 +11,12 @@ import pytest
 
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
 from motorcade.render import render_overlay
-from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path
+from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from motorcade.replays.characters.acting import character_named, clip_named
 from motorcade.replays.markers.loose import LooseMarkers
 from motorcade.replays.recording import Frame, FrameSequence, ImageArray, Recording
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
+from motorcade.replays.stages.camera.marker_poses import marker_poses
 from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.replays.stages.view.placed import Placed, placed
 from motorcade.tracking import Board, Camera, MarkerGrid, PoseMeasurements, SingleMarker
@@ -218,3 +219,23 @@ def test_what_is_asked_for_and_not_there_is_refused() -> None:
     nameless = Recording("plain", Path("plain"), "images", recording.frames, CAMERA)
     with pytest.raises(ValueError, match=r"plain: placed\.marker=7, but no family of markers"):
         placed(nameless, found, smoothed, on="marker", marker=ID)
+
+
+def test_a_marker_that_is_said_to_move_spoils_no_map() -> None:
+    rng = np.random.default_rng(8)
+    wall = wall_of_markers(3, 1, 0.16, 20.0, rng)
+    cameras, pictures = handheld_path(FRAMES, 0.7), []
+    for k in range(0, FRAMES, 3):
+        poses = Motor.concatenate([wall, Motor.stack([wandering(k)])])
+        scene = TagScene(CAMERA, "tag36h11", np.array([1, 2, 3, ID]), SIDE_M, poses)
+        pictures.append(scene.picture(cameras[k], rng))
+    frames = Pictures(pictures)
+    frames.time_ns = TIME_NS[::3]
+    loose = LooseMarkers("tag36h11", SIDE_M)
+    recording = Recording("wall", Path("wall"), "images", frames, CAMERA, markers=loose)
+    clean, spoilt = marker_poses(recording, moving=(ID,)), marker_poses(recording)
+    assert clean.marker_map.marker_ids.tolist() == [1, 2, 3]
+    assert np.median(clean.error_px) < 0.3
+    assert np.median(spoilt.error_px) > 1.0
+    with pytest.raises(ValueError, match="wall: refine=photometric takes all markers"):
+        marker_poses(recording, "photometric", (ID,))
