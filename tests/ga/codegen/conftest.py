@@ -1,4 +1,4 @@
-"""Random CLUScripts over four scalars, with functions that are defined everywhere; tapes by hand."""
+"""Random CLUScripts over four scalars, of functions defined everywhere; tapes written by hand."""
 
 from collections.abc import Callable
 
