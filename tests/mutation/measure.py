@@ -7,6 +7,7 @@ import os
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from coverage import CoverageData
@@ -25,6 +26,12 @@ class Measured:
     seconds: dict[str, float]
     lines: CoverageData
 
+    @cached_property
+    def _of_no_line(self) -> set[str]:
+        """Tests that call nothing: they look at the modules themselves."""
+        reaching = {name.rpartition("|")[0] for name in self.lines.measured_contexts()}
+        return self.seconds.keys() - reaching
+
     def tests_of(self, file: Path, mutant: Mutant, most_s: float) -> list[str]:
         """Tests that reach a mutant, quick ones first, in files that reach it most often first.
 
@@ -34,7 +41,7 @@ class Measured:
         contexts = self.lines.contexts_by_lineno(str(file.resolve()))
         names = _names(contexts, range(mutant.lines[0], mutant.lines[1] + 1))
         if mutant.at_import or names == {""}:
-            names = _names(contexts, contexts)
+            names = _names(contexts, contexts) | self._of_no_line
         turns: Counter[str] = Counter()
         ranked = []
         for name in sorted(

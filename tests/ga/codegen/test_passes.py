@@ -245,6 +245,21 @@ def test_reciprocals_are_shared() -> None:
         assert compiled(text).tape.operations().get("div", 0) == wanted, text
 
 
+@pytest.mark.parametrize(
+    ("text", "operations"),
+    [
+        ("?y = a/b;", {"div": 1}),
+        ("?y = a/b; ?z = c/b;", {"div": 1, "mul": 2}),
+        ("?y = a*(c/b);", {"div": 1, "mul": 1}),
+        ("?y = (a/b + c)*b - a;", {"mul": 1}),
+        ("?y = (a/sqrt(b) + c)*b - a*sqrt(b);", {"mul": 1}),
+        ("?y = (a*sqrt(b) + c)*sqrt(b) - a*b;", {"mul": 1, "sqrt": 1}),
+    ],
+)
+def test_quotients_are_single_and_cancel(text: str, operations: dict[str, int]) -> None:
+    assert compiled(text).tape.operations() == operations
+
+
 def test_common_factors_and_terms_are_taken_out() -> None:
     operations = {
         "?u = a*b + a*c;": {"add": 1, "mul": 1},
