@@ -19,6 +19,8 @@ from motorcade.replays.report.sheet import sheet_jpeg
 from motorcade.replays.report.summary import COLUMNS, shown_columns, shown_value
 
 MOST_NAMED = 3
+VIDEO_LIMIT = 64 * 2**20
+BESIDE = "overlay.mp4"
 TEMPLATE = Path(__file__).with_name("template.html")
 NO_VIDEO = (
     "there is no headless OpenGL on this machine. Debian and Ubuntu bring it with "
@@ -33,7 +35,7 @@ IMU_ORIGINS = {
 
 
 def page(findings: Findings) -> str:
-    """The whole page as HTML text; the video is inside as a data address."""
+    """The whole page as HTML text; a video of up to 64 MiB is inside as a data address."""
     template = page_environment(TEMPLATE.parent).get_template(TEMPLATE.name)
     figures = findings.errors.figures
     keys = shown_columns(figures)
@@ -83,7 +85,15 @@ def _imu(findings: Findings) -> str:
 def _video(findings: Findings) -> str | None:
     if findings.overlay is None:
         return None
+    if _beside(findings):
+        return BESIDE
     return _data_address("video/mp4", findings.overlay.path.read_bytes())
+
+
+def _beside(findings: Findings) -> bool:
+    """Whether the video is too large for a page, and stays a file beside it."""
+    film = findings.overlay
+    return film is not None and film.path.stat().st_size > VIDEO_LIMIT
 
 
 def _sheet(findings: Findings) -> str | None:
@@ -113,10 +123,11 @@ def _video_caption(findings: Findings) -> str:
     if findings.overlay is None:
         return ""
     film = findings.overlay
+    where = f" It is too large for this page, and lies beside it as {BESIDE}."
     return (
         f"{film.frames} {film.footage} frames, the character drawn from the smoothed path; it or "
         f"its shadow is in view in {film.frames_with_character} of them. It stands on "
-        f"{film.stands_on}, in {film.lit_by}."
+        f"{film.stands_on}, in {film.lit_by}.{where if _beside(findings) else ''}"
     )
 
 

@@ -1,13 +1,18 @@
 """The report's numbers are shown as they are: units, digits, dashes, and what JSON cannot say."""
 
 import json
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from motorcade.render.plots import plot_series
+from motorcade.replays.report import page
 from motorcade.replays.report.page import _rows
 from motorcade.replays.report.summary import as_table, shown_columns, shown_value, without_nan
+from motorcade.replays.stages.view.overlay import Overlay
 
 FIGURES = {
     "measured": {"ape_rmse_m": 0.0173, "rotation_rmse_deg": 0.8629, "lag_ms": -0.05},
@@ -50,6 +55,20 @@ def test_equal_figures_share_the_honour() -> None:
 def test_what_json_cannot_say_becomes_null() -> None:
     tree = without_nan({"a": [1.0, float("nan")], "b": (float("inf"), "text", None)})
     assert json.dumps(tree, allow_nan=False) == '{"a": [1.0, null], "b": [null, "text", null]}'
+
+
+@pytest.mark.parametrize(("limit", "inside"), [(9, True), (8, False)])
+def test_a_video_too_large_for_a_page_lies_beside_it(
+    limit: int, inside: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(page, "VIDEO_LIMIT", limit)
+    film = tmp_path / "film.mp4"
+    film.write_bytes(b"not long.")
+    told = Overlay(film, 3, 4, "the board", "a fixed light", "original", seconds=1.0)
+    found: Any = SimpleNamespace(overlay=told)
+    data = "data:video/mp4;base64,bm90IGxvbmcu"
+    assert page._video(found) == (data if inside else "overlay.mp4")
+    assert ("beside it as overlay.mp4" in page._video_caption(found)) is not inside
 
 
 def test_plots_take_their_ink_from_the_page_and_are_reproducible() -> None:
