@@ -17,7 +17,12 @@ from motorcade.ga.codegen.passes.equality import field
 from motorcade.ga.codegen.passes.equality.fingerprints import fingerprints
 from motorcade.ga.codegen.passes.equality.samples import sampled
 from motorcade.ga.codegen.passes.optimize import PASSES, optimized
-from motorcade.ga.codegen.passes.stats import cost_of, count_operations, table_of_passes
+from motorcade.ga.codegen.passes.stats import (
+    Operations,
+    cost_of,
+    count_operations,
+    table_of_passes,
+)
 from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
 from motorcade.ga.script import evaluate, parse
@@ -336,6 +341,15 @@ def test_the_passes_say_what_they_did() -> None:
             program.passes[-1].after.divisions, program.passes[-1].after.transcendental,
         )
     ]  # fmt: skip
+
+
+def test_operations_are_counted_by_kind_and_divisions_cost_most() -> None:
+    counts = count_operations(compiled("?y = a*b*c + d/sqrt(x) - sin(z);").tape)
+    found = counts.additions, counts.multiplications, counts.divisions, counts.transcendental
+    assert found == (2, 2, 1, 2)
+    costs = [cost_of(compiled(f"?y = {text};").tape) for text in ("a + b", "a*b", "a/b")]
+    assert costs[0] == costs[1] < costs[2]
+    assert count_operations(compiled("?y = a;").tape) == Operations(0, 0, 0, 0)
 
 
 def test_the_same_script_gives_the_same_tape_whatever_hashes_are() -> None:
