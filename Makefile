@@ -2,6 +2,7 @@
 # make test   the test suite         make test-slow   its tests that take longer
 # make lint   ruff and mypy          make wheel   build and check the wheel
 # make mutation   whether the tests notice small faults in MUTATED (hours; resumes)
+# make fuzz   broken scripts, rigs and recordings by the thousand (FUZZ_INPUTS of each)
 # make docs   the documentation site, into build/site
 # make kernels   generate the kernels from their definitions
 # Each prepares what it needs by itself: environment, dependencies, compiled kernels.
@@ -13,7 +14,7 @@ ROOMS   := ga tracking fusion animation render replays
 READY   := $(VENV)/.ready
 NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/generated/c/* $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/native/generated/*.$(kind))))
 
-.PHONY: demo test test-slow mutation lint wheel kernels names system browser clean
+.PHONY: demo test test-slow mutation fuzz lint wheel kernels names system browser clean
 .DEFAULT_GOAL := demo
 
 demo: $(READY) system
@@ -29,6 +30,14 @@ test-slow: $(READY) browser
 MUTATED ?= $(wildcard ga/*.py) ga/algebra ga/codegen/passes ga/conversions ga/rivals ga/script ga/versors
 mutation: $(READY)
 	$(BIN)/python -m tests.mutation $(MUTATED)
+
+# Every input must end in an own error or a valid value, within bounds of time and memory.
+FUZZ_INPUTS ?= 5000
+
+fuzz: $(READY)
+	$(BIN)/python -m tests.ga.script.fuzz --inputs $(FUZZ_INPUTS)
+	$(BIN)/python -m tests.animation.formats.fuzz --inputs $(FUZZ_INPUTS)
+	$(BIN)/python -m tests.replays.readers.fuzz --inputs $(FUZZ_INPUTS)
 
 lint: $(READY) names
 	$(BIN)/ruff check .
