@@ -88,5 +88,7 @@ def measured(room: str, tests: Iterable[Path], folder: Path, *, anew: bool) -> M
 def _run(room: str, tests: Iterable[Path]) -> Watch:
     watch = Watch()
     options = [f"--cov={room}", "--cov-context=test", "--cov-report="]
-    run_tests(watch, *options, *(str(path) for path in tests))
+    code = run_tests(watch, *options, *(str(path) for path in tests))
+    if code not in (0, 1):
+        raise RuntimeError(f"pytest ends with {code} after {len(watch.seconds)} tests")
     return watch
