@@ -188,7 +188,7 @@ private:
 
     void place_in_time(Event &event) const {
         event.time_ns = event.stamp_ns;
-        if (N > 15 && (event.kind == Kind::camera_pose || event.kind == Kind::corners)) {
+        if (event.kind == Kind::camera_pose || event.kind == Kind::corners) {
             const double delay_s = started_ ? now_.delay_s : first_.delay_s;
             event.time_ns += static_cast<std::int64_t>(std::llround(delay_s * 1e9));
             event.shift_s = 1e-9 * static_cast<double>(event.time_ns - event.stamp_ns);

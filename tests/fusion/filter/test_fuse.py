@@ -64,6 +64,26 @@ def test_it_answers_at_any_stamps_and_agrees_with_itself(record, rng):
     assert rms(errors_of(odd, run.camera)[0]) < 0.006
 
 
+@pytest.mark.parametrize("offset_s", [-0.012, 0.012, -0.0375])
+def test_measurements_stamped_by_another_clock_fuse_as_if_by_the_imus(record, rng, offset_s):
+    run = record(rng, 3.0)
+    stamps = run.measurements.trajectory.time_ns
+    inside = stamps[(stamps > 50_000_000) & (stamps < stamps[-1] - 50_000_000)]
+    some = np.isin(stamps, inside)
+    path = replace(
+        run.measurements.trajectory, time_ns=inside, poses=run.measurements.trajectory.motors[some]
+    )
+    covariance = run.measurements.covariance[some]
+    own = fuse(PoseMeasurements(path, covariance), run.imu, run.noise, run.mount)
+    late = replace(path, time_ns=inside - round(offset_s * 1e9))
+    other = fuse(
+        PoseMeasurements(late, covariance), run.imu, run.noise, run.mount, time_offset_s=offset_s
+    )
+    np.testing.assert_array_equal(other.trajectory.time_ns, own.trajectory.time_ns)
+    apart = (own.trajectory.motors.inverse() @ other.trajectory.motors).as_twist()
+    assert np.max(np.abs(apart)) < 1e-9
+
+
 @pytest.mark.parametrize("more", [{}, {"gravity_sigma_rad": 0.02, "mount_sigma_rad": 0.02}])
 @pytest.mark.parametrize("smoothed", [False, True])
 def test_the_cameras_covariance_is_that_of_the_state_seen_from_it(record, rng, smoothed, more):
