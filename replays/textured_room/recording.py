@@ -91,7 +91,6 @@ def _manifest(name: str, sensor: Sensor) -> list[str]:
     return [
         "# A synthetic room. World: metres, z up, origin on the floor.",
         f'name = "{name}"',
-        'settings = ["errors.align=none"]',
         "",
         "[camera]",
         'model = "pinhole"',

@@ -68,5 +68,5 @@ def _ties(results: Mapping[str, Any]) -> list[str]:
 
 def _interval(row: Mapping[str, Any], key: str) -> str:
     if row["ratio_low"] is None:
-        return f"{row[key]:.3f}"
-    return f"{row[key]:.3f} ({row['ratio_low']:.3f}-{row['ratio_high']:.3f})"
+        return f"{row[key]:.3g}"
+    return f"{row[key]:.3g} ({row['ratio_low']:.3g}-{row['ratio_high']:.3g})"
