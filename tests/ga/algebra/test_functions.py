@@ -272,6 +272,7 @@ REFUSED = {
     "log of zero": lambda: log(EGA3.multivector({})),
     "log of a negative scalar": lambda: log(EGA3.scalar(-1.0)),
     "log of one of a batch": lambda: log(EGA3.scalar(np.array([1.0, -1.0]))),
+    "log of a projector": lambda: log(EGA3.multivector({"1": 1.0, "e1": 1.0})),
     "log of a reflection": lambda: log(EGA3.blade("e1")),
     "log of a half turn in no plane": lambda: log(EGA3.multivector({"1": -1.0, "e1^e2": 0.0})),
     "log of a half turn in a rounding": lambda: log(EGA3.multivector({"1": -1, "e1^e2": 1e-17})),

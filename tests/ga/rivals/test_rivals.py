@@ -185,3 +185,16 @@ def test_euler_matrices_refuse_wrong_shapes() -> None:
         matrix_from_euler([1.0, 2.0])
     with pytest.raises(ValueError, match=r"matrix: expected shape \(\*, 3, 3\)"):
         euler_from_matrix(np.eye(2))
+
+
+def test_screws_without_a_turn_are_straight_and_even(rng: np.random.Generator) -> None:
+    wxyz = Rotor.random(rng).as_quaternion()
+    start, end = rng.standard_normal((2, 3))
+    pair = [dual_quaternion_from_quaternion_translation(wxyz, t) for t in (start, end)]
+    fractions = np.array([-0.5, 0.0, 0.25, 1.0, 2.0])
+    made = dual_quaternion_screw(pair[0], pair[1], fractions)
+    turned, moved = dual_quaternion_as_quaternion_translation(made)
+    np.testing.assert_allclose(turned, np.tile(wxyz, (5, 1)), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(
+        moved, start + fractions[:, None] * (end - start), rtol=0, atol=1e-14
+    )
