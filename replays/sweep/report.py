@@ -34,8 +34,8 @@ class _Cell:
     best: bool = False
 
 
-def report_page(plan: Sweep, rows: Sequence[Row]) -> str:
-    """The page as HTML text; it needs nothing beside it."""
+def report_page(plan: Sweep, rows: Sequence[Row], left: int = 0) -> str:
+    """The page as HTML text; it needs nothing beside it. `left` runs have no rows yet."""
     failures = [row for row in rows if row["status"] == "failed"]
     knobs = [name for name, values in plan.knobs if len(values) > 1]
     judged = [row for row in rows if row["path"] is not None]
@@ -49,6 +49,7 @@ def report_page(plan: Sweep, rows: Sequence[Row]) -> str:
             facts=[
                 {"label": "runs", "value": len(plan)},
                 {"label": "failed", "value": len(failures)},
+                *([{"label": "not run yet", "value": left}] if left else []),
                 {"label": "recordings", "value": len(plan.recordings)},
                 {"label": "seeds", "value": len(plan.seeds)},
             ],

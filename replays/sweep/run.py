@@ -100,9 +100,10 @@ def sweep(plan: Sweep, out: Path, executor: str) -> Summary:
         for task in told
         for row in rows_of(task.run, task.folder.name, gathered.get(task), failed.get(task))
     )
-    files = _write(plan, rows, out) if rows else ()
+    left = len(tasks) - len(told)
+    files = _write(plan, rows, left, out) if rows else ()
     done = len(gathered) - len(finished)
-    return Summary(done, len(finished), len(failed), rows, files, len(tasks) - len(told))
+    return Summary(done, len(finished), len(failed), rows, files, left)
 
 
 def _tasks(plan: Sweep, out: Path) -> Iterator[_Task]:
@@ -153,10 +154,10 @@ def _finished(folder: Path) -> dict[str, Any] | None:
     return stored if isinstance(stored, dict) else None
 
 
-def _write(plan: Sweep, rows: Sequence[Row], out: Path) -> tuple[Path, ...]:
+def _write(plan: Sweep, rows: Sequence[Row], left: int, out: Path) -> tuple[Path, ...]:
     files = [out / "sweep.csv", out / "sweep.html"]
     write_csv(rows, files[0])
-    write_bytes(files[1], report_page(plan, rows).encode())
+    write_bytes(files[1], report_page(plan, rows, left).encode())
     try:
         write_parquet(rows, out / "sweep.parquet")
         files.append(out / "sweep.parquet")

@@ -64,13 +64,14 @@ def test_the_table_of_what_is_done_is_left_and_the_rest_follows(
     assert told.count("\n") == 1
     first = table(out)
     assert len({row["run"] for row in first}) == 2
-    assert (out / "sweep.html").exists()
+    assert "<b>2</b><span>not run yet</span>" in (out / "sweep.html").read_text()
     monkeypatch.setattr(runner, "run_job", run_job)
     summary = sweep(read_sweep(path, pipeline()), out, "local")
     assert (summary.done, summary.done_before, summary.left) == (2, 2, 0)
     assert summary.rows == whole.rows
     assert table(out)[: len(first)] == first
     assert table(out) == table(tmp_path / "whole")
+    assert "not run yet" not in (out / "sweep.html").read_text()
 
 
 def test_nothing_is_written_where_nothing_is_done(
