@@ -10,7 +10,7 @@ import scipy.linalg
 
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.algebra.functions import exp, log, normalize, sqrt, versor
-from motorcade.ga.algebra.functions.elementary import apply, where
+from motorcade.ga.algebra.functions.elementary import apply, sign, step, where
 
 Generator = np.random.Generator
 SMALL = Algebra(1, 1)
@@ -368,6 +368,15 @@ def test_the_root_of_a_null_versor_is_refused() -> None:
 def test_a_plain_condition_chooses_one_of_two(condition: bool) -> None:
     assert where(condition, "chosen", "otherwise") == ("chosen" if condition else "otherwise")
     assert where(np.bool_(condition), 1.0, 2.0) == (1.0 if condition else 2.0)
+
+
+@pytest.mark.parametrize("x", [-2.0, -1e-9, 0.0, 1e-9, 0.5, 2.0])
+def test_signs_and_steps_are_numpys(x: float) -> None:
+    rows = np.array([x, x])
+    assert sign(x) == np.sign(x)
+    assert step(x) == np.heaviside(x, 1.0)
+    np.testing.assert_array_equal(sign(rows), np.sign(rows))
+    np.testing.assert_array_equal(step(rows), np.heaviside(rows, 1.0))
 
 
 def test_scalars_without_a_function_are_named() -> None:
