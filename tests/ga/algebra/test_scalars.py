@@ -162,3 +162,9 @@ def test_fractions_that_are_zero_do_not_divide() -> None:
     with pytest.raises(ValueError, match="divisor: expected a number that is not zero"):
         x / Fraction(0)
     assert (x / Fraction(2)).coefficient("e1") == Fraction(1, 6)
+
+
+def test_fractions_stay_exact_where_terms_come_twice() -> None:
+    x = Algebra(4).multivector({"e1^e2": Fraction(1, 3), "e3^e4": Fraction(1, 7)})
+    assert x.square().coefficient("e1^e2^e3^e4") == Fraction(2, 21)
+    assert x.square().scalar_part() == -Fraction(1, 9) - Fraction(1, 49)
