@@ -212,8 +212,8 @@ class PoseFilter:
     def _check_mount(self) -> None:
         if not self._has_camera:
             raise ValueError(
-                "imu_T_camera: expected the camera's pose on the IMU to take what a camera saw, got "
-                "None; give it to PoseFilter"
+                "imu_T_camera: expected the camera's pose on the IMU to take what a camera saw, "
+                "got None; give it to PoseFilter"
             )
 
     def _add(self, kind: str, time_ns: int, row: FloatArray) -> None:
