@@ -4,6 +4,7 @@ import dataclasses
 import inspect
 import pickle
 import sys
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -38,6 +39,8 @@ REFUSED = [
     ("?x = sin(e1);", 6, "sin: expected a scalar, got a multivector with e1", ""),
     ("?x = sqrt(e1);", 6, "sqrt: has no finite real value", ""),
     ("?x = log(e1 + e2^e3);", 6, "log: expected a scalar beside something", ""),
+    ("?x = asin(2);", 6, "asin: has no finite real value here", ""),
+    ("?x = acos(0 - 3);", 6, "acos: has no finite real value here", ""),
     ("?x = max(1);", 6, "max: expected 2 arguments, got 1", ""),
     ("?x = 2*log(0 - 1);", 8, "log: has no finite real value", ""),
     ("?x = fact(1.5);", 6, "fact: expected whole numbers", ""),
@@ -341,3 +344,10 @@ def test_nodes_are_equal_to_themselves_alone_and_deep_ones_can_be_shown() -> Non
     kinds = [kind for _, kind in inspect.getmembers(syntax, dataclasses.is_dataclass)]
     assert len(kinds) > 10
     assert {kind.__repr__ for kind in kinds} == {object.__repr__}
+    assert {kind.__eq__ for kind in kinds} == {object.__eq__}
+
+
+def test_factorials_of_what_is_no_number_are_refused() -> None:
+    with pytest.raises(ScriptError, match="fact: expected a number, got Fraction"):
+        evaluate(parse("?y = fact(x);"), x=Fraction(3))
+    assert evaluate(parse("?y = fact(x);"), x=4.0)["y"].scalar_part() == 24.0
