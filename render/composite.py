@@ -106,8 +106,8 @@ def darken(frame: ImageArray, shade: FloatArray) -> ImageArray:
     """
     result = frame.copy()
     part = _extent(shade > 0.0)
-    kept = np.rint((1.0 - shade[part]) * 256.0).astype(np.uint16)[..., None]
-    result[part] = (frame[part] * kept + 128) >> 8
+    lost = np.rint(256.0 * shade[part].astype(np.float32)).astype(np.uint16)[..., None]
+    result[part] = (frame[part] * (256 - lost) + 128) >> 8
     return result
 
 

@@ -75,9 +75,9 @@ def ground_shade(
         raise ValueError(
             f"ground_shade(light_direction): expected light from above, got {light_direction}"
         )
-    corners = vertices[triangles]
-    area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    middle = corners.mean(axis=1)
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    area = 0.5 * np.cross(b - a, c - a)
+    middle = (a + b + c) / 3.0
     height = np.maximum(middle[:, 2], 0.0)
     cell = 2.0 * half_width_m / GRID
     slant = light_direction[:2] / light_direction[2]
@@ -150,13 +150,17 @@ def shade_in_picture(
 
 def _spread(at: FloatArray, amount: FloatArray, sigma: FloatArray, cell: float) -> FloatArray:
     """Drop amounts onto the grid, each blurred by its own width in cells, in a few layers."""
+    facing = np.flatnonzero(amount > 0.0)
+    if not facing.size:
+        return np.zeros((GRID, GRID))
+    at, amount, sigma = at[facing], amount[facing], sigma[facing]
     widest = max(float(sigma.max()), 1.5 * float(sigma.min()))
     widths = np.geomspace(float(sigma.min()), widest, LAYERS)
     place = np.interp(sigma, widths, np.arange(LAYERS))
     total = np.zeros((GRID, GRID))
     for layer, width in enumerate(widths):
         share = amount * np.maximum(1.0 - np.abs(place - layer), 0.0)
-        held = np.flatnonzero(share)
+        held = np.flatnonzero(share > 0.0)
         if held.size:
             total += _blurred(at[held] / cell, share[held], float(width))
     return total
@@ -175,16 +179,18 @@ def _blurred(at_cell: FloatArray, amount: FloatArray, width: float) -> FloatArra
 
 def _dropped(at_cell: FloatArray, amount: FloatArray, size: int) -> FloatArray:
     """Bilinear sums of amounts on a square grid; what falls outside is lost."""
-    inside = np.all((at_cell >= 0.0) & (at_cell < size - 1), axis=1)
-    at_cell, amount = at_cell[inside], amount[inside]
-    column, row = np.floor(at_cell).astype(np.int64).T
-    right, up = (at_cell - np.floor(at_cell)).T
-    total = np.zeros(size * size)
-    for dy, wy in ((0, 1.0 - up), (1, up)):
-        for dx, wx in ((0, 1.0 - right), (1, right)):
-            cells = (row + dy) * size + column + dx
-            total += np.bincount(cells, weights=amount * wy * wx, minlength=size * size)
-    return total.reshape(size, size)
+    x, y = np.ascontiguousarray(at_cell.T)
+    inside = (x >= 0.0) & (x < size - 1) & (y >= 0.0) & (y < size - 1)
+    if not inside.all():
+        x, y, amount = x[inside], y[inside], amount[inside]
+    column, row = x.astype(np.int64), y.astype(np.int64)
+    right, up = x - column, y - row
+    first = row * size + column
+    above, below = amount * up, amount * (1.0 - up)
+    cells = np.concatenate([first, first + 1, first + size, first + size + 1])
+    shares = [below * (1.0 - right), below * right, above * (1.0 - right), above * right]
+    total = np.bincount(cells, weights=np.concatenate(shares), minlength=size * size)
+    return np.asarray(total.reshape(size, size))
 
 
 def ground_depth(camera: Camera, camera_T_ground: Motor) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,13 +24,15 @@ class Picture:
     Args:
         gl: moderngl's context.
         size: width and height, pixels.
+        finish: OpenGL's glFinish, to wait for what is drawn while other threads of Python go on,
+            which moderngl's own calls keep waiting.
 
     Raises:
         RenderUnavailable: the memory for it cannot be had.
     """
 
-    def __init__(self, gl: Any, size: tuple[int, int]) -> None:
-        self._gl, self._size = gl, size
+    def __init__(self, gl: Any, size: tuple[int, int], finish: Callable[[], None]) -> None:
+        self._gl, self._size, self._finish = gl, size, finish
         self._box: Box = (0, 0, *size)
         self._parts: list[Any] = []
         import moderngl
@@ -54,7 +57,9 @@ class Picture:
     def read(self) -> Layer:
         """What was drawn, top row first, with depth in metres."""
         width, height = self._size
+        self._finish()
         self._gl.copy_framebuffer(self._resolved, self.drawn)
+        self._finish()
         left, bottom, wide, high = self._box
         rgba, depth = np.empty((high, wide, 4), np.uint8), np.empty((high, wide), np.float32)
         self._resolved.read_into(rgba, viewport=self._box, components=4)

@@ -7,6 +7,7 @@ in a shader that calls the generated kernels (`bind`, `pose`).
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, Self
@@ -65,7 +66,8 @@ class FastRenderer:
         try:
             self._gl = _moderngl_context(self._context)
             check_size(width, height, self._gl.info["GL_MAX_RENDERBUFFER_SIZE"])
-            self._picture = Picture(self._gl, self._size)
+            finish = ctypes.CFUNCTYPE(None)(self._context.address("glFinish"))
+            self._picture = Picture(self._gl, self._size, finish)
         except BaseException:
             self._open = False
             self._context.destroy()
