@@ -71,9 +71,12 @@ system:
 browser:
 	@sh .ci/system_libraries tests
 
-# mypy finds motorcade.<room> through these links, since the rooms lie at the top of the repository.
+# mypy and mkdocs find motorcade.<room> through these links, since the rooms lie at the top of the
+# repository. The file makes it a whole package: a clone named motorcade would else be taken for a
+# part of it, with its tests and builds.
 names:
 	@mkdir -p build/names/motorcade
+	@touch build/names/motorcade/__init__.py
 	@for room in $(ROOMS); do ln -sfn ../../../$$room build/names/motorcade/$$room; done
 
 clean:

@@ -62,6 +62,16 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, Page]:
     return {path: Page(path.read_text(encoding="utf-8")) for path in folder.rglob("*.html")}
 
 
+def test_a_clone_named_as_the_package_is_not_taken_for_a_part_of_it(tmp_path: Path) -> None:
+    """An editable install has the clone's parent folder on the path."""
+    griffe = pytest.importorskip("griffe", reason="the site's tools are missing")
+    subprocess.run(["make", "names"], cwd=REPOSITORY, check=True, capture_output=True)
+    (tmp_path / "motorcade" / "tests").mkdir(parents=True)
+    names = REPOSITORY / "build" / "names"
+    found = griffe.ModuleFinder([names, tmp_path]).find_package("motorcade")
+    assert found.path == names / "motorcade" / "__init__.py"
+
+
 def test_every_link_and_anchor_leads_somewhere(site: dict[Path, Page]) -> None:
     broken = []
     for path, page in site.items():
