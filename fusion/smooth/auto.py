@@ -6,12 +6,18 @@ wrong poses by the robust batch estimate. So is one whose rotation is so noisy b
 that a step's lever arm counts, which the former neglects. Where there is no noise to speak of the
 smoother is told so, and leaves the path as it is. Poses that are sparser than 8 Hz do not resolve
 what hands and vehicles do, and any model takes such motion for noise; little is smoothed there.
+
+The robust estimate needs scipy and CasADi. Where one is missing a Rauch-Tung-Striebel smoother
+takes its place, with a warning: it runs on NumPy alone, but gives wrong poses the weight of right
+ones.
 """
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -24,6 +30,11 @@ from motorcade.fusion.smooth.representations import Representation, representati
 from motorcade.ga import Similarity, Trajectory
 
 __all__ = ["Choice", "auto", "choose"]
+
+log = logging.getLogger("motorcade.smooth")
+
+# What `robust_map` needs beside NumPy.
+_ROBUST_NEEDS = ("casadi", "scipy")
 
 # Poses farther apart than this do not resolve motion; so much of what the process adds from one to
 # the next is then believed to be noise at most.
@@ -53,11 +64,7 @@ class Choice:
     noise: NoiseModel
 
     def smooth(self, trajectory: Trajectory) -> Trajectory:
-        """Smooth a trajectory as was chosen.
-
-        Raises:
-            ModuleNotFoundError: a package that the method needs is missing.
-        """
+        """Smooth a trajectory as was chosen."""
         chosen = representation_named(self.representation)
         return _METHODS[self.method](trajectory, chosen, **self.parameters)
 
@@ -71,6 +78,9 @@ class Choice:
 def choose(trajectory: Trajectory, representation: str = "motor") -> Choice:
     """Estimate noise and liveliness of a trajectory, and pick method and parameters by them.
 
+    Where the robust estimate is called for and a package that it needs is missing, a warning says
+    so, and the likelier motion model is picked.
+
     Args:
         trajectory: at least 16 poses.
         representation: a name of `REPRESENTATIONS`: what is smoothed.
@@ -83,7 +93,7 @@ def choose(trajectory: Trajectory, representation: str = "motor") -> Choice:
     sparse = interval_s > _UNRESOLVED_S
     noise = estimate_noise(trajectory, representation, order=1 if sparse else None)
     method = "rts_constant_acceleration" if noise.order == 2 else "rts_constant_velocity"
-    if noise.outliers > 0.0 or _levered(trajectory, noise):
+    if (noise.outliers > 0.0 or _levered(trajectory, noise)) and _robust_can_run(method):
         method = "robust_map"
         noise = estimate_noise(trajectory, representation, order=1)
     if sparse:
@@ -100,6 +110,23 @@ def choose(trajectory: Trajectory, representation: str = "motor") -> Choice:
         growing = "scale_jerk_s3" if noise.order == 2 else "scale_acceleration_s2"
         parameters |= {growing: noise.scale.acceleration, "noise_scale": noise.scale.noise}
     return Choice(method, representation, parameters, noise)
+
+
+def _robust_can_run(instead: str) -> bool:
+    """Whether all that `robust_map` needs is there; else a warning says what is taken instead."""
+    for package in _ROBUST_NEEDS:
+        try:
+            import_module(package)
+        except ModuleNotFoundError:
+            log.warning(
+                "auto: this path calls for robust_map, which needs the Python package %r "
+                '(pip install "motorcade[pipeline]" brings it); %s instead, which gives wrong '
+                "poses the weight of right ones",
+                package,
+                instead,
+            )
+            return False
+    return True
 
 
 def _levered(trajectory: Trajectory, noise: NoiseModel) -> bool:
@@ -127,6 +154,5 @@ def auto(trajectory: Trajectory, representation: Representation) -> Trajectory:
 
     Raises:
         ValueError: fewer poses.
-        ModuleNotFoundError: the robust estimate is called for, and scipy or CasADi is missing.
     """
     return choose(trajectory, representation.name).smooth(trajectory)

@@ -43,8 +43,9 @@ def print_json(values: Mapping[str, Any]) -> None:
 def one_line(error: BaseException) -> str:
     """What went wrong as one line: what, where, and what to do."""
     if isinstance(error, ModuleNotFoundError) and error.name is not None:
+        package = error.name.partition(".")[0]
         return (
-            f"this command needs the Python package {error.name!r}, which is not installed; "
+            f"this command needs the Python package {package!r}, which is not installed; "
             'pip install "motorcade[pipeline]" brings it'
         )
     if isinstance(error, OSError) and error.filename is not None:

@@ -22,6 +22,7 @@ __all__ = ["examine"]
 
 _COMPILERS = ("cc", "gcc", "clang")
 _GL_RENDERER = 0x1F01
+_PIPELINE = 'pip install "motorcade[pipeline]"'
 _REINSTALL = "pip install --force-reinstall --no-deps motorcade; a compiler builds the kernels"
 
 
@@ -103,10 +104,13 @@ def _compiles(compiler: str) -> bool:
 
 
 def _opengl() -> list[Finding]:
-    from motorcade.render.backends.contexts import EglContext, OsmesaContext
-    from motorcade.render.backends.platform import REMEDY, osmesa_library, working_egl_device
-
     enables = "characters drawn into footage (overlay.mp4, `motorcade blend`)"
+    try:
+        from motorcade.render.backends.contexts import EglContext, OsmesaContext
+        from motorcade.render.backends.platform import REMEDY, osmesa_library, working_egl_device
+    except ModuleNotFoundError as missing:
+        told = f"not tried: the room that draws needs the Python package {missing.name!r}"
+        return [Finding("OpenGL", "contexts", False, told, enables, _PIPELINE)]
     device = working_egl_device()
     egl = None if device is None else _drawn_by(lambda: EglContext(device))
     software = osmesa_library() and _drawn_by(lambda: OsmesaContext(16, 16))
@@ -154,7 +158,7 @@ def _video() -> list[Finding]:
 
         library = ".".join(map(str, av.library_versions["libavcodec"]))
     except (ImportError, ValueError, OSError, LookupError) as fault:
-        remedy = 'pip install "motorcade[pipeline]" brings PyAV with its codecs'
+        remedy = f"{_PIPELINE} brings PyAV with its codecs"
         return [Finding("video", "H.264", False, str(fault), enables, remedy)]
     return [
         Finding("video", "H.264", True, f"PyAV {av.__version__}, libavcodec {library}", enables)
