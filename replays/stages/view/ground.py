@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.ga import FloatArray, Motor, Rotor, Trajectory, frozen
 from motorcade.render.light import Prints
 from motorcade.replays.recording import Frame, Recording
 from motorcade.replays.stages.camera.camera_poses import CameraPoses
@@ -47,12 +47,17 @@ _TILTED_WORLDS = ("seven_scenes",)
 
 @dataclass(frozen=True)
 class Ground:
-    """A plane to stand on, with where on it and how high unless the user says otherwise."""
+    """A plane to stand on, with where on it and how high unless the user says otherwise.
+
+    `extent_m` ``(2, 2)`` is how far a board or marker reaches: its least x and y, then its
+    greatest; None where the ground has no edge that is known.
+    """
 
     world_T_plane: Motor
     position_m: tuple[float, float]
     height_m: float
     name: str
+    extent_m: FloatArray | None = None
 
 
 def upward(
@@ -81,7 +86,10 @@ def ground_on_board(recording: Recording, camera_poses: CameraPoses) -> Ground |
     """The board where one is known, or loose markers: the plane of the one seen most."""
     if recording.board is not None and camera_poses.origin in ("board", "simulated"):
         height = 0.5 * min(recording.board.size_m)
-        return Ground(recording.world_T_board, _middle(recording.board), height, "the board")
+        printed = recording.board.pattern  # whose y runs down
+        x, y = printed.x_edges_m[[0, -1]], 0.0 - printed.y_edges_m[[-1, 0]]
+        place, extent = _middle(recording.board), frozen(np.stack([x, y], axis=-1))
+        return Ground(recording.world_T_board, place, height, "the board", extent)
     if camera_poses.marker_map is None:
         return None
     known = MarkerMap.load(camera_poses.marker_map)
@@ -92,7 +100,8 @@ def ground_on_board(recording: Recording, camera_poses: CameraPoses) -> Ground |
 
 def ground_on_marker(world_T_marker: Motor, side_m: float, marker_id: int) -> Ground:
     """The middle of one marker."""
-    return Ground(world_T_marker, (0.5 * side_m, -0.5 * side_m), side_m, f"marker {marker_id}")
+    middle, extent = (0.5 * side_m, -0.5 * side_m), frozen([[0.0, -side_m], [side_m, 0.0]])
+    return Ground(world_T_marker, middle, side_m, f"marker {marker_id}", extent)
 
 
 def known_marker(recording: Recording, camera_poses: CameraPoses, marker_id: int) -> Motor | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
@@ -23,12 +24,15 @@ from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.replays.stages.view.carried import find_marker
 from motorcade.replays.stages.view.ground import (
+    Ground,
     ground_on_board,
     ground_on_floor,
     ground_on_marker,
     ground_on_plane,
     known_marker,
 )
+
+log = logging.getLogger("motorcade.placed")
 
 
 @dataclass(frozen=True)
@@ -72,7 +76,8 @@ def placed(
     its clips or of the mannequin's, which are retargeted: idle, walk, jog, run, wave, turn. With a
     `path` of points x,y,x,y,… in the plane's frame, metres, it walks along them at the clip's own
     speed with planted feet and stays at the end; the clip is then the walk unless another is named.
-    (A checkerboard's frame begins at its first inner corner: y runs up, so the board lies below 0.)
+    (A board's frame begins at its top left corner as printed, a checkerboard's at its first inner
+    one: y runs up, so points on the board have y < 0. A path that leaves it is told in the log.)
     `on` "auto" takes the board or the marker seen most where the poses come from it, else the plane
     where one is found (in depth, or among the points that SLAM mapped; the floor where gravity is
     known, a plane that faces the picture's up where it is not), else the floor: z = `floor_m`, in
@@ -138,7 +143,25 @@ def placed(
     points = np.zeros((0, 2)) if way is None else way.points_m
     if way is not None:  # refused here rather than when it is drawn
         walked(who, motion, points, placement.scale, inside)
+        _tell_points_off(points, ground)
     content = sha256(character.read_bytes()).hexdigest() if character.is_file() else ""
     return Placed(
         str(character), clip, placement, ground.name, content, frozen(points), inside, carry
     )  # fmt: skip
+
+
+def _tell_points_off(path_m: FloatArray, ground: Ground) -> None:
+    """Warn of points ``(P, 2)`` of a path that lie beside the board or marker."""
+    if ground.extent_m is None:
+        return
+    low, high = ground.extent_m
+    slack = 1e-6 * (high - low)
+    off = np.any((path_m < low - slack) | (path_m > high + slack), axis=-1)
+    if np.any(off):
+        first = path_m[int(np.argmax(off))]
+        log.warning(
+            "placed.path: %d of %d points lie off %s, the first at x, y = %g, %g m: it reaches "
+            "from %g to %g m in x and from %g to %g m in y, which runs up as printed",
+            np.count_nonzero(off), len(path_m), ground.name, *first,
+            low[0], high[0], low[1], high[1],
+        )  # fmt: skip

@@ -18,7 +18,7 @@ from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.replays.stages.view.ground import upward
 from motorcade.replays.stages.view.placed import Placed, placed
 from motorcade.replays.textured_room import Scenario, handheld, scenario, write_recording
-from motorcade.tracking import Checkerboard, PoseMeasurements
+from motorcade.tracking import Board, Checkerboard, MarkerGrid, PoseMeasurements
 
 
 @pytest.fixture(scope="module")
@@ -216,6 +216,35 @@ def test_along_a_path_it_walks_with_planted_feet_and_stays(looking_down: Recordi
     assert np.abs(low).max() < 0.01 * 0.3
     later = walk.at(walk.time_s[-1] + 5.0)
     np.testing.assert_allclose(later.coefficients, walk.poses[-1].coefficients, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("board", "outline"),
+    [
+        # Over all squares, from the first inner corner; over all markers, from the first's corner.
+        (
+            Checkerboard(columns=7, rows=5, square_m=0.03),
+            "-0.03 to 0.21 m in x and from -0.15 to 0.03",
+        ),
+        (MarkerGrid("tag36h11", 3, 2, 0.08, 0.02), "0 to 0.28 m in x and from -0.18 to 0"),
+    ],
+)
+def test_a_path_off_the_board_is_told_with_the_boards_outline(
+    looking_down: Recording, caplog: pytest.LogCaptureFixture, board: Board, outline: str
+) -> None:
+    seen = smoothed(looking_down)
+    with_board = replace(looking_down, board=board)
+    height_m = 0.05
+    on = (0.02, -0.14, 0.2, -0.01)
+    placed(with_board, poses(seen, "board"), seen, path=on, height_m=height_m)
+    # On a floor nothing is known to end.
+    beyond = (0.02, 0.05, 0.2, 0.12)
+    placed(looking_down, poses(seen), seen, path=beyond, on="floor", height_m=height_m)
+    assert not caplog.records
+    placed(with_board, poses(seen, "board"), seen, path=(*on, 0.2, 0.12), height_m=height_m)
+    (told,) = caplog.messages
+    assert "1 of 3 points lie off the board, the first at x, y = 0.2, 0.12 m" in told
+    assert f"from {outline} m in y" in told
 
 
 @pytest.mark.parametrize(
