@@ -186,6 +186,8 @@ class Graph:
             settings = _settings(stage, chosen.get(name, {}))
             folder = cache / f"{name}-{_key(stage, digests, settings)}"
             found = artifacts.find_artifact(folder)
+            if found:
+                log.info("%s: kept from before", name)
             try:
                 stored = found or _compute(stage, outputs, settings, folder)
                 output = _read(stored, stage, outputs, settings)
@@ -254,7 +256,7 @@ def _read(
 def _compute(
     stage: Stage, outputs: Mapping[str, Any], settings: Mapping[str, Any], folder: Path
 ) -> artifacts.Stored:
-    log.info("%s ...", stage.name)
+    log.debug("%s ...", stage.name)
     start = time.perf_counter()
     with artifacts.workspace(folder.parent), working(stage.name):
         try:

@@ -1,18 +1,21 @@
-"""Progress of what takes more than a second: shown on a terminal, silence elsewhere.
+"""Progress of what takes more than a second: bars on a terminal, and a line a stage everywhere.
 
 Loops show a bar with their rate and the time that remains; what is one long step shows for how long
-it has been running.
+it has been running. Bars are for a terminal, and for one process at a time: those of several would
+write over each other. Lines stay, and go above the bars.
 """
 
 from __future__ import annotations
 
+import logging
+import multiprocessing
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
-__all__ = ["reading", "track", "working"]
+__all__ = ["reading", "telling_stages", "track", "working"]
 
 Item = TypeVar("Item")
 
@@ -71,5 +74,31 @@ def working(what: str) -> Iterator[None]:
         bar.close()
 
 
+@contextmanager
+def telling_stages(recording: str = "") -> Iterator[logging.Logger]:
+    """Within the block, every stage of a graph tells when it ended, in a line on standard error.
+
+    Lines begin with the name of the `recording`, if one is given; what is told through the logger
+    that this yields stands among them.
+    """
+    logging.basicConfig(format="%(message)s")  # a worker's process has nothing yet that writes
+    stages = logging.getLogger("motorcade.graph")
+
+    def named(record: logging.LogRecord) -> bool:
+        record.msg, record.args = f"{recording}: {record.getMessage()}", ()
+        return True
+
+    before = stages.level
+    if stages.getEffectiveLevel() > logging.INFO:
+        stages.setLevel(logging.INFO)
+    if recording:
+        stages.addFilter(named)
+    try:
+        yield stages
+    finally:
+        stages.setLevel(before)
+        stages.removeFilter(named)
+
+
 def _shown() -> bool:
-    return sys.stderr.isatty()
+    return sys.stderr.isatty() and multiprocessing.parent_process() is None

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import time
 from pathlib import Path
 
 from motorcade.replays.cli.arguments import Subparsers, new_command
-from motorcade.replays.cli.recordings.run import add_run_options, print_summary
+from motorcade.replays.cli.recordings.run import add_run_options, run_one
+from motorcade.replays.engine.progress import telling_stages
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -26,10 +28,13 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def demo(arguments: argparse.Namespace) -> None:
     """Render the recording where it is not there yet, then run it as any other."""
     from motorcade.replays.demo import ensure_demo_recording
-    from motorcade.replays.pipeline import Job, run_job
+    from motorcade.replays.pipeline import Job
 
     cache = arguments.cache or arguments.out / ".cache"
+    start = time.perf_counter()
     recording = ensure_demo_recording(arguments.out / "recording", arguments.seed)
+    with telling_stages() as lines:
+        lines.info("recording: %.1f s", time.perf_counter() - start)
     job = Job(
         recording=recording,
         manifest=None,
@@ -38,7 +43,4 @@ def demo(arguments: argparse.Namespace) -> None:
         until=arguments.until,
         settings=tuple(arguments.settings),
     )
-    print_summary(run_job(job), arguments.out, as_json=arguments.json)
-    page = arguments.out / "report.html"
-    if page.exists():
-        print(f"open {page}")
+    run_one(job, as_json=arguments.json)

@@ -5,9 +5,18 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from motorcade.replays.cli.arguments import Subparsers, new_command, one_line
+from motorcade.replays.engine.progress import telling_stages
+
+if TYPE_CHECKING:
+    from motorcade.replays.pipeline import Job
+
+UNSMOOTHED = ("measured", "fused")
+"""Paths in the table of errors that come before the smoothed ones."""
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -58,7 +67,7 @@ def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:
 def run_recordings(arguments: argparse.Namespace) -> None:
     """Run one recording here, or several by the executor asked for."""
     from motorcade.replays.engine.executors import check_executor, outcomes
-    from motorcade.replays.pipeline import Job, run_job
+    from motorcade.replays.pipeline import Job
 
     check_executor(arguments.executor)
     _refuse_equal_names(arguments.recordings)
@@ -76,10 +85,10 @@ def run_recordings(arguments: argparse.Namespace) -> None:
         for path in arguments.recordings
     ]
     if len(jobs) == 1:
-        print_summary(run_job(jobs[0]), jobs[0].out, as_json=arguments.json)
+        run_one(jobs[0], as_json=arguments.json)
         return
     done: dict[str, object] = {}
-    for job, outcome in outcomes(run_job, jobs, arguments.executor):
+    for job, outcome in outcomes(_run_one_of_several, jobs, arguments.executor):
         if isinstance(outcome, BaseException):
             print(f"motorcade: {job.recording}: {one_line(outcome)}", file=sys.stderr)
             continue
@@ -94,6 +103,26 @@ def run_recordings(arguments: argparse.Namespace) -> None:
         raise RuntimeError(f"{failed} of {len(jobs)} recordings failed; the others are done")
 
 
+def run_one(job: Job, *, as_json: bool) -> None:
+    """Run a recording here: a line a stage, then its figures, then a line what came of it."""
+    from motorcade.replays.pipeline import run_job
+
+    with telling_stages() as lines:
+        summary = run_job(job)
+        print_summary(summary, job.out, as_json=as_json)
+        lines.info(result(summary, job.out))
+
+
+def _run_one_of_several(job: Job) -> dict[str, Any]:
+    """Run a recording, here or in another process; what is told of it begins with its name."""
+    from motorcade.replays.pipeline import run_job
+
+    with telling_stages(job.recording.resolve().name) as lines:
+        summary = run_job(job)
+        lines.info(result(summary, job.out))
+    return summary
+
+
 def _refuse_equal_names(recordings: list[Path]) -> None:
     """Several recordings write into folders of their names, which must differ."""
     names = [path.resolve().name for path in recordings]
@@ -105,13 +134,29 @@ def _refuse_equal_names(recordings: list[Path]) -> None:
             )
 
 
-def print_summary(summary: dict[str, object], out: Path, *, as_json: bool) -> None:
+def print_summary(summary: Mapping[str, Any], out: Path, *, as_json: bool) -> None:
     """The table of errors, or the whole report as JSON, and where the results lie."""
     from motorcade.replays.report.summary import as_table
 
     if as_json:
-        print(json.dumps(summary, indent=2))
+        print(json.dumps(summary, indent=2), flush=True)
         return
     if "errors" in summary:
         print(as_table(summary))
-    print(f"results in {out}")
+    print(f"results in {out}", flush=True)
+
+
+def result(summary: Mapping[str, Any], out: Path) -> str:
+    """What came of a run in one line: the poses, their distance from the truth, where to look."""
+    from motorcade.replays.report.summary import shown_value
+
+    poses = summary.get("camera_poses")
+    if poses is None:
+        return f"done as far as {summary['until']}; look into {out}"
+    told = f"{poses['measured']} of {poses['sought']} frames have a pose ({poses['origin']})"
+    smoothed = next(row for path, row in summary["errors"].items() if path not in UNSMOOTHED)
+    off_m, off_deg = smoothed.get("ape_rmse_m"), smoothed.get("rotation_rmse_deg")
+    if off_m is not None:
+        off = f"{shown_value('ape_rmse_m', off_m)} mm, {shown_value('rotation_rmse_deg', off_deg)}°"
+        told += f", smoothed {off} from the truth (RMSE)"
+    return f"{told}; open {out / 'report.html'}"
