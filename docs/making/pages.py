@@ -17,6 +17,14 @@ from mkdocs.structure.files import File, Files
 
 TOP = Path(__file__).resolve().parents[2]
 FROM_THE_TOP = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
+MADE = {
+    f"../../{name}": f"../{page}"
+    for name, page in [
+        *((name, name.lower()) for name in FROM_THE_TOP),
+        ("replays/stages", "reference/stages.md"),
+    ]
+}
+"""Links to what is there when a page is read as a file, and to the page made of it."""
 WIDTH = 88
 
 
@@ -28,6 +36,13 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     for name, content in made.items():
         files.append(File.generated(config, name, content=content))
     return files
+
+
+def on_page_markdown(markdown: str, **_: object) -> str:
+    """Lead links out of this folder to the pages that are made of what they name."""
+    for written, made in MADE.items():
+        markdown = markdown.replace(f"]({written})", f"]({made})")
+    return markdown
 
 
 def page_from_the_top(name: str) -> str:
@@ -62,13 +77,14 @@ def commands() -> dict[str, argparse.ArgumentParser]:
 
 def stages_page() -> str:
     """Every stage of the pipeline: what it does, takes and gives, and its knobs."""
+    from motorcade.replays.engine.knobs import told_knobs
     from motorcade.replays.pipeline import pipeline
 
     parts = [
         "# Stages",
         "The stages of `motorcade run`, in an order in which they can run, as their functions in "
         "`replays/stages` tell. A knob is set by `--set stage.knob=value`, or by `settings` in a "
-        "manifest.",
+        "manifest; units end its name.",
     ]
     for stage in (pipeline().stages[name] for name in pipeline().order):
         takes = ", ".join(
@@ -81,19 +97,8 @@ def stages_page() -> str:
         ]
         if stage.knobs:
             rows = [
-                f"| `{knob.name}` | `{told(knob.annotation)}` | `{shown(knob.default)}` |"
-                for knob in stage.knobs.values()
+                f"| `{knob.name}` | {knob.values} | {f'`{knob.default}`' if knob.default else ''} |"
+                for knob in told_knobs(stage)
             ]
-            parts.append("\n".join(["| knob | type | default |", "|---|---|---|", *rows]))
+            parts.append("\n".join(["| knob | values | default |", "|---|---|---|", *rows]))
     return "\n\n".join(parts) + "\n"
-
-
-def told(annotation: object) -> str:
-    """A type as one writes it."""
-    name = annotation.__name__ if isinstance(annotation, type) else str(annotation)
-    return name.replace("typing.", "").replace("pathlib.", "")
-
-
-def shown(default: object) -> str:
-    """A default as one writes it."""
-    return str(default) if isinstance(default, Path) else repr(default)

@@ -72,6 +72,14 @@ def test_a_clone_named_as_the_package_is_not_taken_for_a_part_of_it(tmp_path: Pa
     assert found.path == names / "motorcade" / "__init__.py"
 
 
+@pytest.mark.parametrize("page", sorted(DOCS.rglob("*.md")), ids=lambda page: page.stem)
+def test_links_lead_to_files_where_a_page_is_read_as_it_is(page: Path) -> None:
+    text = re.sub(r"^```.*?^```$|`[^`\n]*`", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        if not urlsplit(link).scheme and urlsplit(link).path:
+            assert (page.parent / unquote(urlsplit(link).path)).exists(), f"{page.name}: {link}"
+
+
 def test_every_link_and_anchor_leads_somewhere(site: dict[Path, Page]) -> None:
     broken = []
     for path, page in site.items():
