@@ -175,8 +175,9 @@ def align(
         sigmas = np.sqrt(np.diag(solved.covariance))
         if iteration > 2 and np.all(np.abs(solved.shared) <= _SETTLED * sigmas):
             return replace(state, covariance=solved.covariance)
+    doubt = "" if beliefs.rotation_rad > 0.0 else "; is imu_T_camera, the mount, the right one?"
     raise ValueError(
-        f"camera and imu: expected an estimate that settles, got none in {_ITERATIONS} steps"
+        f"camera and imu: expected an estimate that settles, got none in {_ITERATIONS} steps{doubt}"
     )
 
 

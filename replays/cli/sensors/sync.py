@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
 if TYPE_CHECKING:
+    from motorcade.fusion.imu import ImuStream
     from motorcade.fusion.sync import Synchronised
 
 
@@ -24,7 +25,12 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         example="motorcade sync camera.tum imu0/data.csv --json sync.json",
     )
     parser.add_argument("camera", type=Path, metavar="CAMERA_TRAJECTORY")
-    parser.add_argument("imu", type=Path, metavar="IMU", help="EuRoC's CSV")
+    parser.add_argument(
+        "imu",
+        type=Path,
+        metavar="IMU",
+        help="EuRoC's CSV, a video with a GoPro's telemetry, or a recording with an IMU",
+    )
     parser.add_argument(
         "--noise", type=Path, metavar="FILE", help="Kalibr or EuRoC YAML; without it: ADIS16448"
     )
@@ -40,10 +46,9 @@ def sync(arguments: argparse.Namespace) -> None:
     from motorcade.fusion.sync import synchronise
     from motorcade.replays.files.atomic import write_bytes
     from motorcade.replays.files.trajectories import read_trajectory
-    from motorcade.replays.readers.inertial import read_imu
 
     noise = ADIS16448 if arguments.noise is None else ImuNoise.load(arguments.noise)
-    camera, imu = read_trajectory(arguments.camera), read_imu(arguments.imu)
+    camera, imu = read_trajectory(arguments.camera), _stream(arguments.imu)
     found = synchronise(camera, imu, noise, search_s=arguments.search_s)
     results = _as_dict(found)
     for key, value in results.items():
@@ -51,6 +56,29 @@ def sync(arguments: argparse.Namespace) -> None:
         print(f"{key:>34}  {' '.join(f'{one:.6g}' for one in shown)}")
     if arguments.json is not None:
         write_bytes(arguments.json, (json.dumps(results, indent=2) + "\n").encode())
+
+
+def _stream(path: Path) -> ImuStream:
+    """The readings of a file, of a video's telemetry, or of a recording in a folder.
+
+    Raises:
+        RecordingError: a video or a recording without an IMU, or what their readers refuse.
+    """
+    from motorcade.replays.errors import refusal
+    from motorcade.replays.readers.frames import video
+    from motorcade.replays.readers.gpmf import read_telemetry
+    from motorcade.replays.readers.inertial import read_imu
+    from motorcade.replays.recording import open_recording
+
+    if video.recognise(path):
+        found = read_telemetry(path)
+    elif path.is_dir():
+        found = open_recording(path).imu
+    else:
+        found = read_imu(path)
+    if found is None:
+        raise refusal(path, "expected accelerometer and gyroscope, got a recording without them")
+    return found
 
 
 def _as_dict(found: Synchronised) -> dict[str, float | list[float]]:

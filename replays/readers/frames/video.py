@@ -86,6 +86,11 @@ class VideoFrames(DecodedFrames):
         """Reopen the file in another process: a decoder cannot be sent."""
         return VideoFrames, (self._path,)
 
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._path
+
     def check(self, camera: Camera | None) -> None:
         """Compare the stream's size with the camera's; opening has looked for the file's end.
 

@@ -26,6 +26,7 @@ from motorcade.replays.readers.frames.files import (
     refuse_gaps,
 )
 from motorcade.replays.readers.frames.video import VideoFrames
+from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.readers.inertial import read_imu, read_noise
 from motorcade.replays.readers.layouts.detect import find_layout, read_layout
 from motorcade.replays.readers.manifest.board import section_board
@@ -135,8 +136,11 @@ class _Manifest:
         """What the frames table or the folder's own layout gives."""
         if "frames" in self.top:
             frames = self._frames(self._section("frames", FRAMES_KEYS))
-            layout = "video" if isinstance(frames, VideoFrames) else "images"
-            return Recording(self.root.resolve().stem, self.root, layout, frames)
+            name = self.root.resolve().stem
+            if isinstance(frames, VideoFrames):
+                telemetry = read_telemetry(frames.path)
+                return Recording(name, self.root, "video", frames, imu=telemetry)
+            return Recording(name, self.root, "images", frames)
         if find_layout(self.root) is None:
             raise self.top.fault(
                 "frames",

@@ -8,6 +8,7 @@ import pytest
 from motorcade.fusion.imu import ADIS16448, ImuStream, SimulatedImu, simulate_imu
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
+from motorcade.fusion.sync import alignment, synchronise
 from motorcade.fusion.visual_inertial import InertialStart, start_inertial
 from motorcade.fusion.visual_inertial.linear import linear_start
 from motorcade.fusion.visual_inertial.start import _upright
@@ -119,6 +120,17 @@ def test_an_even_pace_tells_no_scale_and_that_is_said(seed):
             start_inertial(measured_in_units(noisy), imu, ADIS16448, mount)
     else:
         assert start_inertial(measured_in_units(noisy), imu, ADIS16448, mount).log_scale_sigma > 1.0
+
+
+def test_where_nothing_settles_the_mount_that_was_given_is_doubted(rng, monkeypatch):
+    """Not where it is sought as well, as `synchronise` does."""
+    truth, simulated = recorded(rng, duration_s=6.0)
+    noisy = simulate_camera_poses(truth, 20.0, 0.005, np.deg2rad(0.2), rng)
+    monkeypatch.setattr(alignment, "_ITERATIONS", 1)
+    with pytest.raises(ValueError, match=r"settles, got none in 1 steps; is imu_T_camera, the m"):
+        start_inertial(measured_in_units(noisy), simulated.stream, ADIS16448, MOUNT)
+    with pytest.raises(ValueError, match=r"settles, got none in 1 steps$"):
+        synchronise(noisy.trajectory, simulated.stream, ADIS16448, search_s=0.1)
 
 
 @pytest.mark.parametrize("down", [[0.0, 0.0, -9.8], [0.0, 0.0, 9.8], [3.0, -4.0, 8.0], [0, 1, 0]])

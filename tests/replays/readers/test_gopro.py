@@ -8,7 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from motorcade.render import write_video
+from motorcade.replays.cli.sensors.sync import _stream
 from motorcade.replays.errors import RecordingError
+from motorcade.replays.files.imu import write_imu
 from motorcade.replays.readers import gpmf
 from motorcade.replays.recording import open_recording
 
@@ -147,7 +150,38 @@ def test_telemetry_is_used_only_where_the_camera_sits_on_it(
     manifest.write_text("[camera]\nfx = 420.0\nfy = 420.0\ncx = 426.5\ncy = 239.5\n")
     assert open_recording(path, manifest).imu is None
     assert "give imu_T_camera" in caplog.text
-    placed = "[imu]\nimu_T_camera = [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], "
+    placed = "[imu]\nimu_T_camera = [[-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], "
     placed += "[0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]\n"
     manifest.write_text(manifest.read_text() + placed)
-    assert open_recording(path, manifest).imu is not None
+    bare = open_recording(path, manifest).imu
+    assert bare is not None
+    # The same where the manifest names the video: used with a mount, told of without one.
+    manifest.write_text('[frames]\nvideo = "karma.mp4"\n' + manifest.read_text())
+    named = open_recording(path.parent, manifest).imu
+    assert named is not None
+    np.testing.assert_array_equal(named.specific_force_m_s2, bare.specific_force_m_s2)
+    caplog.clear()
+    manifest.write_text(manifest.read_text().removesuffix(placed))
+    assert open_recording(path.parent, manifest).imu is None
+    assert "give imu_T_camera" in caplog.text
+
+
+def test_sync_takes_a_video_a_recording_or_a_file(data_dir: Path, tmp_path: Path) -> None:
+    path = data_dir / "replays" / "gopro" / "karma.mp4"
+    own = gpmf.read_telemetry(path)
+    assert own is not None
+    write_imu(own, tmp_path / "imu.csv")
+    write_video(tmp_path / "plain.mp4", [np.zeros((48, 64, 3), np.uint8)], np.zeros(1, np.int64))
+    (tmp_path / "motorcade.toml").write_text(
+        '[frames]\nvideo = "plain.mp4"\n[imu]\nfile = "imu.csv"\n'
+        "imu_T_camera = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], "
+        "[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]\n"
+    )
+    for source in (path, tmp_path, tmp_path / "imu.csv"):
+        stream = _stream(source)
+        np.testing.assert_array_equal(stream.time_ns, own.time_ns)
+        np.testing.assert_allclose(
+            stream.specific_force_m_s2, own.specific_force_m_s2, rtol=1e-3, atol=1e-3
+        )
+    with pytest.raises(RecordingError, match=r"plain\.mp4.*expected accelerometer and gyroscope"):
+        _stream(tmp_path / "plain.mp4")
