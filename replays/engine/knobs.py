@@ -1,16 +1,76 @@
-"""Knobs as text: `stage.knob=value` from a command line, read by the knob's own annotation."""
+"""Knobs as text: what can be set, to what, and what it means; and `stage.knob=value` as read.
+
+What a knob may be is told by its annotation, and what it means by its stage's docstring.
+"""
 
 from __future__ import annotations
 
+import inspect
+import re
 import types
 import typing
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
-from motorcade.replays.engine.graph import Graph, GraphError
+from motorcade.replays.engine.graph import Graph, GraphError, Stage
 
 LARGEST = 1e9
 """No knob's number is larger than this in any unit that it could have."""
+_SENTENCES = re.compile(r"""\n\s*\n|(?:(?<=\.)|(?<=\.\)))\s+(?=[A-Z`("])""")
+_TYPES = {bool: "true, false", str: "text"}
+
+
+@dataclass(frozen=True)
+class Knob:
+    """One knob as a user is told of it.
+
+    Fields:
+        name: as in the stage's signature; it ends in the unit, where there is one.
+        values: those allowed where they are few, else the type.
+        default: as one would write it behind `--set stage.knob=`.
+        meaning: the first sentence of the stage's docstring that names it, or nothing.
+    """
+
+    name: str
+    values: str
+    default: str
+    meaning: str
+
+
+def told_knobs(stage: Stage) -> tuple[Knob, ...]:
+    """The knobs of a stage, in the order of its signature."""
+    sentences = _SENTENCES.split(inspect.getdoc(stage.function) or "")
+    return tuple(
+        Knob(name, _values(knob.annotation), _typed(knob.default), _meaning(name, sentences))
+        for name, knob in stage.knobs.items()
+    )
+
+
+def _values(kind: Any) -> str:
+    """What a knob of an annotation may be, as `_parse` reads it."""
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin in (typing.Union, types.UnionType):
+        return " or ".join(
+            "none" if part is types.NoneType else _values(part) for part in arguments
+        )
+    if origin is typing.Literal:
+        return ", ".join(arguments)
+    if origin is tuple:
+        return f"{_values(arguments[0])},{_values(arguments[0])},…"
+    return _TYPES.get(kind) or str(kind.__name__).lower()
+
+
+def _typed(value: Any) -> str:
+    """A value as `_parse` reads it."""
+    if isinstance(value, tuple):
+        return ",".join(map(_typed, value))
+    return str(value).lower() if value is None or isinstance(value, bool) else str(value)
+
+
+def _meaning(name: str, sentences: Iterable[str]) -> str:
+    named = re.compile(rf"`{name}(=[^`]*)?`")
+    return next((" ".join(text.split()) for text in sentences if named.search(text)), "")
 
 
 def parse_knobs(settings: Iterable[str], graph: Graph) -> dict[str, dict[str, Any]]:

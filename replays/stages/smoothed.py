@@ -30,6 +30,8 @@ def smoothed(
 ) -> Smoothed:
     """Smooth the fused path by local polynomials of `order` over `window_s` seconds.
 
+    `representations` names those to compare, of motor, similarity, rotor, dual_quaternion,
+    quaternion, euler_unwrapped and euler; the first is what `overlay` draws along.
     Without `window_s` the widest window is taken that removes noise alone, judged by the path's
     own uncertainty (see `fusion.smooth.automatic_window_s`).
     """

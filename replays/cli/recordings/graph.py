@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import textwrap
 from pathlib import Path
 
 from motorcade.replays.cli.arguments import Subparsers, new_command
+
+WIDTH = 92
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -19,12 +22,17 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         example="motorcade graph --svg graph.svg",
     )
     parser.add_argument("--svg", type=Path, metavar="FILE", help="write a picture instead")
-    parser.add_argument("--knobs", action="store_true", help="list every stage's knobs instead")
+    parser.add_argument(
+        "--knobs",
+        action="store_true",
+        help="tell every stage's knobs instead: default, values (units end the name), meaning",
+    )
 
 
 def draw(arguments: argparse.Namespace) -> None:
     """Print or write the drawing."""
     from motorcade.replays.engine import drawing
+    from motorcade.replays.engine.knobs import told_knobs
     from motorcade.replays.files.atomic import write_bytes
     from motorcade.replays.pipeline import pipeline
 
@@ -33,7 +41,8 @@ def draw(arguments: argparse.Namespace) -> None:
         write_bytes(arguments.svg, drawing.svg(graph).encode())
     elif arguments.knobs:
         for stage in graph.stages.values():
-            for knob in stage.knobs.values():
-                print(f"{stage.name}.{knob.name} = {knob.default!r}")
+            for knob in told_knobs(stage):
+                print(f"{stage.name}.{knob.name}={knob.default}  ({knob.values})")
+                print(textwrap.indent(textwrap.fill(knob.meaning, WIDTH), " " * 4))
     else:
         print(drawing.mermaid(graph), end="")

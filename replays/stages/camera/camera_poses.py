@@ -19,6 +19,7 @@ from motorcade.replays.engine.artifacts import ASIDE, new_file
 from motorcade.replays.engine.progress import track
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.camera.board_check import warn_of_size, warn_of_wrong_board
 from motorcade.replays.stages.camera.marker_poses import Refine, marker_poses
 from motorcade.replays.stages.camera.slam_poses import slam_poses
 from motorcade.tracking import PoseMeasurements, TrackingError, track_board
@@ -92,10 +93,11 @@ def camera_poses(
     `slam_adjust` and `slam_close_loops` switched off show what the map's adjustment and its loops
     are worth; `slam_threads` maps in a second thread, after which two runs may differ.
 
-    `rate_hz`, `sigma_m` and `sigma_deg` (an axis) and `seed` shape the simulation. `blackouts_s`
-    (start, end, start, end, … in seconds after the first stamp) are spans in which no pose is
-    measured, whatever the source. Raises ValueError where the source asked for is not there, and
-    where nothing gives a pose.
+    A simulation measures `rate_hz` poses a second, with standard deviations of `sigma_m` and
+    `sigma_deg` an axis, its errors drawn by `seed`. `blackouts_s` (start, end, start, end, … in
+    seconds after the first stamp) are spans in which no pose is measured, whatever the source.
+
+    Raises ValueError where the source asked for is not there, and where nothing gives a pose.
     """
     spans = _spans(blackouts_s)
     sigma_rad = float(np.deg2rad(sigma_deg))
@@ -150,12 +152,15 @@ def _by_board(recording: Recording) -> CameraPoses:
         missing = "camera" if recording.camera is None else "board"
         raise ValueError(f"{recording.name}: no {missing} known; describe it in a manifest")
     frames = recording.frames
+    warn_of_size(recording.board)
     start = time.perf_counter()
     tracked = track_board(
         ((frame.time_ns, frame.gray()) for frame in track(frames, "tracking", len(frames))),
         recording.camera,
         recording.board,
     )
+    seconds = time.perf_counter() - start
+    warn_of_wrong_board(recording, recording.board, tracked)
     on_board = tracked.measurements
     board_track = new_file("board_track.npz")
     tracked.save(board_track)
@@ -168,7 +173,7 @@ def _by_board(recording: Recording) -> CameraPoses:
         "board",
         f"tracked by the {recording.board.name} in the images",
         board_track=board_track,
-        seconds=time.perf_counter() - start,
+        seconds=seconds,
     )
 
 

@@ -43,6 +43,7 @@ def convergence(
 ) -> Convergence:
     """Run the causal filter again from a wrong tilt and zero biases, without looking ahead.
 
+    The filter starts `initial_tilt_deg` off upright and runs for the first `duration_s` seconds.
     The tilt is judged by the truth where that shares the world of the poses (they were simulated
     from it), otherwise by the fused path. Where that came about without the filter nothing runs.
     """

@@ -74,15 +74,17 @@ def imu(
 ) -> Imu:
     """The recording's own IMU; without one, a simulation along the tracked path.
 
-    A stream simulated from the tracked path adds nothing that the images did not know, so it
-    flatters no result; `source=reference` simulates from the truth instead and is meant for
-    experiments. `sync=estimate` finds the offset between the clocks of camera and recorded IMU by
-    the motion of both, and takes it off; otherwise the stamps are believed. `knot_spacing_s` is
-    that of the simulation's spline: by default one knot a pose, but none nearer than 0.02 s, so
-    that the stream moves as the poses do. A simulated IMU sits where the recorded one does, and in
-    the camera itself where that is not known. Nothing is guessed of a recorded one: where nothing
-    tells how the camera sits on it, `auto` leaves it aside with a warning. Raises ValueError where
-    the source asked for is not there, and where the motion does not tell the offset.
+    `source=auto` takes the recorded stream, else simulates one along the tracked path; that adds
+    nothing that the images did not know, so it flatters no result. "reference" simulates from the
+    truth instead and is meant for experiments. A simulation has `rate_hz` samples a second, their
+    noise drawn by `seed`. `sync=estimate` finds the offset between the clocks of camera and
+    recorded IMU by the motion of both, and takes it off; otherwise the stamps are believed.
+    `knot_spacing_s` is that of the simulation's spline: by default one knot a pose, but none nearer
+    than 0.02 s, so that the stream moves as the poses do. A simulated IMU sits where the recorded
+    one does, and in the camera itself where that is not known. Nothing is guessed of a recorded
+    one: where nothing tells how the camera sits on it, `auto` leaves it aside with a warning.
+    Raises ValueError where the source asked for is not there, and where the motion does not tell
+    the offset.
     """
     origin = _origin(recording) if source == "auto" else source
     imu_T_camera, noise = recording.imu_T_camera, recording.imu_noise or ADIS16448
