@@ -46,18 +46,18 @@ def twists(path: Trajectory) -> tuple[FloatArray, FloatArray]:
     return time_s[:-1] + 0.5 * step_s, moved / step_s[:, None]
 
 
-def plot_rotation_and_twist(path: Trajectory, start_ns: int | None = None) -> str:
+def plot_rotation_and_twist(path: Trajectory, start_ns: int | None = None, unit: str = "m") -> str:
     """Rotation since the first pose, turning and speed of a path of 2 poses or more: an `<svg>`.
 
     Lines are x, y and z in `style.AXIS_COLOURS`; the legend is left to the page. Seconds count from
-    `start_ns`, by default from the first pose.
+    `start_ns`, by default from the first pose; lengths are in `unit`.
     """
     since_s = 0.0 if start_ns is None else 1e-9 * (int(path.time_ns[0]) - start_ns)
     middles_s, twist = twists(path)
     rows = (
         (path.time_s, np.rad2deg(rotation_vectors_rad(path)), "turned (°)"),
         (middles_s, np.rad2deg(twist[:, :3]), "turning (°/s)"),
-        (middles_s, twist[:, 3:], "speed (m/s)"),
+        (middles_s, twist[:, 3:], f"speed ({unit}/s)"),
     )
     with house_style():
         figure, panels = new_figure(WIDTH_IN, 4.4, rows=3)

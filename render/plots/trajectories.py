@@ -27,33 +27,36 @@ _EDGES = (0, 1, 2, 3, 0, 4, 1, 2, 4, 3)
 _CAMERAS = 9
 
 
-def plot_plan_and_elevation(trajectories: Mapping[str, Trajectory]) -> str:
-    """Plan (x, y) and elevation (x, z) of named trajectories, as an `<svg>` element.
+def plot_plan_and_elevation(trajectories: Mapping[str, Trajectory], unit: str = "m") -> str:
+    """Plan (x, y) and elevation (z over the longer of x and y) of named trajectories: an `<svg>`.
 
     Names are those of `style.COLOURS`; all trajectories must share their parent frame. Scales are
-    equal; the legend is left to the page.
+    equal; lengths are in `unit`; the legend is left to the page.
     """
+    paths = {name: one.poses.translation_m for name, one in trajectories.items()}
+    along = int(np.argmax(np.ptp(np.concatenate(list(paths.values())), axis=0)[:2]))
     with house_style():
         figure, panels = new_figure(WIDTH_IN, 2.9, columns=2)
-        for axes, up, title in zip(panels, (1, 2), ("from above", "from the side"), strict=True):
-            for name, trajectory in trajectories.items():
-                position = trajectory.poses.translation_m
-                axes.plot(position[:, 0], position[:, up], **line_style(name))
+        for axes, across, up, title in zip(
+            panels, (0, along), (1, 2), ("from above", "from the side"), strict=True
+        ):
+            for name, path in paths.items():
+                axes.plot(path[:, across], path[:, up], **line_style(name))
             axes.set_aspect("equal", adjustable="datalim")
             axes.set_title(title)
-            axes.set_xlabel("x (m)")
-            axes.set_ylabel(f"{'xyz'[up]} (m)")
+            axes.set_xlabel(f"{'xyz'[across]} ({unit})")
+            axes.set_ylabel(f"{'xyz'[up]} ({unit})")
             axes.locator_params(nbins=4)
         return as_svg(figure, "paths from above and from the side")
 
 
-def plot_path_3d(trajectories: Mapping[str, Trajectory]) -> str:
+def plot_path_3d(trajectories: Mapping[str, Trajectory], unit: str = "m") -> str:
     """Named trajectories in three dimensions, with cameras along the first, as an `<svg>` element.
 
     Names are those of `style.COLOURS`; all trajectories must share their parent frame. Scales are
     equal, z is up, without perspective. Cameras are pyramids that open where they look, at even
-    steps in time. Beneath each path lies its shadow on the lowest plane; the legend is left to the
-    page.
+    steps in time. Beneath each path lies its shadow on the lowest plane. All of it lies within the
+    axes, whose lengths are in `unit`; the legend is left to the page.
     """
     from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d import Axes3D
@@ -64,15 +67,18 @@ def plot_path_3d(trajectories: Mapping[str, Trajectory]) -> str:
         figure.set_layout_engine("none")
         axes = figure.add_axes((0.02, 0.02, 0.94, 0.98), projection="3d", proj_type="ortho")
         assert isinstance(axes, Axes3D)
-        low, high = _cube(np.concatenate(list(paths.values())))
-        for name, path in paths.items():
-            axes.plot(*path.T, **line_style(name))
-            shadow = {"linewidth": 0.8, "alpha": 0.25, "zorder": 1.0, "label": None}
-            axes.plot(path[:, 0], path[:, 1], low[2], **(line_style(name) | shadow))
         name, first = next(iter(trajectories.items()))
-        for corners in _pyramids(first, 0.09 * float(np.max(high - low))):
-            axes.plot(*corners.T, color=line_style(name)["color"], linewidth=0.8)
-        _furnish(axes, low, high)
+        low, high = _cube(np.concatenate(list(paths.values())))
+        cameras = _pyramids(first, 0.09 * float(np.max(high - low)))
+        low, high = np.minimum(low, cameras.min((0, 1))), np.maximum(high, cameras.max((0, 1)))
+        for corners in cameras:
+            axes.plot(*corners.T, color=line_style(name)["color"], linewidth=0.8, clip_on=False)
+        for name, path in paths.items():
+            axes.plot(*path.T, **line_style(name), clip_on=False)
+            shadow = {"linewidth": 0.8, "alpha": 0.25, "zorder": 1.0, "label": None}
+            axes.plot(path[:, 0], path[:, 1], low[2], **(line_style(name) | shadow), clip_on=False)
+        _furnish(axes, low, high, unit)
+        _fit(axes, high - low)
         return as_svg(figure, "paths in three dimensions")
 
 
@@ -93,21 +99,47 @@ def _pyramids(path: Trajectory, size_m: float) -> FloatArray:
     return corners[:, _EDGES]
 
 
-def _furnish(axes: Any, low: FloatArray, high: FloatArray) -> None:
+def _furnish(axes: Any, low: FloatArray, high: FloatArray, unit: str) -> None:
     """Equal scales, quiet walls, and a view from above and aside."""
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(high - low, zoom=1.1)
     axes.view_init(elev=24.0, azim=-58.0)
-    for name, axis in zip("xyz", (axes.xaxis, axes.yaxis, axes.zaxis), strict=True):
+    for name, axis, size in zip(
+        "xyz", (axes.xaxis, axes.yaxis, axes.zaxis), high - low, strict=True
+    ):
         axis.set_pane_color((0.0, 0.0, 0.0, 0.0))
         axis.line.set_color(GRID)
         axis._axinfo["grid"].update(color=GRID, linewidth=0.6)
-        axis.set_label_text(f"{name} (m)")
-        axis.set_major_locator(_few())
+        axis.set_label_text(f"{name} ({unit})")
+        axis.set_major_locator(_few(4 if size > 0.4 * float(np.max(high - low)) else 2))
     axes.tick_params(labelsize=9, pad=0)
 
 
-def _few() -> Any:
+def _fit(axes: Any, size: FloatArray) -> None:
+    """As large as the figure holds, with ticks and labels; thrice, for these keep their own size.
+
+    What the picture takes is then set into the middle of the figure.
+    """
+    page, zoom = np.array(axes.figure.bbox.size), 1.0
+    axes.set_box_aspect(size, zoom=zoom)
+    for _ in range(3):
+        low, high = _taken(axes)
+        zoom *= 0.97 * float(np.min(page / (high - low)))
+        axes.set_box_aspect(size, zoom=zoom)
+    low, high = _taken(axes)
+    place = axes.get_position()
+    across, up = 0.5 - 0.5 * (low + high) / page
+    axes.set_position((place.x0 + across, place.y0 + up, place.width, place.height))
+
+
+def _taken(axes: Any) -> tuple[FloatArray, FloatArray]:
+    """Corners of what lines, ticks and labels take on the page; not of the axes' empty ground."""
+    axes.figure.draw_without_rendering()
+    drawn = [*axes.lines, axes.xaxis, axes.yaxis, axes.zaxis]
+    boxes = np.array([one.get_tightbbox().extents for one in drawn])
+    return boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+
+
+def _few(most: int) -> Any:
     from matplotlib.ticker import MaxNLocator
 
-    return MaxNLocator(4)
+    return MaxNLocator(most)

@@ -259,6 +259,49 @@ def test_the_path_in_space_is_the_path_seen_from_one_side():
     assert len(strokes(axes, "--line-green")) == 2 + 9, "cameras"
 
 
+@pytest.mark.parametrize("stretch", [(1, 1, 9), (9, 1, 1), (1, 9, 1), (3, 3, 1)])
+def test_the_path_in_space_fits_with_its_cameras_and_its_shadow(stretch):
+    time_ns = (np.arange(40) * 5e7).astype(np.int64)
+    place = np.linspace(-1.0, 1.0, 40)[:, None] * np.array(stretch, np.float64)
+    looking = Rotor.from_rotation_vector(np.linspace([0.0, 0.0, 0.0], [3.0, 1.0, 0.0], 40))
+    one = Trajectory(time_ns, Motor.from_rotor_translation(looking, place))
+    svg = plot_path_3d({"motor": one})
+    width, height = map(float, ElementTree.fromstring(svg).get("viewBox", "").split()[2:])
+    (axes,) = panels(svg)
+    drawn = np.concatenate(strokes(axes, "--line-green"))
+    assert np.all(drawn > 0.0)
+    assert np.all(drawn < [width, height])
+    taken = np.ptp(drawn, axis=0) / [width, height]
+    assert taken.max() > 0.5, "and is not lost in it"
+    clipped = [g for g in axes.iter(f"{SVG}path") if "--line-green" in g.get("style", "")]
+    assert not any("clip-path" in one.attrib for one in clipped)
+
+
+@pytest.mark.parametrize("along", [0, 1])
+def test_the_side_is_seen_from_where_the_path_is_long(along):
+    one = path()
+    place = one.poses.translation_m * 0.1
+    place[:, along] = np.linspace(0.0, 5.0, len(place)) ** 2
+    moved = Trajectory(one.time_ns, Motor.from_rotor_translation(one.motors.rotor, place))
+    above, side = panels(plot_plan_and_elevation({"motor": moved}))
+    for axes, across, up in ((above, 0, 1), (side, along, 2)):
+        drawn = shown(axes, "--line-green", log=False)
+        for values, column in zip(drawn, (across, up), strict=True):
+            np.testing.assert_allclose(values, place[:, column], atol=0.05)
+
+
+def test_lengths_are_in_the_unit_given():
+    one = {"motor": path()}
+    for svg, told in (
+        (plot_plan_and_elevation(one, "units"), {"x (units)", "y (units)", "z (units)"}),
+        (plot_path_3d(one, "units"), {"x (units)", "y (units)", "z (units)"}),
+        (plot_rotation_and_twist(path(), None, "units"), {"speed (units/s)"}),
+    ):
+        texts = {text.text for text in ElementTree.fromstring(svg).iter(f"{SVG}text")}
+        assert told <= texts
+        assert not any("(m" in (text or "") for text in texts)
+
+
 def test_long_lines_keep_their_ends_and_peaks(rng):
     time_s, values = np.arange(50_000) * 1e-2, rng.normal(size=50_000)
     values[31_234], values[17] = 40.0, -30.0
