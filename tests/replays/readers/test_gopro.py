@@ -1,8 +1,10 @@
 """Telemetry in GoPro's videos: values, axes and stamps as made, and as a camera wrote them."""
 
+import itertools
 import struct
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -164,6 +166,26 @@ def test_telemetry_is_used_only_where_the_camera_sits_on_it(
     manifest.write_text(manifest.read_text().removesuffix(placed))
     assert open_recording(path.parent, manifest).imu is None
     assert "give imu_T_camera" in caplog.text
+
+
+def test_the_gyroscopes_z_turns_with_the_pictures_upward_axis(data_dir: Path) -> None:
+    """Pictures shift sideways as the camera turns; witness of the mount that the tutorial gives."""
+    recording = open_recording(data_dir / "replays" / "gopro" / "karma.mp4")
+    frames, imu = recording.frames, recording.imu
+    assert imu is not None
+    stamps = frames.time_ns[::4]
+    pictures = [
+        cv2.cvtColor(frames[k].image(), cv2.COLOR_RGB2GRAY) for k in range(0, len(frames), 4)
+    ]
+    shifts = []
+    for before, after in itertools.pairwise(pictures):
+        found = cv2.goodFeaturesToTrack(before, 200, 0.01, 10)
+        moved, seen, _ = cv2.calcOpticalFlowPyrLK(before, after, found, None)
+        shifts.append(np.median((moved - found)[seen.ravel() > 0, 0, 0]))
+    steps_s = np.gradient(1e-9 * (imu.time_ns - stamps[0]))
+    angle = np.interp(stamps, imu.time_ns, np.cumsum(imu.angular_rate_rad_s[:, 2] * steps_s))
+    # A turn to the left, positive about an axis that points up, moves what is seen to the right.
+    assert np.corrcoef(shifts, np.diff(angle))[0, 1] > 0.97
 
 
 def test_sync_takes_a_video_a_recording_or_a_file(data_dir: Path, tmp_path: Path) -> None:
