@@ -14,6 +14,7 @@ from motorcade.replays.stages.inertial.fused import FusedPath
 from motorcade.replays.stages.inertial.imu import Imu
 from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.replays.stages.view.overlay import Overlay
+from motorcade.replays.stages.view.placed import Placed
 
 Spans = tuple[tuple[float, float], ...]
 
@@ -29,6 +30,7 @@ class Findings:
     smoothed: Smoothed
     convergence: Convergence
     errors: Errors
+    placed: Placed
     overlay: Overlay | None
 
     @property
@@ -39,7 +41,13 @@ class Findings:
 
     @property
     def nis_per_dimension(self) -> float | None:
-        """Mean normalised innovation squared over its 6 dimensions: 1 where the noise fits."""
+        """Mean normalised innovation squared over its 6 dimensions: 1 where the noise fits.
+
+        None without a filter, and where the IMU was simulated along the tracked path, which it
+        then foretells.
+        """
+        if self.imu.origin == "tracked":
+            return None
         nis = self.fused.nis[np.isfinite(self.fused.nis)]
         return float(np.mean(nis)) / 6 if nis.size else None
 

@@ -16,7 +16,12 @@ from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.report.findings import Findings
 from motorcade.replays.report.pictures import sections
 from motorcade.replays.report.sheet import sheet_jpeg
-from motorcade.replays.report.summary import COLUMNS, shown_columns, shown_value
+from motorcade.replays.report.summary import (
+    LEFT_AS_IT_WAS,
+    heading,
+    shown_columns,
+    shown_value,
+)
 
 MOST_NAMED = 3
 VIDEO_LIMIT = 64 * 2**20
@@ -49,7 +54,7 @@ def page(findings: Findings) -> str:
         no_video=_no_video(findings),
         facts=_facts(findings),
         errors_caption=_errors_caption(findings),
-        columns=[f"{COLUMNS[key][0]} ({COLUMNS[key][1]})" for key in keys],
+        columns=[heading(key, figures, metric=findings.camera_poses.metric) for key in keys],
         rows=_rows(figures, keys),
         sections=sections(findings),
         has_truth=findings.recording.truth is not None,
@@ -165,24 +170,22 @@ def _errors_caption(findings: Findings) -> str:
         "se3": "after rigid alignment (SE3)",
         "sim3": "after alignment with scale (Sim3)",
     }[errors.align]
-    return (
-        f"Against the recording's truth, {how}; root mean squares. "
-        "The best of a column is tinted. " + _smoothing(findings)
-    )
+    tint = "" if findings.smoothed.window_s is None else "The best of a column is tinted. "
+    return f"Against the recording's truth, {how}; root mean squares. {tint}" + _smoothing(findings)
 
 
 def _smoothing(findings: Findings) -> str:
     window_s = findings.smoothed.window_s
     if window_s is None:
-        return (
-            "The fused path was left as it is: any smoothing would take away motion, not noise, so "
-            "the representations do not differ here."
-        )
+        return LEFT_AS_IT_WAS
     return f"Smoothed over windows of {window_s:.2f} s."
 
 
 def _rows(figures: dict[str, dict[str, float | None]], keys: list[str]) -> list[dict[str, Any]]:
     best = {key: _best_shown(key, [row.get(key) for row in figures.values()]) for key in keys}
+    tied = {
+        key for key in keys if len({shown_value(key, r.get(key)) for r in figures.values()}) < 2
+    }
     rows = []
     for name, row in figures.items():
         shown = {key: shown_value(key, row.get(key)) for key in keys}
@@ -190,7 +193,7 @@ def _rows(figures: dict[str, dict[str, float | None]], keys: list[str]) -> list[
             {
                 "text": shown[key],
                 "value": row.get(key),
-                "best": shown[key].lstrip("-") == best[key],
+                "best": key not in tied and shown[key].lstrip("-") == best[key],
             }
             for key in keys
         ]

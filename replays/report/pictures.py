@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from motorcade.fusion.metrics import alignment_of, associate
-from motorcade.ga import Trajectory
 from motorcade.render.plots import (
     plot_path_3d,
     plot_plan_and_elevation,
@@ -18,10 +16,12 @@ from motorcade.render.plots.style import with_own_ids
 from motorcade.replays.report.filtering import filter_pictures
 from motorcade.replays.report.findings import Findings, Spans
 from motorcade.replays.report.picture import Picture
+from motorcade.replays.report.upright import as_drawn, map_unit
 
 __all__ = ["Section", "sections"]
 
 _AXES = ("x", "y", "z")
+_LENGTHS = {"m": "Metres", "units": "Units of the map, of unknown length"}
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def sections(findings: Findings) -> list[Section]:
     lost = findings.unmeasured_spans_s()
     shaded = " Tinted: no pose was measured." if lost else ""
     found = [
-        Section("Path", "Where the camera went and how it turned, z up.", _path(findings)),
+        Section("Path", "Where the camera went and how it turned.", _path(findings)),
         Section(
             "Errors over time",
             "Logarithmic; lines that coincide lie within each other." + shaded,
@@ -73,40 +73,32 @@ def _path(findings: Findings) -> tuple[Picture, ...]:
     measured = findings.camera_poses.measurements.trajectory
     smoothed = findings.smoothed.trajectories
     first, path = next(iter(smoothed.items()))
-    shown = _beside_truth(findings, {first: path, "measured": measured, **smoothed})
+    drawn = as_drawn(findings, {first: path, "measured": measured, **smoothed})
+    shown = drawn.paths
     few = {name: shown[name] for name in (first, "measured", "truth") if name in shown}
     pictures = [
         Picture(
             "In space",
-            "The path with cameras along it, which open where they look; its shadow below.",
-            plot_path_3d(few),
+            "The path with cameras along it, which open where they look; its shadow below. "
+            + drawn.told,
+            plot_path_3d(few, drawn.unit),
             tuple(few),
         ),
         Picture(
             "From above and from the side",
-            "Metres, equal scales.",
-            plot_plan_and_elevation(shown),
+            _LENGTHS[drawn.unit] + ", equal scales.",
+            plot_plan_and_elevation(shown, drawn.unit),
             tuple(shown),
         ),
     ]
     if len(path) > 1:
-        drawn = plot_rotation_and_twist(path, int(measured.time_ns[0]))
+        svg = plot_rotation_and_twist(path, int(measured.time_ns[0]), map_unit(findings))
         told = (
             f"Rotation since the first pose as a rotation vector, and the twist in the camera's "
             f"axes: turning and speed. Smoothed as {first}."
         )
-        pictures.append(Picture("Rotation and twist", told, drawn, _AXES))
+        pictures.append(Picture("Rotation and twist", told, svg, _AXES))
     return tuple(pictures)
-
-
-def _beside_truth(findings: Findings, trajectories: dict[str, Trajectory]) -> dict[str, Trajectory]:
-    """The paths and the truth in the truth's world, aligned as the first path's errors are."""
-    truth = findings.recording.truth
-    if truth is None:
-        return trajectories
-    pairs = associate(next(iter(trajectories.values())), truth)
-    fit = alignment_of(pairs, findings.errors.align)
-    return {name: fit.apply_to(one) for name, one in trajectories.items()} | {"truth": truth}
 
 
 def _errors(findings: Findings, lost: Spans) -> tuple[Picture, ...]:

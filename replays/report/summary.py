@@ -23,6 +23,12 @@ COLUMNS = {
 """Figures shown side by side: key, heading, shown unit, factor into it."""
 
 
+LEFT_AS_IT_WAS = (
+    "The fused path was left as it is: any smoothing would take away motion, not noise, so the "
+    "representations do not differ here."
+)
+
+
 def summarise(findings: Findings) -> dict[str, Any]:
     """The report's figures as a JSON-ready tree."""
     poses, film, start = findings.camera_poses, findings.overlay, findings.convergence
@@ -83,6 +89,14 @@ def shown_columns(figures: Mapping[str, Mapping[str, Any]]) -> list[str]:
     return [key for key in COLUMNS if any(row.get(key) is not None for row in figures.values())]
 
 
+def heading(key: str, figures: Mapping[str, Mapping[str, Any]], *, metric: bool) -> str:
+    """Name and unit of a column; lengths have one where the path does, or a truth gives it."""
+    name, unit, _ = COLUMNS[key]
+    if not metric and all(row.get("ape_rmse_m") is None for row in figures.values()):
+        unit = unit.replace("m/s²", "units/s²")
+    return f"{name} ({unit})"
+
+
 def shown_value(key: str, value: float | None) -> str:
     """A figure in its shown unit with three significant digits, or a dash."""
     if value is None or not math.isfinite(value):
@@ -93,10 +107,11 @@ def shown_value(key: str, value: float | None) -> str:
 
 
 def as_table(summary: Mapping[str, Any]) -> str:
-    """The errors of a report as aligned text."""
+    """The errors of a report as aligned text; below, where nothing was smoothed, that it was so."""
     figures = summary["errors"]
     keys = shown_columns(figures)
-    head = ["", *(f"{COLUMNS[key][0]} ({COLUMNS[key][1]})" for key in keys)]
+    metric = summary.get("camera_poses", {}).get("scale") != "free"
+    head = ["", *(heading(key, figures, metric=metric) for key in keys)]
     rows = [
         [name, *(shown_value(key, row.get(key)) for key in keys)] for name, row in figures.items()
     ]
@@ -106,6 +121,8 @@ def as_table(summary: Mapping[str, Any]) -> str:
         cells = [line[0].ljust(widths[0])]
         cells += [cell.rjust(width) for cell, width in zip(line[1:], widths[1:], strict=True)]
         lines.append("  ".join(cells))
+    if summary.get("smoothed") == {"window_s": None}:
+        lines.append(LEFT_AS_IT_WAS)
     return "\n".join(lines)
 
 

@@ -18,6 +18,7 @@ from motorcade.replays.stages.inertial.fused import FusedPath
 from motorcade.replays.stages.inertial.imu import Imu
 from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.replays.stages.view.overlay import Overlay
+from motorcade.replays.stages.view.placed import Placed
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ def report(
     smoothed: Smoothed,
     convergence: Convergence,
     errors: Errors,
+    placed: Placed,
     overlay: Overlay | None,
 ) -> Report:
     """Write the page, with the video inside where one could be made."""
@@ -47,6 +49,7 @@ def report(
         smoothed=smoothed,
         convergence=convergence,
         errors=errors,
+        placed=placed,
         overlay=overlay,
     )
     summary = summarise(findings)

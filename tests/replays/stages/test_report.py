@@ -11,7 +11,13 @@ import pytest
 from motorcade.render.plots import plot_series
 from motorcade.replays.report import page
 from motorcade.replays.report.page import _rows
-from motorcade.replays.report.summary import as_table, shown_columns, shown_value, without_nan
+from motorcade.replays.report.summary import (
+    LEFT_AS_IT_WAS,
+    as_table,
+    shown_columns,
+    shown_value,
+    without_nan,
+)
 from motorcade.replays.stages.view.overlay import Overlay
 
 FIGURES = {
@@ -50,6 +56,30 @@ def test_equal_figures_share_the_honour() -> None:
     rows = _rows(FIGURES, ["ape_rmse_m", "lag_ms"])
     best = {row["name"]: [cell["best"] for cell in row["cells"]] for row in rows}
     assert best == {"measured": [False, True], "motor": [True, False], "euler": [True, False]}
+
+
+def test_where_all_are_equal_none_is_best() -> None:
+    same = {name: {"lag_ms": 0.021, "ape_rmse_m": FIGURES[name]["ape_rmse_m"]} for name in FIGURES}
+    rows = _rows(same, ["ape_rmse_m", "lag_ms"])
+    best = [[cell["best"] for cell in row["cells"]] for row in rows]
+    assert best == [[False, False], [True, False], [True, False]]
+
+
+def test_that_nothing_was_smoothed_is_told_below_the_table() -> None:
+    smoothed = as_table({"errors": FIGURES, "smoothed": {"window_s": 0.2}})
+    left = as_table({"errors": FIGURES, "smoothed": {"window_s": None}})
+    assert left == f"{smoothed}\n{LEFT_AS_IT_WAS}"
+
+
+def test_lengths_without_unit_are_not_told_in_metres() -> None:
+    jitter = {"motor": {"angular_jitter_rad_s2": 0.1, "linear_jitter_m_s2": 0.3}}
+    free = {"errors": jitter, "camera_poses": {"scale": "free"}}
+    head = as_table(free).splitlines()[0]
+    assert "lin. jitter (units/s²)" in head
+    assert "ang. jitter (rad/s²)" in head
+    assert "m/s²" in as_table(free | {"camera_poses": {"scale": "metric"}})
+    judged = {"motor": jitter["motor"] | {"ape_rmse_m": 0.1}}
+    assert "m/s²" in as_table(free | {"errors": judged}), "the truth gives the metre"
 
 
 def test_what_json_cannot_say_becomes_null() -> None:

@@ -15,7 +15,9 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import write_video
 from motorcade.render.video import read_frames
 from motorcade.replays.report.filtering import filter_errors, filter_pictures
+from motorcade.replays.report.findings import Findings
 from motorcade.replays.report.sheet import MOST_BYTES, sheet_jpeg
+from motorcade.replays.report.upright import as_drawn
 
 SCREW = np.array([0.3, -0.2, 0.5, 0.4, 0.1, -0.2])
 COUNT = 50
@@ -36,8 +38,10 @@ def findings(**changed: Any) -> Any:
     made: dict[str, Any] = {
         "recording": SimpleNamespace(truth=truth),
         "camera_poses": SimpleNamespace(
-            measurements=SimpleNamespace(trajectory=path), sought_ns=stamps
+            measurements=SimpleNamespace(trajectory=path), sought_ns=stamps, origin="board",
+            reprojection_px=np.full(COUNT, 0.2),
         ),
+        "imu": SimpleNamespace(origin="recorded"),
         "fused": SimpleNamespace(
             trajectory=path, covariance=sigma[..., None] ** 2 * np.eye(6), nis=nis, by="imu",
             accepted=np.arange(COUNT) % 10 != 3,
@@ -103,6 +107,114 @@ def test_captions_count_what_lies_within() -> None:
     strokes = re.findall(r'd="((?:M \S+ \S+ \s*L \S+ \S+ \s*){20,})"', nis.svg)
     assert len(strokes) == 1
     assert strokes[0].count("M") == len(known)
+
+
+def test_what_lasts_is_told_apart_from_what_does_not() -> None:
+    told = findings()
+    path = told.fused.trajectory
+    lasting = Motor.from_twist(np.tile([0.05, 0.0, 0.0, 0.0, 0.0, 0.0], (COUNT, 1)))
+    told.fused.trajectory = Trajectory(path.time_ns, path.motors @ lasting)
+    found = filter_errors(told)
+    assert found is not None
+    centred = found.errors[:, :3] - found.errors[:, :3].mean(axis=0)
+    share = np.mean(np.abs(centred) <= found.sigma[:, :3])
+    caption = filter_pictures(told)[0].caption
+    assert share > 0.5
+    assert caption.endswith(f"less their mean over time, {100 * share:.0f} % lie within.")
+
+
+def test_an_imu_along_the_tracked_path_says_nothing_of_the_noise() -> None:
+    told = findings(imu=SimpleNamespace(origin="tracked"))
+    assert [one.title for one in filter_pictures(told)] == [
+        "Rotation within ±σ", "Position within ±σ",
+    ]  # fmt: skip
+    nis = Findings.nis_per_dimension.fget
+    assert nis is not None
+    assert nis(told) is None
+    simulated = findings(imu=SimpleNamespace(origin="reference"))
+    assert nis(simulated) == pytest.approx(np.nanmean(simulated.fused.nis) / 6)
+
+
+@pytest.mark.parametrize(
+    ("origin", "fit_px", "said"),
+    [("board", 0.03, True), ("board", 0.2, False), ("slam", 0.03, False)],
+)
+def test_corners_that_fit_better_than_any_are_trusted_are_told_of(
+    origin: str, fit_px: float, said: bool
+) -> None:
+    told = findings()
+    told.camera_poses.origin = origin
+    told.camera_poses.reprojection_px = np.full(COUNT, np.sqrt(2.0) * fit_px)
+    caption = filter_pictures(told)[2].caption
+    assert (
+        "Corners fit to 0.03 px a coordinate here, and none is trusted below 0.1" in caption
+    ) is said
+
+
+def drawn_by_slam(up: np.ndarray, **changed: Any) -> Any:
+    """Findings whose character stands on a plane with that normal."""
+    aside = np.cross(up, [0.3, 0.5, 0.7])
+    aside /= np.linalg.norm(aside)
+    turned = Rotation.from_matrix(np.column_stack([aside, np.cross(up, aside), up]))
+    placement = SimpleNamespace(
+        world_T_character=Motor.from_rotor_translation(
+            Rotor.from_quaternion(turned.as_quat(scalar_first=True)), np.array([1.0, 2.0, 3.0])
+        )
+    )
+    told = findings(placed=SimpleNamespace(placement=placement, stands_on="a plane"), **changed)
+    told.camera_poses.origin, told.camera_poses.metric = "slam", False
+    return told
+
+
+@pytest.mark.parametrize(
+    "up", [[0, -1, 0], [0, 0, 1], [0, 0, -1], [0.6, 0, -0.8], [0.48, 0.6, 0.64]]
+)
+def test_up_of_what_is_stood_on_is_drawn_upwards(up: list[float]) -> None:
+    told = drawn_by_slam(np.array(up, np.float64), recording=SimpleNamespace(truth=None))
+    path = told.fused.trajectory
+    drawn = as_drawn(told, {"motor": path})
+    before, after = path.motors.translation_m, drawn.paths["motor"].motors.translation_m
+    np.testing.assert_allclose(after[:, 2], before @ up, atol=1e-12)
+    np.testing.assert_allclose(after @ after.T, before @ before.T, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.det(np.linalg.lstsq(before, after)[0]), 1.0, atol=1e-9)
+    assert drawn.unit == "units"
+    assert drawn.told == "Up is the normal of a plane."
+
+
+def test_ahead_is_ahead_where_the_picture_s_up_is_taken() -> None:
+    told = drawn_by_slam(np.array([0.0, -1.0, 0.0]), recording=SimpleNamespace(truth=None))
+    ahead = Motor.from_rotor_translation(Rotor.identity((2,)), [[0.0, 0.0, 0.0], [0.1, -0.2, 5.0]])
+    path = Trajectory(np.array([0, 10**9]), ahead)
+    drawn = as_drawn(told, {"motor": path}).paths["motor"]
+    np.testing.assert_allclose(drawn.motors.translation_m[1], [0.1, 5.0, 0.2], atol=1e-12)
+
+
+def test_elsewhere_the_world_is_drawn_as_it_is() -> None:
+    told = drawn_by_slam(np.array([1.0, 0.0, 0.0]), recording=SimpleNamespace(truth=None))
+    told.camera_poses.origin, told.camera_poses.metric = "board", True
+    path = told.fused.trajectory
+    drawn = as_drawn(told, {"motor": path})
+    assert drawn.paths == {"motor": path}
+    assert (drawn.unit, drawn.told) == ("m", "Up is z of the world.")
+
+
+def test_the_truth_is_drawn_while_the_recording_lasts_and_up_with_it() -> None:
+    """Stamps of the truth reach from 0 to 2.99 s, those of the poses from 0.5 to 1.5 s."""
+    told = drawn_by_slam(np.array([0.0, -1.0, 0.0]))
+    told.camera_poses.sought_ns = np.arange(500, 1501, 50) * 1_000_000
+    right = told.recording.truth.motors_at(told.camera_poses.sought_ns)
+    away = Motor.from_rotor_translation(Rotor.from_rotation_vector([0.4, 0.3, -1.0]), [1, 2, 3])
+    told.errors.align = "se3"
+    tracked = Trajectory(told.camera_poses.sought_ns, away @ right)
+    drawn = as_drawn(told, {"motor": tracked})
+    truth, path = drawn.paths["truth"], drawn.paths["motor"]
+    assert (truth.time_ns[0], truth.time_ns[-1]) == (500_000_000, 1_500_000_000)
+    assert drawn.unit == "m"
+    np.testing.assert_allclose(
+        path.motors.translation_m, truth.motors_at(path.time_ns).translation_m, atol=1e-9
+    )
+    tall = path.motors.translation_m[:, 2] + tracked.motors.translation_m[:, 1]
+    np.testing.assert_allclose(tall, tall[0], atol=1e-9)
 
 
 @pytest.mark.parametrize("count", [2, 12, 40])
