@@ -100,8 +100,8 @@ def ground_on_board(recording: Recording, camera_poses: CameraPoses) -> Ground |
 
 def ground_on_marker(world_T_marker: Motor, side_m: float, marker_id: int) -> Ground:
     """The middle of one marker."""
-    middle, extent = (0.5 * side_m, -0.5 * side_m), frozen([[0.0, -side_m], [side_m, 0.0]])
-    return Ground(world_T_marker, middle, side_m, f"marker {marker_id}", extent)
+    middle, extent = (0.5 * side_m, -0.5 * side_m), side_m * np.array([[0, -1], [1, 0]])
+    return Ground(world_T_marker, middle, side_m, f"marker {marker_id}", frozen(extent))
 
 
 def known_marker(recording: Recording, camera_poses: CameraPoses, marker_id: int) -> Motor | None:
