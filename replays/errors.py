@@ -21,6 +21,7 @@ __all__ = [
 
 
 _PATH_SHOWN = 300
+_NAMES_SHOWN = 12
 
 
 class RecordingError(ValueError):
@@ -72,10 +73,14 @@ def one_line(value: object, limit: int = 60) -> str:
 
 
 def did_you_mean(name: str, allowed: Iterable[str]) -> str:
-    """Give the nearest valid name, or all of them, as advice for an unknown one."""
+    """Give the nearest valid name, or the first dozen of them, as advice for an unknown one."""
     names = list(allowed)
     near = difflib.get_close_matches(name[:100], names, n=1, cutoff=0.5)
-    return f"did you mean {near[0]}?" if near else f"known here: {', '.join(names)}"
+    if near:
+        return f"did you mean {near[0]}?"
+    shown = ", ".join(names[:_NAMES_SHOWN]) or "none"
+    more = len(names) - _NAMES_SHOWN
+    return f"known here: {shown}" + (f" and {more} more" if more > 0 else "")
 
 
 def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> bytes:

@@ -11,12 +11,14 @@ import logging
 import platform
 import re
 import tempfile
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from motorcade.ga import Trajectory
+from motorcade.replays.characters.acting import MANNEQUIN, character_named, clip_named
 from motorcade.replays.engine.graph import Graph, Run
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.files.atomic import copy_file, sweep_unfinished, write_bytes
@@ -65,13 +67,22 @@ def run_job(job: Job) -> dict[str, Any]:
     graph = pipeline()
     recording = open_recording(job.recording, job.manifest)
     knobs = parse_knobs((*recording.settings, *job.settings), graph)
-    graph.needed(job.until)
+    acting = knobs.get("placed", {})
+    if "placed" in graph.needed(job.until) and {"character", "clip"} & acting.keys():
+        _check_acting(acting)
     require_writable(job.out)
     recording = recording.intact()
     for told in recording.damaged:
         log.warning("left out: %s", told)
     run = graph.run(job.until, {"recording": recording}, job.cache or job.out / ".cache", knobs)
     return export(run, job.out, about(job, recording))
+
+
+def _check_acting(knobs: Mapping[str, Any]) -> None:
+    """ValueError where a character or clip that is asked for is not there, before any tracking."""
+    character = character_named(str(knobs.get("character", MANNEQUIN)))
+    if knobs.get("clip") is not None:
+        clip_named(character, knobs["clip"])
 
 
 def require_writable(folder: Path) -> None:

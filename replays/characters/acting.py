@@ -13,6 +13,7 @@ from motorcade.animation.ik import fitted_legs
 from motorcade.animation.place import GroundPath, on_the_spot, walk_along
 from motorcade.animation.retarget import legs_of, retarget
 from motorcade.ga import FloatArray, Motor
+from motorcade.replays.errors import did_you_mean
 
 __all__ = ["MANNEQUIN", "character_named", "clip_named", "path_of", "walked"]
 
@@ -58,8 +59,8 @@ def clip_named(character: Character, name: str) -> Clip:
     figure = mannequin()
     lent = [clip.name for clip in figure.clips]
     if name not in lent:
-        known = ", ".join([clip.name for clip in character.clips] + lent)
-        raise ValueError(f"placed.clip: expected one of {known}, came {name!r}")
+        advice = did_you_mean(name, dict.fromkeys([clip.name for clip in character.clips] + lent))
+        raise ValueError(f"placed.clip: no clip {name!r}; {advice}")
     try:
         return retarget(figure.clip(name), figure.skeleton, character.skeleton)
     except ValueError as fault:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
+
+from motorcade.replays.errors import did_you_mean
 
 Subparsers = Any
 """What `argparse` calls `_SubParsersAction`: it has no public name."""
@@ -33,6 +35,13 @@ def new_command(
     )
     parser.set_defaults(command=command)
     return parser
+
+
+def check_known(option: str, names: Iterable[str], known: Collection[str]) -> None:
+    """ValueError with the nearest known name where one of the names of an option is unknown."""
+    for name in names:
+        if name not in known:
+            raise ValueError(f"{option}: unknown {name!r}; {did_you_mean(name, known)}")
 
 
 def print_json(values: Mapping[str, Any]) -> None:

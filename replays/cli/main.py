@@ -15,6 +15,7 @@ from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, 
 from motorcade.replays.cli.sensors import allan, calibrate, detect, simulate_imu, sync
 from motorcade.replays.cli.tools import bench, doctor, generate
 from motorcade.replays.cli.trajectories import compare, consistency, evaluate, smooth
+from motorcade.replays.errors import did_you_mean
 
 COMMANDS = (
     demo,
@@ -42,7 +43,11 @@ COMMANDS = (
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
-    arguments = _parser().parse_args(argv)
+    given = sys.argv[1:] if argv is None else list(argv)
+    parser, names = _parser()
+    if given and not given[0].startswith("-") and given[0] not in names:
+        parser.error(f"no command {given[0]!r}; {did_you_mean(given[0], names)}")
+    arguments = parser.parse_args(given)
     _set_up_logging(arguments.verbose)
     try:
         arguments.command(arguments)
@@ -68,7 +73,8 @@ def _told(error: Exception) -> str:
     return one_line(error)
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser() -> tuple[argparse.ArgumentParser, list[str]]:
+    """The parser, and the names of the commands."""
     parser = argparse.ArgumentParser(
         prog="motorcade",
         description="From recorded camera and IMU sequences to smooth poses, augmented video "
@@ -82,7 +88,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in COMMANDS:
         command.add_to(commands, shared)
-    return parser
+    return parser, list(commands.choices)
 
 
 def _set_up_logging(verbose: int) -> None:

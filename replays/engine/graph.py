@@ -24,6 +24,7 @@ from typing import Any, Protocol
 from motorcade.replays.engine import artifacts
 from motorcade.replays.engine.progress import working
 from motorcade.replays.engine.provenance import code_digest
+from motorcade.replays.errors import did_you_mean
 
 log = logging.getLogger("motorcade.graph")
 
@@ -159,11 +160,11 @@ class Graph:
         """`knobs` as given; GraphError naming the stage or knob that does not exist."""
         for name, settings in knobs.items():
             if name not in self.stages:
-                raise GraphError(f"no stage {name!r} to set; there are: {', '.join(self.order)}")
+                raise GraphError(f"no stage {name!r} to set; {did_you_mean(name, self.order)}")
             for knob in settings:
                 if knob not in self.stages[name].knobs:
-                    known = ", ".join(self.stages[name].knobs) or "none"
-                    raise GraphError(f"{name} has no knob {knob!r}; it has: {known}")
+                    advice = did_you_mean(knob, self.stages[name].knobs)
+                    raise GraphError(f"{name} has no knob {knob!r}; {advice}")
         return knobs
 
     def run(

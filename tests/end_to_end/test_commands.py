@@ -246,7 +246,8 @@ def test_an_empty_folder_is_called_empty(
     ("setting", "named"),
     [
         ("smoothed", "expected stage.knob=value"),
-        ("smothed.window_s=1", "no stage 'smothed'"),
+        ("smothed.window_s=1", "no stage 'smothed' to set; did you mean smoothed?"),
+        ("placed.charater=x", "no knob 'charater'; did you mean character?"),
         ("smoothed.windw=1", "no knob 'windw'"),
         ("smoothed.window_s=wide", "expected float, came 'wide'"),
         ("placed.on=ceiling", "expected one of auto, board, plane, floor"),

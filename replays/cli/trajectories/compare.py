@@ -50,13 +50,20 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def compare_smoothers(arguments: argparse.Namespace) -> None:
     """Compare, write the tables and the report, print the findings."""
+    from motorcade.fusion.motions import MOTIONS
+    from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
+    from motorcade.replays.cli.arguments import check_known
     from motorcade.replays.compare.figures.summary import as_text
-    from motorcade.replays.compare.plan import quick, standard
+    from motorcade.replays.compare.plan import DEGRADATIONS, quick, standard
     from motorcade.replays.compare.run import compare
     from motorcade.replays.pipeline import require_writable
 
     if (arguments.input is None) != (arguments.truth is None):
         raise ValueError("compare: expected --input and --truth together, got one of them")
+    check_known("--trajectories", arguments.trajectories, MOTIONS)
+    check_known("--noise", arguments.degradations, DEGRADATIONS)
+    check_known("--methods", arguments.methods, METHODS)
+    check_known("--representations", arguments.representations, REPRESENTATIONS)
     require_writable(arguments.out)
     if arguments.input is not None:
         print(as_text(_recorded(arguments)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,11 +45,13 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def smooth_file(arguments: argparse.Namespace) -> None:
     """Read, smooth, write; say what "auto" picked and, where asked, what changed."""
-    from motorcade.fusion.smooth import choose, smooth
+    from motorcade.fusion.smooth import METHODS, REPRESENTATIONS, choose, smooth
     from motorcade.fusion.smooth.changes import changes
-    from motorcade.replays.cli.arguments import print_json
+    from motorcade.replays.cli.arguments import check_known, print_json
     from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
 
+    check_known("--method", [arguments.method], METHODS)
+    check_known("--representation", [arguments.representation], REPRESENTATIONS)
     method, parameters = arguments.method, parsed_settings(arguments.set, arguments.method)
     trajectory = read_trajectory(arguments.input, arguments.format, rate_hz=arguments.rate_hz)
     picked = None
@@ -69,7 +71,7 @@ def smooth_file(arguments: argparse.Namespace) -> None:
         print(f"auto: {picked}")
 
 
-def parsed_settings(settings: Iterable[str], method: str) -> dict[str, Any]:
+def parsed_settings(settings: Sequence[str], method: str) -> dict[str, Any]:
     """``["sigma_s=0.1", ...]`` as parameters, read by the kind of their defaults.
 
     Raises:
@@ -78,6 +80,8 @@ def parsed_settings(settings: Iterable[str], method: str) -> dict[str, Any]:
     from motorcade.fusion.smooth import method_parameters
 
     known = method_parameters(method)
+    if settings and not known:
+        raise ValueError(f"--set: {method} takes no parameters; give --method first")
     made: dict[str, Any] = {}
     for setting in settings:
         name, equals, text = (part.strip() for part in setting.partition("="))

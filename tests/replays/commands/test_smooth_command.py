@@ -101,12 +101,13 @@ def edited(poses: Path, edit: str) -> Path:
         ("short", [], "at least 16 poses to tell noise from motion, got 3"),
         ("short", ["--method", "savitzky_golay", "--set", "order=4"], "at least 5 poses, got 3"),
         ("", ["--method", "exponential", "--set", "cutoff_hz=16"], "below half the sampling rate"),
-        ("", ["--method", "kalman"], "method: expected one of auto, .*robust_map.*, got 'kalman'"),
-        ("", ["--set", "sigma_s=1"], "names of auto: none; got 'sigma_s=1'"),
+        ("", ["--method", "kalman"], "--method: unknown 'kalman'; known here: auto, .* and 1 more"),
+        ("", ["--method", "gausian"], "--method: unknown 'gausian'; did you mean gaussian"),
+        ("", ["--set", "sigma_s=1"], "--set: auto takes no parameters; give --method first"),
         ("", ["--method", "gaussian", "--set", "sigma=1"], "sigma_s, truncate, order; got"),
         ("", ["--method", "gaussian", "--set", "sigma_s=wide"], "sigma_s: expected float, got"),
         ("", ["--method", "gaussian", "--set", "sigma_s=-1"], "sigma_s: expected a positive"),
-        ("", ["--representation", "matrix"], "representation: expected one of motor, .*'matrix'"),
+        ("", ["--representation", "matrix"], "unknown 'matrix'; did you mean motor"),
     ],
 )
 def test_bad_input_is_told_in_one_line(

@@ -107,7 +107,7 @@ def test_a_stage_asked_for_by_name_says_what_it_lacks(tmp_path: Path) -> None:
 def test_unknown_names_are_refused_with_those_that_exist(tmp_path: Path) -> None:
     with pytest.raises(GraphError, match=r"no stage 'rwo'.*row"):
         graph().run("rwo", {"text": Text("four")}, tmp_path)
-    with pytest.raises(GraphError, match=r"row has no knob 'cuont'; it has: count"):
+    with pytest.raises(GraphError, match=r"row has no knob 'cuont'; did you mean count\?"):
         graph().run("row", {"text": Text("four")}, tmp_path, {"row": {"cuont": 2}})
 
 

@@ -251,7 +251,7 @@ def test_a_path_off_the_board_is_told_with_the_boards_outline(
     ("knobs", "message"),
     [
         ({"character": Path("nobody.glb")}, r"placed\.character: expected 'mannequin' or a file"),
-        ({"clip": "swim"}, r"placed\.clip: expected one of idle, walk"),
+        ({"clip": "swim"}, r"placed\.clip: no clip 'swim'; known here: idle, walk"),
         ({"path": (0.0, 0.0, 1.0)}, r"placed\.path: expected x,y of two points or more"),
         ({"path": (0.0, 0.0, 0.0, 0.0)}, r"placed\.path: .* neighbours apart"),
         ({"path": (0.0, 0.0, 1.0, 0.0), "position_m": (0.0, 0.0)}, r"placed\.position_m"),

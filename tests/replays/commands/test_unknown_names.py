@@ -1,0 +1,52 @@
+"""Names that do not exist are told of at once, with the nearest that does; lists stay short."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from motorcade.replays.cli import main
+from motorcade.replays.errors import did_you_mean
+from motorcade.replays.pipeline import Job, run_job
+
+
+def test_of_many_names_a_dozen_is_shown() -> None:
+    names = [f"clip{index:02d}" for index in range(80)]
+    advice = did_you_mean("nonsense", names)
+    assert advice == f"known here: {', '.join(names[:12])} and 68 more"
+    assert did_you_mean("nonsense", names[:12]) == f"known here: {', '.join(names[:12])}"
+    assert did_you_mean("clip7", names).startswith("did you mean clip")
+    assert did_you_mean("x", []) == "known here: none"
+
+
+def test_commands(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["smoth"])
+    assert "no command 'smoth'; did you mean smooth?" in capsys.readouterr().err
+
+
+def test_comparisons_name_the_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["compare", "--trajectories", "screww", "--out", str(tmp_path / "out")]) == 1
+    assert "--trajectories: unknown 'screww'; did you mean screw?" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("character=none.glb", r"placed\.character: expected 'mannequin' or a file"),
+        ("clip=wlak", r"placed\.clip: no clip 'wlak'; did you mean walk"),
+    ],
+)
+def test_who_acts_is_looked_up_before_anything_runs(
+    setting: str, message: str, tmp_path: Path
+) -> None:
+    folder, out = tmp_path / "recording", tmp_path / "out"
+    folder.mkdir()
+    for index in range(4):
+        cv2.imwrite(str(folder / f"{index}.png"), np.zeros((48, 64), np.uint8))
+    (folder / "motorcade.toml").write_text('[frames]\nimages = "*.png"\nrate_hz = 30.0\n')
+    with pytest.raises(ValueError, match=message):
+        run_job(Job(folder, out, settings=(f"placed.{setting}",)))
+    assert not out.exists()
