@@ -61,7 +61,7 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
     if (arguments.input is None) != (arguments.truth is None):
         raise ValueError("compare: expected --input and --truth together, got one of them")
     check_known("--trajectories", arguments.trajectories, MOTIONS)
-    check_known("--noise", arguments.degradations, DEGRADATIONS)
+    check_known("--degradations", arguments.degradations, DEGRADATIONS)
     check_known("--methods", arguments.methods, METHODS)
     check_known("--representations", arguments.representations, REPRESENTATIONS)
     require_writable(arguments.out)
