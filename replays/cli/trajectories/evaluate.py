@@ -8,6 +8,15 @@ from pathlib import Path
 
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
+_FIRST = frozenset({
+    "align", "pairs", "scale",
+    "ape_rmse_m", "ape_max_m", "rotation_rmse_deg", "rotation_max_deg",
+    "rpe_trans_rmse_m", "rpe_rot_rmse_deg",
+    "linear_jitter_m_s2", "angular_jitter_rad_s2",
+    "lag_ms", "angular_rate_lag_ms",
+})  # fmt: skip
+"""Figures that are printed, where there are any, if not all are asked for."""
+
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     """Register the command."""
@@ -45,7 +54,10 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         default=5.0,
         help="cut-off of the spectral energy (5 Hz, or a quarter of a slow rate)",
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the results there")
+    parser.add_argument(
+        "--all", action="store_true", help="print every figure, not only those that matter most"
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all results there")
     parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
 
 
@@ -66,6 +78,7 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
         energy_above_hz=arguments.energy_above_hz,
     ).as_dict()
     for key, value in errors.items():
-        print(f"{key:>30}  {value:.9g}" if isinstance(value, float) else f"{key:>30}  {value}")
+        if arguments.all or (key in _FIRST and value is not None):
+            print(f"{key:>30}  {value:.9g}" if isinstance(value, float) else f"{key:>30}  {value}")
     if arguments.json is not None:
         write_bytes(arguments.json, (json.dumps(errors, indent=2) + "\n").encode())
