@@ -40,13 +40,16 @@ COMMANDS = (
     doctor,
 )
 
+NAMES = tuple(command.__name__.rpartition(".")[2].replace("_", "-") for command in COMMANDS)
+"""What the commands are called: as their modules are."""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     given = sys.argv[1:] if argv is None else list(argv)
-    parser, names = _parser()
-    if given and not given[0].startswith("-") and given[0] not in names:
-        parser.error(f"no command {given[0]!r}; {did_you_mean(given[0], names)}")
+    parser = _parser()
+    if given and not given[0].startswith("-") and given[0] not in NAMES:
+        parser.error(f"no command {given[0]!r}; {did_you_mean(given[0], NAMES)}")
     arguments = parser.parse_args(given)
     _set_up_logging(arguments.verbose)
     try:
@@ -73,8 +76,7 @@ def _told(error: Exception) -> str:
     return one_line(error)
 
 
-def _parser() -> tuple[argparse.ArgumentParser, list[str]]:
-    """The parser, and the names of the commands."""
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="motorcade",
         description="From recorded camera and IMU sequences to smooth poses, augmented video "
@@ -88,7 +90,7 @@ def _parser() -> tuple[argparse.ArgumentParser, list[str]]:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in COMMANDS:
         command.add_to(commands, shared)
-    return parser, list(commands.choices)
+    return parser
 
 
 def _set_up_logging(verbose: int) -> None:

@@ -6,7 +6,7 @@ import shlex
 
 import pytest
 
-from motorcade.replays.cli.main import _parser
+from motorcade.replays.cli.main import NAMES, _parser
 
 (GROUP,) = (a for a in _parser()[0]._actions if isinstance(a, argparse._SubParsersAction))
 
@@ -40,6 +40,7 @@ def test_every_command_is_in_the_help_of_all_with_a_summary() -> None:
         assert action.help is not None
         assert " ".join(action.help.split()) in told
     assert {action.dest for action in GROUP._choices_actions} == set(GROUP.choices)
+    assert tuple(GROUP.choices) == NAMES
 
 
 def test_an_example_that_no_longer_parses_is_noticed() -> None:

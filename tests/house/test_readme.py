@@ -90,7 +90,7 @@ def test_every_figure_stands_beside_the_command_that_makes_it() -> None:
         assert re.search(r"\d", here)
         words = command.strip().strip("`").split()
         assert words[0] == "motorcade"
-        _parser()[0].parse_args([*words[1:]])
+        _parser().parse_args([*words[1:]])
 
 
 def test_figures_of_smoothers_and_frames_are_those_of_their_pages() -> None:
