@@ -8,7 +8,7 @@ import pytest
 
 from motorcade.replays.cli.main import NAMES, _parser
 
-(GROUP,) = (a for a in _parser()[0]._actions if isinstance(a, argparse._SubParsersAction))
+(GROUP,) = (a for a in _parser()._actions if isinstance(a, argparse._SubParsersAction))
 
 
 def examples(help_text: str) -> list[list[str]]:
@@ -35,7 +35,7 @@ def test_every_option_is_explained(name: str) -> None:
 
 
 def test_every_command_is_in_the_help_of_all_with_a_summary() -> None:
-    told = re.sub(r"\s+", " ", _parser()[0].format_help())
+    told = re.sub(r"\s+", " ", _parser().format_help())
     for action in GROUP._choices_actions:
         assert action.help is not None
         assert " ".join(action.help.split()) in told
