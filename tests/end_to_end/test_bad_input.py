@@ -127,7 +127,7 @@ def test_missing_intrinsics_are_asked_for(
     (room / "groundtruth.txt").unlink()
     error = refused(capsys, "run", room, "--out", tmp_path / "out")
     assert "room: no camera known" in error
-    assert "[camera] fx" in error
+    assert "[camera] with fx" in error
     (room / "motorcade.toml").write_text('[camera]\nmodel = "pinhole"\nfx = 140.0\nfy = 140.0\n')
     assert "[camera] cx: the key is missing" in refused(
         capsys, "run", room, "--out", tmp_path / "out"

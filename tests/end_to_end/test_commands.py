@@ -250,7 +250,7 @@ def test_an_empty_folder_is_called_empty(
         ("placed.charater=x", "no knob 'charater'; did you mean character?"),
         ("smoothed.windw=1", "no knob 'windw'"),
         ("smoothed.window_s=wide", "expected float, came 'wide'"),
-        ("placed.on=ceiling", "expected one of auto, board, plane, floor"),
+        ("placed.on=ceiling", "expected one of auto, board, marker, plane, floor"),
         ("camera_poses.sigma_m=nan", "expected a number within"),
         ("smoothed.window_s=1e300", "expected a number within"),
         ("smoothed.representations=", "smoothed: representations: expected at least one"),

@@ -144,7 +144,7 @@ def ground_on_plane(
         world_T_camera = path.motors_at(np.int64(frame.time_ns))
         plane = _chosen(_planes_of(recording, frame, world_T_camera), world_T_camera, up)
         if plane is not None:
-            where = f"found in the depth of {frame.name}"
+            where = f"m found in the depth of {frame.name}"
             points = world_T_camera.apply(_points_of(recording, frame))
             return _stage(plane, where, up, FLOOR_HEIGHT_M, recording.camera, path, points)
     points = camera_poses.points
@@ -163,7 +163,7 @@ def ground_on_plane(
         # Whoever holds a camera is about as tall as it is high above what they stand on.
         above = float(np.median((plane.world_T_plane.inverse() @ path.motors).translation_m[:, 2]))
         highest = min(highest, max(above, _LEAST_FREE_HEIGHT * depth))
-    where = "found in the map" + ("" if camera_poses.metric else " (lengths without unit)")
+    where = "m found in the map" if camera_poses.metric else "units found in the map"
     return _stage(plane, where, up, highest, recording.camera, path, points)
 
 
@@ -202,7 +202,7 @@ def _stage(
 ) -> Ground:
     wide, tall = plane.size_m
     how = _GUESS if up is None else up[1]
-    name = f"a plane of {wide:.2f} x {tall:.2f} m {where}, {how}"
+    name = f"a plane of {wide:.2f} x {tall:.2f} {where}, {how}"
     height_m = min(0.5 * min(wide, tall), highest_m)
     place = (0.0, 0.0)
     if camera is not None:

@@ -13,7 +13,6 @@ import numpy as np
 from motorcade.animation import Character
 from motorcade.ga import Motor, Trajectory
 from motorcade.render import (
-    RENDERERS,
     RendererName,
     RenderUnavailable,
     render_overlay,
@@ -62,7 +61,7 @@ def overlay(
     placed: Placed,
     *,
     representation: str | None = None,
-    renderer: str = "fast",
+    renderer: RendererName = "fast",
     light: Literal["fixed", "estimated"] = "fixed",
     lens: Literal["straighten", "bend"] = "straighten",
     gain: float = 1.0,
@@ -83,7 +82,7 @@ def overlay(
     recording has depth, what is nearer hides the character; where it has none, the board, markers
     and the ground do. Raises `Unavailable` without OpenGL and
     for recordings of corners, which hold no pictures, and ValueError without a camera or for a
-    representation that was not smoothed or an unknown renderer.
+    representation that was not smoothed.
     """
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
@@ -114,7 +113,7 @@ def overlay(
         matching=Matching(gain, exposure_s, noise),
         prints=prints if placed.carry is None else None,  # where things move, a map may not hold
         carry=placed.carry,
-        renderer=_known(renderer),
+        renderer=renderer,
     )
     file = new_file("overlay.mp4")
     try:
@@ -207,13 +206,6 @@ def led_on(path: Trajectory, measured: Trajectory) -> Trajectory:
         stamps.insert(where, measured.time_ns[rows])
         poses.insert(where, led)
     return Trajectory(np.concatenate(stamps), Motor.concatenate(poses), path.parent, path.child)
-
-
-def _known(renderer: str) -> RendererName:
-    for name in RENDERERS:
-        if renderer == name:
-            return name
-    raise ValueError(f"overlay.renderer: expected one of {', '.join(RENDERERS)}, came {renderer!r}")
 
 
 def _chosen(smoothed: Smoothed, representation: str | None) -> Trajectory:

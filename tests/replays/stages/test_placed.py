@@ -129,7 +129,7 @@ def test_on_a_map_without_unit_the_size_follows_the_scene(
         points = unit * (ground + rng.normal(0.0, 0.003, ground.shape))
         given = poses(path, points=points, metric=False)
         made = placed(blind, given, path)
-        assert "found in the map (lengths without unit), up being the picture's" in made.stands_on
+        assert "units found in the map, up being the picture's" in made.stands_on
         assert made.placement.apply([0.0, 0.0, 0.0])[1] == pytest.approx(1.5 * unit, rel=0.01)
         up = made.placement.world_T_character.rotor.apply([0.0, 0.0, 1.0])
         assert up @ [0.0, -1.0, 0.0] > 0.999
