@@ -1,5 +1,6 @@
 """The picture of the animation suite shows what was measured, and ozz-animation beside it."""
 
+import inspect
 import json
 import re
 from pathlib import Path
@@ -7,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from motorcade.replays.bench import animation
 from motorcade.replays.bench.pictures import OZZ_NS, animation_picture
 from motorcade.replays.bench.tables import SUITES
 from motorcade.replays.cli import main
@@ -39,7 +41,7 @@ def test_jobs_stand_with_their_figures_and_marks() -> None:
 
 def test_every_figure_of_ozz_has_a_job_of_ours() -> None:
     """The jobs' names are those that the suite gives."""
-    source = (Path(__file__).parents[3] / "replays" / "bench" / "animation.py").read_text()
+    source = inspect.getsource(animation)
     for start in OZZ_NS:
         assert start.split(", linear")[0] in source
 
