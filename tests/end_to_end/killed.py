@@ -88,8 +88,10 @@ def killed_at_random(
     """Do it; `folder` holds what the runs leave."""
     rng = np.random.default_rng(seed)
     began = time.perf_counter()
-    if started(recording, folder / "quiet").wait(SLOWEST_S) != 0:
-        raise RuntimeError("the undisturbed run failed")
+    quiet = started(recording, folder / "quiet")
+    _, complaint = quiet.communicate(timeout=SLOWEST_S)
+    if quiet.returncode != 0:
+        raise RuntimeError(f"the undisturbed run failed: {complaint.decode()[-300:]}")
     whole_s = time.perf_counter() - began
     expected = results(folder / "quiet")
     tell(f"undisturbed: {whole_s:.1f} s, {len(expected)} results")

@@ -68,5 +68,10 @@ def _ties(results: Mapping[str, Any]) -> list[str]:
 
 def _interval(row: Mapping[str, Any], key: str) -> str:
     if row["ratio_low"] is None:
-        return f"{row[key]:.3g}"
-    return f"{row[key]:.3g} ({row['ratio_low']:.3g}-{row['ratio_high']:.3g})"
+        return _ratio(row[key])
+    return f"{_ratio(row[key])} ({_ratio(row['ratio_low'])}-{_ratio(row['ratio_high'])})"
+
+
+def _ratio(value: float) -> str:
+    """Narrow enough for its column."""
+    return f"{value:.3f}" if value < 100.0 else f"{value:.1f}" if value < 1e4 else f"{value:.2g}"

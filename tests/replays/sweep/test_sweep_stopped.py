@@ -97,6 +97,11 @@ def living(group: int) -> list[str]:
     return [" ".join(one[:3]) for one in told if int(one[2]) == group and one[0] != "Z"]
 
 
+def heeding_interrupts() -> None:
+    """Tests may themselves be run where Ctrl-C is ignored, as in the background of a shell."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("everybody", [True, False])
 def test_processes_end_at_once_and_quietly(config: Config, tmp_path: Path, everybody: bool) -> None:
@@ -106,6 +111,7 @@ def test_processes_end_at_once_and_quietly(config: Config, tmp_path: Path, every
     process = subprocess.Popen(
         [sys.executable, "-c", MAIN, "sweep", str(path), "--out", str(out)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=heeding_interrupts,
     )  # fmt: skip
     until = time.monotonic() + 240.0
     while not list(out.glob("runs/*/outcome.json")) and time.monotonic() < until:
