@@ -108,20 +108,26 @@ float Rig::checked_total(std::span<const Layer> layers) const {
     float total = 0.0F;
     for (std::size_t k = 0; k < layers.size(); ++k) {
         const auto &[clip, time_s, weight] = layers[k];
-        std::ostringstream wrong;
-        if (clip < 0 || static_cast<std::size_t>(clip) >= clips_.size())
-            wrong << "number of a clip to be from 0 to " << std::ptrdiff_t(clips_.size()) - 1 << ", got " << clip;
-        else if (!std::isfinite(time_s))
-            wrong << "time_s to be finite, got " << time_s;
-        else if (!(weight >= 0.0F && std::isfinite(weight)))
-            wrong << "weight to be 0 or more and finite in float32, got " << weight;
-        if (wrong.tellp() > 0)
-            throw std::invalid_argument("layers: expected of layer " + std::to_string(k) + " the " + wrong.str());
+        const bool known = clip >= 0 && static_cast<std::size_t>(clip) < clips_.size();
+        if (!known || !std::isfinite(time_s) || !(weight >= 0.0F && std::isfinite(weight))) refuse(layers[k], k);
         total += weight;
     }
     if (!(total > 0.0F && std::isfinite(total)))
         throw std::invalid_argument("layers: expected weights with a finite sum above 0, got " + std::to_string(total));
     return total;
+}
+
+// Apart from the check: a stream costs as much as a blend.
+void Rig::refuse(const Layer &layer, std::size_t number) const {
+    std::ostringstream wrong;
+    wrong << "layers: expected of layer " << number << " the ";
+    if (layer.clip < 0 || static_cast<std::size_t>(layer.clip) >= clips_.size())
+        wrong << "number of a clip to be from 0 to " << std::ptrdiff_t(clips_.size()) - 1 << ", got " << layer.clip;
+    else if (!std::isfinite(layer.time_s))
+        wrong << "time_s to be finite, got " << layer.time_s;
+    else
+        wrong << "weight to be 0 or more and finite in float32, got " << layer.weight;
+    throw std::invalid_argument(wrong.str());
 }
 
 void Rig::blend(std::span<const Layer> layers, bool by_screw) {

@@ -51,6 +51,7 @@ private:
     void mix(const Pose &a, const Pose &b, float fraction, bool by_screw, Pose &out);
     void sum(std::span<const Layer> layers, float total);
     float checked_total(std::span<const Layer> layers) const;
+    [[noreturn]] void refuse(const Layer &layer, std::size_t number) const;
 
     std::size_t joints_, padded_;
     std::vector<std::int32_t> parents_;
