@@ -255,8 +255,9 @@ CALM = settings(max_examples=400, deadline=None, suppress_health_check=list(Heal
 @CALM
 @given(trees((*BASIS_NAMES, "s", "t")))
 def test_an_expression_means_what_the_plain_evaluator_says(tree: Tree) -> None:
+    expected = meant(tree, KNOWN)  # first: what it leaves out, a script may refuse as an overflow
     text = f"u = s + t; ?x = {written(tree)};"
-    check(evaluate(parse(text), **VARIABLES)["x"], meant(tree, KNOWN))
+    check(evaluate(parse(text), **VARIABLES)["x"], expected)
 
 
 @settings(CALM, max_examples=60)
