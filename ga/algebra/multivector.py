@@ -388,7 +388,8 @@ class Multivector(Value):
     def _function(self, name: str) -> Multivector:
         from motorcade.ga.algebra import functions
 
-        return getattr(functions, name)(self)  # type: ignore[no-any-return]
+        made: Multivector = getattr(functions, name)(self)
+        return made
 
 
 def _reverse_sign(grade: int) -> int:

@@ -148,13 +148,13 @@ class KalmanFilter(CausalFilter):
         scan = self._scan(isinstance(trajectory.poses, Similarity))
         return self._run(scan, trajectory, self.noise_of(trajectory)), scan
 
-    def _begin(self, pose: Motor | Similarity) -> None:
+    def _begin(self, pose: Motor | Similarity) -> _scans.Scan:
         if len(self.noise) > 1:
             raise ValueError(
                 "noise: expected one deviation for a stream (update takes those of single poses), "
                 f"got {len(self.noise)}"
             )
-        super()._begin(pose)
+        return super()._begin(pose)
 
     def _weigh(self, rows: FloatArray) -> None:
         if self._running is not None:

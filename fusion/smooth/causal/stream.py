@@ -59,10 +59,11 @@ class CausalFilter(ABC):
                 or a result beyond float64. The filter is then as it was.
             TypeError: another kind of pose than before.
         """
-        if type(pose) is not self._kind:
-            self._begin(pose)
+        running = self._running
+        if running is None or type(pose) is not self._kind:
+            running = self._begin(pose)
         out = np.empty(pose._size)
-        self._running.update(pose.coefficients, time_ns, out)  # type: ignore[union-attr]
+        running.update(pose.coefficients, time_ns, out)
         return pose._trusted(out)
 
     def smooth(self, trajectory: Trajectory) -> Trajectory:
@@ -87,7 +88,7 @@ class CausalFilter(ABC):
         scan.run(given, trajectory.time_ns, out, noise)
         return trajectory_of(trajectory, out)
 
-    def _begin(self, pose: Motor | Similarity) -> None:
+    def _begin(self, pose: Motor | Similarity) -> Scan:
         if not isinstance(pose, Motor | Similarity):
             raise TypeError(f"pose: expected a Motor or Similarity, got {type(pose).__name__}")
         if self._kind is not None:
@@ -99,6 +100,7 @@ class CausalFilter(ABC):
             raise ValueError(f"pose: expected one pose, got a batch of shape {pose.shape}")
         self._running = self._scan(isinstance(pose, Similarity))
         self._kind = type(pose)
+        return self._running
 
 
 def coefficients_of(trajectory: Trajectory) -> FloatArray:
