@@ -9,6 +9,6 @@ of that name, which is imported from all the same. Import the rest from the room
 
 from __future__ import annotations
 
-from motorcade.fusion.smooth import smooth
+from motorcade.fusion.smoothing import smooth
 
 __all__ = ["smooth"]

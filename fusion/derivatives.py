@@ -17,10 +17,10 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smooth.checks import checked_length, checked_positive
-from motorcade.fusion.smooth.representations import REPRESENTATIONS
-from motorcade.fusion.smooth.window.averages import polynomial_at_centre, weighted_vectors
-from motorcade.fusion.smooth.window.local_polynomial import shifted_windows
+from motorcade.fusion.smoothing.checks import checked_length, checked_positive
+from motorcade.fusion.smoothing.representations import REPRESENTATIONS
+from motorcade.fusion.smoothing.window.averages import polynomial_at_centre, weighted_vectors
+from motorcade.fusion.smoothing.window.local_polynomial import shifted_windows
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
 from motorcade.ga.motion import carried_twist, twist_bracket
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from motorcade.ga import kernels
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.classical import DualQuaternion, EulerPose, QuaternionPose
 from motorcade.ga.motion import TwistSample
-from motorcade.ga.rivals import DualQuaternion, EulerPose, QuaternionPose
 from motorcade.ga.screw_path import ScrewPath
 from motorcade.ga.splines import CumulativeBSpline, SimilaritySpline, SplineSample
 from motorcade.ga.trajectory import Trajectory

@@ -19,7 +19,7 @@ import numpy as np
 from motorcade.animation import mannequin, place_on_plane
 from motorcade.fusion.motions import gimbal_crossing
 from motorcade.fusion.motions.degradations import Gaussian
-from motorcade.fusion.smooth import smooth
+from motorcade.fusion.smoothing import smooth
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
 from motorcade.render import render_overlay
 from motorcade.render.backends.renderer import new_renderer

@@ -43,8 +43,8 @@ from motorcade.ga import (
     checked_floats,
     mean,
 )
-from motorcade.ga.rivals.dual_quaternion import dual_quaternion_mean
-from motorcade.ga.rivals.quaternion import quaternion_mean
+from motorcade.ga.classical.dual_quaternion import dual_quaternion_mean
+from motorcade.ga.classical.quaternion import quaternion_mean
 
 __all__ = ["BLEND_METHODS", "BlendMethod", "Poses", "blend_poses", "stacked"]
 

@@ -38,10 +38,10 @@ from motorcade.fusion.metrics.errors.relative_by_length import (
 )
 from motorcade.fusion.metrics.errors.scale import log_scales, without_scale
 from motorcade.fusion.metrics.evaluate import Evaluation, evaluate
+from motorcade.fusion.metrics.jitter.jitter import Jitter, accelerations, jitter, jitter_above
+from motorcade.fusion.metrics.jitter.smoothness import Smoothness, log_dimensionless_jerk
+from motorcade.fusion.metrics.jitter.spectral_energy import EnergyExcess, energy_excess_above
 from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
-from motorcade.fusion.metrics.shaking.jitter import Jitter, accelerations, jitter, jitter_above
-from motorcade.fusion.metrics.shaking.smoothness import Smoothness, log_dimensionless_jerk
-from motorcade.fusion.metrics.shaking.spectral_energy import EnergyExcess, energy_excess_above
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 
 __all__ = [

@@ -32,10 +32,10 @@ from motorcade.fusion.metrics.errors.pose_error import (
 )
 from motorcade.fusion.metrics.errors.relative_by_length import relative_errors_by_length
 from motorcade.fusion.metrics.errors.scale import log_scales, without_scale
+from motorcade.fusion.metrics.jitter.jitter import Jitter, jitter
+from motorcade.fusion.metrics.jitter.smoothness import Smoothness, log_dimensionless_jerk
+from motorcade.fusion.metrics.jitter.spectral_energy import EnergyExcess, energy_excess_above
 from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
-from motorcade.fusion.metrics.shaking.jitter import Jitter, jitter
-from motorcade.fusion.metrics.shaking.smoothness import Smoothness, log_dimensionless_jerk
-from motorcade.fusion.metrics.shaking.spectral_energy import EnergyExcess, energy_excess_above
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 from motorcade.ga import FloatArray, Motor, Trajectory
 

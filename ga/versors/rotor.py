@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.classical.euler import euler_from_matrix, matrix_from_euler
 from motorcade.ga.kernels import (
     rotor_compose,
     rotor_exp,
@@ -18,7 +19,6 @@ from motorcade.ga.kernels import (
     rotor_inverse,
     rotor_log,
 )
-from motorcade.ga.rivals.euler import euler_from_matrix, matrix_from_euler
 from motorcade.ga.versors.versor import UNIT_TOLERANCE, Versor, VersorKernels, broadcast_batch
 
 __all__ = ["Rotor"]

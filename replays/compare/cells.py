@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.fusion.smooth import smooth
+from motorcade.fusion.smoothing import smooth
 from motorcade.ga import FloatArray, Trajectory
 from motorcade.replays.compare.measure.ruler import METRICS, Ruler
 from motorcade.replays.compare.measure.truth import truth_of

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.fusion.metrics import Align, alignment_of, associate
-from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
+from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import FloatArray, Trajectory
 from motorcade.replays.compare.cells import measured_rows
 from motorcade.replays.compare.figures.statistics import Sample

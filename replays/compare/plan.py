@@ -26,7 +26,7 @@ from motorcade.fusion.motions.degradations import (
     Quantised,
     StampJitter,
 )
-from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
+from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor
 from motorcade.replays.errors import did_you_mean
 

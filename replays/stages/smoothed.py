@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from motorcade.fusion.smooth import automatic_window_s, smooth
+from motorcade.fusion.smoothing import automatic_window_s, smooth
 from motorcade.ga import Trajectory
 from motorcade.replays.stages.inertial.fused import FusedPath
 
@@ -33,7 +33,7 @@ def smoothed(
     `representations` names those to compare, of motor, similarity, rotor, dual_quaternion,
     quaternion, euler_unwrapped and euler; the first is what `overlay` draws along.
     Without `window_s` the widest window is taken that removes noise alone, judged by the path's
-    own uncertainty (see `fusion.smooth.automatic_window_s`).
+    own uncertainty (see `fusion.smoothing.automatic_window_s`).
     """
     if not representations:
         raise ValueError("representations: expected at least one, came none")

@@ -1,6 +1,6 @@
 """Mutation testing: do the tests notice small faults in the code?
 
-    python -m tests.mutation ga/versors ga/rivals        the modules in these folders
+    python -m tests.mutation ga/versors ga/classical        the modules in these folders
     python -m tests.mutation fusion/metrics --tests tests/fusion/test_metrics.py
     python -m tests.mutation ga/versors --again          what survived, after `--measure` or not
 

@@ -17,7 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "../../smooth/native/rotors.h"
+#include "../../smoothing/native/rotors.h"
 
 namespace motorcade::orientation {
 

@@ -23,8 +23,8 @@ from motorcade.fusion.metrics import (
 )
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
-from motorcade.fusion.smooth import Exponential, OneEuro, smooth
-from motorcade.fusion.smooth.causal import CausalFilter
+from motorcade.fusion.smoothing import Exponential, OneEuro, smooth
+from motorcade.fusion.smoothing.causal import CausalFilter
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
 
 __all__ = ["bench_lag", "lag_table", "one_euro_row", "rts_row"]

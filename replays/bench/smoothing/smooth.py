@@ -21,7 +21,7 @@ import numpy as np
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips
-from motorcade.fusion.smooth import OneEuro, smooth
+from motorcade.fusion.smoothing import OneEuro, smooth
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.bench.smoothing.rivals import (
     NumpyOneEuro,
@@ -195,7 +195,7 @@ def _bytes_a_pose(job: str, sizes: tuple[int, int] = MEMORY_POSES) -> float | No
     peaks = []
     for poses in sizes:
         program = (
-            "from motorcade.fusion.smooth import OneEuro, smooth\n"
+            "from motorcade.fusion.smoothing import OneEuro, smooth\n"
             "from motorcade.replays.bench.smoothing.smooth import compact_path\n"
             f"path = compact_path({poses})\n{job}\n"
             "from pathlib import Path\n"

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.fusion.metrics import evaluate
-from motorcade.fusion.smooth import smooth
+from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Trajectory
 from motorcade.replays.bench.data import data_folder
 from motorcade.replays.recording import open_recording

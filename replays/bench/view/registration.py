@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.fusion.smooth import smooth
+from motorcade.fusion.smoothing import smooth
 from motorcade.ga import FloatArray, Motor, Trajectory
 from motorcade.render.backends.renderer import new_renderer
 from motorcade.render.composite import as_rgb, over

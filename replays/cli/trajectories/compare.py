@@ -51,7 +51,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def compare_smoothers(arguments: argparse.Namespace) -> None:
     """Compare, write the tables and the report, print the findings."""
     from motorcade.fusion.motions import MOTIONS
-    from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
+    from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
     from motorcade.replays.cli.arguments import check_known
     from motorcade.replays.compare.figures.summary import as_text
     from motorcade.replays.compare.plan import DEGRADATIONS, quick, standard

@@ -45,8 +45,8 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 
 def smooth_file(arguments: argparse.Namespace) -> None:
     """Read, smooth, write; say what "auto" picked and, where asked, what changed."""
-    from motorcade.fusion.smooth import METHODS, REPRESENTATIONS, choose, smooth
-    from motorcade.fusion.smooth.changes import changes
+    from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS, choose, smooth
+    from motorcade.fusion.smoothing.changes import changes
     from motorcade.replays.cli.arguments import check_known, print_json
     from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
 
@@ -77,7 +77,7 @@ def parsed_settings(settings: Sequence[str], method: str) -> dict[str, Any]:
     Raises:
         ValueError: an unknown method or parameter, or a value of the wrong kind.
     """
-    from motorcade.fusion.smooth import method_parameters
+    from motorcade.fusion.smoothing import method_parameters
 
     known = method_parameters(method)
     if settings and not known:
@@ -108,7 +108,7 @@ class _List(argparse.Action):
         values: str | Sequence[Any] | None,
         option_string: str | None = None,
     ) -> None:
-        from motorcade.fusion.smooth import METHODS, REPRESENTATIONS, method_parameters
+        from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS, method_parameters
 
         print("methods, and their parameters where they are not given:")
         for name in METHODS:

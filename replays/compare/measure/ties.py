@@ -15,7 +15,7 @@ import numpy as np
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
-from motorcade.fusion.smooth import smooth
+from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Motor, Trajectory, blend
 from motorcade.replays.compare.cells import why
 

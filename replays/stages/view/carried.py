@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.animation.place import followed
-from motorcade.fusion.smooth import smooth
+from motorcade.fusion.smoothing import smooth
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
 from motorcade.replays.markers.loose import LooseMarkers
 from motorcade.replays.readers.frames.corners import CornerFrames

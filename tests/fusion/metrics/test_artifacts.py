@@ -20,7 +20,7 @@ from motorcade.fusion.metrics import (
 )
 from motorcade.fusion.motions import MOTIONS, Factor, Motion, Stops
 from motorcade.fusion.motions.degradations import Gaussian, Latency
-from motorcade.fusion.smooth import smooth
+from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Motor, Rotor, Trajectory
 
 PARTS = pytest.mark.parametrize(

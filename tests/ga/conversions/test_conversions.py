@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from motorcade.ga import Motor, Rotor, Versor
-from motorcade.ga.rivals.euler import SEQUENCES
+from motorcade.ga.classical.euler import SEQUENCES
 
 Distance = Callable[[Versor, Versor], float]
 ROUNDING = 2e-14

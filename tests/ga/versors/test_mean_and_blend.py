@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from motorcade.ga import Motor, Rotor, Similarity, Versor, blend, mean
-from motorcade.ga.rivals.dual_quaternion import dual_quaternion_blend
+from motorcade.ga.classical.dual_quaternion import dual_quaternion_blend
 
 Distance = Callable[[Versor, Versor], float]
 ROUNDING = 1e-12

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.fusion.smooth import smooth
+from motorcade.fusion.smoothing import smooth
 from motorcade.ga import FloatArray, Motor
 from motorcade.replays.bench.smoothing.rivals import (
     NumpyOneEuro,

@@ -26,7 +26,7 @@ def test_jitter_is_that_of_the_noise_and_not_of_even_motion(rng: np.random.Gener
 
 
 def test_the_causal_smoother_knows_the_past_alone(rng: np.random.Generator) -> None:
-    from motorcade.fusion.smooth import smooth
+    from motorcade.fusion.smoothing import smooth
 
     stamps = np.arange(60, dtype=np.int64) * 33_333_333
     path = Trajectory(

@@ -11,7 +11,7 @@ import pytest
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
-from motorcade.fusion.smooth import METHODS, method_parameters, smooth
+from motorcade.fusion.smoothing import METHODS, method_parameters, smooth
 from motorcade.replays.cli import main
 from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
 

@@ -15,7 +15,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from motorcade.fusion.motions import MOTIONS
-from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
+from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.render.plots.style import COLOURS
 from motorcade.replays.compare.cells import Cell, Row, Setting, inputs_of, run_cell
 from motorcade.replays.compare.figures.statistics import Sample

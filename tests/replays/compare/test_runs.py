@@ -12,7 +12,7 @@ import pytest
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
-from motorcade.fusion.smooth import METHODS, REPRESENTATIONS
+from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
 from motorcade.replays.compare import run

@@ -9,7 +9,7 @@ from typing import Literal
 
 import pytest
 
-from motorcade.fusion.smooth import REPRESENTATIONS
+from motorcade.fusion.smoothing import REPRESENTATIONS
 from motorcade.replays.cli import main
 from motorcade.replays.engine.graph import Graph, Stage
 from motorcade.replays.engine.knobs import Knob, parse_knobs, told_knobs

@@ -16,7 +16,7 @@ def reachable(function: object) -> tuple[frozenset[str], frozenset[str]]:
 
 def test_imports_are_followed_through_packages_and_functions() -> None:
     ours, foreign = reachable(smoothed)
-    assert "motorcade.fusion.smooth.window.local_polynomial" in ours
+    assert "motorcade.fusion.smoothing.window.local_polynomial" in ours
     assert "motorcade.ga.kernels.batches" in ours
     assert "motorcade.fusion.filter.native._filter" in ours
     assert {"numpy", "scipy"} <= foreign

@@ -1,0 +1,269 @@
+"""Runs of poses that are a flat marker's other candidate, read as what they tell nevertheless.
+
+The picture of a flat marker allows two poses, mirrored about the line of sight to its centre
+(`wrong_planar_pose`); the mirror of the wrong one is the right one again. Where a tracker takes the
+wrong one the path leaps, and leaps back. For each run of poses that the chain of `consistent`
+leaves out, the marker is sought, centre and normal at rest in the world, whose mirror puts the run
+on the path of the poses around it. The turn of one leap, about an axis through the centre and
+across the line of sight, tells all five numbers; then they and the path are estimated together. A
+run that no marker explains is left as it is.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.motions.degradations import wrong_planar_pose
+from motorcade.fusion.smoothing.batch.consistent import Sizes, consistent_poses
+from motorcade.fusion.smoothing.batch.problem import Linear, Problem, State, rigid_poses
+from motorcade.fusion.smoothing.batch.tridiagonal import solved
+from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
+from motorcade.ga import FloatArray, IntArray, Motor, Rotor
+
+__all__ = ["mirrored_back"]
+
+# Shorter runs are bridged as well as they are read.
+_SHORTEST = 4
+# Poses around a run that tell the path there, and poses of it, those whose place is then known
+# best, that a marker is first sought by.
+_AROUND, _TRIED = 30, 6
+# Motion may be so much livelier across a run than the model says.
+_LIVELIER = 3.0
+# Models of the motion: the twist in the body is constant, or the turn and the shift in the world.
+_MODELS = ("motor", "rotor")
+# Turns that are told from noise, in its deviations.
+_TURN_DEVIATIONS = 6.0
+# Squared length of a pose's six numbers, in deviations: beyond the first it is thrown off, up to
+# the second it is explained.
+_THROWN, _EXPLAINED = 200.0, 25.0
+# What each of the fewest poses of a run must save at least, in squared deviations.
+_GAIN = 30.0
+_ROUNDS = 8
+_STEP = 1e-6
+
+
+def mirrored_back(
+    time_s: FloatArray,
+    poses: Motor,
+    kept: NDArray[np.bool_],
+    sizes: tuple[Sizes, Sizes, Sizes],
+    width: float,
+) -> tuple[Motor, NDArray[np.bool_]]:
+    """The path with the runs that a marker explains mirrored back, and which of its rows they are.
+
+    Args:
+        time_s: ``(N,)`` increasing.
+        poses: ``(N,)`` as measured.
+        kept: which belong to the motion; see `consistent_poses`.
+        sizes: of rotation and translation, as there.
+        width: of Cauchy's loss, in deviations of a pose.
+    """
+    found = np.zeros(len(poses), dtype=np.bool_)
+    coefficients = np.array(poses.coefficients)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], ~kept, [0]])))
+    for first, last in edges.reshape(-1, 2):
+        if last - first < _SHORTEST:
+            continue
+        part = slice(max(0, first - _AROUND), min(len(poses), last + _AROUND))
+        if not np.any(kept[part]):
+            continue  # nothing is left around the run to read it by
+        run = slice(first - part.start, last - part.start)
+        read = _Run.likelier(time_s[part], poses[part], kept[part], run, sizes, width).read()
+        if read is not None:
+            rows = first + np.flatnonzero(read[1])
+            coefficients[rows], found[rows] = read[0][read[1]].coefficients, True
+    return Motor(coefficients), found
+
+
+class _Expected(NamedTuple):
+    """Where the path puts the poses of a run, with deviations ``(K, 6)``."""
+
+    poses: Motor
+    deviation: FloatArray
+
+    def vectors(self, poses: Motor) -> FloatArray:
+        return (self.poses.inverse() @ poses).as_twist() / self.deviation
+
+
+class _Run:
+    """A stretch of a path with a run of poses left out."""
+
+    @classmethod
+    def likelier(cls, *stretch: Any) -> _Run:
+        """The stretch as a body in free flight or as a screw, whichever its good poses tell."""
+        return min((cls(REPRESENTATIONS[name], *stretch) for name in _MODELS), key=_Run._doubt)
+
+    def __init__(
+        self,
+        representation: Representation,
+        time_s: FloatArray,
+        poses: Motor,
+        kept: NDArray[np.bool_],
+        run: slice,
+        sizes: tuple[Sizes, Sizes, Sizes],
+        width: float,
+    ) -> None:
+        self.time_s, self.run, self.sizes, self.width = time_s, run, sizes, width
+        self.poses, self.kept = poses[run], kept
+        self.problem = Problem(representation, time_s, poses, kept, sizes)
+        self.linear = self.problem.narrowed("cauchy", width)
+
+    def _doubt(self) -> float:
+        return self.problem.cost(self.linear, "cauchy", self.width, self.kept)
+
+    def read(self) -> tuple[Motor, NDArray[np.bool_]] | None:
+        """The run's poses mirrored and which of them that explains; None where it is too few."""
+        linear = self.linear
+        marker = self._first_marker(self._expected(linear))
+        if marker is None:
+            return None
+        everyone = np.ones(len(self.time_s), dtype=np.bool_)
+        plain = self.problem.descended(linear, "cauchy", self.width, everyone, _ROUNDS)
+        marker, mirrored, turned = self._refined(marker)
+        before, after = (
+            self.problem.cost(one, "cauchy", self.width, everyone) for one in (plain, mirrored)
+        )
+        explained = turned & (mirrored.squares[self.run] < _EXPLAINED)
+        if np.count_nonzero(explained) < _SHORTEST or before - after < _GAIN * _SHORTEST:
+            return None
+        return self._mirrored(marker), explained
+
+    def _mirrored(self, marker: FloatArray) -> Motor:
+        """The run's poses ``(*, K)`` by markers ``(*, 6)``."""
+        normal = marker[..., 3:] / np.linalg.norm(marker[..., 3:], axis=-1, keepdims=True)
+        return wrong_planar_pose(self.poses, marker[..., None, :3], normal[..., None, :])
+
+    def _expected(self, linear: Linear) -> _Expected:
+        noise, density = (np.repeat(pair, 3) for pair in zip(*self.sizes[:2], strict=True))
+        spread = _bridge_variance(self.time_s, self.run)[:, None]
+        deviation = np.sqrt(2.0 * noise**2 + (_LIVELIER * density) ** 2 * spread)
+        return _Expected(self._poses_of(linear.state.coordinates[self.run]), deviation)
+
+    def _poses_of(self, coordinates: FloatArray) -> Motor:
+        return rigid_poses(self.problem.representation.poses(coordinates))
+
+    def _first_marker(self, expected: _Expected) -> FloatArray | None:
+        """The marker that explains the run best beside the path without it; None without leaps."""
+        import scipy.optimize
+
+        surest = np.argsort(expected.deviation[:, 3])[:_TRIED]
+        thrown = np.sum(expected.vectors(self.poses)[surest] ** 2, axis=1) > _THROWN
+        guesses = _markers(self.poses, expected, surest[thrown], self.sizes[0].noise)
+        if 2 * np.count_nonzero(thrown) < len(surest) or not len(guesses):
+            return None
+
+        def vectors(marker: FloatArray) -> FloatArray:
+            made = expected.vectors(self._mirrored(marker))[..., surest, :]
+            return made.reshape(*marker.shape[:-1], -1)
+
+        def slopes(marker: FloatArray) -> FloatArray:
+            ahead, back = (vectors(marker + step * np.eye(6)) for step in (_STEP, -_STEP))
+            return np.asarray((ahead - back).T / (2.0 * _STEP), dtype=np.float64)
+
+        squares = np.sum(vectors(guesses).reshape(len(guesses), -1, 6) ** 2, axis=-1)
+        charged = np.sum(np.log1p(squares / self.width**2), axis=-1)
+        fitted = scipy.optimize.least_squares(
+            vectors, guesses[int(np.argmin(charged))], slopes, loss="cauchy", f_scale=2.0,
+            max_nfev=50,
+        )  # fmt: skip
+        return np.asarray(fitted.x, dtype=np.float64)
+
+    def _refined(self, marker: FloatArray) -> tuple[FloatArray, Linear, NDArray[np.bool_]]:
+        """Marker and path together, by Gauss-Newton; the path's own unknowns are eliminated.
+
+        Every pose of the run is read anew each time, mirrored or as measured, whichever lies nearer
+        to the path: with the wrong candidates the chain may leave out right poses beside them.
+        """
+        run, problem = self.run, self._with(marker)
+        linear, among = problem.narrowed("cauchy", self.width), np.ones(len(self.time_s), np.bool_)
+        for _ in range(_ROUNDS):
+            turned = self._read_anew(problem, marker, linear.state)
+            linear = problem.linearised(linear.state)
+            information = problem.information(linear, "cauchy", self.width, among)
+            equations = problem.equations(linear, information)
+            by_marker, ways = self._by_marker(marker, linear)
+            weighed = (turned[:, None] * information[run])[:, :, None] * by_marker
+            pull = np.zeros((*equations.right.shape, len(ways)))
+            back = np.swapaxes(linear.measured.by_target[run], 1, 2)
+            pull[run, : by_marker.shape[1]] = back @ weighed
+            alone, along = solved(equations, 0.0), solved(equations._replace(right=pull), 0.0)
+            normal = np.einsum("nik,nil->kl", weighed, by_marker)
+            normal -= np.einsum("nik,nil->kl", pull, along)
+            right = -np.einsum("nik,ni->k", weighed, linear.measured.vector[run])
+            right -= np.einsum("nik,ni->k", pull, alone)
+            step = np.linalg.lstsq(normal, right, rcond=1e-10)[0]
+            marker = marker + step @ ways
+            marker[3:] /= np.linalg.norm(marker[3:])
+            linear = problem.linearised(problem.moved(linear.state, alone - along @ step))
+        turned = self._read_anew(problem, marker, linear.state)
+        return marker, problem.linearised(linear.state), turned
+
+    def _read_anew(self, problem: Problem, marker: FloatArray, state: State) -> NDArray[np.bool_]:
+        """Put the run's poses into the problem as they lie nearest; which of them are mirrored."""
+        here = state.coordinates[self.run]
+        read = [problem.written(poses, here) for poses in (self.poses, self._mirrored(marker))]
+        squares = [
+            np.sum((problem.representation.difference(here, one) / problem.noise) ** 2, axis=1)
+            for one in read
+        ]
+        turned = np.asarray(squares[1] <= squares[0])
+        problem.measured[self.run] = np.where(turned[:, None], read[1], read[0])
+        return turned
+
+    def _with(self, marker: FloatArray) -> Problem:
+        """The stretch with the run mirrored."""
+        coefficients = np.array(rigid_poses(self.problem.poses).coefficients)
+        coefficients[self.run] = self._mirrored(marker).coefficients
+        poses = Motor(coefficients)
+        kept = consistent_poses(self.time_s, poses, *self.sizes[:2])
+        return Problem(self.problem.representation, self.time_s, poses, kept, self.sizes)
+
+    def _by_marker(self, marker: FloatArray, linear: Linear) -> tuple[FloatArray, FloatArray]:
+        """Derivatives ``(K, 6, 5)`` of the residuals, and the ways ``(5, 6)`` a marker may go."""
+        across = np.linalg.svd(marker[None, 3:])[2][1:]
+        ways = np.block([[np.eye(3), np.zeros((3, 3))], [np.zeros((2, 3)), across]])
+        here = linear.state.coordinates[self.run]
+        ahead, back = (
+            self.problem.representation.difference(
+                here, self.problem.representation.coordinates(self._mirrored(marker + step * ways))
+            )
+            for step in (_STEP, -_STEP)
+        )
+        return np.moveaxis((ahead - back) / (2.0 * _STEP), 0, -1), ways
+
+
+def _bridge_variance(time_s: FloatArray, run: slice) -> FloatArray:
+    """What white acceleration of unit density does to poses ``(K,)`` between known ones.
+
+    With states known a seconds before and b behind, ``a³ b³ / 3 (a + b)³``; with one, ``a³ / 3``.
+    """
+    own = time_s[run]
+    before = own - time_s[run.start - 1] if run.start > 0 else np.full(len(own), np.inf)
+    behind = time_s[run.stop] - own if run.stop < len(time_s) else np.full(len(own), np.inf)
+    return np.asarray((1.0 / before + 1.0 / behind) ** -3.0 / 3.0, dtype=np.float64)
+
+
+def _markers(poses: Motor, expected: _Expected, rows: IntArray, noise_rad: float) -> FloatArray:
+    """Centres and normals ``(M, 6)`` that explain single poses of a run."""
+    made = []
+    for row in rows:
+        leap = poses[row] @ expected.poses[row].inverse()
+        vector, shift = leap.rotor.as_rotation_vector(), leap.translation_m
+        angle = float(np.linalg.norm(vector))
+        if angle < _TURN_DEVIATIONS * noise_rad:
+            continue
+        axis, camera = vector / angle, expected.poses[row].translation_m
+        across = shift - axis * (axis @ shift)
+        on_axis = 0.5 * (across + np.cross(axis, across) / np.tan(0.5 * angle))
+        centre = on_axis + axis * (axis @ (camera - on_axis))
+        away = centre - camera
+        distance = float(np.linalg.norm(away))
+        if distance == 0.0:
+            continue
+        for half in (0.5 * angle, -0.5 * angle):
+            normal = Rotor.from_rotation_vector(half * axis).apply(away / distance)
+            made.append(np.concatenate([centre, normal]))
+    return np.array(made).reshape(-1, 6)

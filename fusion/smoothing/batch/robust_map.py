@@ -1,0 +1,231 @@
+"""Robust batch estimation: the most probable path under a motion model, outliers told apart.
+
+Maximised is the posterior of poses ``X_i`` and velocities ``v_i`` at the stamps. Between them the
+motion has white acceleration: with ``e = difference(X_{i+1}, X_i) - dt v_i`` and ``f = v_{i+1} -
+v_i`` the prior charges ``[e f] Q⁻¹ [e f]ᵀ``, ``Q = q² [[dt³/3, dt²/2], [dt²/2, dt]]``, for each
+component and any dt: gaps are long steps. A measured pose ``Z_i`` charges ``ρ(s)``, where s is the
+squared length of ``difference(X_i, Z_i)`` in deviations of the noise. On motors the vectors are
+twists, and a constant screw costs nothing (T. D. Barfoot, State Estimation for Robotics, 2nd ed.,
+2024, ch. 11; velocities are the representation's own, and the right Jacobian of one step is taken
+for 1).
+
+Solved by Gauss-Newton with Marquardt's damping, weights following the residuals (P. W. Holland,
+R. E. Welsch, Robust regression using iteratively reweighted least-squares, 1977). It starts from
+the poses that make up the longest smooth chain (see `consistent`), and the loss narrows in steps
+from wide to its own width (graduated non-convexity: A. Blake, A. Zisserman, Visual Reconstruction,
+1987); only then are the poses left out judged by their residuals as all others are.
+
+Runs of wrong poses that are a flat marker's other candidate are mirrored back (see `mirrored`).
+Across any other run of wrong poses nothing is known but the motion model, so that the error there
+grows with the length of the run. A path that leaps for good, as when a map is corrected, is torn
+smooth. Long paths are estimated in parts that overlap (see `parts`), so that time is linear
+in the poses and memory is some hundred bytes a pose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.smoothing.batch.consistent import Sizes, consistent_poses
+from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
+from motorcade.fusion.smoothing.batch.parts import parts
+from motorcade.fusion.smoothing.batch.problem import (
+    LAST_STEPS,
+    Problem,
+    loss_weights,
+    rigid_poses,
+    with_rigid,
+)
+from motorcade.fusion.smoothing.checks import checked_length, checked_positive, in_double
+from motorcade.fusion.smoothing.representations import (
+    Representation,
+    representation_named,
+    restored,
+)
+from motorcade.ga import FloatArray, Trajectory
+
+__all__ = ["LOSSES", "RobustPath", "estimate_path", "robust_map"]
+
+LOSSES = ("cauchy", "huber", "squares")
+# Poses that count less are rejected; runs of them may be read otherwise so many times.
+_REJECTED, _READINGS = 0.1, 2
+
+
+@dataclass(frozen=True, eq=False)
+class RobustPath:
+    """The most probable path, and how much each measured pose had to say in it.
+
+    Fields:
+        trajectory: the estimate, with the stamps and frames of the measured one.
+        weight: ``(N,)`` 1 where a measured pose counts fully, towards 0 where it is rejected.
+        distance: ``(N,)`` of measured from estimated poses, in deviations of the noise.
+        mirrored: ``(N,)`` poses that were read as a flat marker's other candidate, see `mirrored`;
+            weight and distance are of the poses as they were measured.
+        velocity: ``(N, d)`` in the representation's vectors; on motors the body twist.
+    """
+
+    trajectory: Trajectory
+    weight: FloatArray
+    distance: FloatArray
+    mirrored: NDArray[np.bool_]
+    velocity: FloatArray
+
+    @property
+    def rejected(self) -> NDArray[np.bool_]:
+        """Poses ``(N,)`` that count less than a tenth."""
+        return np.asarray(self.weight < _REJECTED, dtype=np.bool_)
+
+
+def robust_map(
+    trajectory: Trajectory,
+    representation: Representation,
+    *,
+    acceleration_m_s2: float = 0.5,
+    angular_acceleration_rad_s2: float = 1.0,
+    noise_m: float = 0.005,
+    noise_rad: float = 0.01,
+    scale_acceleration_s2: float = 1.0,
+    noise_scale: float = 0.005,
+    loss: str = "cauchy",
+    width: float = 3.5,
+) -> Trajectory:
+    """The most probable path; see the module. `estimate_path` also tells which poses it rejected.
+
+    Args:
+        trajectory: two poses or more, at any sampling.
+        representation: in whose vectors residuals and velocities are.
+        acceleration_m_s2: density of the white acceleration an axis in m/s²/√Hz: in T seconds the
+            velocity wanders by it times √T. Too small, and true motion is rejected as outliers.
+        angular_acceleration_rad_s2: the same of the rotation in rad/s²/√Hz.
+        noise_m: standard deviation of a good position an axis.
+        noise_rad: the same of a rotation, about an axis.
+        scale_acceleration_s2: the same of the scale in 1/s²/√Hz; rigid poses have none.
+        noise_scale: the same of the scale.
+        loss: "cauchy" ``w² ln(1 + s / w²)`` rejects outliers, "huber" (``s`` up to ``w²``, then
+            ``2 w √s - w²``) bounds their pull, "squares" does neither.
+        width: w, in deviations of the whole pose. Good poses have s near 6.
+
+    Raises:
+        ValueError: a size that is not positive, an unknown loss, a single pose.
+        ModuleNotFoundError: scipy or CasADi is missing.
+    """
+    return estimate_path(
+        trajectory, representation.name,
+        acceleration_m_s2=acceleration_m_s2,
+        angular_acceleration_rad_s2=angular_acceleration_rad_s2,
+        noise_m=noise_m, noise_rad=noise_rad,
+        scale_acceleration_s2=scale_acceleration_s2, noise_scale=noise_scale,
+        loss=loss, width=width,
+    ).trajectory  # fmt: skip
+
+
+def estimate_path(
+    trajectory: Trajectory,
+    representation: str = "motor",
+    *,
+    acceleration_m_s2: float = 0.5,
+    angular_acceleration_rad_s2: float = 1.0,
+    noise_m: float = 0.005,
+    noise_rad: float = 0.01,
+    scale_acceleration_s2: float = 1.0,
+    noise_scale: float = 0.005,
+    loss: str = "cauchy",
+    width: float = 3.5,
+) -> RobustPath:
+    """The most probable path with the weights of the measured poses; parameters of `robust_map`."""
+    chosen = representation_named(representation)
+    checked_length(trajectory, 2, "robust_map")
+    if loss not in LOSSES:
+        raise ValueError(f"loss: expected one of {', '.join(LOSSES)}, got {loss!r}")
+    checked_positive(width, "width", "deviations")
+    given = {
+        "acceleration_m_s2": acceleration_m_s2,
+        "angular_acceleration_rad_s2": angular_acceleration_rad_s2,
+        "noise_m": noise_m,
+        "noise_rad": noise_rad,
+        "scale_acceleration_s2": scale_acceleration_s2,
+        "noise_scale": noise_scale,
+    }
+    for name, value in given.items():
+        checked_positive(value, name, "its unit")
+    sizes = (
+        Sizes(noise_rad, angular_acceleration_rad_s2),
+        Sizes(noise_m, acceleration_m_s2),
+        Sizes(noise_scale, scale_acceleration_s2),
+    )
+    trajectory = in_double(trajectory)
+    made: list[RobustPath] = []
+    for part in parts(trajectory.time_s, sizes):
+        found = _estimated(trajectory[part.rows], chosen, sizes, loss, width)
+        last = made[-1].velocity[-1] if made else None
+        made.append(_kept(found, part.kept, last, chosen.signed))
+    return made[0] if len(made) == 1 else _joined(made, trajectory)
+
+
+def _kept(found: RobustPath, rows: slice, last: FloatArray | None, signed: int) -> RobustPath:
+    """Some rows in memory of their own; components of free sign go on from the `last` velocity."""
+    velocity = found.velocity[rows].copy()
+    if signed and last is not None:
+        before = found.velocity[rows.start - 1]
+        if np.sum(before[:signed] * last[:signed]) < 0.0:
+            velocity[:, :signed] *= -1.0
+    poses = type(found.trajectory.poses)(found.trajectory.poses[rows].coefficients.copy())
+    like = found.trajectory
+    kept = Trajectory(like.time_ns[rows], poses, like.parent, like.child)
+    weight, distance = found.weight[rows].copy(), found.distance[rows].copy()
+    return RobustPath(kept, weight, distance, found.mirrored[rows].copy(), velocity)
+
+
+def _joined(found: Sequence[RobustPath], like: Trajectory) -> RobustPath:
+    kind = type(found[0].trajectory.poses)
+    poses = kind(np.concatenate([one.trajectory.poses.coefficients for one in found]))
+    return RobustPath(
+        Trajectory(like.time_ns, poses, like.parent, like.child),
+        np.concatenate([one.weight for one in found]),
+        np.concatenate([one.distance for one in found]),
+        np.concatenate([one.mirrored for one in found]),
+        np.concatenate([one.velocity for one in found]),
+    )
+
+
+def _estimated(
+    trajectory: Trajectory,
+    representation: Representation,
+    sizes: tuple[Sizes, Sizes, Sizes],
+    loss: str,
+    width: float,
+) -> RobustPath:
+    """The path, where need be again with runs of rejected poses mirrored back."""
+    time_s, poses = trajectory.time_s, trajectory.poses
+    kept = consistent_poses(time_s, rigid_poses(poses), *sizes[:2])
+    mirrored = np.zeros_like(kept)
+    for reading in range(_READINGS):
+        if loss != "squares":
+            rigid, read = mirrored_back(time_s, rigid_poses(poses), kept, sizes, width)
+            if reading and not np.any(read):
+                break
+            poses, mirrored = with_rigid(poses, rigid), mirrored | read
+        if reading or np.any(mirrored):
+            kept = consistent_poses(time_s, rigid_poses(poses), *sizes[:2])
+        problem = Problem(representation, time_s, poses, kept, sizes)
+        linear = problem.descended(
+            problem.narrowed(loss, width), loss, width, np.ones_like(kept), LAST_STEPS
+        )
+        if loss == "squares":
+            break
+        kept = loss_weights(linear.squares, loss, width) >= _REJECTED
+    squares = linear.squares
+    if np.any(mirrored):
+        problem.measured = representation.coordinates(trajectory.poses)
+        squares = np.where(mirrored, problem.linearised(linear.state).squares, squares)
+    return RobustPath(
+        restored(representation, linear.state.coordinates, trajectory),
+        loss_weights(squares, loss, width),
+        np.sqrt(squares),
+        mirrored,
+        linear.state.velocity,
+    )

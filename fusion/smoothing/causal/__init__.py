@@ -1,0 +1,43 @@
+"""Causal filters, each as a stream and as a scan of it; and the smoother of the Kalman filters."""
+
+from __future__ import annotations
+
+from motorcade.fusion.smoothing.causal.double_exponential import (
+    DoubleExponential,
+    double_exponential,
+)
+from motorcade.fusion.smoothing.causal.exponential import Exponential, exponential
+from motorcade.fusion.smoothing.causal.kalman import (
+    ConstantAccelerationFilter,
+    ConstantVelocityFilter,
+    KalmanFilter,
+    constant_acceleration,
+    constant_velocity,
+)
+from motorcade.fusion.smoothing.causal.one_euro import OneEuro, one_euro
+from motorcade.fusion.smoothing.causal.rts import (
+    SmoothedStates,
+    rts_constant_acceleration,
+    rts_constant_velocity,
+    smoothed_states,
+)
+from motorcade.fusion.smoothing.causal.stream import CausalFilter
+
+__all__ = [
+    "CausalFilter",
+    "ConstantAccelerationFilter",
+    "ConstantVelocityFilter",
+    "DoubleExponential",
+    "Exponential",
+    "KalmanFilter",
+    "OneEuro",
+    "SmoothedStates",
+    "constant_acceleration",
+    "constant_velocity",
+    "double_exponential",
+    "exponential",
+    "one_euro",
+    "rts_constant_acceleration",
+    "rts_constant_velocity",
+    "smoothed_states",
+]

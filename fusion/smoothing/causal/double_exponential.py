@@ -1,0 +1,60 @@
+"""Double exponential smoothing: a level and its trend, each with a cut-off of its own."""
+
+from __future__ import annotations
+
+from motorcade.fusion.smoothing.causal.stream import CausalFilter
+from motorcade.fusion.smoothing.checks import checked_positive
+from motorcade.fusion.smoothing.native import _scans
+from motorcade.fusion.smoothing.representations import Representation
+from motorcade.ga import Trajectory
+
+__all__ = ["DoubleExponential", "double_exponential"]
+
+
+class DoubleExponential(CausalFilter):
+    """Extrapolate the level along the trend, correct it, and let the trend follow the level.
+
+    C. C. Holt's linear method (1957; Int. J. of Forecasting 20, 2004) by time instead of index:
+    the level takes the share ``1 - exp(-2π cutoff_hz dt)`` of the innovation, the trend the share
+    ``1 - exp(-2π trend_cutoff_hz dt)`` of what the level has just done. A steady motion is followed
+    without lag; after a sudden stop the level overshoots by about the speed over
+    ``2π trend_cutoff_hz``, and after a gap the trend has run on through it.
+
+    Args:
+        cutoff_hz: of the level. Like the other it must lie below half the sampling rate, which only
+            a whole trajectory tells: `smooth` refuses it, `update` does not.
+        trend_cutoff_hz: of the trend; lower than the level's, or the filter rings.
+        representation: a name of `REPRESENTATIONS`.
+
+    Raises:
+        ValueError: a cut-off that is not positive, or an unknown representation.
+    """
+
+    _cutoffs_hz = ("cutoff_hz", "trend_cutoff_hz")
+
+    def __init__(
+        self, cutoff_hz: float = 4.0, trend_cutoff_hz: float = 1.0, representation: str = "motor"
+    ) -> None:
+        self.cutoff_hz = checked_positive(cutoff_hz, "cutoff_hz", "Hz")
+        self.trend_cutoff_hz = checked_positive(trend_cutoff_hz, "trend_cutoff_hz", "Hz")
+        super().__init__(representation)
+
+    def _scan(self, scale: bool) -> _scans.Scan:
+        return _scans.double_exponential(
+            self.representation, scale, self.cutoff_hz, self.trend_cutoff_hz
+        )
+
+
+def double_exponential(
+    trajectory: Trajectory,
+    representation: Representation,
+    *,
+    cutoff_hz: float = 4.0,
+    trend_cutoff_hz: float = 1.0,
+) -> Trajectory:
+    """`DoubleExponential` over a whole trajectory; see there.
+
+    Raises:
+        ValueError: cut-offs that are not positive or not below half the sampling rate.
+    """
+    return DoubleExponential(cutoff_hz, trend_cutoff_hz, representation.name).smooth(trajectory)

@@ -1,0 +1,47 @@
+"""The exponential filter: a first-order low-pass, exact in time."""
+
+from __future__ import annotations
+
+from motorcade.fusion.smoothing.causal.stream import CausalFilter
+from motorcade.fusion.smoothing.checks import checked_positive
+from motorcade.fusion.smoothing.native import _scans
+from motorcade.fusion.smoothing.representations import Representation
+from motorcade.ga import Trajectory
+
+__all__ = ["Exponential", "exponential"]
+
+
+class Exponential(CausalFilter):
+    """Move towards each pose by the share ``1 - exp(-2π cutoff_hz dt)`` of the way.
+
+    A steady motion is followed with a lag of about ``1 / (2π cutoff_hz)`` seconds. On motors and
+    similarities neither the choice of world nor of body changes the result.
+
+    Args:
+        cutoff_hz: frequency that is damped to 0.71. It must lie below half the sampling rate,
+            which only a whole trajectory tells: `smooth` refuses it, `update` does not.
+        representation: a name of `REPRESENTATIONS`.
+
+    Raises:
+        ValueError: a cut-off that is not positive, or an unknown representation.
+    """
+
+    _cutoffs_hz = ("cutoff_hz",)
+
+    def __init__(self, cutoff_hz: float = 4.0, representation: str = "motor") -> None:
+        self.cutoff_hz = checked_positive(cutoff_hz, "cutoff_hz", "Hz")
+        super().__init__(representation)
+
+    def _scan(self, scale: bool) -> _scans.Scan:
+        return _scans.exponential(self.representation, scale, self.cutoff_hz)
+
+
+def exponential(
+    trajectory: Trajectory, representation: Representation, *, cutoff_hz: float = 4.0
+) -> Trajectory:
+    """`Exponential` over a whole trajectory; see there.
+
+    Raises:
+        ValueError: a cut-off that is not positive or not below half the sampling rate.
+    """
+    return Exponential(cutoff_hz, representation.name).smooth(trajectory)

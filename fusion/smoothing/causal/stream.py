@@ -1,0 +1,114 @@
+"""What every causal filter shares: poses in one after another, or a whole trajectory at once.
+
+The state lives in compiled code (`motorcade.fusion.smoothing.native`) and does not grow. A filter
+takes the kind of its first pose, Motor or Similarity, and keeps to it until it is reset.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar, TypeVar
+
+import numpy as np
+
+from motorcade.fusion.smoothing.checks import checked_cutoff
+from motorcade.fusion.smoothing.native._scans import Scan
+from motorcade.fusion.smoothing.representations import representation_named
+from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+
+__all__ = ["CausalFilter", "coefficients_of", "trajectory_of"]
+
+P = TypeVar("P", Motor, Similarity)
+
+
+class CausalFilter(ABC):
+    """A filter that sees a pose and those before it.
+
+    Args:
+        representation: a name of `REPRESENTATIONS`: what the filter's differences are.
+
+    Raises:
+        ValueError: an unknown representation.
+    """
+
+    _cutoffs_hz: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, representation: str = "motor") -> None:
+        self.representation = representation_named(representation).name
+        self.reset()
+
+    @abstractmethod
+    def _scan(self, scale: bool) -> Scan:
+        """A compiled filter that has seen nothing, of motors or similarities."""
+
+    def reset(self) -> None:
+        """Forget all poses; the next one begins anew and may be of another kind."""
+        self._running: Scan | None = None
+        self._kind: type[Motor] | type[Similarity] | None = None
+
+    def update(self, pose: P, time_ns: int) -> P:
+        """The filtered pose at a stamp, from a measured one; the first comes back as it is.
+
+        Args:
+            pose: one Motor or Similarity, no batch; the result is in float64.
+            time_ns: stamp in integer nanoseconds, after those before. Gaps need no care: all steps
+                are by time.
+
+        Raises:
+            ValueError: a batch of poses, a stamp that is no integer or not after the last one,
+                or a result beyond float64. The filter is then as it was.
+            TypeError: another kind of pose than before.
+        """
+        running = self._running
+        if running is None or type(pose) is not self._kind:
+            running = self._begin(pose)
+        out = np.empty(pose._size)
+        running.update(pose.coefficients, time_ns, out)
+        return pose._trusted(out)
+
+    def smooth(self, trajectory: Trajectory) -> Trajectory:
+        """What `update` gives for a trajectory's poses in turn, to the last bit.
+
+        A stream that this filter is fed with goes on as if nothing had been.
+
+        Raises:
+            ValueError: a cut-off that is not below half the sampling rate (of the median interval),
+                or a result beyond float64.
+        """
+        for name in self._cutoffs_hz:
+            checked_cutoff(getattr(self, name), trajectory, name)
+        scan = self._scan(isinstance(trajectory.poses, Similarity))
+        return self._run(scan, trajectory)
+
+    def _run(
+        self, scan: Scan, trajectory: Trajectory, noise: FloatArray | None = None
+    ) -> Trajectory:
+        given = coefficients_of(trajectory)
+        out = np.empty_like(given)
+        scan.run(given, trajectory.time_ns, out, noise)
+        return trajectory_of(trajectory, out)
+
+    def _begin(self, pose: Motor | Similarity) -> Scan:
+        if not isinstance(pose, Motor | Similarity):
+            raise TypeError(f"pose: expected a Motor or Similarity, got {type(pose).__name__}")
+        if self._kind is not None:
+            raise TypeError(
+                f"pose: expected a {self._kind.__name__} like those before, got "
+                f"{type(pose).__name__}; reset() begins anew"
+            )
+        if pose.shape:
+            raise ValueError(f"pose: expected one pose, got a batch of shape {pose.shape}")
+        self._running = self._scan(isinstance(pose, Similarity))
+        self._kind = type(pose)
+        return self._running
+
+
+def coefficients_of(trajectory: Trajectory) -> FloatArray:
+    """Coefficients ``(N, 8)`` or ``(N, 12)`` as the compiled scans want them."""
+    return np.ascontiguousarray(trajectory.poses.coefficients, dtype=np.float64)
+
+
+def trajectory_of(like: Trajectory, coefficients: FloatArray) -> Trajectory:
+    """Scanned coefficients with the stamps and frames of the trajectory that was scanned."""
+    poses = type(like.poses)._trusted(coefficients)
+    return Trajectory(like.time_ns, poses, like.parent, like.child)

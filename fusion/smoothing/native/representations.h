@@ -1,0 +1,343 @@
+// The representations of motorcade.fusion.smoothing.representations, one pose at a time. Each reads a
+// pose into coordinates, writes it back, and offers the two verbs that scans are made of:
+// `difference` and its mirror `moved`. Components of a difference lie in blocks: rotation,
+// translation and, where poses have one, scale; `units` are components for a radian, a metre, and
+// a unit of scale. Errors of the first `coupled` components mix as they are carried along a motion
+// exp(v): by `carried(v)`, the matrix of Ad(exp(-v)).
+
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+#include "covariance.h"
+#include "similarity.h"
+
+namespace motorcade::smooth {
+
+template <class R>
+concept Representation = requires(Vector<R::pose_size> pose, Vector<R::size> x, Vector<R::freedom> v) {
+    { R::name } -> std::convertible_to<const char *>;
+    { R::ends.size() } -> std::convertible_to<std::size_t>;
+    { R::units.size() } -> std::convertible_to<std::size_t>;
+    requires R::coupled <= R::freedom;
+    { R::read(pose) } -> std::same_as<decltype(x)>;
+    { R::write(x) } -> std::same_as<decltype(pose)>;
+    { R::difference(x, x) } -> std::same_as<decltype(v)>;
+    { R::moved(x, v) } -> std::same_as<decltype(x)>;
+    { R::following(x, x) } -> std::same_as<decltype(x)>;
+};
+
+inline Square<3> matrix_of(const Four &rotor) {
+    const double w = rotor[0], x = -rotor[1], y = -rotor[2], z = -rotor[3];
+    return {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+             {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+             {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+}
+
+// Ad of turning, growing and shifting, on rotation and translation: R beside [t]× R and scale R.
+template <std::size_t N> Square<N> adjoint(const Four &rotor, const Three &t, double scale) {
+    const Square<3> m = matrix_of(rotor);
+    Square<N> made{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        const Three lever = cross(t, {m[0][j], m[1][j], m[2][j]});
+        for (std::size_t i = 0; i < 3; ++i) {
+            made[i][j] = m[i][j];
+            made[3 + i][j] = lever[i];
+            made[3 + i][3 + j] = scale * m[i][j];
+        }
+    }
+    return made;
+}
+
+// Twists in the base's body frame: one screw.
+struct Motors {
+    static constexpr const char *name = "motor";
+    static constexpr std::size_t pose_size = 8, size = 8, freedom = 6, coupled = 6;
+    static constexpr std::array<std::size_t, 2> ends{3, 6};
+    static constexpr std::array<double, 2> units{1.0, 1.0};
+
+    static Motor read(const Motor &pose) { return rescaled(pose); }
+    static Motor write(const Motor &x) { return x; }
+    static Vector<6> difference(const Motor &x, const Motor &base) {
+        return motor_log(product(reverse(base), x));
+    }
+    static Motor moved(const Motor &base, const Vector<6> &v) {
+        return rescaled(product(base, motor_exp(v)));
+    }
+    static Motor following(const Motor &x, const Motor &) { return x; }
+    static Square<6> carried(const Vector<6> &v) {
+        const Motor back = motor_exp(scaled(-1.0, v));
+        return adjoint<6>(rotor_of(back), translation_of(back), 1.0);
+    }
+};
+
+// The rotation vector in the base's body beside the translation in the world.
+struct Rotors {
+    static constexpr const char *name = "rotor";
+    static constexpr std::size_t pose_size = 8, size = 7, freedom = 6, coupled = 3;
+    static constexpr std::array<std::size_t, 2> ends{3, 6};
+    static constexpr std::array<double, 2> units{1.0, 1.0};
+    using X = Vector<7>;
+
+    static Four rotor(const X &x) { return {x[0], x[1], x[2], x[3]}; }
+    static X read(const Motor &given) {
+        const Motor pose = rescaled(given);
+        const Three t = translation_of(pose);
+        return {pose[0], pose[1], pose[2], pose[3], t[0], t[1], t[2]};
+    }
+    static Motor write(const X &x) { return motor_from(rotor(x), {x[4], x[5], x[6]}); }
+    static Vector<6> difference(const X &x, const X &base) {
+        const Three turn = rotor_log(product(reverse(rotor(base)), rotor(x)));
+        return {turn[0], turn[1], turn[2], x[4] - base[4], x[5] - base[5], x[6] - base[6]};
+    }
+    static X moved(const X &base, const Vector<6> &v) {
+        const Four turned = rescaled(product(rotor(base), rotor_exp({v[0], v[1], v[2]})));
+        return {turned[0], turned[1], turned[2], turned[3], base[4] + v[3], base[5] + v[4], base[6] + v[5]};
+    }
+    static X following(const X &x, const X &) { return x; }
+    static Square<3> carried(const Vector<6> &v) { return matrix_of(rotor_exp({-v[0], -v[1], -v[2]})); }
+};
+
+// What is subtracted and added component by component, as practitioners do it.
+template <std::size_t N> struct Linear {
+    static constexpr std::size_t size = N, freedom = N, coupled = 0;
+    using X = Vector<N>;
+
+    static X difference(const X &x, const X &base) { return sum(x, scaled(-1.0, base)); }
+    static X unprojected(const X &base, const X &v) { return sum(base, v); }
+};
+
+inline double checked_length(const Four &q, const char *name) {
+    const double length = std::sqrt(dot(q, q));
+    if (!(length > 0.0))
+        throw std::invalid_argument(std::string(name) + ": expected averages of non-zero length, got 0");
+    return length;
+}
+
+// Quaternion wxyz whose sign follows its predecessor's, renormalised; translation apart.
+struct Quaternions : Linear<7> {
+    static constexpr const char *name = "quaternion";
+    static constexpr std::size_t pose_size = 8;
+    static constexpr std::array<std::size_t, 2> ends{4, 7};
+    static constexpr std::array<double, 2> units{0.5, 1.0};
+
+    static X read(const Motor &given) {
+        const Motor pose = rescaled(given);
+        const Three t = translation_of(pose);
+        return {pose[0], -pose[1], -pose[2], -pose[3], t[0], t[1], t[2]};
+    }
+    static Motor write(const X &x) {
+        return motor_from({x[0], -x[1], -x[2], -x[3]}, {x[4], x[5], x[6]});
+    }
+    static X moved(const X &base, const X &v) {
+        X x = sum(base, v);
+        const double length = checked_length({x[0], x[1], x[2], x[3]}, name);
+        for (std::size_t k = 0; k < 4; ++k) x[k] /= length;
+        return x;
+    }
+    static X following(const X &x, const X &previous) {
+        X made = x;
+        if (dot(Four{x[0], x[1], x[2], x[3]}, {previous[0], previous[1], previous[2], previous[3]}) < 0.0)
+            for (std::size_t k = 0; k < 4; ++k) made[k] = -x[k];
+        return made;
+    }
+};
+
+// The eight components of Hamilton dual quaternions, projected onto unit ones.
+struct DualQuaternions : Linear<8> {
+    static constexpr const char *name = "dual_quaternion";
+    static constexpr std::size_t pose_size = 8;
+    static constexpr std::array<std::size_t, 2> ends{4, 8};
+    static constexpr std::array<double, 2> units{0.5, 0.5};
+
+    static X from(const Motor &m) { return {m[0], -m[1], -m[2], -m[3], -m[7], -m[4], -m[5], -m[6]}; }
+    static X read(const Motor &pose) { return from(rescaled(pose)); }
+    static Motor write(const X &x) { return {x[0], -x[1], -x[2], -x[3], -x[5], -x[6], -x[7], -x[4]}; }
+    static X moved(const X &base, const X &v) {
+        const X x = sum(base, v);
+        checked_length({x[0], x[1], x[2], x[3]}, name);
+        return from(rescaled(write(x)));
+    }
+    static X following(const X &x, const X &previous) {
+        const Four a{x[0], x[1], x[2], x[3]}, b{previous[0], previous[1], previous[2], previous[3]};
+        return dot(a, b) < 0.0 ? scaled(-1.0, x) : x;
+    }
+};
+
+// Intrinsic x-y′-z″ angles as they come, which leap at ±π; translation apart.
+struct EulerAngles : Linear<6> {
+    static constexpr const char *name = "euler";
+    static constexpr std::size_t pose_size = 8;
+    static constexpr std::array<std::size_t, 2> ends{3, 6};
+    static constexpr std::array<double, 2> units{1.0, 1.0};
+
+    static X read(const Motor &given) {
+        const Motor pose = rescaled(given);
+        const double w = pose[0], x = -pose[1], y = -pose[2], z = -pose[3];
+        // Columns 0, 1, 2 of the lower rows of the rotation matrix, and its upper right corner.
+        const double row1[3] = {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)};
+        const double row2[3] = {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)};
+        const double lever = std::hypot(row1[2], row2[2]);
+        // At gimbal lock the first angle is noise and set to 0, as in motorcade.ga.
+        const double first = lever > 4e-15 ? std::atan2(-row1[2], row2[2]) : 0.0;
+        const double cosine = std::cos(first), sine = std::sin(first);
+        const double third = std::atan2(cosine * row1[0] + sine * row2[0], cosine * row1[1] + sine * row2[1]);
+        const Three t = translation_of(pose);
+        return {first, std::atan2(2 * (x * z + w * y), lever), third, t[0], t[1], t[2]};
+    }
+    static Motor write(const X &x) {
+        const Four turned = product(product(rotor_exp({x[0], 0.0, 0.0}), rotor_exp({0.0, x[1], 0.0})),
+                                    rotor_exp({0.0, 0.0, x[2]}));
+        return motor_from(rescaled(turned), {x[3], x[4], x[5]});
+    }
+    static X moved(const X &base, const X &v) { return sum(base, v); }
+    static X following(const X &x, const X &) { return x; }
+};
+
+// The same angles, each on the branch nearest to the one before.
+struct UnwrappedEulerAngles : EulerAngles {
+    static constexpr const char *name = "euler_unwrapped";
+
+    static X following(const X &x, const X &previous) {
+        constexpr double turn = 6.283185307179586;
+        X made = x;
+        for (std::size_t k = 0; k < 3; ++k) made[k] += turn * std::nearbyint((previous[k] - x[k]) / turn);
+        return made;
+    }
+};
+
+// Twists with the logarithm of the scale, of poses that have a scale.
+struct Similarities {
+    static constexpr const char *name = "similarity";
+    static constexpr std::size_t pose_size = 12, size = 12, freedom = 7, coupled = 7;
+    static constexpr std::array<std::size_t, 3> ends{3, 6, 7};
+    static constexpr std::array<double, 3> units{1.0, 1.0, 1.0};
+
+    static Similarity read(const Similarity &pose) { return pose; }
+    static Similarity write(const Similarity &x) { return x; }
+    static Vector<7> difference(const Similarity &x, const Similarity &base) {
+        return similarity_log(product(reverse(base), x));
+    }
+    static Similarity moved(const Similarity &base, const Vector<7> &v) {
+        return product(base, similarity_exp(v));
+    }
+    static Similarity following(const Similarity &x, const Similarity &) { return x; }
+    static Square<7> carried(const Vector<7> &v) {
+        const Parts back = parts_of(similarity_exp(scaled(-1.0, v)));
+        Square<7> made = adjoint<7>(back.rotor, back.translation, std::exp(back.log_scale));
+        for (std::size_t k = 0; k < 3; ++k) made[3 + k][6] = -back.translation[k];
+        made[6][6] = 1.0;
+        return made;
+    }
+};
+
+// The same of rigid poses, whose scale is and stays 1.
+struct RigidSimilarities : Similarities {
+    static constexpr std::size_t pose_size = 8;
+
+    static Similarity read(const Motor &given) {
+        const Motor pose = rescaled(given);
+        return similarity_from({rotor_of(pose), 0.0, translation_of(pose)});
+    }
+    static Motor write(const Similarity &x) {
+        const Parts parts = parts_of(x);
+        return motor_from(parts.rotor, parts.translation);
+    }
+};
+
+// A rigid representation with the scale beside it as one more number.
+template <Representation R> struct WithScale {
+    static constexpr const char *name = R::name;
+    static constexpr std::size_t pose_size = 12, size = R::size + 1, freedom = R::freedom + 1,
+                                 coupled = R::coupled;
+    static constexpr std::array<std::size_t, 3> ends{R::ends[0], R::ends[1], R::freedom + 1};
+    static constexpr std::array<double, 3> units{R::units[0], R::units[1], 1.0};
+    using X = Vector<size>;
+    using V = Vector<freedom>;
+
+    static Vector<R::size> rigid(const X &x) { return first<R::size>(x); }
+    static X read(const Similarity &pose) {
+        const Parts parts = parts_of(pose);
+        return with(R::read(motor_from(parts.rotor, parts.translation)), std::exp(parts.log_scale));
+    }
+    static Similarity write(const X &x) {
+        if (!(x.back() > 0.0))
+            throw std::invalid_argument("scale: expected a positive number, got " + std::to_string(x.back()));
+        const Motor pose = R::write(rigid(x));
+        return similarity_from({rotor_of(pose), std::log(x.back()), translation_of(pose)});
+    }
+    static V difference(const X &x, const X &base) {
+        return with(R::difference(rigid(x), rigid(base)), x.back() - base.back());
+    }
+    static X moved(const X &base, const V &v) {
+        return with(R::moved(rigid(base), first<R::freedom>(v)), base.back() + v.back());
+    }
+    static X unprojected(const X &base, const V &v)
+        requires requires(Vector<R::size> x, Vector<R::freedom> u) { R::unprojected(x, u); }
+    {
+        return with(R::unprojected(rigid(base), first<R::freedom>(v)), base.back() + v.back());
+    }
+    static X following(const X &x, const X &previous) {
+        return with(R::following(rigid(x), rigid(previous)), x.back());
+    }
+    static Square<coupled> carried(const V &v) { return R::carried(first<R::freedom>(v)); }
+
+private:
+    template <std::size_t N, std::size_t M> static Vector<N> first(const Vector<M> &from) {
+        Vector<N> made;
+        for (std::size_t k = 0; k < N; ++k) made[k] = from[k];
+        return made;
+    }
+    template <std::size_t N> static Vector<N + 1> with(const Vector<N> &from, double last) {
+        Vector<N + 1> made;
+        for (std::size_t k = 0; k < N; ++k) made[k] = from[k];
+        made[N] = last;
+        return made;
+    }
+};
+
+// Where the state of a linear filter goes. Components that are no pose until they are projected stay
+// as the filter has them: projected at every step, they would no longer fit its rates.
+template <Representation R>
+Vector<R::size> unprojected(const Vector<R::size> &base, const Vector<R::freedom> &v) {
+    if constexpr (requires { R::unprojected(base, v); })
+        return R::unprojected(base, v);
+    else
+        return R::moved(base, v);
+}
+
+// The pose's coordinates of such a state.
+template <Representation R> Vector<R::size> projected(const Vector<R::size> &x) {
+    if constexpr (requires { R::unprojected(x, Vector<R::freedom>{}); })
+        return R::moved(x, Vector<R::freedom>{});
+    else
+        return x;
+}
+
+// Calls `action.template operator()<R>()` for the representation of that name.
+template <class Action> auto with_rigid_or_scaled(bool scale, Action &&action, auto type) {
+    using R = typename decltype(type)::type;
+    return scale ? action.template operator()<WithScale<R>>() : action.template operator()<R>();
+}
+
+template <class Action> auto with_representation(const std::string &name, bool scale, Action &&action) {
+    if (name == Similarities::name)
+        return scale ? action.template operator()<Similarities>()
+                     : action.template operator()<RigidSimilarities>();
+    if (name == Motors::name) return with_rigid_or_scaled(scale, action, std::type_identity<Motors>{});
+    if (name == Rotors::name) return with_rigid_or_scaled(scale, action, std::type_identity<Rotors>{});
+    if (name == Quaternions::name)
+        return with_rigid_or_scaled(scale, action, std::type_identity<Quaternions>{});
+    if (name == DualQuaternions::name)
+        return with_rigid_or_scaled(scale, action, std::type_identity<DualQuaternions>{});
+    if (name == EulerAngles::name) return with_rigid_or_scaled(scale, action, std::type_identity<EulerAngles>{});
+    if (name == UnwrappedEulerAngles::name)
+        return with_rigid_or_scaled(scale, action, std::type_identity<UnwrappedEulerAngles>{});
+    throw std::invalid_argument("representation: expected one of motor, similarity, rotor, dual_quaternion, "
+                                "quaternion, euler_unwrapped, euler, got '" + name + "'");
+}
+
+}  // namespace motorcade::smooth

@@ -1,0 +1,163 @@
+"""Weighted averages over windows of time, in the vectors that a representation gives.
+
+At every pose the vectors to its neighbours are weighted and added up, and the pose moves by the
+sum. Neighbours are visited by how many poses lie between, so that a whole stretch of the path is
+one contiguous batch of the compiled kernels; what belongs to a window, and how much, is told by the
+stamps alone. Stretches are short enough to stay in a processor's cache.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.smoothing.representations import Representation, restored
+from motorcade.ga import FloatArray, IntArray, Trajectory
+
+__all__ = ["Weights", "averaged", "polynomial_at_centre", "weighted_vectors"]
+
+# Weights of a stretch, in numbers: with the vectors a quarter of a common second-level cache.
+_STRETCH = 65_536
+_SHORTEST, _LONGEST = 16, 4096
+
+Weights = Callable[[FloatArray, NDArray[np.bool_]], FloatArray]
+"""From times ``(K, M)`` in seconds after the centre, and which of them are in the window, to the
+factors ``(K, M)`` of the vectors."""
+
+
+def averaged(
+    trajectory: Trajectory,
+    representation: Representation,
+    first: IntArray,
+    last: IntArray,
+    weights: Weights,
+) -> Trajectory:
+    """Move every pose by the weighted sum of the vectors to the poses in its window.
+
+    Args:
+        trajectory: N poses.
+        representation: what the vectors are.
+        first: ``(N,)`` row at which each window begins.
+        last: ``(N,)`` row before which it ends; at least one more than `first`.
+        weights: see `Weights`.
+    """
+    coordinates = np.asfortranarray(representation.coordinates(trajectory.poses))
+    made = np.empty_like(coordinates)
+    for part in _stretches(first, last):
+        moves = weighted_vectors(
+            trajectory.time_ns, coordinates, coordinates[part], representation,
+            (part, first[part], last[part]), lambda t, inside: weights(t, inside)[None],
+        )[0]  # fmt: skip
+        made[part] = representation.moved(coordinates[part], moves)
+    return restored(representation, made, trajectory)
+
+
+def weighted_vectors(
+    time_ns: IntArray,
+    coordinates: FloatArray,
+    bases: FloatArray,
+    representation: Representation,
+    windows: tuple[slice, IntArray, IntArray],
+    weights: Weights,
+) -> FloatArray:
+    """Sums ``(P, M, d)`` of the vectors from M bases to the poses around them, weighted P ways.
+
+    Args:
+        time_ns: ``(N,)``.
+        coordinates: ``(N, D)``.
+        bases: ``(M, D)`` where the vectors start, one a pose of the stretch.
+        representation: what the vectors are.
+        windows: the stretch of M poses, and the first and last row ``(M,)`` of their windows.
+        weights: as `Weights`, with P ways in front of the result: ``(P, K, M)``.
+    """
+    part, first, last = windows
+    rows = np.arange(part.start, part.stop)
+    nearest, farthest = int(np.min(first - rows)), int(np.max(last - rows))
+    steps = np.arange(nearest, farthest)[:, None]
+    inside = (steps >= first - rows) & (steps < last - rows)
+    factors = weights(_offsets_s(time_ns, part, nearest, farthest), inside)
+    total = None
+    for k, step in enumerate(range(nearest, farthest)):
+        own = slice(max(0, -step - part.start), min(len(rows), len(time_ns) - step - part.start))
+        theirs = slice(part.start + own.start + step, part.start + own.stop + step)
+        vectors = representation.difference(coordinates[theirs], bases[own]).T
+        if total is None:
+            total = np.zeros((len(factors), len(vectors), len(rows)))
+        for p, factor in enumerate(factors[:, k, own]):
+            total[p, :, own] += factor * vectors
+    assert total is not None  # every window holds its own pose
+    return np.swapaxes(total, 1, 2)
+
+
+def _offsets_s(time_ns: IntArray, part: slice, nearest: int, farthest: int) -> FloatArray:
+    """Seconds ``(farthest - nearest, M)`` from poses to those so many rows on; 0 off the path."""
+    start, stop = part.start + nearest, part.stop + farthest - 1
+    near = time_ns[max(start, 0) : stop]
+    padded = np.zeros(stop - start, dtype=np.int64)
+    padded[max(-start, 0) : max(-start, 0) + len(near)] = near
+    windows = np.lib.stride_tricks.sliding_window_view(padded, part.stop - part.start)
+    return np.asarray((windows - time_ns[part]) * 1e-9, dtype=np.float64)
+
+
+def polynomial_at_centre(
+    u: FloatArray, weight: FloatArray, inside: NDArray[np.bool_], order: int, derivative: int = 0
+) -> FloatArray:
+    """Factors ``(K, M)`` that give a fitted polynomial's coefficient at u = 0 as a sum.
+
+    The polynomial fits the values at `u` in weighted least squares: with weights W and powers V of
+    u its coefficients are ``(VᵀWV)⁻¹VᵀW``, of which this is row `derivative`. Windows that hold too
+    few poses for the order get the highest that they determine, and 0 where that has no such row.
+    """
+    made = np.zeros_like(u)
+    degree = np.minimum(order, np.count_nonzero(inside, axis=0) - 1)
+    for p in np.unique(degree):
+        columns = degree == p
+        if p < derivative:
+            continue
+        if np.all(columns):
+            return _fitted(u, weight, int(p), derivative)
+        made[:, columns] = _fitted(u[:, columns], weight[:, columns], int(p), derivative)
+    return made
+
+
+def _fitted(u: FloatArray, weight: FloatArray, order: int, derivative: int) -> FloatArray:
+    moments = []
+    term = weight
+    for _ in range(2 * order + 1):
+        moments.append(np.sum(term, axis=0))
+        term = term * u
+    if order == 0:
+        factors = np.broadcast_to(1.0 / moments[0], u.shape)
+    elif order == 1:
+        s0, s1, s2 = moments
+        constant, slope = (s2, -s1) if derivative == 0 else (-s1, s0)
+        determinant = s0 * s2 - s1 * s1
+        factors = u * (slope / determinant) + constant / determinant
+    else:
+        factors = _polynomials(moments, u, order, derivative)
+    made: FloatArray = weight * factors
+    return made
+
+
+def _polynomials(
+    moments: list[FloatArray], u: FloatArray, order: int, derivative: int
+) -> FloatArray:
+    """Values at `u` of the polynomials that the moments' normal equations give."""
+    normal = np.stack([np.stack(moments[i : i + order + 1], -1) for i in range(order + 1)], -2)
+    unit = np.zeros((len(normal), order + 1, 1))
+    unit[:, derivative] = 1.0
+    solution = np.linalg.solve(normal, unit)[..., 0].T
+    value = np.broadcast_to(solution[order], u.shape)
+    for row in solution[order - 1 :: -1]:
+        value = value * u + row
+    return value
+
+
+def _stretches(first: IntArray, last: IntArray) -> list[slice]:
+    """Consecutive poses, as many at once as suits the widest window."""
+    widest = max(1, int(np.max(last - first)))
+    size = min(max(_STRETCH // widest, _SHORTEST), _LONGEST)
+    count = len(first)
+    return [slice(start, min(start + size, count)) for start in range(0, count, size)]

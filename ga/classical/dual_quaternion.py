@@ -1,0 +1,212 @@
+"""Unit dual quaternions ``(*, 8)``: real part w, x, y, z, then dual part w, x, y, z.
+
+``q = r + ½ ε t r`` turns by ``r``, then moves by ``t`` (metres). Blends after Kavan, Collins,
+Zara, O'Sullivan, "Skinning with dual quaternions" (2007). Batch in front; shapes broadcast.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.classical.quaternion import (
+    quaternion_apply,
+    quaternion_conjugate,
+    quaternion_multiply,
+)
+
+__all__ = [
+    "dual_quaternion_apply", "dual_quaternion_as_quaternion_translation", "dual_quaternion_blend",
+    "dual_quaternion_conjugate", "dual_quaternion_exp",
+    "dual_quaternion_from_quaternion_translation", "dual_quaternion_log", "dual_quaternion_mean",
+    "dual_quaternion_multiply", "dual_quaternion_normalize", "dual_quaternion_screw",
+]  # fmt: skip
+
+# Below this sine of half the angle a screw has no axis left and is a plain translation.
+_NO_AXIS = 1e-12
+_MEAN_STEPS = 100
+
+
+def dual_quaternion_from_quaternion_translation(
+    wxyz: ArrayLike, translation_m: ArrayLike
+) -> FloatArray:
+    """Dual quaternions ``(*, 8)`` from unit quaternions ``(*, 4)`` and translations ``(*, 3)``."""
+    real = checked_floats(wxyz, "wxyz", (4,))
+    t = checked_floats(translation_m, "translation_m", (3,))
+    pure = np.concatenate([np.zeros((*t.shape[:-1], 1)), t], axis=-1)
+    dual = 0.5 * quaternion_multiply(pure, real)
+    return np.concatenate([np.broadcast_to(real, dual.shape), dual], axis=-1)
+
+
+def dual_quaternion_as_quaternion_translation(q: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Unit quaternions ``(*, 4)`` and translations ``(*, 3)`` in metres."""
+    given = checked_floats(q, "q", (8,))
+    translation = 2.0 * quaternion_multiply(given[..., 4:], quaternion_conjugate(given[..., :4]))
+    return given[..., :4].copy(), translation[..., 1:]
+
+
+def dual_quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
+    """The product ``a b``, ``(*, 8)``: as motions, ``b`` first.
+
+    Raises:
+        ValueError: wrong last dimension, NaN or infinity.
+    """
+    first, second = checked_floats(a, "a", (8,)), checked_floats(b, "b", (8,))
+    real = quaternion_multiply(first[..., :4], second[..., :4])
+    dual = quaternion_multiply(first[..., :4], second[..., 4:]) + quaternion_multiply(
+        first[..., 4:], second[..., :4]
+    )
+    return np.concatenate([real, dual], axis=-1)
+
+
+def dual_quaternion_conjugate(q: ArrayLike) -> FloatArray:
+    """Both parts conjugated, ``(*, 8)``: the inverse of a unit dual quaternion."""
+    given = checked_floats(q, "q", (8,))
+    return np.concatenate(
+        [quaternion_conjugate(given[..., :4]), quaternion_conjugate(given[..., 4:])], axis=-1
+    )
+
+
+def dual_quaternion_normalize(q: ArrayLike) -> FloatArray:
+    """Divide by the dual norm, ``(*, 8)``: unit real part, dual part at right angles to it.
+
+    Raises:
+        ValueError: wrong last dimension, NaN or infinity, or a zero real part.
+    """
+    given = checked_floats(q, "q", (8,))
+    norm = np.linalg.norm(given[..., :4], axis=-1, keepdims=True)
+    if not np.all(norm > 0.0):
+        raise ValueError("q: expected a non-zero real part, got a zero one")
+    real, dual = given[..., :4] / norm, given[..., 4:] / norm
+    dual = dual - np.sum(real * dual, axis=-1, keepdims=True) * real
+    return np.concatenate([real, dual], axis=-1)
+
+
+def dual_quaternion_apply(q: ArrayLike, points: ArrayLike) -> FloatArray:
+    """Move points ``(*, 3)`` in metres."""
+    rotation, translation = dual_quaternion_as_quaternion_translation(q)
+    return quaternion_apply(rotation, points) + translation
+
+
+def dual_quaternion_blend(q: ArrayLike, weights: ArrayLike) -> FloatArray:
+    """Dual quaternion linear blending of ``(*, K, 8)`` with weights ``(*, K)``, to ``(*, 8)``.
+
+    Signs are taken from the first of the K, so each is blended the short way from it. The path
+    between two is the screw's, its speed only nearly constant.
+
+    Raises:
+        ValueError: wrong dimensions, NaN or infinity, or weights that cancel to zero.
+    """
+    given = checked_floats(q, "q", (8,))
+    share = checked_floats(weights, "weights", ())
+    if given.ndim < 2 or share.ndim < 1 or share.shape[-1] != given.shape[-2]:
+        raise ValueError(
+            f"weights: expected (*, K) for q of shape (*, K, 8) = {given.shape}, got {share.shape}"
+        )
+    against = np.sum(given[..., :1, :4] * given[..., :4], axis=-1) < 0.0
+    signed = np.where(against, -1.0, 1.0) * share
+    return dual_quaternion_normalize(np.sum(signed[..., None] * given, axis=-2))
+
+
+def dual_quaternion_exp(log: ArrayLike) -> FloatArray:
+    """Dual quaternions ``(*, 8)`` from pure ones ``(*, 6)``: real x, y, z, then dual x, y, z.
+
+    The real part is half the angle times the screw's axis ``l``; the dual part is half the slide
+    times ``l`` and half the angle times the moment. Half-angles below 1e-12 count as none.
+    """
+    given = checked_floats(log, "log", (6,))
+    real, dual = given[..., :3], given[..., 3:]
+    half = np.linalg.norm(real, axis=-1, keepdims=True)
+    turns = half > _NO_AXIS
+    safe = np.where(turns, half, 1.0)
+    axis = real / safe
+    push = np.sum(axis * dual, axis=-1, keepdims=True)
+    moment = (dual - push * axis) / safe
+    screw = np.concatenate([
+        np.cos(half), np.sin(half) * axis,
+        -push * np.sin(half), np.sin(half) * moment + push * np.cos(half) * axis,
+    ], axis=-1)  # fmt: skip
+    one = np.ones_like(half)
+    slide = np.concatenate([one, real, -np.sum(real * dual, -1, keepdims=True), dual], axis=-1)
+    return np.where(turns, screw, slide)
+
+
+def dual_quaternion_log(q: ArrayLike) -> FloatArray:
+    """Pure dual quaternions ``(*, 6)`` of unit ones, the mirror of `dual_quaternion_exp`.
+
+    The sign that turns by at most π is taken.
+    """
+    given = checked_floats(q, "q", (8,))
+    given = np.where(given[..., :1] < 0.0, -given, given)
+    cosine, vector, dual = given[..., :1], given[..., 1:4], given[..., 5:]
+    sine = np.linalg.norm(vector, axis=-1, keepdims=True)
+    turns = sine > _NO_AXIS
+    safe = np.where(turns, sine, 1.0)
+    axis, half = vector / safe, np.arctan2(sine, cosine)
+    push = -given[..., 4:5] / safe
+    moment = (dual - push * cosine * axis) / safe
+    screw = np.concatenate([half * axis, push * axis + half * moment], axis=-1)
+    return np.where(turns, screw, np.concatenate([vector, dual], axis=-1))
+
+
+def dual_quaternion_screw(
+    a: ArrayLike, b: ArrayLike, fraction: ArrayLike, short_way: bool = True
+) -> FloatArray:
+    """Screw interpolation (ScLERP), ``(*, 8)``: ``a (a* b)^fraction``; ``fraction (*)`` broadcasts.
+
+    The power is taken through axis, moment, angle and pitch of the screw, and a motion that turns
+    by less than 2e-12 rad is treated as a translation.
+    """
+    steps = checked_floats(fraction, "fraction", ())[..., None]
+    between = dual_quaternion_multiply(dual_quaternion_conjugate(a), b)
+    if short_way:
+        between = np.where(between[..., :1] < 0.0, -between, between)
+    return dual_quaternion_multiply(a, _power(between, steps))
+
+
+def _power(q: FloatArray, exponent: FloatArray) -> FloatArray:
+    cosine, vector = q[..., :1], q[..., 1:4]
+    sine = np.linalg.norm(vector, axis=-1, keepdims=True)
+    turns = sine > _NO_AXIS
+    safe = np.where(turns, sine, 1.0)
+    axis = vector / safe
+    half_pitch = -q[..., 4:5] / safe
+    moment = (q[..., 5:] - half_pitch * cosine * axis) / safe
+    half = exponent * np.arctan2(sine, cosine)
+    push = exponent * half_pitch
+    screw = np.concatenate([
+        np.cos(half), np.sin(half) * axis,
+        -push * np.sin(half), np.sin(half) * moment + push * np.cos(half) * axis,
+    ], axis=-1)  # fmt: skip
+    slide = np.concatenate(
+        np.broadcast_arrays(1.0, 0.0, 0.0, 0.0, 0.0, exponent * q[..., 5:6],
+                            exponent * q[..., 6:7], exponent * q[..., 7:8]), axis=-1
+    )  # fmt: skip
+    return np.where(turns, screw, slide)
+
+
+def dual_quaternion_mean(q: ArrayLike, weights: ArrayLike) -> FloatArray:
+    """The mean of ``(*, K, 8)`` with shares ``(*, K)`` that sum to one, to ``(*, 8)``.
+
+    Dual quaternion iterative blending: from the linear blend, steps by the weighted logarithm
+    until none is left (1e-12 half radians or half metres). Of two it is the screw interpolation.
+
+    Raises:
+        ValueError: as `dual_quaternion_blend`, or rotations so far apart that the steps do not
+            settle within 100.
+    """
+    given, share = checked_floats(q, "q", (8,)), checked_floats(weights, "weights", ())
+    if given.shape[-2:-1] == (2,):
+        return dual_quaternion_screw(given[..., 0, :], given[..., 1, :], share[..., 1])
+    middle = dual_quaternion_blend(given, share)
+    for _ in range(_MEAN_STEPS):
+        away = dual_quaternion_multiply(dual_quaternion_conjugate(middle)[..., None, :], given)
+        step = np.sum(share[..., None] * dual_quaternion_log(away), axis=-2)
+        middle = dual_quaternion_multiply(middle, dual_quaternion_exp(step))
+        if np.max(np.abs(step), initial=0.0) <= 1e-12:
+            return middle
+    raise ValueError(
+        "q: expected rotations close enough to have one mean, got steps of "
+        f"{float(np.max(np.abs(step))):.3g} after {_MEAN_STEPS} rounds"
+    )

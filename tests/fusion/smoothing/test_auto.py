@@ -1,0 +1,116 @@
+"""What `auto` finds out about a path, what it picks, and that it does no harm."""
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.metrics import jitter
+from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips, StampJitter
+from motorcade.fusion.smoothing import REPRESENTATIONS, choose, smooth
+from motorcade.fusion.smoothing.batch.noise import estimate_noise
+from motorcade.fusion.smoothing.changes import changes
+from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+
+RIGID = [name for name in MOTIONS if name != "zoom"]
+
+
+def errors(found: Trajectory, truth: Trajectory) -> FloatArray:
+    between = found.poses.inverse() @ truth.poses
+    shift = np.linalg.norm(found.poses.translation_m - truth.poses.translation_m, axis=1)
+    turn = np.linalg.norm(between.rotor.as_rotation_vector(), axis=1)
+    return np.sqrt(np.mean(np.stack([shift, turn]) ** 2, axis=1))
+
+
+@pytest.mark.parametrize("name", RIGID)
+def test_a_path_without_noise_is_left_as_it_is(name: str) -> None:
+    truth = MOTIONS[name].sampled(30.0, 8.0)
+    assert choose(truth).noise.outliers == 0.0
+    assert np.all(errors(smooth(truth), truth) < 1e-4)
+
+
+@pytest.mark.parametrize("name", RIGID)
+def test_noise_is_told_and_taken_away_without_lag(name: str, rng: np.random.Generator) -> None:
+    truth = MOTIONS[name].sampled(30.0, 15.0)
+    noisy = Gaussian(0.005, np.deg2rad(0.5)).apply(truth, rng)
+    picked = choose(noisy)
+    assert picked.method.startswith("rts_")
+    assert picked.noise.translation.noise == pytest.approx(0.005, rel=0.25)
+    assert picked.noise.rotation.noise == pytest.approx(np.deg2rad(0.5), rel=0.25)
+    found = picked.smooth(noisy)
+    assert np.all(errors(found, truth) < 0.7 * errors(noisy, truth))
+    before, after = jitter(noisy, truth), jitter(found, truth)
+    # A body that spins fast sees its own straight way as a fast circle, which looks like noise.
+    assert after.linear_m_s2 < (0.25 if name == "fast_spin" else 0.1) * before.linear_m_s2
+    assert after.angular_rad_s2 < 0.1 * before.angular_rad_s2
+
+
+@pytest.mark.parametrize(("sigma_m", "sigma_rad"), [(1e-4, 1e-3), (0.02, 0.003), (0.001, 0.05)])
+def test_noise_of_any_size_is_told(
+    sigma_m: float, sigma_rad: float, rng: np.random.Generator
+) -> None:
+    truth = MOTIONS["antipodal_crossing"].sampled(60.0, 10.0)
+    trembling = StampJitter(0.002).apply(truth, rng)
+    stamps = trembling.time_ns
+    inside = (stamps >= truth.time_ns[0]) & (stamps <= truth.time_ns[-1])
+    noisy = Gaussian(sigma_m, sigma_rad).apply(truth.resampled(stamps[inside]), rng)
+    found = estimate_noise(noisy)
+    assert found.translation.noise == pytest.approx(sigma_m, rel=0.25)
+    assert found.rotation.noise == pytest.approx(sigma_rad, rel=0.25)
+    assert found.outliers < 0.01
+
+
+@pytest.mark.parametrize("name", ["tumble", "walk_and_look", "screw"])
+def test_wrong_poses_call_for_the_robust_estimate(name: str, rng: np.random.Generator) -> None:
+    truth = MOTIONS[name].sampled(30.0, 10.0)
+    noisy = Gaussian(0.005, np.deg2rad(0.5)).apply(truth, rng)
+    spoiled = PlanarFlips(0.02).apply(Outliers(0.05, 0.3, 0.5).apply(noisy, rng), rng)
+    picked = choose(spoiled)
+    assert picked.method == "robust_map"
+    assert 0.03 < picked.noise.outliers < 0.15
+    assert "outliers" in str(picked)
+    found = picked.smooth(spoiled)
+    right = np.linalg.norm((noisy.poses.inverse() @ spoiled.poses).as_twist(), axis=1) < 1e-9
+    assert np.all(errors(found[right], truth[right]) < 0.7 * errors(noisy, truth))
+    assert np.all(errors(found, truth) < 0.2 * errors(spoiled, truth))
+
+
+@pytest.mark.parametrize("representation", REPRESENTATIONS)
+def test_every_representation_is_given_parameters(
+    representation: str, rng: np.random.Generator
+) -> None:
+    truth = MOTIONS["stop_and_go"].sampled(30.0, 8.0)
+    noisy = Gaussian(0.005, np.deg2rad(0.5)).apply(truth, rng)
+    better = errors(smooth(noisy, "auto", representation), truth) < errors(noisy, truth)
+    assert better[0]
+    assert better[1] or representation == "euler", "only angles that leap lose"
+
+
+def test_scales_are_smoothed_too(rng: np.random.Generator) -> None:
+    truth = MOTIONS["zoom"].sampled(30.0, 10.0)
+    noisy = Gaussian(0.005, 0.01, 0.01).apply(truth, rng)
+    picked = choose(noisy, "similarity")
+    assert picked.noise.scale.noise == pytest.approx(0.01, rel=0.3)
+    found = picked.smooth(noisy)
+    assert isinstance(found.poses, Similarity)
+    assert isinstance(truth.poses, Similarity)
+    error = np.log(found.poses.scale / truth.poses.scale)
+    assert np.sqrt(np.mean(error**2)) < 0.006
+
+
+def test_few_poses_tell_nothing(rng: np.random.Generator) -> None:
+    path = Trajectory(np.arange(15) * 33_000_000, Motor.random(rng, (15,)))
+    with pytest.raises(ValueError, match="at least 16 poses to tell noise from motion, got 15"):
+        smooth(path)
+
+
+def test_changes_say_how_far_poses_moved(rng: np.random.Generator) -> None:
+    truth = MOTIONS["screw"].sampled(30.0, 5.0)
+    noisy = Gaussian(0.01, 0.02).apply(truth, rng)
+    found = changes(noisy, truth)
+    assert found["moved_rms_m"] == pytest.approx(0.01 * np.sqrt(3), rel=0.15)
+    assert found["turned_rms_deg"] == pytest.approx(np.rad2deg(0.02 * np.sqrt(3)), rel=0.15)
+    assert found["raw_linear_jitter_m_s2"] > 10 * found["smoothed_linear_jitter_m_s2"]
+    with pytest.raises(ValueError, match="expected the stamps of the raw trajectory"):
+        changes(noisy, truth[1:])
+    assert changes(noisy[:2], truth[:2])["raw_linear_jitter_m_s2"] is None
+    assert changes(noisy[:9], truth[:9])["smoothed_angular_jitter_rad_s2"] is None  # no spectrum

@@ -1,0 +1,90 @@
+"""Runs of wrong planar candidates: read rightly, on every motion, and nothing else is read so."""
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.motions.degradations import (
+    Gaussian,
+    Outliers,
+    PlanarFlips,
+    wrong_planar_pose,
+)
+from motorcade.fusion.smoothing.batch import estimate_path
+from motorcade.ga import FloatArray, Motor, Trajectory
+
+NOISE = Gaussian(0.005, np.deg2rad(0.5))
+MODEL = {
+    "noise_m": 0.005,
+    "noise_rad": np.deg2rad(0.5),
+    "acceleration_m_s2": 0.3,
+    "angular_acceleration_rad_s2": 0.6,
+}
+RIGID = [name for name in MOTIONS if name != "zoom"]
+
+
+def errors(found: Trajectory, truth: Trajectory) -> FloatArray:
+    turn = (found.poses.inverse() @ truth.poses).rotor.as_rotation_vector()
+    shift = found.poses.translation_m - truth.poses.translation_m
+    return np.sqrt([np.mean(np.sum(one**2, axis=1)) for one in (shift, turn)])
+
+
+def with_a_flip(path: Trajectory, rows: slice) -> Trajectory:
+    """A marker ahead, seen tilted by 25 degrees, is taken for its other candidate."""
+    coefficients = np.array(path.poses.coefficients)
+    first = path.poses[rows.start]
+    normal = first.rotor.apply([np.sin(0.44), 0.0, -np.cos(0.44)])
+    wrong = wrong_planar_pose(path.poses[rows], first.apply([0.1, 0.0, 1.0]), normal)
+    coefficients[rows] = wrong.coefficients
+    return Trajectory(path.time_ns, Motor(coefficients))
+
+
+@pytest.mark.parametrize("rows", [slice(100, 115), slice(0, 12), slice(180, 200)])
+@pytest.mark.parametrize("name", ["tumble", "stop_and_go"])
+def test_a_run_of_wrong_candidates_costs_little(
+    name: str, rows: slice, rng: np.random.Generator
+) -> None:
+    truth = MOTIONS[name].sampled(30.0, 199 / 30.0)
+    noisy = NOISE.apply(truth, rng)
+    found = estimate_path(with_a_flip(noisy, rows), **MODEL)
+    clean = estimate_path(noisy, **MODEL)
+    assert np.flatnonzero(found.mirrored).tolist() == list(range(rows.start, rows.stop))
+    assert np.array_equal(found.rejected, found.mirrored)
+    # A run at an end has a path on one side alone, and its poses share one marker's error.
+    most = 1.3 if rows.start == 100 else 4.0
+    assert np.all(errors(found.trajectory, truth) < most * errors(clean.trajectory, truth))
+
+
+def test_a_run_that_is_no_other_candidate_is_left_as_it_is(rng: np.random.Generator) -> None:
+    noisy = NOISE.apply(MOTIONS["tumble"].sampled(30.0, 6.0), rng)
+    coefficients = np.array(noisy.poses.coefficients)
+    wrong = noisy.poses[80:92] @ Motor.from_twist([0.5, 0.2, 0.1, 0.3, 0.2, -0.4])
+    coefficients[80:92] = wrong.coefficients
+    found = estimate_path(Trajectory(noisy.time_ns, Motor(coefficients)), **MODEL)
+    assert not np.any(found.mirrored)
+    assert np.flatnonzero(found.rejected).tolist() == list(range(80, 92))
+
+
+@pytest.mark.parametrize("name", RIGID)
+def test_outliers_alone_are_never_read_as_candidates(name: str, rng: np.random.Generator) -> None:
+    path = NOISE.apply(MOTIONS[name].sampled(30.0, 8.0), rng)
+    found = estimate_path(Outliers(0.05, 0.3, 0.5).apply(path, rng), **MODEL)
+    assert not np.any(found.mirrored)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", RIGID)
+def test_outliers_and_flips_cost_little_over_many_seeds(name: str) -> None:
+    """The figures are printed (-s): ratio of errors with wrong poses to those without."""
+    ratios = []
+    for seed in range(2000, 2010):
+        rng = np.random.default_rng(seed)
+        truth = MOTIONS[name].sampled(30.0, 10.0)
+        noisy = NOISE.apply(truth, rng)
+        spoiled = PlanarFlips(0.02).apply(Outliers(0.05, 0.3, 0.5).apply(noisy, rng), rng)
+        clean = errors(estimate_path(noisy, **MODEL).trajectory, truth)
+        ratios.append(errors(estimate_path(spoiled, **MODEL).trajectory, truth) / clean)
+    mean, worst = np.mean(ratios, axis=0), np.max(ratios, axis=0)
+    over = np.count_nonzero(np.max(ratios, axis=1) > 1.3)
+    print(f"\n{name}: mean {mean.round(2)} worst {worst.round(2)} beyond 1.3: {over} of 10")
+    assert np.all(mean < 1.3)

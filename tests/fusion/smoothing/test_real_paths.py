@@ -1,0 +1,63 @@
+"""Real paths, smoothed as `auto` picks: no farther from the truth, and calmer."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.metrics import Align, evaluate
+from motorcade.fusion.smoothing import choose
+from motorcade.fusion.smoothing.changes import changes
+from motorcade.ga import Motor
+from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.replays.recording import open_recording
+from motorcade.replays.stages.camera.camera_poses import camera_poses
+
+MANIFESTS = Path(__file__).parents[3] / "docs" / "manifests"
+XYZ, DESK = "freiburg1_xyz-groundtruth.txt", "fr2_desk_groundtruth.txt"
+
+
+@pytest.mark.parametrize(
+    ("estimate", "truth", "align", "calmer"),
+    [
+        ("freiburg1_xyz-rgbdslam.txt", XYZ, "se3", (0.25, 0.9)),
+        ("fr2_desk_ORB.txt", DESK, "sim3", (0.25, 0.97)),
+        # Keyframes at 5 Hz: their positions are left as they are.
+        ("freiburg1_xyz-ORB_kf_mono.txt", XYZ, "sim3", (1.001, 0.9)),
+    ],
+)
+@pytest.mark.filterwarnings("ignore")
+def test_trajectories_of_slam_come_no_farther_from_the_truth_and_shake_less(
+    estimate: str, truth: str, align: Align, calmer: tuple[float, float], data_dir: Path
+) -> None:
+    folder = data_dir / "trajectories"
+    raw, reference = read_trajectory(folder / estimate), read_trajectory(folder / truth)
+    smoothed = choose(raw).smooth(raw)
+    before, after = (evaluate(path, reference, align, 0.02) for path in (raw, smoothed))
+    assert after.ape_m.rmse < 1.001 * before.ape_m.rmse
+    assert after.rotation_deg.rmse < 1.01 * before.rotation_deg.rmse
+    assert before.jitter is not None
+    assert after.jitter is not None
+    assert after.jitter.linear_m_s2 < calmer[0] * before.jitter.linear_m_s2
+    assert after.jitter.angular_rad_s2 < calmer[1] * before.jitter.angular_rad_s2
+
+
+@pytest.mark.slow
+def test_a_tracked_board_is_left_where_it_is_and_shakes_less(data_dir: Path) -> None:
+    """The reference was measured from the same pictures and shakes as they do, so that jitter is
+    told without it.
+    """
+    recording = open_recording(data_dir / "replays" / "vamr_board", MANIFESTS / "vamr_board.toml")
+    raw = camera_poses(recording).measurements.trajectory
+    assert recording.truth is not None
+    smoothed = choose(raw).smooth(raw)
+    before, after = (evaluate(path, recording.truth) for path in (raw, smoothed))
+    assert after.ape_m.rmse < 1.001 * before.ape_m.rmse
+    figures = changes(raw, smoothed)
+    for kind in ("linear_jitter_m_s2", "angular_jitter_rad_s2"):
+        calm, shaky = figures[f"smoothed_{kind}"], figures[f"raw_{kind}"]
+        assert calm is not None
+        assert shaky is not None
+        assert calm < shaky
+    assert isinstance(smoothed.poses, Motor)
+    assert np.isfinite(smoothed.poses.coefficients).all()
