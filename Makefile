@@ -76,7 +76,7 @@ browser:
 # part of it, with its tests and builds.
 names:
 	@mkdir -p build/names/motorcade
-	@touch build/names/motorcade/__init__.py
+	@echo "__version__: str" > build/names/motorcade/__init__.py
 	@for room in $(ROOMS); do ln -sfn ../../../$$room build/names/motorcade/$$room; done
 
 clean:

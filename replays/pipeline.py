@@ -13,10 +13,10 @@ import re
 import tempfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from motorcade import __version__
 from motorcade.ga import Trajectory
 from motorcade.replays.characters.acting import MANNEQUIN, character_named, clip_named
 from motorcade.replays.engine.graph import Graph, Run
@@ -105,7 +105,7 @@ def about(job: Job, recording: Recording) -> dict[str, Any]:
         "content": recording.digest(),
         "until": job.until,
         "settings": [*recording.settings, *job.settings],
-        "motorcade": version("motorcade"),
+        "motorcade": __version__,
         "python": platform.python_version(),
     }
 

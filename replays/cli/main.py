@@ -6,9 +6,9 @@ import argparse
 import logging
 import sys
 from collections.abc import Sequence
-from importlib.metadata import version
 from typing import TextIO
 
+from motorcade import __version__
 from motorcade.replays.cli.arguments import one_line
 from motorcade.replays.cli.characters import author, blend
 from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, sweep
@@ -82,7 +82,7 @@ def _parser() -> argparse.ArgumentParser:
         description="From recorded camera and IMU sequences to smooth poses, augmented video "
         "and an error report.",
     )
-    parser.add_argument("--version", action="version", version=f"motorcade {version('motorcade')}")
+    parser.add_argument("--version", action="version", version=f"motorcade {__version__}")
     shared = argparse.ArgumentParser(add_help=False)
     shared.add_argument(
         "-v", "--verbose", action="count", default=0, help="say more; twice for tracebacks"

@@ -32,12 +32,12 @@ import json
 import platform
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from motorcade import __version__
 from motorcade.ga import FloatArray
 from motorcade.replays.compare.cells import RAW
 from motorcade.replays.compare.figures.ranking import rankings, ratios_to_motor
@@ -92,7 +92,7 @@ def write_tables(outcome: Outcome, out: Path) -> dict[str, Any]:
     write_bytes(out / "groups.csv", _csv(_GROUPS, rows))
     told = {
         "format": FORMAT,
-        "motorcade": version("motorcade"),
+        "motorcade": __version__,
         "python": platform.python_version(),
         "plan": outcome.plan,
         "metrics": FLOORS,
