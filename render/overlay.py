@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 from motorcade.animation import Character, Clip, Placement, skin
 from motorcade.animation.skin import Skinner
 from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory, checked_floats
-from motorcade.render.backends.renderer import Renderer, RendererName, new_renderer
+from motorcade.render.backends.choice import RendererName, new_renderer
+from motorcade.render.backends.renderer import Renderer
 from motorcade.render.composite import as_rgb, darken, over
 from motorcade.render.lens import LensWarp
 from motorcade.render.light import Prints, character_lighting, sun_share, sunlight_direction

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from motorcade.animation import Character, Clip, place_on_plane
-from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.animation.directions import axes_along
+from motorcade.ga import FloatArray, Motor, Trajectory
 from motorcade.render.overlay import render_overlay
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.cameras.camera import Camera
@@ -63,15 +64,11 @@ def show_clip(
 
 def _standing(height_m: float, azimuth_rad: float) -> Motor:
     """`world_T_camera` beside the character's front, looking at its middle."""
-    eye = height_m * np.array([
-        DISTANCE * np.cos(azimuth_rad), DISTANCE * np.sin(azimuth_rad), EYE
-    ])  # fmt: skip
+    around = np.array([np.cos(azimuth_rad), np.sin(azimuth_rad)])
+    eye = height_m * np.append(DISTANCE * around, EYE)
     ahead = np.array([0.0, 0.0, AIM * height_m]) - eye
-    ahead /= np.linalg.norm(ahead)
     right = np.cross(ahead, [0.0, 0.0, 1.0])
-    right /= np.linalg.norm(right)
-    axes = np.stack([right, np.cross(ahead, right), ahead], axis=1)
-    return Motor.from_rotor_translation(Rotor.from_matrix(axes), eye)
+    return Motor.from_rotor_translation(axes_along(right, np.cross(ahead, right)), eye)
 
 
 def _stage(camera: Camera, world_T_camera: Motor, height_m: float) -> ImageArray:

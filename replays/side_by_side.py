@@ -22,7 +22,7 @@ from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import smooth
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
 from motorcade.render import render_overlay
-from motorcade.render.backends.renderer import new_renderer
+from motorcade.render.backends.choice import new_renderer
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import ErrorTraces, beside, contact_sheet, write_pictures, write_video
 from motorcade.replays.synthetic_room.furniture import CHARACTER_HEIGHT_M

@@ -15,7 +15,7 @@ from motorcade.animation.formats.errors import FormatError
 from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS
 from motorcade.ga import FloatArray
 
-__all__ = ["Texture", "decode_texture", "to_linear", "to_srgb"]
+__all__ = ["Texture", "decode_texture"]
 
 FORMATS = ("PNG", "JPEG", "TGA", "BMP")
 
@@ -68,18 +68,3 @@ def decode_texture(data: bytes, limit: int = MAX_IMAGE_PIXELS) -> Texture:
         raise
     except Exception as fault:  # decoders raise whatever comes to hand on broken pictures
         raise FormatError(f"expected a picture, got {type(fault).__name__}") from fault
-
-
-def to_linear(srgb: FloatArray) -> FloatArray:
-    """Linear light of sRGB values from 0 to 1."""
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((np.maximum(srgb, 0.0) + 0.055) / 1.055) ** 2.4)
-
-
-def to_srgb(linear: FloatArray) -> FloatArray:
-    """Values (sRGB) of linear light, both from 0 to 1; what lies outside is clipped."""
-    inside = np.clip(linear, 0.0, 1.0)
-    return np.clip(
-        np.where(inside <= 0.0031308, 12.92 * inside, 1.055 * inside ** (1.0 / 2.4) - 0.055),
-        0.0,
-        1.0,
-    )

@@ -9,11 +9,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
+from motorcade.animation.directions import shortest_turn
 from motorcade.animation.ik.fabrik import fabrik
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
 
-__all__ = ["Chain", "laid_along", "reach_with", "shortest_turn"]
+__all__ = ["Chain", "laid_along", "reach_with"]
 
 
 @dataclass(frozen=True)
@@ -106,19 +107,3 @@ def laid_along(
         poses[..., joint, :] = Motor.normalize(made.coefficients).coefficients
         above = rotor
     return Motor(poses)
-
-
-def shortest_turn(start: FloatArray, end: FloatArray) -> Rotor:
-    """The least rotors ``(*)`` that turn vectors ``(*, 3)`` along others, of any lengths.
-
-    Of vectors of no length, none; of opposite ones, half a turn about some axis across.
-    """
-    axis = np.cross(start, end)
-    sine = np.linalg.norm(axis, axis=-1, keepdims=True)
-    cosine = np.sum(start * end, axis=-1, keepdims=True)
-    across = np.cross(start, np.where(np.abs(start[..., :1]) < 0.5 * np.linalg.norm(
-        start, axis=-1, keepdims=True), [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))  # fmt: skip
-    size = np.linalg.norm(across, axis=-1, keepdims=True)
-    spare = across / np.where(size > 0.0, size, 1.0)
-    unit = np.where(sine > 0.0, axis / np.where(sine > 0.0, sine, 1.0), spare)
-    return Rotor.from_rotation_vector(np.arctan2(sine, cosine) * unit)

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from motorcade.animation.directions import length, perpendicular, shortest_turn, unit
 from motorcade.ga import FloatArray, Rotor, checked_floats, kernels
 
 __all__ = ["Reached", "fabrik"]
@@ -113,7 +114,7 @@ class _Problem:
         self.total = np.sum(self.lengths, axis=-1)
         if not np.all(self.total > 0.0):
             raise ValueError("fabrik(points): expected chains longer than 0")
-        self.base, self.target, self.axes = chains[:, 0].copy(), target, _unit(axes)
+        self.base, self.target, self.axes = chains[:, 0].copy(), target, unit(axes)
         self.limits, self.tolerance = limits, tolerance * self.total
         self.best = chains
         self.error_m = np.full(len(chains), np.inf)
@@ -147,7 +148,7 @@ class _Problem:
     def _straightened(self) -> FloatArray:
         """The chains laid straight towards their targets."""
         self._start = self.best.copy()
-        ahead = _unit(self.target - self.base, _unit(self.best[:, -1] - self.base))
+        ahead = unit(self.target - self.base, unit(self.best[:, -1] - self.base))
         ends = np.concatenate([np.zeros((len(self.best), 1)), np.cumsum(self.lengths, -1)], -1)
         laid: FloatArray = self.base[:, None] + ends[..., None] * ahead[:, None]
         return laid
@@ -156,8 +157,8 @@ class _Problem:
         """Chains whose bones are all turned at random, more with every shake."""
         bones = np.diff(self.best[which], axis=1)
         noise = rng.standard_normal(bones.shape) * (0.15 * shake)
-        turned = _unit(bones, np.ones(3)) + noise
-        steps = _unit(turned) * self.lengths[which][..., None]
+        turned = unit(bones, np.ones(3)) + noise
+        steps = unit(turned) * self.lengths[which][..., None]
         moved = np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)
         return self._up(self.base[which][:, None] + moved, which)
 
@@ -191,7 +192,7 @@ class _Problem:
             made[:, k] = self._placed(
                 made[:, k + 1], made[:, k], self.lengths[which, k], before, limit
             )
-            before = _unit(made[:, k] - made[:, k + 1], before)
+            before = unit(made[:, k] - made[:, k + 1], before)
         return made
 
     def _up(self, chains: FloatArray, which: NDArray[np.int64]) -> FloatArray:
@@ -203,23 +204,23 @@ class _Problem:
             made[:, k + 1] = self._placed(
                 made[:, k], made[:, k + 1], self.lengths[which, k], before, self.limits[k]
             )
-            before = _unit(made[:, k + 1] - made[:, k], before)
+            before = unit(made[:, k + 1] - made[:, k], before)
         return made
 
     @staticmethod
     def _placed(
-        fixed: FloatArray, moving: FloatArray, length: FloatArray, before: FloatArray, limit: float
+        fixed: FloatArray, moving: FloatArray, bone_m: FloatArray, before: FloatArray, limit: float
     ) -> FloatArray:
         """The moving joint on the sphere around the fixed one, within the limit of its bones."""
-        fallback = np.where(_long(before), before, [1.0, 0.0, 0.0])
+        fallback = np.where(length(before) > 0.0, before, [1.0, 0.0, 0.0])
         apart = moving - fixed
-        towards = np.where(_long(apart, _NOTHING * (length[:, None] + 1e-30)), moving,
-                           fixed + fallback)  # fmt: skip
+        long = length(apart) > _NOTHING * (bone_m[:, None] + 1e-30)
+        towards = np.where(long, moving, fixed + fallback)
         if limit < np.pi:
-            towards = fixed + _turned_back(_unit(towards - fixed), before, limit)
+            towards = fixed + _turned_back(unit(towards - fixed), before, limit)
         made = np.empty_like(fixed)
         kernels.function("reach")(
-            np.ascontiguousarray(fixed), np.ascontiguousarray(towards), length, made
+            np.ascontiguousarray(fixed), np.ascontiguousarray(towards), bone_m, made
         )
         return made
 
@@ -233,20 +234,16 @@ def _turned_back(direction: FloatArray, before: FloatArray, limit: float) -> Flo
     cosine = np.sum(direction * before, axis=-1, keepdims=True)
     across = direction - cosine * before
     # Folded right back there is no plane: any will do.
-    spare = np.cross(before, np.where(np.abs(before[:, :1]) < 0.8, [1.0, 0, 0], [0, 1.0, 0]))
-    across = _unit(np.where(_long(across, 1e-9), across, spare))
+    across = unit(np.where(length(across) > 1e-9, across, perpendicular(before)))
     turned = np.cos(limit) * before + np.sin(limit) * across
-    held = (cosine >= np.cos(limit)) | ~_long(before)
+    held = (cosine >= np.cos(limit)) | (length(before) == 0.0)
     return np.where(held, direction, turned)
 
 
 def _bends(chains: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Unit bones ``(B, N - 1, 3)`` and rotation vectors ``(B, N - 2, 3)`` from each to the next."""
-    bones = _unit(np.diff(chains, axis=1))
-    axis = np.cross(bones[:, :-1], bones[:, 1:])
-    sine = np.linalg.norm(axis, axis=-1, keepdims=True)
-    cosine = np.sum(bones[:, :-1] * bones[:, 1:], axis=-1, keepdims=True)
-    return bones, _unit(axis) * np.arctan2(sine, cosine)
+    bones = unit(np.diff(chains, axis=1))
+    return bones, shortest_turn(bones[:, :-1], bones[:, 1:]).as_rotation_vector()
 
 
 def _most_bent(chains: FloatArray, limits: FloatArray) -> FloatArray:
@@ -274,26 +271,10 @@ def _scaled(chains: FloatArray, factor: FloatArray) -> FloatArray:
 
 def _aimed(chains: FloatArray, away: FloatArray) -> FloatArray:
     """Chains turned about their bases until their ends lie along vectors ``(B, 3)``."""
-    start, end = _unit(chains[:, -1] - chains[:, 0]), _unit(away)
-    axis = np.cross(start, end)
-    sine = np.linalg.norm(axis, axis=-1, keepdims=True)
-    angle = np.arctan2(sine, np.sum(start * end, axis=-1, keepdims=True))
-    rotor = Rotor.from_rotation_vector(_unit(axis) * angle).reshape(-1, 1)
+    rotor = shortest_turn(chains[:, -1] - chains[:, 0], away).reshape(-1, 1)
     return chains[:, :1] + rotor.apply(chains - chains[:, :1])
 
 
 def _extent(chains: FloatArray) -> FloatArray:
     distance: FloatArray = np.linalg.norm(chains[:, -1] - chains[:, 0], axis=-1)
     return distance
-
-
-def _long(vectors: FloatArray, limit: ArrayLike = 0.0) -> NDArray[np.bool_]:
-    longer: NDArray[np.bool_] = np.linalg.norm(vectors, axis=-1, keepdims=True) > limit
-    return longer
-
-
-def _unit(vectors: FloatArray, otherwise: FloatArray | None = None) -> FloatArray:
-    """Unit vectors; of no length the other ones, or zero."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    made: FloatArray = vectors / np.where(length > 0.0, length, 1.0)
-    return made if otherwise is None else np.where(length > 0.0, made, otherwise)

@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.ik.chain import shortest_turn
+from motorcade.animation.directions import shortest_turn
 from motorcade.animation.ik.soles import Sole, raised_soles, sole_clearance_m
 from motorcade.animation.ik.swings import stretches, swing_lift_m
 from motorcade.animation.ik.two_bone import bend_limb

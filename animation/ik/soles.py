@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.ik.chain import shortest_turn
+from motorcade.animation.directions import shortest_turn
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import FloatArray, Motor, Rotor
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.animation.ik.chain import Chain, laid_along, shortest_turn
+from motorcade.animation.directions import length, perpendicular, shortest_turn, unit
+from motorcade.animation.ik.chain import Chain, laid_along
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
 
@@ -52,7 +53,7 @@ def bend_limb(
     goal = checked_floats(target_m, "bend_limb(target_m)", (3,))
     world = skeleton.world(local_pose)
     root, middle, end = (world.translation_m[..., k, :] for k in numbers)
-    upper, lower = _length(middle - root), _length(end - middle)
+    upper, lower = length(middle - root), length(end - middle)
     if not (np.all(upper > 0.0) and np.all(lower > 0.0)):
         raise ValueError(f"bend_limb(joints): expected bones longer than 0 between {joints}")
     pole = middle if pole_m is None else checked_floats(pole_m, "bend_limb(pole_m)", (3,))
@@ -75,15 +76,12 @@ def _bent(
 ) -> tuple[FloatArray, FloatArray]:
     """Where middle and end lie, ``(*, 3)`` each."""
     away = goal - root
-    distance = _length(away)
-    ahead = np.where(distance > 0.0, away / np.where(distance > 0.0, distance, 1.0), [0, 0, -1.0])
+    distance = length(away)
+    ahead = unit(away, [0.0, 0.0, -1.0])
     most, least = (1.0 - SLACK) * (upper + lower), np.abs(upper - lower) * (1.0 + SLACK)
     reach = np.clip(distance, np.maximum(least, SLACK * most), most)
     side = towards - np.sum(towards * ahead, axis=-1, keepdims=True) * ahead
-    spare = np.cross(ahead, np.where(np.abs(ahead[..., :1]) < 0.8, [1.0, 0, 0], [0, 1.0, 0]))
-    size = _length(side)
-    side = np.where(size > SLACK * upper, side, spare)
-    side = side / _length(side)
+    side = unit(np.where(length(side) > SLACK * upper, side, perpendicular(ahead)))
     along = (reach**2 + upper**2 - lower**2) / (2.0 * reach)
     height = np.sqrt(np.maximum(upper**2 - along**2, 0.0))
     return root + along * ahead + height * side, root + reach * ahead
@@ -126,9 +124,9 @@ def aim(
     world = skeleton.world(local_pose)
     pose = world[..., number]
     turn = shortest_turn(pose.rotor.apply(own), goal - pose.translation_m).as_rotation_vector()
-    angle = _length(turn)
+    angle = length(turn)
     held = np.minimum(share * angle, max_turn_rad)
-    turned = Rotor.from_rotation_vector(turn * held / np.where(angle > 0.0, angle, 1.0))
+    turned = Rotor.from_rotation_vector(held * unit(turn))
     parent = int(skeleton.parents[number])
     above = world[..., parent].rotor if parent >= 0 else Rotor.identity()
     local = above.inverse() @ turned @ pose.rotor
@@ -137,7 +135,3 @@ def aim(
     poses = np.broadcast_to(local_pose.coefficients, shape).copy()
     poses[..., number, :] = Motor.normalize(made.coefficients).coefficients
     return Motor(poses)
-
-
-def _length(vectors: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.norm(vectors, axis=-1, keepdims=True), dtype=np.float64)

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity
+from motorcade.animation.directions import axes_along, unit
+from motorcade.ga import FloatArray, Motor, Similarity
 
 __all__ = ["Anchor", "followed", "plane_anchor"]
 
@@ -148,16 +149,11 @@ def plane_anchor(
     Raises:
         ValueError: a normal of no length, or `ahead` along it.
     """
-    up = np.asarray(normal, dtype=np.float64)
-    size = float(np.linalg.norm(up))
-    if not size > 0.0:
+    up, x = unit(np.asarray(normal, dtype=np.float64)), np.asarray(ahead, dtype=np.float64)
+    if not np.any(up):
         raise ValueError("plane_anchor(normal): expected a direction, got none")
-    up = up / size
-    x = np.asarray(ahead, dtype=np.float64)
-    x = x - (x @ up) * up
-    length = float(np.linalg.norm(x))
-    if not length > 1e-9:
+    level = x - (x @ up) * up
+    if not np.linalg.norm(level) > 1e-9:
         raise ValueError(f"plane_anchor(ahead): expected a direction off the normal, got {ahead}")
-    x = x / length
-    rotor = Rotor.from_matrix(np.stack([x, np.cross(up, x), up], axis=1))
+    rotor = axes_along(level, np.cross(up, level))
     return Similarity.from_motor_scale(Motor.from_rotor_translation(rotor, point_m), scale)

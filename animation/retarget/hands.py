@@ -13,9 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from motorcade.animation.directions import axes_along, unit
 from motorcade.ga import FloatArray, Rotor
 
-__all__ = ["FINGERS", "Seen", "frame", "hand_turn", "is_of_hand", "unit"]
+__all__ = ["FINGERS", "Seen", "hand_turn", "is_of_hand"]
 
 # How much the way in which a finger should bend counts beside how it is bent.
 ASSUMED_BEND = 0.05
@@ -79,7 +80,7 @@ def _hand_frame(role: str, seen: Seen) -> Rotor | None:
         return None
     ahead, across = seen.bone(hand, knuckles["middle"]), seen.bone(last, knuckles["index"])
     if part == "hand":
-        return frame(seen.inside(role, ahead), seen.inside(role, across))
+        return axes_along(seen.inside(role, ahead), seen.inside(role, across))
     finger, _, phalanx = part.partition("_")
     line = [f"{side}_{finger}_{number}" for number in (1, 2, 3)]
     line = [name for name in line if name in seen.joints]
@@ -88,7 +89,7 @@ def _hand_frame(role: str, seen: Seen) -> Rotor | None:
     if first < 0:
         return None
     second = _hinge(side, line, seen, ahead, across)
-    return frame(
+    return axes_along(
         seen.inside(line[first], seen.bone(*line[first : first + 2])), seen.inside(role, second)
     )
 
@@ -106,17 +107,4 @@ def _hinge(
     # One that is bent the other way, or sideways, does not tell how it would be closed.
     told = np.sum(bent * by_hand, axis=-1, keepdims=True) > 0.0
     made: FloatArray = ASSUMED_BEND * by_hand + np.where(told, bent, 0.0)
-    return made
-
-
-def frame(first: FloatArray, second: FloatArray) -> Rotor:
-    """The rotor to axes along one vector ``(3,)``, and across it towards another."""
-    x = unit(first)
-    z = unit(np.cross(x, second))
-    return Rotor.from_matrix(np.stack([x, np.cross(z, x), z], axis=-1))
-
-
-def unit(vectors: FloatArray) -> FloatArray:
-    """Vectors ``(*, 3)`` of length 1."""
-    made: FloatArray = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
     return made

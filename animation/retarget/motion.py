@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.animation.ik.chain import shortest_turn
-from motorcade.animation.retarget.hands import Seen, frame, hand_turn, is_of_hand, unit
+from motorcade.animation.directions import axes_along, shortest_turn, unit
+from motorcade.animation.retarget.hands import Seen, hand_turn, is_of_hand
 from motorcade.animation.retarget.match import LIMBS, UP, Match, along_axes
 from motorcade.animation.retarget.roles import body_of
 from motorcade.ga import FloatArray, Rotor, mean
@@ -117,7 +117,7 @@ class _Motion:
             hinge = np.cross(upper, lower) + ASSUMED_BEND * np.cross(upper, bend)
             inside = rotor.inverse()
             bone = np.mean(inside.apply((upper, lower)[first]), axis=0)
-            frames.append(frame(bone, np.mean(inside.apply(hinge), axis=0)))
+            frames.append(axes_along(bone, np.mean(inside.apply(hinge), axis=0)))
         return frames[1] @ frames[0].inverse()
 
     def _along(self, joint: int, other: int) -> Rotor:

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from motorcade.animation.ik.chain import shortest_turn
+from motorcade.animation.directions import shortest_turn
 from motorcade.animation.retarget.hands import FINGERS, Seen, hand_turn, is_of_hand
 from motorcade.animation.retarget.match import NO_BONE_M, Match
 from motorcade.animation.retarget.motion import from_motion

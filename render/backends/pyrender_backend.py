@@ -10,88 +10,46 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
+from motorcade.animation.srgb import to_linear
 from motorcade.ga import FloatArray, Motor
-from motorcade.render.backends.contexts import new_context
-from motorcade.render.backends.platform import ContextLost, choose_platform
-from motorcade.render.backends.renderer import (
+from motorcade.render.backends.platform import choose_platform
+from motorcade.render.backends.projection import (
     FAR_M,
     NEAR_M,
     OPENCV_T_OPENGL,
-    check_camera,
-    check_moved,
-    check_relit,
-    check_size,
-    linear,
     shadow_camera,
 )
+from motorcade.render.backends.renderer import Renderer, check_moved
 from motorcade.render.scene import Lamp, Layer, Lighting, Sun, Surface
 from motorcade.tracking.cameras.camera import Camera
 
 
-class OffscreenRenderer:
-    """Draws one scene into pictures of one size. Use it as a context manager, or `close` it.
+class OffscreenRenderer(Renderer):
+    """The renderer on pyrender; used as every `Renderer`."""
 
-    Args:
-        width: of the pictures, pixels.
-        height: of the pictures, pixels.
-
-    Raises:
-        RenderUnavailable: this machine has no OpenGL.
-        ValueError: a size that is not positive.
-    """
-
-    def __init__(self, width: int, height: int) -> None:
-        check_size(width, height)
+    def _set_up(self) -> None:
         self._pyrender = _import_pyrender()
-        self._context = new_context(choose_platform(), width, height)
-        self._renderer: Any = self._pyrender.renderer.Renderer(width, height)
-        self._size = (width, height)
-        self._open = True
+        self._renderer: Any = self._pyrender.renderer.Renderer(*self._size)
         self._scene: Any = None
-        self._lighting: Lighting | None = None
         self._primitives: list[Any] = []
 
-    def __enter__(self) -> Self:
-        return self
+    def _free(self) -> None:
+        self._renderer.delete()
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
+    def _forget(self) -> None:
+        self._scene = None
 
-    def close(self) -> None:
-        """Free the scene and the OpenGL context; closing twice does nothing."""
-        if self._open:
-            self._open = False
-            try:
-                self._context.make_current()
-                self._renderer.delete()
-            except ContextLost:
-                self._scene = None  # what it held went with the context
-            finally:
-                self._context.destroy()
-
-    def show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
-        """Set the scene, in place of any earlier one.
-
-        Args:
-            surfaces: what is drawn.
-            lighting: the light; None draws colours and textures as they are, for surfaces whose
-                light is painted on.
-        """
+    def _show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
         pyrender = self._pyrender
         ambient = (0.0, 0.0, 0.0) if lighting is None else lighting.ambient
         self._scene = _ordered_scene(pyrender, ambient)
-        self._lighting = lighting
-        self._primitives = [self._primitive(surface) for surface in surfaces]
+        self._primitives = [
+            self._primitive(surface, lit=lighting is not None) for surface in surfaces
+        ]
         nodes = [self._scene.add(pyrender.Mesh([one])) for one in self._primitives]
         self._renderer._sorted_mesh_nodes = lambda scene: nodes
         if lighting is not None:
@@ -100,31 +58,11 @@ class OffscreenRenderer:
             pyrender.IntrinsicsCamera(1.0, 1.0, 0.0, 0.0, znear=NEAR_M, zfar=FAR_M)
         )
 
-    def relight(self, lighting: Lighting) -> None:
-        """Light the scene that is shown anew, as light that follows a walker does.
-
-        Args:
-            lighting: with as many lamps as the scene was shown in.
-
-        Raises:
-            ValueError: another number of lamps, or a scene that was shown without light.
-        """
-        check_relit(self._lighting, lighting)
-        self._lighting = lighting
+    def _light(self, lighting: Lighting) -> None:
         self._scene.ambient_light = lighting.ambient
         self._set_lights(lighting)
 
-    def move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:
-        """Give a surface of the scene new vertices and normals, as each pose of a character does.
-
-        Args:
-            surface: its number in the sequence that was shown.
-            vertices: (V, 3) world, metres; V must stay the same.
-            normals: (V, 3) unit.
-
-        Raises:
-            ValueError: another number of vertices.
-        """
+    def _move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:
         primitive = self._primitives[surface]
         check_moved(primitive.positions.shape, vertices, normals)
         bounds = primitive.bounds
@@ -133,41 +71,22 @@ class OffscreenRenderer:
         # The shadow camera is set by `Lighting`, so nothing needs the bounds anew every frame.
         primitive._bounds = bounds
         if primitive._in_context():
-            self._context.make_current()
             _upload(primitive)
 
-    def render(self, camera: Camera, world_T_camera: Motor) -> Layer:
-        """Draw the scene.
-
-        Args:
-            camera: pinhole, of the renderer's size.
-            world_T_camera: pose, OpenCV axes, batch shape ().
-
-        Returns:
-            The picture with premultiplied alpha, and depth along the optical axis in metres.
-
-        Raises:
-            ValueError: a camera with distortion or of another size.
-            RuntimeError: no scene was shown, or the renderer is closed.
-            ContextLost: its context is gone.
-        """
-        if self._scene is None or not self._open:
-            raise RuntimeError("render: call show() first, and not after close()")
-        check_camera(camera, self._size)
+    def _render(self, camera: Camera, world_T_camera: Motor) -> Layer:
         lens = self._camera.camera
         lens.fx, lens.fy = camera.fx, camera.fy
         lens.cx, lens.cy = camera.cx + 0.5, camera.cy + 0.5
-        self._scene.set_pose(self._camera, world_T_camera.as_matrix() @ OPENCV_T_OPENGL)
+        self._scene.set_pose(self._camera, (world_T_camera @ OPENCV_T_OPENGL).as_matrix())
         flags = self._pyrender.RenderFlags.OFFSCREEN | self._pyrender.RenderFlags.RGBA
         if self._lighting is not None:
             flags |= self._pyrender.RenderFlags.SHADOWS_DIRECTIONAL
         else:
             flags |= self._pyrender.RenderFlags.FLAT
-        self._context.make_current()
         rgba, depth = self._renderer.render(self._scene, flags)
         return Layer(np.ascontiguousarray(rgba), np.ascontiguousarray(depth))
 
-    def _primitive(self, surface: Surface) -> Any:
+    def _primitive(self, surface: Surface, *, lit: bool) -> Any:
         """A surface in pyrender's form; vertex colours become linear unless they are shown flat."""
         pyrender = self._pyrender
         texture = None
@@ -175,7 +94,7 @@ class OffscreenRenderer:
             texture = pyrender.Texture(source=surface.texture, source_channels="RGB")
         colors = None
         if surface.colors is not None:
-            shown = linear(surface.colors) if self._lighting is not None else surface.colors
+            shown = to_linear(surface.colors) if lit else surface.colors
             colors = np.concatenate([shown, np.ones((len(shown), 1))], axis=1)
         material = pyrender.MetallicRoughnessMaterial(
             baseColorFactor=(1.0, 1.0, 1.0, 1.0),
@@ -205,10 +124,10 @@ class OffscreenRenderer:
         world_T_light, (nearest, farthest) = shadow_camera(lighting)
         lens = self._pyrender.OrthographicCamera(radius, radius, znear=nearest, zfar=farthest)
         self._renderer._get_light_cam_matrices = lambda scene, node, flags: (
-            np.linalg.inv(world_T_light),
+            world_T_light.inverse().as_matrix(),
             lens.get_projection_matrix(),
         )
-        poses = [world_T_light] + [np.eye(4) for _ in lighting.lamps]
+        poses = [world_T_light.as_matrix()] + [np.eye(4) for _ in lighting.lamps]
         for pose, lamp in zip(poses[1:], lighting.lamps, strict=True):
             pose[:3, 3] = lamp.position_m
         shining: tuple[Sun | Lamp, ...] = (lighting.sun, *lighting.lamps)

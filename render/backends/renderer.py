@@ -1,31 +1,49 @@
-"""What every renderer offers, which there are, and the checks that they share."""
+"""What every renderer offers: a scene shown, moved, lit and drawn."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from types import TracebackType
-from typing import Literal, Protocol, Self, get_args
-
-import numpy as np
+from typing import Self
 
 from motorcade.ga import FloatArray, Motor
+from motorcade.render.backends.contexts import new_context
+from motorcade.render.backends.platform import ContextLost, choose_platform
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera
 
-NEAR_M, FAR_M = 0.02, 60.0
-# From OpenGL's camera axes to OpenCV's: half a turn about x.
-OPENCV_T_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
-
-RendererName = Literal["fast", "pyrender"]
-RENDERERS: tuple[RendererName, ...] = get_args(RendererName)
+__all__ = ["Renderer", "check_moved", "check_size"]
 
 
-class Renderer(Protocol):
-    """Draws one scene into pictures of one size; a context manager."""
+class Renderer(ABC):
+    """Draws one scene into pictures of one size. Use it as a context manager, or `close` it.
+
+    Args:
+        width: of the pictures, pixels.
+        height: of the pictures, pixels.
+
+    Raises:
+        RenderUnavailable: this machine has no OpenGL, or no memory for the pictures.
+        ValueError: a size that is not positive, or larger than OpenGL's largest.
+    """
+
+    def __init__(self, width: int, height: int) -> None:
+        check_size(width, height)
+        self._size = (width, height)
+        self._lighting: Lighting | None = None
+        self._shown = False
+        self._context = new_context(choose_platform(), width, height)
+        self._open = True
+        try:
+            self._set_up()
+        except BaseException:
+            self._open = False
+            self._context.destroy()
+            raise
 
     def __enter__(self) -> Self:
-        """The renderer itself."""
-        ...
+        return self
 
     def __exit__(
         self,
@@ -33,51 +51,126 @@ class Renderer(Protocol):
         value: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Close it."""
-        ...
-
-    def show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
-        """Set the scene, in place of any earlier one; without light, colours as they are."""
-        ...
-
-    def relight(self, lighting: Lighting) -> None:
-        """Move the light of the scene: as many lamps as were shown, in other places."""
-        ...
-
-    def move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:
-        """Give a surface new vertices and normals, world, (V, 3); V must stay the same."""
-        ...
-
-    def render(self, camera: Camera, world_T_camera: Motor) -> Layer:
-        """Draw the scene as a pinhole camera of the renderer's size sees it."""
-        ...
+        self.close()
 
     def close(self) -> None:
-        """Free everything; closing twice does nothing."""
-        ...
+        """Free the scene and the OpenGL context; closing twice does nothing."""
+        if self._open:
+            self._open = False
+            try:
+                self._context.make_current()
+                self._free()
+            except ContextLost:
+                self._forget()  # what it held went with the context
+            finally:
+                self._context.destroy()
 
+    def show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
+        """Set the scene, in place of any earlier one.
 
-def new_renderer(name: str, width: int, height: int) -> Renderer:
-    """The renderer of a name.
+        Args:
+            surfaces: what is drawn.
+            lighting: the light; None draws colours and textures as they are, for surfaces whose
+                light is painted on.
 
-    Args:
-        name: one of `RENDERERS`; docs/rendering.md says when to take which.
-        width: of the pictures, pixels.
-        height: of the pictures, pixels.
+        Raises:
+            RuntimeError: the renderer is closed.
+            ContextLost: its context is gone.
+        """
+        self._begin("show")
+        self._show(surfaces, lighting)
+        self._lighting, self._shown = lighting, True
 
-    Raises:
-        ValueError: another name, or a size that is not positive.
-        RenderUnavailable: this machine has no OpenGL.
-    """
-    if name == "fast":
-        from motorcade.render.backends.fast.renderer import FastRenderer
+    def relight(self, lighting: Lighting) -> None:
+        """Light the scene that is shown anew, as light that follows a walker does.
 
-        return FastRenderer(width, height)
-    if name == "pyrender":
-        from motorcade.render.backends.pyrender_backend import OffscreenRenderer
+        Args:
+            lighting: with as many lamps as the scene was shown in.
 
-        return OffscreenRenderer(width, height)
-    raise ValueError(f"renderer: expected one of {', '.join(RENDERERS)}, got {name!r}")
+        Raises:
+            ValueError: another number of lamps, or a scene that was shown without light.
+            RuntimeError: the renderer is closed.
+            ContextLost: its context is gone.
+        """
+        shown = self._lighting
+        if shown is None or len(shown.lamps) != len(lighting.lamps):
+            expected = "a scene shown in light" if shown is None else f"{len(shown.lamps)} lamps"
+            raise ValueError(
+                f"relight(lighting): expected {expected}, got {len(lighting.lamps)} lamps"
+            )
+        self._begin("relight")
+        self._light(lighting)
+        self._lighting = lighting
+
+    def move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:
+        """Give a surface of the scene new vertices and normals, as each pose of a character does.
+
+        Args:
+            surface: its number in the sequence that was shown.
+            vertices: (V, 3) world, metres; V must stay the same.
+            normals: (V, 3) unit.
+
+        Raises:
+            ValueError: another number of vertices.
+            RuntimeError: the renderer is closed.
+            ContextLost: its context is gone.
+        """
+        self._begin("move")
+        self._move(surface, vertices, normals)
+
+    def render(self, camera: Camera, world_T_camera: Motor) -> Layer:
+        """Draw the scene.
+
+        Args:
+            camera: pinhole, of the renderer's size.
+            world_T_camera: pose, OpenCV axes, batch shape ().
+
+        Returns:
+            The picture with premultiplied alpha, and depth along the optical axis in metres.
+
+        Raises:
+            ValueError: a camera with distortion or of another size.
+            RuntimeError: no scene was shown, the renderer is closed, or OpenGL failed.
+            ContextLost: its context is gone.
+        """
+        if not self._shown:
+            raise RuntimeError("render: call show() first, and not after close()")
+        if camera.model != "pinhole" or (camera.width, camera.height) != self._size:
+            raise ValueError(
+                f"render(camera): expected a pinhole camera of {self._size[0]} x {self._size[1]}, "
+                f"got {camera.model} of {camera.width} x {camera.height}"
+            )
+        self._begin("render")
+        return self._render(camera, world_T_camera)
+
+    def _begin(self, verb: str) -> None:
+        if not self._open:
+            raise RuntimeError(f"{verb}: the renderer was closed; call nothing after close()")
+        self._context.make_current()
+
+    @abstractmethod
+    def _set_up(self) -> None:
+        """Make what lasts as long as the renderer; the context is current."""
+
+    @abstractmethod
+    def _free(self) -> None:
+        """Free everything; the context is current."""
+
+    @abstractmethod
+    def _forget(self) -> None:
+        """Let go of what went with the context."""
+
+    @abstractmethod
+    def _show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None: ...
+
+    @abstractmethod
+    def _light(self, lighting: Lighting) -> None: ...
+
+    @abstractmethod
+    def _move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None: ...
+
+    @abstractmethod
+    def _render(self, camera: Camera, world_T_camera: Motor) -> Layer: ...
 
 
 def check_size(width: int, height: int, largest: int | None = None) -> None:
@@ -95,30 +188,6 @@ def check_size(width: int, height: int, largest: int | None = None) -> None:
         )
 
 
-def check_camera(camera: Camera, size: tuple[int, int]) -> None:
-    """Refuse cameras with distortion, or of another size than the renderer's.
-
-    Raises:
-        ValueError: as said.
-    """
-    if camera.model != "pinhole" or (camera.width, camera.height) != size:
-        raise ValueError(
-            f"render(camera): expected a pinhole camera of {size[0]} x {size[1]}, "
-            f"got {camera.model} of {camera.width} x {camera.height}"
-        )
-
-
-def check_relit(shown: Lighting | None, lighting: Lighting) -> None:
-    """Refuse light for a scene that was shown without, or in another number of lamps.
-
-    Raises:
-        ValueError: as said.
-    """
-    if shown is None or len(shown.lamps) != len(lighting.lamps):
-        expected = "a scene shown in light" if shown is None else f"{len(shown.lamps)} lamps"
-        raise ValueError(f"relight(lighting): expected {expected}, got {len(lighting.lamps)} lamps")
-
-
 def check_moved(shape: tuple[int, ...], vertices: FloatArray, normals: FloatArray) -> None:
     """Refuse vertices of another number than were shown.
 
@@ -130,31 +199,3 @@ def check_moved(shape: tuple[int, ...], vertices: FloatArray, normals: FloatArra
             f"move(vertices): expected shape {shape} for vertices and normals, got "
             f"{vertices.shape} and {normals.shape}"
         )
-
-
-def linear(color: FloatArray) -> FloatArray:
-    """Linear light of sRGB values from 0 to 1 (IEC 61966-2-1)."""
-    return np.asarray(np.where(color < 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4))
-
-
-def looking_along(direction: FloatArray) -> FloatArray:
-    """A pose (4, 4) whose −z points along a direction, as OpenGL's lights and cameras look."""
-    back = -direction / np.linalg.norm(direction)
-    side = np.cross([0.0, 0.0, 1.0] if abs(back[2]) < 0.9 else [1.0, 0.0, 0.0], back)
-    side /= np.linalg.norm(side)
-    pose = np.eye(4)
-    pose[:3, :3] = np.stack([side, np.cross(back, side), back], axis=1)
-    return pose
-
-
-def shadow_camera(lighting: Lighting) -> tuple[FloatArray, FloatArray]:
-    """From where the shadow map is drawn, and over which depths.
-
-    Returns:
-        ``world_T_light`` (4, 4), OpenGL's axes, and the nearest and farthest distance in metres.
-        The map is twice `Lighting.shadow_radius_m` wide and high.
-    """
-    pose = looking_along(np.array(lighting.sun.direction))
-    radius = lighting.shadow_radius_m
-    pose[:3, 3] = np.array(lighting.shadow_center_m) + pose[:3, 2] * 2.0 * radius
-    return pose, np.array([0.1 * radius, 8.0 * radius])

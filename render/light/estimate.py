@@ -17,12 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from motorcade.animation.srgb import to_linear
 from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
 from motorcade.render.light.harmonics import harmonics, rotate_harmonics
 from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["LightEstimate", "ShadedPoints", "estimate_light", "linear", "shaded_points"]
+__all__ = ["LightEstimate", "ShadedPoints", "estimate_light", "shaded_points"]
 
 HUE_STEP = 0.05
 """Width of a cell of log red and log blue over brightness that counts as one paint."""
@@ -149,7 +150,7 @@ def shaded_points(
     return ShadedPoints(
         world_T_camera.apply(_at(known, camera, r, c)),
         world_T_camera.rotor.apply(normals),
-        linear(shown[fit] / 255.0),
+        to_linear(shown[fit] / 255.0),
     )
 
 
@@ -233,8 +234,3 @@ def _at(
     depth = depth_m[r, c]
     x, y = (c - camera.cx) / camera.fx, (r - camera.cy) / camera.fy
     return np.stack([x * depth, y * depth, depth], axis=1)
-
-
-def linear(color: FloatArray) -> FloatArray:
-    """Linear light of sRGB values from 0 to 1 (IEC 61966-2-1)."""
-    return np.asarray(np.where(color < 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4))

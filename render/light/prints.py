@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from motorcade.animation import Placement
+from motorcade.animation.srgb import to_linear
 from motorcade.ga import FloatArray, Motor, Trajectory, checked_floats, frozen
 from motorcade.render.composite import as_rgb
-from motorcade.render.light.estimate import linear
 from motorcade.render.light.lamps import character_lighting, light_on, sunlight_direction
 from motorcade.render.scene import DepthArray, ImageArray, Lamp, Lighting
 from motorcade.tracking.cameras.camera import Camera
@@ -150,7 +150,7 @@ def _paper(
         inside = (x >= 0) & (x < camera.width) & (y >= 0) & (y < camera.height)
         if np.count_nonzero(inside) < FEWEST:
             continue
-        shown = linear(picture[y[inside], x[inside]] / 255.0)
+        shown = to_linear(picture[y[inside], x[inside]] / 255.0)
         grey = shown.mean(axis=1)
         bright = grey > 0.5 * np.sum(np.quantile(grey, [0.05, 0.95]))
         if not 0.2 < np.mean(bright) < 0.9:
@@ -177,7 +177,7 @@ def _gain_by_paper(
 
 def _grey(picture: ImageArray) -> FloatArray:
     """(4,) mean brightness of a picture, and the colour of its light by shades of grey, mean 1."""
-    shown = linear(picture[::4, ::4].reshape(-1, 3) / 255.0)
+    shown = to_linear(picture[::4, ::4].reshape(-1, 3) / 255.0)
     norm = np.maximum(np.mean(shown**MINKOWSKI, axis=0) ** (1.0 / MINKOWSKI), 1e-4)
     return np.concatenate([[shown.mean()], norm / norm.mean()])
 

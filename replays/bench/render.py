@@ -23,14 +23,14 @@ from motorcade.ga import FloatArray, Motor, Rotor
 from motorcade.render.backends.contexts import Context, new_context
 from motorcade.render.backends.fast.renderer import FastRenderer
 from motorcade.render.backends.platform import choose_platform
-from motorcade.render.backends.pyrender_backend import OffscreenRenderer
-from motorcade.render.backends.renderer import (
+from motorcade.render.backends.projection import (
     FAR_M,
     NEAR_M,
     OPENCV_T_OPENGL,
-    Renderer,
-    looking_along,
+    shadow_camera,
 )
+from motorcade.render.backends.pyrender_backend import OffscreenRenderer
+from motorcade.render.backends.renderer import Renderer
 from motorcade.render.light import character_lighting
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.replays.bench.data import data_folder
@@ -161,7 +161,7 @@ def _pyrender_alone(context: Context, surface: Surface, light: Lighting) -> Call
     scene = pyrender.Scene(bg_color=(0.0, 0.0, 0.0, 0.0), ambient_light=light.ambient)
     scene.add(pyrender.Mesh([mesh]))
     sun = pyrender.DirectionalLight(light.sun.color, light.sun.intensity)
-    scene.add(sun, pose=looking_along(np.array(light.sun.direction)))
+    scene.add(sun, pose=shadow_camera(light)[0].as_matrix())
     for lamp in light.lamps:
         pose = np.eye(4)
         pose[:3, 3] = lamp.position_m
@@ -169,7 +169,7 @@ def _pyrender_alone(context: Context, surface: Surface, light: Lighting) -> Call
     lens = pyrender.IntrinsicsCamera(
         CAMERA.fx, CAMERA.fy, CAMERA.cx + 0.5, CAMERA.cy + 0.5, NEAR_M, FAR_M
     )
-    scene.add(lens, pose=_VIEW.as_matrix() @ OPENCV_T_OPENGL)
+    scene.add(lens, pose=(_VIEW @ OPENCV_T_OPENGL).as_matrix())
     context.make_current()
     renderer = pyrender.renderer.Renderer(CAMERA.width, CAMERA.height)
     flags = pyrender.RenderFlags

@@ -12,11 +12,11 @@ import pytest
 from numpy.typing import NDArray
 
 from motorcade.animation import Placement, mannequin, place_on_plane, skin
+from motorcade.animation.srgb import to_linear
 from motorcade.ga import FloatArray, Trajectory
 from motorcade.render import Lighting, Surface, render_overlay
-from motorcade.render.backends.renderer import new_renderer
+from motorcade.render.backends.choice import new_renderer
 from motorcade.render.light import Prints, lighting_of_footage, lighting_without_depth
-from motorcade.render.light.estimate import linear
 from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.replays.synthetic_room.furniture import BOARD, boxes, world_T_board
 from motorcade.replays.synthetic_room.lighting import Occluders, irradiance
@@ -62,7 +62,7 @@ def shots() -> Shots:
             vertices = placement.apply(own)
             normals = placement.world_T_character.rotor.apply(facing)
             falling = irradiance(vertices, normals, Occluders.of(boxes()))
-            painted = developed(falling * linear(FIGURE.colors)) / 255.0
+            painted = developed(falling * to_linear(FIGURE.colors)) / 255.0
             renderer.show(room(), None)
             without = renderer.render(CAMERA, pose)
             renderer.show([Surface(vertices, normals, FIGURE.triangles, painted), *room()], None)

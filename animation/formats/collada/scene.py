@@ -10,13 +10,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from motorcade.animation.directions import unit
 from motorcade.animation.formats.collada.library import Library
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_NODES, check_count
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree
-from motorcade.ga import FloatArray
+from motorcade.ga import FloatArray, Rotor
 
 __all__ = ["Scene", "Step", "matrix_of_steps", "read_scene"]
 
@@ -141,14 +142,6 @@ def _matrix(kind: str, values: FloatArray) -> FloatArray:
 
 
 def _rotation(values: FloatArray) -> FloatArray:
-    """Rotation matrices (*, 3, 3) from axis and degrees (*, 4), after Rodrigues."""
-    axis = values[..., :3]
-    length = np.linalg.norm(axis, axis=-1, keepdims=True)
-    x, y, z = np.moveaxis(axis / np.where(length > 0.0, length, 1.0), -1, 0)
-    angle = np.radians(np.where(length[..., 0] > 0.0, values[..., 3], 0.0))
-    zero = np.zeros_like(x)
-    cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1)
-    cross = cross.reshape(*x.shape, 3, 3)
-    sine, versine = np.sin(angle)[..., None, None], (1.0 - np.cos(angle))[..., None, None]
-    made: FloatArray = np.eye(3) + sine * cross + versine * (cross @ cross)
-    return made
+    """Rotation matrices (*, 3, 3) from axis and degrees (*, 4); of an axis of no length, none."""
+    vector = np.radians(values[..., 3:]) * unit(values[..., :3])
+    return Rotor.from_rotation_vector(vector).as_matrix()

@@ -14,8 +14,9 @@ from motorcade.animation.formats.errors import FormatError, expected, shown
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import Document, load
 from motorcade.animation.formats.gltf.fields import floats, integer, table, text
-from motorcade.animation.formats.images import Texture, decode_texture, to_linear, to_srgb
+from motorcade.animation.formats.images import Texture, decode_texture
 from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS
+from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga import FloatArray
 
 __all__ = ["Materials"]

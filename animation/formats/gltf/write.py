@@ -16,8 +16,8 @@ import numpy as np
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.formats.gltf.binary import INDICES, VERTICES, BinaryBuffer, write_glb
-from motorcade.animation.formats.images import to_linear
 from motorcade.animation.formats.rig.sampling import divided, parts_of_steps
+from motorcade.animation.srgb import to_linear
 from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory
 
 __all__ = ["CameraPath", "write_gltf"]

@@ -10,15 +10,16 @@ from numpy.typing import NDArray
 from motorcade.animation import Character, Placement
 from motorcade.animation.skin.palette import SkinMethod, checked_method
 from motorcade.animation.skin.skinning import CARRIERS
+from motorcade.animation.srgb import to_linear
 from motorcade.ga import FloatArray
 from motorcade.render.backends.fast.programs import Programs
-from motorcade.render.backends.renderer import check_moved, linear
+from motorcade.render.backends.renderer import check_moved
 from motorcade.render.scene import Surface
 
 _ROWS: dict[SkinMethod, int] = {"linear": 3, "dual_quaternion": 2, "motor": 2, "similarity": 3}
 
 
-class Mesh:
+class RenderMesh:
     """One surface: its vertices in a buffer that may change, the rest in buffers that do not.
 
     `corners_m` (8, 3) hold it, where it is known how far it reaches.
@@ -43,7 +44,7 @@ class Mesh:
         self.vertices = self._buffer(_interleaved(surface.vertices, surface.normals), dynamic=True)
         content = [(self.vertices, "3f4 3f4" if lit else "3f4 12x", *_vertex_names(lit))]
         if surface.colors is not None:
-            shown = linear(surface.colors) if lit else surface.colors
+            shown = to_linear(surface.colors) if lit else surface.colors
             content.append((self._buffer(shown.astype(np.float32)), "3f4", "in_color"))
         if surface.texture is not None and surface.texture_coordinates is not None:
             places = surface.texture_coordinates.astype(np.float32)
@@ -115,7 +116,7 @@ class Carried:
     """
 
     def __init__(
-        self, gl: Any, programs: Programs, mesh: Mesh, character: Character, method: str
+        self, gl: Any, programs: Programs, mesh: RenderMesh, character: Character, method: str
     ) -> None:
         self._gl, self._mesh = gl, mesh
         known = checked_method(method)

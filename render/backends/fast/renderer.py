@@ -9,28 +9,25 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation import Character, Placement
 from motorcade.ga import FloatArray, Motor
-from motorcade.render.backends.contexts import Context, new_context
-from motorcade.render.backends.fast.meshes import Carried, Mesh, column_major
-from motorcade.render.backends.fast.pictures import Box, Picture, ShadowMap
+from motorcade.render.backends.contexts import Context
+from motorcade.render.backends.fast.framebuffers import Box, Framebuffer, ShadowMap
+from motorcade.render.backends.fast.meshes import Carried, RenderMesh, column_major
 from motorcade.render.backends.fast.programs import Programs
-from motorcade.render.backends.platform import ContextLost, RenderUnavailable, choose_platform
-from motorcade.render.backends.renderer import (
-    FAR_M,
+from motorcade.render.backends.platform import RenderUnavailable
+from motorcade.render.backends.projection import (
     NEAR_M,
     OPENCV_T_OPENGL,
-    check_camera,
-    check_relit,
-    check_size,
+    projection,
     shadow_camera,
 )
+from motorcade.render.backends.renderer import Renderer, check_size
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera
 
@@ -41,122 +38,39 @@ _SHADOW_SIZE, _LARGE_SHADOW_SIZE = 1024, 2048
 _SLOPE, _UNITS = 2.0, 1.0
 
 
-class FastRenderer:
-    """Draws one scene into pictures of one size. Use it as a context manager, or `close` it.
+class FastRenderer(Renderer):
+    """The renderer that draws several times as fast as pyrender's.
 
-    Args:
-        width: of the pictures, pixels.
-        height: of the pictures, pixels.
-
-    Raises:
-        RenderUnavailable: this machine has no OpenGL, or no memory for the pictures.
-        ValueError: a size that is not positive, or larger than OpenGL's largest.
+    It is used as every `Renderer`. Besides, a surface can be bound to the joints of a character
+    (`bind`), which then carry its vertices in a shader (`pose`).
     """
 
-    def __init__(self, width: int, height: int) -> None:
-        check_size(width, height)
-        self._size = (width, height)
-        self._context = new_context(choose_platform(), width, height)
-        self._open = True
-        self._meshes: list[Mesh] = []
+    def _set_up(self) -> None:
+        self._meshes: list[RenderMesh] = []
         self._carried: dict[int, Carried] = {}
-        self._shadows: ShadowMap | None = None
-        self._lighting: Lighting | None = None
-        self._shown = False
-        try:
-            self._gl = _moderngl_context(self._context)
-            check_size(width, height, self._gl.info["GL_MAX_RENDERBUFFER_SIZE"])
-            finish = ctypes.CFUNCTYPE(None)(self._context.address("glFinish"))
-            self._picture = Picture(self._gl, self._size, finish)
-        except BaseException:
-            self._open = False
-            self._context.destroy()
-            raise
+        self._shadow_map: ShadowMap | None = None
+        self._gl = _moderngl_context(self._context)
+        check_size(*self._size, self._gl.info["GL_MAX_RENDERBUFFER_SIZE"])
+        finish = ctypes.CFUNCTYPE(None)(self._context.address("glFinish"))
+        self._framebuffer = Framebuffer(self._gl, self._size, finish)
         self._programs = Programs(self._gl)
         self._gl.enable_only(self._gl.CULL_FACE | self._gl.DEPTH_TEST)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     @property
     def driver(self) -> str:
         """What draws: the OpenGL driver's name of itself."""
         return str(self._gl.info["GL_RENDERER"])
 
-    def close(self) -> None:
-        """Free the scene and the OpenGL context; closing twice does nothing."""
-        if self._open:
-            self._open = False
-            try:
-                self._context.make_current()
-                self._free()
-            except ContextLost:
-                # What it held went with it.
-                self._meshes, self._carried = [], {}
-            finally:
-                self._context.destroy()
-
-    def show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
-        """Set the scene, in place of any earlier one.
-
-        Args:
-            surfaces: what is drawn.
-            lighting: the light; None draws colours and textures as they are, for surfaces whose
-                light is painted on.
-
-        Raises:
-            RuntimeError: the renderer is closed.
-            ContextLost: its context is gone.
-        """
-        self._begin("show")
+    def _show(self, surfaces: Sequence[Surface], lighting: Lighting | None) -> None:
         self._clear()
         lamps = 0 if lighting is None else len(lighting.lamps)
         for surface in surfaces:
             lit = lighting is not None
-            self._meshes.append(Mesh(self._gl, self._programs, surface, lit=lit, lamps=lamps))
-        self._lighting = lighting
-        self._shown = True
+            self._meshes.append(RenderMesh(self._gl, self._programs, surface, lit=lit, lamps=lamps))
         if lighting is not None:
             self._light(lighting)
 
-    def relight(self, lighting: Lighting) -> None:
-        """Light the scene that is shown anew, as light that follows a walker does.
-
-        Args:
-            lighting: with as many lamps as the scene was shown in.
-
-        Raises:
-            ValueError: another number of lamps, or a scene that was shown without light.
-            RuntimeError: the renderer is closed.
-            ContextLost: its context is gone.
-        """
-        check_relit(self._lighting, lighting)
-        self._begin("relight")
-        self._lighting = lighting
-        self._light(lighting)
-
-    def move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:
-        """Give a surface of the scene new vertices and normals, as each pose of a character does.
-
-        Args:
-            surface: its number in the sequence that was shown.
-            vertices: (V, 3) world, metres; V must stay the same.
-            normals: (V, 3) unit.
-
-        Raises:
-            ValueError: another number of vertices.
-            RuntimeError: the renderer is closed.
-            ContextLost: its context is gone.
-        """
-        self._begin("move")
+    def _move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:
         self._meshes[surface].move(vertices, normals)
 
     def bind(self, surface: int, character: Character, method: str = "motor") -> None:
@@ -196,7 +110,7 @@ class FastRenderer:
         if surface not in self._carried:
             raise ValueError(f"pose(surface): expected a surface that was bound, got {surface}")
         # Nothing is drawn, but without a framebuffer OpenGL refuses.
-        self._picture.drawn.use()
+        self._framebuffer.drawn.use()
         self._carried[surface].pose(entries, placement)
 
     def vertices(self, surface: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -209,58 +123,38 @@ class FastRenderer:
         self._begin("vertices")
         return self._meshes[surface].read()
 
-    def render(self, camera: Camera, world_T_camera: Motor) -> Layer:
-        """Draw the scene.
-
-        Args:
-            camera: pinhole, of the renderer's size.
-            world_T_camera: pose, OpenCV axes, batch shape ().
-
-        Returns:
-            The picture with premultiplied alpha, and depth along the optical axis in metres.
-
-        Raises:
-            ValueError: a camera with distortion or of another size.
-            RuntimeError: no scene was shown, the renderer is closed, or OpenGL failed.
-            ContextLost: its context is gone.
-        """
-        if not self._shown:
-            raise RuntimeError("render: call show() first, and not after close()")
-        check_camera(camera, self._size)
-        self._begin("render")
+    def _render(self, camera: Camera, world_T_camera: Motor) -> Layer:
         if self._lighting is not None:
-            self._draw_shadows()
+            self._draw_shadow_map()
         self._draw(camera, world_T_camera)
-        layer = self._picture.read()
+        layer = self._framebuffer.read()
         failed = self._gl.error
         if failed != "GL_NO_ERROR":
             raise RuntimeError(f"render: OpenGL failed: {failed}")
         return layer
 
-    def _begin(self, verb: str) -> None:
-        if not self._open:
-            raise RuntimeError(f"{verb}: the renderer was closed; call nothing after close()")
-        self._context.make_current()
-
     def _free(self) -> None:
         self._clear()
-        self._picture.release()
+        self._framebuffer.release()
         self._programs.release()
-        if self._shadows is not None:
-            self._shadows.release()
+        if self._shadow_map is not None:
+            self._shadow_map.release()
+
+    def _forget(self) -> None:
+        self._meshes, self._carried = [], {}
 
     def _clear(self) -> None:
         for carried in self._carried.values():
             carried.release()
         for mesh in self._meshes:
             mesh.release()
-        self._meshes, self._carried = [], {}
+        self._forget()
 
     def _light(self, lighting: Lighting) -> None:
         """Tell the programs of the light, which stays until the scene is lit anew."""
-        if self._shadows is None:
+        if self._shadow_map is None:
             large = max(self._size) > _SHADOW_SIZE
-            self._shadows = ShadowMap(self._gl, _LARGE_SHADOW_SIZE if large else _SHADOW_SIZE)
+            self._shadow_map = ShadowMap(self._gl, _LARGE_SHADOW_SIZE if large else _SHADOW_SIZE)
         seen = column_major(_light_from_world(lighting))
         shadow = self._programs.shadow()
         shadow["light_from_world"].write(seen)
@@ -277,24 +171,24 @@ class FastRenderer:
                 program["lamp_position"].write(places.tobytes())
                 program["lamp"].write(np.array(light, np.float32).tobytes())
 
-    def _draw_shadows(self) -> None:
-        assert self._shadows is not None  # made when the light was shown
-        self._shadows.drawn.use()
-        self._shadows.drawn.clear(depth=1.0)
+    def _draw_shadow_map(self) -> None:
+        assert self._shadow_map is not None  # made when the light was shown
+        self._shadow_map.drawn.use()
+        self._shadow_map.drawn.clear(depth=1.0)
         self._gl.polygon_offset = _SLOPE, _UNITS
         for mesh in self._meshes:
             mesh.in_shadow_map.render()
         self._gl.polygon_offset = 0.0, 0.0
-        self._shadows.use(_SHADOW_UNIT)
+        self._shadow_map.use(_SHADOW_UNIT)
 
     def _draw(self, camera: Camera, world_T_camera: Motor) -> None:
-        pose = world_T_camera.as_matrix() @ OPENCV_T_OPENGL
-        seen = column_major(_projection(camera) @ np.linalg.inv(pose))
-        self._picture.begin(_seen_box(self._meshes, camera, world_T_camera))
+        opengl_T_world = (world_T_camera @ OPENCV_T_OPENGL).inverse()
+        seen = column_major(projection(camera) @ opengl_T_world.as_matrix())
+        self._framebuffer.begin(_seen_box(self._meshes, camera, world_T_camera))
         for mesh in self._meshes:
             mesh.program["clip_from_world"].write(seen)
             if self._lighting is not None:
-                mesh.program["eye"] = tuple(pose[:3, 3])
+                mesh.program["eye"] = tuple(world_T_camera.translation_m)
                 mesh.program["roughness"] = mesh.roughness
             if mesh.texture is not None:
                 mesh.texture.use(_TEXTURE_UNIT)
@@ -326,7 +220,7 @@ def _moderngl_context(context: Context) -> Any:
     return moderngl.create_context(context=loader)
 
 
-def _seen_box(meshes: Sequence[Mesh], camera: Camera, world_T_camera: Motor) -> Box | None:
+def _seen_box(meshes: Sequence[RenderMesh], camera: Camera, world_T_camera: Motor) -> Box | None:
     """The part of the picture that can hold anything, or None where all of it can."""
     corners = [mesh.corners_m for mesh in meshes if mesh.corners_m is not None]
     if len(corners) < len(meshes) or not corners:
@@ -344,22 +238,10 @@ def _seen_box(meshes: Sequence[Mesh], camera: Camera, world_T_camera: Motor) -> 
     return int(first[0]), int(camera.height - 1 - last[1]), int(wide), int(high)
 
 
-def _projection(camera: Camera) -> FloatArray:
-    """OpenGL's projection of a pinhole camera, whose pixels it counts from their corners."""
-    x, y = camera.cx + 0.5, camera.cy + 0.5
-    depth = FAR_M - NEAR_M
-    return np.array([
-        [2.0 * camera.fx / camera.width, 0.0, 1.0 - 2.0 * x / camera.width, 0.0],
-        [0.0, 2.0 * camera.fy / camera.height, 2.0 * y / camera.height - 1.0, 0.0],
-        [0.0, 0.0, -(FAR_M + NEAR_M) / depth, -2.0 * FAR_M * NEAR_M / depth],
-        [0.0, 0.0, -1.0, 0.0],
-    ])  # fmt: skip
-
-
 def _light_from_world(lighting: Lighting) -> FloatArray:
     """The parallel projection of the shadow map."""
-    pose, (nearest, farthest) = shadow_camera(lighting)
+    world_T_light, (nearest, farthest) = shadow_camera(lighting)
     radius, depth = lighting.shadow_radius_m, farthest - nearest
-    projection = np.diag([1.0 / radius, 1.0 / radius, -2.0 / depth, 1.0])
-    projection[2, 3] = -(farthest + nearest) / depth
-    return np.asarray(projection @ np.linalg.inv(pose))
+    matrix = np.diag([1.0 / radius, 1.0 / radius, -2.0 / depth, 1.0])
+    matrix[2, 3] = -(farthest + nearest) / depth
+    return np.asarray(matrix @ world_T_light.inverse().as_matrix())

@@ -23,7 +23,8 @@ from skimage.metrics import structural_similarity
 from motorcade.animation import Character, Placement, mannequin, place_on_plane, skin
 from motorcade.ga import FloatArray, Motor, Trajectory
 from motorcade.render import Lighting, Sun, Surface, render_overlay
-from motorcade.render.backends.renderer import Renderer, new_renderer
+from motorcade.render.backends.choice import new_renderer
+from motorcade.render.backends.renderer import Renderer
 from motorcade.render.light import (
     LightEstimate,
     ShadedPoints,

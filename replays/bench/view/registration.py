@@ -19,7 +19,7 @@ import numpy as np
 
 from motorcade.fusion.smoothing import smooth
 from motorcade.ga import FloatArray, Motor, Trajectory
-from motorcade.render.backends.renderer import new_renderer
+from motorcade.render.backends.choice import new_renderer
 from motorcade.render.composite import as_rgb, over
 from motorcade.render.lens import LensWarp
 from motorcade.render.printed import printed_surface

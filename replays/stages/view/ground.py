@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from motorcade.animation.directions import axes_along
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory, frozen
 from motorcade.render.light import Prints
 from motorcade.replays.recording import Frame, Recording
@@ -265,10 +266,8 @@ def _scene_depth(points: FloatArray, world_T_camera: Motor) -> float:
 
 def _turned_up(up: FloatArray) -> Rotor:
     """A frame whose z is `up`."""
-    across = np.eye(3)[int(np.argmin(np.abs(up)))]
-    x = np.cross(across, up)
-    x /= np.linalg.norm(x)
-    return Rotor.from_matrix(np.stack([x, np.cross(up, x), up], axis=-1))
+    x = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)
+    return axes_along(x, np.cross(up, x))
 
 
 def _middle(board: Board) -> tuple[float, float]:

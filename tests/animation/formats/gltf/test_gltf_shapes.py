@@ -16,7 +16,7 @@ from tests.animation.formats.samples import Gltf, Write
 
 from motorcade.animation import Character
 from motorcade.animation.formats import FormatError, read_character, read_motion
-from motorcade.animation.formats.images import to_srgb
+from motorcade.animation.srgb import to_srgb
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.render.backends.platform import RenderUnavailable
-from motorcade.render.backends.renderer import FAR_M, NEAR_M
+from motorcade.render.backends.projection import FAR_M, NEAR_M
 from motorcade.render.scene import DepthArray, Layer
 
 Box = tuple[int, int, int, int]
@@ -18,7 +18,7 @@ SAMPLES = 4
 _FALL = NEAR_M / (FAR_M - NEAR_M)
 
 
-class Picture:
+class Framebuffer:
     """Colour and depth of one size, four samples a pixel, and the same resolved.
 
     Args:

@@ -1,0 +1,48 @@
+"""Directions of three coordinates: unit vectors, what is at right angles, least turns, frames."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motorcade.ga import FloatArray, Rotor
+
+__all__ = ["axes_along", "length", "perpendicular", "shortest_turn", "unit"]
+
+
+def length(vectors: FloatArray) -> FloatArray:
+    """Lengths ``(*, 1)`` of vectors ``(*, 3)``."""
+    return np.asarray(np.linalg.norm(vectors, axis=-1, keepdims=True), dtype=np.float64)
+
+
+def unit(vectors: FloatArray, otherwise: FloatArray | float = 0.0) -> FloatArray:
+    """Vectors ``(*, 3)`` of length 1; where one has no length, another in its place."""
+    size = length(vectors)
+    return np.where(size > 0.0, vectors / np.where(size > 0.0, size, 1.0), otherwise)
+
+
+def perpendicular(vectors: FloatArray) -> FloatArray:
+    """Some unit vector ``(*, 3)`` at right angles to each of vectors ``(*, 3)``."""
+    steep = np.abs(vectors[..., 2:]) > 0.9 * length(vectors)
+    return unit(np.cross(np.where(steep, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), vectors))
+
+
+def shortest_turn(start: FloatArray, end: FloatArray) -> Rotor:
+    """The least rotors ``(*)`` that turn vectors ``(*, 3)`` along others, of any lengths.
+
+    Of vectors of no length, none; of opposite ones, half a turn about some axis across.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.directions import shortest_turn
+    >>> shortest_turn(np.array([2.0, 0, 0]), np.array([0, 3.0, 0])).as_rotation_vector()
+    array([0.        , 0.        , 1.57079633])
+    """
+    axis = np.cross(start, end)
+    angle = np.arctan2(length(axis), np.sum(start * end, axis=-1, keepdims=True))
+    return Rotor.from_rotation_vector(angle * unit(axis, perpendicular(start)))
+
+
+def axes_along(ahead: FloatArray, towards: FloatArray) -> Rotor:
+    """The rotors ``(*)`` to axes with x along one vector ``(*, 3)`` and y as near to another."""
+    x = unit(ahead)
+    z = unit(np.cross(x, towards))
+    return Rotor.from_matrix(np.stack([x, np.cross(z, x), z], axis=-1))

@@ -1,0 +1,33 @@
+"""Which renderers there are, and one by its name."""
+
+from __future__ import annotations
+
+from typing import Literal, get_args
+
+from motorcade.render.backends.fast.renderer import FastRenderer
+from motorcade.render.backends.pyrender_backend import OffscreenRenderer
+from motorcade.render.backends.renderer import Renderer
+
+__all__ = ["RENDERERS", "RendererName", "new_renderer"]
+
+RendererName = Literal["fast", "pyrender"]
+RENDERERS: tuple[RendererName, ...] = get_args(RendererName)
+
+
+def new_renderer(name: str, width: int, height: int) -> Renderer:
+    """The renderer of a name.
+
+    Args:
+        name: one of `RENDERERS`; docs/rendering.md says when to take which.
+        width: of the pictures, pixels.
+        height: of the pictures, pixels.
+
+    Raises:
+        ValueError: another name, or a size that is not positive.
+        RenderUnavailable: this machine has no OpenGL.
+    """
+    if name == "fast":
+        return FastRenderer(width, height)
+    if name == "pyrender":
+        return OffscreenRenderer(width, height)
+    raise ValueError(f"renderer: expected one of {', '.join(RENDERERS)}, got {name!r}")
