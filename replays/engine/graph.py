@@ -185,7 +185,7 @@ class Graph:
         for name in self.needed(target):
             stage = self.stages[name]
             settings = _settings(stage, chosen.get(name, {}))
-            folder = cache / f"{name}-{_key(stage, digests, settings)}"
+            folder = cache / f"{name}-{_key(stage, outputs, digests, settings)}"
             found = artifacts.find_artifact(folder)
             if found:
                 log.info("%s: kept from before", name)
@@ -223,12 +223,17 @@ def _settings(stage: Stage, chosen: Mapping[str, Any]) -> dict[str, Any]:
     return {name: chosen.get(name, parameter.default) for name, parameter in stage.knobs.items()}
 
 
-def _key(stage: Stage, digests: Mapping[str, str], settings: Mapping[str, Any]) -> str:
+def _key(
+    stage: Stage,
+    outputs: Mapping[str, Any],
+    digests: Mapping[str, str],
+    settings: Mapping[str, Any],
+) -> str:
     """Content of the inputs, knobs and code, as the name under which the output is cached."""
     parts = {
         "inputs": {name: digests[name] for name in stage.inputs},
         "knobs": {name: _told(value) for name, value in settings.items()},
-        "code": code_digest(stage.function),
+        "code": code_digest(stage.function, [outputs[name] for name in stage.inputs]),
         "format": artifacts.FORMAT_VERSION,
     }
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]

@@ -1,9 +1,15 @@
 """What a stage's result depends on besides its inputs: code and the versions that run it.
 
-`code_digest(function)` covers the source of the function's module and of every module of ours that
-it imports, directly or through others, wherever in the file the import stands; the bytes of
-compiled modules; the templates and shaders that lie beside them; and the versions of Python and of
-each foreign package that these modules import.
+`code_digest(function, given)` covers the source of the function's module, of those of the types of
+the values that it is given, and of every module of ours that these use, directly or through others,
+wherever in the file the import stands; the bytes of compiled modules; the templates and shaders
+that lie beside them; and the versions of Python and of each foreign package that is imported.
+
+Names are followed, not packages: ``from motorcade.ga import Motor`` leads through the `__init__`
+that lists the name, whether that imports it at once or lazily (an `__init__.pyi` attached by
+`lazy_loader`), to the module that defines it. The packages passed on the way count with their own
+source; what else they list does not. What stands under ``if TYPE_CHECKING:`` never runs and is left
+out: what a value can do stands with its own type, and so do a recording's readers.
 """
 
 from __future__ import annotations
@@ -13,81 +19,208 @@ import functools
 import hashlib
 import importlib.metadata
 import importlib.util
+import pkgutil
 import platform
+import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
+__all__ = ["Reach", "code_digest", "reach", "types_within"]
+
 OURS = "motorcade"
 TEXTS = {".html", ".css", ".js", ".jinja", ".vert", ".frag", ".glsl"}
+_A_PACKAGE = re.compile(rf"({OURS}(\.\w+)*)\.")
 
 
-def code_digest(function: Callable[..., Any]) -> str:
-    """SHA-256 over all code that `function` can reach by imports, and over the versions beneath."""
-    modules, foreign = _reachable(function.__module__)
+@dataclass(frozen=True)
+class Reach:
+    """What a module uses, itself included.
+
+    Fields:
+        modules: names of our modules that are followed: all that they import counts too.
+        faces: names of our packages that are passed on the way; their `__init__` counts alone.
+        foreign: top-level names of packages that are not ours, Python's own left out.
+    """
+
+    modules: frozenset[str]
+    faces: frozenset[str]
+    foreign: frozenset[str]
+
+
+def code_digest(function: Callable[..., Any], given: Iterable[object] = ()) -> str:
+    """SHA-256 over all that a function can run on the values given, and the versions beneath."""
+    types = {one for value in given for one in types_within(value)}
+    found = reach(function.__module__, *sorted({one.__module__ for one in types}))
     content = hashlib.sha256(platform.python_version().encode())
-    for name in sorted(modules):
+    for name in sorted(found.modules | found.faces):
         content.update(name.encode())
         content.update(hashlib.sha256(_origin(name).read_bytes()).digest())
-    for path in sorted({path for name in modules for path in _texts(_origin(name).parent)}):
+    for path in sorted({path for name in found.modules for path in _texts(_origin(name).parent)}):
         content.update(path.name.encode())
         content.update(hashlib.sha256(path.read_bytes()).digest())
-    for name in sorted(foreign):
+    for name in sorted(found.foreign):
         content.update(f"{name}={_version(name)}".encode())
     return content.hexdigest()
 
 
 @functools.cache
-def _reachable(start: str) -> tuple[frozenset[str], frozenset[str]]:
-    """Names of our modules and of foreign top-level packages reachable from module `start`."""
-    ours: set[str] = set()
+def reach(*modules: str) -> Reach:
+    """Everything that modules use, directly or through others."""
+    followed: set[str] = set()
+    faces: set[str] = set()
     foreign: set[str] = set()
-    waiting = [start]
+    waiting = [name for name in modules if _find(name) is not None]
     while waiting:
         name = waiting.pop()
-        if name in ours:
+        if name in followed:
             continue
-        if _find(name) is None:
-            continue  # a bare folder on the way to a module holds no code of its own
-        ours.add(name)
-        for imported in _imports(name):
-            if imported.partition(".")[0] != OURS:
-                foreign.add(imported.partition(".")[0])
-            elif imported not in ours:
-                waiting.append(imported)
-    return frozenset(ours), frozenset(foreign - set(sys.stdlib_module_names))
+        followed.add(name)
+        faces.update(_parents(name))
+        for used in _uses(name):
+            if used.module.partition(".")[0] != OURS:
+                foreign.add(used.module.partition(".")[0])
+                continue
+            for target, passed in _definers(used):
+                faces.update(passed)
+                waiting.append(target)
+    outside = foreign - set(sys.stdlib_module_names)
+    return Reach(frozenset(followed), frozenset(faces - followed), frozenset(outside))
+
+
+def types_within(value: object) -> set[type[Any]]:
+    """Types of ours among a value and what it holds: fields of dataclasses, and containers."""
+    found: set[type[Any]] = set()
+    waiting = [value]
+    while waiting:
+        one = waiting.pop()
+        if isinstance(one, dict):
+            waiting.extend(one.values())
+        elif isinstance(one, (tuple, list)):
+            waiting.extend(one)
+        elif type(one).__module__.partition(".")[0] == OURS:
+            found.add(type(one))
+            if is_dataclass(one):
+                waiting.extend(getattr(one, field.name) for field in fields(one))
+    return found
+
+
+@dataclass(frozen=True)
+class _Use:
+    """One name imported from a module; the module as a whole without a name."""
+
+    module: str
+    name: str | None = None
 
 
 @functools.cache
-def _imports(name: str) -> frozenset[str]:
-    origin = _origin(name)
+def _uses(module: str) -> frozenset[_Use]:
+    """What stands in import statements of a module, and of a face's `__init__.pyi`."""
+    return frozenset(use for tree in _trees(module) for use in _imports(tree, module))
+
+
+@functools.cache
+def _trees(module: str) -> tuple[ast.Module, ...]:
+    """Source of a module, and the stub where that lists what the module loads lazily."""
+    origin = _origin(module)
     if origin.suffix != ".py":
-        return frozenset()
-    return frozenset(_imported_names(ast.parse(origin.read_text(encoding="utf-8"))))
+        return ()
+    stub = origin.with_suffix(".pyi")
+    files = (origin, stub) if origin.name == "__init__.py" and stub.is_file() else (origin,)
+    return tuple(ast.parse(file.read_text(encoding="utf-8")) for file in files)
 
 
-def _imported_names(tree: ast.Module) -> Iterator[str]:
-    for node in ast.walk(tree):
+def _imports(tree: ast.Module, module: str) -> Iterator[_Use]:
+    for node in _running(tree):
         if isinstance(node, ast.Import):
-            for alias in node.names:
-                yield from _with_parents(alias.name)
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            yield from _with_parents(node.module)
-            for alias in node.names:
-                candidate = f"{node.module}.{alias.name}"
-                if candidate.startswith(f"{OURS}.") and _find(candidate) is not None:
-                    yield candidate
+            yield from (_Use(alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            source = _source(node, module)
+            yield from (_Use(source, alias.name) for alias in node.names)
+        elif isinstance(node, ast.JoinedStr):  # import_module(f"motorcade.package.{name}")
+            yield from map(_Use, _modules_of_template(node))
 
 
-def _with_parents(name: str) -> Iterator[str]:
-    """A module and, for ours, the packages above it, whose `__init__` runs too."""
+def _running(tree: ast.AST) -> Iterator[ast.AST]:
+    """All nodes but those that only type checkers see."""
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
+            waiting.extend(node.orelse)
+            continue
+        yield node
+        waiting.extend(ast.iter_child_nodes(node))
+
+
+def _source(node: ast.ImportFrom, module: str) -> str:
+    """The module that a from-import names, relative ones included."""
+    if not node.level:
+        return node.module or ""
+    package = module if _is_package(module) else module.rpartition(".")[0]
+    return importlib.util.resolve_name("." * node.level + (node.module or ""), package)
+
+
+def _modules_of_template(node: ast.JoinedStr) -> list[str]:
+    start = node.values[0] if node.values else None
+    text = start.value if isinstance(start, ast.Constant) else ""
+    named = _A_PACKAGE.fullmatch(str(text))
+    if named is None or not _is_package(named[1]):
+        return []
+    folder = str(_origin(named[1]).parent)
+    return [f"{named[1]}.{one.name}" for one in pkgutil.iter_modules([folder])]
+
+
+@functools.cache
+def _definers(use: _Use) -> tuple[tuple[str, frozenset[str]], ...]:
+    """The modules that give a name its meaning, each with the packages passed on the way there."""
+    name = use.name
+    if _find(use.module) is None:
+        return ()  # a bare folder on the way to a module holds no code of its own
+    if name is None or not _is_package(use.module) or _defines(use.module, name):
+        return ((use.module, frozenset()),)
+    listed = [_definers(one) for one in _listed(use.module, name)]
+    found = [(target, passed | {use.module}) for one in listed for target, passed in one]
+    if _find(f"{use.module}.{name}") is not None:
+        found.append((f"{use.module}.{name}", frozenset({use.module})))
+    return tuple(found) or ((use.module, frozenset()),)
+
+
+def _defines(package: str, name: str) -> bool:
+    """Whether a package's `__init__` makes the name itself, or makes names up as they are asked."""
+    made: set[str] = set()
+    for node in _trees(package)[0].body:
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.AsyncFunctionDef)):
+            made.add(node.name)
+        elif isinstance(node, (ast.Assign, ast.AnnAssign)):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            inside = (part for target in targets for part in ast.walk(target))
+            made.update(part.id for part in inside if isinstance(part, ast.Name))
+    lazily = len(_trees(package)) > 1
+    return name in made or ("__getattr__" in made and not lazily)
+
+
+def _listed(package: str, name: str) -> Iterator[_Use]:
+    """Where a package's face has a name from."""
+    for tree in _trees(package):
+        for node in _running(tree):
+            if isinstance(node, ast.Import):
+                yield from (_Use(one.name) for one in node.names if one.asname == name)
+            elif isinstance(node, ast.ImportFrom):
+                for one in node.names:
+                    if name == (one.asname or one.name) or one.name == "*":
+                        source = _source(node, package)
+                        if source != package:  # else it is the module of that name
+                            yield _Use(source, None if one.name == "*" else one.name)
+
+
+def _parents(name: str) -> set[str]:
+    """The packages above a module, whose `__init__` runs before it."""
     parts = name.split(".")
-    if parts[0] != OURS:
-        yield name
-        return
-    for end in range(2, len(parts) + 1):
-        yield ".".join(parts[:end])
+    above = (".".join(parts[:end]) for end in range(1, len(parts)))
+    return {one for one in above if _find(one) is not None}
 
 
 @functools.cache
@@ -96,6 +229,11 @@ def _texts(folder: Path) -> frozenset[Path]:
     plain = [one for one in folder.iterdir() if one.is_dir() and not (one / "__init__.py").exists()]
     within = [path for place in (folder, *plain) for path in place.iterdir()]
     return frozenset(path for path in within if path.suffix in TEXTS)
+
+
+def _is_package(name: str) -> bool:
+    origin = _find(name)
+    return origin is not None and origin.name == "__init__.py"
 
 
 def _find(name: str) -> Path | None:

@@ -32,7 +32,7 @@ from tests.end_to_end import conftest as small
 RUN = """
 import sys
 from motorcade.replays.engine import graph
-graph.code_digest = lambda function: "the same code"
+graph.code_digest = lambda function, given: "the same code"
 from motorcade.replays.cli import main
 sys.exit(main(sys.argv[1:]))
 """
