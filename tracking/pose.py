@@ -12,6 +12,7 @@ Sources: IPPE, Collins & Bartoli 2014 (through OpenCV); Levenberg 1944, Marquard
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import cv2
 import numpy as np
@@ -19,6 +20,8 @@ import numpy as np
 from motorcade.ga import FloatArray, Motor
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.reprojection import reproject, retract
+from motorcade.tracking.optimise import NormalEquations, Stop, minimise
 
 __all__ = [
     "SIGMA_FLOOR_PX",
@@ -32,8 +35,7 @@ __all__ = [
 
 # No corner finder is better than this on real pictures, however small the residuals are.
 SIGMA_FLOOR_PX = 0.1
-_ITERATIONS = 50
-_STEP = 1e-10
+_STOP = Stop(steps=50, gain=1e-12, damping=1e-6, most_damping=1e6)
 # Beyond this reprojection error IPPE is asked again, with rays moved by so much of themselves.
 _DOUBTFUL_PX = 1.0
 _NUDGES = (1e-9, 1e-8, 1e-7)
@@ -149,71 +151,34 @@ def refine(corners: BoardCorners, camera: Camera, world_T_camera: Motor) -> Refi
             corner has no image.
     """
     _check_spread(corners)
-    start = world_T_camera.inverse().as_matrix()
-    rotation, translation = start[:3, :3], start[:3, 3]
-    residuals, jacobian = _linearised(corners, camera, rotation, translation)
-    cost, damping = float(residuals @ residuals), 1e-6
-    if not np.isfinite(cost):
+    evaluate = partial(_Reprojection, corners, camera)
+    if not np.isfinite(evaluate(world_T_camera).cost):
         raise TrackingError("world_T_camera: expected a pose with every corner before the camera")
-    for _ in range(_ITERATIONS):
-        normal = jacobian.T @ jacobian
-        damped = normal + damping * np.diag(np.diag(normal))
-        step = np.negative(np.linalg.solve(damped, jacobian.T @ residuals), dtype=np.float64)
-        turned, moved = _perturbed(rotation, translation, step)
-        tried, tried_jacobian = _linearised(corners, camera, turned, moved)
-        tried_cost = float(tried @ tried)
-        if not tried_cost <= cost:
-            damping *= 10.0
-            if damping > 1e6:
-                break
-            continue
-        settled = float(np.abs(step).max()) < _STEP or cost - tried_cost <= 1e-12 * cost
-        rotation, translation, cost = turned, moved, tried_cost
-        residuals, jacobian = tried, tried_jacobian
-        damping = max(damping * 0.1, 1e-12)
-        if settled:
-            break
-    return _described(rotation, translation, residuals, jacobian)
-
-
-def _described(
-    rotation: FloatArray, translation: FloatArray, residuals: FloatArray, jacobian: FloatArray
-) -> RefinedPose:
-    matrix = np.eye(4)
-    matrix[:3, :3], matrix[:3, 3] = rotation, translation
-    freedom = max(len(residuals) - 6, 1)
-    sigma = max(float(np.sqrt(residuals @ residuals / freedom)), SIGMA_FLOOR_PX)
-    covariance = sigma**2 * np.linalg.inv(jacobian.T @ jacobian)
+    found = minimise(world_T_camera, evaluate, retract, _STOP)
+    residuals = found.evaluation.residuals_px
+    freedom = max(residuals.size - 6, 1)
+    sigma = max(float(np.sqrt(np.sum(residuals**2) / freedom)), SIGMA_FLOOR_PX)
     return RefinedPose(
-        world_T_camera=Motor.from_matrix(matrix).inverse(),
-        covariance=0.5 * (covariance + covariance.T),
+        world_T_camera=found.state,
+        covariance=found.evaluation.equations.covariance(sigma),
         error_px=float(np.sqrt(2.0 * np.mean(residuals**2))),
-        residuals_px=residuals.reshape(-1, 2),
+        residuals_px=residuals,
         sigma_px=sigma,
     )
 
 
-def _linearised(
-    corners: BoardCorners, camera: Camera, rotation: FloatArray, translation: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Residuals ``(2 n,)`` and their derivative ``(2 n, 6)`` by the right perturbation.
+class _Reprojection:
+    """Corners of a board against their reprojection from one pose."""
 
-    ``X = exp(-delta) camera_T_world x``, so ``dX = [X]x d(rotation) - d(translation)``.
-    """
-    points = corners.points_m @ rotation.T + translation
-    pixels, by_point = camera.project_jacobian(points)
-    by_twist = np.empty((len(points), 2, 6))
-    by_twist[..., :3] = np.cross(points[:, None], by_point) * -1.0
-    by_twist[..., 3:] = -by_point
-    return (pixels - corners.corners_px).ravel(), by_twist.reshape(-1, 6)
+    def __init__(self, corners: BoardCorners, camera: Camera, world_T_camera: Motor) -> None:
+        in_camera = world_T_camera.inverse().apply(corners.points_m)
+        pixels, self._by_twist, _ = reproject(camera, in_camera)
+        self.residuals_px: FloatArray = pixels - corners.corners_px
+        self.cost = 0.5 * float(np.sum(self.residuals_px**2))
 
-
-def _perturbed(
-    rotation: FloatArray, translation: FloatArray, step: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Apply ``exp(-step)`` on the left of camera_T_world."""
-    change = Motor.from_twist(-step).as_matrix()
-    return change[:3, :3] @ rotation, change[:3, :3] @ translation + change[:3, 3]
+    @cached_property
+    def equations(self) -> NormalEquations:
+        return NormalEquations.of(self._by_twist.reshape(-1, 6), self.residuals_px.ravel())
 
 
 def _check_spread(corners: BoardCorners) -> None:

@@ -69,7 +69,7 @@ class Calibration:
     @property
     def turn_deg(self) -> float:
         """The largest angle between the board's normals in two used views, degrees."""
-        return _largest_turn_deg(self.camera_T_board.as_matrix())
+        return _largest_turn_deg(self.camera_T_board)
 
     def coverage(self, views: Sequence[BoardCorners]) -> float:
         """Share of the picture's 8 by 6 cells that hold a corner of a used view."""
@@ -130,7 +130,7 @@ def calibrate(
         used=used,
         view_error_px=errors,
         residuals_px=fit.residuals_px,
-        camera_T_board=Motor.from_matrix(fit.camera_T_board),
+        camera_T_board=fit.board_T_camera.inverse(),
     )
 
 
@@ -198,7 +198,7 @@ def _fitted(views: Sequence[BoardCorners], used: NDArray[np.bool_], camera: Came
             "is it the right lens model?"
         )
     seen = Observations.of([view for view, one in zip(views, used, strict=True) if one])
-    return fit_camera(seen, camera, Motor.stack([pose for pose, _ in posed]).inverse().as_matrix())
+    return fit_camera(seen, camera, Motor.stack([pose for pose, _ in posed]))
 
 
 def _view_errors_px(views: Sequence[BoardCorners], used: NDArray[np.bool_], fit: Fit) -> FloatArray:
@@ -214,7 +214,7 @@ def _view_errors_px(views: Sequence[BoardCorners], used: NDArray[np.bool_], fit:
 
 def _checked_deviation(fit: Fit) -> FloatArray:
     """Standard deviations; refuses what leaves the focal length or the centre open."""
-    turn_deg = _largest_turn_deg(fit.camera_T_board)
+    turn_deg = _largest_turn_deg(fit.board_T_camera.inverse())
     if turn_deg < _LEAST_TURN_DEG:
         raise CalibrationError(
             f"views: expected the board tilted at different angles, got {turn_deg:.1f} degrees "
@@ -222,7 +222,7 @@ def _checked_deviation(fit: Fit) -> FloatArray:
             "views: tilt the board or the camera by 30 degrees and more, all ways"
         )
     count, parameters = fit.residuals_px.size, len(fit.information)
-    freedom = max(count - parameters - 6 * len(fit.camera_T_board), 1)
+    freedom = max(count - parameters - 6 * len(fit.board_T_camera), 1)
     sigma = max(float(np.sqrt((fit.residuals_px**2).sum() / freedom)), SIGMA_FLOOR_PX)
     scale = 1.0 / np.sqrt(np.diag(fit.information))
     values, vectors = np.linalg.eigh(fit.information * scale[:, None] * scale)
@@ -239,6 +239,6 @@ def _checked_deviation(fit: Fit) -> FloatArray:
     return deviation
 
 
-def _largest_turn_deg(camera_T_board: FloatArray) -> float:
-    normals = camera_T_board[:, :3, 2]
+def _largest_turn_deg(camera_T_board: Motor) -> float:
+    normals = camera_T_board.rotor.apply([0.0, 0.0, 1.0])
     return float(np.degrees(np.arccos(np.clip(normals @ normals.T, -1.0, 1.0).min())))

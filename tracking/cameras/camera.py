@@ -96,17 +96,23 @@ class Camera:
         matrix.setflags(write=False)
         return matrix
 
-    def project(self, points_camera: ArrayLike) -> FloatArray:
+    def project(self, points_camera: ArrayLike, *, allow_nan: bool = False) -> FloatArray:
         """Map points in the camera frame, ``(*, 3)`` metres, to pixels ``(*, 2)``.
 
         Points that the model gives no image (at or behind the camera's plane; for "equidistant"
         only the camera centre itself) become NaN. Far outside the calibrated field a radtan
         polynomial may fold back into the picture; nothing here can know where it was fitted.
 
+        Args:
+            points_camera: the points.
+            allow_nan: let points that are not finite become NaN, instead of refusing them.
+
         Raises:
             ValueError: not ``(*, 3)`` or not finite.
         """
-        points = checked_floats(points_camera, "points_camera", (3,))
+        points = np.asarray(points_camera, np.float64)
+        if not allow_nan or points.shape[-1:] != (3,):
+            points = checked_floats(points_camera, "points_camera", (3,))
         return self._to_pixels(lenses.distort(self.model, self._coefficients, points))
 
     def project_jacobian(self, points_camera: ArrayLike) -> tuple[FloatArray, FloatArray]:

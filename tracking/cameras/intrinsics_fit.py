@@ -1,12 +1,12 @@
 """Least squares for a camera and the poses of a board in many views, all corners at once.
 
-Levenberg-Marquardt (Levenberg 1944, Marquardt 1963) with exact derivatives; the poses are
-eliminated view by view (Schur complement), so a step costs time in proportion to the corners.
+The poses are eliminated view by view, so a step costs time in proportion to the corners.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -14,12 +14,12 @@ from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras import lenses
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.reprojection import reproject, retract
+from motorcade.tracking.optimise import BlockEquations, Stop, minimise
 
 __all__ = ["Fit", "Observations", "fit_camera"]
 
-_ITERATIONS = 100
-_SETTLED = 1e-10
-_WORST_DAMPING = 1e9
+_STOP = Stop(steps=100, gain=1e-10)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,115 +63,81 @@ class Fit:
 
     Fields:
         camera: with the fitted intrinsics.
-        camera_T_board: ``(V, 4, 4)``.
+        board_T_camera: Motor ``(V,)``.
         residuals_px: ``(N, 2)`` reprojection minus corner.
         information: ``(p, p)`` of fx, fy, cx, cy and the distortion, for corners of unit noise,
             the poses being unknown too.
     """
 
     camera: Camera
-    camera_T_board: FloatArray
+    board_T_camera: Motor
     residuals_px: FloatArray
     information: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class _Normal:
-    """Normal equations: pose blocks (V, 6, 6), mixed (V, 6, p), camera (p, p), right-hand sides."""
+class _State:
+    numbers: FloatArray  # fx, fy, cx, cy and the distortion
+    board_T_camera: Motor
 
-    poses: FloatArray
-    mixed: FloatArray
-    camera: FloatArray
-    poses_right: FloatArray
-    camera_right: FloatArray
+    def retract(self, step: tuple[FloatArray, FloatArray]) -> _State:
+        numbers = self.numbers.copy()
+        numbers[: step[0].size] += step[0].ravel()
+        return _State(numbers, retract(self.board_T_camera, step[1]))
 
-    def damped(self, damping: float) -> _Normal:
-        scale = 1.0 + damping
-        return replace(
-            self,
-            poses=self.poses * (1.0 + damping * np.eye(6)),
-            camera=self.camera + (scale - 1.0) * np.diag(np.diag(self.camera)),
+
+class _Reprojection:
+    """All corners against their reprojection; infinite cost where no camera is like that."""
+
+    def __init__(self, seen: Observations, like: Camera, state: _State) -> None:
+        self._seen = seen
+        self.cost = np.inf
+        if not (np.isfinite(state.numbers).all() and (state.numbers[:2] > 0.0).all()):
+            return
+        self.camera = _camera(like, state.numbers)
+        self._in_camera = state.board_T_camera.inverse()[seen.view].apply(seen.points_m)
+        self._pixels, self._by_pose, _ = reproject(self.camera, self._in_camera)
+        self.residuals_px: FloatArray = self._pixels - seen.corners_px
+        self.cost = 0.5 * float((self.residuals_px**2).sum())
+
+    @cached_property
+    def equations(self) -> BlockEquations:
+        seen, residuals = self._seen, self.residuals_px
+        by_camera = _by_camera(self.camera, self._in_camera, self._pixels)
+        flipped = self._by_pose.swapaxes(-1, -2)
+        every = np.arange(len(seen.starts))
+        return BlockEquations(
+            information=np.einsum("nij,nik->jk", by_camera, by_camera),
+            gradient=np.einsum("nij,ni->j", by_camera, residuals),
+            blocks=seen.sums(flipped @ self._by_pose),
+            block_gradient=seen.sums((flipped @ residuals[..., None])[..., 0]),
+            block_of=every,
+            group_of=np.zeros_like(every),
+            coupling=seen.sums(flipped @ by_camera),
         )
 
-    def reduced(self) -> tuple[FloatArray, FloatArray]:
-        """The camera's equations with the poses eliminated: matrix and right-hand side."""
-        solved = np.linalg.solve(
-            self.poses, np.concatenate([self.mixed, self.poses_right[..., None]], axis=-1)
-        )
-        transposed = self.mixed.swapaxes(-1, -2)
-        taken = (transposed @ solved).sum(axis=0)
-        return self.camera - taken[:, :-1], self.camera_right - taken[:, -1]
 
-    def step(self) -> tuple[FloatArray, FloatArray]:
-        """Changes of the camera ``(p,)`` and of the poses ``(V, 6)``."""
-        camera = np.asarray(np.linalg.solve(*self.reduced()), np.float64)
-        right = self.poses_right - self.mixed @ camera
-        poses = np.asarray(np.linalg.solve(self.poses, right[..., None]), np.float64)
-        return camera, poses[..., 0]
-
-
-def fit_camera(seen: Observations, camera: Camera, camera_T_board: FloatArray) -> Fit:
+def fit_camera(seen: Observations, camera: Camera, board_T_camera: Motor) -> Fit:
     """Minimise the reprojection error of all corners over camera and poses.
 
     Args:
         seen: the corners.
         camera: where to start; its model and count of coefficients stay. Rational radtan
             coefficients (k4 to k6) are held.
-        camera_T_board: ``(V, 4, 4)`` poses to start from, every corner before the camera.
+        board_T_camera: Motor ``(V,)`` to start from, every corner before the camera.
     """
-    poses = camera_T_board
-    residuals, normal = _linearised(seen, camera, poses)
-    cost, damping = float((residuals**2).sum()), 1e-4
-    for _ in range(_ITERATIONS):
-        try:
-            change, moves = normal.damped(damping).step()
-            tried_camera = _changed(camera, change)
-        except (np.linalg.LinAlgError, ValueError):  # singular, or a focal length below zero
-            tried_cost = np.inf
-        else:
-            tried_poses = Motor.from_twist(moves).as_matrix() @ poses
-            tried, tried_normal = _linearised(seen, tried_camera, tried_poses)
-            tried_cost = float((tried**2).sum())
-        if not tried_cost <= cost:
-            damping *= 10.0
-            if damping > _WORST_DAMPING:
-                break
-            continue
-        settled = cost - tried_cost <= _SETTLED * cost
-        camera, poses, cost = tried_camera, tried_poses, tried_cost
-        residuals, normal = tried, tried_normal
-        damping = max(0.1 * damping, 1e-10)
-        if settled:
-            break
-    return Fit(camera, poses, residuals, normal.reduced()[0])
-
-
-def _changed(camera: Camera, change: FloatArray) -> Camera:
     numbers = np.array([camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion])
-    numbers[: len(change)] -= change
-    fx, fy, cx, cy, *distortion = numbers.tolist()
-    return replace(camera, fx=fx, fy=fy, cx=cx, cy=cy, distortion=tuple(distortion))
-
-
-def _linearised(
-    seen: Observations, camera: Camera, poses: FloatArray
-) -> tuple[FloatArray, _Normal]:
-    """Residuals ``(N, 2)`` (NaN where a corner has no image) and the normal equations."""
-    each = poses[seen.view]
-    points = (each[:, :3, :3] @ seen.points_m[..., None])[..., 0] + each[:, :3, 3]
-    pixels, by_point = camera.project_jacobian(points)
-    residuals = pixels - seen.corners_px
-    by_pose = np.concatenate([-np.cross(points[:, None], by_point), -by_point], axis=-1)
-    by_camera = _by_camera(camera, points, pixels)
-    flipped = by_pose.swapaxes(-1, -2)
-    normal = _Normal(
-        poses=seen.sums(flipped @ by_pose),
-        mixed=seen.sums(flipped @ by_camera),
-        camera=np.einsum("nij,nik->jk", by_camera, by_camera),
-        poses_right=seen.sums((flipped @ residuals[..., None])[..., 0]),
-        camera_right=np.einsum("nij,ni->j", by_camera, residuals),
+    evaluate = partial(_Reprojection, seen, camera)
+    found = minimise(_State(numbers, board_T_camera), evaluate, _State.retract, _STOP)
+    at = found.evaluation
+    return Fit(
+        at.camera, found.state.board_T_camera, at.residuals_px, at.equations.reduced_information
     )
-    return residuals, normal
+
+
+def _camera(like: Camera, numbers: FloatArray) -> Camera:
+    fx, fy, cx, cy, *distortion = numbers.tolist()
+    return replace(like, fx=fx, fy=fy, cx=cx, cy=cy, distortion=tuple(distortion))
 
 
 def _by_camera(camera: Camera, points: FloatArray, pixels: FloatArray) -> FloatArray:

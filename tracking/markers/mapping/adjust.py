@@ -1,34 +1,37 @@
 """Bundle adjustment of rig poses, markers and cameras' places on corners.
 
-Levenberg-Marquardt: all sightings are linearised at once, through the full lens model and with
-exact derivatives; gtsam eliminates the sparse system. Huber's loss on the eight residuals of a
-sighting keeps wrong ones from pulling. Sources: Triggs et al. 2000; Huber 1964; Dellaert & Kaess
-2017 (elimination on factor graphs).
+All sightings are linearised at once, through the full lens model and with exact derivatives; the
+frames are eliminated, so a step costs time with the cube of the markers. Huber's loss on the eight
+residuals of a sighting keeps wrong ones from pulling. Source: Triggs et al. 2000.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.tracking.cameras.reprojection import retract
 from motorcade.tracking.markers.mapping.reprojection import linearised, residuals_px
 from motorcade.tracking.markers.mapping.rig import RigSightings
+from motorcade.tracking.optimise import (
+    BlockEquations,
+    Stop,
+    huber,
+    minimise,
+    pair_sums,
+    sum_by,
+)
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
-if TYPE_CHECKING:
-    import gtsam
-
-__all__ = ["Adjusted", "adjust", "pose_covariance"]
+__all__ = ["AdjustedRig", "adjust", "pose_covariance"]
 
 # Huber's loss turns linear where the eight residuals of a sighting exceed so many deviations.
 _HUBER = 4.0
-_ITERATIONS = 50
-_SETTLED = 1e-6  # share of the loss that an iteration must still gain
+_STOP = Stop(steps=60, gain=1e-6, most_damping=1e8)
 _ROUNDS = 2
 # What a sighting with a corner behind the camera counts.
 _NO_IMAGE_PX = 1000.0
@@ -38,7 +41,7 @@ _MEDIAN_CHI2 = 7.344  # median of chi squared with eight degrees of freedom
 
 
 @dataclass(frozen=True, eq=False)
-class Adjusted:
+class AdjustedRig:
     """Poses after an adjustment.
 
     Args:
@@ -58,7 +61,7 @@ class Adjusted:
 
 def adjust(
     seen: RigSightings, world_T_rig: Motor, world_T_marker: Motor, held: NDArray[np.bool_]
-) -> Adjusted:
+) -> AdjustedRig:
     """Refine all poses of frames and markers that the sightings name; others stay as they are.
 
     Args:
@@ -67,157 +70,111 @@ def adjust(
         world_T_marker: Motor ``(M,)`` to start from.
         held: ``(M,)`` markers that stay where they are; at least one, which fixes the world.
     """
-    state = Adjusted(seen, world_T_rig, world_T_marker, np.zeros(0), 1.0)
+    state = AdjustedRig(seen, world_T_rig, world_T_marker, np.zeros(0), 1.0)
     for _ in range(_ROUNDS):
-        state = _optimised(state, held)
-        squares = _squares(state)
+        found = minimise(state, partial(_Reprojection, held), partial(_retract, held), _STOP)
+        state, squares = found.state, found.evaluation.squares
         sigma_px = max(float(np.sqrt(np.median(squares) / _MEDIAN_CHI2)), SIGMA_FLOOR_PX)
         state = replace(state, error_px=np.sqrt(squares / 4.0), sigma_px=sigma_px)
     return state
 
 
-def pose_covariance(state: Adjusted) -> FloatArray:
+def pose_covariance(state: AdjustedRig) -> FloatArray:
     """Covariance ``(F, 6, 6)`` of each frame's pose, markers and cameras taken as they stand.
 
     Of the right perturbation, rotation (rad) then translation (m); sightings count as Huber's loss
     has them.
     """
-    seen = state.seen
-    residuals, jacobians = linearised(
-        seen, state.world_T_rig[seen.frame], state.world_T_marker[seen.marker]
-    )
-    scaled = jacobians[:, 0] * _weight(residuals, state.sigma_px)[:, None, None]
-    information: FloatArray = np.tile(_VAGUE, (len(seen.time_ns), 1, 1))
-    np.add.at(information, seen.frame, scaled.swapaxes(-1, -2) @ scaled)
+    information = _VAGUE + _Reprojection(np.ones(0, bool), state).by_frame / state.sigma_px**2
     covariance = np.asarray(np.linalg.inv(information), np.float64)
     return 0.5 * (covariance + covariance.swapaxes(-1, -2))
 
 
-def _weight(residuals: FloatArray, sigma_px: float) -> FloatArray:
-    """Factor ``(N,)`` on each sighting's residuals ``(N, 8)``: Huber's, over the noise."""
-    size = np.linalg.norm(residuals, axis=-1) / sigma_px
-    return np.asarray(np.sqrt(np.minimum(1.0, _HUBER / np.maximum(size, 1e-12))) / sigma_px)
+class _Reprojection:
+    """All sightings against their reprojection, weighed by Huber's loss, for unit noise."""
 
+    def __init__(self, held: NDArray[np.bool_], state: AdjustedRig) -> None:
+        self._held, self._state = held, state
+        seen = state.seen
+        poses = state.world_T_rig[seen.frame], state.world_T_marker[seen.marker]
+        residuals = residuals_px(seen, *poses)
+        squares: FloatArray = np.sum(residuals**2, axis=(-1, -2))
+        self.squares = np.where(np.isfinite(squares), squares, _NO_IMAGE_PX**2)
+        loss, self._weight = huber(np.sqrt(self.squares), _HUBER * state.sigma_px)
+        self.cost = float(np.sum(loss))
 
-def _optimised(state: Adjusted, held: NDArray[np.bool_]) -> Adjusted:
-    loss, damping = _loss(state), 1e-4
-    for _ in range(_ITERATIONS):
-        residuals, jacobians = linearised(
-            state.seen, state.world_T_rig[state.seen.frame], state.world_T_marker[state.seen.marker]
-        )
-        weight = _weight(residuals, state.sigma_px)
-        before = loss
-        while damping < 1e8:
-            tried = _stepped(state, residuals, jacobians, weight, held, damping)
-            tried_loss = _loss(tried)
-            if tried_loss < loss:
-                state, loss, damping = tried, tried_loss, max(damping * 0.1, 1e-9)
-                break
-            damping *= 10.0
-        if before - loss <= _SETTLED * before:
-            break
-    return state
+    @cached_property
+    def _linearised(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Weighed residuals ``(N, 8)``, derivatives ``(N, 3, 8, 6)``, those by the rig's pose."""
+        state, seen = self._state, self._state.seen
+        poses = state.world_T_rig[seen.frame], state.world_T_marker[seen.marker]
+        residuals, jacobians = linearised(seen, *poses)
+        root = np.sqrt(self._weight)
+        jacobians = jacobians * root[:, None, None, None]
+        return residuals * root[:, None], jacobians, jacobians[:, 0]
 
+    @property
+    def by_frame(self) -> FloatArray:
+        """Information ``(F, 6, 6)`` of each frame's pose."""
+        seen = self._state.seen
+        _, _, by_rig = self._linearised
+        return sum_by(by_rig.swapaxes(-1, -2) @ by_rig, seen.frame, len(seen.time_ns))
 
-def _stepped(
-    state: Adjusted,
-    residuals: FloatArray,
-    jacobians: FloatArray,
-    weight: FloatArray,
-    held: NDArray[np.bool_],
-    damping: float,
-) -> Adjusted:
-    """All poses moved by one damped step."""
-    import gtsam
-
-    seen = state.seen
-    graph = gtsam.GaussianFactorGraph()
-    make: Callable[..., gtsam.JacobianFactor] = gtsam.JacobianFactor  # one to three poses
-    unit = gtsam.noiseModel.Unit.Create(8)
-    scaled = jacobians * weight[:, None, None, None]
-    wanted = -residuals * weight[:, None]
-    keys = _Keys(seen, held)
-    for row in range(len(seen)):
-        names = keys.of(row)
-        terms: tuple[Any, ...] = ()
-        for part, key in enumerate(names):
-            if key is not None:
-                terms += (key, scaled[row, part])
-        graph.add(make(*terms, wanted[row], unit))
-    for key, diagonal in keys.diagonals(scaled).items():
-        root = np.diag(np.sqrt(damping * diagonal))
-        graph.add(gtsam.JacobianFactor(key, root, np.zeros(6), gtsam.noiseModel.Unit.Create(6)))
-    found = graph.optimize()
-    return keys.moved(state, found)
-
-
-class _Keys:
-    """gtsam's keys of the poses that may move."""
-
-    def __init__(self, seen: RigSightings, held: NDArray[np.bool_]) -> None:
-        import gtsam
-
-        self._seen = seen
-        self._rig = {int(one): gtsam.symbol("x", int(one)) for one in np.unique(seen.frame)}
-        loose = [int(one) for one in np.unique(seen.marker) if not held[one]]
-        self._marker = {one: gtsam.symbol("m", one) for one in loose}
-        free = [int(one) for one in np.unique(seen.camera) if not seen.given[one]]
-        self._camera = {one: gtsam.symbol("c", one) for one in free}
-
-    def of(self, row: int) -> tuple[int, int | None, int | None]:
-        """Keys of rig, marker and camera of a sighting; None for what stays."""
-        seen = self._seen
-        return (
-            self._rig[int(seen.frame[row])],
-            self._marker.get(int(seen.marker[row])),
-            self._camera.get(int(seen.camera[row])),
-        )
-
-    def diagonals(self, scaled: FloatArray) -> dict[int, FloatArray]:
-        """Diagonal ``(6,)`` of each free pose's information, a little above zero."""
-        seen, squares = self._seen, np.sum(scaled**2, axis=-2)
-        found: dict[int, FloatArray] = {}
-        for part, (keys, index, count) in enumerate(
-            (
-                (self._rig, seen.frame, len(seen.time_ns)),
-                (self._marker, seen.marker, len(seen.marker_ids)),
-                (self._camera, seen.camera, len(seen.cameras)),
+    @cached_property
+    def equations(self) -> BlockEquations:
+        """The frames are the blocks; loose markers, then cameras that were not given, are kept."""
+        seen = self._state.seen
+        residuals, jacobians, by_rig = self._linearised
+        slots = _slots(seen, self._held)
+        count = int(max((slot.max(initial=-1) for slot in slots), default=-1)) + 1
+        kept = [
+            (slot[of] >= 0, slot[of], jacobians[:, part])
+            for part, (slot, of) in enumerate(
+                zip(slots, (seen.marker, seen.camera), strict=True), 1
             )
-        ):
-            total = np.full((count, 6), 1e-6)
-            np.add.at(total, index, squares[:, part])
-            found |= {key: total[which] for which, key in keys.items()}
-        return found
-
-    def moved(self, state: Adjusted, step: gtsam.VectorValues) -> Adjusted:
-        """The poses after a step."""
-        seen = replace(
-            state.seen, rig_T_camera=_turned(state.seen.rig_T_camera, self._camera, step)
+        ]
+        information = np.zeros((count, count, 6, 6))
+        gradient = np.zeros((count, 6))
+        for free, slot, by_pose in kept:
+            pull = np.einsum("nij,ni->nj", by_pose[free], residuals[free])
+            gradient += sum_by(pull, slot[free], count)
+            for also_free, other, by_other in kept:
+                both = free & also_free
+                product = by_pose[both].swapaxes(-1, -2) @ by_other[both]
+                rows, columns, sums = pair_sums(product, slot[both], other[both])
+                information[rows, columns] += sums
+        meet = [
+            pair_sums(by_rig[free].swapaxes(-1, -2) @ by_pose[free], seen.frame[free], slot[free])
+            for free, slot, by_pose in kept
+        ]
+        return BlockEquations(
+            information.swapaxes(1, 2).reshape(6 * count, 6 * count),
+            gradient.ravel(),
+            self.by_frame,
+            sum_by(np.einsum("nij,ni->nj", by_rig, residuals), seen.frame, len(seen.time_ns)),
+            *(np.concatenate(parts) for parts in zip(*meet, strict=True)),
         )
-        return replace(
-            state,
-            seen=seen,
-            world_T_rig=_turned(state.world_T_rig, self._rig, step),
-            world_T_marker=_turned(state.world_T_marker, self._marker, step),
-        )
 
 
-def _turned(poses: Motor, keys: dict[int, int], step: gtsam.VectorValues) -> Motor:
-    twists = np.zeros((len(poses), 6))
-    for which, key in keys.items():
-        twists[which] = step.at(key)
-    return poses @ Motor.from_twist(twists)
+def _slots(seen: RigSightings, held: NDArray[np.bool_]) -> tuple[IntArray, IntArray]:
+    """Which of the kept poses each marker ``(M,)`` and each camera ``(C,)`` is; -1 if it stays."""
+    free = np.zeros(len(seen.marker_ids), bool)
+    free[seen.marker] = True
+    free &= ~held
+    markers = np.where(free, np.cumsum(free) - 1, -1)
+    cameras = np.where(seen.given, -1, np.count_nonzero(free) + np.cumsum(~seen.given) - 1)
+    return markers, cameras
 
 
-def _squares(state: Adjusted) -> FloatArray:
-    """Sum of squared residuals ``(N,)`` of each sighting."""
-    seen = state.seen
-    residuals = residuals_px(seen, state.world_T_rig[seen.frame], state.world_T_marker[seen.marker])
-    squares: FloatArray = np.sum(residuals**2, axis=(-1, -2))
-    return np.where(np.isfinite(squares), squares, _NO_IMAGE_PX**2)
-
-
-def _loss(state: Adjusted) -> float:
-    size = np.sqrt(_squares(state)) / state.sigma_px
-    huber = np.where(size <= _HUBER, 0.5 * size**2, _HUBER * (size - 0.5 * _HUBER))
-    return float(np.sum(huber))
+def _retract(
+    held: NDArray[np.bool_], state: AdjustedRig, step: tuple[FloatArray, FloatArray]
+) -> AdjustedRig:
+    kept, frames = step
+    twists = np.concatenate([kept, np.zeros((1, 6))])  # slot -1 is what stays
+    markers, cameras = _slots(state.seen, held)
+    return replace(
+        state,
+        seen=replace(state.seen, rig_T_camera=retract(state.seen.rig_T_camera, twists[cameras])),
+        world_T_rig=retract(state.world_T_rig, frames),
+        world_T_marker=retract(state.world_T_marker, twists[markers]),
+    )

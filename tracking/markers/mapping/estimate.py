@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import Sightings
-from motorcade.tracking.markers.mapping.adjust import Adjusted, adjust, pose_covariance
+from motorcade.tracking.markers.mapping.adjust import AdjustedRig, adjust, pose_covariance
 from motorcade.tracking.markers.mapping.bootstrap import hang_markers, place_frames
 from motorcade.tracking.markers.mapping.rig import RigSightings, gather
 from motorcade.tracking.markers.marker_map import MarkerMap
@@ -146,7 +146,7 @@ def _of_map(stream: CornerStream, marker_map: MarkerMap) -> CornerStream:
 
 def _mapped(
     marker_map: MarkerMap,
-    result: Adjusted,
+    result: AdjustedRig,
     placed: NDArray[np.bool_],
     names: list[str],
     left_out: IntArray,
@@ -164,7 +164,7 @@ def _mapped(
     )
 
 
-def _frame_error_px(result: Adjusted) -> FloatArray:
+def _frame_error_px(result: AdjustedRig) -> FloatArray:
     """Of every frame ``(F,)``; 0 where nothing is seen."""
     count = len(result.seen.time_ns)
     squares = np.bincount(result.seen.frame, result.error_px**2, minlength=count)

@@ -1,0 +1,170 @@
+"""Linearised least squares and its damped step: dense, or with blocks eliminated (Schur).
+
+Sources: Triggs et al. 2000, sections 6.1 and 6.2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray
+
+__all__ = ["BlockEquations", "NormalEquations", "pair_sums", "sum_by"]
+
+_CHUNK = 256
+_SMALL = 32
+_FLOOR = 1e-9  # keeps parameters that nothing speaks of where they are
+
+
+@dataclass(frozen=True, eq=False)
+class NormalEquations:
+    """``J^T J step = -J^T r``.
+
+    Args:
+        information: ``(p, p)``, ``J^T J``.
+        gradient: ``(p,)``, ``J^T r``.
+    """
+
+    information: FloatArray
+    gradient: FloatArray
+
+    @classmethod
+    def of(
+        cls, jacobian: FloatArray, residuals: FloatArray, weight: FloatArray | None = None
+    ) -> NormalEquations:
+        """From the derivative ``(n, p)`` of residuals ``(n,)``, squares weighed by ``(n,)``."""
+        weighed = jacobian if weight is None else jacobian * weight[:, None]
+        return cls(weighed.T @ jacobian, weighed.T @ residuals)
+
+    def step(self, damping: float) -> FloatArray:
+        """Damped Gauss-Newton step ``(p,)``."""
+        solved = np.linalg.solve(_damped(self.information, damping), self.gradient)
+        return np.asarray(-solved, np.float64)
+
+    def covariance(self, sigma: float) -> FloatArray:
+        """Covariance ``(p, p)`` of the parameters for residuals with so much noise."""
+        covariance = sigma**2 * np.linalg.inv(self.information)
+        return np.asarray(0.5 * (covariance + covariance.T), np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class BlockEquations:
+    """Equations of few parameters that all may meet, and of many small blocks that never do.
+
+    The blocks are eliminated, so a step costs time in proportion to them and with the cube of the
+    rest. Sums are made in one order: the same input gives the same bytes.
+
+    Args:
+        information: ``(g w, g w)`` of the g groups of w parameters that are kept.
+        gradient: ``(g w,)``.
+        blocks: ``(b, s, s)`` information of the blocks.
+        block_gradient: ``(b, s)``.
+        block_of, group_of: ``(m,)`` which block and which group meet; a pair stands at most once.
+        coupling: ``(m, s, w)`` their common part of the information.
+    """
+
+    information: FloatArray
+    gradient: FloatArray
+    blocks: FloatArray
+    block_gradient: FloatArray
+    block_of: IntArray
+    group_of: IntArray
+    coupling: FloatArray
+
+    def step(self, damping: float) -> tuple[FloatArray, FloatArray]:
+        """Damped Gauss-Newton step of the groups ``(g, w)`` and of the blocks ``(b, s)``."""
+        matrix, right, inverted = self._reduced(damping)
+        kept = np.asarray(-np.linalg.solve(matrix, right), np.float64) if len(right) else right
+        pull = self.block_gradient.copy()
+        for rows, columns, coupling in self._chunks:
+            pull[rows] += coupling @ kept[columns]
+        width = self.coupling.shape[-1]
+        return kept.reshape(-1, width), -(inverted @ pull[..., None])[..., 0]
+
+    @property
+    def reduced_information(self) -> FloatArray:
+        """Information ``(g w, g w)`` of the kept parameters, the blocks being unknown too."""
+        return self._reduced(0.0)[0]
+
+    def _reduced(self, damping: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Matrix and right-hand side without the blocks, and the blocks inverted."""
+        inverted = np.asarray(np.linalg.inv(_damped(self.blocks, damping)), np.float64)
+        matrix, right = _damped(self.information, damping), self.gradient.copy()
+        for rows, columns, coupling in self._chunks:
+            scaled = inverted[rows] @ coupling
+            matrix[np.ix_(columns, columns)] -= _product(coupling, scaled)
+            right[columns] -= np.einsum("bij,bi->j", scaled, self.block_gradient[rows])
+        return matrix, right, inverted
+
+    @cached_property
+    def _chunks(self) -> list[tuple[slice, IntArray, FloatArray]]:
+        """Blocks a few at a time, the columns ``(c,)`` of the groups that meet any of them, and
+        their dense coupling ``(few, s, c)``.
+
+        Blocks that stand together meet few groups, so a long path costs no more than its parts.
+        """
+        order = np.argsort(self.block_of, kind="stable")
+        block_of, group_of = self.block_of[order], self.group_of[order]
+        coupling = self.coupling[order]
+        size, width = coupling.shape[1:]
+        chunks = []
+        for start in range(0, len(self.blocks), _CHUNK):
+            stop = min(start + _CHUNK, len(self.blocks))
+            mine = slice(*np.searchsorted(block_of, (start, stop)))
+            groups, place = np.unique(group_of[mine], return_inverse=True)
+            if not len(groups):
+                continue
+            dense = np.zeros((stop - start, size, len(groups), width))
+            dense[block_of[mine] - start, :, place] = coupling[mine]
+            columns = (width * groups[:, None] + np.arange(width)).ravel()
+            chunks.append((slice(start, stop), columns, dense.reshape(len(dense), size, -1)))
+        return chunks
+
+
+def sum_by(values: FloatArray, owner: IntArray, count: int) -> FloatArray:
+    """Sums ``(count, *)`` of rows ``(n, *)`` by owner, in the order of the rows.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking.optimise import sum_by
+    >>> sum_by(np.array([1.0, 2.0, 4.0]), np.array([2, 0, 2]), 3)
+    array([2., 0., 5.])
+    """
+    order = np.argsort(owner, kind="stable")
+    starts = np.searchsorted(owner[order], np.arange(count))
+    sums = np.zeros((count, *values.shape[1:]))
+    present = np.flatnonzero(np.bincount(owner, minlength=count))
+    if len(present):
+        sums[present] = np.add.reduceat(values[order], starts[present], axis=0)
+    return sums
+
+
+def pair_sums(
+    values: FloatArray, rows: IntArray, columns: IntArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Sum values ``(n, *)`` of equal (row, column); gives each pair's row, column and sum."""
+    width = int(columns.max(initial=0)) + 1
+    pairs, owner = np.unique(rows * width + columns, return_inverse=True)
+    return pairs // width, pairs % width, sum_by(values, owner, len(pairs))
+
+
+def _damped(information: FloatArray, damping: float) -> FloatArray:
+    diagonal = np.einsum("...ii->...i", information)
+    more = (damping * diagonal + _FLOOR)[..., None] * np.eye(information.shape[-1])
+    return np.asarray(information + more, np.float64)
+
+
+def _product(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Sum of ``a^T b`` over the blocks, in products so small that BLAS starts no threads.
+
+    Threads cost more than they bring here, and sums would depend on how many there are.
+    """
+    missing = -len(a) % _SMALL
+    groups = []
+    for one in (a, b):
+        padded = np.concatenate([one, np.zeros((missing, *one.shape[1:]))]) if missing else one
+        groups.append(padded.reshape(-1, one.shape[1] * _SMALL, one.shape[-1]))
+    products: FloatArray = np.matmul(groups[0].transpose(0, 2, 1), groups[1]).sum(axis=0)
+    return products
