@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Motor, Rotor
 
-__all__ = ["ERROR_SIZE", "corrected", "extended_pose", "joined", "motor_adjoint", "skew"]
+__all__ = ["ERROR_SIZE", "corrected", "extended_pose", "motor_adjoint"]
 
 ERROR_SIZE = 15
 
@@ -32,12 +32,6 @@ def corrected(pose: Motor, error: FloatArray) -> Motor:
     return pose @ Motor.from_twist(_pairs(error))
 
 
-def joined(first: FloatArray, second: FloatArray) -> FloatArray:
-    """The one error ``(15,)`` that does what `first` and then `second` do."""
-    twists = (Motor.from_twist(_pairs(first)) @ Motor.from_twist(_pairs(second))).as_twist()
-    return np.concatenate([twists[0], twists[1, 3:], first[9:] + second[9:]])
-
-
 def motor_adjoint(motor: Motor) -> FloatArray:
     """Adjoint ``(*, 6, 6)`` on twists, rotation first: ``m Exp(ξ) = Exp(Ad ξ) m``."""
     rotation, shift = motor.rotor.as_matrix(), motor.translation_m
@@ -45,15 +39,6 @@ def motor_adjoint(motor: Motor) -> FloatArray:
     adjoint[..., :3, :3] = adjoint[..., 3:, 3:] = rotation
     adjoint[..., 3:, :3] = np.cross(shift[..., None, :], rotation.swapaxes(-1, -2)).swapaxes(-1, -2)
     return adjoint
-
-
-def skew(vectors: FloatArray) -> FloatArray:
-    """Matrices ``(*, 3, 3)`` of the cross product with vectors ``(*, 3)``."""
-    matrices = np.zeros((*vectors.shape, 3))
-    matrices[..., 2, 1], matrices[..., 1, 2] = vectors[..., 0], -vectors[..., 0]
-    matrices[..., 0, 2], matrices[..., 2, 0] = vectors[..., 1], -vectors[..., 1]
-    matrices[..., 1, 0], matrices[..., 0, 1] = vectors[..., 2], -vectors[..., 2]
-    return matrices
 
 
 def _pairs(error: FloatArray) -> FloatArray:

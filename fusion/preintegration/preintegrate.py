@@ -1,21 +1,17 @@
-"""`preintegrate`: inertial samples summed up between keyframes.
-
-Single steps are worked out all at once, then neighbours are joined two by two, four by four, … in
-every interval at the same time: intervals are a group's elements, so the order of joining is free.
-"""
+"""`preintegrate`: inertial samples summed up between keyframes."""
 
 from __future__ import annotations
 
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from motorcade.fusion.filter.increments import increments
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.fusion.preintegration.preintegrated import Preintegrated, joined
-from motorcade.fusion.preintegration.steps import single_steps
-from motorcade.ga import FloatArray, IntArray, Motor, checked_floats
+from motorcade.fusion.preintegration.preintegrated import Preintegrated
+from motorcade.ga import FloatArray, IntArray, checked_floats
 
 __all__ = ["preintegrate"]
 
@@ -53,47 +49,36 @@ def preintegrate(
         raise ValueError(f"rule: expected 'mean' or 'held', got {rule!r}")
     keys = _checked_keyframes(keyframes_ns, imu)
     count = len(keys) - 1
-    biases = [
-        np.broadcast_to(_checked_bias(value, name, count), (count, 3))
-        for value, name in (
-            (gyro_bias_rad_s, "gyro_bias_rad_s"), (accel_bias_m_s2, "accel_bias_m_s2"),
-        )
-    ]  # fmt: skip
+    biases = np.concatenate(
+        [
+            np.broadcast_to(_checked_bias(value, name, count), (count, 3))
+            for value, name in (
+                (gyro_bias_rad_s, "gyro_bias_rad_s"),
+                (accel_bias_m_s2, "accel_bias_m_s2"),
+            )
+        ],
+        axis=-1,
+    )
     own = imu.time_ns[(imu.time_ns > keys[0]) & (imu.time_ns < keys[-1])]
     stamps = np.union1d(keys, own).astype(np.int64)
-    interval = np.searchsorted(keys, stamps[:-1], side="right") - 1
-    steps = single_steps(
-        imu.at(stamps), noise, biases[0][interval], biases[1][interval], held=rule == "held"
+    first = np.searchsorted(stamps, keys)
+    data = imu.at(stamps)
+    rate, force = (
+        values[:-1] if rule == "held" else 0.5 * (values[1:] + values[:-1])
+        for values in (data.angular_rate_rad_s, data.specific_force_m_s2)
     )
-    return _reduced(steps, interval)
-
-
-def _reduced(steps: Preintegrated, interval: IntArray) -> Preintegrated:
-    """Steps ``(M,)`` joined within each interval, whose numbers ``(M,)`` never fall."""
-    while len(interval) > interval[-1] + 1:
-        start = np.searchsorted(interval, interval)
-        even = (np.arange(len(interval)) - start) % 2 == 0
-        paired = even & np.append(interval[1:] == interval[:-1], False)
-        first = np.flatnonzero(paired)
-        pairs = joined(steps[first], steps[first + 1])
-        kept = np.flatnonzero(even)
-        steps, interval = _replaced(steps[kept], paired[kept], pairs), interval[kept]
-    return steps
-
-
-def _replaced(steps: Preintegrated, which: NDArray[np.bool_], by: Preintegrated) -> Preintegrated:
-    """The steps with those of a mask replaced."""
-    arrays = []
-    for name in ("duration_s", "motion", "transition", "covariance"):
-        old, new = getattr(steps, name), getattr(by, name)
-        if isinstance(old, Motor):
-            old, new = old.coefficients, new.coefficients
-        array = np.array(old)
-        array[which] = new
-        arrays.append(array)
-    duration, motion, transition, covariance = arrays
-    biases = steps.gyro_bias_rad_s, steps.accel_bias_m_s2
-    return Preintegrated(duration, Motor(motion), *biases, transition, covariance)
+    motion, transition, covariance = increments(
+        first[:-1],
+        np.diff(stamps) * 1e-9,
+        rate,
+        force,
+        np.repeat(biases, np.diff(first), axis=0),
+        noise,
+        held=rule == "held",
+    )
+    return Preintegrated(
+        np.diff(keys) * 1e-9, motion, biases[:, :3], biases[:, 3:], transition, covariance
+    )
 
 
 def _checked_keyframes(keyframes_ns: IntArray, imu: ImuStream) -> IntArray:

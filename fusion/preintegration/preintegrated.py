@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.fusion.filter.extended_pose import corrected, extended_pose
+from motorcade.fusion.filter.extended_pose import corrected
 from motorcade.ga import FloatArray, IntArray, Motor
 
-__all__ = ["Preintegrated", "joined"]
+__all__ = ["Preintegrated"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,10 +77,13 @@ class Preintegrated:
         )
         return corrected(self.motion, np.einsum("...ij,...j->...i", self.bias_jacobian, change))
 
-    def carry(
-        self, world_T_imu: Motor, velocity_m_s: FloatArray, gravity_m_s2: ArrayLike,
+    def propagate(
+        self,
+        world_T_imu: Motor,
+        velocity_m_s: FloatArray,
+        gravity_m_s2: ArrayLike,
         motion: Motor | None = None,
-    ) -> tuple[Motor, FloatArray]:  # fmt: skip
+    ) -> tuple[Motor, FloatArray]:
         """Poses ``(*)`` and velocities ``(*, 3)`` at the ends, from those at the starts.
 
         Args:
@@ -98,22 +101,3 @@ class Preintegrated:
         position = position + rotor.apply(gained[..., 0, :])
         velocity = velocity_m_s + fall * dt + rotor.apply(gained[..., 1, :])
         return Motor.from_rotor_translation(rotor @ own[..., 0].rotor, position), velocity
-
-
-def joined(first: Preintegrated, second: Preintegrated) -> Preintegrated:
-    """Each interval followed by another one that starts where it ends; biases are those of it."""
-    rotor = first.motion[..., 0].rotor
-    gained, after = first.motion.translation_m, second.motion.translation_m
-    velocity = gained[..., 1, :] + rotor.apply(after[..., 1, :])
-    position = gained[..., 0, :] + gained[..., 1, :] * second.duration_s[..., None]
-    position = position + rotor.apply(after[..., 0, :])
-    matrix = second.transition
-    spread = matrix @ first.covariance @ np.swapaxes(matrix, -1, -2) + second.covariance
-    return Preintegrated(
-        first.duration_s + second.duration_s,
-        extended_pose(rotor @ second.motion[..., 0].rotor, position, velocity),
-        first.gyro_bias_rad_s,
-        first.accel_bias_m_s2,
-        matrix @ first.transition,
-        0.5 * (spread + np.swapaxes(spread, -1, -2)),
-    )

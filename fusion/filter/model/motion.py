@@ -12,6 +12,7 @@ Only where the direction of gravity is sought does it depend on the attitude.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from motorcade.fusion.filter.model.symbols import (
@@ -38,11 +39,19 @@ _R, _P, _V, _BG, _BA = (slice(3 * i, 3 * i + 3) for i in range(5))
 _AT_REST = [1.0, *[0.0] * 7]
 
 
-def increment(rate: Numbers, force: Numbers, dt: Any) -> tuple[Multivector, Numbers, Numbers]:
-    """The rotor ΔR, and Δv and Δp in the axes at the interval's start; biases are taken off."""
+def increment(
+    rate: Numbers, force: Numbers, dt: Any, *, held: bool = False
+) -> tuple[Multivector, Numbers, Numbers]:
+    """The rotor ΔR, and Δv and Δp in the axes at the interval's start; biases are taken off.
+
+    `held` keeps the force in those axes for the whole interval, as gtsam does on its manifold.
+    """
     turn = [value * dt for value in rate]
     cosine, sinc, third, fourth = turn_functions(sum(value * value for value in turn))
     rotor = on.rotor_of([cosine, *(-0.5 * sinc * value for value in turn)])
+    if held:
+        gained = [dt * f for f in force]
+        return rotor, gained, [0.5 * dt * v for v in gained]
     once = cross(turn, force)
     twice = cross(turn, once)
     second = 0.5 * sinc * sinc  # (1 - cos x) / x²
@@ -57,11 +66,12 @@ def increment(rate: Numbers, force: Numbers, dt: Any) -> tuple[Multivector, Numb
 
 
 def advanced(
-    pose: Numbers, velocity: Numbers, rate: Numbers, force: Numbers, dt: Any, gravity: Numbers
-) -> tuple[Multivector, Numbers]:
+    pose: Numbers, velocity: Numbers, rate: Numbers, force: Numbers, dt: Any, gravity: Numbers,
+    *, held: bool = False,
+) -> tuple[Multivector, Numbers]:  # fmt: skip
     """Motor and velocity after an interval."""
     motor, rotor, _ = motor_at(pose)
-    turn, gained, moved = increment(rate, force, dt)
+    turn, gained, moved = increment(rate, force, dt, held=held)
     fallen = [v * dt + 0.5 * g * dt * dt for v, g in zip(velocity, gravity, strict=True)]
     faster = rotated(rotor, gained)
     return (
@@ -76,39 +86,34 @@ def _less(values: Numbers, bias: Numbers) -> Numbers:
 
 def _step(
     pose: Numbers, velocity: Numbers, bias: Numbers, rate: Numbers, force: Numbers, dt: Numbers,
-    gravity: Numbers,
+    gravity: Numbers, *, held: bool = False,
 ) -> list[Numbers]:  # fmt: skip
     """The next pose, kept unit by ``m (3 - m ~m) / 2``, and the next velocity."""
-    motor, faster = advanced(
-        pose, velocity, _less(rate, bias[:3]), _less(force, bias[3:]), dt[0], gravity
-    )
+    plain = _less(rate, bias[:3]), _less(force, bias[3:])
+    motor, faster = advanced(pose, velocity, *plain, dt[0], gravity, held=held)
     excess = on.dual_of(on.dual_numbers(motor * ~motor))
     return [on.motor_numbers(motor * (1.5 - 0.5 * excess)), faster]
 
 
-def _transition(bias: Numbers, rate: Numbers, force: Numbers, dt: Numbers) -> list[Numbers]:
+def _transition(
+    bias: Numbers, rate: Numbers, force: Numbers, dt: Numbers, *, held: bool = False
+) -> list[Numbers]:
     """Blocks of the matrix that carries the error over the interval; see `MOTION`."""
     xi = symbols("xi", 15)
     error = [xi[i] for i in range(15)]
     plain = _less(rate, bias[:3]), _less(force, bias[3:])
     sensed = _less(plain[0], error[_BG]), _less(plain[1], error[_BA])
     still = [0.0, 0.0, 0.0]
+    # Unit to first order only, which is all that a derivative needs.
     begun = on.motor_numbers(disturbed(on.motor_of(_AT_REST), error[:6]))
-    ended, _ = advanced(_AT_REST, still, *plain, dt[0], still)
-    moved, faster = _from(begun, error[_V], *sensed, dt[0])
-    turn, gained, _ = increment(*plain, dt[0])
+    ended, _ = advanced(_AT_REST, still, *plain, dt[0], still, held=held)
+    moved, faster = advanced(begun, error[_V], *sensed, dt[0], still, held=held)
+    turn, gained, _ = increment(*plain, dt[0], held=held)
     seen = rotated(~turn, _less(faster, gained))
     values = [*error_of(~ended * moved), *seen]
     matrix = derivative(values, xi)
     pairs = ((_R, _R), (_P, _R), (_V, _R), (_R, _BG), (_P, _BG), (_V, _BG), (_P, _BA), (_V, _BA))
     return [blocks(matrix, row, column) for row, column in pairs]
-
-
-def _from(
-    pose: Numbers, velocity: Numbers, rate: Numbers, force: Numbers, dt: Any
-) -> tuple[Multivector, Numbers]:
-    """`advanced` from a pose that is unit to first order only, without gravity."""
-    return advanced(pose, velocity, rate, force, dt, [0.0, 0.0, 0.0])
 
 
 def _gravity(plumb: Numbers, size: Numbers) -> list[Numbers]:
@@ -135,25 +140,39 @@ _BIAS = Operand("bias", tuple(f"{kind}_{axis}" for kind in ("gyro", "accel") for
 _RATE, _FORCE, _DT = on.points("rate"), on.points("force"), on.numbers("dt")
 _PLUMB, _SIZE = on.rotor("plumb"), on.numbers("size")
 
+_STEP_IN = (_POSE, _VELOCITY, _BIAS, _RATE, _FORCE, _DT, on.points("gravity"))
+_STEP_OUT = on.motor("next_pose"), on.points("next_velocity")
+_BLOCKS = tuple(
+    _matrix(name)
+    for name in (
+        "turn_turn", "position_turn", "velocity_turn", "turn_gyro", "position_gyro",
+        "velocity_gyro", "position_accel", "velocity_accel",
+    )
+)  # fmt: skip
+
 MOTION = (
     Definition(
         "motorcade_step",
         ("The state after an interval dt (s) of constant rate (rad/s) and force (m/s²), which are",
          "what the sensor read; |rate - bias| dt must be at most 3 rad."),
-        (_POSE, _VELOCITY, _BIAS, _RATE, _FORCE, _DT, on.points("gravity")),
-        (on.motor("next_pose"), on.points("next_velocity")),
-        _step,
+        _STEP_IN, _STEP_OUT, _step,
     ),
     Definition(
         "motorcade_transition",
         ("The error's transition over that interval, in blocks of 3x3 by rows: turn_turn is also",
          "that of position and of velocity on themselves, and dt times it that of position on",
          "velocity; the others are zero, biases stay."),
-        (_BIAS, _RATE, _FORCE, _DT),
-        (_matrix("turn_turn"), _matrix("position_turn"), _matrix("velocity_turn"),
-         _matrix("turn_gyro"), _matrix("position_gyro"), _matrix("velocity_gyro"),
-         _matrix("position_accel"), _matrix("velocity_accel")),
-        _transition,
+        (_BIAS, _RATE, _FORCE, _DT), _BLOCKS, _transition,
+    ),
+    Definition(
+        "motorcade_held_step",
+        ("As motorcade_step, but the force acts in the axes at the start for the whole interval.",),
+        _STEP_IN, _STEP_OUT, partial(_step, held=True),
+    ),
+    Definition(
+        "motorcade_held_transition",
+        ("The error's transition over a held step.",),
+        (_BIAS, _RATE, _FORCE, _DT), _BLOCKS, partial(_transition, held=True),
     ),
     Definition(
         "motorcade_gravity",

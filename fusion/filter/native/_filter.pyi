@@ -39,3 +39,30 @@ def engine(
     delay_s: float,
     rest: tuple[float, float, float, float, float],
 ) -> Engine: ...
+def increments(
+    first: NDArray[Any],
+    dt_s: NDArray[Any],
+    rate: NDArray[Any],
+    force: NDArray[Any],
+    bias: NDArray[Any],
+    squares: tuple[float, float, float, float],
+    pose: NDArray[Any],
+    velocity: NDArray[Any],
+    transition: NDArray[Any],
+    covariance: NDArray[Any],
+) -> None: ...
+def held_increments(
+    first: NDArray[Any],
+    dt_s: NDArray[Any],
+    rate: NDArray[Any],
+    force: NDArray[Any],
+    bias: NDArray[Any],
+    squares: tuple[float, float, float, float],
+    pose: NDArray[Any],
+    velocity: NDArray[Any],
+    transition: NDArray[Any],
+    covariance: NDArray[Any],
+) -> None: ...
+def process_noise(
+    dt_s: NDArray[Any], squares: tuple[float, float, float, float], made: NDArray[Any]
+) -> None: ...

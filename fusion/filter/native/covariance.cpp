@@ -117,6 +117,14 @@ template <std::size_t N> MOTORCADE_INLINE void propagated(Matrix<N> &p, const Tr
     }
 }
 
+MOTORCADE_INLINE void transformed(Matrix<15> &x, const Transition &f) {
+    constexpr std::size_t W = Matrix<15>::width;
+    alignas(64) double top[9][W];
+    carried<false, W>(f, x.row, top);
+    for (std::size_t i = 0; i < 9; ++i)
+        for (std::size_t j = 0; j < W; ++j) x.row[i][j] = top[i][j];
+}
+
 template <std::size_t N>
 MOTORCADE_INLINE void propagated_back(Matrix<N> &curvature, double *gradient, const Transition &f) {
     constexpr std::size_t W = Matrix<N>::width;
@@ -262,6 +270,7 @@ template <std::size_t N> MOTORCADE_INLINE void sharpened(Matrix<N> &p, const Mat
 
 MOTORCADE_CLONES void propagate(Matrix<15> &p, const Transition &f, const Densities &q) { propagated<15>(p, f, q); }
 MOTORCADE_CLONES void propagate(Matrix<24> &p, const Transition &f, const Densities &q) { propagated<24>(p, f, q); }
+MOTORCADE_CLONES void transform(Matrix<15> &x, const Transition &f) { transformed(x, f); }
 MOTORCADE_CLONES void propagate_back(Matrix<15> &curvature, double *gradient, const Transition &f) {
     propagated_back<15>(curvature, gradient, f);
 }

@@ -50,6 +50,9 @@ template <std::size_t W> MOTORCADE_INLINE void add(double *__restrict to, double
 void propagate(Matrix<15> &p, const Transition &f, const Densities &q);
 void propagate(Matrix<24> &p, const Transition &f, const Densities &q);
 
+// X becomes F X.
+void transform(Matrix<15> &x, const Transition &f);
+
 // Λ becomes F' Λ F and λ becomes F' λ.
 void propagate_back(Matrix<15> &curvature, double *gradient, const Transition &f);
 void propagate_back(Matrix<24> &curvature, double *gradient, const Transition &f);

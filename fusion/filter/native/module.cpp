@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "increments.h"
 #include "rest.h"
 #include "smoother.h"
 
@@ -249,6 +250,49 @@ std::unique_ptr<Engine> engine(const std::array<double, 5> &model, const std::ar
     return std::make_unique<EngineOf<15>>(made, first, Rest(rest));
 }
 
+using Squares = std::array<double, 4>;  // of the densities of rate and force and of their biases' walks
+
+// Sums of steps that follow each other within intervals; `first` has the first step of each.
+template <bool held>
+void increments(const Stamps &first, const Flat &dt_s, const Rows &rate, const Rows &force, const Rows &bias,
+                const Squares &squares, const Made &pose, const Made &velocity, const MadeCubes &transition,
+                const MadeCubes &covariance) {
+    const std::size_t steps = dt_s.shape(0), count = first.shape(0);
+    const auto wide = [&](const auto &given, std::size_t rows, std::size_t width) {
+        return given.shape(0) == rows && given.shape(1) == width;
+    };
+    expect(wide(rate, steps, 3) && wide(force, steps, 3) && wide(bias, steps, 6) && wide(pose, count, 8) &&
+               wide(velocity, count, 3) && wide(transition, count, 15) && transition.shape(2) == 15 &&
+               wide(covariance, count, 15) && covariance.shape(2) == 15,
+           "increments: expected arrays of one row a step, and of one row an interval");
+    const Densities noise{squares[0], squares[1], squares[2], squares[3]};
+    nb::gil_scoped_release unlocked;
+    for (std::size_t k = 0; k < count; ++k) {
+        Increment sum;
+        const auto begin = static_cast<std::size_t>(first.data()[k]);
+        const auto end = k + 1 < count ? static_cast<std::size_t>(first.data()[k + 1]) : steps;
+        for (std::size_t step = begin; step < end && step < steps; ++step) {
+            Reading read;
+            std::copy_n(rate.data() + 3 * step, 3, read.rate);
+            std::copy_n(force.data() + 3 * step, 3, read.force);
+            extend<held>(sum, read, bias.data() + 6 * step, dt_s.data()[step], noise);
+        }
+        std::copy_n(sum.state.pose, 8, pose.data() + 8 * k);
+        std::copy_n(sum.state.velocity, 3, velocity.data() + 3 * k);
+        for (std::size_t i = 0; i < 15; ++i) {
+            std::copy_n(sum.transition.row[i], 15, transition.data() + 225 * k + 15 * i);
+            std::copy_n(sum.covariance.row[i], 15, covariance.data() + 225 * k + 15 * i);
+        }
+    }
+}
+
+void noises(const Flat &dt_s, const Squares &squares, const MadeCubes &made) {
+    expect(made.shape(0) == dt_s.shape(0) && made.shape(1) == 15 && made.shape(2) == 15,
+           "process_noise: expected a matrix (15, 15) an interval");
+    const Densities noise{squares[0], squares[1], squares[2], squares[3]};
+    for (std::size_t k = 0; k < dt_s.shape(0); ++k) process_noise(noise, dt_s.data()[k], made.data() + 225 * k);
+}
+
 }  // namespace
 
 NB_MODULE(_filter, module) {
@@ -268,4 +312,9 @@ NB_MODULE(_filter, module) {
         .def("held", &Engine::held);
     module.def("engine", &engine, "model"_a, "start"_a, "known"_a, "gate"_a, "gross"_a, "patience"_a, "hole"_a,
                "history_s"_a, "check_every"_a, "mount"_a, "delay_s"_a, "rest"_a);
+    module.def("increments", &increments<false>, "first"_a, "dt_s"_a, "rate"_a, "force"_a, "bias"_a, "squares"_a,
+               "pose"_a, "velocity"_a, "transition"_a, "covariance"_a);
+    module.def("held_increments", &increments<true>, "first"_a, "dt_s"_a, "rate"_a, "force"_a, "bias"_a, "squares"_a,
+               "pose"_a, "velocity"_a, "transition"_a, "covariance"_a);
+    module.def("process_noise", &noises, "dt_s"_a, "squares"_a, "made"_a);
 }

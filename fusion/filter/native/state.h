@@ -50,21 +50,23 @@ public:
     void gravity(const State &state, double *made) const { motorcade_gravity(state.plumb, size_, made); }
 
     // How many equal parts an interval must have for the generated model to hold.
-    static int parts(const State &state, const Reading &read, double dt) {
+    static int parts(const State &state, const Reading &read, double dt, int most = most_parts) {
         double square = 0.0;
         for (int i = 0; i < 3; ++i) square += (read.rate[i] - state.bias[i]) * (read.rate[i] - state.bias[i]);
         const double parts = std::floor(std::sqrt(square) * dt / largest_turn_rad) + 1.0;
-        return parts < most_parts ? static_cast<int>(parts) : most_parts;
+        return parts < most ? static_cast<int>(parts) : most;
     }
 
-    template <std::size_t N>
+    // `held`: the force keeps the axes that it had at the interval's start.
+    template <std::size_t N, bool held = false>
     void step(State &state, const Reading &read, double dt, const double *fall, Transition &made) const {
+        constexpr auto transition = held ? motorcade_held_transition : motorcade_transition;
+        constexpr auto moved = held ? motorcade_held_step : motorcade_step;
         double pose[8], faster[3];
-        motorcade_transition(state.bias, read.rate, read.force, dt, made.turn_turn, made.position_turn,
-                             made.velocity_turn, made.turn_gyro, made.position_gyro, made.velocity_gyro,
-                             made.position_accel, made.velocity_accel);
+        transition(state.bias, read.rate, read.force, dt, made.turn_turn, made.position_turn, made.velocity_turn,
+                   made.turn_gyro, made.position_gyro, made.velocity_gyro, made.position_accel, made.velocity_accel);
         made.dt = dt;
-        motorcade_step(state.pose, state.velocity, state.bias, read.rate, read.force, dt, fall, pose, faster);
+        moved(state.pose, state.velocity, state.bias, read.rate, read.force, dt, fall, pose, faster);
         std::copy_n(pose, 8, state.pose);
         std::copy_n(faster, 3, state.velocity);
         if constexpr (N > 15) motorcade_gravity_effect(state.pose, state.plumb, size_, dt, made.velocity_tilt);

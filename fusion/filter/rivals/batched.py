@@ -10,7 +10,7 @@ back at where that would have been right.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,13 +18,7 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.filter import FilterSettings
 from motorcade.fusion.filter.extended_pose import ERROR_SIZE
-from motorcade.fusion.filter.increments import (
-    Increments,
-    Intervals,
-    increments,
-    process_noise,
-    transitions,
-)
+from motorcade.fusion.filter.increments import increments, process_noise
 from motorcade.fusion.filter.rivals.coordinates import ErrorCoordinates, State
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
@@ -122,8 +116,9 @@ def filter_runs(
     accepted = np.ones(nis.shape, dtype=np.bool_)
     for i in range(1, len(runs.nodes)):
         start, end = int(runs.nodes[i - 1]), int(runs.nodes[i])
-        data = _between(runs, start, end)
-        state, covariance = _predicted(state, covariance, data, noise, coordinates, settings)
+        state, covariance = _predicted(
+            runs, start, end, state, covariance, noise, coordinates, settings
+        )
         state, covariance, nis[:, i], accepted[:, i] = _updated(
             state, covariance, runs.world_T_imu[:, i], runs.covariance, coordinates, gate
         )
@@ -168,51 +163,39 @@ def _start(
     return state, _carried(coordinates.from_body(state), body)
 
 
-def _between(runs: Runs, start: int, end: int) -> Intervals:
-    """Data of the intervals between two samples: lengths ``(K,)``, rate and force ``(R, K, 3)``."""
+def _predicted(
+    runs: Runs, start: int, end: int, state: State, covariance: FloatArray, noise: ImuNoise,
+    coordinates: ErrorCoordinates, settings: FilterSettings,
+) -> tuple[State, FloatArray]:  # fmt: skip
+    """State and covariance after the intervals between two samples."""
     dt_s = np.diff(runs.time_ns[start : end + 1]) * 1e-9
     rate, force = (
         0.5 * (values[:, start:end] + values[:, start + 1 : end + 1])
         for values in (runs.angular_rate_rad_s, runs.specific_force_m_s2)
     )
-    return Intervals(dt_s, rate, force)
-
-
-def _predicted(
-    state: State, covariance: FloatArray, data: Intervals, noise: ImuNoise,
-    coordinates: ErrorCoordinates, settings: FilterSettings,
-) -> tuple[State, FloatArray]:  # fmt: skip
-    """State and covariance after some intervals."""
+    turn_rad = (rate - state.bias[:, None, :3]) * dt_s[:, None]
+    shape = rate.shape[:2]
+    motion, matrices, _ = increments(
+        np.arange(rate[..., 0].size),
+        np.tile(dt_s, shape[0]),
+        rate.reshape(-1, 3),
+        force.reshape(-1, 3),
+        np.repeat(state.bias, shape[1], axis=0),
+        noise,
+    )
+    gained = motion.translation_m.reshape(*shape, 2, 3)
+    matrices = matrices.reshape(*shape, *matrices.shape[1:])
     body = _carried(np.linalg.inv(coordinates.from_body(state)), covariance)
-    added = process_noise(data.dt_s, noise)
+    added = process_noise(dt_s, noise)
     fall = np.array([0.0, 0.0, -settings.gravity_m_s2])
     rotor, position, velocity = state.rotor, state.position_m, state.velocity_m_s
-    step, matrices = _steps(state, data)
-    for k, dt in enumerate(data.dt_s):
+    for k, dt in enumerate(dt_s):
         body = _carried(matrices[:, k], body) + added[k]
-        position = (
-            position + velocity * dt + 0.5 * fall * dt**2 + rotor.apply(step.position_m[:, k])
-        )
-        velocity = velocity + fall * dt + rotor.apply(step.velocity_m_s[:, k])
-        rotor = coordinates.turned(rotor, step.turn_rad[:, k])
+        position = position + velocity * dt + 0.5 * fall * dt**2 + rotor.apply(gained[:, k, 0])
+        velocity = velocity + fall * dt + rotor.apply(gained[:, k, 1])
+        rotor = coordinates.turned(rotor, turn_rad[:, k])
     after = State(rotor, position, velocity, state.bias)
     return after, _carried(coordinates.from_body(after), body)
-
-
-def _steps(state: State, data: Intervals) -> tuple[Increments, FloatArray]:
-    """Increments ``(R, K, …)`` and transitions ``(R, K, 15, 15)`` of all intervals at once."""
-    shape = data.rate_rad_s.shape[:2]
-    flat = Intervals(
-        np.tile(data.dt_s, shape[0]),
-        data.rate_rad_s.reshape(-1, 3),
-        data.force_m_s2.reshape(-1, 3),
-    )
-    bias = np.repeat(state.bias, shape[1], axis=0)
-    steps = increments(flat, bias[:, :3], bias[:, 3:])
-    matrices = transitions(steps)
-    parts = (getattr(steps, field.name) for field in fields(steps))
-    each = Increments(*(part.reshape(*shape, *part.shape[1:]) for part in parts))
-    return each, matrices.reshape(*shape, *matrices.shape[1:])
 
 
 def _updated(

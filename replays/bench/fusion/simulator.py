@@ -84,7 +84,7 @@ def _integrated(path: ContinuousPath, rate_hz: float) -> FloatArray:
     made = simulate_imu(path, rate_hz, None, np.random.default_rng(0))
     ends = made.stream.time_ns[[0, -1]]
     summed = preintegrate(made.stream, ends, ADIS16448)
-    pose, _ = summed.carry(made.path.motors[:1], made.velocity_m_s[:1], _GRAVITY)
+    pose, _ = summed.propagate(made.path.motors[:1], made.velocity_m_s[:1], _GRAVITY)
     apart = (pose.inverse() @ made.path.motors[-1:]).as_twist()[0]
     return np.array([np.linalg.norm(apart[:3]), np.linalg.norm(apart[3:])])
 

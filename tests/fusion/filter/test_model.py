@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.fusion.filter.by_hand import GRAVITY, Intervals, increments, moved, transitions
 
 from motorcade.fusion.filter.extended_pose import corrected, extended_pose, motor_adjoint
-from motorcade.fusion.filter.increments import Intervals, advance, increments, transitions
 from motorcade.ga import FloatArray, Motor, Rotor
 
 pytest.importorskip("casadi")
@@ -22,7 +22,6 @@ from motorcade.fusion.filter.model.measurements import MEASUREMENTS
 from motorcade.fusion.filter.model.motion import MOTION
 
 Call = Callable[..., list[FloatArray]]
-GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
 @pytest.fixture(scope="module")
@@ -96,10 +95,7 @@ def test_a_step_is_that_of_the_increments_at_every_turn(rng, call, size):
         rate = size * axis / np.linalg.norm(axis) / dt + bias[:3]
         pose = extended_pose(Rotor.random(rng), *(3.0 * rng.standard_normal((2, 3))))
         data = Intervals(np.array([dt]), rate[None], force[None])
-        rotors, positions, velocities = advance(
-            pose[0].rotor, *pose.translation_m, increments(data, bias[:3], bias[3:]), 9.81
-        )
-        theirs = extended_pose(rotors[0], positions[0], velocities[0])
+        theirs = moved(pose, bias, data)
         ours = stepped(call, pose, bias, rate, force, dt)
         np.testing.assert_allclose((theirs.inverse() @ ours).as_twist(), 0.0, atol=2e-12)
 

@@ -47,6 +47,40 @@ void motorcade_transition(const double bias[6], const double rate[3], const doub
         double position_accel[9], double velocity_accel[9]);
 
 /*
+ * As motorcade_step, but the force acts in the axes at the start for the whole interval.
+ * in pose: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * in velocity: x y z
+ * in bias: gyro_x gyro_y gyro_z accel_x accel_y accel_z
+ * in rate: x y z
+ * in force: x y z
+ * in gravity: x y z
+ * out next_pose: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * out next_velocity: x y z
+ */
+void motorcade_held_step(const double pose[8], const double velocity[3], const double bias[6],
+        const double rate[3], const double force[3], double dt, const double gravity[3],
+        double next_pose[8], double next_velocity[3]);
+
+/*
+ * The error's transition over a held step.
+ * in bias: gyro_x gyro_y gyro_z accel_x accel_y accel_z
+ * in rate: x y z
+ * in force: x y z
+ * out turn_turn: m00 m01 m02 m10 m11 m12 m20 m21 m22
+ * out position_turn: m00 m01 m02 m10 m11 m12 m20 m21 m22
+ * out velocity_turn: m00 m01 m02 m10 m11 m12 m20 m21 m22
+ * out turn_gyro: m00 m01 m02 m10 m11 m12 m20 m21 m22
+ * out position_gyro: m00 m01 m02 m10 m11 m12 m20 m21 m22
+ * out velocity_gyro: m00 m01 m02 m10 m11 m12 m20 m21 m22
+ * out position_accel: m00 m01 m02 m10 m11 m12 m20 m21 m22
+ * out velocity_accel: m00 m01 m02 m10 m11 m12 m20 m21 m22
+ */
+void motorcade_held_transition(const double bias[6], const double rate[3], const double force[3],
+        double dt, double turn_turn[9], double position_turn[9], double velocity_turn[9],
+        double turn_gyro[9], double position_gyro[9], double velocity_gyro[9],
+        double position_accel[9], double velocity_accel[9]);
+
+/*
  * Gravity (m/s²) in the world: its size along -z turned by the plumb's rotor.
  * in plumb: 1 e23 e31 e12
  * out gravity: x y z

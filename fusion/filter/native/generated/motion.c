@@ -566,6 +566,393 @@ void motorcade_transition(const double bias[6], const double rate[3], const doub
     velocity_accel[8] = t32 * t328 - t29 * t327 + t16 * t329 + t35 * t330;
 }
 
+void motorcade_held_step(const double pose[8], const double velocity[3], const double bias[6],
+        const double rate[3], const double force[3], double dt, const double gravity[3],
+        double next_pose[8], double next_velocity[3])
+{
+    const double pose0 = pose[0], pose1 = pose[1], pose2 = pose[2], pose3 = pose[3];
+    const double pose4 = pose[4], pose5 = pose[5], pose6 = pose[6], pose7 = pose[7];
+    const double velocity0 = velocity[0], velocity1 = velocity[1], velocity2 = velocity[2];
+    const double bias0 = bias[0], bias1 = bias[1], bias2 = bias[2], bias3 = bias[3];
+    const double bias4 = bias[4], bias5 = bias[5];
+    const double rate0 = rate[0], rate1 = rate[1], rate2 = rate[2];
+    const double force0 = force[0], force1 = force[1], force2 = force[2];
+    const double gravity0 = gravity[0], gravity1 = gravity[1], gravity2 = gravity[2];
+    const double t0 = (rate0 - bias0) * dt;
+    const double t1 = dt * (rate1 - bias1);
+    const double t2 = dt * (rate2 - bias2);
+    const double t3 = t0 * t0 + t1 * t1 + t2 * t2;
+    const double t4 = t3 * (t3 * (7.052709893347381e-19 * t3 + -6.997110409172523e-16) +
+        5.09682708028848e-13);
+    const double t5 = t3 * (t3 * (t4 + -2.691144255102832e-10) + 9.688120033376813e-08) +
+        -2.1701388888777376e-05;
+    const double t6 = t3 * (t3 * (t3 * t5 + 0.002604166666666568) + -0.12499999999999997) + 1.0;
+    const double t7 = t3 * (t3 * 4.1633367917298826e-20 + -4.6653082245299195e-17) +
+        3.9206452611737776e-14;
+    const double t8 = t3 * (t3 * (t3 * t7 + -2.4464948538103786e-11) + 1.0764577818542514e-08) +
+        -3.1001984126925288e-06;
+    const double t9 = -0.5 * (1.0 + t3 * (t3 * (t3 * t8 + 0.0005208333333333281) +
+        -0.041666666666666664));
+    const double t10 = t2 * t9;
+    const double t11 = t1 * t9;
+    const double t12 = t0 * t9;
+    const double t13 = pose0 * t6 - pose3 * t10 - pose2 * t11 - pose1 * t12;
+    const double t14 = pose0 * t10 + t6 * pose3 - t11 * pose1 + pose2 * t12;
+    const double t15 = pose3 * t12 - pose0 * t11 - t6 * pose2 - t10 * pose1;
+    const double t16 = pose0 * t12 - t10 * pose2 + t6 * pose1 + pose3 * t11;
+    const double t17 = 1.5 - 0.5 * (t13 * t13 + t14 * t14 + t15 * t15 + t16 * t16);
+    const double t18 = dt * 0.5;
+    const double t19 = dt * (force0 - bias3);
+    const double t20 = -0.5 * (t18 * t19);
+    const double t21 = dt * (force1 - bias4);
+    const double t22 = -0.5 * (t18 * t21);
+    const double t23 = dt * (force2 - bias5);
+    const double t24 = -0.5 * (t18 * t23);
+    const double t25 = t6 * t20 - t10 * t22 + t11 * t24;
+    const double t26 = t10 * t20 + t6 * t22 - t12 * t24;
+    const double t27 = t12 * t22 - t11 * t20 + t6 * t24;
+    const double t28 = -0.5 * (dt * velocity0 + dt * (dt * (0.5 * gravity0)));
+    const double t29 = -0.5 * (dt * velocity1 + dt * (dt * (0.5 * gravity1)));
+    const double t30 = -0.5 * (dt * velocity2 + dt * (dt * (0.5 * gravity2)));
+    const double t31 = pose4 + pose0 * t28 - pose3 * t29 + pose2 * t30;
+    const double t32 = t12 * t20 + t10 * t24 + t11 * t22;
+    const double t33 = pose5 + pose3 * t28 + pose0 * t29 - pose1 * t30;
+    const double t34 = pose6 - pose2 * t28 + pose1 * t29 + pose0 * t30;
+    const double t35 = pose0 * t25 + pose3 * t26 - pose2 * t27 + t6 * t31 - pose1 * t32 - t10 * t33
+        + t11 * t34;
+    const double t36 = pose7 + pose1 * t28 + pose3 * t30 + pose2 * t29;
+    const double t37 = t35 - t12 * t36;
+    const double t38 = pose0 * t32 + pose3 * t27 + t12 * t31 + pose1 * t25 + t10 * t34 + t6 * t36 +
+        pose2 * t26;
+    const double t39 = t38 + t11 * t33;
+    const double t40 = pose0 * t27 - t11 * t31 + t12 * t33 + t6 * t34 - pose3 * t32 + pose2 * t25 -
+        pose1 * t26;
+    const double t41 = t40 - t10 * t36;
+    const double t42 = pose0 * t26 - pose2 * t32 + t10 * t31 + pose1 * t27 + t6 * t33 - t11 * t36 -
+        pose3 * t25;
+    const double t43 = t42 - t12 * t34;
+    const double t44 = 0.5 * (2.0 * (t13 * t39 + t15 * t43 - t14 * t41 - t16 * t37));
+    const double t45 = pose0 * t19 + pose3 * t21 - pose2 * t23;
+    const double t46 = pose0 * t21 + pose1 * t23 - pose3 * t19;
+    const double t47 = pose0 * t23 + pose2 * t19 - pose1 * t21;
+    const double t48 = pose3 * t23 + pose1 * t19 + pose2 * t21;
+    next_pose[0] = t13 * t17;
+    next_pose[1] = t16 * t17;
+    next_pose[2] = -(t15 * t17);
+    next_pose[3] = t14 * t17;
+    next_pose[4] = t17 * t37 + t16 * t44;
+    next_pose[5] = t17 * t43 - t15 * t44;
+    next_pose[6] = t17 * t41 + t14 * t44;
+    next_pose[7] = t17 * t39 - t13 * t44;
+    next_velocity[0] = velocity0 + dt * gravity0 + (pose0 * t45 + pose3 * t46 - pose2 * t47 + pose1
+        * t48);
+    next_velocity[1] = velocity1 + dt * gravity1 + (pose0 * t46 - pose3 * t45 + pose2 * t48 + pose1
+        * t47);
+    next_velocity[2] = velocity2 + dt * gravity2 + (pose2 * t45 - pose1 * t46 + pose0 * t47 + pose3
+        * t48);
+}
+
+void motorcade_held_transition(const double bias[6], const double rate[3], const double force[3],
+        double dt, double turn_turn[9], double position_turn[9], double velocity_turn[9],
+        double turn_gyro[9], double position_gyro[9], double velocity_gyro[9],
+        double position_accel[9], double velocity_accel[9])
+{
+    const double bias0 = bias[0], bias1 = bias[1], bias2 = bias[2], bias3 = bias[3];
+    const double bias4 = bias[4], bias5 = bias[5];
+    const double rate0 = rate[0], rate1 = rate[1], rate2 = rate[2];
+    const double force0 = force[0], force1 = force[1], force2 = force[2];
+    const double t0 = (rate0 - bias0) * dt;
+    const double t1 = dt * (rate1 - bias1);
+    const double t2 = dt * (rate2 - bias2);
+    const double t3 = t0 * t0 + t1 * t1 + t2 * t2;
+    const double t4 = 7.052709893347381e-19 * t3;
+    const double t5 = t4 + -6.997110409172523e-16;
+    const double t6 = t3 * t5 + 5.09682708028848e-13;
+    const double t7 = t3 * t6 + -2.691144255102832e-10;
+    const double t8 = t3 * t7 + 9.688120033376813e-08;
+    const double t9 = t3 * t8 + -2.1701388888777376e-05;
+    const double t10 = t3 * t9 + 0.002604166666666568;
+    const double t11 = t3 * t10 + -0.12499999999999997;
+    const double t12 = t3 * t11 + 1.0;
+    const double t13 = t12 * -0.5;
+    const double t14 = t12 * t13;
+    const double t15 = t3 * 4.1633367917298826e-20;
+    const double t16 = t15 + -4.6653082245299195e-17;
+    const double t17 = t3 * t16 + 3.9206452611737776e-14;
+    const double t18 = t3 * t17 + -2.4464948538103786e-11;
+    const double t19 = t3 * t18 + 1.0764577818542514e-08;
+    const double t20 = t3 * t19 + -3.1001984126925288e-06;
+    const double t21 = t3 * t20 + 0.0005208333333333281;
+    const double t22 = t3 * t21 + -0.041666666666666664;
+    const double t23 = -0.5 * (1.0 + t3 * t22);
+    const double t24 = t1 * t23;
+    const double t25 = -0.5 * t24;
+    const double t26 = t24 * t25;
+    const double t27 = t0 * t23;
+    const double t28 = -0.5 * t27;
+    const double t29 = t27 * t28;
+    const double t30 = t2 * t23;
+    const double t31 = -0.5 * t30;
+    const double t32 = t30 * t31;
+    const double t33 = t24 * t28;
+    const double t34 = t12 * t31;
+    const double t35 = t25 * t27;
+    const double t36 = t13 * t30;
+    const double t37 = t12 * t25;
+    const double t38 = t13 * t24;
+    const double t39 = t27 * t31;
+    const double t40 = t28 * t30;
+    const double t41 = t12 * t28;
+    const double t42 = t25 * t30;
+    const double t43 = t24 * t31;
+    const double t44 = t13 * t27;
+    const double t45 = dt * 0.5;
+    const double t46 = dt * (force0 - bias3);
+    const double t47 = -0.5 * (t45 * t46);
+    const double t48 = dt * (force1 - bias4);
+    const double t49 = -0.5 * (t45 * t48);
+    const double t50 = dt * (force2 - bias5);
+    const double t51 = -0.5 * (t45 * t50);
+    const double t52 = t12 * t47 - t30 * t49 + t24 * t51;
+    const double t53 = t28 * t52;
+    const double t54 = t27 * t47 + t30 * t51 + t24 * t49;
+    const double t55 = -0.5 * t54;
+    const double t56 = t12 * t55;
+    const double t57 = t27 * t49 - t24 * t47 + t12 * t51;
+    const double t58 = -0.5 * t57;
+    const double t59 = t30 * t58;
+    const double t60 = t30 * t47 + t12 * t49 - t27 * t51;
+    const double t61 = -0.5 * t60;
+    const double t62 = t24 * t61;
+    const double t63 = -0.5 * t52;
+    const double t64 = t27 * t63;
+    const double t65 = t25 * t60;
+    const double t66 = t31 * t57;
+    const double t67 = t13 * t54;
+    const double t68 = t30 * t55;
+    const double t69 = t12 * t58;
+    const double t70 = t24 * t63;
+    const double t71 = t25 * t52;
+    const double t72 = t27 * t61;
+    const double t73 = t28 * t60;
+    const double t74 = t13 * t57;
+    const double t75 = t31 * t54;
+    const double t76 = t12 * t61;
+    const double t77 = t30 * t63;
+    const double t78 = t24 * t55;
+    const double t79 = t31 * t52;
+    const double t80 = t27 * t58;
+    const double t81 = t13 * t60;
+    const double t82 = t28 * t57;
+    const double t83 = t25 * t54;
+    const double t84 = t24 * t58;
+    const double t85 = t12 * t63;
+    const double t86 = t13 * t52;
+    const double t87 = t27 * t55;
+    const double t88 = t31 * t60;
+    const double t89 = t28 * t54;
+    const double t90 = t30 * t61;
+    const double t91 = t25 * t57;
+    const double t92 = t30 * t50;
+    const double t93 = t24 * t48;
+    const double t94 = t92 + t93;
+    const double t95 = t12 * t50;
+    const double t96 = t27 * t48;
+    const double t97 = t95 + t96;
+    const double t98 = t12 * t48;
+    const double t99 = t27 * t50;
+    const double t100 = t98 - t99;
+    const double t101 = t30 * t48;
+    const double t102 = t24 * t50;
+    const double t103 = t101 - t102;
+    const double t104 = t24 * t46;
+    const double t105 = t95 - t104;
+    const double t106 = t27 * t46;
+    const double t107 = t92 + t106;
+    const double t108 = t12 * t46;
+    const double t109 = t102 + t108;
+    const double t110 = t30 * t46;
+    const double t111 = t99 - t110;
+    const double t112 = t93 + t106;
+    const double t113 = t98 + t110;
+    const double t114 = t108 - t101;
+    const double t115 = t104 - t96;
+    const double t116 = dt * (t0 * 2.0);
+    const double t117 = t3 * (t3 * (t3 * (t3 * (t4 * t116 + t5 * t116) + t6 * t116) + t7 * t116) +
+        t8 * t116);
+    const double t118 = t3 * (t3 * (t117 + t9 * t116) + t10 * t116) + t11 * t116;
+    const double t119 = t3 * (t3 * (t3 * (t3 * (t15 * t116 + t16 * t116) + t17 * t116) + t18 * t116)
+        + t19 * t116);
+    const double t120 = -0.5 * (t3 * (t3 * (t119 + t20 * t116) + t21 * t116) + t22 * t116);
+    const double t121 = dt * t23;
+    const double t122 = t0 * t120 + t121;
+    const double t123 = t2 * t120;
+    const double t124 = t1 * t120;
+    const double t125 = dt * (t1 * 2.0);
+    const double t126 = t3 * (t3 * (t3 * (t3 * (t4 * t125 + t5 * t125) + t6 * t125) + t7 * t125) +
+        t8 * t125);
+    const double t127 = t3 * (t3 * (t126 + t9 * t125) + t10 * t125) + t11 * t125;
+    const double t128 = t3 * (t3 * (t3 * (t3 * (t15 * t125 + t16 * t125) + t17 * t125) + t18 * t125)
+        + t19 * t125);
+    const double t129 = -0.5 * (t3 * (t3 * (t128 + t20 * t125) + t21 * t125) + t22 * t125);
+    const double t130 = t0 * t129;
+    const double t131 = t2 * t129;
+    const double t132 = t121 + t1 * t129;
+    const double t133 = dt * (t2 * 2.0);
+    const double t134 = t3 * (t3 * (t3 * (t3 * (t4 * t133 + t5 * t133) + t6 * t133) + t7 * t133) +
+        t8 * t133);
+    const double t135 = t3 * (t3 * (t134 + t9 * t133) + t10 * t133) + t11 * t133;
+    const double t136 = t3 * (t3 * (t3 * (t3 * (t15 * t133 + t16 * t133) + t17 * t133) + t18 * t133)
+        + t19 * t133);
+    const double t137 = -0.5 * (t3 * (t3 * (t136 + t20 * t133) + t21 * t133) + t22 * t133);
+    const double t138 = t0 * t137;
+    const double t139 = t121 + t2 * t137;
+    const double t140 = t1 * t137;
+    const double t141 = t49 * t123 - t47 * t118 - t51 * t124;
+    const double t142 = t51 * t122 - (t47 * t123 + t49 * t118);
+    const double t143 = t47 * t124 - t49 * t122 - t51 * t118;
+    const double t144 = t47 * t122 + t51 * t123 + t49 * t124;
+    const double t145 = t12 * t141 - t30 * t142 + t24 * t143 + t52 * t118 - t27 * t144 - t60 * t123
+        + t57 * t124;
+    const double t146 = t49 * t131 - t47 * t127 - t51 * t132;
+    const double t147 = t51 * t130 - (t47 * t131 + t49 * t127);
+    const double t148 = t47 * t132 - t49 * t130 - t51 * t127;
+    const double t149 = t47 * t130 + t51 * t131 + t49 * t132;
+    const double t150 = t12 * t146 - t30 * t147 + t24 * t148 + t52 * t127 - t27 * t149 - t60 * t131
+        + t57 * t132;
+    const double t151 = t49 * t139 - t47 * t135 - t51 * t140;
+    const double t152 = t51 * t138 - (t47 * t139 + t49 * t135);
+    const double t153 = t47 * t140 - t49 * t138 - t51 * t135;
+    const double t154 = t47 * t138 + t51 * t139 + t49 * t140;
+    const double t155 = t12 * t151 - t30 * t152 + t24 * t153 + t52 * t135 - t27 * t154 - t60 * t139
+        + t57 * t140;
+    const double t156 = t12 * t142 - t24 * t144 + t52 * t123 - t27 * t143 + t60 * t118 + t54 * t124
+        + t30 * t141;
+    const double t157 = t12 * t147 - t24 * t149 + t52 * t131 - t27 * t148 + t60 * t127 + t54 * t132
+        + t30 * t146;
+    const double t158 = t12 * t152 - t24 * t154 + t52 * t139 - t27 * t153 + t60 * t135 + t54 * t140
+        + t30 * t151;
+    const double t159 = t12 * t143 - t52 * t124 + t60 * t122 + t57 * t118 - t30 * t144 - t24 * t141
+        + t27 * t142;
+    const double t160 = t12 * t148 - t52 * t132 + t60 * t130 + t57 * t127 - t30 * t149 - t24 * t146
+        + t27 * t147;
+    const double t161 = t12 * t153 - t52 * t140 + t60 * t138 + t57 * t135 - t30 * t154 - t24 * t151
+        + t27 * t152;
+    const double t162 = -0.5 * (dt * t45);
+    const double t163 = t30 * t162;
+    const double t164 = t30 * t163;
+    const double t165 = t12 * t162;
+    const double t166 = t12 * t165;
+    const double t167 = t24 * t162;
+    const double t168 = t24 * t167;
+    const double t169 = t27 * t162;
+    const double t170 = t27 * t169;
+    const double t171 = t12 * t163;
+    const double t172 = t30 * t165;
+    const double t173 = t24 * t169;
+    const double t174 = t27 * t167;
+    const double t175 = t12 * t167;
+    const double t176 = t30 * t169;
+    const double t177 = t24 * t165;
+    const double t178 = t27 * t163;
+    const double t179 = t12 * t169;
+    const double t180 = t24 * t163;
+    const double t181 = t27 * t165;
+    const double t182 = t30 * t167;
+    const double t183 = dt * t30;
+    const double t184 = t30 * t183;
+    const double t185 = dt * t12;
+    const double t186 = t12 * t185;
+    const double t187 = t184 - t186;
+    const double t188 = dt * t24;
+    const double t189 = t24 * t188;
+    const double t190 = dt * t27;
+    const double t191 = t27 * t190;
+    const double t192 = t12 * t183 + t30 * t185;
+    const double t193 = t24 * t190;
+    const double t194 = t27 * t188;
+    const double t195 = t12 * t188;
+    const double t196 = t30 * t190;
+    const double t197 = t24 * t185;
+    const double t198 = t27 * t183;
+    const double t199 = t12 * t190;
+    const double t200 = t30 * t188;
+    const double t201 = t24 * t183;
+    const double t202 = t27 * t185;
+    turn_turn[0] = -2.0 * (t14 - t26 + t29 - t32);
+    turn_turn[1] = -2.0 * (t33 - t34 + t35 - t36);
+    turn_turn[2] = -2.0 * (t37 + t38 + t39 + t40);
+    turn_turn[3] = -2.0 * (t35 + (t33 + (t34 + t36)));
+    turn_turn[4] = -(-2.0 * (t29 + (t32 - t14 - t26)));
+    turn_turn[5] = -(-2.0 * (t41 - t42 - t43 + t44));
+    turn_turn[6] = -2.0 * (t39 + (t40 - t37) - t38);
+    turn_turn[7] = -2.0 * (t43 + (t44 + (t41 + t42)));
+    turn_turn[8] = -2.0 * (t14 + t32 - t29 - t26);
+    position_turn[0] = -2.0 * (t53 - (t56 + t59 + t62) + t64 - t65 - t66 - t67);
+    position_turn[1] = -2.0 * (t68 - t69 + t70 + t71 + t72 + t73 - t74 + t75);
+    position_turn[2] = -2.0 * (t76 + t77 - t78 + t79 + t80 + t81 + t82 - t83);
+    position_turn[3] = -2.0 * (t74 + (t73 + (t72 + (t71 + (t69 + t70))) - t75 - t68));
+    position_turn[4] = -2.0 * (t65 + (t62 - t56 - t53 - t64) - t67 - t59 - t66);
+    position_turn[5] = -2.0 * (t84 - t85 - t86 + t87 + t88 + t89 + t90 + t91);
+    position_turn[6] = -2.0 * (t83 + (t80 + (t78 + (t77 + (t82 + (t79 - t76 - t81))))));
+    position_turn[7] = -2.0 * (t84 + (t90 + (t91 + (t88 + (t85 + t86)))) - t87 - t89);
+    position_turn[8] = -2.0 * (t59 + (t66 - (t65 + (t53 + t56))) - t62 - t64 - t67);
+    velocity_turn[0] = t12 * t94 + t30 * t97 + t24 * t100 + t27 * t103;
+    velocity_turn[1] = t12 * t105 - t30 * t107 - t24 * t109 + t27 * t111;
+    velocity_turn[2] = t24 * t112 - (t12 * t113 + t30 * t114) + t27 * t115;
+    velocity_turn[3] = t30 * t94 - t12 * t97 + t24 * t103 - t27 * t100;
+    velocity_turn[4] = t30 * t105 + t12 * t107 + t24 * t111 + t27 * t109;
+    velocity_turn[5] = t12 * t114 - t30 * t113 + t24 * t115 - t27 * t112;
+    velocity_turn[6] = t12 * t100 - (t27 * t97 + t24 * t94) + t30 * t103;
+    velocity_turn[7] = t27 * t107 - t24 * t105 - t12 * t109 + t30 * t111;
+    velocity_turn[8] = t27 * t114 + t24 * t113 + t12 * t112 + t30 * t115;
+    turn_gyro[0] = -2.0 * (t27 * t118 - (t12 * t122 + t24 * t123) + t30 * t124);
+    turn_gyro[1] = -2.0 * (t27 * t127 - (t12 * t130 + t24 * t131) + t30 * t132);
+    turn_gyro[2] = -2.0 * (t27 * t135 - (t12 * t138 + t24 * t139) + t30 * t140);
+    turn_gyro[3] = -(-2.0 * (t12 * t124 + t30 * t122 - t24 * t118 - t27 * t123));
+    turn_gyro[4] = -(-2.0 * (t12 * t132 + t30 * t130 - t24 * t127 - t27 * t131));
+    turn_gyro[5] = -(-2.0 * (t12 * t140 + t30 * t138 - t24 * t135 - t27 * t139));
+    turn_gyro[6] = -2.0 * (t30 * t118 - t12 * t123 - t27 * t124 + t24 * t122);
+    turn_gyro[7] = -2.0 * (t30 * t127 - t12 * t131 - t27 * t132 + t24 * t130);
+    turn_gyro[8] = -2.0 * (t30 * t135 - t12 * t139 - t27 * t140 + t24 * t138);
+    position_gyro[0] = -2.0 * (t145 + t54 * t122);
+    position_gyro[1] = -2.0 * (t150 + t54 * t130);
+    position_gyro[2] = -2.0 * (t155 + t54 * t138);
+    position_gyro[3] = -2.0 * (t156 - t57 * t122);
+    position_gyro[4] = -2.0 * (t157 - t57 * t130);
+    position_gyro[5] = -2.0 * (t158 - t57 * t138);
+    position_gyro[6] = -2.0 * (t159 + t54 * t123);
+    position_gyro[7] = -2.0 * (t160 + t54 * t131);
+    position_gyro[8] = -2.0 * (t161 + t54 * t139);
+    velocity_gyro[0] = 0.0;
+    velocity_gyro[1] = 0.0;
+    velocity_gyro[2] = 0.0;
+    velocity_gyro[3] = 0.0;
+    velocity_gyro[4] = 0.0;
+    velocity_gyro[5] = 0.0;
+    velocity_gyro[6] = 0.0;
+    velocity_gyro[7] = 0.0;
+    velocity_gyro[8] = 0.0;
+    position_accel[0] = -2.0 * (t164 - t166 + t168 - t170);
+    position_accel[1] = -2.0 * (t171 + t172 - t173 - t174);
+    position_accel[2] = -(-2.0 * (t175 + t176 + t177 + t178));
+    position_accel[3] = -(-2.0 * (t172 + (t174 + (t171 + t173))));
+    position_accel[4] = -2.0 * (t164 + (t170 - (t166 + t168)));
+    position_accel[5] = -2.0 * (t179 - t180 + t181 - t182);
+    position_accel[6] = -2.0 * (t177 + (t175 - t176) - t178);
+    position_accel[7] = -(-2.0 * (t181 + (t180 + (t179 + t182))));
+    position_accel[8] = -2.0 * (t170 + (t168 - (t164 + t166)));
+    velocity_accel[0] = t187 + t189 - t191;
+    velocity_accel[1] = t192 - t193 - t194;
+    velocity_accel[2] = -(t195 + t196 + t197 + t198);
+    velocity_accel[3] = -(t194 + (t192 + t193));
+    velocity_accel[4] = t191 + (t187 - t189);
+    velocity_accel[5] = t199 - t200 - t201 + t202;
+    velocity_accel[6] = t195 + (t197 - t198) - t196;
+    velocity_accel[7] = -(t200 + (t199 + (t201 + t202)));
+    velocity_accel[8] = t189 + t191 - t186 - t184;
+}
+
 void motorcade_gravity(const double plumb[4], double size, double gravity[3])
 {
     const double plumb0 = plumb[0], plumb1 = plumb[1], plumb2 = plumb[2], plumb3 = plumb[3];
