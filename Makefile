@@ -3,6 +3,7 @@
 # make lint   ruff and mypy          make wheel   build and check the wheel
 # make mutation   whether the tests notice small faults in MUTATED (hours; resumes)
 # make fuzz   broken scripts, rigs and recordings by the thousand (FUZZ_INPUTS of each)
+# make bench   performance beside other libraries, into the terminal (SUITE=blend; JSON=FILE)
 # make docs   the documentation site, into build/site
 # make kernels   generate the kernels from their definitions
 # Each prepares what it needs by itself: environment, dependencies, compiled kernels.
@@ -14,7 +15,7 @@ ROOMS   := ga tracking fusion animation render replays
 READY   := $(VENV)/.ready
 NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/generated/c/* $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/native/generated/*.$(kind))))
 
-.PHONY: demo test test-slow mutation fuzz lint wheel kernels names system browser clean
+.PHONY: demo test test-slow bench mutation fuzz docs lint wheel kernels names system browser clean
 .DEFAULT_GOAL := demo
 
 demo: $(READY) system
@@ -31,6 +32,9 @@ MUTATED ?= $(wildcard ga/*.py) ga/algebra ga/codegen/passes ga/conversions ga/cl
 mutation: $(READY)
 	$(BIN)/python -m tests.mutation $(MUTATED)
 
+bench: $(READY)
+	$(BIN)/python -m tests.bench $(SUITE) $(if $(JSON),--json $(JSON))
+
 # Every input must end in an own error or a valid value, within bounds of time and memory.
 FUZZ_INPUTS ?= 5000
 
@@ -42,7 +46,7 @@ fuzz: $(READY)
 lint: $(READY) names
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	MYPYPATH=build/names $(BIN)/mypy $(addprefix -p motorcade.,$(ROOMS))
+	MYPYPATH=build/names $(BIN)/mypy $(addprefix -p motorcade.,$(ROOMS)) -p tests.bench
 
 # Strict: a broken link or anchor is an error. mkdocs finds the rooms by their names as mypy does.
 docs: $(READY) names

@@ -13,7 +13,7 @@ from motorcade.replays.cli.arguments import one_line
 from motorcade.replays.cli.characters import author, blend
 from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, sweep
 from motorcade.replays.cli.sensors import allan, calibrate, detect, simulate_imu, sync
-from motorcade.replays.cli.tools import bench, doctor, generate
+from motorcade.replays.cli.tools import doctor, generate
 from motorcade.replays.cli.trajectories import compare, consistency, evaluate, smooth
 from motorcade.replays.errors import did_you_mean
 
@@ -36,7 +36,6 @@ COMMANDS = (
     export,
     compare,
     consistency,
-    bench,
     doctor,
 )
 

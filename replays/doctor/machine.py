@@ -78,7 +78,7 @@ def _speed(backend: str) -> Finding:
 
 def _compiler() -> Finding:
     """The first C compiler that compiles and links a function."""
-    enables = "building from source; timing generated C against rivals (`motorcade bench`)"
+    enables = "building from source"
     for name in _COMPILERS:
         path = shutil.which(name)
         if path is not None and _compiles(path):

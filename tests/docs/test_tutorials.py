@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from tests.docs.pages import agrees, blocks, line_agrees, run
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

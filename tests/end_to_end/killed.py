@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from tests.end_to_end import conftest as small
 
 # The sources may be edited while this runs; here a key changes only by what is run.

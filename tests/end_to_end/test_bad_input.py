@@ -12,8 +12,11 @@ from motorcade.replays.cli import main
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.recording import open_recording
-from motorcade.replays.textured_room import Scenario, Sensor, handheld, write_recording
 from motorcade.tracking import Camera
+from tests.textured_room.paths import handheld
+from tests.textured_room.recording import write_recording
+from tests.textured_room.renderer import Sensor
+from tests.textured_room.scenarios import Scenario
 
 SMALL = Sensor(Camera(160, 120, 140.0, 140.0, 79.5, 59.5))
 

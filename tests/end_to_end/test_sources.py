@@ -13,13 +13,14 @@ import pytest
 
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.bench.tracking.tag_flips import tagslam_folder
-from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from motorcade.replays.cli import main
 from motorcade.replays.files.trajectories import even_stamps, read_trajectory, write_trajectory
-from motorcade.replays.textured_room import scenario, write_recording
 from motorcade.tracking import Camera
 from motorcade.tracking.markers.marker_map import MarkerMap
+from tests.bench.tracking.tag_flips import tagslam_folder
+from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
+from tests.textured_room.recording import write_recording
+from tests.textured_room.scenarios import scenario
 
 CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)
 TABLES = """

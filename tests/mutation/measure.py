@@ -11,6 +11,7 @@ from functools import cached_property
 from pathlib import Path
 
 from coverage import CoverageData
+
 from tests.mutation.mutants import Mutant
 from tests.mutation.running import Watch, forked, run_tests
 

@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from tests.mutation.mutants import mutants, sample
 from tests.mutation.running import forked, install, module_name
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from motorcade.render.light import LightEstimate
-from motorcade.replays.bench.view.ground_truth import (
+from tests.bench.view.ground_truth import (
     Shots,
     alike,
     drawn_silhouettes,

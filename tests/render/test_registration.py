@@ -7,15 +7,15 @@ import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render.printed import printed_surface
-from motorcade.replays.bench.view.registration import (
-    drawn_corner_distances_px,
-    shake_px,
-    straightened,
-)
 from motorcade.replays.recording import open_recording
 from motorcade.tracking import track_board
 from motorcade.tracking.boards import Checkerboard
 from motorcade.tracking.cameras.camera import Camera
+from tests.bench.view.registration import (
+    drawn_corner_distances_px,
+    shake_px,
+    straightened,
+)
 
 MANIFEST = Path(__file__).parents[2] / "docs" / "manifests" / "vamr_board.toml"
 CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)

@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 
-from motorcade.fusion.motions.degradations import Gaussian
-from motorcade.render.plots.style import COLOURS
-from motorcade.render.video import ErrorTraces, beside
-from motorcade.replays.side_by_side import (
+from docs.making.side_by_side import (
     SEED,
     SIGMA_M,
     SIGMA_RAD,
@@ -14,6 +11,9 @@ from motorcade.replays.side_by_side import (
     smoothed_paths,
     swing,
 )
+from docs.making.traces import ErrorTraces, beside
+from motorcade.fusion.motions.degradations import Gaussian
+from motorcade.render.plots.style import COLOURS
 
 
 def test_pictures_stand_in_a_row_over_their_strip() -> None:

@@ -23,7 +23,7 @@ class OneEuro(CausalFilter):
     of the speed where the paper takes each coordinate for itself: axes would show otherwise.
     Where the speed hardly changes the cut-off hardly does, and nothing is gained on the exponential
     filter: behind someone who walks at an even pace it lags as far at equal jitter, where stops and
-    turns come it lags a quarter to a half as far (`motorcade bench lag`).
+    turns come it lags a quarter to a half as far (`make bench SUITE=lag`).
     Choosing another world does not change the result on motors; choosing another origin in the
     body does, since it moves at another speed.
 

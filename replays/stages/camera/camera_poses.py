@@ -86,7 +86,7 @@ def camera_poses(
 
     `refine=photometric` sharpens the poses of loose markers in pictures on their whole print; it
     needs torch and kornia (the extra `photometric`), and pays on small markers and for steadiness
-    (`motorcade bench tracking` says how much), at 30 to 150 ms a marker on one core.
+    (`make bench SUITE=tracking` says how much), at 30 to 150 ms a marker on one core.
 
     `moving` names loose markers that do not stand still: they neither map nor track.
 

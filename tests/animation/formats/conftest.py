@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+
 from tests.animation.formats import samples
 from tests.animation.formats.samples import Write
 

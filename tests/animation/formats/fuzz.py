@@ -27,10 +27,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.animation.formats import samples
 
 from motorcade.animation import Character, Clip
 from motorcade.animation.formats import FormatError, NoMeshError, read_character, read_motion
+from tests.animation.formats import samples
 
 SLOWEST_S = 10.0
 MEMORY_BYTES = 3 << 30

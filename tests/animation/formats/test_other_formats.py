@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from PIL import Image
 from scipy.spatial.transform import Rotation
-from tests.animation.formats import samples
-from tests.animation.formats.samples import Write
 
 from motorcade.animation.formats import FormatError, fbx, read_character, read_motion
 from motorcade.animation.formats.limits import beside
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree
+from tests.animation.formats import samples
+from tests.animation.formats.samples import Write
 
 
 def mesh(*changes: tuple[str, str]) -> bytes:

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.animation.formats import fuzz, samples
-from tests.animation.formats.samples import Write
 
 from motorcade.animation.formats import FormatError, read_character
 from motorcade.animation.formats.limits import beside
+from tests.animation.formats import fuzz, samples
+from tests.animation.formats.samples import Write
 
 BOMB = b"""<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a "aaaaaaaaaa">
 <!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]><COLLADA><asset>&b;</asset></COLLADA>"""

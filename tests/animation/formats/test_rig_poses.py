@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.animation.formats import samples
-from tests.animation.formats.samples import Gltf, Write
 
 from motorcade.animation.formats import FormatError, read_character, read_motion
 from motorcade.ga import Motor
+from tests.animation.formats import samples
+from tests.animation.formats.samples import Gltf, Write
 
 
 def posed_tower() -> Gltf:

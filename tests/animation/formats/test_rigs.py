@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.animation.formats.collada_witness import ColladaWitness
-from tests.animation.formats.witness import Witness, fitted
 
 from motorcade.animation import Character
 from motorcade.animation.formats import read_character, read_motion
 from motorcade.ga import Motor
+from tests.animation.formats.collada_witness import ColladaWitness
+from tests.animation.formats.witness import Witness, fitted
 
 SHARE = 1e-4
 """How far joints may lie from a witness, as a share of the height."""

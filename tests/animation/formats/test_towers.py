@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
-from tests.animation.formats import samples
-from tests.animation.formats.samples import Write
 
 from motorcade.animation import Character
 from motorcade.animation.formats import FormatError, NoMeshError, read_character, read_motion
 from motorcade.ga import Motor, Similarity
+from tests.animation.formats import samples
+from tests.animation.formats.samples import Write
 
 FORMATS = ("glb", "gltf", "dae", "md5mesh")
 

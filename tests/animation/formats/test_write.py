@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.animation.formats import samples
-from tests.animation.formats.samples import Write
-from tests.animation.formats.witness import Witness
 
 from motorcade.animation import Character, Clip, Skeleton, mannequin
 from motorcade.animation.formats import CameraPath, FormatError, read_character, write_gltf
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from tests.animation.formats import samples
+from tests.animation.formats.samples import Write
+from tests.animation.formats.witness import Witness
 
 NEAR_M = 1e-5
 

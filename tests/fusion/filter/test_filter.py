@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.stats import chi2
-from tests.fusion.filter.by_hand import GRAVITY, Intervals
 
 from motorcade.fusion.filter import FilterSettings, Fused
 from motorcade.fusion.filter.extended_pose import corrected, extended_pose
 from motorcade.fusion.filter.increments import increments, process_noise
 from motorcade.fusion.imu import ADIS16448
 from motorcade.ga import FloatArray, Motor, Rotor
+from tests.fusion.filter.by_hand import GRAVITY, Intervals
 
 
 def state_errors(run, fused: Fused) -> FloatArray:

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.fusion.filter.by_hand import GRAVITY, Intervals, increments, moved, transitions
 
 from motorcade.fusion.filter.extended_pose import corrected, extended_pose, motor_adjoint
 from motorcade.ga import FloatArray, Motor, Rotor
+from tests.fusion.filter.by_hand import GRAVITY, Intervals, increments, moved, transitions
 
 pytest.importorskip("casadi")
 

@@ -12,9 +12,9 @@ from motorcade.fusion.metrics import absolute_translation_m
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.bench.fusion.tag_odometry import bench_tag_odometry, tag_odometry_table
 from motorcade.replays.readers.tagslam.odometry import read_rig_odometry
 from motorcade.tracking.measurements import PoseMeasurements
+from tests.bench.fusion.tag_odometry import bench_tag_odometry, tag_odometry_table
 
 MOUNT = Motor.from_euler_translation(np.array([0.3, -0.2, 3.0]), np.array([0.05, 0.02, 0.1]))
 NOISE = OdometryNoise(2e-3, 5e-3)

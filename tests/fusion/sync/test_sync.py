@@ -18,11 +18,11 @@ from motorcade.fusion.sync.alignment import covered
 from motorcade.fusion.sync.gating import plausible
 from motorcade.fusion.sync.rates import match_rates
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
-from motorcade.replays.bench.fusion.recorded import SPOILT, flight, measured
 from motorcade.replays.cli import main
 from motorcade.replays.files.imu import write_imu
 from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
 from motorcade.replays.readers.inertial import read_imu
+from tests.bench.fusion.recorded import SPOILT, flight, measured
 
 MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
 SIGMA_M, SIGMA_RAD = 0.01, np.deg2rad(0.5)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from motorcade.replays.bench.fusion.visual_inertial import (
+from tests.bench.fusion.visual_inertial import (
     bench_visual_inertial,
     visual_inertial_table,
 )
-from motorcade.replays.textured_room.scenarios import scenario
+from tests.textured_room.scenarios import scenario
 
 
 @pytest.mark.slow

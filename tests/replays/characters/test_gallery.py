@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from docs.making.gallery import ELBOW, SHOULDER, bent, volumes_l
 from motorcade.animation import mannequin
-from motorcade.replays.characters.gallery import ELBOW, SHOULDER, bent, volumes_l
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from tests.replays.engine.key_sizes import recording_of_a_board
 
 from motorcade.ga import Motor, Trajectory, mean
 from motorcade.replays.engine import provenance
@@ -14,6 +13,7 @@ from motorcade.replays.engine.provenance import Reach, code_digest, reach, types
 from motorcade.replays.stages.report import report
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.stages.view.overlay import overlay
+from tests.replays.engine.key_sizes import recording_of_a_board
 
 PACKAGE = "motorcade.made_for_a_test"
 SOURCES = {

@@ -28,9 +28,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from tests.animation.formats.fuzz import mutated
-from tests.replays import conftest as layouts
-from tests.replays.readers import test_gopro, test_ros_recordings, test_tagslam
 
 from motorcade.ga import Trajectory
 from motorcade.replays.errors import RecordingError
@@ -39,6 +36,9 @@ from motorcade.replays.readers import gpmf
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.readers.inertial import read_imu, read_noise
 from motorcade.replays.recording import Recording, open_recording
+from tests.animation.formats.fuzz import mutated
+from tests.replays import conftest as layouts
+from tests.replays.readers import test_gopro, test_ros_recordings, test_tagslam
 
 __all__ = ["Samples", "run"]
 

@@ -10,7 +10,8 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.replays.stages.camera.slam_poses import slam_poses
-from motorcade.replays.textured_room import scenario, write_recording
+from tests.textured_room.recording import write_recording
+from tests.textured_room.scenarios import scenario
 
 SIZE = (64, 48)
 MANIFEST = (

@@ -11,8 +11,6 @@ from evo.core.trajectory import PoseTrajectory3D
 from rosbags.rosbag1 import Writer
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.bench.tracking.tag_flips import bench_flips, count_flips, reference_rotors
-from motorcade.replays.bench.tracking.tag_map import reference_path
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers.ros import bag as ros_bag
@@ -22,6 +20,8 @@ from motorcade.replays.readers.tagslam.reference import read_odometry, read_refe
 from motorcade.tracking import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.mapping import map_markers
+from tests.bench.tracking.tag_flips import bench_flips, count_flips, reference_rotors
+from tests.bench.tracking.tag_map import reference_path
 
 TAGS = "apriltag_msgs/msg/ApriltagArrayStamped"
 CAMERAS = """

@@ -11,7 +11,6 @@ import pytest
 
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
 from motorcade.render import render_overlay
-from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from motorcade.replays.characters.acting import character_named, clip_named
 from motorcade.replays.markers.loose import LooseMarkers
 from motorcade.replays.recording import Frame, FrameSequence, ImageArray, Recording
@@ -20,6 +19,7 @@ from motorcade.replays.stages.camera.marker_poses import marker_poses
 from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.replays.stages.view.placed import Placed, placed
 from motorcade.tracking import Board, Camera, MarkerGrid, PoseMeasurements, SingleMarker
+from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 
 CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)
 FRAMES, RATE_HZ, SIDE_M, ID = 40, 20.0, 0.1, 7

@@ -17,8 +17,10 @@ from motorcade.replays.stages.camera.camera_poses import CameraPoses, Origin
 from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.replays.stages.view.ground import upward
 from motorcade.replays.stages.view.placed import Placed, placed
-from motorcade.replays.textured_room import Scenario, handheld, scenario, write_recording
 from motorcade.tracking import Board, Checkerboard, MarkerGrid, PoseMeasurements
+from tests.textured_room.paths import handheld
+from tests.textured_room.recording import write_recording
+from tests.textured_room.scenarios import Scenario, scenario
 
 
 @pytest.fixture(scope="module")

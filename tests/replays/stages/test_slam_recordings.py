@@ -10,8 +10,8 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Trajectory
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.replays.stages.camera.camera_poses import camera_poses
-from motorcade.replays.textured_room import scenario
 from motorcade.tracking.slam import SlamResult, SlamSettings, VisualSlam
+from tests.textured_room.scenarios import scenario
 
 MANIFESTS = Path(__file__).parents[3] / "docs" / "manifests"
 

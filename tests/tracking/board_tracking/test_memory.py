@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from motorcade.replays.markers.loose import LooseMarkers
 from motorcade.replays.recording import Frame, Recording
 from motorcade.replays.stages.camera.marker_poses import markers_found
 from motorcade.tracking import BoardTracker, Camera, SingleMarker
+from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 
 CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)
 PICTURE_BYTES = 320 * 240

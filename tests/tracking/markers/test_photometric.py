@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
-from motorcade.replays.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 from motorcade.tracking import Camera, detect_markers
 from motorcade.tracking.markers.families import marker_cells, marker_points_m
 from motorcade.tracking.markers.photometric import (
@@ -17,6 +16,7 @@ from motorcade.tracking.markers.photometric import (
 )
 from motorcade.tracking.markers.photometric.prints import blurred, grid_extent, prints
 from motorcade.tracking.markers.photometric.warp import grid_points, rectified, twist_motion
+from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 
 torch = pytest.importorskip("torch", reason="photometric refinement needs torch and kornia")
 pytest.importorskip("kornia", reason="photometric refinement needs torch and kornia")

@@ -7,7 +7,6 @@ import pytest
 
 from motorcade.ga import Motor
 from motorcade.replays.recording import open_recording
-from motorcade.replays.textured_room import SCENARIOS, Renderer, furnished_room
 from motorcade.tracking import Camera
 from motorcade.tracking.planes import (
     Plane,
@@ -16,6 +15,9 @@ from motorcade.tracking.planes import (
     find_planes,
     find_planes_in_depth,
 )
+from tests.textured_room.renderer import Renderer
+from tests.textured_room.scenarios import SCENARIOS
+from tests.textured_room.scene import furnished_room
 
 SIGMA_M = 0.005
 TRUE = (([0.0, 0.0, 1.0], 0.0), ([1.0, 0.0, 0.0], 0.0), ([0.0, -0.6, 0.8], 0.3))

@@ -7,7 +7,7 @@ blurred as the lens and the pixels blur it. All candidates of all markers run in
 GPU where there is one. The remaining misfit of the two candidates of a marker is evidence for the
 choice between them.
 
-On drawn markers (`motorcade bench tracking`) it halves the error of corners and the jitter of
+On drawn markers (`make bench SUITE=tracking`) it halves the error of corners and the jitter of
 poses, at 96 pixels a side as at 20. It does not settle flips: at 20 pixels the misfit of the print
 chooses no better than that of the corners, and both leave them to the motion over time. It costs
 30 to 150 milliseconds a marker on one core, far more than detection does: worth it where

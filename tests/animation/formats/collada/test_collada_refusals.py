@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from tests.animation.formats import samples
-from tests.animation.formats.samples import Write, collada_polygons, collada_with
 
 from motorcade.animation.formats import FormatError, read_character
+from tests.animation.formats import samples
+from tests.animation.formats.samples import Write, collada_polygons, collada_with
 
 INPUT = '<input semantic="VERTEX" source="#v" offset="0"/>'
 

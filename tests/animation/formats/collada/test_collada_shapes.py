@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from tests.animation.formats import samples
-from tests.animation.formats.samples import Write, collada_polygons, collada_with
 
 from motorcade.animation import Character
 from motorcade.animation.formats import read_character, read_motion
 from motorcade.ga import Similarity
+from tests.animation.formats import samples
+from tests.animation.formats.samples import Write, collada_polygons, collada_with
 
 
 def quads() -> list[list[str]]:

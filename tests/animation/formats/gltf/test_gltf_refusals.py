@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.animation.formats import samples
-from tests.animation.formats.samples import Gltf, Write
 
 from motorcade.animation.formats import FormatError, read_character, read_motion
 from motorcade.animation.formats.gltf import container
+from tests.animation.formats import samples
+from tests.animation.formats.samples import Gltf, Write
 
 PART = ("meshes", 0, "primitives", 0)
 ATTRIBUTES = (*PART, "attributes")

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from PIL import Image
 from scipy.linalg import polar
-from tests.animation.formats import samples
-from tests.animation.formats.samples import Gltf, Write
 
 from motorcade.animation import Character
 from motorcade.animation.formats import FormatError, read_character, read_motion
 from motorcade.animation.srgb import to_srgb
+from tests.animation.formats import samples
+from tests.animation.formats.samples import Gltf, Write
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
 

@@ -1,1 +1,0 @@
-"""Kernels of the algebra: speed beside GLM and other libraries, Table 3, accuracy."""

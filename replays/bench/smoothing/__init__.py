@@ -1,1 +1,0 @@
-"""Smoothers of paths: speed, memory and lag, beside other libraries."""

@@ -1,1 +1,0 @@
-"""Tracking: accuracy and milliseconds of markers, maps, boards and SLAM."""

@@ -1,1 +1,0 @@
-"""What the augmented picture is worth, in bytes, pixels and seconds: `motorcade bench view`."""

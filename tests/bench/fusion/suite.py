@@ -1,0 +1,40 @@
+"""`make bench SUITE=fusion`: simulation, filters and smoothers of inertial data, part by part."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from tests.bench.fusion.flights import bench_flights, flights_table
+from tests.bench.fusion.inclination import bench_inclination, inclination_table
+from tests.bench.fusion.offsets import bench_offsets, offsets_table
+from tests.bench.fusion.simulator import bench_simulator, simulator_table
+from tests.bench.fusion.speed import bench_speed, speed_table
+from tests.bench.fusion.tag_odometry import bench_tag_odometry, tag_odometry_table
+from tests.bench.fusion.visual_inertial import (
+    bench_visual_inertial,
+    visual_inertial_table,
+)
+
+__all__ = ["PARTS", "bench_fusion", "fusion_table"]
+
+PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
+    "simulator": (bench_simulator, simulator_table),
+    "flights": (bench_flights, flights_table),
+    "offsets": (bench_offsets, offsets_table),
+    "tags": (bench_tag_odometry, tag_odometry_table),
+    "visual inertial": (bench_visual_inertial, visual_inertial_table),
+    "inclination": (bench_inclination, inclination_table),
+    "speed": (bench_speed, speed_table),
+}
+"""Every part by name: what measures it, and what prints it."""
+
+
+def bench_fusion() -> dict[str, Any]:
+    """Measure every part."""
+    return {name: measure() for name, (measure, _) in PARTS.items()}
+
+
+def fusion_table(found: Mapping[str, Any]) -> str:
+    """The parts' tables, one below the other."""
+    return "\n\n".join(table(found[name]) for name, (_, table) in PARTS.items())

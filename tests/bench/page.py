@@ -1,0 +1,238 @@
+"""Writes the page of benchmarks from the figures that `make bench` saved.
+
+    make bench JSON=bench.json
+    python -m tests.bench.page bench.json > docs/benchmarks.md
+
+The page holds the machine that measured, the main figures beside those of other libraries in the
+same run (`headlines`), and every suite's table as the command prints it. It holds no date: the
+same figures make the same page.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from tests.bench.tables import SUITES
+
+__all__ = ["Headline", "headlines", "machine", "page"]
+
+MACHINE = "machine"
+"""The key beside the suites under which the machine stands."""
+JOINTS = 1000
+
+_HEAD = """# Benchmarks
+
+Written by `python -m tests.bench.page` from what `make bench` measured in one
+run. Times are medians; those of other libraries were taken in the same run, on the same data
+and cores. Compare ratios: times of two machines, or of two runs, say little.
+"""
+
+
+@dataclass(frozen=True)
+class Headline:
+    """One job, ours and another's: what was done, both figures, and how many times ours it was."""
+
+    what: str
+    ours: str
+    other: str
+    ratio: float | None
+    suite: str
+
+    def row(self) -> str:
+        """As a row of a table in Markdown."""
+        ratio = "–" if self.ratio is None else f"{self.ratio:.2g}"
+        command = f"`make bench SUITE={self.suite}`"
+        return f"| {self.what} | {self.ours} | {self.other} | {ratio} | {command} |"
+
+
+def machine() -> dict[str, str]:
+    """What figures depend on: processor, its cores and SIMD, compiler, Python and NumPy."""
+    from motorcade.replays.doctor.processor import flags, simd
+
+    told = platform.processor() or platform.machine()
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text().splitlines() if cpuinfo.is_file() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return {
+        "processor": names[0] if names else told,
+        "cores": str(os.cpu_count()),
+        "kernels": simd(flags()),
+        "compiler": _compiler(),
+        "python": platform.python_version(),
+        "numpy": version("numpy"),
+    }
+
+
+def page(figures: Mapping[str, Any]) -> str:
+    """The page, in Markdown, from figures by suite.
+
+    Raises:
+        ValueError: a key that is no suite, or no suites at all.
+    """
+    suites = [name for name in figures if name != MACHINE]
+    unknown = sorted(set(suites) - set(SUITES))
+    if unknown or not suites:
+        raise ValueError(
+            f"figures: expected suites of {', '.join(SUITES)}, got {unknown or 'none'}"
+        )
+    parts = [_HEAD, _machine_table(figures.get(MACHINE, {})), *_in_short(figures)]
+    for name in SUITES:
+        if name in figures:
+            parts += [f"## {name}\n", f"{_about(name)}\n", _block(f"make bench SUITE={name}", "sh")]
+            parts.append(_block(_table(name, figures[name]), "text"))
+    missing = [f"`make bench SUITE={name}`" for name in SUITES if name not in figures]
+    if missing:
+        parts.append(f"## Not in this run\n\n{', '.join(missing)}.\n")
+    return "\n".join(parts)
+
+
+def headlines(figures: Mapping[str, Any]) -> Iterator[Headline]:
+    """The main figures of those suites that were measured and had another library beside them."""
+    for name, found in _HEADLINES.items():
+        if name in figures:
+            yield from found(figures[name])
+
+
+def _blend(found: Mapping[str, Any]) -> Iterator[Headline]:
+    ns = {(row["method"], row["scalar"], row["joints"]): row["ns"] for row in found["rows"]}
+    for ours, other in (("motor linear", "GLM nlerp + mix"), ("motor screw", "GLM slerp + mix")):
+        for scalar in ("float32", "float64"):
+            mine, theirs = (ns.get((method, scalar, JOINTS)) for method in (ours, other))
+            if mine is not None and theirs is not None:
+                yield Headline(
+                    f"two poses blended, {ours}, {scalar}, {JOINTS} joints",
+                    f"{mine:.1f} ns a joint", f"{theirs:.1f} ({other})", theirs / mine, "blend",
+                )  # fmt: skip
+
+
+def _smooth(found: Mapping[str, Any]) -> Iterator[Headline]:
+    ours: dict[str, float] = {}
+    for row in found["rows"]:
+        if row["job"] not in ours:
+            ours[row["job"]] = row["seconds"]
+        else:
+            mine = ours[row["job"]]
+            yield Headline(
+                row["job"], _seconds(mine), f"{_seconds(row['seconds'])} ({row['way']})",
+                row["over_ours"], "smooth",
+            )  # fmt: skip
+
+
+def _markers(found: Mapping[str, Any]) -> Iterator[Headline]:
+    for row in found.get("markers", {}).get("rows", ()):
+        counts, ms = row["found"], row["ms_a_picture"]
+        for other in [way for way in counts if way != "motorcade"]:
+            yield Headline(
+                f"markers in {row['count']} pictures of `{row['pictures']}`",
+                f"{counts['motorcade']} found, {ms['motorcade']:.0f} ms",
+                f"{counts[other]} found, {ms[other]:.0f} ms ({other})",
+                ms[other] / ms["motorcade"], "tracking",
+            )  # fmt: skip
+
+
+def _flights(found: Mapping[str, Any]) -> Iterator[Headline]:
+    rows = {(row["flight"], row["by"]): row for row in found.get("flights", {}).get("rows", ())}
+    for (flight, by), row in rows.items():
+        other = rows.get((flight, "gtsam's graph"))
+        if by == "filter" and other is not None:
+            mine, theirs = (1e3 * one["outside_mean_rmse_m"] for one in (row, other))
+            yield Headline(
+                f"{flight}, camera poses and IMU fused, position", f"{mine:.2f} mm",
+                f"{theirs:.2f} mm (gtsam's graph)", theirs / mine, "fusion",
+            )  # fmt: skip
+
+
+def _render(found: Mapping[str, Any]) -> Iterator[Headline]:
+    by_size: dict[int, dict[str, float]] = {}
+    for row in found["rows"]:
+        by_size.setdefault(row["triangles"], {})[row["drawn_by"]] = row["cpu_ms"]
+    for triangles, spent in by_size.items():
+        mine, theirs = spent.get("fast renderer"), spent.get("pyrender alone")
+        if mine is not None and theirs is not None:
+            yield Headline(
+                f"a frame of {triangles:,} triangles with shadow, time of the processor",
+                f"{mine:.0f} ms", f"{theirs:.0f} ms (pyrender)", theirs / mine, "render",
+            )  # fmt: skip
+
+
+def _accuracy(found: Mapping[str, Mapping[str, float]]) -> Iterator[Headline]:
+    for scalar, errors in found.items():
+        worst = max(errors, key=lambda kernel: errors[kernel])
+        told = f"worst error of all kernels, {scalar} (`{worst}`)"
+        yield Headline(told, f"{errors[worst]:.1e}", "50 digits (mpmath)", None, "accuracy")
+
+
+_HEADLINES: Mapping[str, Callable[[Any], Iterator[Headline]]] = {
+    "blend": _blend,
+    "smooth": _smooth,
+    "tracking": _markers,
+    "fusion": _flights,
+    "render": _render,
+    "accuracy": _accuracy,
+}
+
+
+def _in_short(figures: Mapping[str, Any]) -> list[str]:
+    rows = [one.row() for one in headlines(figures)]
+    head = ["| what | here | beside it | times ours | command |", "|---|---|---|---|---|"]
+    return ["## In short\n", "\n".join([*head, *rows]) + "\n"] if rows else []
+
+
+def _machine_table(told: Mapping[str, str]) -> str:
+    rows = [f"| {name} | {value} |" for name, value in told.items()]
+    return "\n".join(["| machine | |", "|---|---|", *(rows or ["| not told | |"])]) + "\n"
+
+
+def _table(name: str, found: Any) -> str:
+    module, _, table = SUITES[name]
+    return str(getattr(import_module(f"tests.bench.{module}"), table)(found))
+
+
+def _about(name: str) -> str:
+    """What the suite says of itself, but for its name in front and commands below."""
+    module, _, _ = SUITES[name]
+    told = inspect.getdoc(import_module(f"tests.bench.{module}")) or ""
+    lines = [line for line in told.splitlines() if not line.startswith("    ")]
+    text = "\n".join(lines).strip().removeprefix(f"`make bench SUITE={name}`: ")
+    return text[0].upper() + text[1:]
+
+
+def _block(text: str, language: str) -> str:
+    return f"```{language}\n{text.strip(chr(10))}\n```\n"
+
+
+def _seconds(seconds: float) -> str:
+    return f"{seconds:.3g} s" if seconds > 1e-3 else f"{1e6 * seconds:.3g} µs"
+
+
+def _compiler() -> str:
+    try:
+        told = subprocess.run(["cc", "--version"], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return "none"
+    return told.stdout.splitlines()[0]
+
+
+def main() -> None:
+    """Print the page."""
+    if len(sys.argv) != 2:
+        raise SystemExit("usage: python -m tests.bench.page BENCH.json")
+    try:
+        print(page(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))), end="")
+    except (OSError, ValueError) as fault:
+        raise SystemExit(f"{sys.argv[1]}: {fault}") from fault
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,33 @@
+"""The suites of `make bench`: what measures each, and what prints its figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Any
+
+__all__ = ["SUITES", "run_suite"]
+
+SUITES: Mapping[str, tuple[str, str, str]] = {
+    "blend": ("algebra.blend", "bench_blend", "blend_table"),
+    "accuracy": ("algebra.accuracy", "bench_accuracy", "accuracy_table"),
+    "table3": ("algebra.table3.measure", "bench_table3", "table3_table"),
+    "smooth": ("smoothing.smooth", "bench_smooth", "smooth_table"),
+    "lag": ("smoothing.lag", "bench_lag", "lag_table"),
+    "slam": ("tracking.slam", "bench_slam", "slam_table"),
+    "fusion": ("fusion.suite", "bench_fusion", "fusion_table"),
+    "tracking": ("tracking.suite", "bench_tracking", "tracking_table"),
+    "animation": ("animation", "bench_animation", "animation_table"),
+    "render": ("render", "bench_render", "render_table"),
+    "memory": ("memory.suite", "bench_memory", "memory_table"),
+    "view": ("view.suite", "bench_view", "view_table"),
+}
+"""By name: a module of this package, its function that measures, and the one that prints."""
+
+
+def run_suite(name: str) -> tuple[Any, str]:
+    """Figures that JSON can hold, and their table; imports no other suite, nor what it needs."""
+    module, measure, table = SUITES[name]
+    suite = import_module(f"tests.bench.{module}")
+    found = getattr(suite, measure)()
+    return found, getattr(suite, table)(found)

@@ -1,0 +1,113 @@
+"""`make bench SUITE=tracking`, markers: how many are found, and how long it takes.
+
+On the pictures of tags in the recordings' folder, beside pupil-apriltags alone (`quad_decimate=1`)
+and OpenCV's detector alone, each on one thread. The three take turns on each picture, and each
+time is the median of the thread's own seconds, so that other load on the machine hardly counts.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from tests.bench.data import data_folder
+
+__all__ = ["bench_markers", "markers_table", "measure_pictures"]
+
+FAMILY = "tag36h11"
+ROUNDS = 15
+_FOLDERS = ("rotations", "multi", "photos")
+
+
+def bench_markers() -> dict[str, Any]:
+    """Markers found and milliseconds for each folder of pictures, each way."""
+    folder = data_folder() / "tags"
+    rows = []
+    for name in _FOLDERS:
+        files = sorted(
+            path for path in (folder / name).glob("*") if path.suffix in (".png", ".jpg")
+        )
+        if files:
+            rows.append({"pictures": name, **measure_pictures(files, ROUNDS)})
+    return {"family": FAMILY, "rows": rows}
+
+
+def measure_pictures(files: list[Path], rounds: int) -> dict[str, Any]:
+    """Markers found in picture files, milliseconds a picture, and times relative to AprilTag.
+
+    Raises:
+        RecordingError: a picture that cannot be read.
+    """
+    from motorcade.replays.readers.frames.pictures import read_gray
+
+    found: dict[str, int] = {}
+    spent_ms: dict[str, float] = {}
+    with _one_opencv_thread():
+        for path in files:
+            picture = read_gray(path, None, None)
+            for name, (count, seconds) in _take_turns(_ways(picture), rounds).items():
+                found[name] = found.get(name, 0) + count
+                spent_ms[name] = spent_ms.get(name, 0.0) + 1e3 * seconds
+    return {
+        "count": len(files),
+        "found": found,
+        "ms_a_picture": {name: ms / len(files) for name, ms in spent_ms.items()},
+        "times_apriltag": {name: ms / spent_ms["apriltag"] for name, ms in spent_ms.items()},
+    }
+
+
+def _ways(picture: Any) -> dict[str, Callable[[], int]]:
+    import cv2
+
+    from motorcade.tracking.markers import detect_markers
+    from motorcade.tracking.markers.backends import apriltag_detector
+    from motorcade.tracking.markers.families import dictionary
+
+    peer = apriltag_detector(FAMILY)
+    aruco = cv2.aruco.ArucoDetector(dictionary(FAMILY))
+    return {
+        "motorcade": lambda: len(detect_markers(picture, FAMILY)),
+        "apriltag": lambda: len(peer.detect(picture)),
+        "opencv": lambda: len(aruco.detectMarkers(picture)[0]),
+    }
+
+
+def _take_turns(ways: Mapping[str, Callable[[], int]], rounds: int) -> dict[str, tuple[int, float]]:
+    """What each way returns, and the median seconds of it, all of them once a round."""
+    counts = {name: way() for name, way in ways.items()}
+    seconds: dict[str, list[float]] = {name: [] for name in ways}
+    for _ in range(rounds):
+        for name, way in ways.items():
+            start = time.thread_time()
+            way()
+            seconds[name].append(time.thread_time() - start)
+    return {name: (counts[name], median(seconds[name])) for name in ways}
+
+
+@contextmanager
+def _one_opencv_thread() -> Iterator[None]:
+    import cv2
+
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)
+
+
+def markers_table(found: Mapping[str, Any]) -> str:
+    """A row a folder and way: markers found, milliseconds, times AprilTag's."""
+    if not found["rows"]:
+        return "markers: no pictures of tags here; set MOTORCADE_DATA to the recordings' folder"
+    lines = [f"{found['family'] + ', one thread':<38}{'found':>10}{'ms':>10}{'x apriltag':>12}"]
+    for row in found["rows"]:
+        for name, ms in row["ms_a_picture"].items():
+            label = f"{row['pictures']} ({row['count']}), {name}"
+            count, times = row["found"][name], row["times_apriltag"][name]
+            lines.append(f"{label:<38}{count:>10}{ms:>10.1f}{times:>12.2f}")
+    return "\n".join(lines)
