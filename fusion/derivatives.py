@@ -138,7 +138,7 @@ def differentiated(
             found[:, part] = weighted_vectors(
                 trajectory.time_ns, coordinates, made[part], representation, windows, weights
             )
-            made[part] = representation.moved(made[part], found[0, part])
+            made[part] = representation.retract(made[part], found[0, part])
     poses = representation.poses(made)
     assert isinstance(poses, Motor | Similarity)
     path = Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)

@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 
 from motorcade.fusion.metrics import associate, evaluate, rotation_rad
-from motorcade.ga.classical.euler import euler_from_matrix
+from motorcade.ga.versors.euler_angles import euler_from_matrix
 from motorcade.render import read_frames
 from motorcade.render.plots import plot_series, standing_alone
 from motorcade.render.plots.style import ON_PAGES

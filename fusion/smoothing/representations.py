@@ -1,12 +1,12 @@
 """Poses as numbers that every smoother runs on: seven ways to write a path down and to average it.
 
-A method sees coordinates ``(*, D)`` and two verbs. ``difference(x, base)`` is the vector ``(*, d)``
-from a base to `x` and ``moved(base, vector)`` its mirror; whatever a method averages, filters or
-fits are such vectors, so that it is written once. What is a straight line in them is what tells the
-representations apart:
+A method sees coordinates ``(*, D)`` and two verbs. ``local(x, base)`` (⊟) is the vector ``(*, d)``
+from a base to `x` and ``retract(base, vector)`` (⊞) its mirror; whatever a method averages, filters
+or fits are such vectors, so that it is written once. What is a straight line in them is what tells
+the representations apart:
 
 =====================  ===  ===  ==============================================================
-name                    D    d   difference
+name                    D    d   local vector
 =====================  ===  ===  ==============================================================
 ``motor``                8    6  twist from base to pose, in the base's body frame: one screw
 ``similarity``          12    7  the same with the logarithm of the scale behind it
@@ -30,26 +30,48 @@ from typing import ClassVar
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory, kernels
+from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory, kernels
+from motorcade.ga.classical import (
+    dual_quaternion_normalize,
+    nearest_branch,
+    nearest_sign,
+    quaternion_normalize,
+)
 
 __all__ = ["REPRESENTATIONS", "Representation", "representation_named", "restored"]
 
 Poses = Motor | Similarity
 
-# Which component of a Hamilton dual quaternion a motor's is, and with which sign.
-_TO_MOTOR = np.array([0, 1, 2, 3, 5, 6, 7, 4])
-_REVERSED = np.array([1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0])
-
 
 class Representation(ABC):
-    """A way to write poses down; see the top of this module. All methods are batched in front."""
+    """A way to write poses down; see the top of this module. All methods are batched in front.
+
+    Fields:
+        name: in `REPRESENTATIONS`.
+        ends: where rotation and translation end in a local vector of rigid poses.
+        units: components of a local vector for a radian and for a metre.
+        coupled: how many components compose as one motion, and so mix; 0 where all are added.
+        signed: leading components of coordinates whose common sign is free.
+        scale_beside: a scale is one more number behind the coordinates of the rigid pose.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.smoothing import REPRESENTATIONS
+        >>> from motorcade.ga import Motor
+        >>> turned = Motor.from_euler_translation([0.0, 0.0, [0.0, 0.5]], np.zeros((2, 3)))
+        >>> motors = REPRESENTATIONS["motor"]
+        >>> x = motors.coordinates(turned)
+        >>> motors.local(x[1], x[0])
+        array([0. , 0. , 0.5, 0. , 0. , 0. ])
+    """
 
     name: ClassVar[str]
-    rotation: ClassVar[slice]
+    ends: ClassVar[tuple[int, int]] = (3, 6)
+    units: ClassVar[tuple[float, float]] = (1.0, 1.0)
+    coupled: ClassVar[int] = 0
     signed: ClassVar[int] = 0
-    """The components of a difference that turn; they have no unit where they are quaternions."""
+    scale_beside: ClassVar[bool] = True
     _rigid_size: ClassVar[int]
-    _scale_beside: ClassVar[bool] = True
 
     def coordinates(self, poses: Poses) -> FloatArray:
         """Write down a path of poses ``(N,)`` as ``(N, D)``, continuous where the practice is."""
@@ -69,26 +91,26 @@ class Representation(ABC):
         rigid = self._rigid_poses(coordinates[..., :-1])
         return Similarity.from_motor_scale(rigid, coordinates[..., -1])
 
-    def difference(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
+    def local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
         """Vectors ``(*, d)`` from bases ``(*, D)`` to poses ``(*, D)``; batches broadcast."""
         if coordinates.shape[-1] == self._rigid_size:
-            return self._rigid_difference(coordinates, base)
-        rigid = self._rigid_difference(coordinates[..., :-1], base[..., :-1])
+            return self._rigid_local(coordinates, base)
+        rigid = self._rigid_local(coordinates[..., :-1], base[..., :-1])
         scale = coordinates[..., -1:] - base[..., -1:]
         return np.concatenate([rigid, scale], axis=-1)
 
-    def moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
-        """Coordinates ``(*, D)`` that lie a vector ``(*, d)`` from a base: mirrors `difference`."""
+    def retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
+        """Coordinates ``(*, D)`` that lie a vector ``(*, d)`` from a base: mirrors `local`."""
         if base.shape[-1] == self._rigid_size:
-            return self._rigid_moved(base, difference)
-        rigid = self._rigid_moved(base[..., :-1], difference[..., :-1])
-        return np.concatenate([rigid, base[..., -1:] + difference[..., -1:]], axis=-1)
+            return self._rigid_retract(base, vector)
+        rigid = self._rigid_retract(base[..., :-1], vector[..., :-1])
+        return np.concatenate([rigid, base[..., -1:] + vector[..., -1:]], axis=-1)
 
-    def following(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
-        """The same pose ``(D,)`` written as near as may be to the one before it ``(D,)``.
+    def continued(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
+        """The same poses ``(*, D)`` written as near as may be to others ``(*, D)``.
 
-        Scanned over a path it gives what `coordinates` gives. Signs and turns follow where the
-        practice has them followed; the others return what they are given.
+        Scanned over a path it gives what `coordinates` gives: of the two signs or the many branches
+        of angles the nearest, where the practice takes it; the others return what they are given.
         """
         return coordinates
 
@@ -98,18 +120,18 @@ class Representation(ABC):
     @abstractmethod
     def _rigid_poses(self, coordinates: FloatArray) -> Motor: ...
 
-    def _rigid_difference(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
+    def _rigid_local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
         return coordinates - base
 
-    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
-        return base + difference
+    def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
+        return base + vector
 
 
 class MotorTwists(Representation):
     """Motors, averaged as twists in the base's body frame: no choice of world or body matters."""
 
     name = "motor"
-    rotation = slice(0, 3)
+    coupled = 6
     _rigid_size = 8
 
     def _rigid_coordinates(self, poses: Motor) -> FloatArray:
@@ -118,18 +140,19 @@ class MotorTwists(Representation):
     def _rigid_poses(self, coordinates: FloatArray) -> Motor:
         return Motor(coordinates)
 
-    def _rigid_difference(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
+    def _rigid_local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
         return -2.0 * kernels.log(kernels.compose(kernels.inverse(base), coordinates))
 
-    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
-        return kernels.compose(base, kernels.exp(-0.5 * difference))
+    def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
+        return kernels.compose(base, kernels.exp(-0.5 * vector))
 
 
 class SimilarityTwists(Representation):
     """Similarities, averaged as twists with the logarithm of the scale; rigid paths keep 1."""
 
     name = "similarity"
-    rotation = slice(0, 3)
+    coupled = 7
+    scale_beside = False
     _rigid_size = 12
 
     def coordinates(self, poses: Poses) -> FloatArray:
@@ -148,18 +171,18 @@ class SimilarityTwists(Representation):
     def _rigid_poses(self, coordinates: FloatArray) -> Motor:
         return self.poses(coordinates).as_motor_scale()[0]
 
-    def _rigid_difference(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
+    def _rigid_local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
         return (Similarity(base).inverse() @ Similarity(coordinates)).as_twist()
 
-    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
-        return (Similarity(base) @ Similarity.from_twist(difference)).coefficients
+    def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
+        return (Similarity(base) @ Similarity.from_twist(vector)).coefficients
 
 
 class Rotors(Representation):
     """Rotors beside translations: the body turns about its own origin, which goes straight."""
 
     name = "rotor"
-    rotation = slice(0, 3)
+    coupled = 3
     _rigid_size = 7
 
     def _rigid_coordinates(self, poses: Motor) -> FloatArray:
@@ -167,30 +190,26 @@ class Rotors(Representation):
         return np.concatenate([double.rotor.coefficients, double.translation_m], axis=-1)
 
     def _rigid_poses(self, coordinates: FloatArray) -> Motor:
-        signed = coordinates[..., :4] * _REVERSED[:4]
-        return Motor.from_quaternion_translation(signed, coordinates[..., 4:])
+        return Motor.from_rotor_translation(Rotor(coordinates[..., :4]), coordinates[..., 4:])
 
-    def _rigid_difference(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
+    def _rigid_local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
         back = kernels.rotor_inverse(base[..., :4])
         turn = -2.0 * kernels.rotor_log(kernels.rotor_compose(back, coordinates[..., :4]))
         return np.concatenate([turn, coordinates[..., 4:] - base[..., 4:]], axis=-1)
 
-    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
-        turn = kernels.rotor_exp(-0.5 * difference[..., :3])
+    def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
+        turn = kernels.rotor_exp(-0.5 * vector[..., :3])
         turned = kernels.rotor_compose(base[..., :4], turn)
-        return np.concatenate([turned, base[..., 4:] + difference[..., 3:]], axis=-1)
+        return np.concatenate([turned, base[..., 4:] + vector[..., 3:]], axis=-1)
 
 
 class _SignedComponents(Representation):
     """Components of which the first four are a quaternion whose sign follows its predecessor."""
 
-    rotation = slice(0, 4)
-
-    def following(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
+    def continued(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
         """The sign nearest to the quaternion before."""
-        if np.sum(coordinates[:4] * previous[:4]) >= 0.0:
-            return coordinates
-        return np.where(np.arange(len(coordinates)) < self.signed, -coordinates, coordinates)
+        nearest = nearest_sign(coordinates[..., : self.signed], previous)
+        return np.concatenate([nearest, coordinates[..., self.signed :]], axis=-1)
 
     def _with_signs(self, components: FloatArray) -> FloatArray:
         flips = np.sum(components[1:, :4] * components[:-1, :4], axis=-1) < 0.0
@@ -204,49 +223,47 @@ class Quaternions(_SignedComponents):
     """Quaternion components, renormalised, beside translations."""
 
     name = "quaternion"
-    _rigid_size = 7
+    ends = (4, 7)
+    units = (0.5, 1.0)
     signed = 4
+    _rigid_size = 7
 
     def _rigid_coordinates(self, poses: Motor) -> FloatArray:
         wxyz, translation = poses.astype(np.float64).as_quaternion_translation()
         return self._with_signs(np.concatenate([wxyz, translation], axis=-1))
 
     def _rigid_poses(self, coordinates: FloatArray) -> Motor:
-        unit = self._unit(coordinates)
-        return Motor.from_quaternion_translation(unit[..., :4], unit[..., 4:])
+        wxyz = quaternion_normalize(coordinates[..., :4])
+        return Motor.from_quaternion_translation(wxyz, coordinates[..., 4:])
 
-    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
-        return self._unit(base + difference)
-
-    def _unit(self, coordinates: FloatArray) -> FloatArray:
-        norm = np.linalg.norm(coordinates[..., :4], axis=-1, keepdims=True)
-        if not np.all(norm > 0.0):
-            raise ValueError("quaternion: expected averages of non-zero length, got 0")
-        return np.concatenate([coordinates[..., :4] / norm, coordinates[..., 4:]], axis=-1)
+    def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
+        moved = base + vector
+        return np.concatenate([quaternion_normalize(moved[..., :4]), moved[..., 4:]], axis=-1)
 
 
 class DualQuaternions(_SignedComponents):
     """The eight components of dual quaternions, projected onto unit ones."""
 
     name = "dual_quaternion"
-    _rigid_size = 8
+    ends = (4, 8)
+    units = (0.5, 0.5)
     signed = 8
+    _rigid_size = 8
 
     def _rigid_coordinates(self, poses: Motor) -> FloatArray:
         return self._with_signs(poses.astype(np.float64).as_dual_quaternion())
 
     def _rigid_poses(self, coordinates: FloatArray) -> Motor:
-        return Motor.normalize(coordinates[..., _TO_MOTOR] * _REVERSED)
+        return Motor.from_dual_quaternion(dual_quaternion_normalize(coordinates))
 
-    def _rigid_moved(self, base: FloatArray, difference: FloatArray) -> FloatArray:
-        return self._rigid_poses(base + difference).as_dual_quaternion()
+    def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
+        return dual_quaternion_normalize(base + vector)
 
 
 class EulerAngles(Representation):
     """Intrinsic x-y′-z″ angles as they come, each averaged for itself: at ±π they leap."""
 
     name = "euler"
-    rotation = slice(0, 3)
     _rigid_size = 6
 
     def _rigid_coordinates(self, poses: Motor) -> FloatArray:
@@ -262,27 +279,29 @@ class UnwrappedEulerAngles(EulerAngles):
 
     name = "euler_unwrapped"
 
-    def following(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
+    def continued(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
         """Each angle on the branch nearest to the one before."""
-        made = coordinates.copy()
-        turns = np.round((previous[:3] - coordinates[:3]) / (2.0 * np.pi))
-        made[:3] = coordinates[:3] + 2.0 * np.pi * turns
-        return made
+        angles = nearest_branch(coordinates[..., :3], previous[..., :3])
+        return np.concatenate([angles, coordinates[..., 3:]], axis=-1)
 
     def _rigid_coordinates(self, poses: Motor) -> FloatArray:
         made = super()._rigid_coordinates(poses)
-        turns = np.cumsum(np.round(np.diff(made[:, :3], axis=0) / (2.0 * np.pi)), axis=0)
-        made[1:, :3] = made[1:, :3] - 2.0 * np.pi * turns
+        made[:, :3] = np.unwrap(made[:, :3], axis=0)
         return made
 
 
 REPRESENTATIONS: dict[str, Representation] = {
     one.name: one
     for one in (
-        MotorTwists(), SimilarityTwists(), Rotors(), DualQuaternions(), Quaternions(),
-        UnwrappedEulerAngles(), EulerAngles(),
+        MotorTwists(),
+        SimilarityTwists(),
+        Rotors(),
+        DualQuaternions(),
+        Quaternions(),
+        UnwrappedEulerAngles(),
+        EulerAngles(),
     )
-}  # fmt: skip
+}
 """Every representation that smoothers run on, by name."""
 
 

@@ -11,17 +11,25 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.ga.classical.quaternion import (
+    nearest_sign,
     quaternion_apply,
     quaternion_conjugate,
     quaternion_multiply,
 )
 
 __all__ = [
-    "dual_quaternion_apply", "dual_quaternion_as_quaternion_translation", "dual_quaternion_blend",
-    "dual_quaternion_conjugate", "dual_quaternion_exp",
-    "dual_quaternion_from_quaternion_translation", "dual_quaternion_log", "dual_quaternion_mean",
-    "dual_quaternion_multiply", "dual_quaternion_normalize", "dual_quaternion_screw",
-]  # fmt: skip
+    "dual_quaternion_apply",
+    "dual_quaternion_as_quaternion_translation",
+    "dual_quaternion_blend",
+    "dual_quaternion_conjugate",
+    "dual_quaternion_exp",
+    "dual_quaternion_from_quaternion_translation",
+    "dual_quaternion_log",
+    "dual_quaternion_mean",
+    "dual_quaternion_multiply",
+    "dual_quaternion_normalize",
+    "dual_quaternion_screw",
+]
 
 # Below this sine of half the angle a screw has no axis left and is a plain translation.
 _NO_AXIS = 1e-12
@@ -104,9 +112,8 @@ def dual_quaternion_blend(q: ArrayLike, weights: ArrayLike) -> FloatArray:
         raise ValueError(
             f"weights: expected (*, K) for q of shape (*, K, 8) = {given.shape}, got {share.shape}"
         )
-    against = np.sum(given[..., :1, :4] * given[..., :4], axis=-1) < 0.0
-    signed = np.where(against, -1.0, 1.0) * share
-    return dual_quaternion_normalize(np.sum(signed[..., None] * given, axis=-2))
+    signed = nearest_sign(given, given[..., :1, :])
+    return dual_quaternion_normalize(np.sum(share[..., None] * signed, axis=-2))
 
 
 def dual_quaternion_exp(log: ArrayLike) -> FloatArray:
@@ -123,10 +130,9 @@ def dual_quaternion_exp(log: ArrayLike) -> FloatArray:
     axis = real / safe
     push = np.sum(axis * dual, axis=-1, keepdims=True)
     moment = (dual - push * axis) / safe
-    screw = np.concatenate([
-        np.cos(half), np.sin(half) * axis,
-        -push * np.sin(half), np.sin(half) * moment + push * np.cos(half) * axis,
-    ], axis=-1)  # fmt: skip
+    cosine, sine = np.cos(half), np.sin(half)
+    parts = [cosine, sine * axis, -push * sine, sine * moment + push * cosine * axis]
+    screw = np.concatenate(parts, axis=-1)
     one = np.ones_like(half)
     slide = np.concatenate([one, real, -np.sum(real * dual, -1, keepdims=True), dual], axis=-1)
     return np.where(turns, screw, slide)
@@ -138,7 +144,11 @@ def dual_quaternion_log(q: ArrayLike) -> FloatArray:
     The sign that turns by at most π is taken.
     """
     given = checked_floats(q, "q", (8,))
-    given = np.where(given[..., :1] < 0.0, -given, given)
+    return _log(np.where(given[..., :1] < 0.0, -given, given))
+
+
+def _log(given: FloatArray) -> FloatArray:
+    """The logarithm of the sign that is given: turns by up to 2π."""
     cosine, vector, dual = given[..., :1], given[..., 1:4], given[..., 5:]
     sine = np.linalg.norm(vector, axis=-1, keepdims=True)
     turns = sine > _NO_AXIS
@@ -155,35 +165,13 @@ def dual_quaternion_screw(
 ) -> FloatArray:
     """Screw interpolation (ScLERP), ``(*, 8)``: ``a (a* b)^fraction``; ``fraction (*)`` broadcasts.
 
-    The power is taken through axis, moment, angle and pitch of the screw, and a motion that turns
-    by less than 2e-12 rad is treated as a translation.
+    A motion that turns by less than 2e-12 rad is treated as a translation.
     """
     steps = checked_floats(fraction, "fraction", ())[..., None]
     between = dual_quaternion_multiply(dual_quaternion_conjugate(a), b)
     if short_way:
         between = np.where(between[..., :1] < 0.0, -between, between)
-    return dual_quaternion_multiply(a, _power(between, steps))
-
-
-def _power(q: FloatArray, exponent: FloatArray) -> FloatArray:
-    cosine, vector = q[..., :1], q[..., 1:4]
-    sine = np.linalg.norm(vector, axis=-1, keepdims=True)
-    turns = sine > _NO_AXIS
-    safe = np.where(turns, sine, 1.0)
-    axis = vector / safe
-    half_pitch = -q[..., 4:5] / safe
-    moment = (q[..., 5:] - half_pitch * cosine * axis) / safe
-    half = exponent * np.arctan2(sine, cosine)
-    push = exponent * half_pitch
-    screw = np.concatenate([
-        np.cos(half), np.sin(half) * axis,
-        -push * np.sin(half), np.sin(half) * moment + push * np.cos(half) * axis,
-    ], axis=-1)  # fmt: skip
-    slide = np.concatenate(
-        np.broadcast_arrays(1.0, 0.0, 0.0, 0.0, 0.0, exponent * q[..., 5:6],
-                            exponent * q[..., 6:7], exponent * q[..., 7:8]), axis=-1
-    )  # fmt: skip
-    return np.where(turns, screw, slide)
+    return dual_quaternion_multiply(a, dual_quaternion_exp(steps * _log(between)))
 
 
 def dual_quaternion_mean(q: ArrayLike, weights: ArrayLike) -> FloatArray:

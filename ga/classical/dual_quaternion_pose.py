@@ -32,6 +32,7 @@ from motorcade.ga.classical.pose import (
     random_pose,
     split_matrix,
 )
+from motorcade.ga.classical.quaternion import nearest_sign
 
 __all__ = ["DualQuaternion"]
 
@@ -116,7 +117,7 @@ class DualQuaternion(Pose):
         if chosen == "screw":
             return self._like(dual_quaternion_screw(a, b, steps, short_way))
         if short_way:
-            b = np.where(np.sum(a[..., :4] * b[..., :4], -1, keepdims=True) < 0.0, -b, b)
+            b = nearest_sign(b, a)
         part = steps[..., None]
         return self._like(dual_quaternion_normalize((1.0 - part) * a + part * b))
 

@@ -1,10 +1,7 @@
-"""Euler angles as practitioners write them: three angles about x, y, z, interpolated one by one.
+"""Arithmetic on Euler angles, as practitioners do it: each angle by itself.
 
-A sequence is three lower-case letters in the order of the angles, and intrinsic: ``"xyz"`` is
-x-y′-z″, ``R = R_x(a) R_y(b) R_z(c)`` acting on columns. With ``extrinsic`` the axes stay fixed, and
-the same letters mean ``R_z(c) R_y(b) R_x(a)``. All twelve sequences work. Capitals are refused:
-scipy writes intrinsic sequences with them, and others extrinsic ones. Angles in radians, batch in
-front.
+Angles in radians, ``(*, 3)``, in the order of their sequence; `motorcade.ga.versors.euler_angles`
+converts them. They are numbers on a line here: 190° and -170° are one rotation, but not one path.
 """
 
 from __future__ import annotations
@@ -14,86 +11,30 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = ["SEQUENCES", "euler_from_matrix", "interpolate_euler", "matrix_from_euler"]
+__all__ = ["euler_rates_from_body", "interpolate_euler", "nearest_branch"]
 
-SEQUENCES = (
-    "xyz", "yzx", "zxy", "xzy", "yxz", "zyx",
-    "xyx", "xzx", "yxy", "yzy", "zxz", "zyz",
-)  # fmt: skip
-# Where the lever arm of the first angle is below this, the angle is noise: gimbal lock.
-_LOCKED = 4e-15
+# Euler rates are divided by the cosine of the middle angle, kept at least this far from zero.
+_LEAST_COSINE = 1e-3
 
 
-def _axes(sequence: str) -> tuple[int, int, int, float]:
-    """First, second and remaining axis, and +1 where they are in cyclic order, else -1."""
-    if sequence not in SEQUENCES:
-        raise ValueError(f"sequence: expected one of {', '.join(SEQUENCES)}, got {sequence!r}")
-    i, j = "xyz".index(sequence[0]), "xyz".index(sequence[1])
-    return i, j, 3 - i - j, 1.0 if (j - i) % 3 == 1 else -1.0
+def nearest_branch(angles_rad: ArrayLike, reference_rad: ArrayLike) -> FloatArray:
+    """Angles ``(*)`` plus the multiples of 2π that bring each within π of its reference.
 
-
-def _turn(axis: int, angle: FloatArray) -> FloatArray:
-    j, k = (axis + 1) % 3, (axis + 2) % 3
-    matrix = np.zeros((*angle.shape, 3, 3))
-    matrix[..., axis, axis] = 1.0
-    matrix[..., j, j] = matrix[..., k, k] = np.cos(angle)
-    matrix[..., k, j] = np.sin(angle)
-    matrix[..., j, k] = -matrix[..., k, j]
-    return matrix
-
-
-def matrix_from_euler(
-    angles_rad: ArrayLike, sequence: str = "xyz", extrinsic: bool = False
-) -> FloatArray:
-    """Rotation matrices ``(*, 3, 3)`` from angles ``(*, 3)``.
+    The difference of two angles is wrapped by the reference 0.
 
     Raises:
-        ValueError: an unknown sequence, wrong last dimension, NaN or infinity.
+        ValueError: NaN or infinity.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga.classical import nearest_branch
+        >>> np.rad2deg(nearest_branch(np.deg2rad([-170.0, 20.0]), np.deg2rad([175.0, 10.0])))
+        array([190.,  20.])
     """
-    i, j, _, _ = _axes(sequence)
-    angles = checked_floats(angles_rad, "angles_rad", (3,))
-    if extrinsic:
-        return matrix_from_euler(angles[..., ::-1], sequence[::-1])
-    last = "xyz".index(sequence[2])
-    product: FloatArray = (
-        _turn(i, angles[..., 0]) @ _turn(j, angles[..., 1]) @ _turn(last, angles[..., 2])
-    )
-    return product
-
-
-def euler_from_matrix(
-    matrix: ArrayLike, sequence: str = "xyz", extrinsic: bool = False
-) -> FloatArray:
-    """Angles ``(*, 3)`` of rotation matrices ``(*, 3, 3)``.
-
-    The third angle is read from what the first leaves over, so the angles give back the matrix to
-    rounding even at gimbal lock, where the first (extrinsic: the third) is set to 0. First and
-    third are in [-π, π], the middle one in [-π/2, π/2], or in [0, π] where the sequence ends as it
-    began.
-
-    Raises:
-        ValueError: an unknown sequence, wrong shape, NaN or infinity.
-    """
-    if extrinsic:
-        _axes(sequence)
-        return euler_from_matrix(matrix, sequence[::-1])[..., ::-1]
-    i, j, k, cyclic = _axes(sequence)
-    m = checked_floats(matrix, "matrix", (3, 3))
-    if sequence[0] == sequence[2]:
-        lever = np.hypot(m[..., j, i], m[..., k, i])
-        first = np.arctan2(m[..., j, i], -cyclic * m[..., k, i])
-        middle = np.arctan2(lever, m[..., i, i])
-    else:
-        lever = np.hypot(m[..., j, k], m[..., k, k])
-        first = np.arctan2(-cyclic * m[..., j, k], m[..., k, k])
-        middle = np.arctan2(cyclic * m[..., i, k], lever)
-    first = np.where(lever > _LOCKED, first, 0.0)
-    cosine, sine = np.cos(first)[..., None], cyclic * np.sin(first)[..., None]
-    rest = cosine * m[..., j, :] + sine * m[..., k, :]
-    other = k if sequence[0] == sequence[2] else i
-    sign = -cyclic if other == k else cyclic
-    third = np.arctan2(sign * rest[..., other], rest[..., j])
-    return np.stack([first, middle, third], axis=-1)
+    angles = checked_floats(angles_rad, "angles_rad", ())
+    reference = checked_floats(reference_rad, "reference_rad", ())
+    nearest: FloatArray = angles + 2.0 * np.pi * np.round((reference - angles) / (2.0 * np.pi))
+    return nearest
 
 
 def interpolate_euler(start_rad: ArrayLike, end_rad: ArrayLike, fraction: ArrayLike) -> FloatArray:
@@ -105,9 +46,40 @@ def interpolate_euler(start_rad: ArrayLike, end_rad: ArrayLike, fraction: ArrayL
 
     Raises:
         ValueError: wrong last dimension, NaN or infinity.
+
+    Examples:
+        >>> from motorcade.ga.classical import interpolate_euler
+        >>> interpolate_euler([0.0, 0.0, 3.0], [0.0, 0.0, -3.0], 0.5)  # back through 0, not on by π
+        array([0., 0., 0.])
     """
     start = checked_floats(start_rad, "start_rad", (3,))
     end = checked_floats(end_rad, "end_rad", (3,))
     steps = checked_floats(fraction, "fraction", ())[..., None]
     between: FloatArray = (1.0 - steps) * start + steps * end
     return between
+
+
+def euler_rates_from_body(angles_rad: ArrayLike) -> FloatArray:
+    """Matrices ``(*, 3, 3)`` from angular rates in the moving frame to rates of x-y′-z″ angles.
+
+    At gimbal lock they do not exist; the cosine of the middle angle is kept 0.001 away from 0.
+
+    Raises:
+        ValueError: wrong last dimension, NaN or infinity.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga.classical import euler_rates_from_body
+        >>> np.round(euler_rates_from_body([0.0, np.pi / 3, 0.0]) @ [1.0, 0.0, 0.0], 3)
+        array([ 2.   ,  0.   , -1.732])
+    """
+    _, middle, last = np.moveaxis(checked_floats(angles_rad, "angles_rad", (3,)), -1, 0)
+    cosine = np.copysign(np.maximum(np.abs(np.cos(middle)), _LEAST_COSINE), np.cos(middle))
+    tangent = np.sin(middle) / cosine
+    sin, cos, zero = np.sin(last), np.cos(last), np.zeros_like(last)
+    rows = [
+        [cos / cosine, -sin / cosine, zero],
+        [sin, cos, zero],
+        [-cos * tangent, sin * tangent, zero + 1.0],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))

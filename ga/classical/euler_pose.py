@@ -1,9 +1,9 @@
 """Euler angles beside translation, ``(*, 6)``: three angles (rad), then metres.
 
 The sequence is three lower-case letters, intrinsic unless ``extrinsic`` says that the axes stay
-fixed; see `motorcade.ga.classical.euler`. Angles are kept as they are, never wrapped by themselves:
-an angle of 190° and one of -170° are the same turn, but not the same path. Composition and inverse
-go through matrices, since angles have no product.
+fixed; see `motorcade.ga.versors.euler_angles`. Angles are kept as they are, never wrapped by
+themselves: an angle of 190° and one of -170° are the same turn, but not the same path. Composition
+and inverse go through matrices, since angles have no product.
 """
 
 from __future__ import annotations
@@ -15,14 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, checked_floats
-from motorcade.ga.classical.euler import (
-    SEQUENCES,
-    euler_from_matrix,
-    interpolate_euler,
-    matrix_from_euler,
-)
+from motorcade.ga.classical.euler import interpolate_euler, nearest_branch
 from motorcade.ga.classical.pose import Pose, random_pose
 from motorcade.ga.classical.quaternion import quaternion_as_matrix, quaternion_from_matrix
+from motorcade.ga.versors.euler_angles import SEQUENCES, euler_from_matrix, matrix_from_euler
 
 __all__ = ["EulerPose"]
 
@@ -143,7 +139,7 @@ class EulerPose(Pose):
 
         The path depends on the sequence, its speed is uneven near gimbal lock, and by default an
         angle that has jumped by 2π takes the whole turn back. With ``short_way`` each angle's
-        difference is first wrapped into [-π, π).
+        end is first taken on the branch nearest to its start.
 
         Raises:
             ValueError: NaN or infinite fraction, batches that do not broadcast, two sequences.
@@ -152,7 +148,7 @@ class EulerPose(Pose):
         steps = self._checked_fraction(other, fraction)
         end = other.angles_rad
         if short_way:
-            end = self.angles_rad + (end - self.angles_rad + np.pi) % (2 * np.pi) - np.pi
+            end = nearest_branch(end, self.angles_rad)
         turned = interpolate_euler(self.angles_rad, end, steps)
         part = steps[..., None]
         moved = (1.0 - part) * self.translation_m + part * other.translation_m

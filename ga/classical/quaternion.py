@@ -13,11 +13,19 @@ from numpy.typing import ArrayLike
 from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = [
-    "quaternion_apply", "quaternion_as_matrix", "quaternion_as_rotation_vector",
-    "quaternion_conjugate", "quaternion_from_matrix", "quaternion_from_rotation_vector",
-    "quaternion_mean", "quaternion_multiply", "quaternion_nlerp", "quaternion_normalize",
+    "nearest_sign",
+    "quaternion_apply",
+    "quaternion_as_matrix",
+    "quaternion_as_rotation_vector",
+    "quaternion_conjugate",
+    "quaternion_from_matrix",
+    "quaternion_from_rotation_vector",
+    "quaternion_mean",
+    "quaternion_multiply",
+    "quaternion_nlerp",
+    "quaternion_normalize",
     "quaternion_slerp",
-]  # fmt: skip
+]
 
 # Below this angle between two quaternions the sines of slerp cancel, and the chord is the arc.
 _PARALLEL_RAD = 1e-8
@@ -38,6 +46,25 @@ def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
         aw * by - ax * bz + ay * bw + az * bx,
         aw * bz + ax * by - ay * bx + az * bw,
     ], axis=-1)  # fmt: skip
+
+
+def nearest_sign(components: ArrayLike, reference: ArrayLike) -> FloatArray:
+    """Quaternions ``(*, 4)`` or dual quaternions ``(*, 8)``, negated where they oppose a reference.
+
+    What decides is the dot product of the first four components; where it is 0 nothing changes.
+
+    Raises:
+        ValueError: NaN or infinity.
+
+    Examples:
+        >>> from motorcade.ga.classical import nearest_sign
+        >>> nearest_sign([-0.8, 0.0, 0.0, -0.6], [1.0, 0.0, 0.0, 0.0])
+        array([ 0.8, -0. , -0. ,  0.6])
+    """
+    given = checked_floats(components, "components", ())
+    near = checked_floats(reference, "reference", ())
+    dot = np.sum(given[..., :4] * near[..., :4], axis=-1, keepdims=True)
+    return np.where(dot < 0.0, -given, given)
 
 
 def quaternion_conjugate(q: ArrayLike) -> FloatArray:
@@ -170,7 +197,4 @@ def _pair(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     first, second = checked_floats(a, "a", (4,)), checked_floats(b, "b", (4,))
     steps = checked_floats(fraction, "fraction", ())[..., None]
-    if short_way:
-        dot = np.sum(first * second, axis=-1, keepdims=True)
-        second = np.where(dot < 0.0, -second, second)
-    return first, second, steps
+    return first, nearest_sign(second, first) if short_way else second, steps

@@ -21,6 +21,7 @@ from motorcade.ga.classical.pose import (
     split_matrix,
 )
 from motorcade.ga.classical.quaternion import (
+    nearest_sign,
     quaternion_apply,
     quaternion_as_rotation_vector,
     quaternion_conjugate,
@@ -139,9 +140,8 @@ class QuaternionPose(Pose):
             ValueError: weights that do not fit or sum to zero, quaternions that cancel.
         """
         share = self._checked_weights(weights)
-        against = np.sum(self.wxyz[..., :1, :] * self.wxyz, axis=-1) < 0.0
-        signed = np.where(against, -1.0, 1.0) * share
-        turned = quaternion_normalize(np.sum(signed[..., None] * self.wxyz, axis=-2))
+        signed = nearest_sign(self.wxyz, self.wxyz[..., :1, :])
+        turned = quaternion_normalize(np.sum(share[..., None] * signed, axis=-2))
         parts = share / np.sum(share, axis=-1, keepdims=True)
         moved = np.sum(parts[..., None] * self.translation_m, axis=-2)
         return self._like(np.concatenate([turned, moved], axis=-1))

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, checked_floats
-from motorcade.ga.classical.euler import euler_from_matrix, matrix_from_euler
 from motorcade.ga.kernels import (
     rotor_compose,
     rotor_exp,
@@ -19,6 +18,7 @@ from motorcade.ga.kernels import (
     rotor_inverse,
     rotor_log,
 )
+from motorcade.ga.versors.euler_angles import euler_from_matrix, matrix_from_euler
 from motorcade.ga.versors.versor import UNIT_TOLERANCE, Versor, VersorKernels, broadcast_batch
 
 __all__ = ["Rotor"]

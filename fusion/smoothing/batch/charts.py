@@ -52,18 +52,17 @@ class Chart:
 
     def __init__(self, representation: Representation) -> None:
         self._representation = representation
-        self._curved = representation.name in ("motor", "rotor", "similarity")
-        if self._curved:
-            _derived(representation.name)  # tells at once where CasADi is missing
+        if representation.coupled:
+            _derived(representation.coupled)  # tells at once where CasADi is missing
 
     def between(self, base: FloatArray, target: FloatArray) -> Between:
         """Vectors from bases ``(N, D)`` to targets ``(N, D)``."""
-        if not self._curved:
-            vector = self._representation.difference(target, base)
+        if not self._representation.coupled:
+            vector = self._representation.local(target, base)
             unit = np.eye(vector.shape[-1])[None]
             return Between(vector, -unit, unit)
         relative, beside = self._relative(base, target)
-        derived = _derived(self._representation.name)
+        derived = _derived(self._representation.coupled)
         parts = [derived(relative[i : i + _CHUNK]) for i in range(0, len(relative), _CHUNK)]
         curved = Between(*(np.concatenate(part) for part in zip(*parts, strict=True)))
         return _with_scale_beside(curved, beside) if beside is not None else curved
@@ -76,7 +75,7 @@ class Chart:
         With rotors the shift is the world's. A scale carried beside comes apart, ``(N, 1)``.
         """
         here, there = self._representation.poses(base), self._representation.poses(target)
-        if self._representation.name == "similarity":
+        if not self._representation.scale_beside:
             assert isinstance(here, Similarity)
             assert isinstance(there, Similarity)
             step = here.inverse() @ there
@@ -90,7 +89,7 @@ class Chart:
         assert isinstance(there, Motor)
         motor = here.inverse() @ there
         shift = motor.translation_m
-        if self._representation.name == "rotor":
+        if self._representation.coupled == 3:
             shift = there.translation_m - here.translation_m
         return _numbers(motor.rotor, shift, np.zeros(len(base))), beside
 
@@ -103,15 +102,10 @@ def component_sizes(
     A small turn changes quaternion components by half of it, and so does a small shift the dual
     part of a dual quaternion near the origin (further off, components are larger than that).
     """
-    halves = 0.5 if representation.name in ("quaternion", "dual_quaternion") else 1.0
-    dual = 0.5 if representation.name == "dual_quaternion" else 1.0
-    turning = representation.rotation.stop
-    shifting = 4 if representation.name == "dual_quaternion" else 3
-    return np.concatenate([
-        np.full(turning, halves * rotation),
-        np.full(shifting, dual * translation),
-        np.full(count - turning - shifting, scale),
-    ])  # fmt: skip
+    (turning, shifting), (a_radian, a_metre) = representation.ends, representation.units
+    sizes = np.full(count, scale)
+    sizes[:turning], sizes[turning:shifting] = a_radian * rotation, a_metre * translation
+    return sizes
 
 
 def _numbers(rotor: Rotor, shift: FloatArray, log_scale: FloatArray) -> FloatArray:
@@ -129,37 +123,41 @@ def _with_scale_beside(curved: Between, beside: FloatArray) -> Between:
 
 
 @cache
-def _derived(name: str) -> Callable[[FloatArray], Between]:
-    """From the numbers of relative poses ``(N, 8)`` to vectors and derivatives, by CasADi."""
+def _derived(coupled: int) -> Callable[[FloatArray], Between]:
+    """From the numbers of relative poses ``(N, 8)`` to vectors and derivatives, by CasADi.
+
+    Args:
+        coupled: 3 of rotors, 6 of motors, 7 of similarities.
+    """
     try:
         import casadi as ca
     except ModuleNotFoundError as missing:
         raise ModuleNotFoundError(
             'robust_map needs CasADi: pip install "motorcade[pipeline]" brings it', name="casadi"
         ) from missing
-    size = 7 if name == "similarity" else 6
+    similar, size = coupled == 7, max(6, coupled)
     numbers, first, second = ca.SX.sym("x", 8), ca.SX.sym("a", size), ca.SX.sym("b", size)
     q, shift, log_scale = numbers[:4], numbers[4:7], numbers[7]
     # Moves are taken to first order: only derivatives at zero are asked for.
     q = _product(_product(ca.vertcat(1, -0.5 * first[:3]), q), ca.vertcat(1, 0.5 * second[:3]))
-    if name == "rotor":
+    if coupled == 3:
         vector = ca.vertcat(_rotation_vector(q), shift - first[3:] + second[3:])
     else:
         grown = log_scale
         scale = ca.exp(log_scale)
         moved = shift + scale * _turned(numbers[:4], second[3:6]) - first[3:6]
         moved = moved - ca.cross(first[:3], shift)
-        if name == "similarity":
+        if similar:
             moved = moved - first[6] * shift
             grown = log_scale - first[6] + second[6]
         rotation = _rotation_vector(q)
-        grow = _scaled_shift if name == "similarity" else _rigid_shift
+        grow = _scaled_shift if similar else _rigid_shift
         vector = ca.vertcat(rotation, grow(rotation, moved, grown), grown)[:size]
     derivatives = [ca.jacobian(vector, by) for by in (first, second)]
     zero = [ca.DM.zeros(size)] * 2
     values = ca.substitute([vector, *derivatives], [first, second], zero)
     dense = [ca.densify(value) for value in values]
-    function = ca.Function(f"between_{name}", [numbers], dense)
+    function = ca.Function(f"between_{coupled}", [numbers], dense)
 
     mapped = lru_cache(_LENGTHS)(function.map)
 

@@ -206,7 +206,7 @@ class _Run:
         here = state.coordinates[self.run]
         read = [problem.written(poses, here) for poses in (self.poses, self._mirrored(marker))]
         squares = [
-            np.sum((problem.representation.difference(here, one) / problem.noise) ** 2, axis=1)
+            np.sum((problem.representation.local(here, one) / problem.noise) ** 2, axis=1)
             for one in read
         ]
         turned = np.asarray(squares[1] <= squares[0])
@@ -227,7 +227,7 @@ class _Run:
         ways = np.block([[np.eye(3), np.zeros((3, 3))], [np.zeros((2, 3)), across]])
         here = linear.state.coordinates[self.run]
         ahead, back = (
-            self.problem.representation.difference(
+            self.problem.representation.local(
                 here, self.problem.representation.coordinates(self._mirrored(marker + step * ways))
             )
             for step in (_STEP, -_STEP)

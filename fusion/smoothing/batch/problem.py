@@ -54,7 +54,7 @@ class Problem:
         self.time_s, self.interval_s = time_s, np.diff(time_s)
         self.poses, self.start = poses, start
         self.measured = representation.coordinates(poses)
-        d = representation.difference(self.measured[:1], self.measured[:1]).shape[-1]
+        d = representation.local(self.measured[:1], self.measured[:1]).shape[-1]
         self.noise = component_sizes(representation, d, *(size.noise for size in sizes))
         self.density = component_sizes(representation, d, *(size.acceleration for size in sizes))
         self.chart = Chart(representation)
@@ -72,9 +72,8 @@ class Problem:
 
     def written(self, poses: Motor | Similarity, near: FloatArray) -> FloatArray:
         """Coordinates of poses ``(K,)``, on the branches nearest to others ``(K, D)``."""
-        follow = self.representation.following
-        pairs = zip(self.representation.coordinates(poses), near, strict=True)
-        return np.stack([follow(theirs, ours) for theirs, ours in pairs])
+        own = self.representation.coordinates(poses)
+        return np.array(self.representation.continued(own, near))
 
     def _first_guess(self) -> State:
         """The poses to start from, and what lies between them."""
@@ -85,7 +84,7 @@ class Problem:
             log_scale = np.interp(time_s, time_s[self.start], np.log(poses.scale[self.start]))
             guess = Similarity.from_motor_scale(rigid, np.exp(log_scale))
         coordinates = self.representation.coordinates(guess)
-        steps = self.representation.difference(coordinates[1:], coordinates[:-1])
+        steps = self.representation.local(coordinates[1:], coordinates[:-1])
         rate = steps / self.interval_s[:, None]
         velocity = np.concatenate([rate[:1], 0.5 * (rate[1:] + rate[:-1]), rate[-1:]])
         return State(coordinates, velocity)
@@ -136,7 +135,7 @@ class Problem:
     def moved(self, state: State, move: FloatArray) -> State:
         """The state a step ``(N, 2 d)`` on."""
         d = state.velocity.shape[1]
-        coordinates = self.representation.moved(state.coordinates, move[:, :d])
+        coordinates = self.representation.retract(state.coordinates, move[:, :d])
         return State(coordinates, state.velocity + move[:, d:])
 
     def cost(self, linear: Linear, loss: str, width: float, among: NDArray[np.bool_]) -> float:

@@ -40,26 +40,26 @@ def spline(
     spacing_s = checked_positive(knot_spacing_s, "knot_spacing_s", "seconds")
     checked_length(trajectory, 2, "spline")
     trajectory = in_double(trajectory)
-    name, poses = representation.name, trajectory.poses
-    if name in ("motor", "similarity"):
+    poses = trajectory.poses
+    if representation.coupled > 3:
         if not isinstance(poses, Similarity):
             return _with_poses(trajectory, _motors(trajectory, spacing_s))
         rigid, scale = poses.as_motor_scale()
         fitted = _motors(_with_poses(trajectory, rigid), spacing_s)
-        given = np.log(scale) if name == "similarity" else scale
+        given = scale if representation.scale_beside else np.log(scale)
         found = _components(trajectory, given[:, None], spacing_s)[:, 0]
-        grown = np.exp(found) if name == "similarity" else found
+        grown = found if representation.scale_beside else np.exp(found)
         return _with_poses(trajectory, Similarity.from_motor_scale(fitted, grown))
     coordinates = representation.coordinates(poses)
     fitted_all = _components(trajectory, coordinates, spacing_s)
-    if name == "rotor":
+    if representation.coupled == 3:
         rigid = poses.as_motor_scale()[0] if isinstance(poses, Similarity) else poses
         turning = Motor.from_rotor_translation(rigid.rotor, np.zeros(3))
         turned = _motors(_with_poses(trajectory, turning), spacing_s)
         fitted_all[:, :4] = turned.coefficients[:, :4]
         return restored(representation, fitted_all, trajectory)
-    difference = representation.difference(fitted_all, coordinates)
-    return restored(representation, representation.moved(coordinates, difference), trajectory)
+    vector = representation.local(fitted_all, coordinates)
+    return restored(representation, representation.retract(coordinates, vector), trajectory)
 
 
 def _motors(trajectory: Trajectory, spacing_s: float) -> Motor:

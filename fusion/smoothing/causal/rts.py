@@ -62,9 +62,9 @@ def smoothed_states(trajectory: Trajectory, model: KalmanFilter) -> SmoothedStat
     """
     scale = isinstance(trajectory.poses, Similarity)
     given, count = coefficients_of(trajectory), len(trajectory)
-    freedom, blocks = _scans.layout(model.representation, scale)
-    out, rates = np.empty_like(given), np.empty((count, model.order, freedom))
-    deviations = np.empty((count, blocks, model.order + 1))
+    ends, _, _ = _scans.layout(model.representation, scale)
+    out, rates = np.empty_like(given), np.empty((count, model.order, ends[-1]))
+    deviations = np.empty((count, len(ends), model.order + 1))
     log_likelihood = _scans.rts(
         model.representation, scale, model.order, given, trajectory.time_ns,
         model.noise_of(trajectory), model.densities, out, (rates, deviations),

@@ -91,7 +91,7 @@ template <std::size_t N, std::size_t S> struct Covariance {
     Square<ALL> p{};
 
     // F p Fᵀ with F = turn · drift · turn: the pose part is turned, all is drifted by dt, turned again.
-    [[gnu::noinline]] void carry(const Square<N> &turn, double dt) {
+    [[gnu::noinline]] void propagate(const Square<N> &turn, double dt) {
         turned(turn);
         drifted(dt);
         turned(turn);
@@ -178,7 +178,7 @@ template <std::size_t N, std::size_t S> struct Covariance {
 
     // The covariance before a prediction from the smoothed one behind it: with K = 1 - share, p becomes
     // F⁻¹ (K p Kᵀ + K Q) F⁻ᵀ, with the inverse step's `turn`.
-    [[gnu::noinline]] void brought_back(const Square<ALL> &share, const Vector<N> &densities,
+    [[gnu::noinline]] void rts_step(const Square<ALL> &share, const Vector<N> &densities,
                                         const Square<N> &turn, double dt) {
         Square<ALL> known, flipped;
         for (std::size_t i = 0; i < ALL; ++i)
@@ -190,7 +190,7 @@ template <std::size_t N, std::size_t S> struct Covariance {
         add_noise(densities, dt);
         p = product(known, p);
         mirror();
-        carry(turn, -dt);
+        propagate(turn, -dt);
     }
 
 private:

@@ -30,7 +30,7 @@ public:
     const Vector<R::size> &pose() const { return pose_; }
     void start(const Vector<R::size> &z) { pose_ = z; }
     void step(const Vector<R::size> &z, double dt) {
-        pose_ = R::moved(pose_, scaled(decay_share(cutoff_hz_, dt), R::difference(z, pose_)));
+        pose_ = R::retract(pose_, scaled(decay_share(cutoff_hz_, dt), R::local(z, pose_)));
     }
 
 private:
@@ -50,11 +50,11 @@ public:
         trend_ = {};
     }
     void step(const Vector<R::size> &z, double dt) {
-        const auto predicted = R::moved(level_, scaled(dt, trend_));
-        const auto innovation = R::difference(z, predicted);
-        const auto level = R::moved(predicted, scaled(decay_share(cutoff_hz_, dt), innovation));
+        const auto predicted = R::retract(level_, scaled(dt, trend_));
+        const auto innovation = R::local(z, predicted);
+        const auto level = R::retract(predicted, scaled(decay_share(cutoff_hz_, dt), innovation));
         const double share = decay_share(trend_cutoff_hz_, dt);
-        trend_ = sum(scaled(1.0 - share, trend_), scaled(share / dt, R::difference(level, level_)));
+        trend_ = sum(scaled(1.0 - share, trend_), scaled(share / dt, R::local(level, level_)));
         level_ = level;
     }
 
@@ -83,7 +83,7 @@ public:
         rate_ = {};
     }
     void step(const Vector<R::size> &z, double dt) {
-        auto towards = R::difference(z, pose_);
+        auto towards = R::local(z, pose_);
         const double share = backward_share(cutoffs_.derivative_hz, dt);
         for (std::size_t k = 0; k < R::freedom; ++k)
             rate_[k] = share * (towards[k] / dt) + (1.0 - share) * rate_[k];
@@ -96,7 +96,7 @@ public:
             const double step = backward_share(cutoffs_.least_hz + cutoffs_.slopes[block] * speed, dt);
             for (std::size_t c = first; c < k; ++c) towards[c] *= step;
         }
-        pose_ = R::moved(pose_, towards);
+        pose_ = R::retract(pose_, towards);
     }
 
 private:

@@ -70,9 +70,9 @@ public:
     // Gives the rates of the first state their wide prior, from what the second pose shows, before it
     // is stepped to. Doing it twice changes nothing.
     void open_rates(const X &z, double dt) {
-        const V moved = R::difference(z, state_.pose);
+        const V first_step = R::local(z, state_.pose);
         std::array<double, BLOCKS> squares{};
-        for (std::size_t k = 0; k < R::freedom; ++k) squares[block_of(k)] += moved[k] * moved[k];
+        for (std::size_t k = 0; k < R::freedom; ++k) squares[block_of(k)] += first_step[k] * first_step[k];
         each_group(state_, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first, std::size_t) {
             const auto variances = measurement<N>(first);
             for (std::size_t c = 0; c < N; ++c) {
@@ -88,12 +88,12 @@ public:
         const V way = travel(state_, dt);
         state_.pose = unprojected<R>(state_.pose, way);
         state_.rates = drifted(state_.rates, dt);
-        const V innovation = R::difference(z, state_.pose);
+        const V innovation = R::local(z, state_.pose);
         // The first innovations only tell the rates, whose prior says nothing of the noise.
         const bool counts = ++steps_ > Order;
         V correction{};
         each_group(state_, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first, std::size_t end) {
-            covariance.carry(turn<N>(way, 0.5), dt);
+            covariance.propagate(turn<N>(way, 0.5), dt);
             covariance.add_noise(process<N>(first), dt);
             const auto gain = covariance.measured(measurement<N>(first));
             for (; first < end; first += N) {
@@ -120,7 +120,7 @@ public:
         const X predicted = unprojected<R>(filtered.pose, way);
         auto made = filtered;
         made.rates = drifted(filtered.rates, dt);
-        std::array<V, S> residual{R::difference(later.pose, predicted)};
+        std::array<V, S> residual{R::local(later.pose, predicted)};
         for (std::size_t i = 0; i < Order; ++i) residual[i + 1] = sum(later.rates[i], scaled(-1.0, made.rates[i]));
         auto correction = residual;
         // Over a long way the path back is no more linear in what is corrected at its end; what is
@@ -130,7 +130,7 @@ public:
         each_group(made, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first, std::size_t end) {
             const auto noise = process<N>(first);
             const auto half = turn<N>(way, 0.5);
-            covariance.carry(half, dt);
+            covariance.propagate(half, dt);
             covariance.add_noise(noise, dt);
             for (std::size_t at = first; at < end; at += N) {
                 Vector<N * S> part;
@@ -148,11 +148,11 @@ public:
             if constexpr (WITH_COVARIANCE) {
                 const auto share = covariance.noise_share(noise, dt);
                 covariance = group<N>(later, first);
-                covariance.brought_back(share, noise, turn<N>(way, -0.5), dt);
+                covariance.rts_step(share, noise, turn<N>(way, -0.5), dt);
             }
         });
         if (far) {
-            made.pose = R::moved(filtered.pose, bounded[0]);
+            made.pose = R::retract(filtered.pose, bounded[0]);
             for (std::size_t i = 0; i < Order; ++i) made.rates[i] = sum(filtered.rates[i], bounded[i + 1]);
             return made;
         }
@@ -190,7 +190,7 @@ private:
 
     template <std::size_t N> static Square<N> turn(const V &way, double part) {
         if constexpr (N == COUPLED)
-            return R::carried(scaled(part, way));
+            return R::adjoint_of_inverse(scaled(part, way));
         else
             return {{{1.0}}};
     }

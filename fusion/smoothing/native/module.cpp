@@ -149,9 +149,9 @@ double rts(const std::string &name, bool scale, int order, const Rows &poses, co
     });
 }
 
-// Components of a difference, and the blocks they lie in.
-std::pair<std::size_t, std::size_t> layout(const std::string &name, bool scale) {
-    return with_representation(name, scale, []<class R>() { return std::pair(R::freedom, R::ends.size()); });
+// Where the blocks of a local vector end, their units, and how many components are coupled.
+nb::tuple layout(const std::string &name, bool scale) {
+    return with_representation(name, scale, []<class R>() { return nb::make_tuple(R::ends, R::units, R::coupled); });
 }
 
 // The verbs of a representation, row by row: what the scans are made of.
@@ -178,7 +178,7 @@ nb::object coordinates(const std::string &name, bool scale, const Rows &poses) {
         Vector<R::size> last;
         return array_of<R::size>(poses.shape(0), [&](std::size_t k) {
             const auto read = R::read(row_of<R::pose_size>(poses, k));
-            return last = k == 0 ? read : R::following(read, last);
+            return last = k == 0 ? read : R::continued(read, last);
         });
     });
 }
@@ -190,20 +190,20 @@ nb::object poses(const std::string &name, bool scale, const Rows &given) {
     });
 }
 
-nb::object difference(const std::string &name, bool scale, const Rows &given, const Rows &base) {
-    expect(given.shape(0) == base.shape(0), "difference: expected as many bases as coordinates");
+nb::object local(const std::string &name, bool scale, const Rows &given, const Rows &base) {
+    expect(given.shape(0) == base.shape(0), "local: expected as many bases as coordinates");
     return with_representation(name, scale, [&]<class R>() {
         return array_of<R::freedom>(given.shape(0), [&](std::size_t k) {
-            return R::difference(row_of<R::size>(given, k), row_of<R::size>(base, k));
+            return R::local(row_of<R::size>(given, k), row_of<R::size>(base, k));
         });
     });
 }
 
-nb::object moved(const std::string &name, bool scale, const Rows &base, const Rows &vectors) {
-    expect(vectors.shape(0) == base.shape(0), "moved: expected as many vectors as bases");
+nb::object retract(const std::string &name, bool scale, const Rows &base, const Rows &vectors) {
+    expect(vectors.shape(0) == base.shape(0), "retract: expected as many vectors as bases");
     return with_representation(name, scale, [&]<class R>() {
         return array_of<R::size>(base.shape(0), [&](std::size_t k) {
-            return R::moved(row_of<R::size>(base, k), row_of<R::freedom>(vectors, k));
+            return R::retract(row_of<R::size>(base, k), row_of<R::freedom>(vectors, k));
         });
     });
 }
@@ -228,6 +228,6 @@ NB_MODULE(_scans, module) {
     module.def("layout", &layout, "representation"_a, "scale"_a);
     module.def("coordinates", &coordinates, "representation"_a, "scale"_a, "poses"_a);
     module.def("poses", &poses, "representation"_a, "scale"_a, "coordinates"_a);
-    module.def("difference", &difference, "representation"_a, "scale"_a, "coordinates"_a, "base"_a);
-    module.def("moved", &moved, "representation"_a, "scale"_a, "base"_a, "vectors"_a);
+    module.def("local", &local, "representation"_a, "scale"_a, "coordinates"_a, "base"_a);
+    module.def("retract", &retract, "representation"_a, "scale"_a, "base"_a, "vectors"_a);
 }

@@ -1,9 +1,9 @@
 // The representations of motorcade.fusion.smoothing.representations, one pose at a time. Each reads a
 // pose into coordinates, writes it back, and offers the two verbs that scans are made of:
-// `difference` and its mirror `moved`. Components of a difference lie in blocks: rotation,
+// `local` and its mirror `retract`. Components of a local vector lie in blocks: rotation,
 // translation and, where poses have one, scale; `units` are components for a radian, a metre, and
 // a unit of scale. Errors of the first `coupled` components mix as they are carried along a motion
-// exp(v): by `carried(v)`, the matrix of Ad(exp(-v)).
+// exp(v): by `adjoint_of_inverse(v)`, the matrix of Ad(exp(-v)).
 
 #pragma once
 
@@ -25,9 +25,9 @@ concept Representation = requires(Vector<R::pose_size> pose, Vector<R::size> x, 
     requires R::coupled <= R::freedom;
     { R::read(pose) } -> std::same_as<decltype(x)>;
     { R::write(x) } -> std::same_as<decltype(pose)>;
-    { R::difference(x, x) } -> std::same_as<decltype(v)>;
-    { R::moved(x, v) } -> std::same_as<decltype(x)>;
-    { R::following(x, x) } -> std::same_as<decltype(x)>;
+    { R::local(x, x) } -> std::same_as<decltype(v)>;
+    { R::retract(x, v) } -> std::same_as<decltype(x)>;
+    { R::continued(x, x) } -> std::same_as<decltype(x)>;
 };
 
 inline Square<3> matrix_of(const Four &rotor) {
@@ -61,14 +61,14 @@ struct Motors {
 
     static Motor read(const Motor &pose) { return rescaled(pose); }
     static Motor write(const Motor &x) { return x; }
-    static Vector<6> difference(const Motor &x, const Motor &base) {
+    static Vector<6> local(const Motor &x, const Motor &base) {
         return motor_log(product(reverse(base), x));
     }
-    static Motor moved(const Motor &base, const Vector<6> &v) {
+    static Motor retract(const Motor &base, const Vector<6> &v) {
         return rescaled(product(base, motor_exp(v)));
     }
-    static Motor following(const Motor &x, const Motor &) { return x; }
-    static Square<6> carried(const Vector<6> &v) {
+    static Motor continued(const Motor &x, const Motor &) { return x; }
+    static Square<6> adjoint_of_inverse(const Vector<6> &v) {
         const Motor back = motor_exp(scaled(-1.0, v));
         return adjoint<6>(rotor_of(back), translation_of(back), 1.0);
     }
@@ -89,16 +89,16 @@ struct Rotors {
         return {pose[0], pose[1], pose[2], pose[3], t[0], t[1], t[2]};
     }
     static Motor write(const X &x) { return motor_from(rotor(x), {x[4], x[5], x[6]}); }
-    static Vector<6> difference(const X &x, const X &base) {
+    static Vector<6> local(const X &x, const X &base) {
         const Three turn = rotor_log(product(reverse(rotor(base)), rotor(x)));
         return {turn[0], turn[1], turn[2], x[4] - base[4], x[5] - base[5], x[6] - base[6]};
     }
-    static X moved(const X &base, const Vector<6> &v) {
+    static X retract(const X &base, const Vector<6> &v) {
         const Four turned = rescaled(product(rotor(base), rotor_exp({v[0], v[1], v[2]})));
         return {turned[0], turned[1], turned[2], turned[3], base[4] + v[3], base[5] + v[4], base[6] + v[5]};
     }
-    static X following(const X &x, const X &) { return x; }
-    static Square<3> carried(const Vector<6> &v) { return matrix_of(rotor_exp({-v[0], -v[1], -v[2]})); }
+    static X continued(const X &x, const X &) { return x; }
+    static Square<3> adjoint_of_inverse(const Vector<6> &v) { return matrix_of(rotor_exp({-v[0], -v[1], -v[2]})); }
 };
 
 // What is subtracted and added component by component, as practitioners do it.
@@ -106,7 +106,7 @@ template <std::size_t N> struct Linear {
     static constexpr std::size_t size = N, freedom = N, coupled = 0;
     using X = Vector<N>;
 
-    static X difference(const X &x, const X &base) { return sum(x, scaled(-1.0, base)); }
+    static X local(const X &x, const X &base) { return sum(x, scaled(-1.0, base)); }
     static X unprojected(const X &base, const X &v) { return sum(base, v); }
 };
 
@@ -132,13 +132,13 @@ struct Quaternions : Linear<7> {
     static Motor write(const X &x) {
         return motor_from({x[0], -x[1], -x[2], -x[3]}, {x[4], x[5], x[6]});
     }
-    static X moved(const X &base, const X &v) {
+    static X retract(const X &base, const X &v) {
         X x = sum(base, v);
         const double length = checked_length({x[0], x[1], x[2], x[3]}, name);
         for (std::size_t k = 0; k < 4; ++k) x[k] /= length;
         return x;
     }
-    static X following(const X &x, const X &previous) {
+    static X continued(const X &x, const X &previous) {
         X made = x;
         if (dot(Four{x[0], x[1], x[2], x[3]}, {previous[0], previous[1], previous[2], previous[3]}) < 0.0)
             for (std::size_t k = 0; k < 4; ++k) made[k] = -x[k];
@@ -156,12 +156,12 @@ struct DualQuaternions : Linear<8> {
     static X from(const Motor &m) { return {m[0], -m[1], -m[2], -m[3], -m[7], -m[4], -m[5], -m[6]}; }
     static X read(const Motor &pose) { return from(rescaled(pose)); }
     static Motor write(const X &x) { return {x[0], -x[1], -x[2], -x[3], -x[5], -x[6], -x[7], -x[4]}; }
-    static X moved(const X &base, const X &v) {
+    static X retract(const X &base, const X &v) {
         const X x = sum(base, v);
         checked_length({x[0], x[1], x[2], x[3]}, name);
         return from(rescaled(write(x)));
     }
-    static X following(const X &x, const X &previous) {
+    static X continued(const X &x, const X &previous) {
         const Four a{x[0], x[1], x[2], x[3]}, b{previous[0], previous[1], previous[2], previous[3]};
         return dot(a, b) < 0.0 ? scaled(-1.0, x) : x;
     }
@@ -193,15 +193,15 @@ struct EulerAngles : Linear<6> {
                                     rotor_exp({0.0, 0.0, x[2]}));
         return motor_from(rescaled(turned), {x[3], x[4], x[5]});
     }
-    static X moved(const X &base, const X &v) { return sum(base, v); }
-    static X following(const X &x, const X &) { return x; }
+    static X retract(const X &base, const X &v) { return sum(base, v); }
+    static X continued(const X &x, const X &) { return x; }
 };
 
 // The same angles, each on the branch nearest to the one before.
 struct UnwrappedEulerAngles : EulerAngles {
     static constexpr const char *name = "euler_unwrapped";
 
-    static X following(const X &x, const X &previous) {
+    static X continued(const X &x, const X &previous) {
         constexpr double turn = 6.283185307179586;
         X made = x;
         for (std::size_t k = 0; k < 3; ++k) made[k] += turn * std::nearbyint((previous[k] - x[k]) / turn);
@@ -218,14 +218,14 @@ struct Similarities {
 
     static Similarity read(const Similarity &pose) { return pose; }
     static Similarity write(const Similarity &x) { return x; }
-    static Vector<7> difference(const Similarity &x, const Similarity &base) {
+    static Vector<7> local(const Similarity &x, const Similarity &base) {
         return similarity_log(product(reverse(base), x));
     }
-    static Similarity moved(const Similarity &base, const Vector<7> &v) {
+    static Similarity retract(const Similarity &base, const Vector<7> &v) {
         return product(base, similarity_exp(v));
     }
-    static Similarity following(const Similarity &x, const Similarity &) { return x; }
-    static Square<7> carried(const Vector<7> &v) {
+    static Similarity continued(const Similarity &x, const Similarity &) { return x; }
+    static Square<7> adjoint_of_inverse(const Vector<7> &v) {
         const Parts back = parts_of(similarity_exp(scaled(-1.0, v)));
         Square<7> made = adjoint<7>(back.rotor, back.translation, std::exp(back.log_scale));
         for (std::size_t k = 0; k < 3; ++k) made[3 + k][6] = -back.translation[k];
@@ -269,21 +269,21 @@ template <Representation R> struct WithScale {
         const Motor pose = R::write(rigid(x));
         return similarity_from({rotor_of(pose), std::log(x.back()), translation_of(pose)});
     }
-    static V difference(const X &x, const X &base) {
-        return with(R::difference(rigid(x), rigid(base)), x.back() - base.back());
+    static V local(const X &x, const X &base) {
+        return with(R::local(rigid(x), rigid(base)), x.back() - base.back());
     }
-    static X moved(const X &base, const V &v) {
-        return with(R::moved(rigid(base), first<R::freedom>(v)), base.back() + v.back());
+    static X retract(const X &base, const V &v) {
+        return with(R::retract(rigid(base), first<R::freedom>(v)), base.back() + v.back());
     }
     static X unprojected(const X &base, const V &v)
         requires requires(Vector<R::size> x, Vector<R::freedom> u) { R::unprojected(x, u); }
     {
         return with(R::unprojected(rigid(base), first<R::freedom>(v)), base.back() + v.back());
     }
-    static X following(const X &x, const X &previous) {
-        return with(R::following(rigid(x), rigid(previous)), x.back());
+    static X continued(const X &x, const X &previous) {
+        return with(R::continued(rigid(x), rigid(previous)), x.back());
     }
-    static Square<coupled> carried(const V &v) { return R::carried(first<R::freedom>(v)); }
+    static Square<coupled> adjoint_of_inverse(const V &v) { return R::adjoint_of_inverse(first<R::freedom>(v)); }
 
 private:
     template <std::size_t N, std::size_t M> static Vector<N> first(const Vector<M> &from) {
@@ -306,13 +306,13 @@ Vector<R::size> unprojected(const Vector<R::size> &base, const Vector<R::freedom
     if constexpr (requires { R::unprojected(base, v); })
         return R::unprojected(base, v);
     else
-        return R::moved(base, v);
+        return R::retract(base, v);
 }
 
 // The pose's coordinates of such a state.
 template <Representation R> Vector<R::size> projected(const Vector<R::size> &x) {
     if constexpr (requires { R::unprojected(x, Vector<R::freedom>{}); })
-        return R::moved(x, Vector<R::freedom>{});
+        return R::retract(x, Vector<R::freedom>{});
     else
         return x;
 }

@@ -63,7 +63,7 @@ public:
         Method next = method_;
         auto measured = R::read(given);
         if (started_) {
-            measured = R::following(measured, measured_);
+            measured = R::continued(measured, measured_);
             next.step(measured, 1e-9 * static_cast<double>(time_ns - last_ns_));
         } else {
             next.start(measured);
@@ -168,7 +168,7 @@ private:
         Vector<R::pose_size> given;
         std::copy_n(poses_ + k * R::pose_size, R::pose_size, given.begin());
         const auto made = R::read(given);
-        return k == 0 ? made : R::following(made, now_.measured);
+        return k == 0 ? made : R::continued(made, now_.measured);
     }
 
     void advance(std::size_t k) {

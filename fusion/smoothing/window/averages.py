@@ -50,7 +50,7 @@ def averaged(
             trajectory.time_ns, coordinates, coordinates[part], representation,
             (part, first[part], last[part]), lambda t, inside: weights(t, inside)[None],
         )[0]  # fmt: skip
-        made[part] = representation.moved(coordinates[part], moves)
+        made[part] = representation.retract(coordinates[part], moves)
     return restored(representation, made, trajectory)
 
 
@@ -82,7 +82,7 @@ def weighted_vectors(
     for k, step in enumerate(range(nearest, farthest)):
         own = slice(max(0, -step - part.start), min(len(rows), len(time_ns) - step - part.start))
         theirs = slice(part.start + own.start + step, part.start + own.stop + step)
-        vectors = representation.difference(coordinates[theirs], bases[own]).T
+        vectors = representation.local(coordinates[theirs], bases[own]).T
         if total is None:
             total = np.zeros((len(factors), len(vectors), len(rows)))
         for p, factor in enumerate(factors[:, k, own]):

@@ -1,4 +1,4 @@
-"""The compiled representations are the Python ones: same coordinates, differences and moves."""
+"""The compiled representations are the Python ones: same layout, coordinates and verbs."""
 
 from __future__ import annotations
 
@@ -47,11 +47,23 @@ def test_verbs_are_the_python_ones(name: str, scaled: bool, rng: np.random.Gener
         moved = poses @ Motor.from_twist(steps(rng)[:, :6])
     there = representation.coordinates(moved)
     size = np.maximum(1.0, np.abs(there).max())
-    difference = representation.difference(there, base)
-    ours = _scans.difference(name, scaled, there, base)
-    assert np.abs(ours - difference).max() < TOLERANCE * size
-    back = _scans.moved(name, scaled, base, difference)
-    assert np.abs(back - representation.moved(base, difference)).max() < TOLERANCE * size
+    vector = representation.local(there, base)
+    ours = _scans.local(name, scaled, there, base)
+    assert np.abs(ours - vector).max() < TOLERANCE * size
+    back = _scans.retract(name, scaled, base, vector)
+    assert np.abs(back - representation.retract(base, vector)).max() < TOLERANCE * size
+
+
+@pytest.mark.parametrize("scaled", [False, True])
+@pytest.mark.parametrize("name", REPRESENTATIONS)
+def test_layouts_are_the_python_ones(name: str, scaled: bool, rng: np.random.Generator) -> None:
+    representation = REPRESENTATIONS[name]
+    ends, units, coupled = _scans.layout(name, scaled)
+    assert tuple(ends[:2]) == representation.ends
+    assert tuple(units[:2]) == representation.units
+    assert coupled == representation.coupled
+    x = representation.coordinates(path(rng, scaled)[:1])
+    assert representation.local(x, x).shape[-1] == ends[-1]
 
 
 @pytest.mark.parametrize("scaled", [False, True])
@@ -81,4 +93,4 @@ def test_a_scale_that_is_not_positive_is_refused() -> None:
 def test_a_quaternion_of_no_length_is_refused() -> None:
     zero = np.array([[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]])
     with pytest.raises(ValueError, match="quaternion: expected averages of non-zero length"):
-        _scans.moved("quaternion", False, zero, -zero)
+        _scans.retract("quaternion", False, zero, -zero)

@@ -39,7 +39,7 @@ def distance(a: Motor | Similarity, b: Motor | Similarity) -> FloatArray:
 def dimensions(representation: Representation, scaled: bool) -> tuple[int, int]:
     d = {"motor": 6, "similarity": 7, "rotor": 6, "dual_quaternion": 8, "quaternion": 7}
     D = {"motor": 8, "similarity": 12, "rotor": 7, "dual_quaternion": 8, "quaternion": 7}
-    more = int(scaled and representation.name != "similarity")
+    more = int(scaled and representation.scale_beside)
     return D.get(representation.name, 6) + more, d.get(representation.name, 6) + more
 
 
@@ -63,11 +63,11 @@ def test_moving_by_a_difference_arrives(
 ) -> None:
     coordinates = representation.coordinates(path(rng, scaled))
     x, base = coordinates[:-1], coordinates[1:]
-    vector = representation.difference(x, base)
+    vector = representation.local(x, base)
     assert vector.shape == (len(x), dimensions(representation, scaled)[1])
-    arrived = representation.moved(base, vector)
+    arrived = representation.retract(base, vector)
     assert distance(representation.poses(arrived), representation.poses(x)).max() < 1e-9
-    again = representation.difference(arrived, base)
+    again = representation.local(arrived, base)
     np.testing.assert_allclose(again, vector, rtol=0, atol=1e-9)
 
 
@@ -77,9 +77,9 @@ def test_nothing_moves_by_nothing(
     representation: Representation, scaled: bool, rng: np.random.Generator
 ) -> None:
     x = representation.coordinates(path(rng, scaled))
-    vector = representation.difference(x, x)
+    vector = representation.local(x, x)
     np.testing.assert_allclose(vector, 0.0, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(representation.moved(x, vector), x, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(representation.retract(x, vector), x, rtol=0, atol=1e-12)
 
 
 @CHOSEN
@@ -88,10 +88,10 @@ def test_differences_broadcast_over_batches(
     representation: Representation, scaled: bool, rng: np.random.Generator
 ) -> None:
     coordinates = representation.coordinates(path(rng, scaled, 30))
-    table = representation.difference(coordinates[:, None], coordinates[None, :5])
+    table = representation.local(coordinates[:, None], coordinates[None, :5])
     for i in range(5):
         np.testing.assert_allclose(
-            table[:, i], representation.difference(coordinates, coordinates[i]), atol=1e-12
+            table[:, i], representation.local(coordinates, coordinates[i]), atol=1e-12
         )
 
 
@@ -105,7 +105,7 @@ def test_a_path_is_written_down_as_its_poses_follow_each_other(
     previous = whole[0]
     for i in range(1, len(poses)):
         alone = representation.coordinates(poses[i : i + 1])[0]
-        previous = representation.following(alone, previous)
+        previous = representation.continued(alone, previous)
         np.testing.assert_array_equal(previous, whole[i])
 
 
@@ -134,7 +134,7 @@ def test_twists_of_motors_do_not_depend_on_the_world(rng: np.random.Generator) -
     poses, world = path(rng, False), Motor.random(rng)
     for one in (motor, similarity):
         x, y = one.coordinates(poses), one.coordinates(world @ poses)
-        here, there = one.difference(x[1:], x[:-1]), one.difference(y[1:], y[:-1])
+        here, there = one.local(x[1:], x[:-1]), one.local(y[1:], y[:-1])
         np.testing.assert_allclose(here, there, atol=1e-11)
 
 
@@ -155,4 +155,4 @@ def test_averages_that_cancel_are_refused(name: str) -> None:
     one = REPRESENTATIONS[name]
     x = one.coordinates(Motor.identity((1,)))
     with pytest.raises(ValueError, match="non-zero"):
-        one.moved(x, -x)
+        one.retract(x, -x)

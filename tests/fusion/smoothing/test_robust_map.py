@@ -60,16 +60,16 @@ def test_derivatives_are_those_of_small_moves(
         )
     x, y = representation.coordinates(base), representation.coordinates(target)
     found = Chart(representation).between(x, y)
-    np.testing.assert_allclose(found.vector, representation.difference(y, x), atol=1e-9)
+    np.testing.assert_allclose(found.vector, representation.local(y, x), atol=1e-9)
     if name not in ("motor", "rotor", "similarity"):
         return  # plain components are not moved along a curve: the derivative is 1
     for k in range(found.vector.shape[1]):
         move = 1e-5 * np.eye(found.vector.shape[1])[k]
         for by, pair in (
-            (found.by_target, lambda m: (representation.moved(y, m), x)),
-            (found.by_base, lambda m: (y, representation.moved(x, m))),
+            (found.by_target, lambda m: (representation.retract(y, m), x)),
+            (found.by_base, lambda m: (y, representation.retract(x, m))),
         ):
-            ahead, back = (representation.difference(*pair(m)) for m in (move, -move))
+            ahead, back = (representation.local(*pair(m)) for m in (move, -move))
             np.testing.assert_allclose(by[:, :, k], (ahead - back) / 2e-5, atol=1e-7)
 
 

@@ -15,7 +15,7 @@ from motorcade.ga.classical.dual_quaternion import (
     dual_quaternion_normalize,
     dual_quaternion_screw,
 )
-from motorcade.ga.classical.euler import euler_from_matrix, interpolate_euler, matrix_from_euler
+from motorcade.ga.classical.euler import interpolate_euler
 from motorcade.ga.classical.quaternion import (
     quaternion_apply,
     quaternion_as_matrix,
@@ -27,6 +27,7 @@ from motorcade.ga.classical.quaternion import (
     quaternion_normalize,
     quaternion_slerp,
 )
+from motorcade.ga.versors.euler_angles import euler_from_matrix, matrix_from_euler
 
 
 def test_quaternions_are_scipys(motors: Motor, rng: np.random.Generator) -> None:

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from motorcade.ga import DualQuaternion, EulerPose, Motor, QuaternionPose, Rotor
 from motorcade.ga.classical import Pose
-from motorcade.ga.classical.euler import SEQUENCES, euler_from_matrix, matrix_from_euler
+from motorcade.ga.versors.euler_angles import SEQUENCES, euler_from_matrix, matrix_from_euler
 
 AnyPose = QuaternionPose | DualQuaternion | EulerPose
 ROUNDING = 2e-14

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from motorcade.ga import Motor, Rotor, Versor
-from motorcade.ga.classical.euler import SEQUENCES
+from motorcade.ga.versors.euler_angles import SEQUENCES
 
 Distance = Callable[[Versor, Versor], float]
 ROUNDING = 2e-14
