@@ -1,7 +1,7 @@
-"""What the rival poses share: frozen coefficients, batch in front, and the names of the verbs.
+"""What the classical poses share: frozen coefficients, batch in front, and the names of the verbs.
 
 The names are those of the versors, so that one test or one benchmark runs on all of them; what a
-verb does is each rival's own. ``a @ b`` applies ``b`` first. Metres and radians.
+verb does is each kind's own. ``a @ b`` applies ``b`` first. Metres and radians.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ class Pose(ABC):
 
     @abstractmethod
     def log(self) -> FloatArray:
-        """Coordinates ``(*, 6)`` in which this rival is scaled and added."""
+        """Coordinates ``(*, 6)`` in which this kind of pose is scaled and added."""
 
     @abstractmethod
     def as_quaternion_translation(self) -> tuple[FloatArray, FloatArray]:

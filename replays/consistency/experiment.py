@@ -17,7 +17,7 @@ from zlib import crc32
 import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, fuse
-from motorcade.fusion.filter.rivals import (
+from motorcade.fusion.filter.comparison import (
     ErrorCoordinates,
     Estimates,
     EulerAngles,
@@ -165,7 +165,7 @@ def judge(simulated: Simulated, experiment: Experiment, name: str) -> Judged:
     """Filter the runs of an experiment by the filter of a name in `FILTERS`, and judge it."""
     filtered, coordinates = FILTERS[name]
     found = filtered(simulated, experiment)
-    errors = coordinates.difference(found.state, simulated.truth)
+    errors = coordinates.local(found.state, simulated.truth)
     nees = {
         part: normalised_squared(errors[..., at], found.covariance[..., at, at])
         for part, at in PARTS.items()

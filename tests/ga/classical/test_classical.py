@@ -1,4 +1,4 @@
-"""The rivals of motors are honest: their own laws hold, and scipy and the motors agree."""
+"""The classical formulas are right: their own laws hold, and scipy and the motors agree."""
 
 import numpy as np
 import pytest

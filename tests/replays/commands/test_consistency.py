@@ -129,5 +129,5 @@ def test_bad_input_is_refused_in_one_line(options, message, tmp_path, capsys):
 def test_every_filter_can_judge_its_own_errors():
     simulated = simulate(Experiment("tumble", 1.0), range(2))
     for _, coordinates in FILTERS.values():
-        assert np.max(np.abs(coordinates.difference(simulated.truth, simulated.truth))) < 1e-12
+        assert np.max(np.abs(coordinates.local(simulated.truth, simulated.truth))) < 1e-12
     assert simulated.truth.rotor.shape == (2, 21)

@@ -1,12 +1,12 @@
-"""Rivals: the same filter with its error written in other coordinates, for comparison.
+"""The same filter with its error written in other coordinates, for `motorcade consistency`.
 
 Motion, noise, measurements and gate are those of `fusion.filter`, and so is the linearisation of
 the motion; what differs is how an error of the state is written as 15 numbers, so what a correction
 does and what the covariance means.
 """
 
-from motorcade.fusion.filter.rivals.batched import Estimates, Runs, filter_runs
-from motorcade.fusion.filter.rivals.coordinates import (
+from motorcade.fusion.filter.comparison.batched import Estimates, Runs, filter_runs
+from motorcade.fusion.filter.comparison.coordinates import (
     ErrorCoordinates,
     EulerAngles,
     ExactEulerAngles,

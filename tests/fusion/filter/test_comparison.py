@@ -1,4 +1,4 @@
-"""Rivals are the same filter: in motors' coordinates it is `fuse`, and the others are right too."""
+"""The filter in other coordinates: in those of motors it is `fuse`, the others are right too."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from motorcade.fusion.filter import FilterSettings, Fused, fuse
-from motorcade.fusion.filter.rivals import (
+from motorcade.fusion.filter.comparison import (
     EulerAngles,
     ExactEulerAngles,
     ExtendedPose,
@@ -29,14 +29,14 @@ TILT_RAD = np.deg2rad(5.0)
 
 @pytest.fixture
 def recorded(record):
-    """Three runs of a recording, some of their poses off moderately or grossly."""
+    """Three runs of a recording, some of their poses off, a little or far."""
 
-    def make(duration_s: float = 4.0, spoilt: bool = True) -> Recorded:
+    def make(duration_s: float = 4.0, degraded: bool = True) -> Recorded:
         made, rng = [], np.random.default_rng(11)
         for i in range(3):
             one = record(np.random.default_rng(i), duration_s)
             off = np.zeros((len(one.measurements), 6))
-            if spoilt:
+            if degraded:
                 off[10::9] = 0.05 * rng.standard_normal(off[10::9].shape)
                 off[14::13] = rng.standard_normal(off[14::13].shape)
             turned = one.mount.inverse() @ Motor.from_twist(off)
@@ -62,13 +62,13 @@ def test_in_the_coordinates_of_motors_it_is_fuse(recorded):
         np.testing.assert_allclose(
             found.covariance[i] / scale, one.state_covariance / scale, atol=1e-4
         )
-        apart = ExtendedPose().difference(one_state(one), at(found.state, i))
+        apart = ExtendedPose().local(one_state(one), at(found.state, i))
         np.testing.assert_allclose(apart / sigma, 0.0, atol=1e-3)
 
 
 def test_after_many_left_out_the_next_is_believed(recorded):
     """A tracker that restarts elsewhere is followed, its first poses left out."""
-    runs = recorded(spoilt=False)
+    runs = recorded(degraded=False)
     jump = Motor.from_twist(np.array([0.0, 0.0, 0.9, 2.0, -1.0, 0.5]))
     moved = []
     for measured, imu in runs:
@@ -107,7 +107,7 @@ def at(state: State, i: int) -> State:
 @pytest.mark.parametrize("coordinates", ALL, ids=lambda one: type(one).__name__)
 def test_they_agree_with_fuse_where_errors_are_small(recorded, coordinates):
     """Far from gimbal lock, once settled: to a small part of the deviation."""
-    runs = recorded(6.0, spoilt=False)
+    runs = recorded(6.0, degraded=False)
     found = filter_runs(Runs.of(runs), NOISE, coordinates, FilterSettings())
     for i, (measured, imu) in enumerate(runs):
         one = fuse(measured, imu, NOISE, Motor.identity(), smoothed=False)
@@ -126,14 +126,14 @@ def some_states(rng, count=50) -> State:
 @pytest.mark.parametrize("coordinates", [*ALL, ExtendedPose()], ids=lambda one: type(one).__name__)
 def test_differences_undo_moves(coordinates, rng):
     state, error = some_states(rng), 0.1 * rng.standard_normal((50, 15))
-    moved = coordinates.moved(state, error)
-    np.testing.assert_allclose(coordinates.difference(state, moved), error, atol=1e-12)
+    moved = coordinates.retract(state, error)
+    np.testing.assert_allclose(coordinates.local(state, moved), error, atol=1e-12)
 
 
 @pytest.mark.parametrize("coordinates", ALL, ids=lambda one: type(one).__name__)
 def test_small_errors_of_motors_are_carried_into_the_coordinates(coordinates, rng):
     state, error = some_states(rng), 1e-6 * rng.standard_normal((50, 15))
-    found = coordinates.difference(state, ExtendedPose().moved(state, error))
+    found = coordinates.local(state, ExtendedPose().retract(state, error))
     carried = (coordinates.from_body(state) @ error[..., None])[..., 0]
     np.testing.assert_allclose(found, carried, atol=3e-10)
 

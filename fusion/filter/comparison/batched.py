@@ -1,7 +1,7 @@
 """The forward pass in any error coordinates, over many runs of one experiment at once.
 
-Between measurements errors are carried in the moving frame, as the filter on motors carries them,
-and changed to the coordinates and back at the ends: by the chain rule that is the linearisation of
+Between measurements errors are propagated in the moving frame, as by the filter on motors, and
+changed to the coordinates and back at the ends: by the chain rule that is the linearisation of
 the motion in those coordinates. The gate is the filter's, but for one thing: after `patience`
 measurements left out in a row the next one is believed and the prediction doubted, without looking
 back at where that would have been right.
@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.filter import FilterSettings
+from motorcade.fusion.filter.comparison.coordinates import ErrorCoordinates, State
 from motorcade.fusion.filter.extended_pose import ERROR_SIZE
 from motorcade.fusion.filter.increments import increments, process_noise
-from motorcade.fusion.filter.rivals.coordinates import ErrorCoordinates, State
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor
@@ -160,7 +160,7 @@ def _start(
     body[:, :6, :6] = runs.covariance
     level = rotor.as_matrix()[:, :2]
     body[:, :3, :3] += tilt**2 * level.swapaxes(-1, -2) @ level
-    return state, _carried(coordinates.from_body(state), body)
+    return state, _transformed(coordinates.from_body(state), body)
 
 
 def _predicted(
@@ -185,17 +185,17 @@ def _predicted(
     )
     gained = motion.translation_m.reshape(*shape, 2, 3)
     matrices = matrices.reshape(*shape, *matrices.shape[1:])
-    body = _carried(np.linalg.inv(coordinates.from_body(state)), covariance)
+    body = _transformed(np.linalg.inv(coordinates.from_body(state)), covariance)
     added = process_noise(dt_s, noise)
     fall = np.array([0.0, 0.0, -settings.gravity_m_s2])
     rotor, position, velocity = state.rotor, state.position_m, state.velocity_m_s
     for k, dt in enumerate(dt_s):
-        body = _carried(matrices[:, k], body) + added[k]
+        body = _transformed(matrices[:, k], body) + added[k]
         position = position + velocity * dt + 0.5 * fall * dt**2 + rotor.apply(gained[:, k, 0])
         velocity = velocity + fall * dt + rotor.apply(gained[:, k, 1])
         rotor = coordinates.turned(rotor, turn_rad[:, k])
     after = State(rotor, position, velocity, state.bias)
-    return after, _carried(coordinates.from_body(after), body)
+    return after, _transformed(coordinates.from_body(after), body)
 
 
 def _updated(
@@ -204,13 +204,13 @@ def _updated(
 ) -> tuple[State, FloatArray, FloatArray, NDArray[np.bool_]]:  # fmt: skip
     """Kalman's update with poses of the IMU, in Joseph's form; the matrix is the identity."""
     seen = State(measured.rotor, measured.translation_m, state.velocity_m_s, state.bias)
-    innovation = coordinates.difference(state, seen)[:, :6]
+    innovation = coordinates.local(state, seen)[:, :6]
     spread = coordinates.measurement_noise(state, spread)
     nis = np.sum(innovation * _solved(covariance[:, :6, :6] + spread, innovation), axis=-1)
     factor, doubted = gate.judge(nis)
     believed = factor > 0.0
     if np.any(doubted):
-        doubt = _carried(coordinates.from_body(state), _doubt(state, seen))
+        doubt = _transformed(coordinates.from_body(state), _doubt(state, seen))
         covariance = covariance + doubted[:, None, None] * doubt
     spread = spread * np.where(believed, factor, 1.0)[:, None, None]
     total = covariance[:, :6, :6] + spread
@@ -218,10 +218,10 @@ def _updated(
     gain = gain * believed[:, None, None]
     rest = np.tile(np.eye(ERROR_SIZE), (len(gain), 1, 1))
     rest[:, :, :6] -= gain
-    covariance = _carried(rest, covariance) + _carried(gain, spread)
+    covariance = _transformed(rest, covariance) + _transformed(gain, spread)
     correction = (gain @ innovation[..., None])[..., 0]
     covariance = 0.5 * (covariance + covariance.swapaxes(-1, -2))
-    return coordinates.moved(state, correction), covariance, nis, believed
+    return coordinates.retract(state, correction), covariance, nis, believed
 
 
 def _doubt(state: State, seen: State) -> FloatArray:
@@ -236,7 +236,7 @@ def _doubt(state: State, seen: State) -> FloatArray:
     return np.repeat(np.stack(sizes, axis=-1), 3, axis=-1)[:, None] * np.eye(ERROR_SIZE)
 
 
-def _carried(matrix: NDArray[Any], covariance: FloatArray) -> FloatArray:
+def _transformed(matrix: NDArray[Any], covariance: FloatArray) -> FloatArray:
     product: FloatArray = matrix @ covariance @ matrix.swapaxes(-1, -2)
     return product
 

@@ -1,4 +1,4 @@
-"""Rivals with the versors' verbs: which laws hold for each, which do not, and what is refused."""
+"""Classical poses with the versors' verbs: which laws hold, which do not, what is refused."""
 
 import copy
 import pickle
@@ -16,7 +16,7 @@ from motorcade.ga.versors.euler_angles import SEQUENCES, euler_from_matrix, matr
 
 AnyPose = QuaternionPose | DualQuaternion | EulerPose
 ROUNDING = 2e-14
-RIVALS: dict[str, Callable[[Motor], AnyPose]] = {
+CLASSICAL: dict[str, Callable[[Motor], AnyPose]] = {
     "quaternion": lambda m: QuaternionPose.from_quaternion_translation(
         *m.as_quaternion_translation()
     ),
@@ -37,20 +37,20 @@ def off(a: Any, b: Any) -> float:
     return float(np.max(np.abs(one - two), initial=0.0) / np.max(np.abs(one), initial=1.0))
 
 
-@pytest.fixture(params=RIVALS)
-def rival(request: pytest.FixtureRequest) -> Callable[[Motor], AnyPose]:
-    return RIVALS[request.param]
+@pytest.fixture(params=CLASSICAL)
+def classical(request: pytest.FixtureRequest) -> Callable[[Motor], AnyPose]:
+    return CLASSICAL[request.param]
 
 
 @pytest.fixture
-def poses(rival: Callable[[Motor], AnyPose], motors: Motor) -> AnyPose:
-    return rival(motors)
+def poses(classical: Callable[[Motor], AnyPose], motors: Motor) -> AnyPose:
+    return classical(motors)
 
 
 @pytest.fixture
-def kind(rival: Callable[[Motor], AnyPose]) -> AnyPose:
+def kind(classical: Callable[[Motor], AnyPose]) -> AnyPose:
     """Any one pose, for verbs that need no particular one."""
-    return rival(Motor.from_euler_translation([0.3, -0.4, 1.1], [1.0, 2.0, 3.0]))
+    return classical(Motor.from_euler_translation([0.3, -0.4, 1.1], [1.0, 2.0, 3.0]))
 
 
 def test_conversions_agree_with_the_motor(poses: AnyPose, motors: Motor) -> None:
@@ -62,15 +62,15 @@ def test_conversions_agree_with_the_motor(poses: AnyPose, motors: Motor) -> None
 
 
 def test_composition_inverse_and_action_agree_with_the_motor(
-    rival: Callable[[Motor], AnyPose], motors: Motor, rng: np.random.Generator
+    classical: Callable[[Motor], AnyPose], motors: Motor, rng: np.random.Generator
 ) -> None:
     other = Motor.random(rng, motors.shape)
-    assert off(rival(motors) @ rival(other), motors @ other) < ROUNDING
-    assert off(rival(motors).inverse(), motors.inverse()) < ROUNDING
+    assert off(classical(motors) @ classical(other), motors @ other) < ROUNDING
+    assert off(classical(motors).inverse(), motors.inverse()) < ROUNDING
     points = rng.standard_normal((*motors.shape, 3))
     moved = motors.apply(points)
     size = max(1.0, float(np.max(np.abs(moved))))
-    assert np.max(np.abs(rival(motors).apply(points) - moved)) < ROUNDING * size
+    assert np.max(np.abs(classical(motors).apply(points) - moved)) < ROUNDING * size
 
 
 def test_exp_undoes_log(poses: AnyPose) -> None:
@@ -79,9 +79,9 @@ def test_exp_undoes_log(poses: AnyPose) -> None:
 
 
 def test_products_are_associative_and_inverses_cancel(
-    rival: Callable[[Motor], AnyPose], motors: Motor, rng: np.random.Generator
+    classical: Callable[[Motor], AnyPose], motors: Motor, rng: np.random.Generator
 ) -> None:
-    a, b = rival(motors), rival(Motor.random(rng, motors.shape))
+    a, b = classical(motors), classical(Motor.random(rng, motors.shape))
     assert off((a @ b) @ a, a @ (b @ a)) < ANGLES_OFF
     size = float(np.max(np.abs(a.as_matrix()), initial=1.0))
     for product in (a @ a.inverse(), a.inverse() @ a):
@@ -89,9 +89,9 @@ def test_products_are_associative_and_inverses_cancel(
 
 
 def test_interpolation_meets_its_ends(
-    rival: Callable[[Motor], AnyPose], motors: Motor, rng: np.random.Generator
+    classical: Callable[[Motor], AnyPose], motors: Motor, rng: np.random.Generator
 ) -> None:
-    a, b = rival(Motor.random(rng, motors.shape)), rival(motors)
+    a, b = classical(Motor.random(rng, motors.shape)), classical(motors)
     assert off(a.interpolate(b, 0.0), a) < ROUNDING
     assert off(a.interpolate(b, 1.0), b) < ROUNDING
     for method in {QuaternionPose: ["nlerp"], DualQuaternion: ["linear"]}.get(type(a), []):
@@ -100,9 +100,9 @@ def test_interpolation_meets_its_ends(
         assert off(a.interpolate(b, 1.0, method=method), b) < ROUNDING
 
 
-def pair(rival: str, rng: np.random.Generator) -> tuple[Motor, Motor, AnyPose, AnyPose]:
+def pair(classical: str, rng: np.random.Generator) -> tuple[Motor, Motor, AnyPose, AnyPose]:
     a, b = Motor.random(rng, (30,)), Motor.random(rng, (30,))
-    return a, b, RIVALS[rival](a), RIVALS[rival](b)
+    return a, b, CLASSICAL[classical](a), CLASSICAL[classical](b)
 
 
 @pytest.mark.parametrize(("name", "holds"), [
@@ -111,8 +111,8 @@ def pair(rival: str, rng: np.random.Generator) -> tuple[Motor, Motor, AnyPose, A
 def test_left_invariance(name: str, holds: bool, rng: np.random.Generator) -> None:
     a, b, one, two = pair(name, rng)
     moved = Motor.random(rng)
-    path = RIVALS[name](moved) @ one.interpolate(two, 0.3)
-    again = RIVALS[name](moved @ a).interpolate(RIVALS[name](moved @ b), 0.3)
+    path = CLASSICAL[name](moved) @ one.interpolate(two, 0.3)
+    again = CLASSICAL[name](moved @ a).interpolate(CLASSICAL[name](moved @ b), 0.3)
     assert off(path, again) < ANGLES_OFF if holds else off(path, again) > 0.1
 
 
@@ -122,8 +122,8 @@ def test_left_invariance(name: str, holds: bool, rng: np.random.Generator) -> No
 def test_right_invariance(name: str, holds: bool, rng: np.random.Generator) -> None:
     a, b, one, two = pair(name, rng)
     mount = Motor.random(rng)
-    path = one.interpolate(two, 0.3) @ RIVALS[name](mount)
-    again = RIVALS[name](a @ mount).interpolate(RIVALS[name](b @ mount), 0.3)
+    path = one.interpolate(two, 0.3) @ CLASSICAL[name](mount)
+    again = CLASSICAL[name](a @ mount).interpolate(CLASSICAL[name](b @ mount), 0.3)
     assert off(path, again) < ANGLES_OFF if holds else off(path, again) > 0.1
 
 
@@ -219,10 +219,10 @@ def test_wrong_dimensions_nan_and_zero_are_refused(kind: AnyPose) -> None:
     with pytest.raises(ValueError, match=rf"{make.__name__}.coefficients: expected shape"):
         make(np.zeros(size + 1))
     for bad in (np.nan, np.inf):
-        spoiled = kind.coefficients.copy()
-        spoiled[0] = bad
+        broken = kind.coefficients.copy()
+        broken[0] = bad
         with pytest.raises(ValueError, match="expected finite numbers"):
-            make(spoiled)
+            make(broken)
         with pytest.raises(ValueError, match="expected finite numbers"):
             make.exp(np.full(6, bad))
         with pytest.raises(ValueError, match="expected finite numbers"):
@@ -276,9 +276,9 @@ def test_unknown_methods_are_refused(rng: np.random.Generator) -> None:
             one.interpolate(one, 0.5, method="cubic")
 
 
-def test_batches_broadcast_or_are_refused(rival: Callable[[Motor], AnyPose],
+def test_batches_broadcast_or_are_refused(classical: Callable[[Motor], AnyPose],
                                           rng: np.random.Generator) -> None:  # fmt: skip
-    three, four = rival(Motor.random(rng, (3,))), rival(Motor.random(rng, (4,)))
+    three, four = classical(Motor.random(rng, (3,))), classical(Motor.random(rng, (4,)))
     for act in (lambda: three @ four, lambda: three.interpolate(four, 0.5),
                 lambda: three.apply(np.zeros((4, 3))), lambda: three.interpolate(three, [0, 1]),
                 lambda: three.blend(np.ones(5))):  # fmt: skip
@@ -290,8 +290,8 @@ def test_batches_broadcast_or_are_refused(rival: Callable[[Motor], AnyPose],
         three.blend([1.0, -1.0, 0.0])
 
 
-def test_empty_batches_pass_through_every_verb(rival: Callable[[Motor], AnyPose]) -> None:
-    none = rival(Motor.identity((0, 4)))
+def test_empty_batches_pass_through_every_verb(classical: Callable[[Motor], AnyPose]) -> None:
+    none = classical(Motor.identity((0, 4)))
     assert none.log().shape == (0, 4, 6)
     assert (none @ none.inverse()).interpolate(none, 0.5).shape == (0, 4)
     assert none.apply(np.zeros((0, 4, 3))).shape == (0, 4, 3)
@@ -300,9 +300,9 @@ def test_empty_batches_pass_through_every_verb(rival: Callable[[Motor], AnyPose]
 
 
 def test_values_are_frozen_and_batches_behave_as_arrays(
-    rival: Callable[[Motor], AnyPose], rng: np.random.Generator
+    classical: Callable[[Motor], AnyPose], rng: np.random.Generator
 ) -> None:
-    batch = rival(Motor.random(rng, (4, 3)))
+    batch = classical(Motor.random(rng, (4, 3)))
     rows = list(batch)
     assert len(batch) == len(rows) == 4
     make: type[Pose] = type(batch)

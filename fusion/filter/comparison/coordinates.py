@@ -1,7 +1,7 @@
 """Error coordinates: how the difference of two states is written as 15 numbers.
 
-Each way comes with its own addition and difference, and with the matrix that carries errors of the
-filter on motors, which stand in the moving frame, into it. All numbers come in the same order:
+Each way comes with its own `retract` and `local`, and with the matrix from errors of the filter on
+motors, which stand in the moving frame, to it. All numbers come in the same order:
 rotation (rad), position (m), velocity (m/s), gyroscope bias, accelerometer bias. All arrays have
 the runs in front.
 """
@@ -16,6 +16,7 @@ import numpy as np
 
 from motorcade.fusion.filter.extended_pose import ERROR_SIZE, corrected, extended_pose
 from motorcade.ga import FloatArray, Rotor
+from motorcade.ga.classical import euler_rates_from_body, nearest_branch
 
 __all__ = [
     "ErrorCoordinates",
@@ -25,9 +26,6 @@ __all__ = [
     "QuaternionTranslation",
     "State",
 ]
-
-# Euler rates are divided by the cosine of the middle angle, kept at least this far from zero.
-_LEAST_COSINE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +58,12 @@ class ErrorCoordinates(ABC):
     """One way to write the error of a state."""
 
     @abstractmethod
-    def rotation_difference(self, rotor: Rotor, other: Rotor) -> FloatArray:
+    def rotation_local(self, rotor: Rotor, other: Rotor) -> FloatArray:
         """What leads from orientations to others ``(R, 3)``."""
 
     @abstractmethod
-    def rotated(self, rotor: Rotor, error: FloatArray) -> Rotor:
-        """Orientations moved by errors ``(R, 3)``."""
+    def rotation_retract(self, rotor: Rotor, error: FloatArray) -> Rotor:
+        """Orientations plus errors ``(R, 3)``."""
 
     @abstractmethod
     def rotation_from_body(self, rotor: Rotor) -> FloatArray:
@@ -81,11 +79,11 @@ class ErrorCoordinates(ABC):
         noise: FloatArray = carrier @ covariance @ carrier.swapaxes(-1, -2)
         return noise
 
-    def difference(self, state: State, other: State) -> FloatArray:
+    def local(self, state: State, other: State) -> FloatArray:
         """The error ``(R, 15)`` that leads from a state to the other."""
         return np.concatenate(
             [
-                self.rotation_difference(state.rotor, other.rotor),
+                self.rotation_local(state.rotor, other.rotor),
                 other.position_m - state.position_m,
                 other.velocity_m_s - state.velocity_m_s,
                 other.bias - state.bias,
@@ -93,10 +91,10 @@ class ErrorCoordinates(ABC):
             axis=-1,
         )
 
-    def moved(self, state: State, error: FloatArray) -> State:
+    def retract(self, state: State, error: FloatArray) -> State:
         """The state an error ``(R, 15)`` away."""
         return State(
-            self.rotated(state.rotor, error[..., :3]),
+            self.rotation_retract(state.rotor, error[..., :3]),
             state.position_m + error[..., 3:6],
             state.velocity_m_s + error[..., 6:9],
             state.bias + error[..., 9:],
@@ -118,11 +116,11 @@ class QuaternionTranslation(ErrorCoordinates):
     2017 (section 5, local angular errors), also known as the multiplicative filter.
     """
 
-    def rotation_difference(self, rotor: Rotor, other: Rotor) -> FloatArray:
+    def rotation_local(self, rotor: Rotor, other: Rotor) -> FloatArray:
         """Rotation vectors ``(*, 3)`` in the moving frame."""
         return (rotor.inverse() @ other).as_rotation_vector()
 
-    def rotated(self, rotor: Rotor, error: FloatArray) -> Rotor:
+    def rotation_retract(self, rotor: Rotor, error: FloatArray) -> Rotor:
         """``q Exp(error)``."""
         return rotor @ Rotor.from_rotation_vector(error)
 
@@ -137,7 +135,7 @@ class ExtendedPose(QuaternionTranslation):
     Orientations err as in the multiplicative filter.
     """
 
-    def difference(self, state: State, other: State) -> FloatArray:
+    def local(self, state: State, other: State) -> FloatArray:
         """Logarithms of one extended pose seen from the other, and the biases' differences."""
         ours, theirs = (
             extended_pose(one.rotor, one.position_m, one.velocity_m_s) for one in (state, other)
@@ -147,7 +145,7 @@ class ExtendedPose(QuaternionTranslation):
             [twists[..., 0, :], twists[..., 1, 3:], other.bias - state.bias], axis=-1
         )
 
-    def moved(self, state: State, error: FloatArray) -> State:
+    def retract(self, state: State, error: FloatArray) -> State:
         """The extended pose times the exponential of the error."""
         pose = corrected(extended_pose(state.rotor, state.position_m, state.velocity_m_s), error)
         position, velocity = np.moveaxis(pose.translation_m, -2, 0)
@@ -161,33 +159,22 @@ class ExtendedPose(QuaternionTranslation):
 class ExactEulerAngles(ErrorCoordinates):
     """Three angles, intrinsic x-y′-z″, added and subtracted one by one; all else converted exactly.
 
-    Differences are wrapped to (-π, π]. Motion is composed as rotations, and the noise of a measured
-    orientation is carried into angles where the estimate stands. Breaks down at gimbal lock, where
-    a middle angle of ±π/2 divides by zero.
+    Differences are wrapped to [-π, π]. Motion is composed as rotations, and the noise of a measured
+    orientation is converted to that of angles where the estimate stands. Breaks down at gimbal
+    lock, where a middle angle of ±π/2 divides by zero.
     """
 
-    def rotation_difference(self, rotor: Rotor, other: Rotor) -> FloatArray:
+    def rotation_local(self, rotor: Rotor, other: Rotor) -> FloatArray:
         """Differences of the angles ``(*, 3)``."""
-        apart = other.as_euler() - rotor.as_euler()
-        wrapped: FloatArray = np.pi - np.mod(np.pi - apart, 2.0 * np.pi)
-        return wrapped
+        return nearest_branch(other.as_euler() - rotor.as_euler(), 0.0)
 
-    def rotated(self, rotor: Rotor, error: FloatArray) -> Rotor:
+    def rotation_retract(self, rotor: Rotor, error: FloatArray) -> Rotor:
         """Angles plus errors."""
         return Rotor.from_euler(rotor.as_euler() + error)
 
     def rotation_from_body(self, rotor: Rotor) -> FloatArray:
         """Rates of the angles for angular rates in the moving frame."""
-        _, middle, last = np.moveaxis(rotor.as_euler(), -1, 0)
-        cosine = np.copysign(np.maximum(np.abs(np.cos(middle)), _LEAST_COSINE), np.cos(middle))
-        tangent = np.sin(middle) / cosine
-        sin, cos, zero = np.sin(last), np.cos(last), np.zeros_like(last)
-        rows = [
-            [cos / cosine, -sin / cosine, zero],
-            [sin, cos, zero],
-            [-cos * tangent, sin * tangent, zero + 1.0],
-        ]
-        return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+        return euler_rates_from_body(rotor.as_euler())
 
 
 class EulerAngles(ExactEulerAngles):
