@@ -6,12 +6,10 @@ from motorcade.render.plots.coverage import plot_coverage
 from motorcade.render.plots.errors import Band, plot_bands, plot_series, plot_within_sigma
 from motorcade.render.plots.motion import plot_rotation_and_twist
 from motorcade.render.plots.style import standing_alone
-from motorcade.render.plots.timings import Timing, plot_timings
 from motorcade.render.plots.trajectories import plot_path_3d, plot_plan_and_elevation
 
 __all__ = [
     "Band",
-    "Timing",
     "plot_allan",
     "plot_bands",
     "plot_coverage",
@@ -20,7 +18,6 @@ __all__ = [
     "plot_rotation_and_twist",
     "plot_series",
     "plot_squares",
-    "plot_timings",
     "plot_within_sigma",
     "standing_alone",
 ]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from motorcade.render.plots import Timing, plot_timings
+from tests.bench.timing_bars import Timing, plot_timings
 
 __all__ = ["OZZ_NS", "animation_picture"]
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.render.printed import printed_surface
 from motorcade.replays.recording import open_recording
 from motorcade.tracking import track_board
 from motorcade.tracking.boards import Checkerboard
 from motorcade.tracking.cameras.camera import Camera
+from tests.bench.view.printed import printed_surface
 from tests.bench.view.registration import (
     drawn_corner_distances_px,
     shake_px,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from motorcade.ga.kernels.accuracy.motors import largest_errors
-from motorcade.ga.kernels.accuracy.similarities import similarity_errors
+from tests.ga.kernels.accuracy_motors import largest_errors
+from tests.ga.kernels.accuracy_similarities import similarity_errors
 
 __all__ = ["accuracy_table", "bench_accuracy"]
 

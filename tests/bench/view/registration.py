@@ -22,7 +22,6 @@ from motorcade.ga import FloatArray, Motor, Trajectory
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.composite import as_rgb, over
 from motorcade.render.lens import LensWarp
-from motorcade.render.printed import printed_surface
 from motorcade.render.scene import ImageArray
 from motorcade.replays.recording import Recording, open_recording
 from motorcade.tracking import BoardTrack, track_board
@@ -30,6 +29,7 @@ from motorcade.tracking.boards import BoardCorners, Checkerboard
 from motorcade.tracking.cameras.camera import Camera
 from tests.bench.data import data_folder
 from tests.bench.tracking.board_smoothing import CAUSAL, OFFLINE
+from tests.bench.view.printed import printed_surface
 
 __all__ = [
     "Registration", "bench_registration", "drawn_corner_distances_px", "registration_lines",

@@ -2,8 +2,8 @@
 
 import pytest
 
-from motorcade.ga.kernels.accuracy.motors import largest_errors
-from motorcade.ga.kernels.accuracy.similarities import similarity_errors
+from tests.ga.kernels.accuracy_motors import largest_errors
+from tests.ga.kernels.accuracy_similarities import similarity_errors
 
 pytest.importorskip("mpmath", reason="mpmath is not installed")
 

@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render.plots import (
     Band,
-    Timing,
     plot_allan,
     plot_bands,
     plot_path_3d,
@@ -20,12 +19,12 @@ from motorcade.render.plots import (
     plot_rotation_and_twist,
     plot_series,
     plot_squares,
-    plot_timings,
     plot_within_sigma,
     standing_alone,
 )
 from motorcade.render.plots.motion import rotation_vectors_rad, twists
 from motorcade.render.plots.style import thinned, with_own_ids
+from tests.bench.timing_bars import Timing, plot_timings
 
 SVG = "{http://www.w3.org/2000/svg}"
 LINK = "{http://www.w3.org/1999/xlink}"

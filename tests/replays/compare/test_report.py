@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from docs.making.guide import guide
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.render.plots.style import COLOURS
 from motorcade.replays.compare.cells import Cell, Row, Setting, inputs_of, run_cell
 from motorcade.replays.compare.figures.statistics import Sample
 from motorcade.replays.compare.figures.tables import Outcome, write_tables
-from motorcade.replays.compare.guide import guide
 from motorcade.replays.compare.measure.ruler import METRICS as RULER_METRICS
 from motorcade.replays.compare.measure.traits import Trait, run_trait
 from motorcade.replays.compare.plan import DEGRADATIONS, Plan

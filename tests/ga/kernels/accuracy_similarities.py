@@ -15,14 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga.kernels.accuracy.motors import (
-    Numbers,
-    dot,
-    hard_motors,
-    product,
-    signs,
-    worst_error,
-)
 from motorcade.ga.kernels.similarity_batches import (
     similarity_apply,
     similarity_blend,
@@ -33,6 +25,14 @@ from motorcade.ga.kernels.similarity_batches import (
     similarity_matrix34,
     similarity_normalize,
     similarity_of_motor,
+)
+from tests.ga.kernels.accuracy_motors import (
+    Numbers,
+    dot,
+    hard_motors,
+    product,
+    signs,
+    worst_error,
 )
 
 __all__ = ["hard_similarities", "similarity_errors"]

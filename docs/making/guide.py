@@ -1,6 +1,6 @@
 """`docs/which_smoother.md` from a finished comparison; see its own first lines.
 
-python -m motorcade.replays.compare.guide out/compare > docs/which_smoother.md
+python -m docs.making.guide out/compare > docs/which_smoother.md
 """
 
 from __future__ import annotations
@@ -251,7 +251,7 @@ def _short(value: float) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Read a comparison's folder, print the page."""
-    parser = argparse.ArgumentParser(prog="python -m motorcade.replays.compare.guide")
+    parser = argparse.ArgumentParser(prog="python -m docs.making.guide")
     parser.add_argument("folder", type=Path, help="of a finished `motorcade compare`")
     sys.stdout.write(guide(Results.read(parser.parse_args(arguments).folder)))
 
