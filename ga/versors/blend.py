@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, checked_floats
-from motorcade.ga.versors.versor import Versor, broadcast_batch
+from motorcade.ga.versors.batch import broadcast_batch
+from motorcade.ga.versors.versor import Versor
 
 __all__ = ["blend", "checked_weights"]
 

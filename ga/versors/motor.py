@@ -15,8 +15,10 @@ from numpy.typing import ArrayLike
 from motorcade.ga import kernels
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.ga.kernels import compose, exp, interpolate, inverse, log
+from motorcade.ga.kernels.tangents import MOTOR_TANGENTS
+from motorcade.ga.versors.batch import UNIT_TOLERANCE, broadcast_batch
 from motorcade.ga.versors.rotor import Rotor
-from motorcade.ga.versors.versor import UNIT_TOLERANCE, Versor, VersorKernels, broadcast_batch
+from motorcade.ga.versors.versor import Versor, VersorKernels
 
 __all__ = ["Motor"]
 
@@ -34,7 +36,7 @@ class Motor(Versor):
 
     _size = 8
     _log_size = 6
-    _kernels = VersorKernels(compose, inverse, exp, log, interpolate)
+    _kernels = VersorKernels(compose, inverse, exp, log, interpolate, MOTOR_TANGENTS)
 
     @classmethod
     def _check_unit(cls, coefficients: FloatArray) -> None:

@@ -18,8 +18,10 @@ from motorcade.ga.kernels import (
     rotor_inverse,
     rotor_log,
 )
+from motorcade.ga.kernels.tangents import ROTOR_TANGENTS
+from motorcade.ga.versors.batch import UNIT_TOLERANCE, broadcast_batch
 from motorcade.ga.versors.euler_angles import euler_from_matrix, matrix_from_euler
-from motorcade.ga.versors.versor import UNIT_TOLERANCE, Versor, VersorKernels, broadcast_batch
+from motorcade.ga.versors.versor import Versor, VersorKernels
 
 __all__ = ["Rotor"]
 
@@ -37,7 +39,9 @@ class Rotor(Versor):
 
     _size = 4
     _log_size = 3
-    _kernels = VersorKernels(rotor_compose, rotor_inverse, rotor_exp, rotor_log, rotor_interpolate)
+    _kernels = VersorKernels(
+        rotor_compose, rotor_inverse, rotor_exp, rotor_log, rotor_interpolate, ROTOR_TANGENTS
+    )
 
     @classmethod
     def normalize(cls, coefficients: ArrayLike) -> Rotor:

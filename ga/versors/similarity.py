@@ -19,9 +19,11 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga import kernels
 from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.kernels.tangents import SIMILARITY_TANGENTS
+from motorcade.ga.versors.batch import UNIT_TOLERANCE, broadcast_batch
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.rotor import Rotor
-from motorcade.ga.versors.versor import UNIT_TOLERANCE, Versor, VersorKernels, broadcast_batch
+from motorcade.ga.versors.versor import Versor, VersorKernels
 
 __all__ = ["Similarity"]
 
@@ -42,7 +44,7 @@ class Similarity(Versor):
     _log_size = 7
     _kernels = VersorKernels(
         kernels.similarity_compose, kernels.similarity_inverse, kernels.similarity_exp,
-        kernels.similarity_log, kernels.similarity_interpolate,
+        kernels.similarity_log, kernels.similarity_interpolate, SIMILARITY_TANGENTS,
     )  # fmt: skip
 
     @classmethod

@@ -14,7 +14,9 @@ from motorcade.ga.kernels.definitions import (
     rotors,
     similarities,
     similarity_conversions,
+    similarity_tangents,
     skinning,
+    tangents,
 )
 
 __all__ = ["KERNELS"]
@@ -22,4 +24,5 @@ __all__ = ["KERNELS"]
 KERNELS = (
     *motors.KERNELS, *conversions.KERNELS, *blends.KERNELS, *rotors.KERNELS,
     *similarities.KERNELS, *similarity_conversions.KERNELS, *skinning.KERNELS, *chains.KERNELS,
+    *tangents.KERNELS, *similarity_tangents.KERNELS,
 )  # fmt: skip

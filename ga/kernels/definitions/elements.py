@@ -87,6 +87,11 @@ def numbers(name: str) -> Operand:
     return Operand(name, (name,))
 
 
+def twist(name: str, size: int) -> Operand:
+    """An operand of a twist: rotation vector, then translational part, then log scale."""
+    return Operand(name, ("rx", "ry", "rz", "x", "y", "z", "log_scale")[:size])
+
+
 def components(name: str, rows: int, columns: int) -> Operand:
     """An operand that holds a matrix by rows."""
     return Operand(name, tuple(f"m{i}{j}" for i in range(rows) for j in range(columns)))

@@ -15,12 +15,15 @@ from motorcade.ga.codegen.library_kernels.powers_of_two import exponent, power_o
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.kernels.definitions.functions import select
 
-__all__ = ["hyperbolic", "inverse_hyperbolic"]
+__all__ = ["growth_means", "hyperbolic", "inverse_hyperbolic"]
 
 _SHARE = 1 / 16
 # Where the polynomials end, with room for rounding: squares of ½ ln 2 and of sinh ½ ln 2 = √⅛.
+_HALF_OCTAVE = 0.5 * log(2) + 1e-3
 _LOG_SQUARED = (0.5 * log(2)) ** 2 + 1e-3
 _SINE_SQUARED = 0.125 + 1e-3
+# Logarithms of scales up to which what is left of e^x without its first terms is a polynomial.
+_NEAR = 1.0
 
 
 def hyperbolic(precision: Precision, h: Any) -> tuple[Any, Any, Any]:
@@ -61,6 +64,24 @@ def inverse_hyperbolic(precision: Precision, cosh: Any, sinh: Any) -> tuple[Any,
     return quotient * sinh, quotient
 
 
+def growth_means(precision: Precision, x: Any) -> tuple[Any, Any, Any]:
+    """``e^x``, ``(e^x - 1) / x`` and ``(e^x - 1 - x) / x²``."""
+    import casadi as ca
+
+    error = precision.epsilon * _SHARE
+    n = ca.floor(x * (1 / log(2)) + 0.5)
+    high, low = _parts_of_log_two(precision)
+    r = x - n * high - n * low
+    whole = power_of_two(n) * horner(fitted(_exp, -_HALF_OCTAVE, _HALF_OCTAVE, error), r)
+    near = ca.fmax(ca.fmin(x, _NEAR), -_NEAR)
+    far = select(x < 0, ca.fmin(x, -_NEAR), ca.fmax(x, _NEAR))
+    second_near = horner(fitted(_exp_rest, -_NEAR - 1e-3, _NEAR + 1e-3, error), near)
+    first_far = (whole - 1) / far
+    small = ca.fabs(x) < _NEAR
+    first = select(small, 1 + near * second_near, first_far)
+    return whole, first, select(small, second_near, (first_far - 1) / far)
+
+
 def _parts_of_log_two(precision: Precision) -> tuple[float, float]:
     """Two parts of ln 2, the first with so few bits that multiples of it are exact."""
     import mpmath as mp
@@ -89,3 +110,16 @@ def _asinh_over(y: Any) -> Any:
 
     root = mp.sqrt(y)
     return mp.asinh(root) / root
+
+
+def _exp(x: Any) -> Any:
+    import mpmath as mp
+
+    return mp.exp(x)
+
+
+def _exp_rest(x: Any) -> Any:
+    import mpmath as mp
+
+    with mp.extradps(40):
+        return (mp.expm1(x) - x) / x**2 if x else mp.mpf(1) / 2

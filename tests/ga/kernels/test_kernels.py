@@ -13,8 +13,9 @@ from motorcade.ga import Motor, kernels
 from motorcade.ga.kernels import numpy_backend
 from motorcade.ga.kernels.generated.python import KERNELS
 
-# Where the blades of a similarity's logarithm stand in it.
+# Where the blades of a similarity's logarithm stand in it; twists have the scale last.
 LOG_PLACES = (1, 2, 3, 4, 8, 9, 10)
+TWIST_PLACES = (1, 2, 3, 8, 9, 10, 4)
 SCALES = (1.0, 1 + 1e-12, 1 - 1e-3, 0.25, 1.5, 4.0)
 pytestmark = pytest.mark.usefixtures("one_thread")
 DTYPES = (np.float32, np.float64)
@@ -43,6 +44,7 @@ def inputs_of(name: str, motors: np.ndarray, rng: np.random.Generator) -> list[n
     As similarities they grow and shrink by up to four.
     """
     rows = motors.reshape(-1, 8)
+    places = LOG_PLACES if name == "similarity_exp" else TWIST_PLACES
     others = np.asarray(Motor.random(rng, (len(rows),)).coefficients, dtype=rows.dtype)
     made: list[np.ndarray] = []
     for width in KERNELS[name][1]:
@@ -52,7 +54,7 @@ def inputs_of(name: str, motors: np.ndarray, rng: np.random.Generator) -> list[n
         elif width in (7, 12):
             scale = np.resize(SCALES[:: -1 if made else 1], len(rows)).astype(rows.dtype)
             grown = kernels.similarity_of_motor(source, scale)
-            made.append(np.ascontiguousarray(grown[:, LOG_PLACES] if width == 7 else grown))
+            made.append(np.ascontiguousarray(grown[:, places] if width == 7 else grown))
         else:
             first = 1 if width in (3, 6) else 0
             made.append(np.ascontiguousarray(source[:, first : first + width]))

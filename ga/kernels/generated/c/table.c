@@ -90,6 +90,42 @@ void motorcade_carry_matrix_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_carry_matrix_f64(MOTORCADE_ARGUMENTS(double));
 void motorcade_reach_f32(MOTORCADE_ARGUMENTS(float));
 void motorcade_reach_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_adjoint_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_adjoint_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_transform_twist_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_transform_twist_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_left_jacobian_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_left_jacobian_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_left_jacobian_inverse_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_left_jacobian_inverse_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_retract_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_retract_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_local_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_local_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_adjoint_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_adjoint_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_transform_twist_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_transform_twist_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_left_jacobian_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_left_jacobian_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_left_jacobian_inverse_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_left_jacobian_inverse_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_retract_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_retract_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_rotor_local_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_rotor_local_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_adjoint_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_adjoint_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_transform_twist_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_transform_twist_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_left_jacobian_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_left_jacobian_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_left_jacobian_inverse_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_left_jacobian_inverse_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_retract_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_retract_f64(MOTORCADE_ARGUMENTS(double));
+void motorcade_similarity_local_f32(MOTORCADE_ARGUMENTS(float));
+void motorcade_similarity_local_f64(MOTORCADE_ARGUMENTS(double));
 
 const struct motorcade_kernel motorcade_kernels[] = {
     {"compose", 2, 1, {8, 8, 8},
@@ -180,6 +216,42 @@ const struct motorcade_kernel motorcade_kernels[] = {
      motorcade_carry_matrix_f32, motorcade_carry_matrix_f64},
     {"reach", 3, 1, {3, 3, 1, 3},
      motorcade_reach_f32, motorcade_reach_f64},
+    {"adjoint", 1, 1, {8, 36},
+     motorcade_adjoint_f32, motorcade_adjoint_f64},
+    {"transform_twist", 2, 1, {8, 6, 6},
+     motorcade_transform_twist_f32, motorcade_transform_twist_f64},
+    {"left_jacobian", 1, 1, {6, 36},
+     motorcade_left_jacobian_f32, motorcade_left_jacobian_f64},
+    {"left_jacobian_inverse", 1, 1, {6, 36},
+     motorcade_left_jacobian_inverse_f32, motorcade_left_jacobian_inverse_f64},
+    {"retract", 2, 1, {8, 6, 8},
+     motorcade_retract_f32, motorcade_retract_f64},
+    {"local", 2, 1, {8, 8, 6},
+     motorcade_local_f32, motorcade_local_f64},
+    {"rotor_adjoint", 1, 1, {4, 9},
+     motorcade_rotor_adjoint_f32, motorcade_rotor_adjoint_f64},
+    {"rotor_transform_twist", 2, 1, {4, 3, 3},
+     motorcade_rotor_transform_twist_f32, motorcade_rotor_transform_twist_f64},
+    {"rotor_left_jacobian", 1, 1, {3, 9},
+     motorcade_rotor_left_jacobian_f32, motorcade_rotor_left_jacobian_f64},
+    {"rotor_left_jacobian_inverse", 1, 1, {3, 9},
+     motorcade_rotor_left_jacobian_inverse_f32, motorcade_rotor_left_jacobian_inverse_f64},
+    {"rotor_retract", 2, 1, {4, 3, 4},
+     motorcade_rotor_retract_f32, motorcade_rotor_retract_f64},
+    {"rotor_local", 2, 1, {4, 4, 3},
+     motorcade_rotor_local_f32, motorcade_rotor_local_f64},
+    {"similarity_adjoint", 1, 1, {12, 49},
+     motorcade_similarity_adjoint_f32, motorcade_similarity_adjoint_f64},
+    {"similarity_transform_twist", 2, 1, {12, 7, 7},
+     motorcade_similarity_transform_twist_f32, motorcade_similarity_transform_twist_f64},
+    {"similarity_left_jacobian", 1, 1, {7, 49},
+     motorcade_similarity_left_jacobian_f32, motorcade_similarity_left_jacobian_f64},
+    {"similarity_left_jacobian_inverse", 1, 1, {7, 49},
+     motorcade_similarity_left_jacobian_inverse_f32, motorcade_similarity_left_jacobian_inverse_f64},
+    {"similarity_retract", 2, 1, {12, 7, 12},
+     motorcade_similarity_retract_f32, motorcade_similarity_retract_f64},
+    {"similarity_local", 2, 1, {12, 12, 7},
+     motorcade_similarity_local_f32, motorcade_similarity_local_f64},
 };
 const size_t motorcade_kernel_count =
     sizeof motorcade_kernels / sizeof motorcade_kernels[0];
