@@ -42,7 +42,8 @@ def test_imports_point_one_way(room: str) -> None:
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(REPOSITORY)))
 def test_files_are_small_and_say_what_they_are_for(path: Path) -> None:
     text = path.read_text()
-    assert len(text.splitlines()) <= 450
+    written_by_hand = "generated" not in path.parts
+    assert not written_by_hand or len(text.splitlines()) <= 450
     assert ast.get_docstring(ast.parse(text)), "a file opens with what it is for"
 
 

@@ -125,7 +125,7 @@ def kernels_of(
     twist, made = on.twist("twist", size), on.twist("out", size)
     square = on.components("out", size, size)
     name = f"{prefix}_" if prefix else ""
-    group = f"{name}tangents"
+    group, jacobians = f"{name}tangents", f"{name}jacobians"
     return (
         Kernel(
             f"{name}adjoint", group, f"Adjoint matrix of a {one} on twists",
@@ -136,11 +136,11 @@ def kernels_of(
             (m, twist), (made,), define.transform_twist,
         ),
         Kernel(
-            f"{name}left_jacobian", group, f"Left Jacobian of a {one}'s exponential at a twist",
+            f"{name}left_jacobian", jacobians, f"Left Jacobian of a {one}'s exponential at a twist",
             (twist,), (square,), define.left_jacobian,
         ),
         Kernel(
-            f"{name}left_jacobian_inverse", group,
+            f"{name}left_jacobian_inverse", jacobians,
             f"Inverse left Jacobian of a {one}'s exponential, singular at full turns",
             (twist,), (square,), define.left_jacobian_inverse,
         ),
