@@ -14,7 +14,7 @@ import numpy as np
 from motorcade.ga import FloatArray, Motor
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["project", "reproject", "retract", "to_frame"]
+__all__ = ["by_twist", "project", "reproject", "retract", "to_frame"]
 
 
 def project(
@@ -52,15 +52,24 @@ def reproject(camera: Camera, in_camera: FloatArray) -> tuple[FloatArray, FloatA
         ``(*, 2, 3)`` by the point in the camera's frame; NaN where a point has no image.
     """
     pixels, by_point = camera.project_jacobian(in_camera)
-    # dX = X x d(rotation) - d(translation)
+    return pixels, by_twist(in_camera, by_point), by_point
+
+
+def by_twist(in_camera: FloatArray, by_point: FloatArray) -> FloatArray:
+    """Derivative ``(*, r, 6)`` by the twist of the camera's pose, of r numbers of a point.
+
+    Args:
+        in_camera: ``(*, 3)`` the point, which moves by ``X x d(rotation) - d(translation)``.
+        by_point: ``(*, r, 3)`` derivative of the numbers by it.
+    """
     x, y, z = (in_camera[..., None, axis] for axis in range(3))
     a, b, c = (by_point[..., axis] for axis in range(3))
-    by_twist = np.empty((*by_point.shape[:-1], 6))
-    by_twist[..., 0] = z * b - y * c
-    by_twist[..., 1] = x * c - z * a
-    by_twist[..., 2] = y * a - x * b
-    np.negative(by_point, out=by_twist[..., 3:])
-    return pixels, by_twist, by_point
+    found = np.empty((*by_point.shape[:-1], 6))
+    found[..., 0] = z * b - y * c
+    found[..., 1] = x * c - z * a
+    found[..., 2] = y * a - x * b
+    np.negative(by_point, out=found[..., 3:])
+    return found
 
 
 def retract(pose: Motor, twist: FloatArray) -> Motor:

@@ -11,7 +11,7 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-__all__ = ["Evaluation", "Minimum", "Stop", "minimise"]
+__all__ = ["Evaluated", "Minimum", "Stop", "minimise"]
 
 _LEAST_DAMPING = 1e-12
 
@@ -24,7 +24,7 @@ class _Equations(Protocol[Step_co]):
     def step(self, damping: float) -> Step_co: ...
 
 
-class Evaluation(Protocol[Step_co]):
+class Evaluated(Protocol[Step_co]):
     """What a problem says of one state; equations may be formed only when they are asked for."""
 
     @property
@@ -36,7 +36,7 @@ class Evaluation(Protocol[Step_co]):
         """The linearised problem."""
 
 
-AnyEvaluation = TypeVar("AnyEvaluation", bound=Evaluation)  # type: ignore[type-arg]
+AnyEvaluated = TypeVar("AnyEvaluated", bound=Evaluated)  # type: ignore[type-arg]
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Stop:
 
 
 @dataclass(frozen=True, eq=False)
-class Minimum(Generic[State, AnyEvaluation]):
+class Minimum(Generic[State, AnyEvaluated]):
     """Where a minimisation ended.
 
     Args:
@@ -67,16 +67,16 @@ class Minimum(Generic[State, AnyEvaluation]):
     """
 
     state: State
-    evaluation: AnyEvaluation
+    evaluation: AnyEvaluated
     start_cost: float
 
 
 def minimise(
     start: State,
-    evaluate: Callable[[State], AnyEvaluation],
+    evaluate: Callable[[State], AnyEvaluated],
     retract: Callable[[State, Step], State],
     stop: Stop,
-) -> Minimum[State, AnyEvaluation]:
+) -> Minimum[State, AnyEvaluated]:
     """Find a state near `start` whose cost no small step lowers.
 
     Args:

@@ -1,22 +1,22 @@
 """Visual SLAM: one camera, a camera with depth, or a rectified pair; pictures to poses and map.
 
 Sources: ORB-SLAM2 (Mur-Artal & Tardos 2017) for keyframes, adjustment and relocalisation;
-VINS-Mono (Qin et al. 2018) for corners followed between them.
+VINS-Mono (Qin et al. 2018) for corners tracked between them.
 """
 
 from __future__ import annotations
 
 from motorcade.tracking.slam.mapping.map import MapSnapshot
-from motorcade.tracking.slam.results import SLAM_STATES, SlamResult, State, TrackedFrame
+from motorcade.tracking.slam.results import SLAM_STATES, SlamFrame, SlamResult, SlamState
 from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.slam import VisualSlam
 
 __all__ = [
     "SLAM_STATES",
     "MapSnapshot",
+    "SlamFrame",
     "SlamResult",
     "SlamSettings",
-    "State",
-    "TrackedFrame",
+    "SlamState",
     "VisualSlam",
 ]

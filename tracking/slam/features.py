@@ -1,7 +1,7 @@
-"""Pictures ready for tracking, corners spread over them, and corners followed between them.
+"""Pictures ready for tracking, corners spread over them, and corners tracked between them.
 
 Pictures are undistorted once, so all pixels here belong to a pinhole camera. Corners are ORB's
-(FAST, ranked by Harris) with their descriptors; between pictures they are followed by Lucas-Kanade.
+(FAST, ranked by Harris) with their descriptors; between pictures they are tracked by Lucas-Kanade.
 
 Sources: Rublee et al. 2011 (ORB); Lucas & Kanade 1981, Bouguet 2000 (pyramids).
 """
@@ -19,7 +19,15 @@ from motorcade.ga import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.slam.geometry import BoolArray
 
-__all__ = ["Corners", "Picture", "depth_at", "find_corners", "follow", "grid_cells", "stereo_depth"]
+__all__ = [
+    "Corners",
+    "SlamPicture",
+    "depth_at",
+    "find_corners",
+    "grid_cells",
+    "stereo_depth",
+    "track_corners",
+]
 
 DepthImage = NDArray[np.float32]
 Descriptors = NDArray[np.uint8]
@@ -38,7 +46,7 @@ _LEAST_DISPARITY_PX = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class SlamPicture:
     """One undistorted picture.
 
     Args:
@@ -113,17 +121,22 @@ def _rank_among_equals(values: IntArray) -> IntArray:
 
 def _orb(count: int) -> Any:
     return cv2.ORB.create(
-        nfeatures=count, scaleFactor=1.4, nlevels=4, edgeThreshold=19, patchSize=31,
-        fastThreshold=_FAST_THRESHOLD, scoreType=cv2.ORB_HARRIS_SCORE,
-    )  # fmt: skip
+        nfeatures=count,
+        scaleFactor=1.4,
+        nlevels=4,
+        edgeThreshold=19,
+        patchSize=31,
+        fastThreshold=_FAST_THRESHOLD,
+        scoreType=cv2.ORB_HARRIS_SCORE,
+    )
 
 
-def follow(
+def track_corners(
     before: GrayImage, after: GrayImage, px: FloatArray, guess: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
     """Where corners of one picture are in another, and which of them were found.
 
-    A corner is found if following it back ends where it began.
+    A corner is found if tracking it back ends where it began.
 
     Args:
         before: the picture that holds the corners.
@@ -150,11 +163,16 @@ def follow(
 
 def _flow(before: GrayImage, after: GrayImage, px: Any, guess: Any, levels: int) -> Any:
     return cv2.calcOpticalFlowPyrLK(
-        before, after, px, guess,
-        winSize=(_WINDOW_PX, _WINDOW_PX), maxLevel=levels,
+        before,
+        after,
+        px,
+        guess,
+        winSize=(_WINDOW_PX, _WINDOW_PX),
+        maxLevel=levels,
         criteria=(cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 20, 0.01),
-        flags=cv2.OPTFLOW_USE_INITIAL_FLOW, minEigThreshold=1e-4,
-    )  # fmt: skip
+        flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
+        minEigThreshold=1e-4,
+    )
 
 
 def depth_at(depth_m: DepthImage, px: FloatArray) -> FloatArray:
@@ -187,7 +205,7 @@ def stereo_depth(
         px: ``(n, 2)``.
         disparity_px_m: focal length (pixels) times baseline (metres).
     """
-    there, found = follow(left, right, px, px)
+    there, found = track_corners(left, right, px, px)
     disparity = px[:, 0] - there[:, 0]
     level = np.abs(px[:, 1] - there[:, 1]) <= _ROW_PX
     usable = found & level & (disparity >= _LEAST_DISPARITY_PX)

@@ -1,4 +1,4 @@
-"""Starting a map from two views: which model explains them, and whether they may be trusted.
+"""Starting a map from two views: which model explains them, and whether it is reliable.
 
 A scene with depth fits an essential matrix, a flat one a homography; both are fitted (MAGSAC) and
 scored alike. Where a rotation alone explains the motion of the corners there is no parallax, and
@@ -16,17 +16,18 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray
-from motorcade.tracking.slam.features import Corners, Picture, find_corners, follow
+from motorcade.ga import FloatArray, Motor
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.reprojection import project
+from motorcade.tracking.slam.features import Corners, SlamPicture, find_corners, track_corners
 from motorcade.tracking.slam.geometry import (
     BoolArray,
-    moved,
     parallax_rad,
-    to_pixels,
+    pose_from_opencv,
     triangulate,
 )
 
-__all__ = ["Start", "TwoViewInitialiser", "TwoViews", "flow_beyond_rotation_px", "two_views"]
+__all__ = ["TwoViewInitialiser", "TwoViewStart", "TwoViews", "flow_beyond_rotation_px", "two_views"]
 
 FEWEST_CORNERS = 80
 _FEWEST_POINTS = 50
@@ -46,55 +47,55 @@ class TwoViews:
     """The second view from the first, for a baseline of length 1.
 
     Args:
-        second_T_first: ``(4, 4)``.
+        first_T_second: where the second camera stands.
         good: ``(n,)`` corners that agree and have parallax.
         model: "essential" or "homography".
     """
 
-    second_T_first: FloatArray
+    first_T_second: Motor
     good: BoolArray
     model: str
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
-    """Two pictures from which a map can start, and what was followed between them.
+class TwoViewStart:
+    """Two pictures from which a map can start, and the corners tracked between them.
 
     Args:
-        first, second: the pictures; corners: those of the first that were followed to the second.
+        first, second: the pictures; corners: those of the first that were tracked to the second.
         second_px: ``(n, 2)`` where they are there; views: the geometry.
         between: of each picture in between its stamp, rows of `corners` and pixels.
     """
 
-    first: Picture
-    second: Picture
+    first: SlamPicture
+    second: SlamPicture
     corners: Corners
     second_px: FloatArray
     views: TwoViews
     between: tuple[tuple[int, BoolArray, FloatArray], ...]
 
 
-def flow_beyond_rotation_px(first_px: FloatArray, px: FloatArray, matrix: FloatArray) -> float:
+def flow_beyond_rotation_px(first_px: FloatArray, px: FloatArray, camera: Camera) -> float:
     """Median motion of corners that the best rotation leaves over, pixels.
 
     Rotation by Kabsch's method, reweighted so that a minority of corners cannot turn it.
     """
     rays = []
     for pixels in (first_px, px):
-        ray = np.concatenate([pixels, np.ones((len(pixels), 1))], axis=1) @ np.linalg.inv(matrix).T
+        ray = camera.unproject(pixels)
         rays.append(ray / np.linalg.norm(ray, axis=1, keepdims=True))
     weight = np.ones(len(px))
     left = np.zeros(len(px))
     for _ in range(8):
         u, _, vt = np.linalg.svd((rays[1] * weight[:, None]).T @ rays[0])
         turn = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
-        seen, _ = to_pixels(rays[0] @ turn.T, matrix)
+        seen = camera.project(rays[0] @ turn.T)
         left = np.nan_to_num(np.linalg.norm(seen - px, axis=1), nan=np.inf)
         weight = 1.0 / (1.0 + left**2)
     return float(np.median(left))
 
 
-def two_views(first_px: FloatArray, px: FloatArray, matrix: FloatArray) -> TwoViews | None:
+def two_views(first_px: FloatArray, px: FloatArray, camera: Camera) -> TwoViews | None:
     """Relative pose of two views from corners ``(n, 2)`` in both; None where it cannot be told.
 
     Refused: a flow that rotation explains, too few corners that agree, too little parallax, or two
@@ -103,20 +104,27 @@ def two_views(first_px: FloatArray, px: FloatArray, matrix: FloatArray) -> TwoVi
     if len(px) < FEWEST_CORNERS:
         return None
     essential, _ = cv2.findEssentialMat(
-        first_px, px, np.array(matrix), method=cv2.USAC_MAGSAC, prob=0.9999, threshold=_THRESHOLD_PX
+        first_px,
+        px,
+        np.array(camera.matrix),
+        method=cv2.USAC_MAGSAC,
+        prob=0.9999,
+        threshold=_THRESHOLD_PX,
     )
     homography, _ = cv2.findHomography(first_px, px, cv2.USAC_MAGSAC, 2.0 * _THRESHOLD_PX)
     flat, deep = 0.0, 0.0
     if homography is not None:
         flat = _homography_score(homography, first_px, px)
     if essential is not None and essential.shape == (3, 3):
-        deep = _essential_score(essential, first_px, px, matrix)
+        deep = _essential_score(essential, first_px, px, camera.matrix)
     if flat + deep <= 0.0:
         return None
     model = "homography" if flat / (flat + deep) > _HOMOGRAPHY_SHARE else "essential"
     poses = _from_homography if model == "homography" else _from_essential
     given = homography if model == "homography" else essential
-    supported = [(_support(pose, first_px, px, matrix), pose) for pose in poses(given, matrix)]
+    supported = [
+        (_support(pose, first_px, px, camera), pose) for pose in poses(given, camera.matrix)
+    ]
     if not supported:  # a homography of nothing but a turn
         return None
     supported.sort(key=lambda one: -int(np.count_nonzero(one[0])))
@@ -158,37 +166,30 @@ def _squared(a: FloatArray, b: FloatArray) -> FloatArray:
     return squared
 
 
-def _from_essential(essential: FloatArray, _: FloatArray) -> Iterator[FloatArray]:
+def _from_essential(essential: FloatArray, _: FloatArray) -> Iterator[Motor]:
     one, other, shift = cv2.decomposeEssentialMat(essential)
     for turn in (one, other):
         for sign in (1.0, -1.0):
-            yield _pose(turn, sign * np.ravel(shift))
+            yield pose_from_opencv(turn, sign * np.ravel(shift)).inverse()
 
 
-def _from_homography(homography: FloatArray, matrix: FloatArray) -> Iterator[FloatArray]:
+def _from_homography(homography: FloatArray, matrix: FloatArray) -> Iterator[Motor]:
     _, turns, shifts, _ = cv2.decomposeHomographyMat(homography, np.array(matrix))
     for turn, shift in zip(turns, shifts, strict=True):
         length = float(np.linalg.norm(shift))
         if length > 1e-6:
-            yield _pose(turn, np.ravel(shift) / length)
+            yield pose_from_opencv(turn, np.ravel(shift) / length).inverse()
 
 
-def _pose(turn: FloatArray, shift: FloatArray) -> FloatArray:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = turn, shift
-    return pose
-
-
-def _support(
-    pose: FloatArray, first_px: FloatArray, px: FloatArray, matrix: FloatArray
-) -> BoolArray:
+def _support(pose: Motor, first_px: FloatArray, px: FloatArray, camera: Camera) -> BoolArray:
     """Corners whose point lies before both cameras, reprojects well and has parallax."""
-    points = triangulate(np.eye(4), pose, first_px, px, matrix)
-    one, near = to_pixels(points, matrix)
-    other, far = to_pixels(moved(pose, points), matrix)
+    first = Motor.identity()
+    points = triangulate(first, pose, first_px, px, camera)
+    one, near = project(camera, first, points)
+    other, far = project(camera, pose, points)
     error = np.sqrt(np.maximum(_squared(one, first_px), _squared(other, px)))
     good = (near > 0.0) & (far > 0.0) & (np.nan_to_num(error, nan=np.inf) < _GOOD_PX)
-    parallax = parallax_rad(np.eye(4), pose, points)
+    parallax = parallax_rad(first, pose, points)
     wide = good & (parallax > _PARALLAX_RAD)
     if np.count_nonzero(wide) < _FEWEST_POINTS:
         return np.zeros(len(px), dtype=np.bool_)
@@ -196,28 +197,28 @@ def _support(
 
 
 class TwoViewInitialiser:
-    """Follows the corners of a first picture until a later one gives a map.
+    """Tracks the corners of a first picture until a later one gives a map.
 
     Args:
-        matrix: ``(3, 3)`` intrinsics; features: corners to follow.
+        camera: the pinhole; features: corners to track.
     """
 
-    def __init__(self, matrix: FloatArray, features: int) -> None:
-        self._matrix = matrix
+    def __init__(self, camera: Camera, features: int) -> None:
+        self._camera = camera
         self._features = features
-        self._first: Picture | None = None
+        self._first: SlamPicture | None = None
 
-    def feed(self, picture: Picture) -> Start | None:
-        """Take the next picture; a `Start` once one is found."""
-        if self._first is None or not self._followed(picture):
+    def feed(self, picture: SlamPicture) -> TwoViewStart | None:
+        """Take the next picture; a `TwoViewStart` once one is found."""
+        if self._first is None or not self._tracked(picture):
             self._restart(picture)
             return None
         rows = self._rows
         first_px = self._corners.px[rows]
-        flow = flow_beyond_rotation_px(first_px, self._px, self._matrix)
+        flow = flow_beyond_rotation_px(first_px, self._px, self._camera)
         views = None
         if flow >= _LEAST_FLOW_PX:
-            views = two_views(first_px, self._px, self._matrix)
+            views = two_views(first_px, self._px, self._camera)
         if views is None:
             kept = np.zeros(len(self._corners), dtype=np.bool_)
             kept[rows] = True
@@ -225,16 +226,16 @@ class TwoViewInitialiser:
             del self._between[:-_MOST_PENDING]
             return None
         corners = Corners(first_px, self._corners.descriptors[rows])
-        place = np.cumsum(np.isin(np.arange(len(self._corners)), rows)) - 1
+        position = np.cumsum(np.isin(np.arange(len(self._corners)), rows)) - 1
         between = []
         for stamp, kept, px in self._between:
             still = np.isin(np.flatnonzero(kept), rows)
             mask = np.zeros(len(rows), dtype=np.bool_)
-            mask[place[np.flatnonzero(kept)[still]]] = True
+            mask[position[np.flatnonzero(kept)[still]]] = True
             between.append((stamp, mask, px[still]))
-        return Start(self._first, picture, corners, self._px, views, tuple(between))
+        return TwoViewStart(self._first, picture, corners, self._px, views, tuple(between))
 
-    def _restart(self, picture: Picture) -> None:
+    def _restart(self, picture: SlamPicture) -> None:
         self._corners = find_corners(picture.gray, self._features)
         self._first = picture if len(self._corners) >= FEWEST_CORNERS else None
         self._last, self._px = picture, self._corners.px
@@ -242,9 +243,10 @@ class TwoViewInitialiser:
         self._motion = np.zeros_like(self._px)
         self._between: list[tuple[int, BoolArray, FloatArray]] = []
 
-    def _followed(self, picture: Picture) -> bool:
-        """Follow the corners one picture on; False where too few remain."""
-        px, found = follow(self._last.gray, picture.gray, self._px, self._px + self._motion)
+    def _tracked(self, picture: SlamPicture) -> bool:
+        """Track the corners one picture on; False where too few remain."""
+        guess = self._px + self._motion
+        px, found = track_corners(self._last.gray, picture.gray, self._px, guess)
         self._motion = (px - self._px)[found]
         self._rows, self._px, self._last = self._rows[found], px[found], picture
         return len(self._rows) >= max(FEWEST_CORNERS, _KEPT_SHARE * len(self._corners))

@@ -13,17 +13,16 @@ from typing import Literal
 import numpy as np
 
 from motorcade.ga import FloatArray, Motor, Trajectory
-from motorcade.tracking.slam.geometry import inverse
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
 
-__all__ = ["SLAM_STATES", "Diary", "SlamResult", "State", "TrackedFrame"]
+__all__ = ["SLAM_STATES", "RunLog", "SlamFrame", "SlamResult", "SlamState"]
 
-State = Literal["initialising", "tracking", "lost", "relocalised"]
-SLAM_STATES: tuple[State, ...] = ("initialising", "tracking", "lost", "relocalised")
+SlamState = Literal["initialising", "tracking", "lost", "relocalised"]
+SLAM_STATES: tuple[SlamState, ...] = ("initialising", "tracking", "lost", "relocalised")
 
 
 @dataclass(frozen=True, eq=False)
-class TrackedFrame:
+class SlamFrame:
     """What is known of a frame as soon as it has been seen.
 
     Args:
@@ -31,11 +30,11 @@ class TrackedFrame:
         world_T_camera: the pose; None while initialising or lost.
         covariance: ``(6, 6)`` of the right perturbation, rotation (rad) then translation.
         inliers: corners that agree with the pose.
-        keyframe: whether the map grew by it.
+        keyframe: whether it became a keyframe of the map.
     """
 
     time_ns: int
-    state: State
+    state: SlamState
     world_T_camera: Motor | None = None
     covariance: FloatArray | None = None
     inliers: int = 0
@@ -61,7 +60,7 @@ class SlamResult:
     trajectory: Trajectory | None
     covariance: FloatArray
     time_ns: np.ndarray
-    states: tuple[State, ...]
+    states: tuple[SlamState, ...]
     online: Trajectory | None
     map: MapSnapshot
     metric: bool
@@ -75,32 +74,36 @@ class _Entry:
 
     time_ns: int
     keyframe: int
-    camera_T_keyframe: FloatArray
+    keyframe_T_camera: Motor
     covariance: FloatArray
-    online: FloatArray | None
+    online: Motor | None
 
 
-class Diary:
+class RunLog:
     """State and pose of every frame so far."""
 
     def __init__(self) -> None:
-        self.frames: list[tuple[int, State]] = []
+        self.frames: list[tuple[int, SlamState]] = []
         self._entries: list[_Entry] = []
 
     def note(
-        self, time_ns: int, keyframe: int, camera_T_keyframe: FloatArray, covariance: FloatArray,
-        online: FloatArray | None,
-    ) -> None:  # fmt: skip
+        self,
+        time_ns: int,
+        keyframe: int,
+        keyframe_T_camera: Motor,
+        covariance: FloatArray,
+        online: Motor | None,
+    ) -> None:
         """Remember a frame by a keyframe near it.
 
         Args:
             time_ns: its stamp.
             keyframe: row of the keyframe, which may still have to be made.
-            camera_T_keyframe: ``(4, 4)``.
+            keyframe_T_camera: its pose from there.
             covariance: ``(6, 6)``.
-            online: camera_T_world ``(4, 4)`` as given at the time; None where none was given.
+            online: world_T_camera as given at the time; None where none was given.
         """
-        self._entries.append(_Entry(time_ns, keyframe, camera_T_keyframe, covariance, online))
+        self._entries.append(_Entry(time_ns, keyframe, keyframe_T_camera, covariance, online))
 
     def result(
         self, slam_map: SlamMap, *, metric: bool, loops: int, seconds: dict[str, float]
@@ -108,7 +111,7 @@ class Diary:
         """Everything, by the map as it is now."""
         kept = sorted(self._entries, key=lambda one: one.time_ns)
         final = [
-            one.camera_T_keyframe @ slam_map.keyframes[one.keyframe].camera_T_world for one in kept
+            slam_map.keyframes[one.keyframe].world_T_camera @ one.keyframe_T_camera for one in kept
         ]
         seen = [(one.time_ns, one.online) for one in kept if one.online is not None]
         return SlamResult(
@@ -124,8 +127,7 @@ class Diary:
         )
 
 
-def _trajectory(stamps: list[int], poses: list[FloatArray]) -> Trajectory | None:
+def _trajectory(stamps: list[int], poses: list[Motor]) -> Trajectory | None:
     if not stamps:
         return None
-    world_T_camera = Motor.from_matrix(inverse(np.stack(poses)))
-    return Trajectory(np.array(stamps, dtype=np.int64), world_T_camera)
+    return Trajectory(np.array(stamps, dtype=np.int64), Motor.stack(poses))

@@ -16,7 +16,7 @@ class SlamSettings:
     """How much is tracked and mapped.
 
     Fields:
-        features: corners followed in a picture of 640 x 480 (more in a larger one), spread out.
+        features: corners tracked in a picture of 640 x 480 (more in a larger one), spread out.
         window: newest keyframes that each local adjustment moves.
         adjust: adjust the window at each keyframe, and the whole map after a loop and at the end;
             off shows what that is worth.

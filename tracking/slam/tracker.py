@@ -1,6 +1,6 @@
-"""Frame by frame: where the points of the map are in the next picture, and the pose that follows.
+"""Frame by frame: where the points of the map are in the next picture, and the pose that results.
 
-The pose is predicted at constant velocity, corners are followed from where that puts them, and the
+The pose is predicted at constant velocity, corners are tracked from where that puts them, and the
 pose is refined on them; where the prediction does not explain the picture it is searched from
 scratch. A pose is given only if enough corners, spread enough, agree with it.
 """
@@ -12,17 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor
-from motorcade.tracking.slam.features import Picture, follow, grid_cells
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.reprojection import project, retract
+from motorcade.tracking.slam.features import SlamPicture, grid_cells, track_corners
 from motorcade.tracking.slam.geometry import (
     BoolArray,
-    PosedPicture,
-    inverse,
+    FittedPose,
     pose_by_sampling,
-    project,
     refine_pose,
 )
 
-__all__ = ["Followed", "Tracker", "trusted"]
+__all__ = ["TrackedPoints", "Tracker", "is_reliable"]
 
 _FEWEST_INLIERS = 25
 _LEAST_SHARE = 0.4
@@ -35,45 +35,45 @@ _MOVED_SHARE = 0.06
 _FEW_POINTS = 150
 
 
-def trusted(posed: PosedPicture | None, px: FloatArray, shape: tuple[int, ...]) -> bool:
+def is_reliable(fit: FittedPose | None, px: FloatArray, shape: tuple[int, ...]) -> bool:
     """Whether a pose stands on enough corners, on enough of them all, and on enough of the picture.
 
     Args:
-        posed: the pose; None is never trusted.
+        fit: the pose; None is never reliable.
         px: ``(n, 2)`` the corners it was fitted to.
         shape: (height, width) of the picture.
     """
-    if posed is None:
+    if fit is None:
         return False
-    count = int(np.count_nonzero(posed.inliers))
+    count = int(np.count_nonzero(fit.inliers))
     if count < max(_FEWEST_INLIERS, _LEAST_SHARE * len(px)):
         return False
-    cells = len(np.unique(grid_cells(px[posed.inliers], shape, _CELLS)))
-    return cells >= _FEWEST_CELLS and bool(np.isfinite(posed.covariance).all())
+    cells = len(np.unique(grid_cells(px[fit.inliers], shape, _CELLS)))
+    return cells >= _FEWEST_CELLS and bool(np.isfinite(fit.covariance).all())
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
-    """Points of the map in one picture, as they are followed from there.
+class TrackedPoints:
+    """Points of the map in one picture, as they are tracked from there.
 
     What the tracker knows of the map is copied here, so the map may change meanwhile.
 
     Args:
-        picture: the picture; camera_T_world: its pose ``(4, 4)``.
+        picture: the picture; world_T_camera: its pose.
         ids: ``(n,)`` numbers of the points; px: ``(n, 2)`` where they are seen.
-        places: ``(n, 3)`` where they are in the world, NaN where that is not known yet.
+        points: ``(n, 3)`` where they are in the world, NaN where that is not known yet.
     """
 
-    picture: Picture
-    camera_T_world: FloatArray
+    picture: SlamPicture
+    world_T_camera: Motor
     ids: IntArray
     px: FloatArray
-    places: FloatArray
+    points: FloatArray
 
     @property
     def located(self) -> BoolArray:
-        """Which points ``(n,)`` have a place."""
-        known: BoolArray = np.isfinite(self.places[:, 0])
+        """Which points ``(n,)`` are located."""
+        known: BoolArray = np.isfinite(self.points[:, 0])
         return known
 
 
@@ -84,79 +84,79 @@ class _Moment:
 
 
 class Tracker:
-    """Follows points of the map through pictures; it never looks at the map itself.
+    """Tracks points of the map through pictures; it never looks at the map itself.
 
     Args:
-        matrix: ``(3, 3)`` intrinsics.
+        camera: the pinhole.
     """
 
-    def __init__(self, matrix: FloatArray) -> None:
-        self.matrix = matrix
-        self._followed: Followed | None = None
-        self._reference: Followed | None = None
+    def __init__(self, camera: Camera) -> None:
+        self.camera = camera
+        self._tracked: TrackedPoints | None = None
+        self._reference: TrackedPoints | None = None
         self._located_then = 0
         self._moments: list[_Moment] = []
 
     @property
-    def followed(self) -> Followed:
-        """What is followed, in the newest picture.
+    def tracked(self) -> TrackedPoints:
+        """What is tracked, in the newest picture.
 
         Raises:
-            RuntimeError: nothing is followed.
+            RuntimeError: nothing is tracked.
         """
-        if self._followed is None:
-            raise RuntimeError("Tracker.followed: expected a picture that was tracked, got none")
-        return self._followed
+        if self._tracked is None:
+            raise RuntimeError("Tracker.tracked: expected a picture that was tracked, got none")
+        return self._tracked
 
-    def restart(self, followed: Followed) -> None:
+    def restart(self, tracked: TrackedPoints) -> None:
         """Go on from a pose that was found otherwise; what the motion was is forgotten."""
         self._moments = []
-        self._reference = followed
-        self._accept(followed)
+        self._reference = tracked
+        self._accept(tracked)
 
-    def anchor(self, keyframe: Followed, before: FloatArray) -> None:
+    def anchor(self, keyframe: TrackedPoints, before: Motor) -> None:
         """Take over what the map made of a picture that was tracked: the newest, or one before.
 
-        New points are followed from the keyframe to the newest picture; poses since then move as
+        New points are tracked from the keyframe to the newest picture; poses since then move as
         the keyframe moved.
 
         Args:
             keyframe: the keyframe with its points, as the map has it now.
-            before: camera_T_world ``(4, 4)`` the keyframe had when it was tracked.
+            before: world_T_camera the keyframe had when it was tracked.
         """
         self._reference = keyframe
         self._located_then = int(np.count_nonzero(keyframe.located))
-        last = self._followed
+        last = self._tracked
         if last is None:
             return
         if last.picture.time_ns == keyframe.picture.time_ns:
             self._accept(keyframe)
             return
-        correction = inverse(before) @ keyframe.camera_T_world
-        moved_back = Motor.from_matrix(inverse(correction))
+        correction = keyframe.world_T_camera @ before.inverse()
         self._moments = [
-            _Moment(one.time_ns, moved_back @ one.world_T_camera) for one in self._moments
+            _Moment(one.time_ns, correction @ one.world_T_camera) for one in self._moments
         ]
-        pose = last.camera_T_world @ correction
+        pose = correction @ last.world_T_camera
         _, rows, last_rows = np.intersect1d(
             keyframe.ids, last.ids, assume_unique=True, return_indices=True
         )
         px = self._guess(keyframe, pose)
         px[rows] = last.px[last_rows]
         new = np.setdiff1d(np.arange(len(px)), rows)
-        px[new], found = follow(keyframe.picture.gray, last.picture.gray, keyframe.px[new], px[new])
+        pictures = keyframe.picture.gray, last.picture.gray
+        px[new], found = track_corners(*pictures, keyframe.px[new], px[new])
         kept = np.sort(np.concatenate([rows, new[found]]))
-        self._followed = Followed(
-            last.picture, pose, keyframe.ids[kept], px[kept], keyframe.places[kept]
+        self._tracked = TrackedPoints(
+            last.picture, pose, keyframe.ids[kept], px[kept], keyframe.points[kept]
         )
 
     def lose(self) -> None:
-        """Forget what was followed."""
-        self._followed, self._moments = None, []
+        """Forget what was tracked."""
+        self._tracked, self._moments = None, []
 
     def wants_keyframe(self) -> bool:
-        """Whether the newest picture should become a keyframe, by what is followed in it."""
-        now, then = self.followed, self._reference
+        """Whether the newest picture should become a keyframe, by what is tracked in it."""
+        now, then = self.tracked, self._reference
         located = int(np.count_nonzero(now.located))
         if then is None or located < max(_FEW_POINTS, _KEPT_SHARE * self._located_then):
             return True
@@ -164,39 +164,40 @@ class Tracker:
         motion = np.linalg.norm(then.px[one] - now.px[other], axis=1)
         return bool(np.median(motion) > _MOVED_SHARE * now.picture.gray.shape[1])
 
-    def step(self, picture: Picture) -> PosedPicture | None:
+    def step(self, picture: SlamPicture) -> FittedPose | None:
         """Find the pose of the next picture; None where it is lost.
 
-        On success `followed` holds the corners that agree; on failure what it held before.
+        On success `tracked` holds the inliers; on failure what it held before.
         """
-        before = self._followed
+        before = self._tracked
         if before is None:
             return None
         predicted = self._predicted(picture.time_ns)
         guess = self._guess(before, predicted)
-        px, found = follow(before.picture.gray, picture.gray, before.px, guess)
-        ids, places = before.ids[found], before.places[found]
+        px, found = track_corners(before.picture.gray, picture.gray, before.px, guess)
+        ids, points = before.ids[found], before.points[found]
         px, old_px = px[found], before.px[found]
-        located = np.isfinite(places[:, 0])
-        posed = self._posed(predicted, places[located], px[located])
-        if not trusted(posed, px[located], picture.gray.shape) or posed is None:
+        located = np.isfinite(points[:, 0])
+        fit = self._fitted(predicted, points[located], px[located])
+        if not is_reliable(fit, px[located], picture.gray.shape) or fit is None:
             return None
         kept = np.ones(len(ids), dtype=np.bool_)
-        kept[located] = posed.inliers
-        kept[~located] = self._on_epipolar_line(posed, old_px[~located], px[~located])
-        self._accept(Followed(picture, posed.camera_T_world, ids[kept], px[kept], places[kept]))
-        return posed
+        kept[located] = fit.inliers
+        kept[~located] = self._on_epipolar_line(fit, old_px[~located], px[~located])
+        pose = fit.world_T_camera
+        self._accept(TrackedPoints(picture, pose, ids[kept], px[kept], points[kept]))
+        return fit
 
-    def _accept(self, followed: Followed) -> None:
-        """Take this picture, pose and corners as where the next picture is followed from."""
-        self._followed = followed
-        time_ns = followed.picture.time_ns
-        moment = _Moment(time_ns, Motor.from_matrix(inverse(followed.camera_T_world)))
+    def _accept(self, tracked: TrackedPoints) -> None:
+        """Take this picture, pose and corners as where the next picture is tracked from."""
+        self._tracked = tracked
+        time_ns = tracked.picture.time_ns
+        moment = _Moment(time_ns, tracked.world_T_camera)
         if self._moments and self._moments[-1].time_ns == time_ns:
             self._moments.pop()
         self._moments = [*self._moments[-1:], moment]
 
-    def _predicted(self, time_ns: int) -> FloatArray:
+    def _predicted(self, time_ns: int) -> Motor:
         """The pose at a stamp if the motion goes on as it was."""
         last = self._moments[-1]
         pose = last.world_T_camera
@@ -204,15 +205,15 @@ class Tracker:
             first = self._moments[0]
             share = (time_ns - last.time_ns) / (last.time_ns - first.time_ns)
             motion = (first.world_T_camera.inverse() @ pose).as_twist()
-            pose = pose @ Motor.from_twist(min(share, 3.0) * motion)
-        return pose.inverse().as_matrix()
+            pose = retract(pose, min(share, 3.0) * motion)
+        return pose
 
-    def _guess(self, start: Followed, pose: FloatArray) -> FloatArray:
-        """Where corners should be: by their place, or else moved as their neighbours with one."""
+    def _guess(self, start: TrackedPoints, pose: Motor) -> FloatArray:
+        """Where corners should be: by their point, or else moved as located neighbours."""
         located = start.located
-        places = start.places[located]
-        there, _ = project(pose, places, self.matrix)
-        motion = there - project(start.camera_T_world, places, self.matrix)[0]
+        points = start.points[located]
+        there, _ = project(self.camera, pose, points)
+        motion = there - project(self.camera, start.world_T_camera, points)[0]
         usable = np.isfinite(motion[:, 0])
         guess = start.px.copy()
         if np.count_nonzero(usable) < _NEIGHBOURS:
@@ -226,27 +227,24 @@ class Tracker:
         guess[rows] = known + motion[usable]
         return guess
 
-    def _posed(
-        self, predicted: FloatArray, points: FloatArray, px: FloatArray
-    ) -> PosedPicture | None:
+    def _fitted(self, predicted: Motor, points: FloatArray, px: FloatArray) -> FittedPose | None:
         if len(points) < _FEWEST_INLIERS:
             return None
-        refined = refine_pose(predicted, points, px, self.matrix)
+        refined = refine_pose(predicted, points, px, self.camera)
         if np.count_nonzero(refined.inliers) >= _GOOD_SHARE * len(points):
             return refined
-        sampled = pose_by_sampling(points, px, self.matrix)
+        sampled = pose_by_sampling(points, px, self.camera)
         better = sampled is not None and np.count_nonzero(sampled.inliers) > np.count_nonzero(
             refined.inliers
         )
         return sampled if better else refined
 
-    def _on_epipolar_line(
-        self, posed: PosedPicture, old_px: FloatArray, px: FloatArray
-    ) -> BoolArray:
-        """Corners ``(n,)`` without a place that moved as the new pose allows."""
-        relative = posed.camera_T_world @ self._moments[-1].world_T_camera.as_matrix()
+    def _on_epipolar_line(self, fit: FittedPose, old_px: FloatArray, px: FloatArray) -> BoolArray:
+        """Corners ``(n,)`` that are not located and moved as the new pose allows."""
+        last = self._moments[-1].world_T_camera
+        relative = (fit.world_T_camera.inverse() @ last).as_matrix()
         x, y, z = relative[:3, 3]
-        to_plane = np.linalg.inv(self.matrix)
+        to_plane = np.linalg.inv(self.camera.matrix)
         cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
         fundamental = to_plane.T @ cross @ relative[:3, :3] @ to_plane
         lines = np.concatenate([old_px, np.ones((len(px), 1))], axis=1) @ fundamental.T

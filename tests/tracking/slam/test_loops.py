@@ -2,63 +2,64 @@
 
 import numpy as np
 
-from motorcade.tracking.slam.geometry import exp, inverse, moved, project
-from motorcade.tracking.slam.mapping.loops import Loop, close_loop
+from motorcade.ga import Motor
+from motorcade.tracking import Camera
+from motorcade.tracking.cameras.reprojection import project
+from motorcade.tracking.slam.mapping.loops import LoopClosure, close_loop
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 
 COUNT, SHARED = 24, 12
-MATRIX = np.array([[300.0, 0.0, 160.0], [0.0, 300.0, 120.0], [0.0, 0.0, 1.0]])
-SHAPE = (240, 320)
+CAMERA = Camera(320, 240, 300.0, 300.0, 160.0, 120.0)
 
 
-def _ring(rng: np.random.Generator) -> tuple[SlamMap, np.ndarray, np.ndarray]:
+def _ring(rng: np.random.Generator) -> tuple[SlamMap, Motor, np.ndarray]:
     """Keyframes around a circle whose map drifts by the same small motion at every step.
 
     Returns:
-        the map, the true camera_T_world ``(COUNT, 4, 4)``, and the true places of its points.
+        the map, the true world_T_camera ``(COUNT,)``, and where its points truly are.
     """
     angle = np.linspace(0.0, 2.0 * np.pi, COUNT)
     still = np.zeros(COUNT)
-    truth = exp(np.stack([still, angle, still, still, still, still], axis=1))
-    truth[:, :3, 3] += (0.0, 0.0, 1.0)
+    turns = Motor.from_twist(np.stack([still, angle, still, still, still, still], axis=1))
+    truth = (Motor.from_twist([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]) @ turns).inverse()
     # Along the axis of the circle: what drifts across it cancels over a full turn.
-    drift = exp(np.array([0.0, 0.004, 0.0, 0.0, 0.01, 0.0]))
-    slam_map, places = SlamMap(), []
+    drift = Motor.from_twist([0.0, -0.004, 0.0, 0.0, -0.01, 0.0])
+    slam_map, points = SlamMap(), []
     pose = truth[0]
     for row in range(COUNT):
         if row:
-            pose = drift @ truth[row] @ inverse(truth[row - 1]) @ pose
+            pose = pose @ truth[row - 1].inverse() @ truth[row] @ drift
         ids = slam_map.add_points(np.zeros((SHARED, 32), dtype=np.uint8))
         in_camera = rng.uniform((-1.0, -1.0, 2.0), (1.0, 1.0, 4.0), (SHARED, 3))
-        slam_map.places[ids] = moved(inverse(pose), in_camera)
-        places.append(moved(inverse(truth[row]), in_camera))
+        slam_map.points[ids] = pose.apply(in_camera)
+        points.append(truth[row].apply(in_camera))
         seen = ids if row == 0 else np.concatenate([ids - SHARED, ids])
         px, depth = np.zeros((len(seen), 2)), np.full(len(seen), np.nan)
         slam_map.keyframes.append(Keyframe(row, pose, np.sort(seen), px, depth, None))
-    return slam_map, truth, np.concatenate(places)
+    return slam_map, truth, np.concatenate(points)
 
 
-def _worst_m(slam_map: SlamMap, truth: np.ndarray) -> float:
-    ours = inverse(np.stack([one.camera_T_world for one in slam_map.keyframes]))
-    return float(np.linalg.norm(ours[:, :3, 3] - inverse(truth)[:, :3, 3], axis=1).max())
+def _worst_m(slam_map: SlamMap, truth: Motor) -> float:
+    ours = Motor.stack([one.world_T_camera for one in slam_map.keyframes])
+    return float(np.linalg.norm(ours.translation_m - truth.translation_m, axis=1).max())
 
 
 def test_a_closed_loop_takes_out_most_of_the_drift(rng: np.random.Generator) -> None:
-    slam_map, truth, places = _ring(rng)
+    slam_map, truth, points = _ring(rng)
     before = _worst_m(slam_map, truth)
-    points_before = np.linalg.norm(slam_map.places - places, axis=1).mean()
+    points_before = np.linalg.norm(slam_map.points - points, axis=1).mean()
     ids = np.arange(SHARED)
     px = rng.uniform(0.0, 300.0, (SHARED, 2))
-    close_loop(slam_map, Loop(0, COUNT - 1, truth[-1], ids, px), MATRIX, SHAPE)
+    close_loop(slam_map, LoopClosure(0, COUNT - 1, truth[-1], ids, px), CAMERA)
     assert before > 0.1
     assert _worst_m(slam_map, truth) < before / 3.0
-    assert np.linalg.norm(slam_map.places - places, axis=1).mean() < points_before / 3.0
+    assert np.linalg.norm(slam_map.points - points, axis=1).mean() < points_before / 3.0
 
 
 def test_the_newest_keyframe_then_sees_the_old_points(rng: np.random.Generator) -> None:
     slam_map, truth, _ = _ring(rng)
     px = rng.uniform(0.0, 300.0, (SHARED, 2))
-    close_loop(slam_map, Loop(0, COUNT - 1, truth[-1], np.arange(SHARED), px), MATRIX, SHAPE)
+    close_loop(slam_map, LoopClosure(0, COUNT - 1, truth[-1], np.arange(SHARED), px), CAMERA)
     newest = slam_map.keyframes[-1]
     assert np.array_equal(newest.ids, np.unique(newest.ids))
     assert np.array_equal(newest.px[np.isin(newest.ids, np.arange(SHARED))], px)
@@ -72,13 +73,12 @@ def test_points_mapped_twice_become_one(rng: np.random.Generator) -> None:
     # What the last keyframe mapped is what the first one mapped, drifted and seen anew.
     twins = new.ids[-SHARED:]
     slam_map.descriptors[twins] = slam_map.descriptors[old.ids]
-    slam_map.places[twins] = moved(
-        inverse(new.camera_T_world) @ truth[-1], slam_map.places[old.ids]
-    )
-    new.px[-SHARED:] = project(truth[-1], slam_map.places[old.ids], MATRIX)[0]
+    drifted = new.world_T_camera @ truth[-1].inverse()
+    slam_map.points[twins] = drifted.apply(slam_map.points[old.ids])
+    new.px[-SHARED:] = project(CAMERA, truth[-1], slam_map.points[old.ids])[0]
     seen = np.all((new.px[-SHARED:] > 12.0) & (new.px[-SHARED:] < (307.0, 227.0)), axis=1)
     assert np.count_nonzero(seen) >= 3
-    close_loop(slam_map, Loop(0, COUNT - 1, truth[-1], old.ids, new.px[-SHARED:]), MATRIX, SHAPE)
+    close_loop(slam_map, LoopClosure(0, COUNT - 1, truth[-1], old.ids, new.px[-SHARED:]), CAMERA)
     merged = ~slam_map.alive[twins]
     assert np.count_nonzero(merged[seen]) >= np.count_nonzero(seen) - 2
     assert not np.isin(twins[merged], new.ids).any()

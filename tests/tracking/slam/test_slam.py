@@ -11,9 +11,9 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.tracking import Camera
 from motorcade.tracking.slam import (
     MapSnapshot,
+    SlamFrame,
     SlamResult,
     SlamSettings,
-    TrackedFrame,
     VisualSlam,
 )
 
@@ -23,7 +23,7 @@ Poses = Callable[..., list[Motor]]
 CAMERA = Camera(400, 300, 320.0, 320.0, 199.5, 149.5)  # as the room is rendered
 STEP_NS = 33_333_333
 COUNT, BLACK = 45, range(20, 30)
-Ran = tuple[SlamResult, list[TrackedFrame]]
+Ran = tuple[SlamResult, list[SlamFrame]]
 
 
 def ran(view: View, poses: list[Motor], depth: bool, black: range = range(0)) -> Ran:

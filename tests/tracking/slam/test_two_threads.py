@@ -37,14 +37,14 @@ def test_every_frame_is_tracked_as_well_as_by_one_thread(view: View, swaying: Po
 def held(monkeypatch: pytest.MonkeyPatch) -> Event:
     """Mapping beyond the first keyframe waits for this."""
     gate = Event()
-    grow = Mapper.grow
+    insert_keyframe = Mapper.insert_keyframe
 
     def patient(self: Mapper, *work: object) -> object:
         if self.map.keyframes:
             assert gate.wait(60.0)
-        return grow(self, *work)  # type: ignore[arg-type]
+        return insert_keyframe(self, *work)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(Mapper, "grow", patient)
+    monkeypatch.setattr(Mapper, "insert_keyframe", patient)
     return gate
 
 
@@ -88,7 +88,7 @@ def test_a_fault_of_the_mapper_reaches_the_caller(
     def broken(*_: object) -> None:
         raise ZeroDivisionError("mapper")
 
-    monkeypatch.setattr(Mapper, "grow", broken)
+    monkeypatch.setattr(Mapper, "insert_keyframe", broken)
 
     def go_on() -> None:
         for index, pose in enumerate(poses[1:], start=1):

@@ -16,19 +16,21 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.reprojection import to_frame
 from motorcade.tracking.slam.features import Corners, find_corners
-from motorcade.tracking.slam.geometry import BoolArray, inverse, moved, refine_pose
+from motorcade.tracking.slam.geometry import BoolArray, refine_pose
 from motorcade.tracking.slam.mapping.map import SlamMap
 from motorcade.tracking.slam.mapping.matching import alike_where_expected, in_view
-from motorcade.tracking.slam.mapping.relocalise import Found, candidates, verified
-from motorcade.tracking.slam.tracker import trusted
+from motorcade.tracking.slam.mapping.relocalise import RecognisedKeyframe, candidates, verified
+from motorcade.tracking.slam.tracker import is_reliable
 
-__all__ = ["Loop", "close_loop", "find_loop"]
+__all__ = ["LoopClosure", "close_loop", "find_loop"]
 
 _APART = 10  # keyframes between the two passes, at least
 _CANDIDATES = 3
-_FEWEST_AGREEING = 40
+_FEWEST_INLIERS = 40
 _SHARED = 15
 _ALIKE_PX = 6.0
 _SAME_PX = 4.0
@@ -39,23 +41,23 @@ _EDGE_SHARED = 30
 
 
 @dataclass(frozen=True, eq=False)
-class Loop:
+class LoopClosure:
     """The newest keyframe recognised an old one.
 
     Args:
         old, new: rows of the keyframes.
-        new_T_world: ``(4, 4)`` the newest keyframe's pose as the old part of the map has it.
+        world_T_new: the newest keyframe's pose as the old part of the map has it.
         ids, px: ``(n,)``, ``(n, 2)`` old points that the newest keyframe sees, and where.
     """
 
     old: int
     new: int
-    new_T_world: FloatArray
+    world_T_new: Motor
     ids: IntArray
     px: FloatArray
 
 
-def find_loop(slam_map: SlamMap, features: int, matrix: FloatArray) -> Loop | None:
+def find_loop(slam_map: SlamMap, features: int, camera: Camera) -> LoopClosure | None:
     """Look for an old keyframe that the newest one sees again but the map does not tie it to."""
     new = len(slam_map.keyframes) - 1
     newest = slam_map.keyframes[new]
@@ -67,18 +69,18 @@ def find_loop(slam_map: SlamMap, features: int, matrix: FloatArray) -> Loop | No
         return None
     corners = find_corners(newest.gray, features)
     rows = candidates(slam_map, corners, _CANDIDATES, strangers)
-    found = verified(slam_map, corners, rows, matrix)
+    found = verified(slam_map, corners, rows, camera)
     if found is None:
         return None
-    shape = newest.gray.shape
-    ids, px = _more_matches(slam_map, corners, found, matrix, shape)
-    if len(ids) < _FEWEST_AGREEING:
+    ids, px = _more_matches(slam_map, corners, found, camera)
+    if len(ids) < _FEWEST_INLIERS:
         return None
-    posed = refine_pose(found.posed.camera_T_world, slam_map.places[ids], px, matrix)
-    agreeing = posed.inliers
-    if np.count_nonzero(agreeing) < _FEWEST_AGREEING or not trusted(posed, px, shape):
+    fit = refine_pose(found.fit.world_T_camera, slam_map.points[ids], px, camera)
+    inliers = fit.inliers
+    reliable = is_reliable(fit, px, newest.gray.shape)
+    if np.count_nonzero(inliers) < _FEWEST_INLIERS or not reliable:
         return None
-    return Loop(found.keyframe, new, posed.camera_T_world, ids[agreeing], px[agreeing])
+    return LoopClosure(found.keyframe, new, fit.world_T_camera, ids[inliers], px[inliers])
 
 
 def _tied(slam_map: SlamMap, ids: IntArray) -> BoolArray:
@@ -91,22 +93,22 @@ def _tied(slam_map: SlamMap, ids: IntArray) -> BoolArray:
 
 
 def _more_matches(
-    slam_map: SlamMap, corners: Corners, found: Found, matrix: FloatArray, shape: tuple[int, ...]
+    slam_map: SlamMap, corners: Corners, found: RecognisedKeyframe, camera: Camera
 ) -> tuple[IntArray, FloatArray]:
     """Points of a keyframe and its neighbours, with the corners alike that lie near enough."""
-    ids, expected = _around(slam_map, found.keyframe, found.posed.camera_T_world, matrix, shape)
+    ids, expected = _around(slam_map, found.keyframe, found.fit.world_T_camera, camera)
     points, rows = alike_where_expected(expected, slam_map.descriptors[ids], corners, _ALIKE_PX)
     return ids[points], corners.px[rows]
 
 
 def _around(
-    slam_map: SlamMap, row: int, pose: FloatArray, matrix: FloatArray, shape: tuple[int, ...]
+    slam_map: SlamMap, row: int, world_T_camera: Motor, camera: Camera
 ) -> tuple[IntArray, FloatArray]:
     """Points seen by a keyframe or its neighbours that a pose has in view, and where."""
     taken = np.zeros(len(slam_map.alive), dtype=np.bool_)
     ids, px = [], []
     for keyframe in slam_map.keyframes[max(row - _AROUND, 0) : row + _AROUND + 1]:
-        usable, expected = in_view(slam_map, keyframe, keyframe.ids, pose, matrix, shape)
+        usable, expected = in_view(slam_map, keyframe, keyframe.ids, world_T_camera, camera)
         usable &= ~taken[keyframe.ids]
         ids.append(keyframe.ids[usable])
         px.append(expected[usable])
@@ -114,23 +116,23 @@ def _around(
     return np.concatenate(ids), np.concatenate(px)
 
 
-def close_loop(slam_map: SlamMap, loop: Loop, matrix: FloatArray, shape: tuple[int, ...]) -> None:
+def close_loop(slam_map: SlamMap, loop: LoopClosure, camera: Camera) -> None:
     """Spread the drift over the keyframes, move the points along, and join the two passes."""
-    before = np.stack([one.camera_T_world for one in slam_map.keyframes])
+    before = Motor.stack([one.world_T_camera for one in slam_map.keyframes])
     after = _optimised(slam_map, before, loop)
     owner = np.full(len(slam_map.alive), -1)
     for row in reversed(range(len(before))):
         owner[slam_map.keyframes[row].ids] = row
     for row, keyframe in enumerate(slam_map.keyframes):
         mine = np.flatnonzero((owner == row) & slam_map.located)
-        in_camera = moved(before[row], slam_map.places[mine])
-        slam_map.places[mine] = moved(inverse(after[row]), in_camera)
-        keyframe.camera_T_world = after[row]
-    _fuse(slam_map, loop, matrix, shape)
+        correction = after[row] @ before[row].inverse()
+        slam_map.points[mine] = correction.apply(slam_map.points[mine])
+        keyframe.world_T_camera = after[row]
+    _fuse(slam_map, loop, camera)
     _join(slam_map, loop)
 
 
-def _join(slam_map: SlamMap, loop: Loop) -> None:
+def _join(slam_map: SlamMap, loop: LoopClosure) -> None:
     """Let the newest keyframe see the old points that were not fused with its own."""
     newest = slam_map.keyframes[loop.new]
     _, first = np.unique(loop.ids, return_index=True)
@@ -142,11 +144,11 @@ def _join(slam_map: SlamMap, loop: Loop) -> None:
     newest.keep(np.argsort(newest.ids))
 
 
-def _fuse(slam_map: SlamMap, loop: Loop, matrix: FloatArray, shape: tuple[int, ...]) -> None:
+def _fuse(slam_map: SlamMap, loop: LoopClosure, camera: Camera) -> None:
     """Make one of points that both passes mapped, so that the map holds together there."""
     for row in range(max(loop.new - _AROUND, 0), loop.new + 1):
         keyframe = slam_map.keyframes[row]
-        ids, expected = _around(slam_map, loop.old, keyframe.camera_T_world, matrix, shape)
+        ids, expected = _around(slam_map, loop.old, keyframe.world_T_camera, camera)
         strange = ~np.isin(ids, keyframe.ids)
         ids, expected = ids[strange], expected[strange]
         own = keyframe.ids[slam_map.located[keyframe.ids]]
@@ -157,11 +159,11 @@ def _fuse(slam_map: SlamMap, loop: Loop, matrix: FloatArray, shape: tuple[int, .
         slam_map.merge(own[rows], ids[points])
 
 
-def _optimised(slam_map: SlamMap, before: FloatArray, loop: Loop) -> FloatArray:
-    """Poses ``(k, 4, 4)`` after the loop."""
+def _optimised(slam_map: SlamMap, before: Motor, loop: LoopClosure) -> Motor:
+    """Poses Motor ``(k,)`` of the keyframes after the loop."""
     import gtsam
 
-    world_T = [gtsam.Pose3(pose) for pose in inverse(before)]
+    world_T = [gtsam.Pose3(pose) for pose in before.as_matrix()]
     depth = _typical_depth(slam_map)
     graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
     for row, node in enumerate(world_T):
@@ -170,11 +172,11 @@ def _optimised(slam_map: SlamMap, before: FloatArray, loop: Loop) -> FloatArray:
     for a, b, count in _edges(slam_map):
         relative = world_T[a].inverse() * world_T[b]
         graph.add(gtsam.BetweenFactorPose3(a, b, relative, _noise(count, depth)))
-    seen = world_T[loop.old].inverse() * gtsam.Pose3(inverse(loop.new_T_world))
+    seen = world_T[loop.old].inverse() * gtsam.Pose3(loop.world_T_new.as_matrix())
     noise = _noise(len(loop.ids), depth)
     graph.add(gtsam.BetweenFactorPose3(loop.old, loop.new, seen, noise))
     result = gtsam.LevenbergMarquardtOptimizer(graph, values).optimize()
-    return inverse(np.stack([result.atPose3(row).matrix() for row in range(len(before))]))
+    return Motor.from_matrix([result.atPose3(row).matrix() for row in range(len(before))])
 
 
 def _noise(count: float, depth: float) -> Any:
@@ -188,7 +190,7 @@ def _noise(count: float, depth: float) -> Any:
 def _typical_depth(slam_map: SlamMap) -> float:
     newest = slam_map.keyframes[-1]
     ids = newest.ids[slam_map.located[newest.ids]]
-    return float(np.median(moved(newest.camera_T_world, slam_map.places[ids])[:, 2]))
+    return float(np.median(to_frame(newest.world_T_camera, slam_map.points[ids])[:, 2]))
 
 
 def _edges(slam_map: SlamMap) -> Iterator[tuple[int, int, int]]:

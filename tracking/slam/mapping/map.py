@@ -1,7 +1,7 @@
 """The map: keyframes, points, and which keyframe saw which point where.
 
-Points live in growing tables; a point's number never changes. A point that is not located yet has
-NaN for its place. `SlamMap.snapshot` gives frozen arrays, which are what is saved and handed out.
+Points live in tables that get longer; a point's number never changes. A point that is not located
+yet is NaN. `SlamMap.snapshot` gives frozen arrays, which are what is saved and handed out.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.slam.features import Descriptors
-from motorcade.tracking.slam.geometry import BoolArray, inverse
+from motorcade.tracking.slam.geometry import BoolArray
 
 __all__ = ["Keyframe", "MapSnapshot", "SlamMap"]
 
@@ -28,14 +28,14 @@ class Keyframe:
 
     Fields:
         time_ns: stamp.
-        camera_T_world: ``(4, 4)``.
+        world_T_camera: its pose.
         ids: ``(n,)`` numbers of the points seen, rising.
         px: ``(n, 2)`` where; depth: ``(n,)`` NaN where not measured.
         gray: the picture, while it may still serve to find points again; then None.
     """
 
     time_ns: int
-    camera_T_world: FloatArray
+    world_T_camera: Motor
     ids: IntArray
     px: FloatArray
     depth: FloatArray
@@ -133,19 +133,19 @@ class MapSnapshot:
 
 
 class SlamMap:
-    """The map while it grows."""
+    """The map while keyframes are inserted."""
 
     def __init__(self) -> None:
         self.keyframes: list[Keyframe] = []
         self._count = 0
-        self._places = np.zeros((0, 3))
+        self._points = np.zeros((0, 3))
         self._descriptors: Descriptors = np.zeros((0, 32), dtype=np.uint8)
         self._alive = np.zeros(0, dtype=np.bool_)
 
     @property
-    def places(self) -> FloatArray:
-        """Places ``(p, 3)`` of all points ever made; NaN where not located. May be written to."""
-        return self._places[: self._count]
+    def points(self) -> FloatArray:
+        """All points ``(p, 3)`` ever made; NaN where not located. May be written to."""
+        return self._points[: self._count]
 
     @property
     def descriptors(self) -> Descriptors:
@@ -159,20 +159,20 @@ class SlamMap:
 
     @property
     def located(self) -> BoolArray:
-        """Which points ``(p,)`` are alive and have a place."""
-        return self.alive & np.isfinite(self.places[:, 0])
+        """Which points ``(p,)`` are alive and located."""
+        return self.alive & np.isfinite(self.points[:, 0])
 
     def add_points(self, descriptors: Descriptors) -> IntArray:
-        """Make points that have no place yet; returns their numbers."""
+        """Make points that are not located yet; returns their numbers."""
         needed = self._count + len(descriptors)
         if needed > len(self._alive):
             room = max(2 * len(self._alive), needed, 1024)
-            self._places = _grown(self._places, room, np.nan)
-            self._descriptors = _grown(self._descriptors, room, 0)
-            self._alive = _grown(self._alive, room, False)
+            self._points = _longer(self._points, room, np.nan)
+            self._descriptors = _longer(self._descriptors, room, 0)
+            self._alive = _longer(self._alive, room, False)
         ids = np.arange(self._count, needed)
         self._descriptors[ids], self._alive[ids] = descriptors, True
-        self._places[ids] = np.nan
+        self._points[ids] = np.nan
         self._count = needed
         return ids
 
@@ -214,9 +214,9 @@ class SlamMap:
         """A map that goes on from a stored one; its keyframes have no pictures any more."""
         found = cls()
         ids = found.add_points(stored.descriptors)
-        found.places[:] = stored.points
-        poses = inverse(stored.world_T_camera.as_matrix())
-        for row, (time_ns, pose) in enumerate(zip(stored.time_ns.tolist(), poses, strict=True)):
+        found.points[:] = stored.points
+        stamped = zip(stored.time_ns.tolist(), stored.world_T_camera, strict=True)
+        for row, (time_ns, pose) in enumerate(stamped):
             mine = stored.keyframe_of == row
             keyframe = Keyframe(
                 time_ns, pose, ids[stored.point_of[mine]], stored.px[mine], stored.depth[mine], None
@@ -240,15 +240,14 @@ class SlamMap:
         owner, ids, px, depth = owner[seen], ids[seen], px[seen], depth[seen]
         used = np.unique(ids)
         row_of[used] = np.arange(len(used))
-        poses = np.stack([one.camera_T_world for one in self.keyframes])
         return MapSnapshot(
             np.array([one.time_ns for one in self.keyframes], dtype=np.int64),
-            Motor.from_matrix(inverse(poses)),
-            self.places[used], self.descriptors[used], owner, row_of[ids], px, depth, metric,
+            Motor.stack([one.world_T_camera for one in self.keyframes]),
+            self.points[used], self.descriptors[used], owner, row_of[ids], px, depth, metric,
         )  # fmt: skip
 
 
-def _grown(table: np.ndarray, room: int, fill: float | bool) -> np.ndarray:
+def _longer(table: np.ndarray, room: int, fill: float | bool) -> np.ndarray:
     larger = np.full((room, *table.shape[1:]), fill, dtype=table.dtype)
     larger[: len(table)] = table
     return larger

@@ -10,31 +10,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.reprojection import project
 from motorcade.tracking.slam.features import (
     Corners,
-    Picture,
+    SlamPicture,
     depth_at,
     find_corners,
-    follow,
     stereo_depth,
+    track_corners,
 )
-from motorcade.tracking.slam.geometry import (
-    OUTLIER_PX,
-    inverse,
-    moved,
-    parallax_rad,
-    project,
-    triangulate,
-)
-from motorcade.tracking.slam.mapping.adjustment import Adjusted, Bundle, adjust
+from motorcade.tracking.slam.geometry import OUTLIER_PX, parallax_rad, triangulate
+from motorcade.tracking.slam.mapping.adjustment import AdjustedBundle, Bundle, adjust
 from motorcade.tracking.slam.mapping.loops import close_loop, find_loop
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 from motorcade.tracking.slam.mapping.matching import alike_where_expected, in_view
 from motorcade.tracking.slam.settings import SlamSettings
-from motorcade.tracking.slam.tracker import Followed
+from motorcade.tracking.slam.tracker import TrackedPoints
 
-__all__ = ["Grown", "Mapper"]
+__all__ = ["InsertedKeyframe", "Mapper"]
 
 _LOOP_ITERATIONS = 10
 _PARALLAX_RAD = np.deg2rad(1.0)
@@ -49,79 +44,80 @@ _ALIKE_PX = 5.0
 
 
 @dataclass(frozen=True, eq=False)
-class Grown:
+class InsertedKeyframe:
     """What became of a keyframe.
 
     Args:
-        followed: its points, to be followed from here; closed: whether it closed a loop.
+        tracked: its points, to be tracked from here; closed: whether it closed a loop.
         seconds: what it took.
     """
 
-    followed: Followed
+    tracked: TrackedPoints
     closed: bool
     seconds: float
 
 
 class Mapper:
-    """Adds keyframes to a map and keeps it consistent.
+    """Inserts keyframes into a map and keeps it consistent.
 
     Args:
-        slam_map: the map; matrix: ``(3, 3)`` intrinsics; settings: see `SlamSettings`.
+        slam_map: the map; camera: the pinhole; settings: see `SlamSettings`.
 
     Fields:
         metric: whether lengths are metres; loops are closed only then.
     """
 
-    def __init__(self, slam_map: SlamMap, matrix: FloatArray, settings: SlamSettings) -> None:
+    def __init__(self, slam_map: SlamMap, camera: Camera, settings: SlamSettings) -> None:
         self.map = slam_map
-        self.matrix = matrix
+        self.camera = camera
         self.settings = settings
         baseline_m = settings.baseline_m or _DEPTH_BASELINE_M
-        self.disparity_px_m = float(matrix[0, 0]) * baseline_m
+        self.disparity_px_m = camera.fx * baseline_m
         self.metric = False
 
-    def grow(self, picture: Picture, pose: FloatArray, ids: IntArray, px: FloatArray) -> Grown:
+    def insert_keyframe(
+        self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray
+    ) -> InsertedKeyframe:
         """Make a keyframe of a tracked picture, and close a loop where it shows one.
 
         Args:
             picture: the picture.
-            pose: camera_T_world ``(4, 4)`` as tracked.
-            ids: ``(n,)`` points followed in it.
+            pose: world_T_camera as tracked.
+            ids: ``(n,)`` points tracked in it.
             px: ``(n, 2)`` where.
         """
         started = time.perf_counter()
-        self.insert(picture, pose, ids, px)
+        self._fill(picture, pose, ids, px)
         loop = None
         if self.settings.close_loops and self.metric:
-            loop = find_loop(self.map, self.settings.features, self.matrix)
+            loop = find_loop(self.map, self.settings.features, self.camera)
         if loop is not None:
-            close_loop(self.map, loop, self.matrix, picture.gray.shape)
+            close_loop(self.map, loop, self.camera)
             if self.settings.adjust:
                 self.adjust_all(_LOOP_ITERATIONS)
-        followed = self.followed(picture)
-        return Grown(followed, loop is not None, time.perf_counter() - started)
+        tracked = self._newest(picture)
+        return InsertedKeyframe(tracked, loop is not None, time.perf_counter() - started)
 
-    def append(self, picture: Picture, pose: FloatArray, ids: IntArray, px: FloatArray) -> Keyframe:
-        """Make a keyframe of a picture; points with a measured depth and no place get one."""
+    def append(self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray) -> Keyframe:
+        """Make a keyframe of a picture; a measured depth locates points that are not yet."""
         order = np.argsort(ids)
         ids, px = ids[order], px[order]
         depth = self.depths(picture, px) if self.metric else np.full(len(px), np.nan)
-        keyframe = Keyframe(picture.time_ns, np.array(pose), ids, px, depth, picture.gray)
+        keyframe = Keyframe(picture.time_ns, pose, ids, px, depth, picture.gray)
         self.map.keyframes.append(keyframe)
         if len(self.map.keyframes) > _PICTURES_KEPT:
             self.map.keyframes[-1 - _PICTURES_KEPT].gray = None
         new = np.isfinite(depth) & ~self.map.located[ids]
-        rays = (px[new] - self.matrix[:2, 2]) / self.matrix[(0, 1), (0, 1)]
-        in_camera = np.concatenate([rays, np.ones((len(rays), 1))], axis=1) * depth[new, None]
-        self.map.places[ids[new]] = moved(inverse(pose), in_camera)
+        in_camera = self.camera.unproject(px[new]) * depth[new, None]
+        self.map.points[ids[new]] = pose.apply(in_camera)
         return keyframe
 
-    def insert(self, picture: Picture, pose: FloatArray, ids: IntArray, px: FloatArray) -> None:
+    def _fill(self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray) -> None:
         """Make a keyframe, fill it with corners, locate points and adjust the window."""
         found_ids, found_px = self.recover(picture, pose, ids)
         ids, px = np.concatenate([ids, found_ids]), np.concatenate([px, found_px])
         corners = find_corners(picture.gray, self.settings.features, px)
-        known_ids, rows = self.recognised(picture, pose, ids, corners)
+        known_ids, rows = self.recognised(pose, ids, corners)
         new = np.setdiff1d(np.arange(len(corners)), rows)
         ids = np.concatenate([ids, known_ids, self.map.add_points(corners.descriptors[new])])
         px = np.concatenate([px, corners.px[rows], corners.px[new]])
@@ -130,29 +126,25 @@ class Mapper:
         if self.settings.adjust:
             self.adjust_window()
 
-    def followed(self, picture: Picture) -> Followed:
+    def _newest(self, picture: SlamPicture) -> TrackedPoints:
         """All that the newest keyframe, made of this picture, sees and that is still believed."""
         newest = self.map.keyframes[-1]
         alive = self.map.alive[newest.ids]
         ids = newest.ids[alive]
-        places = self.map.places[ids]
-        return Followed(picture, np.array(newest.camera_T_world), ids, newest.px[alive], places)
+        points = self.map.points[ids]
+        return TrackedPoints(picture, newest.world_T_camera, ids, newest.px[alive], points)
 
-    def seen_again(self, followed: Followed) -> Followed:
-        """Add points of the map, as it is, that the picture shows beside those followed in it."""
-        picture, pose, ids, px = (
-            followed.picture,
-            followed.camera_T_world,
-            followed.ids,
-            followed.px,
-        )
+    def seen_again(self, tracked: TrackedPoints) -> TrackedPoints:
+        """Add points of the map, as it is, that the picture shows beside those tracked in it."""
+        picture, pose = tracked.picture, tracked.world_T_camera
+        ids, px = tracked.ids, tracked.px
         corners = find_corners(picture.gray, self.settings.features, px)
-        more, rows = self.recognised(picture, pose, ids, corners)
+        more, rows = self.recognised(pose, ids, corners)
         ids, px = np.concatenate([ids, more]), np.concatenate([px, corners.px[rows]])
         order = np.argsort(ids)
-        return Followed(picture, pose, ids[order], px[order], self.map.places[ids[order]])
+        return TrackedPoints(picture, pose, ids[order], px[order], self.map.points[ids[order]])
 
-    def depths(self, picture: Picture, px: FloatArray) -> FloatArray:
+    def depths(self, picture: SlamPicture, px: FloatArray) -> FloatArray:
         """Depths ``(n,)`` at pixels from the depth image or the right picture; NaN elsewhere."""
         if picture.depth_m is not None:
             return depth_at(picture.depth_m, px)
@@ -161,43 +153,39 @@ class Mapper:
         return np.full(len(px), np.nan)
 
     def recover(
-        self, picture: Picture, pose: FloatArray, ids: IntArray
+        self, picture: SlamPicture, pose: Motor, ids: IntArray
     ) -> tuple[IntArray, FloatArray]:
-        """Points of the map that should be in view but are not followed, found again.
+        """Points of the map that should be in view but are not tracked, found again.
 
-        They are followed from the keyframe's own picture, so they come back without drift.
+        They are tracked from the keyframe's own picture, so they come back without drift.
         """
-        followed = np.zeros(len(self.map.alive), dtype=np.bool_)
-        followed[ids] = True
+        tracked = np.zeros(len(self.map.alive), dtype=np.bool_)
+        tracked[ids] = True
         all_ids, all_px = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 2))]
         hidden = []
         for keyframe in self.map.keyframes[-_PICTURES_KEPT:]:
-            usable, expected = in_view(
-                self.map, keyframe, keyframe.ids, pose, self.matrix, picture.gray.shape
-            )
-            rows = np.flatnonzero(usable & ~followed[keyframe.ids])
+            usable, expected = in_view(self.map, keyframe, keyframe.ids, pose, self.camera)
+            rows = np.flatnonzero(usable & ~tracked[keyframe.ids])
             if len(rows) >= _FEWEST_HIDDEN and keyframe.gray is not None:
                 hidden.append((len(rows), keyframe, rows, expected))
         hidden.sort(key=lambda one: -one[0])
         for _, keyframe, rows, expected in hidden[:_RECOVERED_FROM]:
-            rows = rows[~followed[keyframe.ids[rows]]]
+            rows = rows[~tracked[keyframe.ids[rows]]]
             gray = keyframe.gray
             if gray is None or not len(rows):
                 continue
-            px, found = follow(gray, picture.gray, keyframe.px[rows], expected[rows])
+            px, found = track_corners(gray, picture.gray, keyframe.px[rows], expected[rows])
             found &= np.linalg.norm(px - expected[rows], axis=1) < OUTLIER_PX
             all_ids.append(keyframe.ids[rows[found]])
             all_px.append(px[found])
-            followed[all_ids[-1]] = True
+            tracked[all_ids[-1]] = True
         return np.concatenate(all_ids), np.concatenate(all_px)
 
-    def recognised(
-        self, picture: Picture, pose: FloatArray, ids: IntArray, corners: Corners
-    ) -> tuple[IntArray, IntArray]:
+    def recognised(self, pose: Motor, ids: IntArray, corners: Corners) -> tuple[IntArray, IntArray]:
         """Points of long ago that new corners look like, where they should be; and whose rows.
 
         Looked for where the camera has been before: around old keyframes that share points with
-        what is followed now.
+        what is tracked now.
         """
         old = sum(one.gray is None for one in self.map.keyframes)
         shared = self.map.shared(ids)[:old]
@@ -208,9 +196,7 @@ class Mapper:
         found, expected = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 2))]
         for row in around[(around >= 0) & (around < old)]:
             keyframe = self.map.keyframes[row]
-            usable, px = in_view(
-                self.map, keyframe, keyframe.ids, pose, self.matrix, picture.gray.shape
-            )
+            usable, px = in_view(self.map, keyframe, keyframe.ids, pose, self.camera)
             usable &= ~taken[keyframe.ids]
             found.append(keyframe.ids[usable])
             expected.append(px[usable])
@@ -232,14 +218,14 @@ class Mapper:
             if not len(ids):
                 continue
             px, older_px = newest.px[wanted][rows], older.px[older_rows]
-            poses = older.camera_T_world, newest.camera_T_world
-            points = triangulate(*poses, older_px, px, self.matrix)
+            poses = older.world_T_camera, newest.world_T_camera
+            points = triangulate(*poses, older_px, px, self.camera)
             good = parallax_rad(*poses, points) > _PARALLAX_RAD
             for pose, pixels in zip(poses, (older_px, px), strict=True):
-                seen, depth = project(pose, points, self.matrix)
+                seen, depth = project(self.camera, pose, points)
                 error = np.linalg.norm(seen - pixels, axis=1)
                 good &= (depth > 0.0) & (np.nan_to_num(error, nan=np.inf) < _GOOD_PX)
-            self.map.places[ids[good]] = points[good]
+            self.map.points[ids[good]] = points[good]
 
     def adjust_window(self) -> None:
         """Adjust the newest keyframes and their points; older ones that see these stay fixed."""
@@ -271,18 +257,31 @@ class Mapper:
         fixed = np.arange(len(rows)) < max(fixed_count, 1)
         result = adjust(
             Bundle(
-                np.stack([self.map.keyframes[row].camera_T_world for row in rows]), fixed,
-                self.map.places[points], owner[used], slot[ids[used]], px[used], depth[used],
-                self.matrix, self.disparity_px_m, self.settings.depth_sigma_px,
-            ), iterations,
-        )  # fmt: skip
-        for row, pose in zip(rows, result.poses, strict=True):
-            self.map.keyframes[row].camera_T_world = pose
-        self.map.places[points] = result.points
+                Motor.stack([self.map.keyframes[row].world_T_camera for row in rows]),
+                fixed,
+                self.map.points[points],
+                owner[used],
+                slot[ids[used]],
+                px[used],
+                depth[used],
+                self.camera,
+                self.disparity_px_m,
+                self.settings.depth_sigma_px,
+            ),
+            iterations,
+        )
+        for row, pose in zip(rows, result.world_T_camera, strict=True):
+            self.map.keyframes[row].world_T_camera = pose
+        self.map.points[points] = result.points
         self._cull(rows, points, owner, used, result)
 
     def _cull(
-        self, rows: IntArray, points: IntArray, owner: IntArray, used: np.ndarray, result: Adjusted
+        self,
+        rows: IntArray,
+        points: IntArray,
+        owner: IntArray,
+        used: np.ndarray,
+        result: AdjustedBundle,
     ) -> None:
         """Drop observations that do not agree, and points that nothing holds any more."""
         good = np.ones(len(owner), dtype=np.bool_)

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.reprojection import project, to_frame
 from motorcade.tracking.slam.features import Corners, Descriptors
-from motorcade.tracking.slam.geometry import BoolArray, moved, to_pixels
+from motorcade.tracking.slam.geometry import BoolArray
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 
 __all__ = ["alike_where_expected", "in_view"]
@@ -20,23 +22,21 @@ _BORDER_PX = 12.0
 
 
 def in_view(
-    slam_map: SlamMap, seen_by: Keyframe, ids: IntArray, pose: FloatArray, matrix: FloatArray,
-    shape: tuple[int, ...],
-) -> tuple[BoolArray, FloatArray]:  # fmt: skip
+    slam_map: SlamMap, seen_by: Keyframe, ids: IntArray, world_T_camera: Motor, camera: Camera
+) -> tuple[BoolArray, FloatArray]:
     """Which points ``(n,)`` a pose should see about as large as a keyframe did, and where.
 
     Args:
         slam_map: the map.
         seen_by: the keyframe.
         ids: ``(n,)`` points it saw.
-        pose: camera_T_world ``(4, 4)``.
-        matrix: ``(3, 3)`` intrinsics.
-        shape: (height, width) of the picture.
+        world_T_camera: the pose.
+        camera: the pinhole.
     """
-    places = slam_map.places[ids]
-    expected, depth = to_pixels(moved(pose, places), matrix)
-    then = moved(seen_by.camera_T_world, places)[:, 2]
-    limit = (shape[1] - 1 - _BORDER_PX, shape[0] - 1 - _BORDER_PX)
+    points = slam_map.points[ids]
+    expected, depth = project(camera, world_T_camera, points)
+    then = to_frame(seen_by.world_T_camera, points)[:, 2]
+    limit = (camera.width - 1 - _BORDER_PX, camera.height - 1 - _BORDER_PX)
     with np.errstate(invalid="ignore", divide="ignore"):
         near = np.abs(np.log(depth / then)) < np.log(_SCALE_CHANGE)
         inside = np.all((expected >= _BORDER_PX) & (expected <= limit), axis=1)

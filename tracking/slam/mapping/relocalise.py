@@ -9,15 +9,18 @@ Sources: ORB: Rublee et al. 2011; ratio of distances: Lowe 2004.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray
+from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.slam.features import Corners, Descriptors
-from motorcade.tracking.slam.geometry import PosedPicture, pose_by_sampling
+from motorcade.tracking.slam.geometry import FittedPose, pose_by_sampling
 from motorcade.tracking.slam.mapping.map import SlamMap
 
-__all__ = ["Found", "candidates", "matched", "verified"]
+__all__ = ["RecognisedKeyframe", "candidates", "matched", "verified"]
 
 _FARTHEST = 64  # bits that may differ between two views of a corner
 _RATIO = 0.85
@@ -25,18 +28,18 @@ _FEWEST_MATCHES = 15
 _FEWEST_INLIERS = 15
 
 
-class Found:
-    """A keyframe that was recognised, the pose from it, and the matches that agree.
+@dataclass(frozen=True, eq=False)
+class RecognisedKeyframe:
+    """A keyframe that was recognised, the pose from it, and the matches that are inliers.
 
     Args:
-        keyframe: its row; posed: the pose; ids, px: ``(n,)`` and ``(n, 2)`` points and pixels.
+        keyframe: its row; fit: the pose; ids, px: ``(n,)`` and ``(n, 2)`` points and pixels.
     """
 
-    def __init__(self, keyframe: int, posed: PosedPicture, ids: IntArray, px: FloatArray) -> None:
-        self.keyframe = keyframe
-        self.posed = posed
-        self.ids = ids
-        self.px = px
+    keyframe: int
+    fit: FittedPose
+    ids: IntArray
+    px: FloatArray
 
 
 def candidates(
@@ -78,21 +81,21 @@ def matched(slam_map: SlamMap, corners: Corners, keyframe: int) -> tuple[IntArra
 
 
 def verified(
-    slam_map: SlamMap, corners: Corners, rows: IntArray, matrix: FloatArray
-) -> Found | None:
+    slam_map: SlamMap, corners: Corners, rows: IntArray, camera: Camera
+) -> RecognisedKeyframe | None:
     """The keyframe of `rows` with most matches that one pose explains, or None."""
-    best: Found | None = None
+    best: RecognisedKeyframe | None = None
     for keyframe in rows:
         corner, ids = matched(slam_map, corners, int(keyframe))
         if len(ids) < _FEWEST_MATCHES:
             continue
         px = corners.px[corner]
-        posed = pose_by_sampling(slam_map.places[ids], px, matrix)
-        if posed is None or np.count_nonzero(posed.inliers) < _FEWEST_INLIERS:
+        fit = pose_by_sampling(slam_map.points[ids], px, camera)
+        if fit is None or np.count_nonzero(fit.inliers) < _FEWEST_INLIERS:
             continue
-        agreeing = posed.inliers
-        if best is None or np.count_nonzero(agreeing) > len(best.ids):
-            best = Found(int(keyframe), posed, ids[agreeing], px[agreeing])
+        inliers = fit.inliers
+        if best is None or np.count_nonzero(inliers) > len(best.ids):
+            best = RecognisedKeyframe(int(keyframe), fit, ids[inliers], px[inliers])
     return best
 
 
