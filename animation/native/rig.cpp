@@ -49,7 +49,7 @@ Rig::Rig(const std::int64_t *parents, const double *inverse_rest, std::size_t jo
     for (std::size_t j = joints; j < padded_; ++j) apart[j] = 1.0F;
     blended_ = apart;
     run(motorcade_matrix34_f32, apart.data(), matrices_.data(), padded_);
-    motorcade_join(matrices_.data(), padded_, joints_, MATRIX, inverse_matrices_.data());
+    join(matrices_.data(), padded_, joints_, MATRIX, inverse_matrices_.data());
 }
 
 std::size_t Rig::add(std::span<const double> time_s, const double *poses, bool looped) {
@@ -149,19 +149,19 @@ void Rig::blend(std::span<const Layer> layers, bool by_screw) {
 
 void Rig::palette_matrices(float *out) {
     run(motorcade_matrix34_f32, blended_.data(), matrices_.data(), padded_);
-    motorcade_join(matrices_.data(), padded_, joints_, MATRIX, rows_.data());
-    motorcade_model_matrices(rows_.data(), parents_.data(), joints_, model_.data());
-    motorcade_multiply_matrices(model_.data(), inverse_matrices_.data(), joints_, out);
+    join(matrices_.data(), padded_, joints_, MATRIX, rows_.data());
+    model_matrices(rows_.data(), parents_.data(), joints_, model_.data());
+    multiply_matrices(model_.data(), inverse_matrices_.data(), joints_, out);
 }
 
 void Rig::palette_motors(float *out) {
-    motorcade_join(blended_.data(), padded_, joints_, MOTOR, rows_.data());
-    motorcade_model_motors(rows_.data(), parents_.data(), joints_, model_.data());
-    motorcade_multiply_motors(model_.data(), inverse_motors_.data(), joints_, out);
+    join(blended_.data(), padded_, joints_, MOTOR, rows_.data());
+    model_motors(rows_.data(), parents_.data(), joints_, model_.data());
+    multiply_motors(model_.data(), inverse_motors_.data(), joints_, out);
 }
 
 void Rig::local(float *out) {
-    motorcade_join(blended_.data(), padded_, joints_, MOTOR, rows_.data());
+    join(blended_.data(), padded_, joints_, MOTOR, rows_.data());
     std::copy_n(rows_.data(), MOTOR * joints_, out);
 }
 

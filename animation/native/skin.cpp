@@ -24,10 +24,10 @@ struct Method {
 
 const Method &of(Skinning method) {
     static const std::array<Method, 4> methods{{
-        {12, motorcade_sum_matrices, motorcade_carry_matrix_f32},
-        {8, motorcade_sum_versors, motorcade_carry_dual_quaternion_f32},
-        {8, motorcade_sum_versors, motorcade_carry_motor_f32},
-        {12, motorcade_sum_similarities, motorcade_carry_similarity_f32},
+        {12, sum_matrices, motorcade_carry_matrix_f32},
+        {8, sum_versors, motorcade_carry_dual_quaternion_f32},
+        {8, sum_versors, motorcade_carry_motor_f32},
+        {12, sum_similarities, motorcade_carry_similarity_f32},
     }};
     return methods[static_cast<std::size_t>(method)];
 }
@@ -71,7 +71,7 @@ void Mesh::skin_range(Skinning method, const float *palette, float *positions, f
         by.sum(palette, joints_.data() + 4 * from, weights_.data() + 4 * from, blocks * LANES, sums, TILE);
         const float *const inputs[3] = {sums, rest_.data() + from, rest_.data() + 3 * padded_ + from};
         by.carry(inputs, input_steps, outputs, &tile, blocks);
-        motorcade_write_rows(carried, TILE, rows, positions + 3 * from, normals + 3 * from);
+        write_rows(carried, TILE, rows, positions + 3 * from, normals + 3 * from);
     }
 }
 

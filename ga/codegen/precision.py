@@ -11,13 +11,15 @@ __all__ = ["DOUBLE", "PRECISIONS", "SINGLE", "Precision"]
 class Precision:
     """A floating-point type: NumPy's and C's name, the suffix of functions, and its bits.
 
-    Definitions of kernels ask for `epsilon`, below which nothing more is gained.
+    Definitions of kernels ask for `epsilon`, below which nothing more is gained, and whether their
+    code may have `branches`, as that for one row may.
     """
 
     numpy: str
     c: str
     suffix: str
     bits: int
+    branches: bool = False
 
     @property
     def epsilon(self) -> float:

@@ -17,12 +17,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "../../smoothing/native/rotors.h"
+#include "vectors.h"
+#include "versors.h"
 
 namespace motorcade::orientation {
-
-using smooth::Four;
-using smooth::Three;
 
 enum : std::size_t { TURN = 0, BIAS = 3, VELOCITY = 6, SCALE = 8, ERRORS = 11 };
 using State = std::array<double, ERRORS>;
@@ -115,10 +113,10 @@ public:
             felt[i] = force[i] + past * (last_force_[i] - force[i]);
             half[i] = -0.25 * dt * net[i];
         }
-        const Rows rows = matrix(smooth::product(rotor_, small_turn(half)));  // halfway
-        for (double &component : half) component *= 2.0;
-        rotor_ = smooth::rescaled(smooth::product(rotor_, small_turn(half)));
-        const double pace = smooth::dot(net, net);
+        const Four step = versors::exp(half), halfway = versors::compose(rotor_, step);
+        const Rows rows = matrix(halfway);
+        rotor_ = versors::renormalize(versors::compose(halfway, step));
+        const double pace = dot(net, net);
         if (dt > GAP_S) {
             gap_ = true;
             lost_ += square(dt) * (pace + square(GAP_RATE));
@@ -129,7 +127,7 @@ public:
                 wound_[i][j] += dt * rows[i][j] * net[j];
             }
             if (dt > GAP_S) continue;
-            impulse_[i] += dt * smooth::dot(rows[i], felt);
+            impulse_[i] += dt * dot(rows[i], felt);
             swept_[i] += dt * (net[i] + bias_[i]);
             pushed_[i] += dt * felt[i];
         }
@@ -182,28 +180,23 @@ public:
     }
 
     // The rotor of a small rotation vector of the world's axes.
-    static Four turn_of(const State &error) { return small_turn({-0.5 * error[0], -0.5 * error[1], -0.5 * error[2]}); }
-
-private:
-    static Four small_turn(const Three &half) {
-        const smooth::Turn turn = smooth::turn_by(smooth::dot(half, half));
-        return {turn.cosine, turn.sinc * half[0], turn.sinc * half[1], turn.sinc * half[2]};
+    static Four turn_of(const State &error) {
+        return versors::exp(Three{-0.5 * error[0], -0.5 * error[1], -0.5 * error[2]});
     }
 
+private:
     // The shortest turn that stands a force upright; any half turn where it points straight down.
     static Four upright(const Three &force) {
-        const double size = std::sqrt(smooth::dot(force, force));
+        const double size = std::sqrt(dot(force, force));
         if (!(size > 0.0)) return {1.0, 0.0, 0.0, 0.0};
         const double w = std::sqrt(std::max(0.0, 0.5 * (1.0 + force[2] / size)));
         if (w < 1e-8) return {0.0, 1.0, 0.0, 0.0};
         return {w, -0.5 * force[1] / (size * w), 0.5 * force[0] / (size * w), 0.0};
     }
 
-    static Rows matrix(const Four &r) {
-        const double w = r[0], x = -r[1], y = -r[2], z = -r[3];
-        return {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-                 {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-                 {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+    static Rows matrix(const Four &rotor) {
+        const auto m = versors::adjoint(rotor);
+        return {{{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}}};
     }
 
     // Rest: readings keep to their average, and its rate is one that the bias may have.
@@ -302,7 +295,7 @@ private:
 
     // Moves the estimate by the errors found, and velocity on by what the accelerometer then says.
     void apply(const State &added) {
-        rotor_ = smooth::rescaled(smooth::product(turn_of(added), rotor_));
+        rotor_ = versors::renormalize(versors::compose(turn_of(added), rotor_));
         for (std::size_t i = 0; i < 3; ++i) {
             bias_[i] += added[BIAS + i];
             scale_[i] += added[SCALE + i];

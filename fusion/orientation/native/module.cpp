@@ -15,10 +15,12 @@
 namespace nb = nanobind;
 using namespace nb::literals;
 using namespace motorcade::orientation;
+using motorcade::Four;
+using motorcade::Three;
 
 namespace {
 
-using Vector = nb::ndarray<const double, nb::shape<3>, nb::device::cpu>;
+using Triple = nb::ndarray<const double, nb::shape<3>, nb::device::cpu>;
 using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Stamps = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using MadeRotor = nb::ndarray<double, nb::shape<4>, nb::c_contig, nb::device::cpu>;
@@ -26,7 +28,7 @@ using MadeRotors = nb::ndarray<double, nb::shape<-1, 4>, nb::c_contig, nb::devic
 using MadeVectors = nb::ndarray<double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using MadeFlags = nb::ndarray<bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-Three finite(const Vector &given, const char *name) {
+Three finite(const Triple &given, const char *name) {
     Three made;
     for (std::size_t i = 0; i < 3; ++i) {
         made[i] = given(i);
@@ -40,7 +42,7 @@ class Stream {
 public:
     explicit Stream(const Settings &settings) : filter_(settings) {}
 
-    void update(std::int64_t time_ns, const Vector &rate, const Vector &force, const MadeRotor &out) {
+    void update(std::int64_t time_ns, const Triple &rate, const Triple &force, const MadeRotor &out) {
         const Three turned = finite(rate, "angular_rate_rad_s"), felt = finite(force, "specific_force_m_s2");
         if (!begun_) {
             filter_.begin(turned, felt);
@@ -116,7 +118,7 @@ void add_corrections(const Made &made, const std::vector<Node> &nodes, const std
             std::copy_n(made.rotors + 4 * k, 4, rotor.begin());
             Three bias;
             for (std::size_t i = 0; i < 3; ++i) bias[i] = made.biases[3 * k + i] + error[BIAS + i];
-            made.put(k, motorcade::smooth::product(Filter::turn_of(error), rotor), bias);
+            made.put(k, motorcade::versors::compose(Filter::turn_of(error), rotor), bias);
         }
     }
 }

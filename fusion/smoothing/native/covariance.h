@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "rotors.h"
+#include "vectors.h"
 
 namespace motorcade::smooth {
 

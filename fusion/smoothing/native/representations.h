@@ -7,13 +7,16 @@
 
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "covariance.h"
-#include "similarity.h"
+#include "versors.h"
 
 namespace motorcade::smooth {
 
@@ -30,26 +33,20 @@ concept Representation = requires(Vector<R::pose_size> pose, Vector<R::size> x, 
     { R::continued(x, x) } -> std::same_as<decltype(x)>;
 };
 
-inline Square<3> matrix_of(const Four &rotor) {
-    const double w = rotor[0], x = -rotor[1], y = -rotor[2], z = -rotor[3];
-    return {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-             {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-             {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+using Motor = Vector<8>;
+using Similarity = Vector<12>;
+
+template <std::size_t N> Square<N> rows_of(const Vector<N * N> &numbers) {
+    Square<N> made;
+    for (std::size_t i = 0; i < N; ++i) std::copy_n(&numbers[i * N], N, made[i].begin());
+    return made;
 }
 
-// Ad of turning, growing and shifting, on rotation and translation: R beside [t]× R and scale R.
-template <std::size_t N> Square<N> adjoint(const Four &rotor, const Three &t, double scale) {
-    const Square<3> m = matrix_of(rotor);
-    Square<N> made{};
-    for (std::size_t j = 0; j < 3; ++j) {
-        const Three lever = cross(t, {m[0][j], m[1][j], m[2][j]});
-        for (std::size_t i = 0; i < 3; ++i) {
-            made[i][j] = m[i][j];
-            made[3 + i][j] = lever[i];
-            made[3 + i][3 + j] = scale * m[i][j];
-        }
-    }
-    return made;
+// A similarity's rigid motion and its scale.
+inline std::pair<Motor, double> parts_of(const Similarity &s) {
+    const Vector<8> parts = versors::rotor_translation_scale(s);
+    return {versors::motor_of(Four{parts[0], parts[1], parts[2], parts[3]}, Three{parts[4], parts[5], parts[6]}),
+            parts[7]};
 }
 
 // Twists in the base's body frame: one screw.
@@ -59,18 +56,15 @@ struct Motors {
     static constexpr std::array<std::size_t, 2> ends{3, 6};
     static constexpr std::array<double, 2> units{1.0, 1.0};
 
-    static Motor read(const Motor &pose) { return rescaled(pose); }
+    static Motor read(const Motor &pose) { return versors::normalize(pose); }
     static Motor write(const Motor &x) { return x; }
-    static Vector<6> local(const Motor &x, const Motor &base) {
-        return motor_log(product(reverse(base), x));
-    }
+    static Vector<6> local(const Motor &x, const Motor &base) { return versors::local(x, base); }
     static Motor retract(const Motor &base, const Vector<6> &v) {
-        return rescaled(product(base, motor_exp(v)));
+        return versors::normalize(versors::retract(base, v));
     }
     static Motor continued(const Motor &x, const Motor &) { return x; }
     static Square<6> adjoint_of_inverse(const Vector<6> &v) {
-        const Motor back = motor_exp(scaled(-1.0, v));
-        return adjoint<6>(rotor_of(back), translation_of(back), 1.0);
+        return rows_of<6>(versors::adjoint(versors::exp(scaled(0.5, v))));
     }
 };
 
@@ -84,21 +78,23 @@ struct Rotors {
 
     static Four rotor(const X &x) { return {x[0], x[1], x[2], x[3]}; }
     static X read(const Motor &given) {
-        const Motor pose = rescaled(given);
-        const Three t = translation_of(pose);
+        const Motor pose = versors::normalize(given);
+        const Three t = versors::translation(pose);
         return {pose[0], pose[1], pose[2], pose[3], t[0], t[1], t[2]};
     }
-    static Motor write(const X &x) { return motor_from(rotor(x), {x[4], x[5], x[6]}); }
+    static Motor write(const X &x) { return versors::motor_of(rotor(x), Three{x[4], x[5], x[6]}); }
     static Vector<6> local(const X &x, const X &base) {
-        const Three turn = rotor_log(product(reverse(rotor(base)), rotor(x)));
+        const Three turn = versors::local(rotor(x), rotor(base));
         return {turn[0], turn[1], turn[2], x[4] - base[4], x[5] - base[5], x[6] - base[6]};
     }
     static X retract(const X &base, const Vector<6> &v) {
-        const Four turned = rescaled(product(rotor(base), rotor_exp({v[0], v[1], v[2]})));
+        const Four turned = versors::renormalize(versors::retract(rotor(base), Three{v[0], v[1], v[2]}));
         return {turned[0], turned[1], turned[2], turned[3], base[4] + v[3], base[5] + v[4], base[6] + v[5]};
     }
     static X continued(const X &x, const X &) { return x; }
-    static Square<3> adjoint_of_inverse(const Vector<6> &v) { return matrix_of(rotor_exp({-v[0], -v[1], -v[2]})); }
+    static Square<3> adjoint_of_inverse(const Vector<6> &v) {
+        return rows_of<3>(versors::adjoint(versors::exp(scaled(0.5, Three{v[0], v[1], v[2]}))));
+    }
 };
 
 // What is subtracted and added component by component, as practitioners do it.
@@ -125,12 +121,12 @@ struct Quaternions : Linear<7> {
     static constexpr std::array<double, 2> units{0.5, 1.0};
 
     static X read(const Motor &given) {
-        const Motor pose = rescaled(given);
-        const Three t = translation_of(pose);
+        const Motor pose = versors::normalize(given);
+        const Three t = versors::translation(pose);
         return {pose[0], -pose[1], -pose[2], -pose[3], t[0], t[1], t[2]};
     }
     static Motor write(const X &x) {
-        return motor_from({x[0], -x[1], -x[2], -x[3]}, {x[4], x[5], x[6]});
+        return versors::motor_of(Four{x[0], -x[1], -x[2], -x[3]}, Three{x[4], x[5], x[6]});
     }
     static X retract(const X &base, const X &v) {
         X x = sum(base, v);
@@ -154,12 +150,12 @@ struct DualQuaternions : Linear<8> {
     static constexpr std::array<double, 2> units{0.5, 0.5};
 
     static X from(const Motor &m) { return {m[0], -m[1], -m[2], -m[3], -m[7], -m[4], -m[5], -m[6]}; }
-    static X read(const Motor &pose) { return from(rescaled(pose)); }
+    static X read(const Motor &pose) { return from(versors::normalize(pose)); }
     static Motor write(const X &x) { return {x[0], -x[1], -x[2], -x[3], -x[5], -x[6], -x[7], -x[4]}; }
     static X retract(const X &base, const X &v) {
         const X x = sum(base, v);
         checked_length({x[0], x[1], x[2], x[3]}, name);
-        return from(rescaled(write(x)));
+        return from(versors::normalize(write(x)));
     }
     static X continued(const X &x, const X &previous) {
         const Four a{x[0], x[1], x[2], x[3]}, b{previous[0], previous[1], previous[2], previous[3]};
@@ -175,7 +171,7 @@ struct EulerAngles : Linear<6> {
     static constexpr std::array<double, 2> units{1.0, 1.0};
 
     static X read(const Motor &given) {
-        const Motor pose = rescaled(given);
+        const Motor pose = versors::normalize(given);
         const double w = pose[0], x = -pose[1], y = -pose[2], z = -pose[3];
         // Columns 0, 1, 2 of the lower rows of the rotation matrix, and its upper right corner.
         const double row1[3] = {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)};
@@ -185,13 +181,14 @@ struct EulerAngles : Linear<6> {
         const double first = lever > 4e-15 ? std::atan2(-row1[2], row2[2]) : 0.0;
         const double cosine = std::cos(first), sine = std::sin(first);
         const double third = std::atan2(cosine * row1[0] + sine * row2[0], cosine * row1[1] + sine * row2[1]);
-        const Three t = translation_of(pose);
+        const Three t = versors::translation(pose);
         return {first, std::atan2(2 * (x * z + w * y), lever), third, t[0], t[1], t[2]};
     }
     static Motor write(const X &x) {
-        const Four turned = product(product(rotor_exp({x[0], 0.0, 0.0}), rotor_exp({0.0, x[1], 0.0})),
-                                    rotor_exp({0.0, 0.0, x[2]}));
-        return motor_from(rescaled(turned), {x[3], x[4], x[5]});
+        const Four first = versors::exp(Three{-0.5 * x[0], 0.0, 0.0});
+        const Four second = versors::retract(first, Three{0.0, x[1], 0.0});
+        const Four turned = versors::retract(second, Three{0.0, 0.0, x[2]});
+        return versors::motor_of(versors::renormalize(turned), Three{x[3], x[4], x[5]});
     }
     static X retract(const X &base, const X &v) { return sum(base, v); }
     static X continued(const X &x, const X &) { return x; }
@@ -219,18 +216,15 @@ struct Similarities {
     static Similarity read(const Similarity &pose) { return pose; }
     static Similarity write(const Similarity &x) { return x; }
     static Vector<7> local(const Similarity &x, const Similarity &base) {
-        return similarity_log(product(reverse(base), x));
+        return versors::local(x, base);
     }
     static Similarity retract(const Similarity &base, const Vector<7> &v) {
-        return product(base, similarity_exp(v));
+        return versors::retract(base, v);
     }
     static Similarity continued(const Similarity &x, const Similarity &) { return x; }
     static Square<7> adjoint_of_inverse(const Vector<7> &v) {
-        const Parts back = parts_of(similarity_exp(scaled(-1.0, v)));
-        Square<7> made = adjoint<7>(back.rotor, back.translation, std::exp(back.log_scale));
-        for (std::size_t k = 0; k < 3; ++k) made[3 + k][6] = -back.translation[k];
-        made[6][6] = 1.0;
-        return made;
+        const Similarity origin{1.0};
+        return rows_of<7>(versors::adjoint(versors::retract(origin, scaled(-1.0, v))));
     }
 };
 
@@ -239,13 +233,9 @@ struct RigidSimilarities : Similarities {
     static constexpr std::size_t pose_size = 8;
 
     static Similarity read(const Motor &given) {
-        const Motor pose = rescaled(given);
-        return similarity_from({rotor_of(pose), 0.0, translation_of(pose)});
+        return versors::similarity_of(versors::normalize(given), 1.0);
     }
-    static Motor write(const Similarity &x) {
-        const Parts parts = parts_of(x);
-        return motor_from(parts.rotor, parts.translation);
-    }
+    static Motor write(const Similarity &x) { return parts_of(x).first; }
 };
 
 // A rigid representation with the scale beside it as one more number.
@@ -260,14 +250,13 @@ template <Representation R> struct WithScale {
 
     static Vector<R::size> rigid(const X &x) { return first<R::size>(x); }
     static X read(const Similarity &pose) {
-        const Parts parts = parts_of(pose);
-        return with(R::read(motor_from(parts.rotor, parts.translation)), std::exp(parts.log_scale));
+        const auto [rigid, scale] = parts_of(pose);
+        return with(R::read(rigid), scale);
     }
     static Similarity write(const X &x) {
         if (!(x.back() > 0.0))
             throw std::invalid_argument("scale: expected a positive number, got " + std::to_string(x.back()));
-        const Motor pose = R::write(rigid(x));
-        return similarity_from({rotor_of(pose), std::log(x.back()), translation_of(pose)});
+        return versors::similarity_of(R::write(rigid(x)), x.back());
     }
     static V local(const X &x, const X &base) {
         return with(R::local(rigid(x), rigid(base)), x.back() - base.back());

@@ -1,6 +1,7 @@
 """The library's own kernels as files: one C and one Python file a group, and the table of all.
 
-What carries vertices is written in GLSL as well, for shaders.
+What carries vertices is written in GLSL as well, for shaders; what other compiled code does to one
+versor at a time, as a C++ header.
 """
 
 from __future__ import annotations
@@ -11,12 +12,17 @@ from motorcade.ga.codegen.library_kernels.emit_c import c_source, c_table
 from motorcade.ga.codegen.library_kernels.emit_glsl import glsl_source
 from motorcade.ga.codegen.library_kernels.emit_numpy import numpy_source, numpy_table
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
+from motorcade.ga.codegen.targets.cpp import cpp_header
 
-__all__ = ["GENERATED", "library_files", "write_library"]
+__all__ = ["GENERATED", "library_files", "write_library", "written_files"]
 
 GENERATED = Path(__file__).resolve().parents[2] / "kernels" / "generated"
 # The groups that shaders use.
 _IN_SHADERS = ("skinning",)
+_VERSORS = (
+    "Rotors, motors and similarities one at a time. Versors are taken for unit.",
+    "Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions; edit those.",
+)
 
 
 def library_files() -> dict[str, str]:
@@ -26,6 +32,7 @@ def library_files() -> dict[str, str]:
         ModuleNotFoundError: without CasADi or mpmath, which only this needs.
     """
     from motorcade.ga.kernels.definitions import KERNELS
+    from motorcade.ga.kernels.definitions.single import FUNCTIONS
 
     groups: dict[str, list[Kernel]] = {}
     for kernel in KERNELS:
@@ -36,13 +43,20 @@ def library_files() -> dict[str, str]:
         files[f"python/{group}.py"] = numpy_source(group, kernels)
     for group in _IN_SHADERS:
         files[f"glsl/{group}.glsl"] = glsl_source(group, groups[group])
+    files["cpp/versors.h"] = cpp_header("motorcade::versors", _VERSORS, FUNCTIONS)
     return files
+
+
+def written_files(folder: Path) -> list[Path]:
+    """The generated files that lie in a folder."""
+    kinds = ("c/*.c", "cpp/*.h", "python/*.py", "glsl/*.glsl")
+    return [path for kind in kinds for path in folder.glob(kind)]
 
 
 def write_library(folder: Path) -> list[Path]:
     """Write the generated files into a folder; files of kernels that are gone are removed."""
     files = library_files()
-    for old in (*folder.glob("c/*.c"), *folder.glob("python/*.py"), *folder.glob("glsl/*.glsl")):
+    for old in written_files(folder):
         if old.relative_to(folder).as_posix() not in files:
             old.unlink()
     for name, text in files.items():

@@ -27,6 +27,8 @@ Dual = tuple[Any, Any]
 # A fit may be off by this part of the spacing of numbers, so that rounding decides.
 _SHARE = 1 / 16
 _QUARTER_TURN_SQUARED = (pi / 2) ** 2 + 1e-3
+# `1 - cos θ` up to which code that may branch has shorter polynomials: turns by 37°.
+_SMALL = 0.05
 
 
 def select(condition: Any, chosen: Any, otherwise: Any) -> Any:
@@ -40,8 +42,15 @@ def angle_over_sine(precision: Precision, w: Any) -> Dual:
     """``θ / sin θ`` and its derivative by ``1 - w``, for ``w = cos θ`` in [0, 1]."""
     error = precision.epsilon * _SHARE
     x = 1 - w
-    value = horner(fitted(_angle_over_sine, 0, 1, error), x)
-    return value, horner(fitted(_angle_over_sine_slope, 0, 1, error), x)
+
+    def up_to(last: float) -> Dual:
+        value = horner(fitted(_angle_over_sine, 0, last, error), x)
+        return value, horner(fitted(_angle_over_sine_slope, 0, last, error), x)
+
+    if not precision.branches:
+        return up_to(1)
+    near, far = up_to(_SMALL), up_to(1)
+    return select(x < _SMALL, near[0], far[0]), select(x < _SMALL, near[1], far[1])
 
 
 def angle_over_sine_beyond(precision: Precision, w: Any, sine_squared: Any) -> Dual:
@@ -76,21 +85,30 @@ def cosine_sinc(precision: Precision, y: Any) -> tuple[Any, Any, Any]:
     """
     import casadi as ca
 
-    error = precision.epsilon * _SHARE
     h = ca.sqrt(y)
     turns = ca.floor(h * (1 / pi) + 0.5)
     for part in _parts_of_pi(precision):
         h = h - turns * part
     sign = 1 - 2 * (turns - 2 * ca.floor(0.5 * turns))
-    z = h * h
-    cosine = sign * horner(fitted(_cosine, 0, _QUARTER_TURN_SQUARED, error), z)
-    near = horner(fitted(_sinc, 0, _QUARTER_TURN_SQUARED, error), z)
-    near_slope = horner(fitted(_sinc_slope, 0, _QUARTER_TURN_SQUARED, error), z)
+    cosine, near, near_slope = _series(precision, h * h)
+    cosine, beyond = sign * cosine, sign * h * near / ca.fmax(ca.sqrt(y), 1)
+    if precision.branches:
+        far = cosine, beyond, (cosine - beyond) / (2 * y)
+        made = map(select, [y < _QUARTER_TURN_SQUARED] * 3, _series(precision, y), far)
+        cosine, sinc, slope = made
+        return cosine, sinc, slope
     # From a quarter turn on nothing cancels in the closed forms.
     reduced = turns < 0.5
-    sinc = select(reduced, near, sign * h * near / ca.fmax(ca.sqrt(y), 1))
+    sinc = select(reduced, near, beyond)
     slope = select(reduced, near_slope, (cosine - sinc) / (2 * ca.fmax(y, 1)))
     return cosine, sinc, slope
+
+
+def _series(precision: Precision, z: Any) -> list[Any]:
+    """``cos √z``, ``sin √z / √z`` and its derivative for ``√z`` in [0, π/2]."""
+    error = precision.epsilon * _SHARE
+    fits = (_cosine, _sinc, _sinc_slope)
+    return [horner(fitted(fit, 0, _QUARTER_TURN_SQUARED, error), z) for fit in fits]
 
 
 def _parts_of_pi(precision: Precision) -> list[float]:

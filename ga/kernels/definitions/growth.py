@@ -41,7 +41,14 @@ def hyperbolic(precision: Precision, h: Any) -> tuple[Any, Any, Any]:
     even, odd = 0.5 * (grown + shrunk), 0.5 * (grown - shrunk)
     cosh, sinh = even * cosine + odd * sine, odd * cosine + even * sine
     size = ca.fmax(ca.fabs(h), 0.25)
-    return cosh, sinh, select(ca.fabs(n) < 0.5, near, ca.fabs(sinh) / size)
+    over = select(ca.fabs(n) < 0.5, near, ca.fabs(sinh) / size)
+    if not precision.branches:
+        return cosh, sinh, over
+    small = h * h < _LOG_SQUARED
+    own = horner(fitted(_sinh_over, 0, _LOG_SQUARED, error), h * h)
+    series = horner(fitted(_cosh, 0, _LOG_SQUARED, error), h * h), h * own, own
+    a, b, c = map(select, [small] * 3, series, (cosh, sinh, over))
+    return a, b, c
 
 
 def inverse_hyperbolic(precision: Precision, cosh: Any, sinh: Any) -> tuple[Any, Any]:
@@ -61,6 +68,10 @@ def inverse_hyperbolic(precision: Precision, cosh: Any, sinh: Any) -> tuple[Any,
     high, low = _parts_of_log_two(precision)
     h = n * high + (n * low + sine * near)
     quotient = select(still, near, h / ca.fmax(size, 0.25))
+    if precision.branches:
+        small = sinh * sinh < _SINE_SQUARED
+        own = horner(fitted(_asinh_over, 0, _SINE_SQUARED, precision.epsilon * _SHARE), sinh * sinh)
+        quotient = select(small, own, quotient)
     return quotient * sinh, quotient
 
 

@@ -15,18 +15,18 @@
 #define MOTORCADE_LANES 16
 #define MOTORCADE_OPERANDS 6
 
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
+#define MOTORCADE_SIMD __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define MOTORCADE_SIMD
+#endif
+
 #if defined(__cplusplus)
 extern "C" {
 #else
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
-
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
-#define MOTORCADE_SIMD __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define MOTORCADE_SIMD
-#endif
 
 #if defined(__clang__)
 #define MOTORCADE_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")

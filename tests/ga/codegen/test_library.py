@@ -7,15 +7,19 @@ import pytest
 pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
 pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is not installed")
 
-from motorcade.ga.codegen.library_kernels.library import GENERATED, library_files, write_library
+from motorcade.ga.codegen.library_kernels.library import (
+    GENERATED,
+    library_files,
+    write_library,
+    written_files,
+)
 
 
 def test_generated_files_are_current() -> None:
     advice = "run `python -m motorcade.ga.codegen`"
     committed = {
         path.relative_to(GENERATED).as_posix(): path.read_text(encoding="utf-8")
-        for kind in ("c/*.c", "python/*.py", "glsl/*.glsl")
-        for path in GENERATED.glob(kind)
+        for path in written_files(GENERATED)
     }
     files = library_files()
     assert set(committed) == set(files), advice

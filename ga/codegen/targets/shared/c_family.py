@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from motorcade.ga.codegen.expressions import Statement
+from motorcade.ga.codegen.expressions import Statement, component_name
 from motorcade.ga.codegen.programs import Program
+from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.shared.text import WIDTH, call, wrapped
 
 __all__ = [
@@ -16,6 +17,7 @@ __all__ = [
     "declarations",
     "function",
     "indented",
+    "loads",
 ]
 
 
@@ -30,6 +32,19 @@ def declarations(body: Iterable[Statement], number: str, boolean: str) -> list[s
         f"{boolean if statement.boolean else number} {statement.name} = {statement.expression};"
         for statement in body
     ]
+
+
+def loads(operand: Operand, tape: Tape, number: str) -> list[str]:
+    """The components of an array that are read as variables of a type, as the statements name
+    them; an operand of one number has its name already.
+    """
+    read = tape.components_read(operand.name)
+    if operand.width == 1 or not read:
+        return [] if read else [f"(void){operand.name};"]
+    items = [
+        f"{component_name(operand.name, i, operand.width)} = {operand.name}[{i}]" for i in read
+    ]
+    return [f"{number} {', '.join(items[i : i + 4])};" for i in range(0, len(items), 4)]
 
 
 def array_slots(program: Program) -> list[tuple[str, str]]:
@@ -59,6 +74,10 @@ def function(name: str, parameters: Sequence[str], nothing: str) -> str:
 
 
 def indented(lines: Iterable[str], depth: int = 1) -> list[str]:
-    """Lines inside `depth` blocks."""
+    """Lines inside `depth` blocks; what does not fit goes on deeper than its line begins."""
     lead = "    " * depth
-    return [lead + part for line in lines for part in wrapped(line, WIDTH - len(lead))]
+    return [
+        lead + part
+        for line in lines
+        for part in wrapped(line, WIDTH - len(lead), line[: -len(line.lstrip())] + "    ")
+    ]
