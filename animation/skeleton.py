@@ -12,7 +12,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from motorcade.ga import IntArray, Motor, Similarity, Versor, kernels
+from motorcade.ga import IntArray, Motor, Rotor, Similarity, Versor, kernels
+
+__all__ = ["Poses", "Skeleton", "local_poses", "turned_joint", "with_joint"]
 
 Poses = TypeVar("Poses", bound=Versor)
 
@@ -91,6 +93,15 @@ class Skeleton:
             poses[..., joints, :] = compose(above, poses[..., joints, :])
         return type(local)(poses)
 
+    def local(self, world: Poses) -> Poses:
+        """Local poses `parent_T_joint` (*, J) from poses `character_T_joint` (*, J)."""
+        return local_poses(self.parents, world)
+
+    @cached_property
+    def root(self) -> int:
+        """Number of the first root."""
+        return int(np.argmax(self.parents < 0))
+
     @cached_property
     def rest_world(self) -> Motor:
         """Rest poses `character_T_joint` (J,)."""
@@ -108,3 +119,26 @@ class Skeleton:
         for joint, parent in enumerate(self.parents):
             depth[joint] = 0 if parent < 0 else depth[parent] + 1
         return [np.flatnonzero(depth == level) for level in range(int(depth.max()) + 1)]
+
+
+def local_poses(parents: IntArray, world: Poses) -> Poses:
+    """Poses `parent_T_joint` (*, J) from those in a common frame (*, J); roots stay as they are."""
+    held = np.flatnonzero(parents >= 0)
+    local = np.array(world.coefficients)
+    local[..., held, :] = (world[..., parents[held]].inverse() @ world[..., held]).coefficients
+    return type(world).normalize(local)
+
+
+def with_joint(poses: Poses, joint: int, made: Poses) -> Poses:
+    """Local poses (*, J) in which one joint's pose is `made` (*) instead; batches broadcast."""
+    shape = np.broadcast_shapes(poses.shape[:-1], made.shape)
+    size = poses.coefficients.shape[-2:]
+    changed = np.broadcast_to(poses.coefficients, (*shape, *size)).copy()
+    changed[..., joint, :] = type(poses).normalize(made.coefficients).coefficients
+    return type(poses)(changed)
+
+
+def turned_joint(poses: Motor, joint: int, rotor: Rotor) -> Motor:
+    """Local poses (*, J) in which a joint stays where it is, turned as `rotor` (*) says."""
+    shift_m = poses[..., joint].translation_m
+    return with_joint(poses, joint, Motor.from_rotor_translation(rotor, shift_m))

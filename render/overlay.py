@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import product
 
 import cv2
 import numpy as np
@@ -12,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from motorcade.animation import Character, Clip, Placement, skin
 from motorcade.animation.skin import Skinner
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory, checked_floats
+from motorcade.animation.vectors import box_corners
+from motorcade.ga import FloatArray, Motor, Similarity, Trajectory, checked_floats
 from motorcade.render.backends.choice import RendererName, new_renderer
 from motorcade.render.backends.renderer import Renderer
 from motorcade.render.composite import as_rgb, darken, over
@@ -240,7 +240,7 @@ class _Stage:
             ground = ground_depth(pinhole, camera_T_ground).astype(np.float32)
             eye_m = float(camera_T_ground.inverse().translation_m[2])
             return _Drawn(layer, shade, self.lens.depth(ground), None, eye_m)
-        hull_m = stand.apply(_box(own_m))
+        hull_m = stand.apply(box_corners(own_m))
         known = known_depth(pinhole, world_T_camera, hull_m, self.prints, stand)
         return _Drawn(layer, shade, None, None if known is None else self.lens.depth(known))
 
@@ -268,7 +268,7 @@ class _Stage:
             self.strength,
         )
         stored = 1.0 - (1.0 - np.clip(shade, 0.0, 1.0)) ** BYTES_POWER
-        camera_T_shade = camera_T_ground @ Motor.from_rotor_translation(Rotor.identity(), center_m)
+        camera_T_shade = camera_T_ground @ Motor.from_translation(center_m)
         seen = shade_in_picture(stored, self.half_width_m, self.lens.pinhole, camera_T_shade)
         return seen if seen is None else self.lens.smooth(seen)
 
@@ -313,13 +313,6 @@ def _travels(character: Character, clip: Clip) -> bool:
     places_m = character.skeleton.world(clip.at(moments)).translation_m[..., :2]
     middle_m = 0.5 * (places_m.min(axis=1) + places_m.max(axis=1))
     return bool(np.linalg.norm(middle_m, axis=-1).max() > TRAVELS * character.height_m)
-
-
-def _box(points_m: FloatArray) -> FloatArray:
-    """The eight corners of the box about points (V, 3)."""
-    low, high = points_m.min(axis=0), points_m.max(axis=0)
-    which = np.array(list(product((False, True), repeat=3)))
-    return np.asarray(np.where(which, high, low))
 
 
 def _depth_to_the_rim(layer: Layer) -> DepthArray:

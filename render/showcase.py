@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from motorcade.animation import Character, Clip, place_on_plane
-from motorcade.animation.directions import axes_along
+from motorcade.animation.vectors import axes_along
 from motorcade.ga import FloatArray, Motor, Trajectory
 from motorcade.render.overlay import render_overlay
 from motorcade.render.scene import ImageArray

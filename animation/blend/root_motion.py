@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation.blend.layers import additive
-from motorcade.animation.blend.methods import Poses
 from motorcade.animation.clip import LOOP_TOLERANCE, Clip
-from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity, checked_floats, frozen
+from motorcade.animation.skeleton import Skeleton, with_joint
+from motorcade.animation.vectors import turn_z
+from motorcade.ga import FloatArray, Motor, Similarity, checked_floats, frozen
 
 __all__ = ["RootMotion", "split_root_motion"]
 
@@ -83,7 +83,7 @@ def split_root_motion(
     Raises:
         ValueError: no such joint, one that is no root, or a clip of a single pose.
     """
-    number = skeleton.index(joint) if joint else int(np.flatnonzero(skeleton.parents < 0)[0])
+    number = skeleton.index(joint) if joint else skeleton.root
     if skeleton.parents[number] >= 0 or len(clip.time_s) < 2:
         raise ValueError(
             f"split_root_motion: expected a root joint and a clip of two poses or more, got joint "
@@ -92,29 +92,18 @@ def split_root_motion(
     root = clip.rigid_poses[:, number]
     way = _ground(root @ root[0].inverse(), root.translation_m)
     back = way.inverse()
-    inside = _with_root(clip.poses, number, back)
+    rigid = isinstance(clip.poses, Motor)
+    before = back if rigid else Similarity.from_motor_scale(back)
+    inside = with_joint(clip.poses, number, before @ clip.poses[:, number])
     looped = bool(np.max(np.abs(additive(inside[-1], inside[0]).as_twist())) <= LOOP_TOLERANCE)
     return Clip(clip.name, clip.time_s, inside, looped), RootMotion(clip.time_s, way, looped)
-
-
-def _with_root(poses: Poses, number: int, before: Motor) -> Poses:
-    """Poses in which one joint's come after motions ``(F,)``."""
-    changed = poses.coefficients.copy()
-    if isinstance(poses, Motor):
-        changed[:, number] = (before @ poses[:, number]).coefficients
-        return Motor(changed)
-    grown = Similarity.from_motor_scale(before) @ poses[:, number]
-    changed[:, number] = grown.coefficients
-    return Similarity(changed)
 
 
 def _ground(turned: Motor, position_m: FloatArray) -> Motor:
     """Motions on the ground that take the first position below each of the others."""
     w, _, _, e12 = np.moveaxis(turned.rotor.coefficients, -1, 0)
     heading = np.unwrap(-2.0 * np.arctan2(e12, w))
-    up = np.zeros((len(heading), 3))
-    up[:, 2] = heading
-    rotor = Rotor.from_rotation_vector(up)
+    rotor = turn_z(heading)
     start = position_m[0] * [1.0, 1.0, 0.0]
     shift = position_m * [1.0, 1.0, 0.0] - rotor.apply(start)
     return Motor.from_rotor_translation(rotor, shift)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from motorcade.animation.blend.layers import added, additive
 from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
+from motorcade.animation.easing import smoothstep
 from motorcade.ga import FloatArray, Motor, Similarity, checked_floats
 
 __all__ = ["CrossFade", "Inertialized", "Motion", "Shifted"]
@@ -59,7 +60,7 @@ class Shifted:
 class CrossFade:
     """One motion until `start_s`, another from `start_s + duration_s` on, blended in between.
 
-    The share follows ``3 x² - 2 x³``, so that velocities have no step. Both motions go on running
+    The share follows `smoothstep`, so that velocities have no step. Both motions go on running
     meanwhile. With motions in phase feet stay where they are; others slide.
 
     Raises:
@@ -78,8 +79,7 @@ class CrossFade:
     def at(self, time_s: ArrayLike) -> Poses:
         """Local poses ``(*, J)``."""
         clock = checked_floats(time_s, "CrossFade.at(time_s)", ())
-        x = np.clip((clock - self.start_s) / self.duration_s, 0.0, 1.0)
-        share = x * x * (3.0 - 2.0 * x)
+        share = smoothstep((clock - self.start_s) / self.duration_s)
         pair = stacked([self.first.at(clock), self.second.at(clock)])
         return blend_poses(pair, np.stack([1.0 - share, share], axis=-1), self.method)
 

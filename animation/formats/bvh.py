@@ -23,12 +23,13 @@ from motorcade.animation.formats.numbers import numbers_in
 from motorcade.animation.formats.rig.curves import great_arc, with_times
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip
+from motorcade.animation.vectors import turn_x, turn_y, turn_z
 from motorcade.ga import FloatArray, Rotor
 
 __all__ = ["read_bvh"]
 
 POSITIONS = {"Xposition": 0, "Yposition": 1, "Zposition": 2}
-ROTATIONS = {"Xrotation": 0, "Yrotation": 1, "Zrotation": 2}
+ROTATIONS = {"Xrotation": turn_x, "Yrotation": turn_y, "Zrotation": turn_z}
 
 
 class _Hierarchy:
@@ -163,9 +164,7 @@ def _rig(tree: _Hierarchy, times: FloatArray, values: FloatArray, name: str) -> 
             if channel in POSITIONS:
                 places[:, joint, POSITIONS[channel]] = column
                 continue
-            vector = np.zeros((len(times), 3))
-            vector[:, ROTATIONS[channel]] = np.radians(column)
-            turn = turn @ Rotor.from_rotation_vector(vector)
+            turn = turn @ ROTATIONS[channel](np.radians(column))
         wxyz[:, joint] = turn.as_quaternion()
 
     def at(wanted: FloatArray) -> Transforms:

@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.animation.directions import shortest_turn
 from motorcade.animation.ik.fabrik import fabrik
-from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.skeleton import Skeleton, turned_joint
+from motorcade.animation.vectors import shortest_turn
 from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
 
 __all__ = ["Chain", "laid_along", "reach_with"]
@@ -93,8 +93,8 @@ def laid_along(
     """
     world = skeleton.world(local_pose)
     batch = np.broadcast_shapes(world.shape[:-1], points_m.shape[:-2])
-    poses = np.broadcast_to(local_pose.coefficients, (*batch, *local_pose.coefficients.shape[-2:]))
-    poses = poses.copy()
+    size = local_pose.coefficients.shape[-2:]
+    made = Motor(np.broadcast_to(local_pose.coefficients, (*batch, *size)))
     parent = int(skeleton.parents[numbers[0]])
     above = world[..., parent].rotor if parent >= 0 else Rotor.identity()
     at = world.translation_m
@@ -102,8 +102,6 @@ def laid_along(
         bone = at[..., numbers[k + 1], :] - at[..., joint, :]
         turned = shortest_turn(bone, points_m[..., k + 1, :] - points_m[..., k, :])
         rotor = turned @ world[..., joint].rotor
-        shift = local_pose[..., joint].translation_m
-        made = Motor.from_rotor_translation(above.inverse() @ rotor, shift)
-        poses[..., joint, :] = Motor.normalize(made.coefficients).coefficients
+        made = turned_joint(made, joint, above.inverse() @ rotor)
         above = rotor
-    return Motor(poses)
+    return made

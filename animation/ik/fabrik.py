@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.animation.directions import length, perpendicular, shortest_turn, unit
+from motorcade.animation.vectors import length, perpendicular, shortest_turn, unit
 from motorcade.ga import FloatArray, Rotor, checked_floats, kernels
 
 __all__ = ["Reached", "fabrik"]

@@ -17,11 +17,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.directions import shortest_turn
+from motorcade.animation.easing import smoothstep
 from motorcade.animation.ik.soles import Sole, raised_soles, sole_clearance_m
 from motorcade.animation.ik.swings import stretches, swing_lift_m
 from motorcade.animation.ik.two_bone import bend_limb
-from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.skeleton import Skeleton, turned_joint, with_joint
+from motorcade.animation.vectors import UP, shortest_turn, turn_z
 from motorcade.ga import FloatArray, Motor, Rotor
 
 __all__ = ["Ground", "Leg", "find_stances", "plant_feet"]
@@ -51,6 +52,18 @@ class Leg:
     ball: str = ""
     heel: float = 0.47
     tip: float = 0.7
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "ball", self.ball or self.ankle)
+
+    @property
+    def limb(self) -> tuple[str, str, str]:
+        """Hip, knee and ankle."""
+        return self.hip, self.knee, self.ankle
+
+    def foot(self, skeleton: Skeleton) -> tuple[int, int]:
+        """Numbers of ankle and ball."""
+        return skeleton.index(self.ankle), skeleton.index(self.ball)
 
 
 @dataclass(frozen=True)
@@ -118,7 +131,7 @@ def plant_feet(
     world = way.reshape(-1, 1) @ skeleton.world(poses)
     inside, feet, targets = way.inverse(), [], []
     for index, leg in enumerate(legs):
-        ankle, ball = (skeleton.index(name) for name in (leg.ankle, leg.ball or leg.ankle))
+        ankle, ball = leg.foot(skeleton)
         at = world[:, ball].translation_m
         standing = find_stances(at, time_s) if stances is None else stances[index]
         sole = float(skeleton.rest_world[ball].translation_m[2])
@@ -134,7 +147,7 @@ def plant_feet(
         low = sole_clearance_m(skeleton, (foot, end), sole_of, floor.height_m)
         lift = swing_lift_m(middle, low, time_s, standing, _leg_m(skeleton, leg))
         below = floor.height_m(middle[:, :2]) + sole - middle[:, 2]
-        up = _upward(np.maximum(lift, below))
+        up = Motor.from_translation(np.maximum(lift, below)[:, None] * UP)
         foot, end, toes = up @ foot, up @ end, end.rotor
         if skeleton.parents[ball] == ankle:
             foot, toes = raised_soles(skeleton, (foot, end), sole_of, floor.height_m)
@@ -142,8 +155,8 @@ def plant_feet(
         targets.append(inside.apply(foot.translation_m))
     made = _lowered(skeleton, poses, legs, targets)
     for leg, target, (foot_rotor, toe_rotor) in zip(legs, targets, feet, strict=True):
-        limb = (leg.hip, leg.knee, leg.ankle)
-        made = bend_limb(skeleton, made, limb, target, _knee_ahead(skeleton, made, limb, target))
+        ahead = _knee_ahead(skeleton, made, leg.limb, target)
+        made = bend_limb(skeleton, made, leg.limb, target, ahead)
         made = _turned(skeleton, made, leg, foot_rotor, toe_rotor)
     return made
 
@@ -163,16 +176,12 @@ def _knee_ahead(
 
 def _turned(skeleton: Skeleton, poses: Motor, leg: Leg, foot: Rotor, toes: Rotor) -> Motor:
     """Poses in which ankle and ball are turned as given in character space ``(F,)``."""
-    ankle, ball = (skeleton.index(name) for name in (leg.ankle, leg.ball or leg.ankle))
+    ankle, ball = leg.foot(skeleton)
     above = skeleton.world(poses)[:, int(skeleton.parents[ankle])].rotor
-    made = poses.coefficients.copy()
-    turns = [(ankle, above.inverse() @ foot)]
+    made = turned_joint(poses, ankle, above.inverse() @ foot)
     if skeleton.parents[ball] == ankle:
-        turns.append((ball, foot.inverse() @ toes))
-    for joint, rotor in turns:
-        shift = poses[:, joint].translation_m
-        made[:, joint] = Motor.from_rotor_translation(rotor, shift).coefficients
-    return Motor.normalize(made)
+        made = turned_joint(made, ball, foot.inverse() @ toes)
+    return made
 
 
 def _holding(
@@ -196,15 +205,8 @@ def _holding(
     return shift
 
 
-def _upward(height_m: FloatArray) -> Motor:
-    """Shifts ``(F,)`` along z."""
-    up = np.zeros((len(height_m), 3))
-    up[:, 2] = height_m
-    return Motor.from_rotor_translation(Rotor.identity((len(up),)), up)
-
-
 def _leg_m(skeleton: Skeleton, leg: Leg) -> float:
-    joints = [skeleton.index(name) for name in (leg.hip, leg.knee, leg.ankle)]
+    joints = [skeleton.index(name) for name in leg.limb]
     bones = np.diff(skeleton.rest_world.translation_m[joints], axis=0)
     return float(np.linalg.norm(bones, axis=1).sum())
 
@@ -225,15 +227,15 @@ def _facing(
     ankle, ball = foot
     rest = skeleton.rest_world
     along = rest[ball].translation_m - rest[ankle].translation_m
-    turn = np.zeros((len(time_s), 3))
+    turn = np.zeros(len(time_s))
     if np.any(standing) and np.any(along[:2]):
         across = rest[ball].rotor.inverse().apply(np.array([-along[1], along[0], 0.0]))
         side = world[:, ball].rotor.apply(across)
         heading = np.unwrap(np.arctan2(side[:, 1], side[:, 0]))
         for start, end in stretches(standing):
-            turn[start:end, 2] = np.median(heading[start:end]) - heading[start:end]
-        turn[:, 2] = _faded(time_s, turn[:, 2], standing)
-    return Rotor.from_rotation_vector(turn)
+            turn[start:end] = np.median(heading[start:end]) - heading[start:end]
+        turn = _faded(time_s, turn, standing)
+    return turn_z(turn)
 
 
 def _faded(time_s: FloatArray, values: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
@@ -244,7 +246,7 @@ def _faded(time_s: FloatArray, values: FloatArray, known: NDArray[np.bool_]) -> 
             continue
         inner = np.arange(before + 1, after)
         x = (time_s[inner] - time_s[before]) / (time_s[after] - time_s[before])
-        made[inner] = values[before] + (values[after] - values[before]) * x * x * (3.0 - 2.0 * x)
+        made[inner] = values[before] + (values[after] - values[before]) * smoothstep(x)
     made[: at[0]], made[at[-1] + 1 :] = values[at[0]], values[at[-1]]
     return made
 
@@ -256,17 +258,12 @@ def _lowered(
     world = skeleton.world(poses)
     drop = np.zeros(poses.shape[0])
     for leg, target in zip(legs, targets, strict=True):
-        hip, knee, ankle = (
-            world[:, skeleton.index(name)].translation_m for name in (leg.hip, leg.knee, leg.ankle)
-        )
+        hip, knee, ankle = (world[:, skeleton.index(name)].translation_m for name in leg.limb)
         reach = STRETCH * (
             np.linalg.norm(knee - hip, axis=1) + np.linalg.norm(ankle - knee, axis=1)
         )
         across = np.sum((target - hip)[:, :2] ** 2, axis=1)
         high = np.sqrt(np.maximum(reach**2 - across, 0.0))
         drop = np.maximum(drop, hip[:, 2] - target[:, 2] - high)
-    root = int(np.flatnonzero(skeleton.parents < 0)[0])
-    down = Motor.from_twist(np.concatenate([np.zeros((len(drop), 5)), -drop[:, None]], axis=1))
-    made = poses.coefficients.copy()
-    made[:, root] = (down @ poses[:, root]).coefficients
-    return Motor(made)
+    down = Motor.from_translation(-drop[:, None] * UP)
+    return with_joint(poses, skeleton.root, down @ poses[:, skeleton.root])

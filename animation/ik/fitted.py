@@ -31,7 +31,7 @@ def fitted_legs(legs: Sequence[Leg], character: Character) -> list[Leg]:
     low = character.vertices[:, 2] < LOW * character.height_m
     made = []
     for leg in legs:
-        ankle, ball = (skeleton.index(name) for name in (leg.ankle, leg.ball or leg.ankle))
+        ankle, ball = leg.foot(skeleton)
         along = (at[ball] - at[ankle])[:2]
         sole = character.vertices[low & np.isin(carried_by, (ankle, ball))]
         if len(sole) and np.any(along):

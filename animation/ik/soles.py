@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.directions import shortest_turn
 from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.vectors import shortest_turn
 from motorcade.ga import FloatArray, Motor, Rotor
 
 __all__ = ["Sole", "raised_soles", "sole_clearance_m"]

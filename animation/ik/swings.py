@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.animation.easing import smootherstep
 from motorcade.ga import FloatArray
 
 __all__ = ["stretches", "swing_lift_m"]
@@ -45,9 +46,9 @@ def swing_lift_m(
         share = np.ones(len(when))
         roll = max(min(ROLL_S, 0.4 * (when[-1] - when[0])), 1e-9)
         if start > 0:
-            share *= _eased((when - when[0]) / roll)
+            share *= smootherstep((when - when[0]) / roll)
         if end < len(at):
-            share *= _eased((when[-1] - when) / roll)
+            share *= smootherstep((when[-1] - when) / roll)
         lacking = np.maximum(min(CLEAR * leg_m, CLEAR_OF_WAY * way) - low_m[rows], 0.0)
         lift[rows] = share * _smooth_over(lacking, when)
     return lift
@@ -63,13 +64,6 @@ def _smooth_over(values: FloatArray, time_s: FloatArray) -> FloatArray:
     for k, rows in enumerate(near):
         weight = np.maximum(1.0 - ((time_s[rows] - time_s[k]) / SPREAD_S) ** 2, 0.0) ** 3
         made[k] = weight @ most[rows] / weight.sum()
-    return made
-
-
-def _eased(x: FloatArray) -> FloatArray:
-    """From 0 to 1 with no velocity and no acceleration at the ends."""
-    x = np.clip(x, 0.0, 1.0)
-    made: FloatArray = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
     return made
 
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.animation.directions import length, perpendicular, shortest_turn, unit
 from motorcade.animation.ik.chain import Chain, laid_along
-from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.skeleton import Skeleton, turned_joint
+from motorcade.animation.vectors import length, perpendicular, shortest_turn, unit
 from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
 
 __all__ = ["aim", "bend_limb"]
@@ -63,12 +63,8 @@ def bend_limb(
     made = laid_along(skeleton, local_pose, numbers, points)
     if not keep_end_orientation:
         return made
-    poses = made.coefficients.copy()
     above = skeleton.world(made)[..., numbers[1]].rotor
-    turn = above.inverse() @ world[..., numbers[2]].rotor
-    kept = Motor.from_rotor_translation(turn, local_pose[..., numbers[2]].translation_m)
-    poses[..., numbers[2], :] = Motor.normalize(kept.coefficients).coefficients
-    return Motor(poses)
+    return turned_joint(made, numbers[2], above.inverse() @ world[..., numbers[2]].rotor)
 
 
 def _bent(
@@ -129,9 +125,4 @@ def aim(
     turned = Rotor.from_rotation_vector(held * unit(turn))
     parent = int(skeleton.parents[number])
     above = world[..., parent].rotor if parent >= 0 else Rotor.identity()
-    local = above.inverse() @ turned @ pose.rotor
-    made = Motor.from_rotor_translation(local, local_pose[..., number].translation_m)
-    shape = (*made.shape, len(skeleton), 8)
-    poses = np.broadcast_to(local_pose.coefficients, shape).copy()
-    poses[..., number, :] = Motor.normalize(made.coefficients).coefficients
-    return Motor(poses)
+    return turned_joint(local_pose, number, above.inverse() @ turned @ pose.rotor)

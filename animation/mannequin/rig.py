@@ -6,7 +6,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from motorcade.animation.mannequin.motions.posing import turn_x, turn_y
 from motorcade.animation.mannequin.proportions import (
     ARM_SPREAD_RAD,
     FINGERS,
@@ -15,6 +14,7 @@ from motorcade.animation.mannequin.proportions import (
     joint_rows,
 )
 from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.vectors import turn_x, turn_y
 from motorcade.ga import Motor, Rotor
 
 __all__ = ["mannequin_skeleton"]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motorcade.animation.directions import axes_along, unit
+from motorcade.animation.vectors import axes_along, unit
 from motorcade.ga import FloatArray, Motor, Similarity
 
 __all__ = ["Anchor", "followed", "plane_anchor"]

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from motorcade.animation.blend import closed
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg, find_stances
-from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity
+from motorcade.animation.skeleton import Skeleton, with_joint
+from motorcade.animation.vectors import turn_z
+from motorcade.ga import FloatArray, Motor, Similarity
 
 __all__ = ["on_the_spot"]
 
@@ -40,7 +41,7 @@ def on_the_spot(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> tuple[Cl
     poses = clip.poses
     if isinstance(poses, Similarity) or len(clip.time_s) < 2:
         raise ValueError(f"on_the_spot(clip): expected rigid poses, two or more, in '{clip.name}'")
-    root = int(np.flatnonzero(skeleton.parents < 0)[0])
+    root = skeleton.root
     at = poses[:, root].translation_m
     way = (at[-1] - at[0]) * [1.0, 1.0, 0.0]
     length = float(np.linalg.norm(way))
@@ -52,13 +53,12 @@ def on_the_spot(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> tuple[Cl
             raise ValueError(f"on_the_spot(clip): expected feet that go back, in '{clip.name}'")
         return loop, speed
     share = (clip.time_s - clip.time_s[0]) / clip.duration_s
-    turn = Rotor.from_rotation_vector([0.0, 0.0, -np.arctan2(way[1], way[0])])
+    turn = turn_z(-np.arctan2(way[1], way[0]))
     back = Motor.from_rotor_translation(
         turn.reshape(1), turn.apply(-share[:, None] * way - at[0] * [1.0, 1.0, 0.0])
     )
-    made = poses.coefficients.copy()
-    made[:, root] = (back @ poses[:, root]).coefficients
-    loop = closed(Clip(clip.name, clip.time_s, Motor(made), False, clip.key_count))
+    made = with_joint(poses, root, back @ poses[:, root])
+    loop = closed(Clip(clip.name, clip.time_s, made, False, clip.key_count))
     return loop, length / clip.duration_s
 
 
@@ -68,7 +68,7 @@ def _ground_speed(clip: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> float:
         raise ValueError(f"on_the_spot(legs): expected legs, as '{clip.name}' stays on the spot")
     time_s = np.linspace(0.0, clip.duration_s, SAMPLES + 1)
     poses = clip.at(clip.time_s[0] + time_s)
-    balls = [skeleton.index(leg.ball or leg.ankle) for leg in legs]
+    balls = [skeleton.index(leg.ball) for leg in legs]
     at = skeleton.world(poses).translation_m[:, balls]
     speed = float(np.median([_backward(at[:, k], time_s, None) for k in range(len(balls))]))
     for _ in range(REFINED):

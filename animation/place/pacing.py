@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg, bend_limb, find_stances
-from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.skeleton import Skeleton, with_joint
+from motorcade.animation.vectors import UP
 from motorcade.ga import FloatArray, Motor, Rotor, mean
 
 __all__ = ["Pace", "passing_s", "standing_pose"]
@@ -147,7 +148,7 @@ def standing_pose(loop: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> Clip:
     clock = loop.time_s[0] + np.linspace(0.0, loop.duration_s, SAMPLES, endpoint=False)
     rotors = loop.at(clock).rotor
     resting = {skeleton.index(name) for leg in legs
-               for name in (leg.hip, leg.knee, leg.ankle, leg.ball or leg.ankle)}  # fmt: skip
+               for name in (leg.hip, leg.knee, leg.ankle, leg.ball)}  # fmt: skip
     for joint in list(resting):
         while skeleton.parents[joint] >= 0:
             joint = int(skeleton.parents[joint])
@@ -161,15 +162,14 @@ def standing_pose(loop: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> Clip:
 
 def _with_bent_knees(pose: Motor, skeleton: Skeleton, legs: Sequence[Leg]) -> Motor:
     """A pose lowered over its feet: legs that rest quite straight would snap when they come to."""
-    at, poses = skeleton.rest_world.translation_m, pose.coefficients.copy()
+    at, made = skeleton.rest_world.translation_m, pose
     long_m = np.mean([at[skeleton.index(leg.hip), 2] for leg in legs])
-    down = Motor.from_twist([0.0, 0.0, 0.0, 0.0, 0.0, -LOWER * long_m])
+    down = Motor.from_translation(-LOWER * long_m * UP)
     for root in np.flatnonzero(skeleton.parents < 0):
-        poses[root] = (down @ pose[root]).coefficients
-    made = Motor(poses)
+        made = with_joint(made, int(root), down @ pose[root])
     for leg in legs:
         ankle, ahead = at[skeleton.index(leg.ankle)], at[skeleton.index(leg.knee)] + [9.0, 0, 0]
-        made = bend_limb(skeleton, made, (leg.hip, leg.knee, leg.ankle), ankle, ahead)
+        made = bend_limb(skeleton, made, leg.limb, ankle, ahead)
     return made
 
 
@@ -190,7 +190,7 @@ def passing_s(
     under = skeleton.world(standing).translation_m
     found = []
     for leg in legs:
-        ball = skeleton.index(leg.ball or leg.ankle)
+        ball = skeleton.index(leg.ball)
         over = np.tile(at[:, ball], (3, 1))  # no stance is cut by the cycle's ends
         times = np.concatenate([clock + turn * loop.duration_s for turn in range(3)])
         over[:, 0] += speed_m_s * times

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation.character import Character
-from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
+from motorcade.animation.vectors import turn_z
+from motorcade.ga import FloatArray, Motor, checked_floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +79,7 @@ def place_on_plane(
     if not (np.isfinite(height_m) and height_m > 0.0):
         raise ValueError(f"place_on_plane(height_m): expected a positive height, got {height_m}")
     plane_T_character = Motor.from_rotor_translation(
-        Rotor.from_rotation_vector(np.array([0.0, 0.0, float(heading)])),
+        turn_z(heading),
         np.array([position[0], position[1], 0.0]),
     )
     plane = Motor.identity() if world_T_plane is None else world_T_plane

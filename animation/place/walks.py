@@ -19,7 +19,8 @@ from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Ground, Leg, find_stances, plant_feet
 from motorcade.animation.place.pacing import Pace, passing_s, standing_pose
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import FloatArray, Motor, Rotor, checked_floats, frozen
+from motorcade.animation.vectors import turn_z
+from motorcade.ga import FloatArray, Motor, checked_floats, frozen
 
 __all__ = ["GroundPath", "Walk", "walk_along"]
 
@@ -159,9 +160,7 @@ def walk_along(
     if not stops:
         along[more + count - 1 :] += pace.length_m - along[more + count - 1]
     position, heading = path.at(scale * along)
-    up = np.zeros((len(time_s), 3))
-    up[:, 2] = heading
-    rotor = Rotor.from_rotation_vector(up)
+    rotor = turn_z(heading)
     flat = np.concatenate([position, np.zeros((len(time_s), 1))], axis=1)
     # Feet are planted at the character's own size.
     own = Motor.from_rotor_translation(rotor, flat / scale)
@@ -229,7 +228,7 @@ def _stances(
     near_m = NEAR * float(np.max(skeleton.rest_world.translation_m[:, 2]))
     found = []
     for leg in legs:
-        foot = at[:, skeleton.index(leg.ball or leg.ankle)]
+        foot = at[:, skeleton.index(leg.ball)]
         if pace.starts or pace.stops:  # what would sink between walking and standing is low, too
             ground_m = foot[0 if pace.starts else -1, 2]
             foot[:, 2] = np.maximum(foot[:, 2], ground_m)

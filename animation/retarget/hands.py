@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.directions import axes_along, unit
+from motorcade.animation.vectors import axes_along, unit
 from motorcade.ga import FloatArray, Rotor
 
 __all__ = ["FINGERS", "Seen", "hand_turn", "is_of_hand"]

@@ -11,9 +11,10 @@ import numpy as np
 
 from motorcade.animation.retarget.roles import SIDES, ancestors, body_of
 from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.vectors import UP
 from motorcade.ga import FloatArray, Motor, Rotor
 
-__all__ = ["LIMBS", "NO_BONE_M", "UP", "Match", "along_axes", "angle_rad"]
+__all__ = ["LIMBS", "NO_BONE_M", "Match", "along_axes", "angle_rad"]
 
 # Bones shorter than this have no direction to lay along.
 NO_BONE_M = 1e-4
@@ -22,7 +23,6 @@ SAME_BONE_RAD, SAME_SHARE = np.radians(4.0), 0.85
 # A rest to compare by: limbs of both sides mirrored, thighs hanging, within these angles.
 MIRRORED_RAD, HANGING_RAD = np.radians(12.0), np.radians(35.0)
 LIMBS = (("thigh", "calf", "foot"), ("upper_arm", "forearm", "hand"))
-UP = np.array([0.0, 0.0, 1.0])
 # All turns that take the axes to axes.
 AXES = Rotor.from_matrix(np.array([
     m for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)

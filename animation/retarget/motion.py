@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.animation.directions import axes_along, shortest_turn, unit
 from motorcade.animation.retarget.hands import Seen, hand_turn, is_of_hand
-from motorcade.animation.retarget.match import LIMBS, UP, Match, along_axes
+from motorcade.animation.retarget.match import LIMBS, Match, along_axes
 from motorcade.animation.retarget.roles import body_of
+from motorcade.animation.vectors import UP, axes_along, shortest_turn, turn_z, unit
 from motorcade.ga import FloatArray, Rotor, mean
 
 __all__ = ["from_motion"]
@@ -151,6 +151,4 @@ def _headings(match: Match, at: FloatArray) -> Rotor:
     if pair is None:
         return Rotor.identity((len(at),))
     across = at[:, body[pair[0]]] - at[:, body[pair[1]]]
-    turn = np.zeros_like(across)
-    turn[:, 2] = np.arctan2(across[:, 0], across[:, 1])
-    return Rotor.from_rotation_vector(turn)
+    return turn_z(np.arctan2(across[:, 0], across[:, 1]))

@@ -23,7 +23,8 @@ from motorcade.animation.retarget.roles import (
     joints_alike,
 )
 from motorcade.animation.retarget.spines import spread_spine
-from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.skeleton import Skeleton, with_joint
+from motorcade.animation.vectors import UP
 from motorcade.ga import FloatArray, Motor, Rotor
 
 __all__ = ["retarget"]
@@ -100,7 +101,7 @@ def _carrier(skeleton: Skeleton) -> int:
     limbs = [body[f"{side}_thigh"] for side in SIDES if f"{side}_thigh" in body]
     limbs += [body[role] for role in ("spine_1", "neck", "head") if role in body][:1]
     if not limbs:
-        return body.get("hips", int(np.flatnonzero(skeleton.parents < 0)[0]))
+        return body.get("hips", skeleton.root)
     carrier = common_parent(skeleton, limbs)
     hips = body.get("hips", carrier)
     return hips if hips in ancestors(skeleton, carrier) else carrier
@@ -137,17 +138,17 @@ def _leg_m(skeleton: Skeleton) -> float:
 
 def _carried(match: Match, poses: Motor, carrier: int, way: FloatArray) -> Motor:
     """Poses in which the carrier goes its way: over the ground by its root, the rest by itself."""
-    target, made = match.target, poses.coefficients.copy()
+    target = match.target
     line = ancestors(target, carrier)
     if line:
         root = line[-1]
         resting = target.rest_world[carrier].translation_m
         shift = target.rest[root].translation_m + (way - resting) * [1.0, 1.0, 0.0]
-        made[:, root] = Motor.from_rotor_translation(poses[:, root].rotor, shift).coefficients
-        above = target.world(Motor(made))[:, line[0]]
+        poses = with_joint(poses, root, Motor.from_rotor_translation(poses[:, root].rotor, shift))
+        above = target.world(poses)[:, line[0]]
         way = above.inverse().apply(way)
-    made[:, carrier] = Motor.from_rotor_translation(poses[:, carrier].rotor, way).coefficients
-    return Motor.normalize(made)
+    moved = Motor.from_rotor_translation(poses[:, carrier].rotor, way)
+    return with_joint(poses, carrier, moved)
 
 
 def _grounded(target: Skeleton, poses: Motor, carrier: int) -> Motor:
@@ -159,10 +160,9 @@ def _grounded(target: Skeleton, poses: Motor, carrier: int) -> Motor:
         return poses
     height = target.world(poses).translation_m[:, soles, 2]
     over = np.min(height - target.rest_world.translation_m[soles, 2], axis=1)
-    down = np.array([0.0, 0.0, -float(np.quantile(over, LOWEST_SHARE))])
-    world, made = target.world(poses), poses.coefficients.copy()
+    down = -float(np.quantile(over, LOWEST_SHARE)) * UP
+    world = target.world(poses)
     parent = int(target.parents[carrier])
-    above = world[:, parent].rotor if parent >= 0 else Rotor.identity((len(made),))
-    lift = Motor.from_rotor_translation(Rotor.identity((len(made),)), above.inverse().apply(down))
-    made[:, carrier] = (lift @ poses[:, carrier]).coefficients
-    return Motor(made)
+    above = world[:, parent].rotor if parent >= 0 else Rotor.identity(poses.shape[:1])
+    lift = Motor.from_translation(above.inverse().apply(down))
+    return with_joint(poses, carrier, lift @ poses[:, carrier])

@@ -128,6 +128,12 @@ class Motor(Versor):
         return cls._trusted(made)
 
     @classmethod
+    def from_translation(cls, translation_m: ArrayLike) -> Motor:
+        """Translators: motions ``(*)`` by vectors ``(*, 3)`` in metres that turn nothing."""
+        shift = checked_floats(translation_m, "translation_m", (3,))
+        return cls.from_rotor_translation(Rotor.identity(shift.shape[:-1]), shift)
+
+    @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Motor:
         """Motors from homogeneous matrices ``(*, 4, 4)`` that act on columns.
 

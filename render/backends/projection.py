@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.animation.directions import perpendicular, unit
+from motorcade.animation.vectors import perpendicular, unit
 from motorcade.ga import FloatArray, Motor, Rotor
 from motorcade.render.scene import Lighting
 from motorcade.tracking.cameras.camera import Camera

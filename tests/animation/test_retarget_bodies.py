@@ -136,7 +136,7 @@ def _chain(count: int) -> Skeleton:
     """Hips, a spine of so many joints over 0.6 m, neck and head."""
     names = ("hips", *(f"spine{k}" for k in range(count)), "neck", "head")
     shifts = [[0, 0, 1.0], [0, 0, 0.0], *([[0, 0, 0.6 / count]] * count), [0, 0, 0.1]]
-    rest = Motor.from_rotor_translation(Rotor.identity((len(names),)), np.array(shifts))
+    rest = Motor.from_translation(np.array(shifts))
     return Skeleton(names, np.arange(-1, len(names) - 1), rest)
 
 

@@ -174,7 +174,7 @@ def test_jitter_without_truth_counts_only_what_is_faster(handheld):
     truth = handheld.trajectory(200.0, 20.0)
     shake = np.zeros((len(truth), 3))
     shake[:, 1] = 1e-3 * np.sin(2 * np.pi * 12.0 * truth.time_s)
-    poses = Motor.from_rotor_translation(Rotor.identity((len(truth),)), shake) @ truth.poses
+    poses = Motor.from_translation(shake) @ truth.poses
     shaking = Trajectory(truth.time_ns, poses)
     expected = 1e-3 * (2 * np.pi * 12.0) ** 2 / np.sqrt(2)
     assert jitter_above(shaking, 6.0).linear_m_s2 == pytest.approx(expected, rel=0.03)

@@ -167,7 +167,7 @@ def test_ground_shade_lands_where_the_camera_projects_it() -> None:
 
 def test_ground_is_not_shaded_from_below_nor_above_the_horizon() -> None:
     shade = np.ones((GRID, GRID))
-    below = Motor.from_rotor_translation(Rotor.identity(), np.array([0.0, 0.0, -1.0]))
+    below = Motor.from_translation(np.array([0.0, 0.0, -1.0]))
     assert shade_in_picture(shade, 0.5, CAMERA, below.inverse()) is None
     level = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
     pose = Motor.from_rotor_translation(Rotor.from_matrix(level), np.array([-2.0, 0.0, 0.5]))

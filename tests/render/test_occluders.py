@@ -14,7 +14,7 @@ from motorcade.render.shadow import ShadowLook, shade_step_m
 from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(120, 90, 100.0, 103.0, 61.2, 43.4)
-FAR_BELOW = Motor.from_rotor_translation(Rotor.identity(), [0.0, 0.0, -50.0])
+FAR_BELOW = Motor.from_translation([0.0, 0.0, -50.0])
 EVERYWHERE_M = np.array([[x, y, z] for x in (-9, 9) for y in (-9, 9) for z in (-9, 9)], float)
 
 
@@ -73,7 +73,7 @@ def test_what_has_the_figure_and_the_camera_on_one_side_hides_nothing() -> None:
 
 
 def test_a_ground_seen_from_beneath_hides_nothing() -> None:
-    eye = Motor.from_rotor_translation(Rotor.identity(), [0.0, 0.0, -1.0])
+    eye = Motor.from_translation([0.0, 0.0, -1.0])
     assert known_depth(CAMERA, eye, EVERYWHERE_M, None, Motor.identity()) is None
 
 
@@ -83,7 +83,7 @@ def figure() -> Character:
 
 
 def standing_at(figure: Character, z_m: float = 0.0) -> Placement:
-    floor = Motor.from_rotor_translation(Rotor.identity(), [0.0, 0.0, z_m])
+    floor = Motor.from_translation([0.0, 0.0, z_m])
     return place_on_plane(figure, height_m=1.0, world_T_plane=floor)
 
 
@@ -135,7 +135,7 @@ def test_what_sinks_into_the_ground_is_hidden_by_it(figure: Character) -> None:
     sunk = figure.clip("idle")
     poses = sunk.poses.coefficients.copy()
     root = int(np.flatnonzero(figure.skeleton.parents < 0)[0])
-    down = Motor.from_rotor_translation(Rotor.identity(), [0.0, 0.0, -0.2 * figure.height_m])
+    down = Motor.from_translation([0.0, 0.0, -0.2 * figure.height_m])
     poses[:, root] = (down @ sunk.poses[:, root]).coefficients
     lower = type(sunk)("sunk", sunk.time_s, Motor.normalize(poses))
     frame = np.full((CAMERA.height, CAMERA.width, 3), 120, dtype=np.uint8)
@@ -161,14 +161,14 @@ def test_light_and_shadow_go_with_a_figure_that_travels(figure: Character, rende
     steps = [0.0, away * figure.height_m]
     poses = np.stack([idle.poses[0].coefficients] * 2)
     for k, x in enumerate(steps):
-        gone = Motor.from_rotor_translation(Rotor.identity(), [x, 0.0, 0.0])
+        gone = Motor.from_translation([x, 0.0, 0.0])
         poses[k, root] = (gone @ idle.poses[0, root]).coefficients
     travels = type(idle)("travels", np.array([0.0, 1.0]), Motor.normalize(poses))
     stands = type(idle)("stands", idle.time_s[:1], idle.poses[:1])
     here = standing_at(figure)
     there = place_on_plane(figure, (away, 0.0), height_m=1.0)
     path_here = from_the_front()
-    shift = Motor.from_rotor_translation(Rotor.identity(), [away, 0.0, 0.0])
+    shift = Motor.from_translation([away, 0.0, 0.0])
     moved = Trajectory(np.array([0, 1_000_000_000]), shift @ path_here.motors)
     light = character_lighting(here, path_here.motors, 1.0, np.array([-0.4, 0.3, -0.85]))
     light_there = light.moved_by(np.array([away, 0.0, 0.0]))

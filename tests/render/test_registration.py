@@ -62,6 +62,6 @@ def test_shake_is_the_deviation_of_white_noise(rng: np.random.Generator) -> None
     places = np.zeros((4000, 3))
     places[:, :2] = 0.002 * rng.standard_normal((4000, 2)) + np.linspace(0, 0.1, 4000)[:, None]
     stamps = np.arange(4000) * 33_333_333
-    path = Trajectory(stamps, Motor.from_rotor_translation(Rotor.identity(), places))
+    path = Trajectory(stamps, Motor.from_translation(places))
     expected = 300.0 / 2.0 * 0.002 * np.sqrt(2.0)
     assert shake_px(path, CAMERA, np.array([0.0, 0.0, 2.0])) == pytest.approx(expected, rel=0.05)

@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from motorcade.animation.directions import unit
 from motorcade.animation.formats.collada.library import Library
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_NODES, check_count
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree
+from motorcade.animation.vectors import unit
 from motorcade.ga import FloatArray, Rotor
 
 __all__ = ["Scene", "Step", "matrix_of_steps", "read_scene"]

@@ -13,6 +13,7 @@ from motorcade.animation.formats.md5.motion import read_clip
 from motorcade.animation.formats.md5.words import Words, opened, orientation
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip, Skin, Surface
+from motorcade.animation.skeleton import local_poses
 from motorcade.ga import FloatArray, IntArray, Motor
 
 __all__ = ["read_md5_mesh"]
@@ -68,11 +69,7 @@ def _joints(words: Words, count: int) -> tuple[tuple[str, ...], IntArray, Motor]
 
 
 def _local(parents: IntArray, world: Motor) -> Transforms:
-    local = np.array(world.coefficients)
-    held = np.flatnonzero(parents >= 0)
-    if len(held):
-        local[held] = (world[parents[held]].inverse() @ world[held]).coefficients
-    wxyz, places = Motor(local).as_quaternion_translation()
+    wxyz, places = local_poses(parents, world).as_quaternion_translation()
     return Transforms(wxyz, places, np.ones(len(parents)))
 
 

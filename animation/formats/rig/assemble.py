@@ -17,7 +17,7 @@ from motorcade.animation.formats.rig.poses import JointPoses, World, joint_poses
 from motorcade.animation.formats.rig.sampling import Sampler
 from motorcade.animation.formats.rig.surfaces import BoundMesh, bound_mesh
 from motorcade.animation.formats.rig.values import Rig, RigClip
-from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.skeleton import Skeleton, local_poses
 from motorcade.ga import FloatArray, Motor, Rotor, Similarity
 
 __all__ = ["Assembled", "assemble_character", "assemble_motion"]
@@ -52,7 +52,7 @@ def assemble_character(rig: Rig, unit_m: float | None) -> Character:
     mesh = bound_mesh(rig.tree, stage.joints, binding, rig.surfaces)
     notices = [*stage.notices, *mesh.notices, *_lost(stage.rest, mesh)]
     soles_m = float(mesh.vertices[:, 2].min())
-    lift = Motor.from_rotor_translation(Rotor.identity(), (0.0, 0.0, -soles_m))
+    lift = Motor.from_translation((0.0, 0.0, -soles_m))
     skeleton = _skeleton(stage.joints, lift @ binding.world)
     vertices = mesh.vertices - (0.0, 0.0, soles_m)
     if not binding.agrees:
@@ -89,7 +89,7 @@ def assemble_motion(rig: Rig, unit_m: float | None) -> Assembled:
     skeleton = Skeleton(stage.joints.names, stage.joints.parents, local)
     lowest_m = float(skeleton.rest_world.translation_m[:, 2].min())
     if lowest_m < 0.0:
-        lift = Motor.from_rotor_translation(Rotor.identity(), (0.0, 0.0, -lowest_m))
+        lift = Motor.from_translation((0.0, 0.0, -lowest_m))
         skeleton = _skeleton(stage.joints, lift @ skeleton.rest_world)
     height_m = float(np.ptp(skeleton.rest_world.translation_m, axis=0).max())
     everything = np.ones(len(skeleton), dtype=bool)
@@ -213,12 +213,7 @@ def _carrying(joints: Joints, mesh: BoundMesh) -> NDArray[np.bool_]:
 
 def _skeleton(joints: Joints, world: Motor) -> Skeleton:
     """A skeleton whose rest pose is `character_T_joint` (J,)."""
-    local = np.array(world.coefficients)
-    held = np.flatnonzero(joints.parents >= 0)
-    if len(held):
-        inside = world[joints.parents[held]].inverse() @ world[held]
-        local[held] = inside.coefficients
-    return Skeleton(joints.names, joints.parents, Motor.normalize(local))
+    return Skeleton(joints.names, joints.parents, local_poses(joints.parents, world))
 
 
 def _new_name(wanted: str, taken: set[str]) -> str:

@@ -21,6 +21,7 @@ from motorcade.animation.formats.rig.poses import JointPoses
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import Skin, Surface
 from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.vectors import box_corners
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor
 
 __all__ = ["Binding", "bind"]
@@ -102,9 +103,7 @@ def _placing(
     )[: len(numbers)]
     if not (np.isfinite(mass).all() and mass.sum() > 0.0):
         raise expected(f"weights of '{main.name}'", "a sum above zero", mass.sum())
-    low, high = main.vertices.min(axis=0), main.vertices.max(axis=0)
-    box = np.array([low, high])
-    corners = np.stack([box[[i, j, k], [0, 1, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    corners = box_corners(main.vertices)
     placed = np.einsum("mij,cj->mci", placings[:, :3, :3], corners) + placings[:, None, :3, 3]
     heaviest = int(np.argmax(mass))
     size = float(np.linalg.norm(np.ptp(placed[heaviest], axis=0)))

@@ -8,9 +8,10 @@ import numpy as np
 
 from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.rig.values import Surface
+from motorcade.animation.vectors import UP, unit
 from motorcade.ga import FloatArray, IntArray
 
-__all__ = ["Influences", "normals_of", "strongest_four", "unit_or_up"]
+__all__ = ["Influences", "normals_of", "strongest_four"]
 
 # A dropped share or a sum off by this much is worth telling.
 TOLD_SHARE = 0.01
@@ -93,14 +94,4 @@ def normals_of(vertices: FloatArray, triangles: IntArray) -> FloatArray:
             sums[:, axis] += np.bincount(
                 places[triangles[:, corner]], faces[:, axis], minlength=len(sums)
             )
-    return unit_or_up(sums[places])
-
-
-def unit_or_up(vectors: FloatArray) -> FloatArray:
-    """Unit vectors (V, 3); +z where there is no direction."""
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    short = ~(length[:, 0] > 1e-30)
-    made = vectors / np.where(short[:, None], 1.0, length)
-    made[short] = (0.0, 0.0, 1.0)
-    unit: FloatArray = made / np.linalg.norm(made, axis=1, keepdims=True)
-    return unit
+    return unit(sums[places], UP)

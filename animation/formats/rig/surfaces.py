@@ -9,8 +9,9 @@ import numpy as np
 from motorcade.animation.formats.errors import FormatError
 from motorcade.animation.formats.rig.binding import Binding
 from motorcade.animation.formats.rig.joints import Joints, nearest_joints
-from motorcade.animation.formats.rig.mesh import normals_of, strongest_four, unit_or_up
+from motorcade.animation.formats.rig.mesh import normals_of, strongest_four
 from motorcade.animation.formats.rig.values import NodeTree, Skin, Surface
+from motorcade.animation.vectors import UP, unit
 from motorcade.ga import FloatArray, IntArray
 
 __all__ = ["BoundMesh", "bound_mesh"]
@@ -146,7 +147,7 @@ def _normals(
         normals = np.einsum("vij,vj->vi", cofactors, given)
     size = float(np.abs(cofactors).max())
     bare = ~(np.linalg.norm(normals, axis=1) > 1e-3 * size)
-    made = unit_or_up(normals)
+    made = unit(normals, UP)
     if bare.any():
         made[bare] = normals_of(vertices, triangles)[bare]
     return made, int(np.count_nonzero(bare))

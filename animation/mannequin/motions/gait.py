@@ -27,9 +27,6 @@ from motorcade.animation.mannequin.motions.posing import (
     ease,
     reach,
     relaxed_hand,
-    turn_x,
-    turn_y,
-    turn_z,
     wave,
 )
 from motorcade.animation.mannequin.proportions import (
@@ -43,6 +40,7 @@ from motorcade.animation.mannequin.proportions import (
     TOE_FORWARD_M,
 )
 from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.vectors import turn_x, turn_y, turn_z
 from motorcade.ga import FloatArray, Motor, Rotor
 
 __all__ = ["GAITS", "Gait", "gait_clip"]

@@ -10,17 +10,10 @@ import math
 import numpy as np
 
 from motorcade.animation.clip import Clip
-from motorcade.animation.mannequin.motions.posing import (
-    assembled,
-    reach,
-    relaxed_hand,
-    turn_x,
-    turn_y,
-    turn_z,
-    wave,
-)
+from motorcade.animation.mannequin.motions.posing import assembled, reach, relaxed_hand, wave
 from motorcade.animation.mannequin.proportions import ANKLE_HEIGHT_M, SIDES
 from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.vectors import turn_x, turn_y, turn_z
 from motorcade.ga import FloatArray, Motor, Rotor
 
 __all__ = ["STANCE", "arm_at_ease", "hips_at_ease", "idle", "standing", "trunk_at_ease"]

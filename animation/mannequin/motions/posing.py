@@ -11,34 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from motorcade.animation.easing import smootherstep
 from motorcade.animation.mannequin.proportions import FINGERS, SHIN_M, THIGH_M
 from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.vectors import turn_x, turn_y, turn_z
 from motorcade.ga import FloatArray, Motor, Rotor
 
 # How far fingers stay fanned where a hand is at ease; 1 as in the rest pose.
 AT_EASE = 0.35
-
-
-def turn_x(angle_rad: ArrayLike) -> Rotor:
-    """Rotors about x by angles (*)."""
-    return _turn(angle_rad, 0)
-
-
-def turn_y(angle_rad: ArrayLike) -> Rotor:
-    """Rotors about y by angles (*)."""
-    return _turn(angle_rad, 1)
-
-
-def turn_z(angle_rad: ArrayLike) -> Rotor:
-    """Rotors about z by angles (*)."""
-    return _turn(angle_rad, 2)
-
-
-def _turn(angle_rad: ArrayLike, axis: int) -> Rotor:
-    angle = np.asarray(angle_rad, dtype=np.float64)
-    vector = np.zeros((*angle.shape, 3))
-    vector[..., axis] = angle
-    return Rotor.from_rotation_vector(vector)
 
 
 def wave(phase: FloatArray, peak: float, cycles: int = 1) -> FloatArray:
@@ -47,9 +27,8 @@ def wave(phase: FloatArray, peak: float, cycles: int = 1) -> FloatArray:
 
 
 def ease(phase: FloatArray, start: float, end: float) -> FloatArray:
-    """0 before `start`, 1 after `end`, with two continuous derivatives between (a quintic)."""
-    u = np.clip((phase - start) / (end - start), 0.0, 1.0)
-    return np.asarray(u * u * u * (10.0 + u * (6.0 * u - 15.0)))
+    """0 before `start`, 1 after `end`, with two continuous derivatives between."""
+    return smootherstep((phase - start) / (end - start))
 
 
 def clamped_curve(

@@ -18,15 +18,10 @@ from motorcade.animation.mannequin.motions.idle import (
     hips_at_ease,
     trunk_at_ease,
 )
-from motorcade.animation.mannequin.motions.posing import (
-    assembled,
-    ease,
-    reach,
-    turn_y,
-    turn_z,
-)
+from motorcade.animation.mannequin.motions.posing import assembled, ease, reach
 from motorcade.animation.mannequin.proportions import ANKLE_HEIGHT_M, SIDES
 from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.vectors import turn_y, turn_z
 from motorcade.ga import FloatArray, Motor, Rotor
 
 __all__ = ["turning"]

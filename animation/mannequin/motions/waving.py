@@ -6,15 +6,9 @@ import numpy as np
 
 from motorcade.animation.clip import Clip
 from motorcade.animation.mannequin.motions.idle import standing
-from motorcade.animation.mannequin.motions.posing import (
-    assembled,
-    ease,
-    relaxed_hand,
-    turn_x,
-    turn_y,
-    turn_z,
-)
+from motorcade.animation.mannequin.motions.posing import assembled, ease, relaxed_hand
 from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.vectors import turn_x, turn_y, turn_z
 from motorcade.ga import FloatArray, Rotor
 
 __all__ = ["waving"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from motorcade.animation.easing import smoothstep
 from motorcade.animation.mannequin.proportions import (
     ANKLE_HEIGHT_M,
     FOREARM_M,
@@ -55,8 +56,7 @@ def _flank(y: FloatArray, z: FloatArray, soft: float) -> FloatArray:
 
 def _above(value: FloatArray | float, limit: FloatArray | float, soft: float) -> FloatArray:
     """0 below, 1 above a limit, a smooth step between."""
-    u = np.clip(0.5 + 0.5 * (np.asarray(value) - limit) / soft, 0.0, 1.0)
-    return np.asarray(u * u * (3.0 - 2.0 * u))
+    return smoothstep(0.5 + 0.5 * (np.asarray(value) - limit) / soft)
 
 
 def _between(value: FloatArray, low: float, high: float, soft: float) -> FloatArray:

@@ -13,9 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.animation.easing import smoothstep
 from motorcade.animation.mannequin.proportions import ARM_SPREAD_RAD
 from motorcade.animation.mannequin.shape.arm import SHOULDER_M
 from motorcade.animation.mannequin.shape.fields import Field
+from motorcade.animation.vectors import box_corners
 from motorcade.ga import FloatArray, IntArray
 
 __all__ = ["Mesh", "meshed"]
@@ -76,8 +78,7 @@ class Stretch:
     direction: tuple[float, float, float]
 
     def _share(self, station: FloatArray) -> FloatArray:
-        u = np.clip((station - self.begin_m) / (self.end_m - self.begin_m), 0.0, 1.0)
-        return np.asarray(u * u * (3.0 - 2.0 * u))
+        return smoothstep((station - self.begin_m) / (self.end_m - self.begin_m))
 
     def _table(self) -> tuple[FloatArray, FloatArray]:
         """Stations and where they come to lie."""
@@ -194,8 +195,7 @@ def _half(field: Field, grid: Grid) -> tuple[FloatArray, IntArray]:
 def _sampled(field: Field, grid: Grid) -> tuple[FloatArray, NDArray[np.float32]]:
     """First node and float32 values (X, Y, Z) of the grid: exact near the surface, signs beyond."""
     step = grid.step_m
-    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-    reach: FloatArray = grid.stretched(np.where(corners, HIGH_M, LOW_M))
+    reach = grid.stretched(box_corners(np.stack([LOW_M, HIGH_M])))
     low, high = reach.min(axis=0), reach.max(axis=0)
     # the ground falls between two planes of nodes
     low[1], low[2] = 0.0, (np.floor(low[2] / step) - 0.37) * step

@@ -11,6 +11,7 @@ from motorcade.animation import Character, Placement
 from motorcade.animation.skin.palette import SkinMethod, checked_method
 from motorcade.animation.skin.skinning import CARRIERS
 from motorcade.animation.srgb import to_linear
+from motorcade.animation.vectors import box_corners
 from motorcade.ga import FloatArray
 from motorcade.render.backends.fast.programs import Programs
 from motorcade.render.backends.renderer import check_moved
@@ -173,10 +174,7 @@ def column_major(matrix: FloatArray) -> bytes:
 
 def _corners(vertices: FloatArray) -> FloatArray | None:
     """Corners of the box around vertices; None without any."""
-    if not len(vertices):
-        return None
-    ends = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
-    return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i, j, k in np.ndindex(2, 2, 2)])
+    return box_corners(vertices) if len(vertices) else None
 
 
 def _vertex_names(lit: bool) -> tuple[str, ...]:

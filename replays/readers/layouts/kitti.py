@@ -117,6 +117,6 @@ def _truth(root: Path, time_ns: IntArray, row: FloatArray) -> Trajectory | None:
         raise refusal(path, f"expected {len(time_ns)} poses for as many pictures, got {len(poses)}")
     intrinsic = row.reshape(3, 4)
     shift_m = np.linalg.solve(intrinsic[:, :3], intrinsic[:, 3])
-    camera0_T_camera = Motor.from_rotor_translation(Rotor.identity(), -shift_m)
+    camera0_T_camera = Motor.from_translation(-shift_m)
     world_T_kitti = Motor.from_rotor_translation(Rotor.from_matrix(_UPRIGHT), np.zeros(3))
     return Trajectory(time_ns, world_T_kitti @ poses @ camera0_T_camera)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.directions import axes_along
+from motorcade.animation.vectors import axes_along
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory, frozen
 from motorcade.render.light import Prints
 from motorcade.replays.recording import Frame, Recording
@@ -114,7 +114,7 @@ def known_marker(recording: Recording, camera_poses: CameraPoses, marker_id: int
         rows = np.flatnonzero(board.marker_ids == marker_id)
         if len(rows):
             corner_m = board.points_m[4 * int(rows[0])]
-            inside = Motor.from_rotor_translation(Rotor.identity(), corner_m)
+            inside = Motor.from_translation(corner_m)
             return recording.world_T_board @ inside
     if camera_poses.marker_map is None:
         return None
@@ -184,7 +184,7 @@ def ground_on_floor(
         tall = FLOOR_HEIGHT_M if camera_poses.metric else _FREE_HEIGHT * depth
         farthest = FARTHEST_M if camera_poses.metric else depth
         return Ground(plane, _where_it_looks(plane.inverse() @ first, farthest), tall, name)
-    plane = Motor.from_rotor_translation(Rotor.identity(), [0.0, 0.0, floor_m])
+    plane = Motor.from_translation([0.0, 0.0, floor_m])
     position = _where_it_looks(plane.inverse() @ first, FARTHEST_M)
     return Ground(plane, position, FLOOR_HEIGHT_M, f"the world's z = {floor_m:g} m")
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Trajectory
 from tests.bench.tracking.board_smoothing import (
     CAUSAL,
     bench_board,
@@ -21,7 +21,7 @@ def test_jitter_is_that_of_the_noise_and_not_of_even_motion(rng: np.random.Gener
     even = np.outer(time_s**2, [1e-3, -2e-3, 5e-4]) + np.outer(time_s, [0.1, 0.2, 0.3])
     stamps = np.arange(5000, dtype=np.int64) * 33_333_333
     for places, jitter in ((even, 0.0), (even + noise_m, 1e-3 * np.sqrt(6.0))):
-        path = Trajectory(stamps, Motor.from_rotor_translation(Rotor.identity(), places))
+        path = Trajectory(stamps, Motor.from_translation(places))
         assert position_jitter_m(path) == pytest.approx(jitter, rel=0.03, abs=1e-8)
 
 
@@ -29,9 +29,7 @@ def test_the_causal_smoother_knows_the_past_alone(rng: np.random.Generator) -> N
     from motorcade.fusion.smoothing import smooth
 
     stamps = np.arange(60, dtype=np.int64) * 33_333_333
-    path = Trajectory(
-        stamps, Motor.from_rotor_translation(Rotor.identity(), 0.01 * rng.standard_normal((60, 3)))
-    )
+    path = Trajectory(stamps, Motor.from_translation(0.01 * rng.standard_normal((60, 3))))
     method, parameters = CAUSAL
     whole, start = (smooth(one, method, **parameters) for one in (path, path[:40]))
     np.testing.assert_array_equal(whole.motors[:40].coefficients, start.motors.coefficients)

@@ -139,7 +139,7 @@ def test_a_shift_in_the_world_is_a_defect_on_the_left_alone(rng):
     shift = np.array([0.1, -0.2, 0.3])
 
     def world_shift(path):
-        return path.transformed_by(Motor.from_rotor_translation(Rotor.identity(), shift))
+        return path.transformed_by(Motor.from_translation(shift))
 
     def sensor_turn(path):
         return path.transformed_by(right=Motor.from_twist([0.2, 0.0, 0.0, 0.0, 0.0, 0.0]))

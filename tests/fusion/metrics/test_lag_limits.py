@@ -137,9 +137,7 @@ def test_motion_the_other_way_fits_at_no_lag(handheld, shake, said):
     stamps = handheld.time_ns(100.0, 8.0)
     seconds = (stamps - stamps[0]) * 1e-9
     along = seconds + 0.01 * seconds**2 + shake * np.sin(2.0 * np.pi * seconds / 0.4)
-    motors = Motor.from_rotor_translation(
-        Rotor.identity((len(stamps),)), along[:, None] * [1.0, 0.0, 0.0]
-    )
+    motors = Motor.from_translation(along[:, None] * [1.0, 0.0, 0.0])
     path = Trajectory(stamps, motors)
     with pytest.raises(NotObservableError, match=f"lag: expected a peak of the .*, {said}"):
         position_lag_s(opposite(path), path)

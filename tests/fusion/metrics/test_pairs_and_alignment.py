@@ -28,7 +28,7 @@ def at(*stamps_ms: float) -> Trajectory:
 
 
 def placed(positions_m: np.ndarray) -> Motor:
-    return Motor.from_rotor_translation(Rotor.identity((len(positions_m),)), positions_m)
+    return Motor.from_translation(positions_m)
 
 
 def pairs_of(estimate_m: np.ndarray, reference_m: np.ndarray) -> Pairs:

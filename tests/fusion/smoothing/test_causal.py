@@ -245,7 +245,7 @@ def test_what_is_no_pose_and_no_stamp_is_refused(rng: np.random.Generator) -> No
 
 def test_a_result_beyond_float64_is_refused() -> None:
     chosen = DoubleExponential()
-    far = [Motor.from_rotor_translation(Rotor.identity(), [x, 0.0, 0.0]) for x in (0.0, 1.7e308)]
+    far = [Motor.from_translation([x, 0.0, 0.0]) for x in (0.0, 1.7e308)]
     chosen.update(far[0], 0)
     chosen.update(far[1], 1_000)
     with pytest.raises(ValueError, match="pose: expected a finite result"):

@@ -269,7 +269,7 @@ def test_quaternions_are_filtered_as_four_numbers_and_projected_once(
     halved = dict(zip(names, (0.5 * densities[1], 1.0), strict=True))
     columns = []
     for part in (wxyz[:, :3], np.pad(wxyz[:, 3:], ((0, 0), (0, 2)))):
-        still = Motor.from_rotor_translation(Rotor.identity((len(noisy),)), part)
+        still = Motor.from_translation(part)
         path = smooth(Trajectory(noisy.time_ns, still), method, "motor", noise_m=0.005, **halved)
         columns.append(path.poses.translation_m)
     expected = np.concatenate([columns[0], columns[1][:, :1]], axis=1)

@@ -8,7 +8,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import savgol_filter
 
 from motorcade.fusion.smoothing import REPRESENTATIONS, smooth
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
+from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
 
 STEP_NS = 33_333_333
 SCREW = np.array([0.3, 1.0, 0.5, 0.1, 0.2, -0.4])
@@ -24,9 +24,7 @@ def uneven(rng: np.random.Generator, count: int) -> IntArray:
 
 def shifts(positions: FloatArray, time_ns: IntArray) -> Trajectory:
     """Positions without rotation, on which every representation is Euclidean."""
-    return Trajectory(
-        time_ns, Motor.from_rotor_translation(Rotor.identity((len(positions),)), positions)
-    )
+    return Trajectory(time_ns, Motor.from_translation(positions))
 
 
 def noisy_path(rng: np.random.Generator, time_ns: IntArray) -> Trajectory:

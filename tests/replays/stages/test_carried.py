@@ -64,7 +64,7 @@ def still(frame: int) -> Motor:
 
 
 def leaping(frame: int) -> Motor:
-    away = Motor.from_rotor_translation(Rotor.identity(), [0.2, -0.1, 0.0])
+    away = Motor.from_translation([0.2, -0.1, 0.0])
     return still(0) if frame < 20 else away @ still(0)
 
 

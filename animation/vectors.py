@@ -1,12 +1,27 @@
-"""Directions of three coordinates: unit vectors, what is at right angles, least turns, frames."""
+"""Vectors of three coordinates: lengths, least turns, turns about an axis, frames, boxes."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import FloatArray, Rotor, frozen
 
-__all__ = ["axes_along", "length", "perpendicular", "shortest_turn", "unit"]
+__all__ = [
+    "UP",
+    "axes_along",
+    "box_corners",
+    "length",
+    "perpendicular",
+    "shortest_turn",
+    "turn_x",
+    "turn_y",
+    "turn_z",
+    "unit",
+]
+
+UP = frozen(np.array([0.0, 0.0, 1.0]))
+"""Of characters and worlds."""
 
 
 def length(vectors: FloatArray) -> FloatArray:
@@ -32,7 +47,7 @@ def shortest_turn(start: FloatArray, end: FloatArray) -> Rotor:
     Of vectors of no length, none; of opposite ones, half a turn about some axis across.
 
     >>> import numpy as np
-    >>> from motorcade.animation.directions import shortest_turn
+    >>> from motorcade.animation.vectors import shortest_turn
     >>> shortest_turn(np.array([2.0, 0, 0]), np.array([0, 3.0, 0])).as_rotation_vector()
     array([0.        , 0.        , 1.57079633])
     """
@@ -46,3 +61,31 @@ def axes_along(ahead: FloatArray, towards: FloatArray) -> Rotor:
     x = unit(ahead)
     z = unit(np.cross(x, towards))
     return Rotor.from_matrix(np.stack([x, np.cross(z, x), z], axis=-1))
+
+
+def turn_x(angle_rad: ArrayLike) -> Rotor:
+    """Rotors about x by angles (*)."""
+    return _turn(angle_rad, 0)
+
+
+def turn_y(angle_rad: ArrayLike) -> Rotor:
+    """Rotors about y by angles (*)."""
+    return _turn(angle_rad, 1)
+
+
+def turn_z(angle_rad: ArrayLike) -> Rotor:
+    """Rotors about z by angles (*)."""
+    return _turn(angle_rad, 2)
+
+
+def _turn(angle_rad: ArrayLike, axis: int) -> Rotor:
+    angle = np.asarray(angle_rad, dtype=np.float64)
+    vector = np.zeros((*angle.shape, 3))
+    vector[..., axis] = angle
+    return Rotor.from_rotation_vector(vector)
+
+
+def box_corners(points: FloatArray) -> FloatArray:
+    """The eight corners ``(8, 3)`` of the box along the axes about points ``(N, 3)``, N above 0."""
+    ends = np.stack([points.min(axis=0), points.max(axis=0)])
+    return np.array([ends[which, range(3)] for which in np.ndindex(2, 2, 2)])
