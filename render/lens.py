@@ -51,9 +51,13 @@ class LensWarp:
         # A border of one pixel on each side, for the bilinear filter.
         left, top = math.floor(low[0]) - 1, math.floor(low[1]) - 1
         self.pinhole = Camera(
-            math.ceil(high[0]) - left + 2, math.ceil(high[1]) - top + 2,
-            camera.fx, camera.fy, camera.cx - left, camera.cy - top,
-        )  # fmt: skip
+            math.ceil(high[0]) - left + 2,
+            math.ceil(high[1]) - top + 2,
+            camera.fx,
+            camera.fy,
+            camera.cx - left,
+            camera.cy - top,
+        )
         self._source = (source - (left, top)).astype(np.float32)
         self._whole, self._fraction = cv2.convertMaps(self._source, None, cv2.CV_16SC2)
 

@@ -122,11 +122,14 @@ def render_overlay(
             depth_m = rest[0] if rest else None
             drawn = [
                 stage.draw(
-                    drawing, world_T_camera.motors_at(moment), 1e-9 * (moment - start_ns),
-                    measured=depth_m is not None, carried=_carried(carry, moment),
+                    drawing,
+                    world_T_camera.motors_at(moment),
+                    1e-9 * (moment - start_ns),
+                    measured=depth_m is not None,
+                    carried=_carried(carry, moment),
                 )
                 for moment in np.clip(matched.moments_ns(time_ns), *span_ns)
-            ]  # fmt: skip
+            ]
             yield stage.laid_over(frame, drawn, depth_m, matched, rng)
 
 

@@ -6,6 +6,14 @@ from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose, Ver
 from motorcade.animation.authoring.scene import Scene, read_scene
 
 __all__ = [
-    "Drag", "EulerObjectPose", "ObjectPose", "Scene", "SceneEditor", "Snapping",
-    "VersorObjectPose", "read_gestures", "read_scene", "replay",
-]  # fmt: skip
+    "Drag",
+    "EulerObjectPose",
+    "ObjectPose",
+    "Scene",
+    "SceneEditor",
+    "Snapping",
+    "VersorObjectPose",
+    "read_gestures",
+    "read_scene",
+    "replay",
+]

@@ -31,8 +31,9 @@ class ObjectPose(ABC):
         """`parent_T_object`."""
 
     @abstractmethod
-    def turned(self, axis: FloatArray, angle_rad: float, frame: Frame, world_T_parent: Similarity
-               ) -> Self:  # fmt: skip
+    def turned(
+        self, axis: FloatArray, angle_rad: float, frame: Frame, world_T_parent: Similarity
+    ) -> Self:
         """Turned about the object's origin, right-handed about a unit axis of the frame."""
 
     @abstractmethod

@@ -12,10 +12,27 @@ from motorcade.animation.blend.methods import (
     stacked,
 )
 from motorcade.animation.blend.root_motion import RootMotion, split_root_motion
-from motorcade.animation.blend.transitions import CrossFade, Inertialized, Motion, Shifted
+from motorcade.animation.blend.transitions import CrossFade, Inertialized, PoseSource, Shifted
 
 __all__ = [
-    "BLEND_METHODS", "BlendMethod", "BlendSpace", "CrossFade", "Inertialized", "Layer", "Motion",
-    "Poses", "RootMotion", "Shifted", "added", "additive", "blend_clips", "blend_layers",
-    "blend_poses", "closed", "differences_m", "phase_between", "split_root_motion", "stacked",
-]  # fmt: skip
+    "BLEND_METHODS",
+    "BlendMethod",
+    "BlendSpace",
+    "CrossFade",
+    "Inertialized",
+    "Layer",
+    "PoseSource",
+    "Poses",
+    "RootMotion",
+    "Shifted",
+    "added",
+    "additive",
+    "blend_clips",
+    "blend_layers",
+    "blend_poses",
+    "closed",
+    "differences_m",
+    "phase_between",
+    "split_root_motion",
+    "stacked",
+]

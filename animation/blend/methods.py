@@ -49,9 +49,18 @@ from motorcade.ga.classical.quaternion import quaternion_mean
 __all__ = ["BLEND_METHODS", "BlendMethod", "Poses", "blend_poses", "stacked"]
 
 BlendMethod = Literal[
-    "motor", "motor_linear", "similarity", "similarity_linear", "rotor", "rotor_linear",
-    "dual_quaternion", "dual_quaternion_linear", "quaternion", "quaternion_linear", "euler",
-]  # fmt: skip
+    "motor",
+    "motor_linear",
+    "similarity",
+    "similarity_linear",
+    "rotor",
+    "rotor_linear",
+    "dual_quaternion",
+    "dual_quaternion_linear",
+    "quaternion",
+    "quaternion_linear",
+    "euler",
+]
 BLEND_METHODS: tuple[BlendMethod, ...] = get_args(BlendMethod)
 
 Poses = Motor | Similarity

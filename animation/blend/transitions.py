@@ -18,13 +18,13 @@ from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, s
 from motorcade.animation.easing import smoothstep
 from motorcade.ga import FloatArray, Motor, Similarity, checked_floats
 
-__all__ = ["CrossFade", "Inertialized", "Motion", "Shifted"]
+__all__ = ["CrossFade", "Inertialized", "PoseSource", "Shifted"]
 
 # Step of the differences from which the velocity at a switch is taken.
 _STEP_S = 1e-3
 
 
-class Motion(Protocol):
+class PoseSource(Protocol):
     """Local poses ``(*, J)`` at times ``(*)`` in seconds."""
 
     def at(self, time_s: ArrayLike) -> Poses:
@@ -40,7 +40,7 @@ class Shifted:
         ValueError: times that are not finite, or a rate that is not positive.
     """
 
-    motion: Motion
+    motion: PoseSource
     start_s: float = 0.0
     into_s: float = 0.0
     rate: float = 1.0
@@ -67,8 +67,8 @@ class CrossFade:
         ValueError: a start that is not finite, a duration that is not positive.
     """
 
-    first: Motion
-    second: Motion
+    first: PoseSource
+    second: PoseSource
     start_s: float
     duration_s: float
     method: BlendMethod = "motor"
@@ -97,8 +97,8 @@ class Inertialized:
         ValueError: a start that is not finite, a duration that is not positive.
     """
 
-    first: Motion
-    second: Motion
+    first: PoseSource
+    second: PoseSource
     start_s: float
     duration_s: float = 0.3
 

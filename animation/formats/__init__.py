@@ -4,16 +4,17 @@ Files are not trusted: sizes, depths and counts are limited (see `limits`), XML 
 files outside the folder are refused, and whatever is wrong is a `FormatError`.
 """
 
-from motorcade.animation.formats.door import SUFFIXES, Motion, read_character, read_motion
+from motorcade.animation.formats.door import SUFFIXES, read_character, read_motion
 from motorcade.animation.formats.errors import FormatError, NoMeshError
 from motorcade.animation.formats.gltf import CameraPath, write_gltf
+from motorcade.animation.formats.rig import SkeletalMotion
 
 __all__ = [
     "SUFFIXES",
     "CameraPath",
     "FormatError",
-    "Motion",
     "NoMeshError",
+    "SkeletalMotion",
     "read_character",
     "read_motion",
     "write_gltf",

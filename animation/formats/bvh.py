@@ -20,7 +20,6 @@ from motorcade.animation.formats.limits import (
     read_bounded,
 )
 from motorcade.animation.formats.numbers import numbers_in
-from motorcade.animation.formats.rig.curves import great_arc, with_times
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip
 from motorcade.animation.vectors import turn_x, turn_y, turn_z
@@ -167,19 +166,20 @@ def _rig(tree: _Hierarchy, times: FloatArray, values: FloatArray, name: str) -> 
             turn = turn @ ROTATIONS[channel](np.radians(column))
         wxyz[:, joint] = turn.as_quaternion()
 
-    def at(wanted: FloatArray) -> Transforms:
-        turned = great_arc(times, wxyz, wanted)
-        return Transforms(turned, with_times(times, places, wanted), np.ones(turned.shape[:-1]))
-
-    clip = RigClip(name, times, at, np.arange(joints))
+    clip = RigClip.of_all_nodes(name, times, wxyz, places)
     rest = Transforms.from_parts(
         np.tile([1.0, 0.0, 0.0, 0.0], (joints, 1)), offsets, np.ones((joints, 3))
     )
     parents = np.array(tree.parents)
     return Rig(
-        NodeTree(tuple(tree.names), parents, rest), tuple(range(joints)), (), (clip,),
-        up=None, forward=None, unit_m=None,
-    )  # fmt: skip
+        NodeTree(tuple(tree.names), parents, rest),
+        tuple(range(joints)),
+        (),
+        (clip,),
+        up=None,
+        forward=None,
+        unit_m=None,
+    )
 
 
 def _number(word: str) -> float:

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from motorcade.animation.character import Character
-from motorcade.animation.clip import Clip
 from motorcade.animation.formats.bvh import read_bvh
 from motorcade.animation.formats.collada import read_collada
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.fbx import read_fbx
 from motorcade.animation.formats.gltf import read_gltf
 from motorcade.animation.formats.md5 import read_md5_mesh, read_md5_motion
-from motorcade.animation.formats.rig import Rig, assemble_character, assemble_motion
-from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.formats.rig import Rig, SkeletalMotion, assemble_character, assemble_motion
 
-__all__ = ["SUFFIXES", "Motion", "read_character", "read_motion"]
+__all__ = ["SUFFIXES", "read_character", "read_motion"]
 
 READERS: dict[str, Callable[[Path], Rig]] = {
     ".glb": read_gltf,
@@ -30,21 +27,6 @@ READERS: dict[str, Callable[[Path], Rig]] = {
 }
 SUFFIXES = tuple(READERS)
 """Suffixes of the files that can be read."""
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """A skeleton with clips, and no mesh.
-
-    Args:
-        skeleton: with J joints; its rest pose is that in which the file's nodes stand.
-        clips: motions of this skeleton.
-        notices: what was left out or assumed when it was read.
-    """
-
-    skeleton: Skeleton
-    clips: tuple[Clip, ...]
-    notices: tuple[str, ...]
 
 
 def read_character(path: Path | str, *, unit_m: float | None = None) -> Character:
@@ -72,7 +54,7 @@ def read_character(path: Path | str, *, unit_m: float | None = None) -> Characte
         raise FormatError(str(fault)).in_file(given) from fault
 
 
-def read_motion(path: Path | str, *, unit_m: float | None = None) -> Motion:
+def read_motion(path: Path | str, *, unit_m: float | None = None) -> SkeletalMotion:
     """Read a skeleton with its clips; meshes are not looked at.
 
     Args:
@@ -84,12 +66,11 @@ def read_motion(path: Path | str, *, unit_m: float | None = None) -> Motion:
     """
     given = Path(path)
     try:
-        made = assemble_motion(_rig(given, unit_m), unit_m)
+        return assemble_motion(_rig(given, unit_m), unit_m)
     except FormatError as fault:
         raise fault.in_file(given) from fault
     except ValueError as fault:
         raise FormatError(str(fault)).in_file(given) from fault
-    return Motion(made.skeleton, made.clips, made.notices)
 
 
 def _rig(path: Path, unit_m: float | None) -> Rig:

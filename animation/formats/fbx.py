@@ -54,9 +54,9 @@ def read_fbx(path: Path) -> Rig:
     unit_m = _unit_m(data)
     if unit_m is not None:
         rig = replace(rig, unit_m=unit_m, unit_checked=False)
-    return replace(rig, clips=tuple(
-        replace(clip, name=clip.name or path.stem) for clip in rig.clips
-    ))  # fmt: skip
+    return replace(
+        rig, clips=tuple(replace(clip, name=clip.name or path.stem) for clip in rig.clips)
+    )
 
 
 def _export(program: str, given: Path, made: Path) -> None:

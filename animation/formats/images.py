@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import io
 import warnings
+from collections.abc import Callable
 
 import numpy as np
 
-from motorcade.animation.formats.errors import FormatError
+from motorcade.animation.formats.errors import FormatError, shown
 from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS
 from motorcade.ga import FloatArray
 
-__all__ = ["Texture", "decode_texture"]
+__all__ = ["Texture", "Textures", "decode_texture"]
 
 FORMATS = ("PNG", "JPEG", "TGA", "BMP")
 
@@ -68,3 +69,35 @@ def decode_texture(data: bytes, limit: int = MAX_IMAGE_PIXELS) -> Texture:
         raise
     except Exception as fault:  # decoders raise whatever comes to hand on broken pictures
         raise FormatError(f"expected a picture, got {type(fault).__name__}") from fault
+
+
+class Textures:
+    """The pictures of one file, each decoded once; `notices` tells of those that cannot be read."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, Texture | None] = {}
+        self._pixels_left = MAX_IMAGE_PIXELS
+        self.notices: list[str] = []
+
+    def read(self, name: str, data: Callable[[], bytes], key: str = "") -> Texture | None:
+        """A decoded picture; None, with a notice, where it is missing or broken.
+
+        Args:
+            name: for the notice.
+            data: gives the bytes; it is called once for each picture.
+            key: what tells the picture from others; its name by default.
+        """
+        known = key or name
+        if known not in self._known:
+            self._known[known] = None
+            try:
+                made = decode_texture(data(), self._pixels_left)
+            except FormatError as fault:
+                told = shown(name, 60)
+                self.notices.append(
+                    f"texture '{told}' was not read ({fault}): plain colours stand in"
+                )
+            else:
+                self._known[known] = made
+                self._pixels_left -= made.pixel_count
+        return self._known[known]

@@ -7,6 +7,15 @@ from motorcade.animation.ik.fitted import fitted_legs
 from motorcade.animation.ik.two_bone import aim, bend_limb
 
 __all__ = [
-    "Chain", "Ground", "Leg", "Reached", "aim", "bend_limb", "fabrik", "find_stances",
-    "fitted_legs", "plant_feet", "reach_with",
-]  # fmt: skip
+    "Chain",
+    "Ground",
+    "Leg",
+    "Reached",
+    "aim",
+    "bend_limb",
+    "fabrik",
+    "find_stances",
+    "fitted_legs",
+    "plant_feet",
+    "reach_with",
+]

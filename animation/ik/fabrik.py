@@ -80,9 +80,12 @@ def fabrik(
     along = np.zeros(3) if base_direction is None else base_direction
     axes = np.broadcast_to(checked_floats(along, "base_direction", (3,)), (*batch, 3))
     problem = _Problem(
-        chains.copy(), np.broadcast_to(goal, (*batch, 3)).reshape(-1, 3),
-        axes.reshape(-1, 3), limits, tolerance,
-    )  # fmt: skip
+        chains.copy(),
+        np.broadcast_to(goal, (*batch, 3)).reshape(-1, 3),
+        axes.reshape(-1, 3),
+        limits,
+        tolerance,
+    )
     rounds = problem.solve(np.random.default_rng(seed))
     shaped = problem.best.reshape(*batch, *start.shape[-2:])
     return Reached(shaped, problem.error_m.reshape(batch), rounds)
@@ -106,9 +109,13 @@ class _Problem:
     """Chains ``(B, N, 3)`` on their way; the best of each is kept."""
 
     def __init__(
-        self, chains: FloatArray, target: FloatArray, axes: FloatArray, limits: FloatArray,
+        self,
+        chains: FloatArray,
+        target: FloatArray,
+        axes: FloatArray,
+        limits: FloatArray,
         tolerance: float,
-    ) -> None:  # fmt: skip
+    ) -> None:
         bones = np.diff(chains, axis=1)
         self.lengths = np.linalg.norm(bones, axis=-1)
         self.total = np.sum(self.lengths, axis=-1)

@@ -6,6 +6,13 @@ from motorcade.animation.place.plane import Placement, place_on_plane
 from motorcade.animation.place.walks import GroundPath, Walk, walk_along
 
 __all__ = [
-    "Anchor", "GroundPath", "Placement", "Walk", "followed", "on_the_spot", "place_on_plane",
-    "plane_anchor", "walk_along",
-]  # fmt: skip
+    "Anchor",
+    "GroundPath",
+    "Placement",
+    "Walk",
+    "followed",
+    "on_the_spot",
+    "place_on_plane",
+    "plane_anchor",
+    "walk_along",
+]

@@ -121,10 +121,12 @@ def followed(
     passed = np.diff(seen_s)
     leaps = (
         (passed > _UNSEEN_S)
-        | (np.linalg.norm(np.diff(world_T_target.translation_m, axis=0), axis=-1)
-           > fastest_m_s * passed)
+        | (
+            np.linalg.norm(np.diff(world_T_target.translation_m, axis=0), axis=-1)
+            > fastest_m_s * passed
+        )
         | (np.linalg.norm(steps[:, :3], axis=-1) > _FASTEST_RAD_S * passed)
-    )  # fmt: skip
+    )
     anchor, row, shown = Anchor(targets[0], float(seen_s[0]), settle_s), 0, []
     for moment in time_s:
         while row + 1 < len(seen_s) and seen_s[row + 1] <= moment:

@@ -91,8 +91,9 @@ class Pace:
         change, speed = self.change_s, self.top_m_s
         made = speed * clock
         if self.starts:
-            made = np.where(clock < change, speed * change * _sped(clock / change),
-                            made - 0.5 * speed * change)  # fmt: skip
+            made = np.where(
+                clock < change, speed * change * _sped(clock / change), made - 0.5 * speed * change
+            )
         if self.stops:
             left = self.duration_s - clock
             slow = self.length_m - speed * change * _sped(left / change)
@@ -125,8 +126,11 @@ class Pace:
             longer = float(np.log(lasts_s / advance_s))
             return max(LONGER * longer, -longer)
 
-        steps = [end - self.passing[0] + turns * self.period_s for end in self.passing
-                 for turns in range(int(lasts_s / self.period_s) + 3)]  # fmt: skip
+        steps = [
+            end - self.passing[0] + turns * self.period_s
+            for end in self.passing
+            for turns in range(int(lasts_s / self.period_s) + 3)
+        ]
         return min((one for one in steps if one > 0.25 * self.period_s), key=strain)
 
 
@@ -147,14 +151,17 @@ def standing_pose(loop: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> Clip:
     """
     clock = loop.time_s[0] + np.linspace(0.0, loop.duration_s, SAMPLES, endpoint=False)
     rotors = loop.at(clock).rotor
-    resting = {skeleton.index(name) for leg in legs
-               for name in (leg.hip, leg.knee, leg.ankle, leg.ball)}  # fmt: skip
+    resting = {
+        skeleton.index(name) for leg in legs for name in (leg.hip, leg.knee, leg.ankle, leg.ball)
+    }
     for joint in list(resting):
         while skeleton.parents[joint] >= 0:
             joint = int(skeleton.parents[joint])
             resting.add(joint)
-    turns = [skeleton.rest[joint].rotor if joint in resting else mean(rotors[:, joint])
-             for joint in range(len(skeleton))]  # fmt: skip
+    turns = [
+        skeleton.rest[joint].rotor if joint in resting else mean(rotors[:, joint])
+        for joint in range(len(skeleton))
+    ]
     pose = Motor.from_rotor_translation(Rotor.stack(turns), skeleton.rest.translation_m)
     bent = _with_bent_knees(pose, skeleton, legs)
     return Clip("standing", np.zeros(1), bent.reshape(1, -1))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from motorcade.animation.blend import Inertialized
-from motorcade.animation.blend.transitions import Motion
+from motorcade.animation.blend.transitions import PoseSource
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Ground, Leg, find_stances, plant_feet
 from motorcade.animation.place.pacing import Pace, passing_s, standing_pose
@@ -55,8 +55,10 @@ class GroundPath:
         apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
         if np.any(apart < 1e-6):
             at = int(np.argmin(apart))
-            raise ValueError(f"GroundPath.points_m: expected neighbours apart, got {at} and "
-                             f"{at + 1} at one place")  # fmt: skip
+            raise ValueError(
+                f"GroundPath.points_m: expected neighbours apart, got {at} and "
+                f"{at + 1} at one place"
+            )
         object.__setattr__(self, "points_m", frozen(points))
 
     @cached_property
@@ -166,9 +168,14 @@ def walk_along(
     own = Motor.from_rotor_translation(rotor, flat / scale)
     poses = _rigid(_played(clip, standing, pace), time_s)
     planted = plant_feet(
-        skeleton, time_s, poses, legs, world_T_character=own, ground=ground,
+        skeleton,
+        time_s,
+        poses,
+        legs,
+        world_T_character=own,
+        ground=ground,
         stances=_stances(skeleton, legs, poses, time_s, pace),
-    )  # fmt: skip
+    )
     way = slice(more, more + count)
     placed = Motor.from_rotor_translation(rotor[way], flat[way])
     return Walk(time_s[way], placed, planted[way])
@@ -199,9 +206,9 @@ class _InStep:
         return _rigid(self.standing, time_s).interpolate(made, share)
 
 
-def _played(cycle: Clip, standing: Clip | None, pace: Pace) -> Motion:
+def _played(cycle: Clip, standing: Clip | None, pace: Pace) -> PoseSource:
     """What the character does, not yet planted."""
-    made: Motion = _InStep(cycle, standing, pace)
+    made: PoseSource = _InStep(cycle, standing, pace)
     if standing is not None and pace.starts:
         made = Inertialized(standing, made, 0.0, pace.change_s)
     if standing is not None and pace.stops:
@@ -209,7 +216,7 @@ def _played(cycle: Clip, standing: Clip | None, pace: Pace) -> Motion:
     return made
 
 
-def _rigid(motion: Motion, time_s: ArrayLike) -> Motor:
+def _rigid(motion: PoseSource, time_s: ArrayLike) -> Motor:
     poses = motion.at(time_s)
     if not isinstance(poses, Motor):
         raise ValueError("walk_along: expected rigid poses, got some that grow")

@@ -24,10 +24,16 @@ SAME_BONE_RAD, SAME_SHARE = np.radians(4.0), 0.85
 MIRRORED_RAD, HANGING_RAD = np.radians(12.0), np.radians(35.0)
 LIMBS = (("thigh", "calf", "foot"), ("upper_arm", "forearm", "hand"))
 # All turns that take the axes to axes.
-AXES = Rotor.from_matrix(np.array([
-    m for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)
-    if np.linalg.det(m := np.eye(3)[list(order)] * signs) > 0.0
-]))  # fmt: skip
+AXES = Rotor.from_matrix(
+    np.array(
+        [
+            m
+            for order in permutations(range(3))
+            for signs in product((1.0, -1.0), repeat=3)
+            if np.linalg.det(m := np.eye(3)[list(order)] * signs) > 0.0
+        ]
+    )
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +92,11 @@ class Match:
         body, at = body_of(self.source), self.source.rest_world.translation_m
         for upper, middle, end in LIMBS:
             for a, b in ((upper, middle), (middle, end)):
-                bones = [at[body[f"{side}_{b}"]] - at[body[f"{side}_{a}"]] for side in SIDES
-                         if f"{side}_{a}" in body and f"{side}_{b}" in body]  # fmt: skip
+                bones = [
+                    at[body[f"{side}_{b}"]] - at[body[f"{side}_{a}"]]
+                    for side in SIDES
+                    if f"{side}_{a}" in body and f"{side}_{b}" in body
+                ]
                 if a == "thigh" and any(angle_rad(bone, -UP) > HANGING_RAD for bone in bones):
                     return False
                 if len(bones) == 2 and angle_rad(bones[0] * [1, -1, 1], bones[1]) > MIRRORED_RAD:

@@ -43,8 +43,10 @@ class _Motion:
         self.upright = self._upright()
         self.lean = self._lean()
         rest = match.target.rest_world.reshape(1, -1)
-        self.seen = (Seen(rest.translation_m, rest.rotor, match.roles),
-                     Seen(self.at, self.rotors, match.source_roles))  # fmt: skip
+        self.seen = (
+            Seen(rest.translation_m, rest.rotor, match.roles),
+            Seen(self.at, self.rotors, match.source_roles),
+        )
         self.made: dict[int, Rotor] = {}
 
     def constants(self) -> dict[int, Rotor]:
@@ -146,8 +148,14 @@ class _Motion:
 def _headings(match: Match, at: FloatArray) -> Rotor:
     """Turns ``(F,)`` about z that bring where the hips face to +x."""
     body = body_of(match.source)
-    pair = next(((f"left_{part}", f"right_{part}") for part in ("thigh", "upper_arm", "clavicle")
-                 if {f"left_{part}", f"right_{part}"} <= set(body)), None)  # fmt: skip
+    pair = next(
+        (
+            (f"left_{part}", f"right_{part}")
+            for part in ("thigh", "upper_arm", "clavicle")
+            if {f"left_{part}", f"right_{part}"} <= set(body)
+        ),
+        None,
+    )
     if pair is None:
         return Rotor.identity((len(at),))
     across = at[:, body[pair[0]]] - at[:, body[pair[1]]]

@@ -20,8 +20,14 @@ __all__ = ["body_of", "joints_alike", "legs_of"]
 
 SIDES = ("left", "right")
 # Words for parts, where several name joints of one limb the one nearest to the trunk is taken.
-CENTRAL = {"hips": "hips", "pelvis": "hips", "hip": "hips", "neck": "neck", "neck1": "neck",
-           "head": "head"}  # fmt: skip
+CENTRAL = {
+    "hips": "hips",
+    "pelvis": "hips",
+    "hip": "hips",
+    "neck": "neck",
+    "neck1": "neck",
+    "head": "head",
+}
 SIDED = {
     "thigh": ("thigh", "upleg", "upperleg", "femur"),
     "calf": ("calf", "leg", "lowerleg", "lowleg", "shin", "knee", "knee1", "tibia"),
@@ -73,8 +79,11 @@ def joints_alike(target: Skeleton, source: Skeleton) -> dict[str, str]:
     Spines of different numbers of joints are laid end on end: their first and last joints match.
     """
     own, other = body_of(target), body_of(source)
-    pairs = {target.names[own[role]]: source.names[other[role]] for role in own if role in other
-             and not role.startswith("spine")}  # fmt: skip
+    pairs = {
+        target.names[own[role]]: source.names[other[role]]
+        for role in own
+        if role in other and not role.startswith("spine")
+    }
     pairs |= _spines(target, source, own, other)
     known: dict[str, str] = {}
     for name in source.names:
@@ -90,14 +99,16 @@ def joints_alike(target: Skeleton, source: Skeleton) -> dict[str, str]:
 def _spines(
     target: Skeleton, source: Skeleton, own: Mapping[str, int], other: Mapping[str, int]
 ) -> dict[str, str]:
-    ours, theirs = ([body[role] for role in sorted(body) if role.startswith("spine")]
-                    for body in (own, other))  # fmt: skip
+    ours, theirs = (
+        [body[role] for role in sorted(body) if role.startswith("spine")] for body in (own, other)
+    )
     if not theirs:
         return {}
     last, steps = len(theirs) - 1, max(len(ours) - 1, 1)
     chosen = [round(k * last / steps) if len(ours) > 1 else last for k in range(len(ours))]
-    return {target.names[joint]: source.names[theirs[k]]
-            for joint, k in zip(ours, chosen, strict=True)}  # fmt: skip
+    return {
+        target.names[joint]: source.names[theirs[k]] for joint, k in zip(ours, chosen, strict=True)
+    }
 
 
 def _plain(name: str) -> str:

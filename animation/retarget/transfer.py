@@ -154,8 +154,12 @@ def _carried(match: Match, poses: Motor, carrier: int, way: FloatArray) -> Motor
 def _grounded(target: Skeleton, poses: Motor, carrier: int) -> Motor:
     """Poses raised or lowered as a whole, so that the lower foot is as low as it is at rest."""
     body = body_of(target)
-    soles = [body[f"{side}_{part}"] for side in SIDES for part in ("foot", "toes")
-             if f"{side}_{part}" in body]  # fmt: skip
+    soles = [
+        body[f"{side}_{part}"]
+        for side in SIDES
+        for part in ("foot", "toes")
+        if f"{side}_{part}" in body
+    ]
     if not soles:
         return poses
     height = target.world(poses).translation_m[:, soles, 2]

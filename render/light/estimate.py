@@ -131,9 +131,10 @@ def shaded_points(
         )
     r, c = (
         part.ravel()
-        for part in np.mgrid[REACH_PX : size[0] - REACH_PX : STEP_PX,
-                             REACH_PX : size[1] - REACH_PX : STEP_PX]
-    )  # fmt: skip
+        for part in np.mgrid[
+            REACH_PX : size[0] - REACH_PX : STEP_PX, REACH_PX : size[1] - REACH_PX : STEP_PX
+        ]
+    )
     shown = frame[r, c]
     fit = (shown.max(axis=1) < BRIGHTEST) & (shown.min(axis=1) > DARKEST)
     known = np.where(np.isfinite(depth_m) & (depth_m > 0.0), depth_m, np.nan).astype(np.float64)

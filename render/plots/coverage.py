@@ -42,25 +42,36 @@ def plot_coverage(
         if len(left_out_px):
             left.plot(*left_out_px.T, "x", color=COLOURS["euler"], markersize=3, label="left out")
         left.quiver(
-            *corners_px.T, *(residuals_px * enlarged).T, angles="xy", scale_units="xy", scale=1.0,
-            width=0.0015, color=COLOURS["dual_quaternion"],
-        )  # fmt: skip
+            *corners_px.T,
+            *(residuals_px * enlarged).T,
+            angles="xy",
+            scale_units="xy",
+            scale=1.0,
+            width=0.0015,
+            color=COLOURS["dual_quaternion"],
+        )
         left.plot(*corners_px.T, ".", color=COLOURS["motor"], markersize=2, label="used")
         left.set(
-            xlim=(-0.5, size[0] - 0.5), ylim=(size[1] - 0.5, -0.5), aspect="equal",
+            xlim=(-0.5, size[0] - 0.5),
+            ylim=(size[1] - 0.5, -0.5),
+            aspect="equal",
             xticks=np.linspace(0, size[0], _CELLS[0] + 1),
             yticks=np.linspace(0, size[1], _CELLS[1] + 1),
             title=f"corners in the picture; residuals {enlarged:g} times enlarged",
-        )  # fmt: skip
+        )
         left.xaxis.set_major_formatter("{x:.0f}")
         left.yaxis.set_major_formatter("{x:.0f}")
         left.legend(loc="upper left", markerscale=3)
         right.plot(*residuals_px.T, ".", color=COLOURS["motor"], markersize=2)
         reach = 1.1 * float(np.abs(residuals_px).max(initial=1e-6))
         right.set(
-            xlim=(-reach, reach), ylim=(reach, -reach), aspect="equal",
-            xlabel="column, px", ylabel="row, px", title="residuals",
-        )  # fmt: skip
+            xlim=(-reach, reach),
+            ylim=(reach, -reach),
+            aspect="equal",
+            xlabel="column, px",
+            ylabel="row, px",
+            title="residuals",
+        )
         data = io.BytesIO()
         figure.savefig(data, format="png", dpi=110, metadata={"Software": None})
     return data.getvalue()

@@ -81,9 +81,7 @@ def nested_width(number: int, count: int) -> float:
     return 3.8 - 2.9 * number / max(count - 1, 1)
 
 
-def plot_bands(
-    bands: Mapping[str, Band], label: str, unit: str, *, height_in: float = 2.4
-) -> str:  # fmt: skip
+def plot_bands(bands: Mapping[str, Band], label: str, unit: str, *, height_in: float = 2.4) -> str:
     """Middles as lines within tinted bands, values above 0 on a logarithmic axis.
 
     `bands` maps a name of `style.COLOURS` to its band; the legend is left to the page.

@@ -29,16 +29,18 @@ if TYPE_CHECKING:
 
 INK, GRID, PAGE = "#123456", "#abcdef", "#fedcba"
 
-HUES: Mapping[str, tuple[str, str]] = MappingProxyType({
-    "grey": ("#929292", "#b2b2b2"),
-    "sky": ("#0196fd", "#63c8ff"),
-    "green": ("#1a9a65", "#00ae7f"),
-    "olive": ("#676347", "#9a9905"),
-    "blue": ("#276698", "#0479c5"),
-    "orange": ("#dd7800", "#ffb925"),
-    "pink": ("#b379af", "#be8ab8"),
-    "vermilion": ("#b6540f", "#b14e00"),
-})  # fmt: skip
+HUES: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "grey": ("#929292", "#b2b2b2"),
+        "sky": ("#0196fd", "#63c8ff"),
+        "green": ("#1a9a65", "#00ae7f"),
+        "olive": ("#676347", "#9a9905"),
+        "blue": ("#276698", "#0479c5"),
+        "orange": ("#dd7800", "#ffb925"),
+        "pink": ("#b379af", "#be8ab8"),
+        "vermilion": ("#b6540f", "#b14e00"),
+    }
+)
 """Shades of lines on a light and on a dark page."""
 
 _HUE_OF = {

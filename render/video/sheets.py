@@ -89,5 +89,13 @@ def _write(picture: ImageArray, text: str) -> None:
     # The rim is made of shifted copies: thicker strokes would be spaced wider.
     rim = [(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy]
     for dx, dy, color in [(*step, (0, 0, 0)) for step in rim] + [(0, 0, (255, 255, 255))]:
-        cv2.putText(picture, text, (x + dx, y + dy), cv2.FONT_HERSHEY_SIMPLEX, 0.6 * size, color, 1,
-                    cv2.LINE_AA)  # fmt: skip
+        cv2.putText(
+            picture,
+            text,
+            (x + dx, y + dy),
+            cv2.FONT_HERSHEY_SIMPLEX,
+            0.6 * size,
+            color,
+            1,
+            cv2.LINE_AA,
+        )

@@ -76,9 +76,12 @@ class _Curve:
             high, low = np.where(late, middle, high), np.where(late, low, middle)
         u = 0.5 * (low + high)
         return _cubic(
-            self.values[before], self.out[before, :, 1], self.into[before + 1, :, 1],
-            self.values[before + 1], u,
-        )  # fmt: skip
+            self.values[before],
+            self.out[before, :, 1],
+            self.into[before + 1, :, 1],
+            self.values[before + 1],
+            u,
+        )
 
 
 def read_clip(library: Library, scene: Scene) -> tuple[RigClip | None, list[str]]:
@@ -126,9 +129,12 @@ def _clip(
 
     def at(wanted: FloatArray) -> Transforms:
         whole = transforms_over(scene.tree.rest, len(wanted))
-        parts = [_at_keys(scene, node, moves[node], wanted) if node in keyed
-                 else Transforms.from_matrices(_matrices(scene, node, moves[node], wanted))
-                 for node in moves]  # fmt: skip
+        parts = [
+            _at_keys(scene, node, moves[node], wanted)
+            if node in keyed
+            else Transforms.from_matrices(_matrices(scene, node, moves[node], wanted))
+            for node in moves
+        ]
         sheared = whole.blocks is not None or any(part.blocks is not None for part in parts)
         blocks = np.array(whole.as_blocks()) if sheared else None
         for node, part in zip(moves, parts, strict=True):

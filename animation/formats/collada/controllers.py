@@ -6,7 +6,7 @@ import numpy as np
 
 from motorcade.animation.formats.collada.geometry import Part, read_geometry
 from motorcade.animation.formats.collada.library import Library, inputs_of, matrices_of, number
-from motorcade.animation.formats.collada.materials import Materials
+from motorcade.animation.formats.collada.materials import ColladaMaterials
 from motorcade.animation.formats.collada.scene import Scene
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import expected
@@ -28,7 +28,7 @@ class Controllers:
         materials: its colours.
     """
 
-    def __init__(self, library: Library, scene: Scene, materials: Materials) -> None:
+    def __init__(self, library: Library, scene: Scene, materials: ColladaMaterials) -> None:
         self._library = library
         self._scene = scene
         self._materials = materials
@@ -81,10 +81,16 @@ class Controllers:
         self.notices += told
         name = (geometry.get("name") or geometry.get("id"))[:60]
         return [
-            Surface(name, node, part.vertices, part.normals, part.triangles,
-                    self._materials.colors(part, instance))
+            Surface(
+                name,
+                node,
+                part.vertices,
+                part.normals,
+                part.triangles,
+                self._materials.colors(part, instance),
+            )
             for part in parts
-        ]  # fmt: skip
+        ]
 
     def _skinned(
         self, element: Element, instance: Element, node: int
@@ -114,9 +120,16 @@ class Controllers:
     ) -> Surface:
         held = part.positions
         return Surface(
-            name, node, part.vertices, part.normals, part.triangles,
-            self._materials.colors(part, instance), skin, numbers[held], weights[held],
-        )  # fmt: skip
+            name,
+            node,
+            part.vertices,
+            part.normals,
+            part.triangles,
+            self._materials.colors(part, instance),
+            skin,
+            numbers[held],
+            weights[held],
+        )
 
     def _skin(self, element: Element, name: str) -> Skin:
         """Joints and inverse bind matrices, with the bind shape of the mesh folded in."""
@@ -163,8 +176,9 @@ class Controllers:
         if counts.min(initial=0) < 0 or counts.sum() * stride != len(pairs):
             raise expected(f"weights of '{name}'", f"{counts.sum()} pairs", len(pairs))
         if counts.max(initial=0) > MOST_INFLUENCES:
-            raise expected(f"weights of '{name}'", f"at most {MOST_INFLUENCES} a vertex",
-                           counts.max())  # fmt: skip
+            raise expected(
+                f"weights of '{name}'", f"at most {MOST_INFLUENCES} a vertex", counts.max()
+            )
         pairs = pairs.reshape(-1, stride)
         which, share = pairs[:, at["JOINT"]], pairs[:, at["WEIGHT"]]
         if np.any(which < -1) or np.any(which >= joints):

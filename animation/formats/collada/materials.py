@@ -9,19 +9,18 @@ import numpy as np
 from motorcade.animation.formats.collada.geometry import Part
 from motorcade.animation.formats.collada.library import Library
 from motorcade.animation.formats.collada.xml import Element
-from motorcade.animation.formats.errors import FormatError, shown
-from motorcade.animation.formats.images import Texture, decode_texture
-from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS, beside, read_bounded
+from motorcade.animation.formats.images import Texture, Textures
+from motorcade.animation.formats.limits import beside, read_bounded
 from motorcade.ga import FloatArray
 
-__all__ = ["Materials"]
+__all__ = ["ColladaMaterials"]
 
 PLAIN = (0.8, 0.8, 0.8)
 SHADERS = ("phong", "blinn", "lambert", "constant")
 
 
-class Materials:
-    """Reads the materials of one document; `notices` gathers textures that are missing.
+class ColladaMaterials:
+    """Reads the materials of one document.
 
     Args:
         library: the document.
@@ -31,9 +30,12 @@ class Materials:
     def __init__(self, library: Library, folder: Path) -> None:
         self._library = library
         self._folder = folder
-        self._textures: dict[str, Texture | None] = {}
-        self._pixels_left = MAX_IMAGE_PIXELS
-        self.notices: list[str] = []
+        self._textures = Textures()
+
+    @property
+    def notices(self) -> list[str]:
+        """Textures that could not be read."""
+        return self._textures.notices
 
     def colors(self, part: Part, instance: Element) -> FloatArray:
         """Colours (V, 3), sRGB, of a part of a mesh, as an instance binds its material."""
@@ -72,12 +74,9 @@ class Materials:
         profile = effect.needed("profile_COMMON")
         for _ in range(2):  # sampler, then surface
             found = next((one for one in profile.all("newparam") if one.get("sid") == name), None)
-            source = (
-                None
-                if found is None
-                else next((one for one in found.every("source")), None)
-                or next(found.every("init_from"), None)
-            )
+            if found is None:
+                break
+            source = next(found.every("source"), None) or next(found.every("init_from"), None)
             if source is None:
                 break
             name = source.text.strip()
@@ -88,15 +87,4 @@ class Materials:
         return self._picture(start.text.strip())
 
     def _picture(self, uri: str) -> Texture | None:
-        if uri not in self._textures:
-            try:
-                path = beside(self._folder, uri, "texture")
-                texture = decode_texture(read_bounded(path), self._pixels_left)
-                self._pixels_left -= texture.pixel_count
-                self._textures[uri] = texture
-            except FormatError as fault:
-                self._textures[uri] = None
-                self.notices.append(
-                    f"texture '{shown(uri, 60)}' was not read ({fault}): plain colours stand in"
-                )
-        return self._textures[uri]
+        return self._textures.read(uri, lambda: read_bounded(beside(self._folder, uri, "texture")))

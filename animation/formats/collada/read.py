@@ -10,7 +10,7 @@ from pathlib import Path
 from motorcade.animation.formats.collada.animations import read_clip
 from motorcade.animation.formats.collada.controllers import Controllers
 from motorcade.animation.formats.collada.library import Library
-from motorcade.animation.formats.collada.materials import Materials
+from motorcade.animation.formats.collada.materials import ColladaMaterials
 from motorcade.animation.formats.collada.scene import read_scene
 from motorcade.animation.formats.collada.xml import parse_xml
 from motorcade.animation.formats.errors import expected
@@ -41,7 +41,7 @@ def read_collada(path: Path) -> Rig:
         raise expected("asset up_axis", ", ".join(AXES), name)
     up, forward = AXES[name]
     scene = read_scene(library)
-    materials = Materials(library, path.parent)
+    materials = ColladaMaterials(library, path.parent)
     controllers = Controllers(library, scene, materials)
     surfaces, joints = controllers.surfaces()
     clip, told = read_clip(library, scene)

@@ -118,8 +118,9 @@ def _stack(element: Element) -> tuple[Step, ...]:
     steps = []
     for one in element.children:
         if one.name in ("lookat", "skew"):
-            raise expected(f"node '{element.get('id')}'", "matrix, translate, rotate or scale",
-                           one.name)  # fmt: skip
+            raise expected(
+                f"node '{element.get('id')}'", "matrix, translate, rotate or scale", one.name
+            )
         if one.name in SIZES:
             steps.append(Step(one.name, one.get("sid"), one.floats(SIZES[one.name])))
     return tuple(steps)

@@ -20,9 +20,13 @@ from motorcade.ga import FloatArray, IntArray
 __all__ = ["Accessors", "widened"]
 
 TYPES: dict[int, np.dtype[Any]] = {
-    5120: np.dtype("<i1"), 5121: np.dtype("<u1"), 5122: np.dtype("<i2"), 5123: np.dtype("<u2"),
-    5125: np.dtype("<u4"), 5126: np.dtype("<f4"),
-}  # fmt: skip
+    5120: np.dtype("<i1"),
+    5121: np.dtype("<u1"),
+    5122: np.dtype("<i2"),
+    5123: np.dtype("<u2"),
+    5125: np.dtype("<u4"),
+    5126: np.dtype("<f4"),
+}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
@@ -134,9 +138,13 @@ class Accessors:
         rows = self._view(at.get("bufferView"), at.get("byteOffset", 0), number, kind, count, 1)
         values = table(entry.get("values"), f"{field}.values")
         new = self._view(
-            values.get("bufferView"), values.get("byteOffset", 0), number, base.dtype, count,
+            values.get("bufferView"),
+            values.get("byteOffset", 0),
+            number,
+            base.dtype,
+            count,
             base.shape[1],
-        )  # fmt: skip
+        )
         where = rows[:, 0].astype(np.int64)
         if where.max() >= len(base) or np.any(np.diff(where) <= 0):
             raise expected(f"{field}.indices", f"increasing numbers below {len(base)}", "others")

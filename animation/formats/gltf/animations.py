@@ -49,7 +49,7 @@ class _Group:
     """(K, C, 3 or 4), or (K, 3, C, 3 or 4) with the slopes of cubic splines around."""
 
     def at(self, times: FloatArray) -> FloatArray:
-        """Values (n, C, 3 or 4); quaternions as xyzw, not yet of length 1."""
+        """Values (n, C, 3 or 4); quaternions as xyzw, those of splines not of length 1."""
         if self.interpolation == "STEP":
             return stepped(self.keys, self.values, times)
         if self.interpolation == "CUBICSPLINE":
@@ -219,11 +219,13 @@ def _group(
     # NaN fails both comparisons.
     if not (stacked.max() <= 1e9 and stacked.min() >= -1e9):
         raise expected(f"{field} {path}", "finite keys up to 1e9", "others")
-    turns = path == "rotation" and interpolation != "CUBICSPLINE"
-    if turns and not np.all(np.einsum("kci,kci->kc", stacked, stacked) > 1e-12):
-        raise expected(f"{field} rotation", "quaternions", "one of length zero")
     if interpolation == "CUBICSPLINE":
         stacked = stacked.reshape(len(keys), 3, len(values), -1)
+    elif path == "rotation":
+        length = np.linalg.norm(stacked, axis=-1, keepdims=True)
+        if not np.all(length > 1e-6):
+            raise expected(f"{field} rotation", "quaternions", "one of length zero")
+        stacked /= length
     return _Group(path, interpolation, keys, nodes, stacked)
 
 

@@ -45,8 +45,10 @@ class BinaryBuffer:
         width = 1 if array.ndim == 1 else array.shape[1]
         self._data += b"\0" * (-len(self._data) % 4)
         view: dict[str, Any] = {
-            "buffer": 0, "byteOffset": len(self._data), "byteLength": array.nbytes
-        }  # fmt: skip
+            "buffer": 0,
+            "byteOffset": len(self._data),
+            "byteLength": array.nbytes,
+        }
         if target:
             view["target"] = target
         self._data += array.tobytes()

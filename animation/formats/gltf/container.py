@@ -18,10 +18,15 @@ __all__ = ["Document", "load", "open_gltf"]
 MAGIC = b"glTF"
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 UNDERSTOOD = {
-    "KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit", "KHR_mesh_quantization",
-    "KHR_texture_transform", "KHR_materials_specular", "KHR_materials_ior",
-    "KHR_materials_emissive_strength", "KHR_lights_punctual",
-}  # fmt: skip
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "KHR_materials_specular",
+    "KHR_materials_ior",
+    "KHR_materials_emissive_strength",
+    "KHR_lights_punctual",
+}
 """Extensions that may be required: they change nothing that is read here, or are read."""
 
 

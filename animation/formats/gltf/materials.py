@@ -10,23 +10,22 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.animation.formats.errors import FormatError, expected, shown
+from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import Document, load
 from motorcade.animation.formats.gltf.fields import floats, integer, table, text
-from motorcade.animation.formats.images import Texture, decode_texture
-from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS
+from motorcade.animation.formats.images import Texture, Textures
 from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga import FloatArray
 
-__all__ = ["Materials"]
+__all__ = ["GltfMaterials"]
 
 PLAIN = 0.6
 """Linear grey in the place of a texture that is missing."""
 SPECULAR = "KHR_materials_pbrSpecularGlossiness"
 
 
-class Materials:
+class GltfMaterials:
     """Reads the materials of one document; textures are decoded once.
 
     Args:
@@ -35,9 +34,12 @@ class Materials:
 
     def __init__(self, document: Document) -> None:
         self._document = document
-        self._textures: dict[int, Texture | None] = {}
-        self._pixels_left = MAX_IMAGE_PIXELS
-        self.notices: list[str] = []
+        self._textures = Textures()
+
+    @property
+    def notices(self) -> list[str]:
+        """Textures that could not be read."""
+        return self._textures.notices
 
     def colors(
         self,
@@ -97,19 +99,11 @@ class Materials:
         return (factor * PLAIN if picture is None else factor), picture, coordinates
 
     def _texture(self, source: int) -> Texture | None:
-        """A decoded picture; None, with a notice, where it is missing or broken."""
-        if source in self._textures:
-            return self._textures[source]
         image = self._document.entry("images", source, "texture.source")
-        made = None
-        try:
-            made = decode_texture(self._bytes(image, f"images[{source}]"), self._pixels_left)
-            self._pixels_left -= made.pixel_count
-        except FormatError as fault:
-            name = shown(str(image.get("uri", image.get("name", source)))[:100], 60)
-            self.notices.append(f"texture '{name}' was not read ({fault}): plain colours stand in")
-        self._textures[source] = made
-        return made
+        name = str(image.get("uri", image.get("name", source)))[:100]
+        return self._textures.read(
+            name, lambda: self._bytes(image, f"images[{source}]"), str(source)
+        )
 
     def _bytes(self, image: dict[str, Any], field: str) -> bytes:
         if "uri" in image:

@@ -10,7 +10,7 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.accessors import Accessors
 from motorcade.animation.formats.gltf.container import Document
 from motorcade.animation.formats.gltf.fields import integer, listed, table
-from motorcade.animation.formats.gltf.materials import Materials
+from motorcade.animation.formats.gltf.materials import GltfMaterials
 from motorcade.animation.formats.gltf.nodes import Nodes
 from motorcade.animation.formats.limits import MAX_VERTICES, check_count
 from motorcade.animation.formats.rig.values import Skin, Surface
@@ -34,7 +34,7 @@ class Meshes:
         self._document = document
         self._accessors = accessors
         self._nodes = nodes
-        self._materials = Materials(document)
+        self._materials = GltfMaterials(document)
         self._morphs = 0
         self._lines = 0
         self._total = 0

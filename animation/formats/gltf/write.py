@@ -277,8 +277,10 @@ class _Animation:
     def document(self, clip: Clip, *, looped: bool) -> dict[str, Any]:
         """The animation as it stands in the file."""
         made: dict[str, Any] = {
-            "name": clip.name, "samplers": self._samplers, "channels": self._channels
-        }  # fmt: skip
+            "name": clip.name,
+            "samplers": self._samplers,
+            "channels": self._channels,
+        }
         if looped:
             made["extras"] = {"looped": True}
         return made

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.animation.formats.errors import FormatError, expected
-from motorcade.animation.formats.images import Texture, decode_texture
+from motorcade.animation.formats.errors import expected
+from motorcade.animation.formats.images import Textures
 from motorcade.animation.formats.limits import MAX_NODES, beside, read_bounded
 from motorcade.animation.formats.md5.motion import read_clip
 from motorcade.animation.formats.md5.words import Words, opened, orientation
@@ -37,11 +37,10 @@ def read_md5_mesh(path: Path) -> Rig:
     names, parents, world = _joints(words, count)
     tree = NodeTree(names, parents, _local(parents, world))
     skin = Skin(np.arange(count), world.inverse().as_matrix())
-    notices: list[str] = []
-    textures: dict[str, Texture | None] = {}
+    textures = Textures()
     surfaces = []
     for number in range(meshes):
-        surface = _mesh(words, number, world, skin, path.parent, textures, notices)
+        surface = _mesh(words, number, world, skin, path.parent, textures)
         if surface is not None:
             surfaces.append(surface)
     motion = path.with_suffix(".md5anim")
@@ -49,9 +48,15 @@ def read_md5_mesh(path: Path) -> Rig:
     if motion.is_file():
         clips = (read_clip(motion, names, parents),)
     return Rig(
-        tree, tuple(range(count)), tuple(surfaces), clips,
-        up=(0.0, 0.0, 1.0), forward=None, unit_m=None, notices=tuple(notices),
-    )  # fmt: skip
+        tree,
+        tuple(range(count)),
+        tuple(surfaces),
+        clips,
+        up=(0.0, 0.0, 1.0),
+        forward=None,
+        unit_m=None,
+        notices=tuple(textures.notices),
+    )
 
 
 def _joints(words: Words, count: int) -> tuple[tuple[str, ...], IntArray, Motor]:
@@ -79,8 +84,7 @@ def _mesh(
     world: Motor,
     skin: Skin,
     folder: Path,
-    textures: dict[str, Texture | None],
-    notices: list[str],
+    textures: Textures,
 ) -> Surface | None:
     words.need("mesh", "{")
     shader = ""
@@ -104,12 +108,21 @@ def _mesh(
     points = world[carriers].apply(weights[:, 3:])
     total = shares.sum(axis=1, keepdims=True)
     placed = np.einsum("vk,vkj->vj", shares / total, points[rows])
-    texture = _texture(shader, folder, textures, notices)
+    texture = None
+    if shader:
+        texture = textures.read(shader, lambda: read_bounded(beside(folder, shader, "shader")))
     colors = np.tile(PLAIN, (len(placed), 1)) if texture is None else texture.at(vertices[:, 1:3])
     return Surface(
-        shader or field, 0, placed, None, corners[:, ::-1], colors, skin,
-        np.where(shares > 0.0, carriers[rows], 0), shares,
-    )  # fmt: skip
+        shader or field,
+        0,
+        placed,
+        None,
+        corners[:, ::-1],
+        colors,
+        skin,
+        np.where(shares > 0.0, carriers[rows], 0),
+        shares,
+    )
 
 
 def _influences(
@@ -148,19 +161,3 @@ def _whole(values: FloatArray, field: str) -> IntArray:
     if not np.array_equal(made, values):
         raise expected(field, "whole numbers", "others")
     return made
-
-
-def _texture(
-    shader: str, folder: Path, textures: dict[str, Texture | None], notices: list[str]
-) -> Texture | None:
-    if shader not in textures:
-        textures[shader] = None
-        try:
-            if shader:
-                path = beside(folder, shader, "shader")
-                textures[shader] = decode_texture(read_bounded(path))
-        except FormatError as fault:
-            notices.append(
-                f"texture '{shader[:60]}' was not read ({fault}): plain colours stand in"
-            )
-    return textures[shader]

@@ -9,7 +9,6 @@ import numpy as np
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_NODES, MAX_POSES
 from motorcade.animation.formats.md5.words import Words, opened, orientation
-from motorcade.animation.formats.rig.curves import great_arc, with_times
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip
 from motorcade.ga import FloatArray, IntArray
@@ -26,9 +25,14 @@ def read_md5_motion(path: Path) -> Rig:
     names, parents, base, clip = _motion(path)
     tree = NodeTree(names, parents, base)
     return Rig(
-        tree, tuple(range(len(names))), (), (clip,),
-        up=(0.0, 0.0, 1.0), forward=None, unit_m=None,
-    )  # fmt: skip
+        tree,
+        tuple(range(len(names))),
+        (),
+        (clip,),
+        up=(0.0, 0.0, 1.0),
+        forward=None,
+        unit_m=None,
+    )
 
 
 def read_clip(path: Path, names: tuple[str, ...], parents: IntArray) -> RigClip:
@@ -73,8 +77,10 @@ def _motion(path: Path) -> tuple[tuple[str, ...], IntArray, Transforms, RigClip]
         words.need("}")
         for part in range(6):
             moved = np.flatnonzero(flags & (1 << part))
-            before = np.array([bin(int(flags[joint]) & ((1 << part) - 1)).count("1")
-                               for joint in moved], dtype=np.int64)  # fmt: skip
+            before = np.array(
+                [bin(int(flags[joint]) & ((1 << part) - 1)).count("1") for joint in moved],
+                dtype=np.int64,
+            )
             values[frame, moved, part] = row[starts[moved] + before]
     rest = Transforms(orientation(base[:, 3:]), base[:, :3], np.ones(joints))
     return names, parents, rest, _clip(path.stem[:200], values, rate)
@@ -101,10 +107,4 @@ def _hierarchy(
 def _clip(name: str, values: FloatArray, rate: int) -> RigClip:
     """A clip over frames (F, J, 6) of positions and orientations."""
     keys = np.arange(len(values)) / rate
-    wxyz, places = orientation(values[..., 3:]), values[..., :3]
-
-    def at(times: FloatArray) -> Transforms:
-        turned = great_arc(keys, wxyz, times)
-        return Transforms(turned, with_times(keys, places, times), np.ones(turned.shape[:-1]))
-
-    return RigClip(name, keys, at, np.arange(values.shape[1]))
+    return RigClip.of_all_nodes(name, keys, orientation(values[..., 3:]), values[..., :3])

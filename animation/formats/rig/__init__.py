@@ -1,11 +1,15 @@
 """What a file says about a character before it becomes one, and the way there.
 
 Readers fill in a `Rig`: nodes with local transforms of any scale, surfaces, clips as functions
-of time, axes and unit of the file. `assembled` turns it into a character in metres whose joint
-frames are rigid.
+of time, axes and unit of the file. `assemble_character` turns it into a character in metres whose
+joint frames are rigid.
 """
 
-from motorcade.animation.formats.rig.assemble import assemble_character, assemble_motion
+from motorcade.animation.formats.rig.assemble import (
+    SkeletalMotion,
+    assemble_character,
+    assemble_motion,
+)
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import (
     NodeTree,
@@ -20,6 +24,7 @@ __all__ = [
     "NodeTree",
     "Rig",
     "RigClip",
+    "SkeletalMotion",
     "Skin",
     "Surface",
     "Transforms",

@@ -20,15 +20,21 @@ from motorcade.animation.formats.rig.values import Rig, RigClip
 from motorcade.animation.skeleton import Skeleton, local_poses
 from motorcade.ga import FloatArray, Motor, Rotor, Similarity
 
-__all__ = ["Assembled", "assemble_character", "assemble_motion"]
+__all__ = ["SkeletalMotion", "assemble_character", "assemble_motion"]
 
 CONSTANT_SCALE = 1e-4
 """Scales that stay this near to the rest's, as a share of it, count as constant."""
 
 
 @dataclass(frozen=True, eq=False)
-class Assembled:
-    """A skeleton, its clips, and what was assumed or left out."""
+class SkeletalMotion:
+    """A skeleton with clips, and no mesh.
+
+    Args:
+        skeleton: with J joints; its rest pose is that in which the file's nodes stand.
+        clips: motions of this skeleton.
+        notices: what was left out or assumed when it was read.
+    """
 
     skeleton: Skeleton
     clips: tuple[Clip, ...]
@@ -75,7 +81,7 @@ def assemble_character(rig: Rig, unit_m: float | None) -> Character:
     )
 
 
-def assemble_motion(rig: Rig, unit_m: float | None) -> Assembled:
+def assemble_motion(rig: Rig, unit_m: float | None) -> SkeletalMotion:
     """A skeleton at the rest of its nodes, with clips; meshes are not looked at.
 
     A rest pose that lies below the ground is lifted until its lowest joint is at z = 0; clips
@@ -94,7 +100,7 @@ def assemble_motion(rig: Rig, unit_m: float | None) -> Assembled:
     height_m = float(np.ptp(skeleton.rest_world.translation_m, axis=0).max())
     everything = np.ones(len(skeleton), dtype=bool)
     clips, told = stage.clips(rig, stage.rest.scale[0], max(height_m, 1e-6), everything)
-    return Assembled(skeleton, clips, (*stage.notices, *told))
+    return SkeletalMotion(skeleton, clips, (*stage.notices, *told))
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,8 +22,13 @@ FEET = re.compile(r"foot|ankle", re.IGNORECASE)
 HEAD = re.compile(r"head|neck", re.IGNORECASE)
 CONTROLS = re.compile(r"ik\b|\bik|control|roll", re.IGNORECASE)
 
-UNITS_M = {"metre": 1.0, "centimetre": 0.01, "inch": 0.0254, "CMU's 0.0564 m": 0.0254 / 0.45,
-           "decimetre": 0.1}  # fmt: skip
+UNITS_M = {
+    "metre": 1.0,
+    "centimetre": 0.01,
+    "inch": 0.0254,
+    "CMU's 0.0564 m": 0.0254 / 0.45,
+    "decimetre": 0.1,
+}
 USUAL_HEIGHT_M = 1.7
 PLAUSIBLE_M = (0.05, 20.0)
 # Toes that point this far from an axis of the file do not tell which one was meant.
@@ -94,8 +99,11 @@ def is_plausible(height_m: float) -> bool:
 def _up(joints: Joints, places: FloatArray) -> tuple[FloatArray, str]:
     """The axis from the feet to the head, or the longest one, or +y; and how it was told."""
     head = [place for name, place in zip(joints.names, places, strict=True) if HEAD.search(name)]
-    feet = [place for name, place in zip(joints.names, places, strict=True)
-            if (FEET.search(name) or TOES.search(name))]  # fmt: skip
+    feet = [
+        place
+        for name, place in zip(joints.names, places, strict=True)
+        if (FEET.search(name) or TOES.search(name))
+    ]
     if head and feet:
         return _nearest_axis(np.mean(head, axis=0) - np.mean(feet, axis=0)), "head and feet"
     return np.array([0.0, 1.0, 0.0]), "habit"

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.ga import FloatArray
+from motorcade.ga.classical.quaternion import quaternion_slerp
 
 __all__ = [
     "JUMP_S",
-    "arcs",
     "before_jumps",
     "between",
     "great_arc",
@@ -45,25 +45,12 @@ def with_times(keys: FloatArray, values: FloatArray, times: FloatArray) -> Float
 
 
 def great_arc(keys: FloatArray, wxyz: FloatArray, times: FloatArray) -> FloatArray:
-    """Quaternions (n, ..., 4) at times, turning evenly and the short way between keys."""
+    """Unit quaternions (n, ..., 4) at times, turning evenly and the short way between keys."""
     if len(keys) == len(times) and np.array_equal(keys, times):
         return wxyz
     before, after, fraction = between(keys, times)
     share = fraction.reshape(-1, *[1] * (wxyz.ndim - 2))
-    return arcs(_unit(wxyz[before]), _unit(wxyz[after]), share)
-
-
-def arcs(start: FloatArray, end: FloatArray, share: FloatArray) -> FloatArray:
-    """Unit quaternions (*, 4) a share (*) of the short way from `start` to `end`."""
-    cosine = np.einsum("...i,...i->...", start, end)
-    angle = np.arccos(np.minimum(np.abs(cosine), 1.0))
-    sine = np.sin(angle)
-    flat = sine < 1e-6
-    safe = np.where(flat, 1.0, sine)
-    first = np.where(flat, 1.0 - share, np.sin((1.0 - share) * angle) / safe)
-    second = np.where(flat, share, np.sin(share * angle) / safe)
-    second = np.where(cosine < 0.0, -second, second)
-    return _unit(first[..., None] * start + second[..., None] * end)
+    return quaternion_slerp(wxyz[before], wxyz[after], share)
 
 
 def stepped(keys: FloatArray, values: FloatArray, times: FloatArray) -> FloatArray:
@@ -92,8 +79,3 @@ def before_jumps(keys: FloatArray) -> FloatArray:
     """Times just before the steps at keys (K,)."""
     times = keys[1:] - JUMP_S
     return times[times > keys[:-1]]
-
-
-def _unit(wxyz: FloatArray) -> FloatArray:
-    length = np.sqrt(np.einsum("...i,...i->...", wxyz, wxyz))[..., None]
-    return wxyz / np.where(length > 0.0, length, 1.0)

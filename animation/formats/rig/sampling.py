@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from motorcade.animation.formats.errors import FormatError
 from motorcade.animation.formats.limits import MAX_POSES
-from motorcade.animation.formats.rig.curves import JUMP_S, arcs
+from motorcade.animation.formats.rig.curves import JUMP_S
 from motorcade.animation.formats.rig.joints import Joints
 from motorcade.animation.formats.rig.poses import JointPoses, World, joint_poses
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, RigClip
 from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga.classical.quaternion import quaternion_slerp
 
 __all__ = ["Sampled", "Sampler", "divided", "parts_of_steps"]
 
@@ -206,7 +207,7 @@ def _straight(poses: JointPoses, parts: IntArray) -> JointPoses:
     new = np.flatnonzero(counts)
     start, end = before[new], before[new] + 1
     share = (counts[new] / parts[start])[:, None]
-    wxyz[new] = arcs(poses.wxyz[start], poses.wxyz[end], share)
+    wxyz[new] = quaternion_slerp(poses.wxyz[start], poses.wxyz[end], share)
     places[new] += share[..., None] * (poses.translation_m[end] - places[new])
     scale[new] += share * (poses.scale[end] - scale[new])
     return JointPoses(wxyz, places, scale, None)

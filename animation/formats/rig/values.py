@@ -9,6 +9,7 @@ import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_DEPTH, MAX_NODES, check_count
+from motorcade.animation.formats.rig.curves import great_arc, with_times
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.ga import FloatArray, IntArray
 
@@ -116,6 +117,19 @@ class RigClip:
     straight: bool = True
     looped: bool = False
     key_count: int = 0
+
+    @staticmethod
+    def of_all_nodes(
+        name: str, key_times: FloatArray, wxyz: FloatArray, translation: FloatArray
+    ) -> RigClip:
+        """A clip in which all nodes have keys at all times: turns (F, N, 4), places (F, N, 3)."""
+
+        def at(times: FloatArray) -> Transforms:
+            turned = great_arc(key_times, wxyz, times)
+            places = with_times(key_times, translation, times)
+            return Transforms(turned, places, np.ones(turned.shape[:-1]))
+
+        return RigClip(name, key_times, at, np.arange(wxyz.shape[1]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -266,9 +266,9 @@ def test_a_picture_beyond_the_limit_is_not_decoded(
     write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It is told, and plain colours stand in."""
-    from motorcade.animation.formats.gltf import materials
+    from motorcade.animation.formats import images
 
-    monkeypatch.setattr(materials, "MAX_IMAGE_PIXELS", 0)
+    monkeypatch.setattr(images, "MAX_IMAGE_PIXELS", 0)
     made = samples.gltf_tower()
     part = made.document["meshes"][0]["primitives"][0]
     part["attributes"]["TEXCOORD_0"] = made.add(np.zeros((12, 2)))
