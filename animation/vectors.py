@@ -29,7 +29,7 @@ def length(vectors: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(vectors, axis=-1, keepdims=True), dtype=np.float64)
 
 
-def unit(vectors: FloatArray, otherwise: FloatArray | float = 0.0) -> FloatArray:
+def unit(vectors: FloatArray, otherwise: ArrayLike = 0.0) -> FloatArray:
     """Vectors ``(*, 3)`` of length 1; where one has no length, another in its place."""
     size = length(vectors)
     return np.where(size > 0.0, vectors / np.where(size > 0.0, size, 1.0), otherwise)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation.blend.layers import additive
+from motorcade.animation.blend.methods import Poses
 from motorcade.animation.clip import LOOP_TOLERANCE, Clip
 from motorcade.animation.skeleton import Skeleton, with_joint
 from motorcade.animation.vectors import turn_z
@@ -92,9 +93,12 @@ def split_root_motion(
     root = clip.rigid_poses[:, number]
     way = _ground(root @ root[0].inverse(), root.translation_m)
     back = way.inverse()
-    rigid = isinstance(clip.poses, Motor)
-    before = back if rigid else Similarity.from_motor_scale(back)
-    inside = with_joint(clip.poses, number, before @ clip.poses[:, number])
+    inside: Poses
+    if isinstance(clip.poses, Motor):
+        inside = with_joint(clip.poses, number, back @ clip.poses[:, number])
+    else:
+        before = Similarity.from_motor_scale(back)
+        inside = with_joint(clip.poses, number, before @ clip.poses[:, number])
     looped = bool(np.max(np.abs(additive(inside[-1], inside[0]).as_twist())) <= LOOP_TOLERANCE)
     return Clip(clip.name, clip.time_s, inside, looped), RootMotion(clip.time_s, way, looped)
 
