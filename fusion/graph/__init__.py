@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from motorcade.fusion.graph.fuse import fuse_by_graph
+from motorcade.fusion.graph.odometry import OdometryNoise, fuse_odometry
 
-__all__ = ["fuse_by_graph"]
+__all__ = ["OdometryNoise", "fuse_by_graph", "fuse_odometry"]
