@@ -7,9 +7,8 @@ that a step's lever arm counts, which the former neglects. Where there is no noi
 smoother is told so, and leaves the path as it is. Poses that are sparser than 8 Hz do not resolve
 what hands and vehicles do, and any model takes such motion for noise; little is smoothed there.
 
-The robust estimate needs scipy and CasADi. Where one is missing a Rauch-Tung-Striebel smoother
-takes its place, with a warning: it runs on NumPy alone, but gives wrong poses the weight of right
-ones.
+The robust estimate needs scipy. Where that is missing a Rauch-Tung-Striebel smoother takes its
+place, with a warning: it runs on NumPy alone, but gives wrong poses the weight of right ones.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -32,9 +31,6 @@ from motorcade.ga import Similarity, Trajectory
 __all__ = ["Choice", "auto", "choose"]
 
 log = logging.getLogger("motorcade.smooth")
-
-# What `robust_map` needs beside NumPy.
-_ROBUST_NEEDS = ("casadi", "scipy")
 
 # Poses farther apart than this do not resolve motion; so much of what the process adds from one to
 # the next is then believed to be noise at most.
@@ -113,20 +109,16 @@ def choose(trajectory: Trajectory, representation: str = "motor") -> Choice:
 
 
 def _robust_can_run(instead: str) -> bool:
-    """Whether all that `robust_map` needs is there; else a warning says what is taken instead."""
-    for package in _ROBUST_NEEDS:
-        try:
-            import_module(package)
-        except ModuleNotFoundError:
-            log.warning(
-                "auto: this path calls for robust_map, which needs the Python package %r "
-                '(pip install "motorcade[pipeline]" brings it); %s instead, which gives wrong '
-                "poses the weight of right ones",
-                package,
-                instead,
-            )
-            return False
-    return True
+    """Whether `robust_map` has the scipy that it needs; else a warning says what is used."""
+    if find_spec("scipy") is not None:
+        return True
+    log.warning(
+        "auto: this path calls for robust_map, which needs the Python package 'scipy' "
+        '(pip install "motorcade[pipeline]" brings it); %s instead, which gives wrong '
+        "poses the weight of right ones",
+        instead,
+    )
+    return False
 
 
 def _levered(trajectory: Trajectory, noise: NoiseModel) -> bool:

@@ -30,12 +30,19 @@ from typing import ClassVar
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory, kernels
+from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.classical import (
     dual_quaternion_normalize,
     nearest_branch,
     nearest_sign,
     quaternion_normalize,
+)
+from motorcade.ga.kernels.tangents import (
+    MOTOR_TANGENTS,
+    ROTOR_TANGENTS,
+    SIMILARITY_TANGENTS,
+    TangentKernels,
 )
 
 __all__ = ["REPRESENTATIONS", "Representation", "representation_named", "restored"]
@@ -106,6 +113,21 @@ class Representation(ABC):
         rigid = self._rigid_retract(base[..., :-1], vector[..., :-1])
         return np.concatenate([rigid, base[..., -1:] + vector[..., -1:]], axis=-1)
 
+    def local_jacobians(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """How `local` vectors ``(N, d)`` change with small vectors of the base and of the pose.
+
+        Returns:
+            Two arrays ``(N, d, d)``, or ``(1, d, d)`` where they are the same for all.
+        """
+        size = self.ends[1]
+        rigid = self._rigid_local_jacobians(vector[..., :size])
+        if vector.shape[-1] == size:
+            return rigid
+        both = [np.zeros((len(part), size + 1, size + 1)) for part in rigid]
+        for whole, part, sign in zip(both, rigid, (-1.0, 1.0), strict=True):
+            whole[:, :size, :size], whole[:, size, size] = part, sign
+        return both[0], both[1]
+
     def continued(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
         """The same poses ``(*, D)`` written as near as may be to others ``(*, D)``.
 
@@ -126,6 +148,10 @@ class Representation(ABC):
     def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
         return base + vector
 
+    def _rigid_local_jacobians(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        unit = np.eye(vector.shape[-1])[None]
+        return -unit, unit
+
 
 class MotorTwists(Representation):
     """Motors, averaged as twists in the base's body frame: no choice of world or body matters."""
@@ -141,10 +167,13 @@ class MotorTwists(Representation):
         return Motor(coordinates)
 
     def _rigid_local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
-        return -2.0 * kernels.log(kernels.compose(kernels.inverse(base), coordinates))
+        return MOTOR_TANGENTS.local(base, coordinates)
 
     def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
-        return kernels.compose(base, kernels.exp(-0.5 * vector))
+        return MOTOR_TANGENTS.retract(base, vector)
+
+    def _rigid_local_jacobians(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return _inverse_jacobians(MOTOR_TANGENTS, vector)
 
 
 class SimilarityTwists(Representation):
@@ -172,10 +201,14 @@ class SimilarityTwists(Representation):
         return self.poses(coordinates).as_motor_scale()[0]
 
     def _rigid_local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
-        return (Similarity(base).inverse() @ Similarity(coordinates)).as_twist()
+        return Similarity(base).local(Similarity(coordinates))
 
     def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
-        return (Similarity(base) @ Similarity.from_twist(vector)).coefficients
+        return Similarity(base).retract(vector).coefficients
+
+    def local_jacobians(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Of twists ``(N, 7)``, the logarithm of the scale among them."""
+        return _inverse_jacobians(SIMILARITY_TANGENTS, vector)
 
 
 class Rotors(Representation):
@@ -193,14 +226,26 @@ class Rotors(Representation):
         return Motor.from_rotor_translation(Rotor(coordinates[..., :4]), coordinates[..., 4:])
 
     def _rigid_local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
-        back = kernels.rotor_inverse(base[..., :4])
-        turn = -2.0 * kernels.rotor_log(kernels.rotor_compose(back, coordinates[..., :4]))
+        turn = ROTOR_TANGENTS.local(base[..., :4], coordinates[..., :4])
         return np.concatenate([turn, coordinates[..., 4:] - base[..., 4:]], axis=-1)
 
     def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
-        turn = kernels.rotor_exp(-0.5 * vector[..., :3])
-        turned = kernels.rotor_compose(base[..., :4], turn)
+        turned = ROTOR_TANGENTS.retract(base[..., :4], vector[..., :3])
         return np.concatenate([turned, base[..., 4:] + vector[..., 3:]], axis=-1)
+
+    def _rigid_local_jacobians(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        made = [np.zeros((len(vector), 6, 6)) for _ in range(2)]
+        turning = _inverse_jacobians(ROTOR_TANGENTS, vector[..., :3])
+        for whole, part, sign in zip(made, turning, (-1.0, 1.0), strict=True):
+            whole[:, :3, :3], whole[:, 3:, 3:] = part, sign * np.eye(3)
+        return made[0], made[1]
+
+
+def _inverse_jacobians(
+    tangents: TangentKernels, vector: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """How a twist to a pose changes with moves of its base and of the pose."""
+    return -tangents.left_jacobian_inverse(vector), tangents.left_jacobian_inverse(-vector)
 
 
 class _SignedComponents(Representation):

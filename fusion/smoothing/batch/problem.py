@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.charts import Between, Chart, component_sizes
 from motorcade.fusion.smoothing.batch.consistent import Sizes, bridged
+from motorcade.fusion.smoothing.batch.differences import Between, between, component_sizes
 from motorcade.fusion.smoothing.batch.tridiagonal import Equations, prior_cost, solved
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga import FloatArray, Motor, Similarity
@@ -57,7 +57,6 @@ class Problem:
         d = representation.local(self.measured[:1], self.measured[:1]).shape[-1]
         self.noise = component_sizes(representation, d, *(size.noise for size in sizes))
         self.density = component_sizes(representation, d, *(size.acceleration for size in sizes))
-        self.chart = Chart(representation)
 
     def narrowed(self, loss: str, width: float) -> Linear:
         """The path of the poses to start from alone, by a loss that narrows down to its width."""
@@ -92,9 +91,9 @@ class Problem:
     def linearised(self, state: State) -> Linear:
         """Residuals and derivatives at a state."""
         x = state.coordinates
-        measured = self.chart.between(self.measured, x)
+        measured = between(self.representation, self.measured, x)
         squares = np.sum((measured.vector / self.noise) ** 2, axis=1)
-        return Linear(state, self.chart.between(x[:-1], x[1:]), measured, squares)
+        return Linear(state, between(self.representation, x[:-1], x[1:]), measured, squares)
 
     def information(
         self, linear: Linear, loss: str, width: float, among: NDArray[np.bool_]

@@ -111,7 +111,7 @@ def robust_map(
 
     Raises:
         ValueError: a size that is not positive, an unknown loss, a single pose.
-        ModuleNotFoundError: scipy or CasADi is missing.
+        ModuleNotFoundError: scipy is missing.
     """
     return estimate_path(
         trajectory, representation.name,

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from motorcade.fusion.smoothing.batch.charts import Between
+from motorcade.fusion.smoothing.batch.differences import Between
 from motorcade.ga import FloatArray
 
 __all__ = ["Equations", "prior_cost", "prior_residuals", "solved"]

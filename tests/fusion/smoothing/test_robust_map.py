@@ -9,10 +9,10 @@ import pytest
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips
 from motorcade.fusion.smoothing import REPRESENTATIONS, smooth
-from motorcade.fusion.smoothing.batch import charts, estimate_path
+from motorcade.fusion.smoothing.batch import estimate_path
 from motorcade.fusion.smoothing.batch import parts as parts_module
-from motorcade.fusion.smoothing.batch.charts import Chart
 from motorcade.fusion.smoothing.batch.consistent import Sizes, bridged, consistent_poses
+from motorcade.fusion.smoothing.batch.differences import between
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
 
 NOISE = Gaussian(0.005, np.deg2rad(0.5))
@@ -59,7 +59,7 @@ def test_derivatives_are_those_of_small_moves(
             for m in (base, target)
         )
     x, y = representation.coordinates(base), representation.coordinates(target)
-    found = Chart(representation).between(x, y)
+    found = between(representation, x, y)
     np.testing.assert_allclose(found.vector, representation.local(y, x), atol=1e-9)
     if name not in ("motor", "rotor", "similarity"):
         return  # plain components are not moved along a curve: the derivative is 1
@@ -228,16 +228,13 @@ def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> Non
         smooth(path[:1], "robust_map")
 
 
-@pytest.mark.parametrize("package", ["casadi", "scipy.linalg"])
 def test_what_is_missing_is_named_with_the_extra_that_brings_it(
-    package: str, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    charts._derived.cache_clear()
-    monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.setitem(sys.modules, "scipy.linalg", None)
     path = MOTIONS["screw"].sampled(30.0, 1.0)
     with pytest.raises(ModuleNotFoundError, match=r'pip install "motorcade\[pipeline\]"'):
         smooth(path, "robust_map")
-    charts._derived.cache_clear()
 
 
 # Components are put back onto the sphere after each step, and settle less sharply.

@@ -48,7 +48,7 @@ def test_auto_takes_what_there_is_and_says_so(tmp_path: Path) -> None:
         assert done.stdout.startswith("auto: rts_constant_")
         assert len(done.stderr.splitlines()) == warned
         assert len(read_trajectory(tmp_path / "out.tum")) == len(truth)
-    assert "calls for robust_map, which needs the Python package 'casadi'" in done.stderr
+    assert "calls for robust_map, which needs the Python package 'scipy'" in done.stderr
     assert 'pip install "motorcade[pipeline]"' in done.stderr
 
 
