@@ -22,7 +22,7 @@ from motorcade.fusion.smoothing.representations import REPRESENTATIONS
 from motorcade.fusion.smoothing.window.averages import polynomial_at_centre, weighted_vectors
 from motorcade.fusion.smoothing.window.local_polynomial import shifted_windows
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
-from motorcade.ga.motion import carried_twist, twist_bracket
+from motorcade.ga.motion import twist_bracket
 
 __all__ = ["PathDerivatives", "differentiated"]
 
@@ -54,10 +54,7 @@ class PathDerivatives:
 
         Its last three are the velocity of that point of the body which is at the parent's origin.
         """
-        poses = self.trajectory.poses
-        if isinstance(poses, Similarity):
-            return carried_twist(poses, self.body_twist)
-        return carried_twist(poses, self.body_twist)
+        return self.trajectory.poses.transform_twist(self.body_twist)
 
     @property
     def world_velocity_m_s(self) -> FloatArray:

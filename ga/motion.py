@@ -16,7 +16,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.similarity import Similarity
 
-__all__ = ["SplineSample", "TwistSample", "carried_twist", "sampled_motion", "twist_bracket"]
+__all__ = ["SplineSample", "TwistSample", "sampled_motion", "twist_bracket"]
 
 V = TypeVar("V", Motor, Similarity)
 
@@ -57,17 +57,6 @@ def sampled_motion(sample: TwistSample[Motor]) -> SplineSample:
         sample.pose, twist[..., :3], rate[..., :3],
         rotation.apply(twist[..., 3:]), rotation.apply(body_acceleration),
     )  # fmt: skip
-
-
-def carried_twist(versor: V, twist: FloatArray) -> FloatArray:
-    """Twist seen from the other side of a versor, the adjoint: ``S exp(x) ~S = exp(Ad x)``."""
-    rotor, translation_m = versor.rotor, versor.translation_m
-    turn = rotor.apply(twist[..., :3])
-    shift = rotor.apply(twist[..., 3:6])
-    if isinstance(versor, Similarity):
-        shift = versor.scale[..., None] * shift - twist[..., 6:] * translation_m
-    shift = shift + np.cross(translation_m, turn)
-    return np.concatenate([turn, shift, twist[..., 6:]], axis=-1)
 
 
 def twist_bracket(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -71,9 +71,9 @@ class ScrewPath:
         """
         before, fraction = self._locate(checked_floats(time_s, "ScrewPath.twists(time_s)", ()))
         poses, stamps = self.trajectory.motors, self.trajectory.time_ns
-        screws = (poses[:-1].inverse() @ poses[1:]).as_twist()
+        screws = poses[:-1].local(poses[1:])
         screw = screws[before]
-        pose = poses[before] @ Motor.from_twist(fraction[..., None] * screw)
+        pose = poses[before].retract(fraction[..., None] * screw)
         twist = screw / (np.diff(stamps) * 1e-9)[before][..., None]
         return TwistSample(pose, twist, np.zeros_like(twist))
 

@@ -13,7 +13,6 @@ Twists are (rotation, translation); a control moves by ``C exp(step)``, a pose b
 
 from __future__ import annotations
 
-from math import factorial
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +20,7 @@ import numpy as np
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.versors.motor import Motor
 
-__all__ = ["fit_controls", "twist_adjoint"]
+__all__ = ["fit_controls"]
 
 _MAX_STEPS = 100
 # Damping of steps that would raise the sum of squares, as a share of the diagonal.
@@ -36,7 +35,6 @@ _CONVERGED = 1e-9
 _SMOOTHNESS = 1e-6
 _CHUNK = 2048
 _FOURTH_DIFFERENCE = (1.0, -4.0, 6.0, -4.0, 1.0)
-_SERIES_TERMS = 16
 
 
 def fit_controls(
@@ -60,7 +58,7 @@ def fit_controls(
     level = 0
     for _ in range(_MAX_STEPS):
         step = _solve_band(equations, damping)
-        moved = controls @ Motor.from_twist(step)
+        moved = controls.retract(step)
         # The six weights of a pose sum to one, most of it on the middle two controls.
         if float(np.max(np.abs(step[2:-2]))) < _CONVERGED * (1.0 + damping):
             return moved
@@ -77,52 +75,6 @@ def fit_controls(
     return None
 
 
-def twist_adjoint(motor: Motor) -> FloatArray:
-    """Matrices ``(*, 6, 6)`` that carry twists through a motor: ``M exp(x) ~M = exp(Ad x)``."""
-    rotation = motor.rotor.as_matrix()
-    adjoint = np.zeros((*motor.shape, 6, 6))
-    adjoint[..., :3, :3] = adjoint[..., 3:, 3:] = rotation
-    adjoint[..., 3:, :3] = _cross_matrix(motor.translation_m) @ rotation
-    return adjoint
-
-
-def _cross_matrix(vector: FloatArray) -> FloatArray:
-    x, y, z = np.moveaxis(vector, -1, 0)
-    zero = np.zeros_like(x)
-    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-
-
-def _bracket_matrix(twist: FloatArray) -> FloatArray:
-    bracket = np.zeros((*twist.shape, 6))
-    bracket[..., :3, :3] = bracket[..., 3:, 3:] = _cross_matrix(twist[..., :3])
-    bracket[..., 3:, :3] = _cross_matrix(twist[..., 3:])
-    return bracket
-
-
-def _right_jacobian(twist: FloatArray) -> FloatArray:
-    """``(*, 6, 6)`` with ``exp(x + y) ≈ exp(x) exp(J y)``: the sum of ``(-ad)^n / (n + 1)!``.
-
-    Powers above the fourth fold back by ``ad⁵ = -2 θ² ad³ - θ⁴ ad``, which leaves four series in
-    ``θ²``; they converge for every angle.
-    """
-    angle2 = np.sum(twist[..., :3] ** 2, axis=-1)
-    factors = [np.zeros_like(angle2) for _ in range(4)]
-    for m in range(_SERIES_TERMS, 0, -1):
-        sign = (-1.0) ** (m - 1)
-        for low, extra in ((0, 2), (1, 3)):
-            scale = sign / factorial(2 * m + extra)
-            factors[low + 2] = factors[low + 2] * angle2 + m * scale
-            factors[low] = factors[low] * angle2 + (m - 1) * scale
-    bracket = -_bracket_matrix(twist)
-    square = bracket @ bracket
-    one, two = 1 / 2 + factors[0] * angle2, 1 / 6 + factors[1] * angle2
-    low_part = one[..., None, None] * np.eye(6) + two[..., None, None] * bracket
-    high_part = factors[2][..., None, None] * np.eye(6) + factors[3][..., None, None] * bracket
-    total: FloatArray = np.eye(6) + bracket @ (low_part + square @ high_part)
-    return total
-
-
 class _Chain(NamedTuple):
     """Control motors, screws between them, and how each screw changes with a control's step."""
 
@@ -133,13 +85,9 @@ class _Chain(NamedTuple):
 
     @classmethod
     def of(cls, controls: Motor) -> _Chain:
-        screws = (controls[:-1].inverse() @ controls[1:]).as_twist()
-        both = np.empty((2, len(screws), 6, 6))
-        for start in range(0, len(screws), _CHUNK):
-            part = slice(start, start + _CHUNK)
-            ways = np.stack([screws[part], -screws[part]])
-            both[:, part] = np.linalg.inv(_right_jacobian(ways))
-        return cls(controls, screws, both[0], np.negative(both[1], out=both[1]))
+        screws = controls[:-1].local(controls[1:])
+        by_next, by_last = Motor.right_jacobian_inverse(screws), Motor.left_jacobian_inverse(screws)
+        return cls(controls, screws, by_next, -by_last)
 
 
 def _pose_jacobians(
@@ -150,9 +98,9 @@ def _pose_jacobians(
     pose = Motor.identity((len(segment),))
     carried = np.broadcast_to(np.eye(6), (len(segment), 6, 6))
     parts = weights[..., None] * chain.screws[segment + np.arange(5)[:, None]]
-    weighed = weights[..., None, None] * _right_jacobian(parts)
+    weighed = weights[..., None, None] * Motor.right_jacobian(parts)
     factors = Motor.from_twist(parts)
-    back = twist_adjoint(factors.inverse())
+    back = factors.inverse().adjoint()
     for j in range(4, -1, -1):
         effect = carried @ weighed[j]
         jacobian[:, :, j + 1] += effect @ chain.by_next[segment + j]

@@ -23,7 +23,6 @@ from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.ga.motion import (
     SplineSample,
     TwistSample,
-    carried_twist,
     sampled_motion,
     twist_bracket,
 )
@@ -127,14 +126,14 @@ class _CumulativeBSpline(Generic[V]):
             back = factor.inverse()
             push = slope[..., None] * screw
             pose = pose @ factor
-            twist, twist_rate = carried_twist(back, twist), carried_twist(back, twist_rate)
+            twist, twist_rate = back.transform_twist(twist), back.transform_twist(twist_rate)
             twist_rate += twist_bracket(twist, push) + bend[..., None] * screw
             twist += push
         return TwistSample(pose, twist, twist_rate)
 
     def _screws(self) -> FloatArray:
         """Twists ``(n - 1, 6)`` or ``(n - 1, 7)`` from each control to the next."""
-        return (self.controls[:-1].inverse() @ self.controls[1:]).as_twist()
+        return self.controls[:-1].local(self.controls[1:])
 
     def _locate(self, time_s: FloatArray) -> tuple[IntArray, FloatArray]:
         """Segment and place in it, in [0, 1], of times after the first knot."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Motor, Rotor
 
-__all__ = ["ERROR_SIZE", "corrected", "extended_pose", "motor_adjoint"]
+__all__ = ["ERROR_SIZE", "corrected", "extended_pose"]
 
 ERROR_SIZE = 15
 
@@ -29,16 +29,7 @@ def extended_pose(rotor: Rotor, position_m: FloatArray, velocity_m_s: FloatArray
 
 def corrected(pose: Motor, error: FloatArray) -> Motor:
     """Extended poses ``(*, 2)`` moved by the first nine numbers of errors ``(*, 15)``."""
-    return pose @ Motor.from_twist(_pairs(error))
-
-
-def motor_adjoint(motor: Motor) -> FloatArray:
-    """Adjoint ``(*, 6, 6)`` on twists, rotation first: ``m Exp(ξ) = Exp(Ad ξ) m``."""
-    rotation, shift = motor.rotor.as_matrix(), motor.translation_m
-    adjoint = np.zeros((*shift.shape[:-1], 6, 6))
-    adjoint[..., :3, :3] = adjoint[..., 3:, 3:] = rotation
-    adjoint[..., 3:, :3] = np.cross(shift[..., None, :], rotation.swapaxes(-1, -2)).swapaxes(-1, -2)
-    return adjoint
+    return pose.retract(_pairs(error))
 
 
 def _pairs(error: FloatArray) -> FloatArray:

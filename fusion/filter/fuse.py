@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.filter.extended_pose import motor_adjoint
 from motorcade.fusion.filter.kinds import KINDS
 from motorcade.fusion.filter.native._filter import Engine
 from motorcade.fusion.filter.settings import FilterSettings, engine
@@ -167,7 +166,7 @@ class _Made:
 
 def camera_covariance(covariance: FloatArray, imu_T_camera: Motor) -> FloatArray:
     """Covariance ``(*, 6, 6)`` of the camera's pose from that of the state ``(*, N, N)``."""
-    adjoint = motor_adjoint(imu_T_camera.inverse())
+    adjoint = imu_T_camera.inverse().adjoint()
     effect = np.zeros((*adjoint.shape[:-1], covariance.shape[-1]))
     effect[..., :6] = adjoint
     if covariance.shape[-1] > _MOUNT.stop:

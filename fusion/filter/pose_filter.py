@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.fusion.filter.extended_pose import motor_adjoint
 from motorcade.fusion.filter.kinds import KINDS
 from motorcade.fusion.filter.settings import FilterSettings, engine
 from motorcade.fusion.imu.noise import ImuNoise
@@ -145,7 +144,7 @@ class PoseFilter:
 
         `covariance` is that of the right perturbation of `camera_T_tag`, in the tag's axes.
         """
-        adjoint = motor_adjoint(camera_T_tag)
+        adjoint = camera_T_tag.adjoint()
         spread = adjoint @ _spread(covariance, 6).reshape(6, 6) @ adjoint.T
         self.camera_pose(time_ns, world_T_tag @ camera_T_tag.inverse(), 0.5 * (spread + spread.T))
 

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.filter.extended_pose import motor_adjoint
 from motorcade.fusion.graph.conversions import as_poses
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
@@ -88,7 +87,7 @@ class InertialGraph:
         data = imu.at(np.union1d(nodes, own).astype(np.int64)) if len(nodes) > 1 else imu
         rows = np.full(len(nodes), -1)
         rows[np.searchsorted(nodes, seen)] = np.arange(len(seen))
-        adjoint = motor_adjoint(imu_T_camera)
+        adjoint = imu_T_camera.adjoint()
         return cls(
             nodes, data, noise, gravity_m_s2, rows,
             measurements.trajectory.motors @ imu_T_camera.inverse(),

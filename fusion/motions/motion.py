@@ -26,7 +26,7 @@ from motorcade.ga import (
     checked_floats,
     frozen,
 )
-from motorcade.ga.motion import carried_twist, twist_bracket
+from motorcade.ga.motion import twist_bracket
 
 __all__ = ["Factor", "Motion", "even_stamps"]
 
@@ -127,7 +127,7 @@ class Motion(Generic[V]):
             )
             step = self.versor.from_twist(value)
             back = step.inverse()
-            twist, rate, jerk = (carried_twist(back, part) for part in (twist, rate, jerk))
+            twist, rate, jerk = (back.transform_twist(part) for part in (twist, rate, jerk))
             crossed = rate + twist_bracket(twist, first)
             jerk = jerk + twist_bracket(rate + crossed, first) + twist_bracket(twist, second)
             pose, twist, rate, jerk = pose @ step, twist + first, crossed + second, jerk + third

@@ -14,7 +14,6 @@ import numpy as np
 
 from motorcade.fusion.motions import Motion
 from motorcade.ga import FloatArray, Motor, Trajectory, TwistSample
-from motorcade.ga.motion import carried_twist
 from motorcade.ga.splines import CumulativeBSpline
 
 __all__ = ["ContinuousPath"]
@@ -93,8 +92,8 @@ class ContinuousPath:
             given = self.twists(time_s)
             return TwistSample(
                 given.pose @ mount,
-                carried_twist(imu_T_child, given.body_twist),
-                carried_twist(imu_T_child, given.body_twist_rate),
+                imu_T_child.transform_twist(given.body_twist),
+                imu_T_child.transform_twist(given.body_twist_rate),
             )
 
         return ContinuousPath(self.start_ns, self.duration_s, twists, self.parent, child)

@@ -8,7 +8,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from motorcade.fusion.filter.extended_pose import motor_adjoint
 from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.replays.engine.graph import Unavailable
 from motorcade.replays.engine.progress import track
@@ -101,7 +100,7 @@ def marker_poses(
 def _of_camera(found: MappedRecording, camera: str, seconds: float) -> MarkerPoses:
     """The rig's path and covariance, carried over to one of its cameras."""
     rig_T_camera = found.rig_T_camera[camera]
-    adjoint = motor_adjoint(rig_T_camera.inverse())
+    adjoint = rig_T_camera.inverse().adjoint()
     covariance = adjoint @ found.covariance @ adjoint.T + np.diag(_SIGMA_FLOOR**2)
     return MarkerPoses(
         PoseMeasurements(

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.fusion.filter.extended_pose import corrected, extended_pose, motor_adjoint
+from motorcade.fusion.filter.extended_pose import corrected, extended_pose
 from motorcade.ga import FloatArray, Motor, Rotor
 from tests.fusion.filter.by_hand import GRAVITY, Intervals, increments, moved, transitions
 
@@ -176,7 +176,7 @@ def test_a_measured_pose(rng, call):
     expected = ((pose @ mount).inverse() @ measured).as_twist()
     np.testing.assert_allclose(residual, expected, atol=1e-12)
     (effect,) = call("pose_effect", mount.coefficients)
-    np.testing.assert_allclose(effect.reshape(6, 6), motor_adjoint(mount.inverse()), atol=1e-12)
+    np.testing.assert_allclose(effect.reshape(6, 6), mount.inverse().adjoint(), atol=1e-12)
 
     def seen(error: FloatArray) -> FloatArray:
         moved = pose @ Motor.from_twist(error) @ mount
@@ -187,7 +187,7 @@ def test_a_measured_pose(rng, call):
     start, spread = call("start", measured.coefficients, mount.coefficients)
     apart = (Motor(start).inverse() @ measured @ mount.inverse()).as_twist()
     np.testing.assert_allclose(apart, 0.0, atol=1e-12)
-    np.testing.assert_allclose(spread.reshape(6, 6), motor_adjoint(mount), atol=1e-12)
+    np.testing.assert_allclose(spread.reshape(6, 6), mount.adjoint(), atol=1e-12)
 
 
 def test_a_measured_point_and_velocity(rng, call):
