@@ -58,7 +58,7 @@ struct Motors {
 
     static Motor read(const Motor &pose) { return versors::normalize(pose); }
     static Motor write(const Motor &x) { return x; }
-    static Vector<6> local(const Motor &x, const Motor &base) { return versors::local(x, base); }
+    static Vector<6> local(const Motor &x, const Motor &base) { return versors::local(base, x); }
     static Motor retract(const Motor &base, const Vector<6> &v) {
         return versors::normalize(versors::retract(base, v));
     }
@@ -84,7 +84,7 @@ struct Rotors {
     }
     static Motor write(const X &x) { return versors::motor_of(rotor(x), Three{x[4], x[5], x[6]}); }
     static Vector<6> local(const X &x, const X &base) {
-        const Three turn = versors::local(rotor(x), rotor(base));
+        const Three turn = versors::local(rotor(base), rotor(x));
         return {turn[0], turn[1], turn[2], x[4] - base[4], x[5] - base[5], x[6] - base[6]};
     }
     static X retract(const X &base, const Vector<6> &v) {
@@ -216,7 +216,7 @@ struct Similarities {
     static Similarity read(const Similarity &pose) { return pose; }
     static Similarity write(const Similarity &x) { return x; }
     static Vector<7> local(const Similarity &x, const Similarity &base) {
-        return versors::local(x, base);
+        return versors::local(base, x);
     }
     static Similarity retract(const Similarity &base, const Vector<7> &v) {
         return versors::retract(base, v);

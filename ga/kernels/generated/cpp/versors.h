@@ -608,6 +608,828 @@ inline std::array<double, 7> log(const std::array<double, 12> &m)
 }
 
 /*
+ * A rotor moved by a twist in its own frame
+ * m: 1 e23 e31 e12
+ * twist: rx ry rz
+ * returns: 1 e23 e31 e12
+ */
+inline std::array<double, 4> retract(const std::array<double, 4> &m,
+        const std::array<double, 3> &twist)
+{
+    const double m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
+    const double twist0 = twist[0], twist1 = twist[1], twist2 = twist[2];
+    const double t0 = -0.5 * twist2;
+    const double t1 = -0.5 * twist1;
+    const double t2 = -0.5 * twist0;
+    const double t3 = t0 * t0 + t1 * t1 + t2 * t2;
+    const bool t4 = (t3 < 2.4684011002723394);
+    double t20, t21;
+    if (t4) {
+        const double t5 = t3 * (t3 * (t3 * 4.608909074888812e-14 + -1.146289561457958e-11) +
+            2.0876561604575935e-09);
+        const double t6 = t3 * (t3 * (t5 + -2.7557316386461366e-07) + 2.4801587277366174e-05) +
+            -0.0013888888888772708;
+        const double t7 = t3 * (t3 * (t3 * 2.721539074015491e-15 + -7.643023238169083e-13) +
+            1.6058940754212953e-10);
+        const double t8 = t3 * (t3 * (t7 + -2.505210688815946e-08) + 2.755731921120387e-06) +
+            -0.00019841269841208527;
+        t20 = t3 * (t3 * (t3 * t6 + 0.041666666666663875) + -0.4999999999999997) + 1.0;
+        t21 = 1.0 + t3 * (t3 * (t3 * t8 + 0.008333333333333186) + -0.16666666666666666);
+    } else {
+        const double t9 = std::sqrt(t3);
+        const double t10 = std::floor(0.3183098861837907 * t9 + 0.5);
+        const double t11 = 1.0 - 2.0 * (t10 - std::floor(0.5 * t10) * 2.0);
+        const double t12 = t9 - t10 * 3.1415926218032837 - t10 * 3.1786509424591713e-08 - t10 *
+            1.2246467202362698e-16;
+        const double t13 = t12 - t10 * 7.891108333126411e-24;
+        const double t14 = t13 * t13;
+        const double t15 = 2.0876561604575935e-09 + t14 * (-1.146289561457958e-11 +
+            4.608909074888812e-14 * t14);
+        const double t16 = -0.0013888888888772708 + t14 * (2.4801587277366174e-05 + t14 *
+            (-2.7557316386461366e-07 + t14 * t15));
+        const double t17 = 1.6058940754212953e-10 + t14 * (-7.643023238169083e-13 + t14 *
+            2.721539074015491e-15);
+        const double t18 = -0.00019841269841208527 + t14 * (2.755731921120387e-06 + t14 *
+            (-2.505210688815946e-08 + t14 * t17));
+        const double t19 = t11 * t13 * (1.0 + t14 * (-0.16666666666666666 + t14 *
+            (0.008333333333333186 + t14 * t18)));
+        t20 = t11 * (1.0 + t14 * (-0.4999999999999997 + t14 * (0.041666666666663875 + t14 * t16)));
+        t21 = t19 / std::max(1.0, t9);
+    }
+    const double t22 = t0 * t21;
+    const double t23 = t1 * t21;
+    const double t24 = t2 * t21;
+    return {
+        m0 * t20 - m3 * t22 - m2 * t23 - m1 * t24,
+        m0 * t24 - t22 * m2 + t20 * m1 + m3 * t23,
+        t22 * m1 - (m3 * t24 - m0 * t23 - t20 * m2),
+        m0 * t22 + t20 * m3 - t23 * m1 + m2 * t24,
+    };
+}
+
+/*
+ * A motor moved by a twist in its own frame
+ * m: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * twist: rx ry rz x y z
+ * returns: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ */
+inline std::array<double, 8> retract(const std::array<double, 8> &m,
+        const std::array<double, 6> &twist)
+{
+    const double m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
+    const double m4 = m[4], m5 = m[5], m6 = m[6], m7 = m[7];
+    const double twist0 = twist[0], twist1 = twist[1], twist2 = twist[2], twist3 = twist[3];
+    const double twist4 = twist[4], twist5 = twist[5];
+    const double t0 = -0.5 * twist2;
+    const double t1 = -0.5 * twist1;
+    const double t2 = -0.5 * twist0;
+    const double t3 = t0 * t0 + t1 * t1 + t2 * t2;
+    const bool t4 = (t3 < 2.4684011002723394);
+    double t24, t25, t26;
+    if (t4) {
+        const double t5 = t3 * (t3 * (t3 * 4.608909074888812e-14 + -1.146289561457958e-11) +
+            2.0876561604575935e-09);
+        const double t6 = t3 * (t3 * (t5 + -2.7557316386461366e-07) + 2.4801587277366174e-05) +
+            -0.0013888888888772708;
+        const double t7 = t3 * (t3 * (t3 * 2.721539074015491e-15 + -7.643023238169083e-13) +
+            1.6058940754212953e-10);
+        const double t8 = t3 * (t3 * (t7 + -2.505210688815946e-08) + 2.755731921120387e-06) +
+            -0.00019841269841208527;
+        const double t9 = t3 * (t3 * (t3 * 2.1772370641728367e-14 + -5.350144126598709e-12) +
+            9.635366495989451e-10);
+        const double t10 = t3 * (t3 * (t9 + -1.2526053501698183e-07) + 1.1022927685256208e-05) +
+            -0.0005952380952367574;
+        t24 = t3 * (t3 * (t3 * t6 + 0.041666666666663875) + -0.4999999999999997) + 1.0;
+        t25 = 1.0 + t3 * (t3 * (t3 * t8 + 0.008333333333333186) + -0.16666666666666666);
+        t26 = -0.16666666666666666 + t3 * (t3 * t10 + 0.01666666666666651);
+    } else {
+        const double t11 = std::sqrt(t3);
+        const double t12 = std::floor(0.3183098861837907 * t11 + 0.5);
+        const double t13 = 1.0 - 2.0 * (t12 - std::floor(0.5 * t12) * 2.0);
+        const double t14 = t11 - t12 * 3.1415926218032837 - t12 * 3.1786509424591713e-08 - t12 *
+            1.2246467202362698e-16;
+        const double t15 = t14 - t12 * 7.891108333126411e-24;
+        const double t16 = t15 * t15;
+        const double t17 = 2.0876561604575935e-09 + t16 * (-1.146289561457958e-11 +
+            4.608909074888812e-14 * t16);
+        const double t18 = -0.0013888888888772708 + t16 * (2.4801587277366174e-05 + t16 *
+            (-2.7557316386461366e-07 + t16 * t17));
+        const double t19 = t13 * (1.0 + t16 * (-0.4999999999999997 + t16 * (0.041666666666663875 +
+            t16 * t18)));
+        const double t20 = 1.6058940754212953e-10 + t16 * (-7.643023238169083e-13 + t16 *
+            2.721539074015491e-15);
+        const double t21 = -0.00019841269841208527 + t16 * (2.755731921120387e-06 + t16 *
+            (-2.505210688815946e-08 + t16 * t20));
+        const double t22 = t13 * t15 * (1.0 + t16 * (-0.16666666666666666 + t16 *
+            (0.008333333333333186 + t16 * t21)));
+        const double t23 = t22 / std::max(1.0, t11);
+        t24 = t19;
+        t25 = t23;
+        t26 = (t19 - t23) / (t3 * 2.0);
+    }
+    const double t27 = t0 * t25;
+    const double t28 = t1 * t25;
+    const double t29 = t2 * t25;
+    const double t30 = -0.5 * twist3;
+    const double t31 = -0.5 * twist5;
+    const double t32 = -0.5 * twist4;
+    const double t33 = 2.0 * (t2 * t30 + (t0 * t31 + t1 * t32));
+    const double t34 = t26 * t33;
+    const double t35 = t25 * t30 + t2 * t34;
+    const double t36 = t25 * t32 + t1 * t34;
+    const double t37 = t25 * t31 + t0 * t34;
+    const double t38 = t33 * (-0.5 * t25);
+    const double t39 = m0 * t35 + m3 * t36 - m2 * t37 + t24 * m4 + m1 * t38 - t27 * m5 + t28 * m6 -
+        t29 * m7;
+    const double t40 = m0 * t36 + m2 * t38 + t27 * m4 + m1 * t37 + t24 * m5 - t28 * m7 - m3 * t35 -
+        t29 * m6;
+    const double t41 = m0 * t37 - t28 * m4 + t29 * m5 + t24 * m6 + m3 * t38 + m2 * t35 - m1 * t36 -
+        t27 * m7;
+    const double t42 = m3 * t37 - m0 * t38 + t29 * m4 + m1 * t35 + t27 * m6 + t24 * m7 + m2 * t36 +
+        t28 * m5;
+    return {
+        m0 * t24 - m3 * t27 - m2 * t28 - m1 * t29,
+        m0 * t29 - t27 * m2 + t24 * m1 + m3 * t28,
+        t27 * m1 - (m3 * t29 - m0 * t28 - t24 * m2),
+        m0 * t27 + t24 * m3 - t28 * m1 + m2 * t29,
+        t39,
+        t40,
+        t41,
+        t42,
+    };
+}
+
+/*
+ * A similarity moved by a twist in its own frame
+ * m: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
+ * twist: rx ry rz x y z log_scale
+ * returns: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
+ */
+inline std::array<double, 12> retract(const std::array<double, 12> &m,
+        const std::array<double, 7> &twist)
+{
+    const double m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
+    const double m4 = m[4], m5 = m[5], m6 = m[6], m7 = m[7];
+    const double m8 = m[8], m9 = m[9], m10 = m[10], m11 = m[11];
+    const double twist0 = twist[0], twist1 = twist[1], twist2 = twist[2], twist3 = twist[3];
+    const double twist4 = twist[4], twist5 = twist[5], twist6 = twist[6];
+    const double t0 = -0.5 * twist0;
+    const double t1 = -0.5 * twist1;
+    const double t2 = -0.5 * twist2;
+    const double t3 = t0 * t0 + t1 * t1 + t2 * t2;
+    const bool t4 = (t3 < 2.4684011002723394);
+    double t20, t21;
+    if (t4) {
+        const double t5 = t3 * (t3 * (t3 * 4.608909074888812e-14 + -1.146289561457958e-11) +
+            2.0876561604575935e-09);
+        const double t6 = t3 * (t3 * (t5 + -2.7557316386461366e-07) + 2.4801587277366174e-05) +
+            -0.0013888888888772708;
+        const double t7 = t3 * (t3 * (t3 * 2.721539074015491e-15 + -7.643023238169083e-13) +
+            1.6058940754212953e-10);
+        const double t8 = t3 * (t3 * (t7 + -2.505210688815946e-08) + 2.755731921120387e-06) +
+            -0.00019841269841208527;
+        t20 = t3 * (t3 * (t3 * t6 + 0.041666666666663875) + -0.4999999999999997) + 1.0;
+        t21 = 1.0 + t3 * (t3 * (t3 * t8 + 0.008333333333333186) + -0.16666666666666666);
+    } else {
+        const double t9 = std::sqrt(t3);
+        const double t10 = std::floor(0.3183098861837907 * t9 + 0.5);
+        const double t11 = 1.0 - 2.0 * (t10 - std::floor(0.5 * t10) * 2.0);
+        const double t12 = t9 - t10 * 3.1415926218032837 - t10 * 3.1786509424591713e-08 - t10 *
+            1.2246467202362698e-16;
+        const double t13 = t12 - t10 * 7.891108333126411e-24;
+        const double t14 = t13 * t13;
+        const double t15 = 2.0876561604575935e-09 + t14 * (-1.146289561457958e-11 +
+            4.608909074888812e-14 * t14);
+        const double t16 = -0.0013888888888772708 + t14 * (2.4801587277366174e-05 + t14 *
+            (-2.7557316386461366e-07 + t14 * t15));
+        const double t17 = 1.6058940754212953e-10 + t14 * (-7.643023238169083e-13 + t14 *
+            2.721539074015491e-15);
+        const double t18 = -0.00019841269841208527 + t14 * (2.755731921120387e-06 + t14 *
+            (-2.505210688815946e-08 + t14 * t17));
+        const double t19 = t11 * t13 * (1.0 + t14 * (-0.16666666666666666 + t14 *
+            (0.008333333333333186 + t14 * t18)));
+        t20 = t11 * (1.0 + t14 * (-0.4999999999999997 + t14 * (0.041666666666663875 + t14 * t16)));
+        t21 = t19 / std::max(1.0, t9);
+    }
+    const double t22 = 0.5 * twist6;
+    const double t23 = t22 * t22;
+    const bool t24 = (t23 < 0.12111325347955035);
+    double t42, t43, t44;
+    if (t24) {
+        const double t25 = t23 * (t23 * (t23 * 2.763326749998937e-07 + 2.480148377847191e-05) +
+            0.001388888895391314);
+        const double t26 = 0.00019841269891276224 + t23 * (2.755723960835094e-06 + t23 *
+            2.5110520415965448e-08);
+        const double t27 = 1.0 + t23 * (0.16666666666666682 + t23 * (0.008333333333319138 + t23 *
+            t26));
+        t42 = 1.0 + t23 * (t23 * (t25 + 0.04166666666648207) + 0.5000000000000019);
+        t43 = t22 * t27;
+        t44 = t27;
+    } else {
+        const double t28 = std::floor(0.5 + twist6 * 0.7213475204444817);
+        const double t29 = std::exp2(t28);
+        const double t30 = std::exp2(-t28);
+        const double t31 = 0.5 * (t29 + t30);
+        const double t32 = t22 - t28 * 0.6931471675634384 - t28 * 1.2996506893889889e-08;
+        const double t33 = t32 * t32;
+        const double t34 = t33 * (0.001388888895391314 + t33 * (2.480148377847191e-05 +
+            2.763326749998937e-07 * t33));
+        const double t35 = 1.0 + t33 * (0.5000000000000019 + t33 * (0.04166666666648207 + t34));
+        const double t36 = 0.5 * (t29 - t30);
+        const double t37 = t33 * (t33 * 2.5110520415965448e-08 + 2.755723960835094e-06) +
+            0.00019841269891276224;
+        const double t38 = 1.0 + t33 * (t33 * (t33 * t37 + 0.008333333333319138) +
+            0.16666666666666682);
+        const double t39 = t32 * t38;
+        const double t40 = t35 * t36 + t31 * t39;
+        double t41;
+        if (std::abs(t28) < 0.5) {
+            t41 = t38;
+        } else {
+            t41 = std::abs(t40) / std::max(std::abs(t22), 0.25);
+        }
+        t42 = t31 * t35 + t36 * t39;
+        t43 = t40;
+        t44 = t41;
+    }
+    const double t45 = t20 * t42;
+    const double t46 = t2 * t21;
+    const double t47 = t42 * t46;
+    const double t48 = t1 * t21;
+    const double t49 = t42 * t48;
+    const double t50 = t0 * t21;
+    const double t51 = t42 * t50;
+    const double t52 = t20 * t43;
+    const double t53 = t46 * t43;
+    const double t54 = t48 * t43;
+    const double t55 = t50 * t43;
+    const double t56 = m0 * t45 - m3 * t47 - m2 * t49 - m1 * t51 + (m4 * t52 - m7 * t53 - m6 * t54 -
+        m5 * t55);
+    const double t57 = m0 * t51 - t47 * m2 + t45 * m1 + m3 * t49 + (m4 * t55 - t53 * m6 + t52 * m5 +
+        m7 * t54);
+    const double t58 = m3 * t51 - m0 * t49 - t45 * m2 - t47 * m1 + (m7 * t55 - m4 * t54 - t52 * m6 -
+        t53 * m5);
+    const double t59 = m0 * t47 + t45 * m3 - t49 * m1 + m2 * t51 + (m4 * t53 + t52 * m7 - t54 * m5 +
+        m6 * t55);
+    const double t60 = m0 * t52 - m3 * t53 - m2 * t54 - m1 * t55 + (t45 * m4 - t47 * m7 - t49 * m6 -
+        t51 * m5);
+    const double t61 = m0 * t55 - m2 * t53 + m1 * t52 + m3 * t54 + (t51 * m4 - t47 * m6 + t45 * m5 +
+        t49 * m7);
+    const double t62 = m3 * t55 - m0 * t54 - m2 * t52 - m1 * t53 + (t51 * m7 - t49 * m4 - t45 * m6 -
+        t47 * m5);
+    const double t63 = m0 * t53 + m3 * t52 - m1 * t54 + m2 * t55 + (t47 * m4 + t45 * m7 - t49 * m5 +
+        t51 * m6);
+    const double t64 = m0 + m4;
+    const double t65 = -0.5 * twist3;
+    const double t66 = t20 * t44;
+    const double t67 = -0.5 * twist4;
+    const double t68 = -0.5 * twist5;
+    const double t69 = t2 * t67 - t1 * t68;
+    const double t70 = t0 * t68 - t2 * t65;
+    const double t71 = t1 * t65 - t0 * t67;
+    const double t72 = (t42 * t21 - t66) / std::max(t3 + t23, 1.0947644252537633e-47);
+    const double t73 = t65 * t66 + (t22 * t69 - (t2 * t70 - t1 * t71)) * t72;
+    const double t74 = m3 + m7;
+    const double t75 = t66 * t67 + t72 * (t22 * t70 - (t0 * t71 - t2 * t69));
+    const double t76 = m2 + m6;
+    const double t77 = t66 * t68 + t72 * (t22 * t71 - (t1 * t69 - t0 * t70));
+    const double t78 = m1 + m5;
+    const double t79 = (t2 * t68 + t0 * t65 + t1 * t67) * (t21 * t44);
+    const double t80 = t45 - t52;
+    const double t81 = t47 - t53;
+    const double t82 = t54 - t49;
+    const double t83 = t51 - t55;
+    const double t84 = t64 * t73 + t74 * t75 - t76 * t77 - t78 * t79 + (m8 * t80 - m9 * t81 - m10 *
+        t82 - m11 * t83);
+    const double t85 = t64 * t75 - t76 * t79 + t77 * t78 - t73 * t74 + (m8 * t81 + t80 * m9 + t82 *
+        m11 - m10 * t83);
+    const double t86 = t64 * t77 - t74 * t79 + t73 * t76 - t75 * t78 + (m8 * t82 + m9 * t83 + t80 *
+        m10 - t81 * m11);
+    const double t87 = t64 * t79 + t74 * t77 + t73 * t78 + t75 * t76 + (m8 * t83 + t81 * m10 + t80 *
+        m11 - m9 * t82);
+    return {
+        t56,
+        t57,
+        -t58,
+        t59,
+        t60,
+        t61,
+        -t62,
+        t63,
+        t84,
+        t85,
+        t86,
+        t87,
+    };
+}
+
+/*
+ * The twist, turning by at most π, that takes rotor a to b
+ * a: 1 e23 e31 e12
+ * b: 1 e23 e31 e12
+ * returns: rx ry rz
+ */
+inline std::array<double, 3> local(const std::array<double, 4> &a, const std::array<double, 4> &b)
+{
+    const double a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
+    const double b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+    const double t0 = a0 * b0 + a3 * b3 + a2 * b2 + a1 * b1;
+    const double t1 = ((t0 < 0.0) ? -1.0 : 1.0);
+    const double t2 = 1.0 - t0 * t1;
+    double t12;
+    if (t2 < 0.05) {
+        const double t3 = t2 * (t2 * (t2 * 0.002734180087163666 + 0.005307498678423399) +
+            0.011544886911341685);
+        const double t4 = t2 * (t2 * (t2 * (t3 + 0.025396804776123976) + 0.057142857406109096) +
+            0.13333333333168498);
+        t12 = 1.0 + t2 * (t4 + 0.33333333333333726);
+    } else {
+        const double t5 = t2 * (t2 * (t2 * 8.121007252839173e-05 + -0.0007281273643381516) +
+            0.0030973904722135883);
+        const double t6 = t2 * (t2 * (t5 + -0.00821750089765482) + 0.015180613767041282) +
+            -0.020647830091351717;
+        const double t7 = t2 * (t2 * (t2 * t6 + 0.02139495485791656) + -0.017185237019630522) +
+            0.010890803896660979;
+        const double t8 = t2 * (t2 * (t2 * t7 + -0.0053548548506220615) + 0.0022588396994592773) +
+            -0.00039674989569360273;
+        const double t9 = t2 * (t2 * (t2 * t8 + 0.0007138968794314861) + 0.0011403814338107978) +
+            0.002490569286343547;
+        const double t10 = t2 * (t2 * (t2 * t9 + 0.005327576046333906) + 0.011544042766655997) +
+            0.02539682388201735;
+        const double t11 = t2 * (t2 * (t2 * t10 + 0.0571428571878089) + 0.1333333333326277) +
+            0.3333333333333377;
+        t12 = 1.0 + t2 * t11;
+    }
+    return {
+        -2.0 * (t12 * (t1 * (a0 * b1 + b3 * a2 - b0 * a1 - a3 * b2))),
+        -(-2.0 * (t12 * (t1 * (b0 * a2 - (a0 * b2 + a3 * b1) + b3 * a1)))),
+        -2.0 * (t12 * (t1 * (a0 * b3 - b0 * a3 + b2 * a1 - a2 * b1))),
+    };
+}
+
+/*
+ * The twist, turning by at most π, that takes motor a to b
+ * a: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * b: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * returns: rx ry rz x y z
+ */
+inline std::array<double, 6> local(const std::array<double, 8> &a, const std::array<double, 8> &b)
+{
+    const double a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
+    const double a4 = a[4], a5 = a[5], a6 = a[6], a7 = a[7];
+    const double b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+    const double b4 = b[4], b5 = b[5], b6 = b[6], b7 = b[7];
+    const double t0 = a0 * b0 + a3 * b3 + a2 * b2 + a1 * b1;
+    const double t1 = ((t0 < 0.0) ? -1.0 : 1.0);
+    const double t2 = 1.0 - t0 * t1;
+    const bool t3 = (t2 < 0.05);
+    double t23, t24;
+    if (t3) {
+        const double t4 = t2 * (t2 * (t2 * 0.002734180087163666 + 0.005307498678423399) +
+            0.011544886911341685);
+        const double t5 = t2 * (t2 * (t2 * (t4 + 0.025396804776123976) + 0.057142857406109096) +
+            0.13333333333168498);
+        const double t6 = t2 * (t2 * (t2 * 0.010424064509481967 + 0.0173166119023766) +
+            0.031971801087278005) + 0.05771996888021514;
+        const double t7 = t2 * (t2 * (t2 * t6 + 0.10158730272186887) + 0.17142857142146586) +
+            0.2666666666666836;
+        t23 = 1.0 + t2 * (t5 + 0.33333333333333726);
+        t24 = t2 * t7 + 0.3333333333333333;
+    } else {
+        const double t8 = t2 * (t2 * (t2 * 8.121007252839173e-05 + -0.0007281273643381516) +
+            0.0030973904722135883);
+        const double t9 = t2 * (t2 * (t8 + -0.00821750089765482) + 0.015180613767041282) +
+            -0.020647830091351717;
+        const double t10 = t2 * (t2 * (t2 * t9 + 0.02139495485791656) + -0.017185237019630522) +
+            0.010890803896660979;
+        const double t11 = t2 * (t2 * (t2 * t10 + -0.0053548548506220615) + 0.0022588396994592773) +
+            -0.00039674989569360273;
+        const double t12 = t2 * (t2 * (t2 * t11 + 0.0007138968794314861) + 0.0011403814338107978) +
+            0.002490569286343547;
+        const double t13 = t2 * (t2 * (t2 * t12 + 0.005327576046333906) + 0.011544042766655997) +
+            0.02539682388201735;
+        const double t14 = t2 * (t2 * (t2 * t13 + 0.0571428571878089) + 0.1333333333326277) +
+            0.3333333333333377;
+        const double t15 = t2 * (t2 * (t2 * 0.0006075023168817953 + -0.006093589939124222) +
+            0.029004300694938867);
+        const double t16 = t2 * (t2 * (t2 * (t15 + -0.08654292963332932) + 0.18095358835013511) +
+            -0.2810123057357625);
+        const double t17 = t2 * (t2 * (t2 * (t16 + 0.33558766073322116) + -0.3148060210252562) +
+            0.23526461066915133);
+        const double t18 = t2 * (t2 * (t17 + -0.1409288051389536) + 0.06829876555117628) +
+            -0.026100111052203438;
+        const double t19 = t2 * (t2 * (t2 * t18 + 0.008987626539449197) + -0.0006646325108237732) +
+            0.003041430518339829;
+        const double t20 = t2 * (t2 * (t2 * t19 + 0.004927059512671586) + 0.009367637463823044) +
+            0.017404214982763427;
+        const double t21 = t2 * (t2 * (t2 * t20 + 0.03196806840632643) + 0.05772005624453496) +
+            0.10158730162394855;
+        const double t22 = 0.3333333333333333 + t2 * (t2 * (t2 * t21 + 0.17142857142808898) +
+            0.2666666666666692);
+        t23 = 1.0 + t2 * t14;
+        t24 = t22;
+    }
+    const double t25 = t1 * (a0 * b1 + b3 * a2 - b0 * a1 - a3 * b2);
+    const double t26 = t1 * (b0 * a2 - (a0 * b2 + a3 * b1) + b3 * a1);
+    const double t27 = t1 * (a0 * b3 - b0 * a3 + b2 * a1 - a2 * b1);
+    const double t28 = t23 * (t1 * (a0 * b4 - a3 * b5 + a2 * b6 - b0 * a4 + a1 * b7 + b3 * a5 - b2 *
+        a6 - b1 * a7));
+    const double t29 = t24 * (t1 * (a0 * b7 - a3 * b6 - b1 * a4 - a1 * b4 - b3 * a6 + b0 * a7 - a2 *
+        b5 - b2 * a5));
+    const double t30 = t23 * (t1 * (a0 * b5 + a2 * b7 - b3 * a4 - a1 * b6 - b0 * a5 - b2 * a7 + a3 *
+        b4 + b1 * a6));
+    const double t31 = t23 * (t1 * (a0 * b6 + b2 * a4 - b1 * a5 - b0 * a6 + a3 * b7 - a2 * b4 + a1 *
+        b5 - b3 * a7));
+    return {
+        -2.0 * (t23 * t25),
+        -(-2.0 * (t23 * t26)),
+        -2.0 * (t23 * t27),
+        -2.0 * (t28 + t25 * t29),
+        -2.0 * (t30 - t26 * t29),
+        -2.0 * (t31 + t27 * t29),
+    };
+}
+
+/*
+ * The twist, turning by at most π, that takes similarity a to b
+ * a: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
+ * b: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
+ * returns: rx ry rz x y z log_scale
+ */
+inline std::array<double, 7> local(const std::array<double, 12> &a, const std::array<double, 12> &b)
+{
+    const double a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3];
+    const double a4 = a[4], a5 = a[5], a6 = a[6], a7 = a[7];
+    const double a8 = a[8], a9 = a[9], a10 = a[10], a11 = a[11];
+    const double b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+    const double b4 = b[4], b5 = b[5], b6 = b[6], b7 = b[7];
+    const double b8 = b[8], b9 = b[9], b10 = b[10], b11 = b[11];
+    const double t0 = a0 * b0 + a3 * b3 + a2 * b2 + a1 * b1 - (a4 * b4 + a7 * b7 + a6 * b6 + a5 *
+        b5);
+    const double t1 = ((t0 < 0.0) ? -1.0 : 1.0);
+    const double t2 = t0 * t1;
+    const double t3 = t1 * (a0 * b3 - b0 * a3 + b2 * a1 - a2 * b1 + (b4 * a7 - a4 * b7 - b6 * a5 +
+        a6 * b5));
+    const double t4 = t1 * (b0 * a2 - (a0 * b2 + a3 * b1) + b3 * a1 + (a4 * b6 + a7 * b5 - b4 * a6 -
+        b7 * a5));
+    const double t5 = t1 * (a0 * b1 + b3 * a2 - b0 * a1 - a3 * b2 + (b4 * a5 - (a4 * b5 + b7 * a6) +
+        a7 * b6));
+    const double t6 = std::sqrt(t2 * t2 + t3 * t3 + t4 * t4 + t5 * t5);
+    const double t7 = 1.0 / t6;
+    const double t8 = t2 * t7;
+    const double t9 = 1.0 - t8;
+    double t19;
+    if (t9 < 0.05) {
+        const double t10 = t9 * (t9 * (t9 * 0.002734180087163666 + 0.005307498678423399) +
+            0.011544886911341685);
+        const double t11 = t9 * (t9 * (t10 + 0.025396804776123976) + 0.057142857406109096) +
+            0.13333333333168498;
+        t19 = 1.0 + t9 * (t9 * t11 + 0.33333333333333726);
+    } else {
+        const double t12 = t9 * (t9 * (t9 * 8.121007252839173e-05 + -0.0007281273643381516) +
+            0.0030973904722135883);
+        const double t13 = t9 * (t9 * (t12 + -0.00821750089765482) + 0.015180613767041282) +
+            -0.020647830091351717;
+        const double t14 = t9 * (t9 * (t9 * t13 + 0.02139495485791656) + -0.017185237019630522) +
+            0.010890803896660979;
+        const double t15 = t9 * (t9 * (t9 * t14 + -0.0053548548506220615) + 0.0022588396994592773) +
+            -0.00039674989569360273;
+        const double t16 = t9 * (t9 * (t9 * t15 + 0.0007138968794314861) + 0.0011403814338107978) +
+            0.002490569286343547;
+        const double t17 = t9 * (t9 * (t9 * t16 + 0.005327576046333906) + 0.011544042766655997) +
+            0.02539682388201735;
+        const double t18 = t9 * (t9 * (t9 * t17 + 0.0571428571878089) + 0.1333333333326277) +
+            0.3333333333333377;
+        t19 = 1.0 + t9 * t18;
+    }
+    const double t20 = t5 * t7;
+    const double t21 = t4 * t7;
+    const double t22 = t3 * t7;
+    const double t23 = a0 - a4;
+    const double t24 = a7 - a3;
+    const double t25 = a2 - a6;
+    const double t26 = a5 - a1;
+    const double t27 = b3 - b7;
+    const double t28 = b0 - b4;
+    const double t29 = b6 - b2;
+    const double t30 = b1 - b5;
+    const double t31 = t23 * b8 + t24 * b9 + t25 * b10 - t26 * b11 + (a9 * t27 - a8 * t28 + a10 *
+        t29 - a11 * t30);
+    const double t32 = t1 * t31;
+    const double t33 = t23 * b11 + t24 * b10 + b8 * t26 - b9 * t25 + (t28 * a11 - (a8 * t30 + t27 *
+        a10) + a9 * t29);
+    const double t34 = t1 * t33;
+    const double t35 = t1 * (a0 * b4 + a3 * b7 + a2 * b6 + a1 * b5 - (b0 * a4 + b3 * a7 + b2 * a6 +
+        b1 * a5));
+    const double t36 = t1 * (a0 * b7 - a3 * b4 + a1 * b6 - a2 * b5 + (b0 * a7 - b3 * a4 - b2 * a5 +
+        b1 * a6));
+    const double t37 = t1 * (a2 * b4 - (a0 * b6 + a3 * b5) + a1 * b7 + (b2 * a4 + b1 * a7 - b0 * a6
+        - b3 * a5));
+    const double t38 = t1 * (a0 * b5 + a2 * b7 - a1 * b4 - a3 * b6 + (b0 * a5 - (b1 * a4 + b3 * a6)
+        + b2 * a7));
+    const double t39 = t8 * t35 + t22 * t36 + t21 * t37 + t20 * t38;
+    const double t40 = t39 * t39;
+    double t57;
+    if (t40 < 0.126) {
+        const double t41 = t40 * (t40 * (t40 * -0.005811206588331519 + 0.010599129520028859) +
+            -0.01383075592600594);
+        const double t42 = t40 * (t40 * (t41 + 0.017341108627894623) + -0.02237152504384804) +
+            0.030381923311340625;
+        const double t43 = t40 * (t40 * (t40 * t42 + -0.04464285673657631) + 0.07499999999602147) +
+            -0.16666666666665153;
+        t57 = 1.0 + t40 * t43;
+    } else {
+        const double t44 = std::abs(t39);
+        const double t45 = t6 + t44;
+        const double t46 = std::logb(1.4142135623730951 * t45);
+        const bool t47 = (t46 < 0.5);
+        double t49;
+        if (t47) {
+            t49 = t44;
+        } else {
+            const double t48 = t45 * std::exp2(-t46);
+            t49 = 0.5 * (t48 - 1.0 / t48);
+        }
+        const double t50 = t49 * t49;
+        const double t51 = t50 * (-0.01383075592600594 + t50 * (0.010599129520028859 +
+            -0.005811206588331519 * t50));
+        const double t52 = 0.030381923311340625 + t50 * (-0.02237152504384804 + t50 *
+            (0.017341108627894623 + t51));
+        const double t53 = -0.16666666666665153 + t50 * (0.07499999999602147 + t50 *
+            (-0.04464285673657631 + t50 * t52));
+        const double t54 = 1.0 + t50 * t53;
+        double t56;
+        if (t47) {
+            t56 = t54;
+        } else {
+            const double t55 = (t46 * 0.6931471675634384 + (t46 * 1.2996506893889889e-08 + t49 *
+                t54)) / std::max(t44, 0.25);
+            t56 = t55;
+        }
+        t57 = t56;
+    }
+    const double t58 = t23 * b10 - t24 * b11 - b8 * t25 - b9 * t26 - (a8 * t29 + a9 * t30 + t28 *
+        a10 + t27 * a11);
+    const double t59 = t1 * t58;
+    const double t60 = t20 * t59 - t22 * t32;
+    const double t61 = t23 * b9 + t25 * b11 + b10 * t26 - b8 * t24 + (t29 * a11 - (t27 * a8 + a9 *
+        t28) + a10 * t30);
+    const double t62 = t1 * t61;
+    const double t63 = t21 * t32 + t20 * t62;
+    const double t64 = 1.0 / std::max(t40 + (t20 * t20 + t21 * t21 + t22 * t22),
+        1.0947644252537633e-47);
+    const double t65 = (t8 * t57 - t6 * t19) * t64;
+    const double t66 = t22 * t62 + t21 * t59;
+    const double t67 = t64 * (t39 * (t8 * t19 - t6 * t57));
+    return {
+        -2.0 * (t19 * t20),
+        -(-2.0 * (t19 * t21)),
+        -2.0 * (t19 * t22),
+        -2.0 * ((t8 * t32 + t20 * t34) * t57 + (t22 * t60 - t21 * t63) * t65 + t66 * t67),
+        -2.0 * (t57 * (t8 * t62 - t21 * t34) - t65 * (t20 * t63 + t22 * t66) + t60 * t67),
+        -2.0 * (t57 * (t8 * t59 + t22 * t34) - t65 * (t21 * t66 + t20 * t60) - t63 * t67),
+        2.0 * (t39 * t57),
+    };
+}
+
+/*
+ * Adjoint matrix of a rotor on twists
+ * m: 1 e23 e31 e12
+ * returns: m00 m01 m02 m10 m11 m12 m20 m21 m22
+ */
+template <class Real>
+inline std::array<Real, 9> adjoint(const std::array<Real, 4> &m)
+{
+    const Real m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
+    const Real t0 = m1 * m1;
+    const Real t1 = m3 * m3;
+    const Real t2 = m0 * m0;
+    const Real t3 = m2 * m2;
+    const Real t4 = m1 * m2;
+    const Real t5 = m3 * m0;
+    const Real t6 = m1 * m3;
+    const Real t7 = m0 * m2;
+    const Real t8 = m3 * m2;
+    const Real t9 = m1 * m0;
+    return {
+        t0 - t1 + t2 - t3,
+        (t4 + t5) * Real(2.0),
+        Real(2.0) * t6 - Real(2.0) * t7,
+        t4 * Real(2.0) - t5 * Real(2.0),
+        -(t1 + (t0 - t3 - t2)),
+        Real(2.0) * (t8 + t9),
+        Real(2.0) * (t6 + t7),
+        Real(2.0) * (t8 - t9),
+        t1 + t2 - t3 - t0,
+    };
+}
+
+/*
+ * Adjoint matrix of a motor on twists
+ * m: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * returns: m00 m01 m02 m03 m04 m05 m10 m11 m12 m13 m14 m15 m20 m21 m22 m23 m24 m25 m30 m31 m32 m33
+ *     m34 m35 m40 m41 m42 m43 m44 m45 m50 m51 m52 m53 m54 m55
+ */
+template <class Real>
+inline std::array<Real, 36> adjoint(const std::array<Real, 8> &m)
+{
+    const Real m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
+    const Real m4 = m[4], m5 = m[5], m6 = m[6], m7 = m[7];
+    const Real t0 = m1 * m1;
+    const Real t1 = m3 * m3;
+    const Real t2 = m0 * m0;
+    const Real t3 = m2 * m2;
+    const Real t4 = m1 * m2;
+    const Real t5 = m3 * m0;
+    const Real t6 = m1 * m3;
+    const Real t7 = m0 * m2;
+    const Real t8 = t4 * Real(2.0);
+    const Real t9 = t5 * Real(2.0);
+    const Real t10 = t8 - t9;
+    const Real t11 = m3 * m2;
+    const Real t12 = m1 * m0;
+    const Real t13 = t11 + t12;
+    const Real t14 = Real(2.0) * (t6 + t7);
+    const Real t15 = t11 - t12;
+    const Real t16 = m1 * m4;
+    const Real t17 = m2 * m5;
+    const Real t18 = m3 * m6;
+    const Real t19 = m0 * m7;
+    const Real t20 = m2 * m4 + m1 * m5;
+    const Real t21 = m0 * m6;
+    const Real t22 = m3 * m7;
+    const Real t23 = m3 * m4;
+    const Real t24 = m1 * m6;
+    const Real t25 = m2 * m7;
+    const Real t26 = m0 * m5;
+    const Real t27 = t2 - t1;
+    const Real t28 = m3 * m5;
+    const Real t29 = m2 * m6;
+    const Real t30 = m0 * m4;
+    const Real t31 = m1 * m7;
+    return {
+        t0 - t1 + t2 - t3,
+        (t4 + t5) * Real(2.0),
+        Real(2.0) * t6 - Real(2.0) * t7,
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        t10,
+        -(t1 + (t0 - t3 - t2)),
+        t11 + (t12 + t13),
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        t14,
+        t11 + t15 - t12,
+        t1 + t2 - t3 - t0,
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        Real(2.0) * (t16 - t17 - t18 - t19),
+        Real(2.0) * (t20 + t21 - t22),
+        Real(2.0) * (t23 + (t24 + t25) - t26),
+        t0 + (t27 - t3),
+        t9 + t8,
+        Real(2.0) * (t6 - t7),
+        Real(2.0) * (t20 + t22 - t21),
+        Real(2.0) * (t17 - t19 - t18 - t16),
+        Real(2.0) * (t28 + (t29 + t30) - t31),
+        t10,
+        t3 + t27 - t0,
+        t12 + (t11 + t13),
+        Real(2.0) * (t24 + (t23 + t26) - t25),
+        Real(2.0) * t29 + (Real(2.0) * t28 + Real(2.0) * t31) - Real(2.0) * t30,
+        Real(2.0) * (t18 - t17 - t16 - t19),
+        t14,
+        t11 + (t15 - t12),
+        t1 + (t2 - (t0 + t3)),
+    };
+}
+
+/*
+ * Adjoint matrix of a similarity on twists
+ * m: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
+ * returns: m00 m01 m02 m03 m04 m05 m06 m10 m11 m12 m13 m14 m15 m16 m20 m21 m22 m23 m24 m25 m26 m30
+ *     m31 m32 m33 m34 m35 m36 m40 m41 m42 m43 m44 m45 m46 m50 m51 m52 m53 m54 m55 m56 m60 m61 m62
+ *     m63 m64 m65 m66
+ */
+template <class Real>
+inline std::array<Real, 49> adjoint(const std::array<Real, 12> &m)
+{
+    const Real m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
+    const Real m4 = m[4], m5 = m[5], m6 = m[6], m7 = m[7];
+    const Real m8 = m[8], m9 = m[9], m10 = m[10], m11 = m[11];
+    const Real t0 = m1 + m5;
+    const Real t1 = m1 - m5;
+    const Real t2 = t0 * t1;
+    const Real t3 = m3 + m7;
+    const Real t4 = m3 - m7;
+    const Real t5 = t3 * t4;
+    const Real t6 = m0 + m4;
+    const Real t7 = m0 - m4;
+    const Real t8 = t6 * t7;
+    const Real t9 = m2 + m6;
+    const Real t10 = m6 - m2;
+    const Real t11 = t9 * t10;
+    const Real t12 = t1 * t9;
+    const Real t13 = t4 * t6;
+    const Real t14 = t3 * t7;
+    const Real t15 = t0 * t10;
+    const Real t16 = t1 * t3;
+    const Real t17 = t0 * t4;
+    const Real t18 = t7 * t9;
+    const Real t19 = t6 * t10;
+    const Real t20 = t4 * t9;
+    const Real t21 = t3 * t10;
+    const Real t22 = t1 * t6;
+    const Real t23 = t0 * t7;
+    const Real t24 = t0 * m8;
+    const Real t25 = t24 * Real(2.0);
+    const Real t26 = t9 * m9;
+    const Real t27 = t26 * Real(2.0);
+    const Real t28 = t3 * m10;
+    const Real t29 = t6 * m11;
+    const Real t30 = t28 + t29;
+    const Real t31 = t9 * m8;
+    const Real t32 = t0 * m9;
+    const Real t33 = t31 + t32;
+    const Real t34 = t6 * m10;
+    const Real t35 = t3 * m11;
+    const Real t36 = t3 * m8;
+    const Real t37 = t6 * m9;
+    const Real t38 = t0 * m10;
+    const Real t39 = t9 * m11;
+    const Real t40 = t6 * t6;
+    const Real t41 = t3 * t3;
+    const Real t42 = t40 - t41;
+    const Real t43 = t9 * t9;
+    const Real t44 = t0 * t0;
+    const Real t45 = Real(2.0) * (t3 * t6);
+    const Real t46 = Real(2.0) * (t0 * t9);
+    const Real t47 = t0 * t3;
+    const Real t48 = t6 * t9;
+    const Real t49 = t6 * m8;
+    const Real t50 = t3 * m9;
+    const Real t51 = t49 + t50;
+    const Real t52 = t0 * m11;
+    const Real t53 = t9 * m10;
+    const Real t54 = t3 * t9;
+    const Real t55 = t0 * t6;
+    return {
+        t2 - t5 + t8 + t11,
+        t12 + t13 + t14 - t15,
+        t16 + t17 - t18 + t19,
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        -(t13 + (t14 + (t15 - t12))),
+        -(t5 + (t2 + t11 - t8)),
+        t20 - (t21 - t22 - t23),
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        t16 + (t17 + t18 - t19),
+        t20 - t23 - t21 - t22,
+        t11 + (t5 + t8) - t2,
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        t25 - t27 - t28 - t29 - t30,
+        Real(2.0) * (t33 + t34 - t35),
+        Real(2.0) * (t36 - t37 + t38 + t39),
+        t42 - t43 + t44,
+        t45 + t46,
+        Real(2.0) * (t47 - t48),
+        Real(2.0) * (t51 + t52 - t53),
+        Real(2.0) * (t33 + t35 - t34),
+        t27 - t29 - t28 - t25 - t30,
+        t51 + (t50 + (t49 + Real(2.0) * t53) - Real(2.0) * t52),
+        t46 - t45,
+        t42 + t43 - t44,
+        Real(2.0) * (t54 + t55),
+        Real(2.0) * (t37 + (t38 + t39) - t36),
+        Real(2.0) * (t38 - t39 + (t36 + t37)),
+        Real(2.0) * (t50 + (t53 + t52 - t49)),
+        Real(2.0) * (t28 - t29 - t24 - t26),
+        Real(2.0) * (t47 + t48),
+        Real(2.0) * (t54 - t55),
+        t41 + (t40 - (t43 + t44)),
+        Real(2.0) * (t31 + (t34 + t35) - t32),
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        Real(0.0),
+        Real(1.0),
+    };
+}
+
+/*
  * The motor nearest to an even element
  * m: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
  * returns: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
@@ -706,832 +1528,20 @@ inline std::array<Real, 12> similarity_of(const std::array<Real, 8> &m, const Re
 }
 
 /*
- * The pose that lies a twist from a base, in the base's body frame
- * base: 1 e23 e31 e12
- * twist: x y z
- * returns: 1 e23 e31 e12
- */
-inline std::array<double, 4> retract(const std::array<double, 4> &base,
-        const std::array<double, 3> &twist)
-{
-    const double base0 = base[0], base1 = base[1], base2 = base[2], base3 = base[3];
-    const double twist0 = twist[0], twist1 = twist[1], twist2 = twist[2];
-    const double t0 = -0.5 * twist2;
-    const double t1 = -0.5 * twist1;
-    const double t2 = -0.5 * twist0;
-    const double t3 = t0 * t0 + t1 * t1 + t2 * t2;
-    const bool t4 = (t3 < 2.4684011002723394);
-    double t20, t21;
-    if (t4) {
-        const double t5 = t3 * (t3 * (t3 * 4.608909074888812e-14 + -1.146289561457958e-11) +
-            2.0876561604575935e-09);
-        const double t6 = t3 * (t3 * (t5 + -2.7557316386461366e-07) + 2.4801587277366174e-05) +
-            -0.0013888888888772708;
-        const double t7 = t3 * (t3 * (t3 * 2.721539074015491e-15 + -7.643023238169083e-13) +
-            1.6058940754212953e-10);
-        const double t8 = t3 * (t3 * (t7 + -2.505210688815946e-08) + 2.755731921120387e-06) +
-            -0.00019841269841208527;
-        t20 = t3 * (t3 * (t3 * t6 + 0.041666666666663875) + -0.4999999999999997) + 1.0;
-        t21 = 1.0 + t3 * (t3 * (t3 * t8 + 0.008333333333333186) + -0.16666666666666666);
-    } else {
-        const double t9 = std::sqrt(t3);
-        const double t10 = std::floor(0.3183098861837907 * t9 + 0.5);
-        const double t11 = 1.0 - 2.0 * (t10 - std::floor(0.5 * t10) * 2.0);
-        const double t12 = t9 - t10 * 3.1415926218032837 - t10 * 3.1786509424591713e-08 - t10 *
-            1.2246467202362698e-16;
-        const double t13 = t12 - t10 * 7.891108333126411e-24;
-        const double t14 = t13 * t13;
-        const double t15 = 2.0876561604575935e-09 + t14 * (-1.146289561457958e-11 +
-            4.608909074888812e-14 * t14);
-        const double t16 = -0.0013888888888772708 + t14 * (2.4801587277366174e-05 + t14 *
-            (-2.7557316386461366e-07 + t14 * t15));
-        const double t17 = 1.6058940754212953e-10 + t14 * (-7.643023238169083e-13 + t14 *
-            2.721539074015491e-15);
-        const double t18 = -0.00019841269841208527 + t14 * (2.755731921120387e-06 + t14 *
-            (-2.505210688815946e-08 + t14 * t17));
-        const double t19 = t11 * t13 * (1.0 + t14 * (-0.16666666666666666 + t14 *
-            (0.008333333333333186 + t14 * t18)));
-        t20 = t11 * (1.0 + t14 * (-0.4999999999999997 + t14 * (0.041666666666663875 + t14 * t16)));
-        t21 = t19 / std::max(1.0, t9);
-    }
-    const double t22 = t0 * t21;
-    const double t23 = t1 * t21;
-    const double t24 = t2 * t21;
-    return {
-        base0 * t20 - base3 * t22 - base2 * t23 - base1 * t24,
-        base0 * t24 - t22 * base2 + t20 * base1 + base3 * t23,
-        t22 * base1 - (base3 * t24 - base0 * t23 - t20 * base2),
-        base0 * t22 + t20 * base3 - t23 * base1 + base2 * t24,
-    };
-}
-
-/*
- * The twist from a base to a pose, in the base's body frame
- * m: 1 e23 e31 e12
- * base: 1 e23 e31 e12
- * returns: x y z
- */
-inline std::array<double, 3> local(const std::array<double, 4> &m,
-        const std::array<double, 4> &base)
-{
-    const double m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
-    const double base0 = base[0], base1 = base[1], base2 = base[2], base3 = base[3];
-    const double t0 = base0 * m0 + base3 * m3 + base2 * m2 + base1 * m1;
-    const double t1 = ((t0 < 0.0) ? -1.0 : 1.0);
-    const double t2 = 1.0 - t0 * t1;
-    double t12;
-    if (t2 < 0.05) {
-        const double t3 = t2 * (t2 * (t2 * 0.002734180087163666 + 0.005307498678423399) +
-            0.011544886911341685);
-        const double t4 = t2 * (t2 * (t2 * (t3 + 0.025396804776123976) + 0.057142857406109096) +
-            0.13333333333168498);
-        t12 = 1.0 + t2 * (t4 + 0.33333333333333726);
-    } else {
-        const double t5 = t2 * (t2 * (t2 * 8.121007252839173e-05 + -0.0007281273643381516) +
-            0.0030973904722135883);
-        const double t6 = t2 * (t2 * (t5 + -0.00821750089765482) + 0.015180613767041282) +
-            -0.020647830091351717;
-        const double t7 = t2 * (t2 * (t2 * t6 + 0.02139495485791656) + -0.017185237019630522) +
-            0.010890803896660979;
-        const double t8 = t2 * (t2 * (t2 * t7 + -0.0053548548506220615) + 0.0022588396994592773) +
-            -0.00039674989569360273;
-        const double t9 = t2 * (t2 * (t2 * t8 + 0.0007138968794314861) + 0.0011403814338107978) +
-            0.002490569286343547;
-        const double t10 = t2 * (t2 * (t2 * t9 + 0.005327576046333906) + 0.011544042766655997) +
-            0.02539682388201735;
-        const double t11 = t2 * (t2 * (t2 * t10 + 0.0571428571878089) + 0.1333333333326277) +
-            0.3333333333333377;
-        t12 = 1.0 + t2 * t11;
-    }
-    return {
-        -2.0 * (t12 * (t1 * (base0 * m1 + m3 * base2 - m0 * base1 - base3 * m2))),
-        -(-2.0 * (t12 * (t1 * (m0 * base2 - (base0 * m2 + base3 * m1) + m3 * base1)))),
-        -2.0 * (t12 * (t1 * (base0 * m3 - m0 * base3 + m2 * base1 - base2 * m1))),
-    };
-}
-
-/*
- * The pose that lies a twist from a base, in the base's body frame
- * base: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
- * twist: x y z tx ty tz
- * returns: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
- */
-inline std::array<double, 8> retract(const std::array<double, 8> &base,
-        const std::array<double, 6> &twist)
-{
-    const double base0 = base[0], base1 = base[1], base2 = base[2], base3 = base[3];
-    const double base4 = base[4], base5 = base[5], base6 = base[6], base7 = base[7];
-    const double twist0 = twist[0], twist1 = twist[1], twist2 = twist[2], twist3 = twist[3];
-    const double twist4 = twist[4], twist5 = twist[5];
-    const double t0 = -0.5 * twist2;
-    const double t1 = -0.5 * twist1;
-    const double t2 = -0.5 * twist0;
-    const double t3 = t0 * t0 + t1 * t1 + t2 * t2;
-    const bool t4 = (t3 < 2.4684011002723394);
-    double t24, t25, t26;
-    if (t4) {
-        const double t5 = t3 * (t3 * (t3 * 4.608909074888812e-14 + -1.146289561457958e-11) +
-            2.0876561604575935e-09);
-        const double t6 = t3 * (t3 * (t5 + -2.7557316386461366e-07) + 2.4801587277366174e-05) +
-            -0.0013888888888772708;
-        const double t7 = t3 * (t3 * (t3 * 2.721539074015491e-15 + -7.643023238169083e-13) +
-            1.6058940754212953e-10);
-        const double t8 = t3 * (t3 * (t7 + -2.505210688815946e-08) + 2.755731921120387e-06) +
-            -0.00019841269841208527;
-        const double t9 = t3 * (t3 * (t3 * 2.1772370641728367e-14 + -5.350144126598709e-12) +
-            9.635366495989451e-10);
-        const double t10 = t3 * (t3 * (t9 + -1.2526053501698183e-07) + 1.1022927685256208e-05) +
-            -0.0005952380952367574;
-        t24 = t3 * (t3 * (t3 * t6 + 0.041666666666663875) + -0.4999999999999997) + 1.0;
-        t25 = 1.0 + t3 * (t3 * (t3 * t8 + 0.008333333333333186) + -0.16666666666666666);
-        t26 = -0.16666666666666666 + t3 * (t3 * t10 + 0.01666666666666651);
-    } else {
-        const double t11 = std::sqrt(t3);
-        const double t12 = std::floor(0.3183098861837907 * t11 + 0.5);
-        const double t13 = 1.0 - 2.0 * (t12 - std::floor(0.5 * t12) * 2.0);
-        const double t14 = t11 - t12 * 3.1415926218032837 - t12 * 3.1786509424591713e-08 - t12 *
-            1.2246467202362698e-16;
-        const double t15 = t14 - t12 * 7.891108333126411e-24;
-        const double t16 = t15 * t15;
-        const double t17 = 2.0876561604575935e-09 + t16 * (-1.146289561457958e-11 +
-            4.608909074888812e-14 * t16);
-        const double t18 = -0.0013888888888772708 + t16 * (2.4801587277366174e-05 + t16 *
-            (-2.7557316386461366e-07 + t16 * t17));
-        const double t19 = t13 * (1.0 + t16 * (-0.4999999999999997 + t16 * (0.041666666666663875 +
-            t16 * t18)));
-        const double t20 = 1.6058940754212953e-10 + t16 * (-7.643023238169083e-13 + t16 *
-            2.721539074015491e-15);
-        const double t21 = -0.00019841269841208527 + t16 * (2.755731921120387e-06 + t16 *
-            (-2.505210688815946e-08 + t16 * t20));
-        const double t22 = t13 * t15 * (1.0 + t16 * (-0.16666666666666666 + t16 *
-            (0.008333333333333186 + t16 * t21)));
-        const double t23 = t22 / std::max(1.0, t11);
-        t24 = t19;
-        t25 = t23;
-        t26 = (t19 - t23) / (t3 * 2.0);
-    }
-    const double t27 = t0 * t25;
-    const double t28 = t1 * t25;
-    const double t29 = t2 * t25;
-    const double t30 = -0.5 * twist3;
-    const double t31 = -0.5 * twist5;
-    const double t32 = -0.5 * twist4;
-    const double t33 = 2.0 * (t2 * t30 + (t0 * t31 + t1 * t32));
-    const double t34 = t26 * t33;
-    const double t35 = t25 * t30 + t2 * t34;
-    const double t36 = t25 * t32 + t1 * t34;
-    const double t37 = t25 * t31 + t0 * t34;
-    const double t38 = t33 * (-0.5 * t25);
-    const double t39 = base0 * t35 + base3 * t36 - base2 * t37 + t24 * base4 + base1 * t38 - t27 *
-        base5 + t28 * base6;
-    const double t40 = base0 * t36 + base2 * t38 + t27 * base4 + base1 * t37 + t24 * base5 - t28 *
-        base7 - base3 * t35;
-    const double t41 = base0 * t37 - t28 * base4 + t29 * base5 + t24 * base6 + base3 * t38 + base2 *
-        t35 - base1 * t36;
-    const double t42 = base3 * t37 - base0 * t38 + t29 * base4 + base1 * t35 + t27 * base6 + t24 *
-        base7 + base2 * t36;
-    return {
-        base0 * t24 - base3 * t27 - base2 * t28 - base1 * t29,
-        base0 * t29 - t27 * base2 + t24 * base1 + base3 * t28,
-        t27 * base1 - (base3 * t29 - base0 * t28 - t24 * base2),
-        base0 * t27 + t24 * base3 - t28 * base1 + base2 * t29,
-        t39 - t29 * base7,
-        t40 - t29 * base6,
-        t41 - t27 * base7,
-        t42 + t28 * base5,
-    };
-}
-
-/*
- * The twist from a base to a pose, in the base's body frame
- * m: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
- * base: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
- * returns: x y z tx ty tz
- */
-inline std::array<double, 6> local(const std::array<double, 8> &m,
-        const std::array<double, 8> &base)
-{
-    const double m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
-    const double m4 = m[4], m5 = m[5], m6 = m[6], m7 = m[7];
-    const double base0 = base[0], base1 = base[1], base2 = base[2], base3 = base[3];
-    const double base4 = base[4], base5 = base[5], base6 = base[6], base7 = base[7];
-    const double t0 = base0 * m0 + base3 * m3 + base2 * m2 + base1 * m1;
-    const double t1 = ((t0 < 0.0) ? -1.0 : 1.0);
-    const double t2 = 1.0 - t0 * t1;
-    const bool t3 = (t2 < 0.05);
-    double t23, t24;
-    if (t3) {
-        const double t4 = t2 * (t2 * (t2 * 0.002734180087163666 + 0.005307498678423399) +
-            0.011544886911341685);
-        const double t5 = t2 * (t2 * (t2 * (t4 + 0.025396804776123976) + 0.057142857406109096) +
-            0.13333333333168498);
-        const double t6 = t2 * (t2 * (t2 * 0.010424064509481967 + 0.0173166119023766) +
-            0.031971801087278005) + 0.05771996888021514;
-        const double t7 = t2 * (t2 * (t2 * t6 + 0.10158730272186887) + 0.17142857142146586) +
-            0.2666666666666836;
-        t23 = 1.0 + t2 * (t5 + 0.33333333333333726);
-        t24 = t2 * t7 + 0.3333333333333333;
-    } else {
-        const double t8 = t2 * (t2 * (t2 * 8.121007252839173e-05 + -0.0007281273643381516) +
-            0.0030973904722135883);
-        const double t9 = t2 * (t2 * (t8 + -0.00821750089765482) + 0.015180613767041282) +
-            -0.020647830091351717;
-        const double t10 = t2 * (t2 * (t2 * t9 + 0.02139495485791656) + -0.017185237019630522) +
-            0.010890803896660979;
-        const double t11 = t2 * (t2 * (t2 * t10 + -0.0053548548506220615) + 0.0022588396994592773) +
-            -0.00039674989569360273;
-        const double t12 = t2 * (t2 * (t2 * t11 + 0.0007138968794314861) + 0.0011403814338107978) +
-            0.002490569286343547;
-        const double t13 = t2 * (t2 * (t2 * t12 + 0.005327576046333906) + 0.011544042766655997) +
-            0.02539682388201735;
-        const double t14 = t2 * (t2 * (t2 * t13 + 0.0571428571878089) + 0.1333333333326277) +
-            0.3333333333333377;
-        const double t15 = t2 * (t2 * (t2 * 0.0006075023168817953 + -0.006093589939124222) +
-            0.029004300694938867);
-        const double t16 = t2 * (t2 * (t2 * (t15 + -0.08654292963332932) + 0.18095358835013511) +
-            -0.2810123057357625);
-        const double t17 = t2 * (t2 * (t2 * (t16 + 0.33558766073322116) + -0.3148060210252562) +
-            0.23526461066915133);
-        const double t18 = t2 * (t2 * (t17 + -0.1409288051389536) + 0.06829876555117628) +
-            -0.026100111052203438;
-        const double t19 = t2 * (t2 * (t2 * t18 + 0.008987626539449197) + -0.0006646325108237732) +
-            0.003041430518339829;
-        const double t20 = t2 * (t2 * (t2 * t19 + 0.004927059512671586) + 0.009367637463823044) +
-            0.017404214982763427;
-        const double t21 = t2 * (t2 * (t2 * t20 + 0.03196806840632643) + 0.05772005624453496) +
-            0.10158730162394855;
-        const double t22 = 0.3333333333333333 + t2 * (t2 * (t2 * t21 + 0.17142857142808898) +
-            0.2666666666666692);
-        t23 = 1.0 + t2 * t14;
-        t24 = t22;
-    }
-    const double t25 = t1 * (base0 * m1 + m3 * base2 - m0 * base1 - base3 * m2);
-    const double t26 = t1 * (m0 * base2 - (base0 * m2 + base3 * m1) + m3 * base1);
-    const double t27 = t1 * (base0 * m3 - m0 * base3 + m2 * base1 - base2 * m1);
-    const double t28 = base0 * m4 - base3 * m5 + base2 * m6 - m0 * base4 + base1 * m7 + m3 * base5 -
-        m2 * base6;
-    const double t29 = base0 * m7 - base3 * m6 - m1 * base4 - base1 * m4 - m3 * base6 + m0 * base7 -
-        base2 * m5;
-    const double t30 = t24 * (t1 * (t29 - m2 * base5));
-    const double t31 = base0 * m5 + base2 * m7 - m3 * base4 - base1 * m6 - m0 * base5 - m2 * base7 +
-        base3 * m4;
-    const double t32 = base0 * m6 + m2 * base4 - m1 * base5 - m0 * base6 + base3 * m7 - base2 * m4 +
-        base1 * m5;
-    return {
-        -2.0 * (t23 * t25),
-        -(-2.0 * (t23 * t26)),
-        -2.0 * (t23 * t27),
-        -2.0 * (t23 * (t1 * (t28 - m1 * base7)) + t25 * t30),
-        -2.0 * (t23 * (t1 * (t31 + m1 * base6)) - t26 * t30),
-        -2.0 * (t23 * (t1 * (t32 - m3 * base7)) + t27 * t30),
-    };
-}
-
-/*
- * The pose that lies a twist from a base, in the base's body frame
- * base: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
- * twist: x y z tx ty tz log scale
- * returns: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
- */
-inline std::array<double, 12> retract(const std::array<double, 12> &base,
-        const std::array<double, 7> &twist)
-{
-    const double base0 = base[0], base1 = base[1], base2 = base[2], base3 = base[3];
-    const double base4 = base[4], base5 = base[5], base6 = base[6], base7 = base[7];
-    const double base8 = base[8], base9 = base[9], base10 = base[10], base11 = base[11];
-    const double twist0 = twist[0], twist1 = twist[1], twist2 = twist[2], twist3 = twist[3];
-    const double twist4 = twist[4], twist5 = twist[5], twist6 = twist[6];
-    const double t0 = -0.5 * twist0;
-    const double t1 = -0.5 * twist1;
-    const double t2 = -0.5 * twist2;
-    const double t3 = t0 * t0 + t1 * t1 + t2 * t2;
-    const bool t4 = (t3 < 2.4684011002723394);
-    double t20, t21;
-    if (t4) {
-        const double t5 = t3 * (t3 * (t3 * 4.608909074888812e-14 + -1.146289561457958e-11) +
-            2.0876561604575935e-09);
-        const double t6 = t3 * (t3 * (t5 + -2.7557316386461366e-07) + 2.4801587277366174e-05) +
-            -0.0013888888888772708;
-        const double t7 = t3 * (t3 * (t3 * 2.721539074015491e-15 + -7.643023238169083e-13) +
-            1.6058940754212953e-10);
-        const double t8 = t3 * (t3 * (t7 + -2.505210688815946e-08) + 2.755731921120387e-06) +
-            -0.00019841269841208527;
-        t20 = t3 * (t3 * (t3 * t6 + 0.041666666666663875) + -0.4999999999999997) + 1.0;
-        t21 = 1.0 + t3 * (t3 * (t3 * t8 + 0.008333333333333186) + -0.16666666666666666);
-    } else {
-        const double t9 = std::sqrt(t3);
-        const double t10 = std::floor(0.3183098861837907 * t9 + 0.5);
-        const double t11 = 1.0 - 2.0 * (t10 - std::floor(0.5 * t10) * 2.0);
-        const double t12 = t9 - t10 * 3.1415926218032837 - t10 * 3.1786509424591713e-08 - t10 *
-            1.2246467202362698e-16;
-        const double t13 = t12 - t10 * 7.891108333126411e-24;
-        const double t14 = t13 * t13;
-        const double t15 = 2.0876561604575935e-09 + t14 * (-1.146289561457958e-11 +
-            4.608909074888812e-14 * t14);
-        const double t16 = -0.0013888888888772708 + t14 * (2.4801587277366174e-05 + t14 *
-            (-2.7557316386461366e-07 + t14 * t15));
-        const double t17 = 1.6058940754212953e-10 + t14 * (-7.643023238169083e-13 + t14 *
-            2.721539074015491e-15);
-        const double t18 = -0.00019841269841208527 + t14 * (2.755731921120387e-06 + t14 *
-            (-2.505210688815946e-08 + t14 * t17));
-        const double t19 = t11 * t13 * (1.0 + t14 * (-0.16666666666666666 + t14 *
-            (0.008333333333333186 + t14 * t18)));
-        t20 = t11 * (1.0 + t14 * (-0.4999999999999997 + t14 * (0.041666666666663875 + t14 * t16)));
-        t21 = t19 / std::max(1.0, t9);
-    }
-    const double t22 = 0.5 * twist6;
-    const double t23 = t22 * t22;
-    const bool t24 = (t23 < 0.12111325347955035);
-    double t42, t43, t44;
-    if (t24) {
-        const double t25 = t23 * (t23 * (t23 * 2.763326749998937e-07 + 2.480148377847191e-05) +
-            0.001388888895391314);
-        const double t26 = 0.00019841269891276224 + t23 * (2.755723960835094e-06 + t23 *
-            2.5110520415965448e-08);
-        const double t27 = 1.0 + t23 * (0.16666666666666682 + t23 * (0.008333333333319138 + t23 *
-            t26));
-        t42 = 1.0 + t23 * (t23 * (t25 + 0.04166666666648207) + 0.5000000000000019);
-        t43 = t22 * t27;
-        t44 = t27;
-    } else {
-        const double t28 = std::floor(0.5 + twist6 * 0.7213475204444817);
-        const double t29 = std::exp2(t28);
-        const double t30 = std::exp2(-t28);
-        const double t31 = 0.5 * (t29 + t30);
-        const double t32 = t22 - t28 * 0.6931471675634384 - t28 * 1.2996506893889889e-08;
-        const double t33 = t32 * t32;
-        const double t34 = t33 * (0.001388888895391314 + t33 * (2.480148377847191e-05 +
-            2.763326749998937e-07 * t33));
-        const double t35 = 1.0 + t33 * (0.5000000000000019 + t33 * (0.04166666666648207 + t34));
-        const double t36 = 0.5 * (t29 - t30);
-        const double t37 = t33 * (t33 * 2.5110520415965448e-08 + 2.755723960835094e-06) +
-            0.00019841269891276224;
-        const double t38 = 1.0 + t33 * (t33 * (t33 * t37 + 0.008333333333319138) +
-            0.16666666666666682);
-        const double t39 = t32 * t38;
-        const double t40 = t35 * t36 + t31 * t39;
-        double t41;
-        if (std::abs(t28) < 0.5) {
-            t41 = t38;
-        } else {
-            t41 = std::abs(t40) / std::max(std::abs(t22), 0.25);
-        }
-        t42 = t31 * t35 + t36 * t39;
-        t43 = t40;
-        t44 = t41;
-    }
-    const double t45 = t20 * t42;
-    const double t46 = t2 * t21;
-    const double t47 = t42 * t46;
-    const double t48 = t1 * t21;
-    const double t49 = t42 * t48;
-    const double t50 = t0 * t21;
-    const double t51 = t42 * t50;
-    const double t52 = t20 * t43;
-    const double t53 = t46 * t43;
-    const double t54 = t48 * t43;
-    const double t55 = t50 * t43;
-    const double t56 = base0 * t45 - base3 * t47 - base2 * t49 - base1 * t51 + (base4 * t52 - base7
-        * t53 - base6 * t54 - base5 * t55);
-    const double t57 = base0 * t51 - t47 * base2 + t45 * base1 + base3 * t49 + (base4 * t55 - t53 *
-        base6 + t52 * base5 + base7 * t54);
-    const double t58 = base3 * t51 - base0 * t49 - t45 * base2 - t47 * base1 + (base7 * t55 - base4
-        * t54 - t52 * base6 - t53 * base5);
-    const double t59 = base0 * t47 + t45 * base3 - t49 * base1 + base2 * t51 + (base4 * t53 + t52 *
-        base7 - t54 * base5 + base6 * t55);
-    const double t60 = base0 * t52 - base3 * t53 - base2 * t54 - base1 * t55 + (t45 * base4 - t47 *
-        base7 - t49 * base6 - t51 * base5);
-    const double t61 = base0 * t55 - base2 * t53 + base1 * t52 + base3 * t54 + (t51 * base4 - t47 *
-        base6 + t45 * base5 + t49 * base7);
-    const double t62 = base3 * t55 - base0 * t54 - base2 * t52 - base1 * t53 + (t51 * base7 - t49 *
-        base4 - t45 * base6 - t47 * base5);
-    const double t63 = base0 * t53 + base3 * t52 - base1 * t54 + base2 * t55 + (t47 * base4 + t45 *
-        base7 - t49 * base5 + t51 * base6);
-    const double t64 = base0 + base4;
-    const double t65 = -0.5 * twist3;
-    const double t66 = t20 * t44;
-    const double t67 = -0.5 * twist4;
-    const double t68 = -0.5 * twist5;
-    const double t69 = t2 * t67 - t1 * t68;
-    const double t70 = t0 * t68 - t2 * t65;
-    const double t71 = t1 * t65 - t0 * t67;
-    const double t72 = (t42 * t21 - t66) / std::max(t3 + t23, 1.0947644252537633e-47);
-    const double t73 = t65 * t66 + (t22 * t69 - (t2 * t70 - t1 * t71)) * t72;
-    const double t74 = base3 + base7;
-    const double t75 = t66 * t67 + t72 * (t22 * t70 - (t0 * t71 - t2 * t69));
-    const double t76 = base2 + base6;
-    const double t77 = t66 * t68 + t72 * (t22 * t71 - (t1 * t69 - t0 * t70));
-    const double t78 = base1 + base5;
-    const double t79 = (t2 * t68 + t0 * t65 + t1 * t67) * (t21 * t44);
-    const double t80 = t45 - t52;
-    const double t81 = t47 - t53;
-    const double t82 = t54 - t49;
-    const double t83 = t51 - t55;
-    const double t84 = t64 * t73 + t74 * t75 - t76 * t77 - t78 * t79 + (base8 * t80 - base9 * t81 -
-        base10 * t82 - base11 * t83);
-    const double t85 = t64 * t75 - t76 * t79 + t77 * t78 - t73 * t74 + (base8 * t81 + t80 * base9 +
-        t82 * base11 - base10 * t83);
-    const double t86 = t64 * t77 - t74 * t79 + t73 * t76 - t75 * t78 + (base8 * t82 + base9 * t83 +
-        t80 * base10 - t81 * base11);
-    const double t87 = t64 * t79 + t74 * t77 + t73 * t78 + t75 * t76 + (base8 * t83 + t81 * base10 +
-        t80 * base11 - base9 * t82);
-    return {
-        t56,
-        t57,
-        -t58,
-        t59,
-        t60,
-        t61,
-        -t62,
-        t63,
-        t84,
-        t85,
-        t86,
-        t87,
-    };
-}
-
-/*
- * The twist from a base to a pose, in the base's body frame
- * m: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
- * base: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
- * returns: x y z tx ty tz log scale
- */
-inline std::array<double, 7> local(const std::array<double, 12> &m,
-        const std::array<double, 12> &base)
-{
-    const double m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
-    const double m4 = m[4], m5 = m[5], m6 = m[6], m7 = m[7];
-    const double m8 = m[8], m9 = m[9], m10 = m[10], m11 = m[11];
-    const double base0 = base[0], base1 = base[1], base2 = base[2], base3 = base[3];
-    const double base4 = base[4], base5 = base[5], base6 = base[6], base7 = base[7];
-    const double base8 = base[8], base9 = base[9], base10 = base[10], base11 = base[11];
-    const double t0 = base0 * m0 + base3 * m3 + base2 * m2 + base1 * m1 - (base4 * m4 + base7 * m7 +
-        base6 * m6 + base5 * m5);
-    const double t1 = ((t0 < 0.0) ? -1.0 : 1.0);
-    const double t2 = t0 * t1;
-    const double t3 = base0 * m3 - m0 * base3 + m2 * base1 - base2 * m1 + (m4 * base7 - base4 * m7 -
-        m6 * base5 + base6 * m5);
-    const double t4 = t1 * t3;
-    const double t5 = m0 * base2 - (base0 * m2 + base3 * m1) + m3 * base1 + (base4 * m6 + base7 * m5
-        - m4 * base6 - m7 * base5);
-    const double t6 = t1 * t5;
-    const double t7 = base0 * m1 + m3 * base2 - m0 * base1 - base3 * m2 + (m4 * base5 - (base4 * m5
-        + m7 * base6) + base7 * m6);
-    const double t8 = t1 * t7;
-    const double t9 = std::sqrt(t2 * t2 + t4 * t4 + t6 * t6 + t8 * t8);
-    const double t10 = 1.0 / t9;
-    const double t11 = t2 * t10;
-    const double t12 = 1.0 - t11;
-    double t22;
-    if (t12 < 0.05) {
-        const double t13 = t12 * (t12 * (t12 * 0.002734180087163666 + 0.005307498678423399) +
-            0.011544886911341685);
-        const double t14 = t12 * (t12 * (t13 + 0.025396804776123976) + 0.057142857406109096) +
-            0.13333333333168498;
-        t22 = 1.0 + t12 * (t12 * t14 + 0.33333333333333726);
-    } else {
-        const double t15 = t12 * (t12 * (t12 * 8.121007252839173e-05 + -0.0007281273643381516) +
-            0.0030973904722135883);
-        const double t16 = t12 * (t12 * (t15 + -0.00821750089765482) + 0.015180613767041282) +
-            -0.020647830091351717;
-        const double t17 = t12 * (t12 * (t12 * t16 + 0.02139495485791656) + -0.017185237019630522) +
-            0.010890803896660979;
-        const double t18 = t12 * (t12 * (t12 * t17 + -0.0053548548506220615) +
-            0.0022588396994592773) + -0.00039674989569360273;
-        const double t19 = t12 * (t12 * (t12 * t18 + 0.0007138968794314861) + 0.0011403814338107978)
-            + 0.002490569286343547;
-        const double t20 = t12 * (t12 * (t12 * t19 + 0.005327576046333906) + 0.011544042766655997) +
-            0.02539682388201735;
-        const double t21 = t12 * (t12 * (t12 * t20 + 0.0571428571878089) + 0.1333333333326277) +
-            0.3333333333333377;
-        t22 = 1.0 + t12 * t21;
-    }
-    const double t23 = t8 * t10;
-    const double t24 = t6 * t10;
-    const double t25 = t4 * t10;
-    const double t26 = base0 - base4;
-    const double t27 = base7 - base3;
-    const double t28 = base2 - base6;
-    const double t29 = base5 - base1;
-    const double t30 = m3 - m7;
-    const double t31 = m0 - m4;
-    const double t32 = m6 - m2;
-    const double t33 = m1 - m5;
-    const double t34 = t26 * m8 + t27 * m9 + t28 * m10 - t29 * m11 + (base9 * t30 - base8 * t31 +
-        base10 * t32 - base11 * t33);
-    const double t35 = t1 * t34;
-    const double t36 = t26 * m11 + t27 * m10 + m8 * t29 - m9 * t28 + (t31 * base11 - (base8 * t33 +
-        t30 * base10) + base9 * t32);
-    const double t37 = t1 * t36;
-    const double t38 = base0 * m4 + base3 * m7 + base2 * m6 + base1 * m5 - (m0 * base4 + m3 * base7
-        + m2 * base6 + m1 * base5);
-    const double t39 = base0 * m7 - base3 * m4 + base1 * m6 - base2 * m5 + (m0 * base7 - m3 * base4
-        - m2 * base5 + m1 * base6);
-    const double t40 = base2 * m4 - (base0 * m6 + base3 * m5) + base1 * m7 + (m2 * base4 + m1 *
-        base7 - m0 * base6 - m3 * base5);
-    const double t41 = base0 * m5 + base2 * m7 - base1 * m4 - base3 * m6 + (m0 * base5 - (m1 * base4
-        + m3 * base6) + m2 * base7);
-    const double t42 = t11 * (t1 * t38) + t25 * (t1 * t39) + t24 * (t1 * t40) + t23 * (t1 * t41);
-    const double t43 = t42 * t42;
-    double t60;
-    if (t43 < 0.126) {
-        const double t44 = t43 * (t43 * (t43 * -0.005811206588331519 + 0.010599129520028859) +
-            -0.01383075592600594);
-        const double t45 = t43 * (t43 * (t44 + 0.017341108627894623) + -0.02237152504384804) +
-            0.030381923311340625;
-        const double t46 = t43 * (t43 * (t43 * t45 + -0.04464285673657631) + 0.07499999999602147) +
-            -0.16666666666665153;
-        t60 = 1.0 + t43 * t46;
-    } else {
-        const double t47 = std::abs(t42);
-        const double t48 = t9 + t47;
-        const double t49 = std::logb(1.4142135623730951 * t48);
-        const bool t50 = (t49 < 0.5);
-        double t52;
-        if (t50) {
-            t52 = t47;
-        } else {
-            const double t51 = t48 * std::exp2(-t49);
-            t52 = 0.5 * (t51 - 1.0 / t51);
-        }
-        const double t53 = t52 * t52;
-        const double t54 = t53 * (-0.01383075592600594 + t53 * (0.010599129520028859 +
-            -0.005811206588331519 * t53));
-        const double t55 = 0.030381923311340625 + t53 * (-0.02237152504384804 + t53 *
-            (0.017341108627894623 + t54));
-        const double t56 = -0.16666666666665153 + t53 * (0.07499999999602147 + t53 *
-            (-0.04464285673657631 + t53 * t55));
-        const double t57 = 1.0 + t53 * t56;
-        double t59;
-        if (t50) {
-            t59 = t57;
-        } else {
-            const double t58 = (t49 * 0.6931471675634384 + (t49 * 1.2996506893889889e-08 + t52 *
-                t57)) / std::max(t47, 0.25);
-            t59 = t58;
-        }
-        t60 = t59;
-    }
-    const double t61 = t26 * m10 - t27 * m11 - m8 * t28 - m9 * t29 - (base8 * t32 + base9 * t33 +
-        t31 * base10 + t30 * base11);
-    const double t62 = t1 * t61;
-    const double t63 = t23 * t62 - t25 * t35;
-    const double t64 = t26 * m9 + t28 * m11 + m10 * t29 - m8 * t27 + (t32 * base11 - (t30 * base8 +
-        base9 * t31) + base10 * t33);
-    const double t65 = t1 * t64;
-    const double t66 = t24 * t35 + t23 * t65;
-    const double t67 = 1.0 / std::max(t43 + (t23 * t23 + t24 * t24 + t25 * t25),
-        1.0947644252537633e-47);
-    const double t68 = (t11 * t60 - t9 * t22) * t67;
-    const double t69 = t25 * t65 + t24 * t62;
-    const double t70 = t67 * (t42 * (t11 * t22 - t9 * t60));
-    return {
-        -2.0 * (t22 * t23),
-        -(-2.0 * (t22 * t24)),
-        -2.0 * (t22 * t25),
-        -2.0 * ((t11 * t35 + t23 * t37) * t60 + (t25 * t63 - t24 * t66) * t68 + t69 * t70),
-        -2.0 * (t60 * (t11 * t65 - t24 * t37) - t68 * (t23 * t66 + t25 * t69) + t63 * t70),
-        -2.0 * (t60 * (t11 * t62 + t25 * t37) - t68 * (t24 * t69 + t23 * t63) - t66 * t70),
-        2.0 * (t42 * t60),
-    };
-}
-
-/*
- * Ad of a rotor: its 3×3 matrix, by rows
- * m: 1 e23 e31 e12
- * returns: m00 m01 m02 m10 m11 m12 m20 m21 m22
- */
-template <class Real>
-inline std::array<Real, 9> adjoint(const std::array<Real, 4> &m)
-{
-    const Real m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
-    const Real t0 = m0 * m0;
-    const Real t1 = m3 * m3;
-    const Real t2 = t0 - t1;
-    const Real t3 = m2 * m2;
-    const Real t4 = m1 * m1;
-    const Real t5 = m0 * m3 * Real(2.0);
-    const Real t6 = Real(2.0) * (m2 * m1);
-    const Real t7 = m3 * m1;
-    const Real t8 = m0 * m2;
-    const Real t9 = m3 * m2;
-    const Real t10 = m0 * m1;
-    return {
-        t2 - t3 + t4,
-        t5 + t6,
-        Real(2.0) * (t7 - t8),
-        t6 - t5,
-        t2 + t3 - t4,
-        Real(2.0) * (t9 + t10),
-        Real(2.0) * (t7 + t8),
-        Real(2.0) * (t9 - t10),
-        t1 + (t0 - (t3 + t4)),
-    };
-}
-
-/*
- * Ad of a motor on twists, by rows
- * m: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
- * returns: m00 m01 m02 m03 m04 m05 m10 m11 m12 m13 m14 m15 m20 m21 m22 m23 m24 m25 m30 m31 m32 m33
- *     m34 m35 m40 m41 m42 m43 m44 m45 m50 m51 m52 m53 m54 m55
- */
-template <class Real>
-inline std::array<Real, 36> adjoint(const std::array<Real, 8> &m)
-{
-    const Real m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
-    const Real m4 = m[4], m5 = m[5], m6 = m[6], m7 = m[7];
-    const Real t0 = m0 * m0;
-    const Real t1 = m3 * m3;
-    const Real t2 = t0 - t1;
-    const Real t3 = m2 * m2;
-    const Real t4 = m1 * m1;
-    const Real t5 = t2 - t3 + t4;
-    const Real t6 = m0 * m3 * Real(2.0);
-    const Real t7 = Real(2.0) * (m2 * m1);
-    const Real t8 = t6 + t7;
-    const Real t9 = m3 * m1;
-    const Real t10 = m0 * m2;
-    const Real t11 = Real(2.0) * (t9 - t10);
-    const Real t12 = t7 - t6;
-    const Real t13 = t2 + t3 - t4;
-    const Real t14 = m3 * m2;
-    const Real t15 = m0 * m1;
-    const Real t16 = Real(2.0) * (t14 + t15);
-    const Real t17 = Real(2.0) * (t9 + t10);
-    const Real t18 = Real(2.0) * (t14 - t15);
-    const Real t19 = t1 + (t0 - (t3 + t4));
-    const Real t20 = Real(-2.0) * (m0 * m5 - m3 * m4 + m2 * m7 + m1 * m6);
-    const Real t21 = Real(-2.0) * (m2 * m4 - m1 * m5 + m0 * m6 + m3 * m7);
-    const Real t22 = Real(-2.0) * (m0 * m4 + m3 * m5 - m2 * m6 + m1 * m7);
-    return {
-        t5,
-        t8,
-        t11,
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        t12,
-        t13,
-        t16,
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        t17,
-        t18,
-        t19,
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        t17 * t20 - t12 * t21,
-        t18 * t20 - t13 * t21,
-        t19 * t20 - t16 * t21,
-        t5,
-        t8,
-        t11,
-        t5 * t21 - t17 * t22,
-        t8 * t21 - t18 * t22,
-        t11 * t21 - t19 * t22,
-        t12,
-        t13,
-        t16,
-        t12 * t22 - t5 * t20,
-        t13 * t22 - t8 * t20,
-        t16 * t22 - t11 * t20,
-        t17,
-        t18,
-        t19,
-    };
-}
-
-/*
- * Ad of a similarity on twists, by rows
- * m: 1 e23 e31 e12 E e23E e31E e12E e1∞ e2∞ e3∞ e123∞
- * returns: m00 m01 m02 m03 m04 m05 m06 m10 m11 m12 m13 m14 m15 m16 m20 m21 m22 m23 m24 m25 m26 m30
- *     m31 m32 m33 m34 m35 m36 m40 m41 m42 m43 m44 m45 m46 m50 m51 m52 m53 m54 m55 m56 m60 m61 m62
- *     m63 m64 m65 m66
- */
-template <class Real>
-inline std::array<Real, 49> adjoint(const std::array<Real, 12> &m)
-{
-    const Real m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
-    const Real m4 = m[4], m5 = m[5], m6 = m[6], m7 = m[7];
-    const Real m8 = m[8], m9 = m[9], m10 = m[10], m11 = m[11];
-    const Real t0 = Real(1.0) / std::sqrt(m0 * m0 + m3 * m3 + m2 * m2 + m1 * m1);
-    const Real t1 = m0 * t0;
-    const Real t2 = t1 * t1;
-    const Real t3 = m3 * t0;
-    const Real t4 = t3 * t3;
-    const Real t5 = t2 - t4;
-    const Real t6 = m2 * t0;
-    const Real t7 = t6 * t6;
-    const Real t8 = m1 * t0;
-    const Real t9 = t8 * t8;
-    const Real t10 = t5 - t7 + t9;
-    const Real t11 = t1 * t3 * Real(2.0);
-    const Real t12 = Real(2.0) * (t6 * t8);
-    const Real t13 = t11 + t12;
-    const Real t14 = t3 * t8;
-    const Real t15 = t1 * t6;
-    const Real t16 = Real(2.0) * (t14 - t15);
-    const Real t17 = t12 - t11;
-    const Real t18 = t5 + t7 - t9;
-    const Real t19 = t3 * t6;
-    const Real t20 = t1 * t8;
-    const Real t21 = Real(2.0) * (t19 + t20);
-    const Real t22 = Real(2.0) * (t14 + t15);
-    const Real t23 = Real(2.0) * (t19 - t20);
-    const Real t24 = t4 + (t2 - (t7 + t9));
-    const bool t25 = (m0 * m4 + m3 * m7 + m2 * m6 + m1 * m5 < Real(0.0));
-    Real t31, t32, t33, t34;
-    if (t25) {
-        const Real t26 = m0 - m4;
-        const Real t27 = m3 - m7;
-        const Real t28 = m6 - m2;
-        const Real t29 = m1 - m5;
-        const Real t30 = Real(1.0) / (t26 * t26 + t27 * t27 + t28 * t28 + t29 * t29);
-        t31 = t26 * t30;
-        t32 = t27 * t30;
-        t33 = -(t28 * t30);
-        t34 = t29 * t30;
-    } else {
-        t31 = m0 + m4;
-        t32 = m3 + m7;
-        t33 = m2 + m6;
-        t34 = m1 + m5;
-    }
-    const Real t35 = Real(-2.0) * (m9 * t31 - m8 * t32 + m11 * t33 + m10 * t34);
-    const Real t36 = Real(-2.0) * (m8 * t33 - m9 * t34 + t31 * m10 + t32 * m11);
-    const Real t37 = t31 * t31 + t32 * t32 + t33 * t33 + t34 * t34;
-    const Real t38 = Real(-2.0) * (t31 * m8 + m9 * t32 - t33 * m10 + m11 * t34);
-    return {
-        t10,
-        t13,
-        t16,
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        t17,
-        t18,
-        t21,
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        t22,
-        t23,
-        t24,
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        t22 * t35 - t17 * t36,
-        t23 * t35 - t18 * t36,
-        t24 * t35 - t21 * t36,
-        t10 * t37,
-        t13 * t37,
-        t16 * t37,
-        -t38,
-        t10 * t36 - t22 * t38,
-        t13 * t36 - t23 * t38,
-        t16 * t36 - t24 * t38,
-        t17 * t37,
-        t18 * t37,
-        t21 * t37,
-        -t35,
-        t17 * t38 - t10 * t35,
-        t18 * t38 - t13 * t35,
-        t21 * t38 - t16 * t35,
-        t22 * t37,
-        t23 * t37,
-        t24 * t37,
-        -t36,
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        Real(0.0),
-        Real(1.0),
-    };
-}
-
-/*
- * One Newton step towards unit length, which rounding leaves by little
- * m: 1 e23 e31 e12
+ * One Newton step of a rotor towards unit length, which rounding leaves by little
+ * r: 1 e23 e31 e12
  * returns: 1 e23 e31 e12
  */
 template <class Real>
-inline std::array<Real, 4> renormalize(const std::array<Real, 4> &m)
+inline std::array<Real, 4> renormalize(const std::array<Real, 4> &r)
 {
-    const Real m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
-    const Real t0 = Real(1.5) - Real(0.5) * (m0 * m0 + m1 * m1 + m2 * m2 + m3 * m3);
+    const Real r0 = r[0], r1 = r[1], r2 = r[2], r3 = r[3];
+    const Real t0 = Real(1.5) - Real(0.5) * (r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3);
     return {
-        m0 * t0,
-        m1 * t0,
-        m2 * t0,
-        m3 * t0,
+        r0 * t0,
+        r1 * t0,
+        r2 * t0,
+        r3 * t0,
     };
 }
 
