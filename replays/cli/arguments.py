@@ -37,6 +37,17 @@ def new_command(
     return parser
 
 
+def add_executor(parser: argparse.ArgumentParser, default: str, where: str = "") -> None:
+    """The option that says where many jobs run."""
+    parser.add_argument(
+        "--executor",
+        default=default,
+        metavar="E",
+        help=f"{where}local, processes (one a core), processes:4, or the address of a Dask "
+        f"scheduler such as tcp://host:8786 ({default})",
+    )
+
+
 def check_known(option: str, names: Iterable[str], known: Collection[str]) -> None:
     """ValueError with the nearest known name where one of the names of an option is unknown."""
     for name in names:

@@ -7,7 +7,7 @@ depends on nothing but its fields and the code, so cells can be computed anywher
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,7 +34,7 @@ class Setting:
 
     method: str
     representation: str
-    parameters: tuple[tuple[str, Any], ...] = ()
+    parameters: tuple[tuple[str, float], ...] = ()
 
     def smooth(self, trajectory: Trajectory) -> Trajectory:
         """Smooth a trajectory so.
@@ -42,7 +42,8 @@ class Setting:
         Raises:
             ValueError: what the method refuses, or a result that runs away.
         """
-        made = smooth(trajectory, self.method, self.representation, **dict(self.parameters))
+        parameters: dict[str, Any] = dict(self.parameters)
+        made = smooth(trajectory, self.method, self.representation, **parameters)
         farthest = float(np.max(np.abs(made.poses.coefficients)))
         if not farthest < _FARTHEST:
             raise ValueError(f"the result runs away, to coefficients of {farthest:.3g}")
@@ -60,17 +61,8 @@ class Row:
 
     method: str
     representation: str
-    values: Mapping[str, float | None]
+    values: dict[str, float | None]
     failure: str = ""
-
-    def as_list(self) -> list[Any]:
-        """For JSON; mirror of `of`."""
-        return [self.method, self.representation, dict(self.values), self.failure]
-
-    @classmethod
-    def of(cls, stored: Sequence[Any]) -> Row:
-        """From what `as_list` gave."""
-        return cls(*stored)
 
 
 @dataclass(frozen=True)
@@ -85,12 +77,12 @@ class Cell:
     settings: tuple[Setting, ...]
 
 
-def run_cell(cell: Cell) -> list[list[Any]]:
-    """The rows of a cell, as lists that JSON can hold."""
+def run_cell(cell: Cell) -> tuple[Row, ...]:
+    """The rows of a cell."""
     spoiled, ruler = inputs_of(
         cell.motion, cell.degradation, cell.seed, cell.rate_hz, cell.duration_s
     )
-    return [row.as_list() for row in measured_rows(spoiled, ruler, cell.settings)]
+    return tuple(measured_rows(spoiled, ruler, cell.settings))
 
 
 def inputs_of(

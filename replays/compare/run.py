@@ -1,126 +1,69 @@
-"""A plan from beginning to end: parameters, cells, figures; over processes, and taken up again.
+"""A plan from beginning to end: parameters, cells, figures.
 
-What is finished is kept in ``OUT/.finished``, a file for each search and cell, named after all
-that it depends on: its fields and the code (`replays.engine.provenance`). A run that was stopped
-goes on where it was, one with more seeds or methods computes those, and one after a change of the
-code begins anew.
+What is finished is kept in ``OUT/.finished``, a folder for each search and cell, named after all
+that it depends on: its fields and the code. A run that was stopped goes on where it was, one with
+more seeds or methods computes those, and one after a change of the code begins anew.
 """
 
 from __future__ import annotations
 
-import functools
-import hashlib
-import json
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, TypeVar
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor
-from motorcade.replays.compare.cells import Cell, Row, run_cell
+from motorcade.replays.compare.cells import Cell, run_cell
 from motorcade.replays.compare.figures.statistics import Sample
 from motorcade.replays.compare.figures.tables import Outcome, write_tables
 from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.measure.traits import Trait, run_trait
 from motorcade.replays.compare.plan import SLOW, Plan
 from motorcade.replays.compare.tuning import BORROWS, Tuned, Tuning, borrowed, run_tuning
-from motorcade.replays.engine.progress import track
-from motorcade.replays.engine.provenance import code_digest
-from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.engine.jobs import job_key, run_jobs
 
-__all__ = ["compare", "finished"]
+__all__ = ["compare"]
 
-Job = TypeVar("Job", Tuning, Cell, Trait)
+Task = TypeVar("Task", Tuning, Cell, Trait)
+Result = TypeVar("Result")
 
 
-def compare(plan: Plan, out: Path, workers: int = 1) -> dict[str, Any]:
+def compare(plan: Plan, out: Path, executor: str = "local") -> dict[str, Any]:
     """Run a plan, write its tables into `out`, and return what ``results.json`` holds.
 
     Args:
         plan: what to run.
         out: folder for the results; what earlier runs finished there is used.
-        workers: processes; the results do not depend on their number, but for times.
+        executor: see `motorcade.replays.engine.executors.outcomes`; the results do not depend on
+            it, but for times.
 
     Raises:
-        ValueError: fewer than one worker.
+        KeyboardInterrupt: stopped by Ctrl-C; what is finished is kept, and no table is written.
+        ValueError, RuntimeError: the executor is unknown or cannot be reached.
         OSError: a folder that cannot be written.
     """
-    if workers < 1:
-        raise ValueError(f"workers: expected 1 or more, got {workers}")
-    if workers == 1:
-        return _compared(plan, out, None)
-    # A fresh interpreter each, as the pipeline's.
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        return _compared(plan, out, pool)
-
-
-def _compared(plan: Plan, out: Path, pool: Executor | None) -> dict[str, Any]:
-    for function in (run_tuning, run_cell, run_trait):
-        _digest(function)
-    found = _tuned(plan, out, pool)
-    samples = []
+    found = _tuned(plan, out, executor)
     cells = [cell for batch in _batches(plan) for cell in _cells(plan, batch, found)]
-    for cell, rows in finished(run_cell, cells, out, pool, "cells"):
-        samples.append(Sample.of(cell, [Row.of(row) for row in rows]))
+    measured = _finished(run_cell, cells, out, executor, "cells")
+    samples = tuple(Sample.of(cell, rows) for cell, rows in measured.items())
     traits = [
         Trait(plan.motions[0], plan.degradations[0], plan.tuning_seeds[0], plan.rate_hz,
               plan.duration_s, found[plan.motions[0], plan.degradations[0], *pair].setting)
         for pair in plan.pairs(plan.motions[0], plan.degradations[0])
     ]  # fmt: skip
     # Alone, one after another: they are timed.
-    told = [result for _, result in finished(run_trait, traits, out, None, "times")]
-    outcome = Outcome(plan.as_dict(), tuple(samples), found, tuple(told), exact_ties())
+    told = _finished(run_trait, traits, out, "local", "times")
+    outcome = Outcome(plan.as_dict(), samples, found, tuple(told.values()), exact_ties())
     return write_tables(outcome, out)
 
 
-def finished(
-    function: Callable[[Job], Any],
-    jobs: Sequence[Job],
-    out: Path,
-    pool: Executor | None,
-    what: str,
-) -> Iterator[tuple[Job, Any]]:
-    """Every job with its result, in the order given; what was kept in `out` is not computed again.
-
-    Results must be what JSON can hold. Each is kept as soon as it is there.
-    """
-    digest = _digest(function)
-    paths = [out / ".finished" / f"{_key(function, job, digest)}.json" for job in jobs]
-    missing = [i for i, path in enumerate(paths) if not path.exists()]
-    for i, result in track(_computed(function, jobs, missing, pool), what, len(missing)):
-        write_bytes(paths[i], json.dumps(result, separators=(",", ":")).encode())
-    for job, path in zip(jobs, paths, strict=True):
-        yield job, json.loads(path.read_bytes())
-
-
-def _computed(
-    function: Callable[[Job], Any], jobs: Sequence[Job], missing: Sequence[int],
-    pool: Executor | None,
-) -> Iterator[tuple[int, Any]]:  # fmt: skip
-    if pool is None:
-        for i in missing:
-            yield i, function(jobs[i])
-        return
-    running = {pool.submit(function, jobs[i]): i for i in missing}
-    try:
-        for future in as_completed(running):
-            yield running[future], future.result()
-    finally:
-        for future in running:
-            future.cancel()
-
-
-# The code as it was when this process first asked, whatever is edited meanwhile.
-_digest = functools.cache(code_digest)
-
-
-def _key(function: Callable[..., Any], job: Any, digest: str) -> str:
-    fields = json.dumps(asdict(job), sort_keys=True)
-    told = f"{function.__name__}\n{digest}\n{fields}"
-    return hashlib.sha256(told.encode()).hexdigest()[:40]
+def _finished(
+    function: Callable[[Task], Result], tasks: Iterable[Task], out: Path, executor: str, what: str
+) -> Mapping[Task, Result]:
+    """Every task's result; what was kept in `out` is not computed again."""
+    places = {task: out / ".finished" / job_key(function, asdict(task)) for task in tasks}
+    return run_jobs(function, places, executor, what).whole(what)
 
 
 def _batches(plan: Plan) -> list[tuple[str, ...]]:
@@ -141,7 +84,7 @@ def _cells(
                 yield Cell(motion, degradation, seed, plan.rate_hz, plan.duration_s, settings)
 
 
-def _tuned(plan: Plan, out: Path, pool: Executor | None) -> dict[tuple[str, str, str, str], Tuned]:
+def _tuned(plan: Plan, out: Path, executor: str) -> dict[tuple[str, str, str, str], Tuned]:
     """What was found for (motion, degradation, method, representation)."""
     searches = []
     for motion in plan.motions:
@@ -156,8 +99,8 @@ def _tuned(plan: Plan, out: Path, pool: Executor | None) -> dict[tuple[str, str,
                 Tuning(motion, degradation, plan.tuning_seeds, plan.rate_hz, plan.duration_s, pairs)
             )
     found = {}
-    for search, results in finished(run_tuning, searches, out, pool, "parameters"):
-        for one in map(Tuned.of, results):
+    for search, results in _finished(run_tuning, searches, out, executor, "searches").items():
+        for one in results:
             place = (search.motion, search.degradation)
             found[*place, one.setting.method, one.setting.representation] = one
     for motion in plan.motions:

@@ -128,27 +128,15 @@ class Tuned:
     objective: float | None
     trials: int
 
-    def as_list(self) -> list[Any]:
-        """For JSON; mirror of `of`."""
-        one = self.setting
-        return [one.method, one.representation, dict(one.parameters), self.how, self.objective,
-                self.trials]  # fmt: skip
 
-    @classmethod
-    def of(cls, stored: Sequence[Any]) -> Tuned:
-        """From what `as_list` gave."""
-        method, representation, parameters, *rest = stored
-        return cls(Setting(method, representation, tuple(parameters.items())), *rest)
-
-
-def run_tuning(tuning: Tuning) -> list[list[Any]]:
-    """Every search of a motion and a degradation, as lists that JSON can hold."""
+def run_tuning(tuning: Tuning) -> tuple[Tuned, ...]:
+    """Every search of a motion and a degradation."""
     inputs = [
         inputs_of(tuning.motion, tuning.degradation, seed, tuning.rate_hz, tuning.duration_s)
         for seed in tuning.seeds
     ]
     raw = [ruler.errors([spoiled])[0] for spoiled, ruler in inputs]
-    return [tuned(*pair, inputs, raw).as_list() for pair in tuning.pairs]
+    return tuple(tuned(*pair, inputs, raw) for pair in tuning.pairs)
 
 
 def tuned(

@@ -128,7 +128,7 @@ class Judged:
     """
 
     time_s: FloatArray
-    nees: Mapping[str, FloatArray]
+    nees: dict[str, FloatArray]
     nis: FloatArray
     rotation_rad: FloatArray
     position_m: FloatArray

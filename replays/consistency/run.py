@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack
-from dataclasses import dataclass
-from multiprocessing import get_context
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,9 +19,10 @@ from motorcade.replays.consistency.experiment import (
     judge,
     simulate,
 )
-from motorcade.replays.engine.progress import track
+from motorcade.replays.engine.jobs import job_key, run_jobs
+from motorcade.replays.files.tables import write_csv
 
-__all__ = ["Plan", "Verdict", "as_json", "as_table", "run_plan"]
+__all__ = ["Plan", "SeedRange", "Verdict", "as_json", "as_table", "run_plan", "run_seeds"]
 
 _RUNS_A_JOB = 20
 _INNOVATION_FREEDOM = 6
@@ -105,29 +104,40 @@ class Verdict:
         return slice(int(np.searchsorted(self.time_s, _SETTLED_S)), None)
 
 
-def run_plan(plan: Plan, workers: int = 1) -> dict[str, dict[str, Verdict]]:
-    """Verdicts by motion and filter; the same plan gives the same ones with any `workers`."""
-    if workers < 1:
-        raise ValueError(f"workers: expected 1 or more, got {workers}")
+def run_plan(plan: Plan, out: Path, executor: str = "local") -> dict[str, dict[str, Verdict]]:
+    """Verdicts by motion and filter, and the table ``consistency.csv``.
+
+    What is finished is kept in ``OUT/.finished``, a folder for every twenty runs of a motion. A
+    call that was stopped goes on where it was, one with more runs or motions computes those.
+
+    Args:
+        plan: what to run.
+        out: folder for the results; on a cluster, one that all workers see.
+        executor: see `motorcade.replays.engine.executors.outcomes`; the verdicts do not depend on
+            it.
+
+    Raises:
+        KeyboardInterrupt: stopped by Ctrl-C; what is finished is kept, and no table is written.
+        ValueError, RuntimeError: the executor is unknown or cannot be reached.
+        OSError: a folder that cannot be written.
+    """
+    jobs = {job: out / ".finished" / job_key(run_seeds, asdict(job)) for job in _jobs(plan)}
+    judged = run_jobs(run_seeds, jobs, executor, "parts").whole("parts")
+    parts: dict[str, list[dict[str, Judged]]] = {motion: [] for motion in plan.motions}
+    for job, of in judged.items():
+        parts[job.experiment.motion].append(of)
+    verdicts = {motion: _verdicts(plan, of) for motion, of in parts.items()}
+    rows = as_json(plan, verdicts)["rows"]
+    write_csv(out / "consistency.csv", list(rows[0]), [list(row.values()) for row in rows])
+    return verdicts
+
+
+def _jobs(plan: Plan) -> Iterator[SeedRange]:
     last = plan.seed + plan.runs
-    parts = [
-        range(start, min(start + _RUNS_A_JOB, last))
-        for start in range(plan.seed, last, _RUNS_A_JOB)
-    ]
-    jobs = [_Job(one, plan.filters, part) for one in plan.experiments() for part in parts]
-    with ExitStack() as stack:
-        done: Iterable[dict[str, Judged]]
-        if workers == 1:
-            done = map(_done, jobs)
-        else:
-            pool = ProcessPoolExecutor(min(workers, len(jobs)), mp_context=get_context("spawn"))
-            done = stack.enter_context(pool).map(_done, jobs)
-        judged = list(track(done, "runs", len(jobs)))
-    count = len(parts)
-    return {
-        motion: _verdicts(plan, judged[i * count : (i + 1) * count])
-        for i, motion in enumerate(plan.motions)
-    }
+    for experiment in plan.experiments():
+        for first in range(plan.seed, last, _RUNS_A_JOB):
+            count = min(_RUNS_A_JOB, last - first)
+            yield SeedRange(experiment, plan.filters, first, count)
 
 
 def as_json(plan: Plan, verdicts: Mapping[str, Mapping[str, Verdict]]) -> dict[str, Any]:
@@ -182,14 +192,18 @@ def _row(verdict: Verdict) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class _Job:
+class SeedRange:
+    """Runs of one motion that are done together: `count` seeds from the first."""
+
     experiment: Experiment
     filters: tuple[str, ...]
-    seeds: range
+    first_seed: int
+    count: int
 
 
-def _done(job: _Job) -> dict[str, Judged]:
-    simulated = simulate(job.experiment, job.seeds)
+def run_seeds(job: SeedRange) -> dict[str, Judged]:
+    """Simulate the runs and judge every filter on them."""
+    simulated = simulate(job.experiment, range(job.first_seed, job.first_seed + job.count))
     return {name: judge(simulated, job.experiment, name) for name in job.filters}
 
 

@@ -234,8 +234,10 @@ class _Decoder:
             item = typing.get_args(kind)[1]
             return {key: self.decode(value, item, f"{where}.{key}") for key, value in tree.items()}
         if origin is tuple:
-            item = typing.get_args(kind)[0]
-            return tuple(self.decode(part, item, f"{where}.{i}") for i, part in enumerate(tree))
+            items = typing.get_args(kind)
+            kinds = items[:1] * len(tree) if items[-1] is Ellipsis else items
+            parts = zip(tree, kinds, strict=True)
+            return tuple(self.decode(*part, f"{where}.{i}") for i, part in enumerate(parts))
         if kind is float and isinstance(tree, int) and not isinstance(tree, bool):
             return float(tree)
         if origin is typing.Literal or isinstance(tree, kind):

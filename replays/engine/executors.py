@@ -6,6 +6,7 @@ One job's failure never ends the others, not even where its process dies.
 from __future__ import annotations
 
 import os
+import re
 import signal
 import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
@@ -32,7 +33,8 @@ Result = TypeVar("Result")
 
 CLUSTER = ("tcp://", "tls://")
 """How the address of a Dask scheduler begins."""
-_KINDS = "local, processes, or the address of a Dask scheduler such as tcp://host:8786"
+_PROCESSES = re.compile(r"processes(?::(?P<count>[1-9][0-9]{0,3}))?")
+_KINDS = "local, processes, processes:4, or the address of a Dask scheduler such as tcp://host:8786"
 _ANSWERS_WITHIN_S = 10
 _WORKERS_WITHIN_S = 60
 _one_at_a_time = threading.Lock()
@@ -40,7 +42,7 @@ _one_at_a_time = threading.Lock()
 
 def check_executor(name: str) -> str:
     """`name` as given; ValueError where it is none of those known."""
-    if name in ("local", "processes") or name.startswith(CLUSTER):
+    if name == "local" or _PROCESSES.fullmatch(name) or name.startswith(CLUSTER):
         return name
     raise ValueError(f"--executor: expected {_KINDS}; got {one_line(name)}")
 
@@ -55,8 +57,9 @@ def outcomes(
     Args:
         function: a function of a module, which other processes can import.
         jobs: what it is called with; must be picklable unless `executor` is "local".
-        executor: "local" (here, in order), "processes" (a process a core), or the address of a
-            Dask scheduler, whose workers need this package and the same paths.
+        executor: "local" (here, in order), "processes" (a process a core), "processes:4" (so
+            many), or the address of a Dask scheduler, whose workers need this package and the same
+            paths.
 
     Raises:
         ValueError: an unknown executor.
@@ -70,7 +73,7 @@ def outcomes(
             except Exception as error:  # one job's failure never ends the others
                 yield job, error
         return
-    opened = _cluster(executor) if executor.startswith(CLUSTER) else _processes()
+    opened = _cluster(executor) if executor.startswith(CLUSTER) else _processes(executor)
     with opened as pool:
         running: dict[Future[Result], Job] = {
             pool.submit(_alone, function, job): job for job in jobs
@@ -87,8 +90,10 @@ def _alone(function: Callable[[Job], Result], job: Job) -> Result:
 
 
 @contextmanager
-def _processes() -> Iterator[Executor]:
-    pool = _SeparateProcesses(os.cpu_count() or 1)
+def _processes(executor: str) -> Iterator[Executor]:
+    named = _PROCESSES.fullmatch(executor)
+    count = named and named["count"]
+    pool = _SeparateProcesses(int(count) if count else os.cpu_count() or 1)
     try:
         yield pool
     except BaseException:  # stopped: nobody waits for what is still running

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.sweep.plan import PlannedRun
 
-__all__ = ["FIGURES", "Row", "rows_of", "write_csv", "write_parquet"]
+__all__ = ["FIGURES", "PathFigures", "Row", "rows_of", "write_parquet"]
 
 Row = Mapping[str, str | int | float | None]
 """One row; all rows of a sweep have the same columns."""
+
+PathFigures = dict[str, dict[str, float | None]]
+"""Of each path that a run judged, what stands in the columns of figures."""
 
 FIGURES = (
     "ape_rmse_m",
@@ -30,28 +30,17 @@ FIGURES = (
 
 
 def rows_of(
-    run: PlannedRun, folder: str, outcome: Mapping[str, Any] | None, error: str | None
+    run: PlannedRun, folder: str, judged: PathFigures | None, error: str | None
 ) -> list[Row]:
     """A run's rows: one a path that it judged, or a single one where it failed or judged none."""
     about: dict[str, str | int | float | None] = {"recording": str(run.recording), "seed": run.seed}
     about |= dict(run.varied)
-    about["status"] = "failed" if outcome is None else "done"
-    paths: Mapping[str, Any] = {} if outcome is None else outcome["errors"]
+    about["status"] = "failed" if judged is None else "done"
     end: dict[str, str | int | float | None] = {"error": error, "run": folder}
     rows: list[Row] = []
-    for path, figures in paths.items():
-        values = {key: figures.get(key) for key in FIGURES}
-        rows.append(about | {"path": path} | values | end)
+    for path, figures in (judged or {}).items():
+        rows.append(about | {"path": path} | figures | end)
     return rows or [about | {"path": None} | dict.fromkeys(FIGURES) | end]
-
-
-def write_csv(rows: Sequence[Row], path: Path) -> None:
-    """Write the table as CSV; an empty cell where there is no value."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    write_bytes(path, text.getvalue().encode())
 
 
 def write_parquet(rows: Sequence[Row], path: Path) -> None:

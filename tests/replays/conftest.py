@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
+from tests.replays.tiny_recordings import write_tiny
 
 WIDTH, HEIGHT = 24, 16
 INTRINSICS = (20.0, 21.0, 11.5, 7.5)
@@ -185,3 +186,22 @@ def video_file(tmp_path: Path) -> Path:
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
     return path
+
+
+@pytest.fixture
+def config(tmp_path: Path) -> Callable[..., Path]:
+    """Write two recordings and a file that sweeps over them."""
+
+    def written(recordings: str = '["one", "two"]', knobs: str = "", seeds: str = "[0, 1]") -> Path:
+        for name, phase in (("one", 0.1), ("two", 0.7)):
+            if not (tmp_path / name).exists():
+                write_tiny(tmp_path / name, phase)
+        path = tmp_path / "sweep.toml"
+        path.write_text(
+            f"recordings = {recordings}\nseeds = {seeds}\n[knobs]\n"
+            'camera_poses.source = "simulated"\nimu.source = "auto"\n'
+            f"convergence.duration_s = 1.0\n{knobs}\n"
+        )
+        return path
+
+    return written

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Subparsers, new_command, one_line
+from motorcade.replays.cli.arguments import Subparsers, add_executor, new_command, one_line
 from motorcade.replays.engine.progress import telling_stages
 
 if TYPE_CHECKING:
@@ -40,12 +40,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
     )
     add_run_options(parser, out=Path("out"))
-    parser.add_argument(
-        "--executor",
-        default="local",
-        metavar="E",
-        help="of several recordings: local, processes, or a Dask scheduler's tcp://host:port",
-    )
+    add_executor(parser, "local", "of several recordings: ")
 
 
 def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:

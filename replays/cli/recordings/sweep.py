@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from motorcade.replays.cli.arguments import Subparsers, new_command, print_json
+from motorcade.replays.cli.arguments import Subparsers, add_executor, new_command, print_json
 
 DESCRIPTION = """\
 Run every combination of recordings, knobs and seeds; leave one table and a comparative report.
@@ -36,12 +36,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, default=Path("out/sweep"), metavar="DIR", help="results (out/sweep)"
     )
-    parser.add_argument(
-        "--executor",
-        default="processes",
-        metavar="E",
-        help="processes (default), local, or a Dask scheduler's address such as tcp://host:8786",
-    )
+    add_executor(parser, "processes")
     parser.add_argument("--json", action="store_true", help="print the table as JSON")
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_executor, new_command
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -36,8 +35,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument("--align", choices=("none", "se3", "sim3"), default="se3",
                         help="of --input with --truth (se3)")  # fmt: skip
     parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
-    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, metavar="N",
-                        help="processes (one a core)")  # fmt: skip
+    add_executor(parser, "processes")
     parser.add_argument("--quick", action="store_true", help="a small comparison, in seconds")
     parser.add_argument(
         "--out",
@@ -56,6 +54,7 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
     from motorcade.replays.compare.figures.summary import as_text
     from motorcade.replays.compare.plan import DEGRADATIONS, quick, standard
     from motorcade.replays.compare.run import compare
+    from motorcade.replays.engine.executors import check_executor
     from motorcade.replays.pipeline import require_writable
 
     if (arguments.input is None) != (arguments.truth is None):
@@ -64,6 +63,7 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
     check_known("--degradations", arguments.degradations, DEGRADATIONS)
     check_known("--methods", arguments.methods, METHODS)
     check_known("--representations", arguments.representations, REPRESENTATIONS)
+    check_executor(arguments.executor)
     require_writable(arguments.out)
     if arguments.input is not None:
         print(as_text(_recorded(arguments)))
@@ -84,7 +84,7 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
         plan = replace(quick(), **given)
     else:
         plan = standard(20 if arguments.seeds is None else arguments.seeds, **chosen)
-    print(as_text(compare(plan, arguments.out, arguments.workers)))
+    print(as_text(compare(plan, arguments.out, arguments.executor)))
     _report(arguments.out)
 
 

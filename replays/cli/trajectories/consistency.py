@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 from pathlib import Path
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_executor, new_command
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -28,10 +27,14 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument("--runs", type=int, metavar="N", help="of each motion (100)")
     parser.add_argument("--seed", type=int, metavar="N", help="of the first run (0)")
     parser.add_argument("--duration-s", type=float, metavar="S", help="of each run (120 s)")
-    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, metavar="N",
-                        help="processes (one a core)")  # fmt: skip
-    parser.add_argument("--out", type=Path, default=Path("out/consistency"), metavar="DIR",
-                        help="for the page (out/consistency)")  # fmt: skip
+    add_executor(parser, "processes")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("out/consistency"),
+        metavar="DIR",
+        help="for the results (out/consistency); a stopped run goes on there",
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
 
 
@@ -39,6 +42,7 @@ def consistency(arguments: argparse.Namespace) -> None:
     """Run, write the page, print the shares of steps within the bounds."""
     from motorcade.replays.consistency.page import write_page
     from motorcade.replays.consistency.run import Plan, as_json, as_table, run_plan
+    from motorcade.replays.engine.executors import check_executor
     from motorcade.replays.files.atomic import write_bytes
     from motorcade.replays.pipeline import require_writable
 
@@ -49,8 +53,9 @@ def consistency(arguments: argparse.Namespace) -> None:
     if given["motions"] is not None:
         given["motions"] = tuple(given["motions"])
     plan = Plan(**{name: value for name, value in given.items() if value is not None})
+    check_executor(arguments.executor)
     require_writable(arguments.out)
-    verdicts = run_plan(plan, arguments.workers)
+    verdicts = run_plan(plan, arguments.out, arguments.executor)
     figures = as_json(plan, verdicts)
     print(as_table(figures))
     print(f"page: {write_page(plan, verdicts, arguments.out)}")

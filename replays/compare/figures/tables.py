@@ -26,8 +26,6 @@ mean cost of all methods and representations of that motion and degradation.
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import platform
 from collections.abc import Iterable, Mapping, Sequence
@@ -55,6 +53,7 @@ from motorcade.replays.compare.figures.statistics import (
 from motorcade.replays.compare.measure.ruler import METRICS
 from motorcade.replays.compare.tuning import LADDERS, Tuned
 from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.files.tables import write_csv
 
 __all__ = ["FORMAT", "Outcome", "write_tables"]
 
@@ -88,8 +87,8 @@ def write_tables(outcome: Outcome, out: Path) -> dict[str, Any]:
     """
     groups = grouped(outcome.samples)
     rows = [row for group in groups for row in _group_rows(group)]
-    write_bytes(out / "cells.csv", _csv(_CELLS, _cell_rows(outcome.samples)))
-    write_bytes(out / "groups.csv", _csv(_GROUPS, rows))
+    write_csv(out / "cells.csv", _CELLS, _cell_rows(outcome.samples))
+    write_csv(out / "groups.csv", _GROUPS, rows)
     told = {
         "format": FORMAT,
         "motorcade": __version__,
@@ -107,14 +106,6 @@ def write_tables(outcome: Outcome, out: Path) -> dict[str, Any]:
     }
     write_bytes(out / "results.json", (json.dumps(told, indent=1) + "\n").encode())
     return told
-
-
-def _csv(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> bytes:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(rows)
-    return text.getvalue().encode()
 
 
 def _cell_rows(samples: Iterable[Sample]) -> Iterable[list[Any]]:

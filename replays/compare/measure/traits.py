@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -28,7 +27,7 @@ class Trait:
     setting: Setting
 
 
-def run_trait(trait: Trait) -> dict[str, Any]:
+def run_trait(trait: Trait) -> dict[str, str | int | float]:
     """`measured_trait` on the poses of a cell."""
     spoiled, _ = inputs_of(
         trait.motion, trait.degradation, trait.seed, trait.rate_hz, trait.duration_s
@@ -36,14 +35,14 @@ def run_trait(trait: Trait) -> dict[str, Any]:
     return measured_trait(trait.setting, spoiled)
 
 
-def measured_trait(setting: Setting, path: Trajectory) -> dict[str, Any]:
+def measured_trait(setting: Setting, path: Trajectory) -> dict[str, str | int | float]:
     """Largest difference between smoothing first and changing the frame first, and the time.
 
     The world's frame (left) and the sensor's (right) are changed by motors of any turn, with
     shifts of about a metre. The time is that of the fastest of three runs, a pose, called from
     Python.
     """
-    made: dict[str, Any] = {
+    made: dict[str, str | int | float] = {
         "method": setting.method,
         "representation": setting.representation,
         "poses": len(path),

@@ -34,12 +34,12 @@ def pages(board_recording: Path, tmp_path_factory: pytest.TempPathFactory) -> di
         ["sweep", str(plan), "--out", str(out / "sweep"), "--executor", "local"],
         [
             "consistency", "--motions", "gimbal_crossing", "--filters", "motor,euler", "--runs",
-            "2", "--duration-s", "10", "--workers", "1", "--out", str(out / "consistency"),
+            "2", "--duration-s", "10", "--executor", "local", "--out", str(out / "consistency"),
         ],
         [
             "compare", "--quick", "--trajectories", "gimbal_crossing", "--noise", "gaussian",
             "--methods", "exponential", "gaussian", "--representations", "motor", "quaternion",
-            "euler", "--seeds", "2", "--workers", "1", "--out", str(out / "compare"),
+            "euler", "--seeds", "2", "--executor", "local", "--out", str(out / "compare"),
         ],
     ):  # fmt: skip
         assert main(arguments) == 0

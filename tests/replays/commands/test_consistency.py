@@ -46,10 +46,10 @@ def test_cameras_that_look_ahead_carry_a_level_imu():
         assert imu.specific_force_m_s2[:, 2].mean() > 8.0
 
 
-def test_motors_and_quaternions_are_consistent_where_euler_angles_are_not():
+def test_motors_and_quaternions_are_consistent_where_euler_angles_are_not(tmp_path):
     """Over 30 short runs through gimbal lock: on the average, to five standard errors of it."""
     plan = Plan(("gimbal_crossing",), ("motor", "quaternion", "euler"), runs=30, duration_s=10.0)
-    rows = {row["filter"]: row for row in as_json(plan, run_plan(plan))["rows"]}
+    rows = {row["filter"]: row for row in as_json(plan, run_plan(plan, tmp_path))["rows"]}
     for name in ("motor", "quaternion"):
         for part in PARTS:
             assert rows[name][f"{part}_over_expected"] == pytest.approx(1.0, abs=0.15)
@@ -61,10 +61,10 @@ def test_motors_and_quaternions_are_consistent_where_euler_angles_are_not():
 
 
 @pytest.mark.slow
-def test_the_filter_keeps_its_bounds_on_three_motions():
+def test_the_filter_keeps_its_bounds_on_three_motions(tmp_path):
     """100 runs of 120 s each: within the 95 % bounds at 90 to 99 % of the steps, part by part."""
     plan = Plan(filters=("motor",))
-    for row in as_json(plan, run_plan(plan, workers=2))["rows"]:
+    for row in as_json(plan, run_plan(plan, tmp_path, "processes:2"))["rows"]:
         for part in PARTS:
             assert 0.90 <= row[f"{part}_share_within"] <= 0.99, (row["motion"], part)
         assert row["left_out"] == 0
@@ -82,10 +82,10 @@ def test_a_filter_that_believes_itself_too_much_is_found_out():
     assert wrong > 2.0 * honest
 
 
-def test_the_spread_of_errors_is_that_of_the_runs():
+def test_the_spread_of_errors_is_that_of_the_runs(tmp_path):
     """Of five runs the median is the third; the 10th and 90th percentile lie 0.4 of a step in."""
     plan = Plan(("tumble",), ("motor",), runs=5, seed=3, duration_s=10.0)
-    verdict = run_plan(plan)["tumble"]["motor"]
+    verdict = run_plan(plan, tmp_path)["tumble"]["motor"]
     simulated = simulate(Experiment("tumble", 10.0), range(3, 8))
     judged = judge(simulated, Experiment("tumble", 10.0), "motor")
     runs = np.sort(np.rad2deg(judged.rotation_rad), axis=0)
@@ -98,7 +98,7 @@ def test_the_spread_of_errors_is_that_of_the_runs():
 def test_the_command_writes_its_page_and_figures(tmp_path, capsys):
     status = main([
         "consistency", "--motions", "gimbal_crossing", "--filters", "quaternion,euler",
-        "--runs", "1", "--duration-s", "10", "--workers", "1",
+        "--runs", "1", "--duration-s", "10", "--executor", "local",
         "--out", str(tmp_path / "out"), "--json", str(tmp_path / "figures.json"),
     ])  # fmt: skip
     assert status == 0
@@ -118,7 +118,7 @@ def test_the_command_writes_its_page_and_figures(tmp_path, capsys):
         (["--filters", "motor,kalman"], "Plan.filters: expected some of motor, quaternion"),
         (["--runs", "0"], "expected runs >= 1"),
         (["--duration-s", "1"], "Plan.duration_s: expected 10 or more"),
-        (["--workers", "0", "--runs", "1"], "workers: expected 1 or more"),
+        (["--executor", "processes:0"], "--executor: expected local, processes"),
     ],
 )
 def test_bad_input_is_refused_in_one_line(options, message, tmp_path, capsys):

@@ -53,8 +53,7 @@ def written(folder: Path, rename: Callable[[str], str]) -> Results:
         for degradation in PLAN.degradations:
             for seed in PLAN.test_seeds:
                 cell = Cell(motion, degradation, seed, PLAN.rate_hz, PLAN.duration_s, settings)
-                rows = [Row.of(row) for row in run_cell(cell)]
-                rows = [Row(r.method, rename(r.representation), r.values) for r in rows]
+                rows = [Row(r.method, rename(r.representation), r.values) for r in run_cell(cell)]
                 samples.append(Sample.of(cell, rows))
             for one in settings:
                 place = (motion, degradation, one.method, one.representation)

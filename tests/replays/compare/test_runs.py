@@ -15,7 +15,6 @@ from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.compare import run
 from motorcade.replays.compare.cells import Setting, inputs_of
 from motorcade.replays.compare.measure.ruler import METRICS
 from motorcade.replays.compare.measure.ties import exact_ties
@@ -101,33 +100,8 @@ def test_the_standard_plan_is_complete_but_for_what_it_names() -> None:
     assert set(LADDERS) | set(BORROWS) | {"auto"} >= set(METHODS)
 
 
-def test_a_stopped_run_goes_on_and_gives_the_same_bytes(
-    small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    done = []
-
-    def stopped(cell: Any) -> Any:
-        if len(done) == 2:
-            raise KeyboardInterrupt
-        done.append(cell)
-        return original(cell)
-
-    original = run.run_cell
-    stopped.__name__, stopped.__module__ = original.__name__, original.__module__
-    with monkeypatch.context() as patch:
-        patch.setattr(run, "run_cell", stopped)
-        with pytest.raises(KeyboardInterrupt):
-            compare(SMALL, tmp_path)
-    kept = sorted((tmp_path / ".finished").iterdir())
-    assert not (tmp_path / "cells.csv").exists()
-    stamps = [path.stat().st_mtime_ns for path in kept]
-    compare(SMALL, tmp_path)
-    assert [path.stat().st_mtime_ns for path in kept] == stamps
-    assert same(small, tmp_path)
-
-
-def test_two_workers_give_what_one_gives(small: Path, tmp_path: Path) -> None:
-    compare(SMALL, tmp_path, workers=2)
+def test_two_processes_give_what_one_gives(small: Path, tmp_path: Path) -> None:
+    compare(SMALL, tmp_path, "processes:2")
     assert same(small, tmp_path)
 
 
@@ -238,11 +212,14 @@ def test_the_command_runs_quickly_and_refuses_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["compare", "--quick", "--seeds", "3", "--trajectories", "screw", "--noise", "gaussian"]
-    assert main([*words, "--methods", "exponential", "--workers", "1", "--out", str(tmp_path)]) == 0
+    assert (
+        main([*words, "--methods", "exponential", "--executor", "local", "--out", str(tmp_path)])
+        == 0
+    )
     printed = capsys.readouterr().out
     assert "exponential" in printed
     assert "dual quaternion linear blend: holds" in printed
-    assert main([*words, "--methods", "expnential", "--out", str(tmp_path)]) == 1
+    assert main([*words, "--methods", "expnential"]) == 1
     assert "did you mean exponential?" in capsys.readouterr().err
     assert main(["compare", "--input", "a.tum", "--out", str(tmp_path)]) == 1
     assert "expected --input and --truth together" in capsys.readouterr().err

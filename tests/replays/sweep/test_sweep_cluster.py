@@ -14,9 +14,9 @@ import pytest
 
 distributed = pytest.importorskip("distributed")
 
+from motorcade.replays.engine import jobs  # noqa: E402
 from motorcade.replays.pipeline import pipeline  # noqa: E402
 from motorcade.replays.sweep import read_sweep, sweep  # noqa: E402
-from motorcade.replays.sweep import run as runner  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
@@ -26,8 +26,9 @@ SWEEP = """
 import sys
 from pathlib import Path
 from motorcade.replays.pipeline import pipeline
+from motorcade.replays.engine import jobs
 from motorcade.replays.sweep import read_sweep, run
-run.code_digest = lambda function: "code"
+jobs._code = lambda function: "code"
 if __name__ == "__main__":
     plan = read_sweep(Path(sys.argv[1]), pipeline())
     print(run.sweep(plan, Path(sys.argv[2]), sys.argv[3]).failed)
@@ -37,7 +38,7 @@ if __name__ == "__main__":
 @pytest.fixture(autouse=True)
 def _steady_code(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The sources may be edited while tests run; here a key changes only by what a test does."""
-    monkeypatch.setattr(runner, "code_digest", lambda function: "code")
+    monkeypatch.setattr(jobs, "_code", lambda function: "code")
     return
 
 
@@ -59,7 +60,7 @@ def forty(config: Config) -> Path:
 
 
 def finished(out: Path) -> int:
-    return len(list(out.glob("runs/*/outcome.json")))
+    return len(list(out.glob("runs/*/outcome")))
 
 
 def when_some_are_done(out: Path, some: int, act: Callable[[], None]) -> threading.Thread:
@@ -103,7 +104,7 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(forty: Path, tmp_path: Path
     running = subprocess.Popen(command, start_new_session=True)
     when_some_are_done(out, 6, lambda: os.killpg(running.pid, signal.SIGKILL)).join()
     assert running.wait() == -signal.SIGKILL
-    before = {path: path.stat().st_mtime_ns for path in out.glob("runs/*/outcome.json")}
+    before = {path: path.stat().st_mtime_ns for path in out.glob("runs/*/outcome")}
     assert 6 <= len(before) < 40
     result = sweep(read_sweep(forty, pipeline()), out, "processes")
     assert (result.done, result.done_before, result.failed) == (40 - len(before), len(before), 0)

@@ -2,7 +2,7 @@
 
 import csv
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +15,6 @@ from motorcade.replays.sweep import Summary, read_sweep, sweep
 from motorcade.replays.sweep import run as runner
 
 Config = Callable[..., Path]
-
-
-@pytest.fixture(autouse=True)
-def _steady_code(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The sources may be edited while tests run; here a key changes only by what a test does."""
-    monkeypatch.setattr(runner, "code_digest", lambda function: "code")
-    return
 
 
 def swept(config: Path, out: Path, executor: str = "local") -> Summary:
@@ -106,7 +99,7 @@ def test_what_is_finished_is_not_run_again_and_what_changed_is(
     truth.write_text(truth.read_text().replace("0.1", "0.2", 1))
     swept(path, tmp_path / "out")
     assert [place.name for place in called] == ["one", "two", "two"]
-    damaged = next((tmp_path / "out" / "runs").glob("one-*")) / "outcome.json"
+    damaged = next((tmp_path / "out" / "runs").glob("one-*")) / "outcome" / "value.json"
     damaged.write_text(damaged.read_text()[:20])
     assert swept(path, tmp_path / "out").done == 1
 

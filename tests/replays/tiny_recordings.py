@@ -1,11 +1,9 @@
-"""Tiny recordings with a smooth truth, and a sweep's file over them."""
+"""Tiny recordings with a smooth truth."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
 import numpy as np
-import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.files.trajectories import write_trajectory
@@ -43,22 +41,3 @@ def write_tiny(folder: Path, phase: float, count: int = 41) -> Path:
     write_trajectory(Trajectory(time_ns, poses), folder / "truth.tum")
     (folder / "motorcade.toml").write_text(MANIFEST)
     return folder
-
-
-@pytest.fixture
-def config(tmp_path: Path) -> Callable[..., Path]:
-    """Write two recordings and a file that sweeps over them."""
-
-    def written(recordings: str = '["one", "two"]', knobs: str = "", seeds: str = "[0, 1]") -> Path:
-        for name, phase in (("one", 0.1), ("two", 0.7)):
-            if not (tmp_path / name).exists():
-                write_tiny(tmp_path / name, phase)
-        path = tmp_path / "sweep.toml"
-        path.write_text(
-            f"recordings = {recordings}\nseeds = {seeds}\n[knobs]\n"
-            'camera_poses.source = "simulated"\nimu.source = "auto"\n'
-            f"convergence.duration_s = 1.0\n{knobs}\n"
-        )
-        return path
-
-    return written
