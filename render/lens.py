@@ -39,7 +39,7 @@ class LensWarp:
         if camera.model == "pinhole":
             return
         columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
-        source = camera.straighten(np.stack([columns, rows], axis=-1).astype(np.float64))
+        source = camera.undistort(np.stack([columns, rows], axis=-1).astype(np.float64))
         low, high = source.reshape(-1, 2).min(axis=0), source.reshape(-1, 2).max(axis=0)
         size = high - low + 3.0
         if not np.all(size < WIDEST * np.array([camera.width, camera.height])):

@@ -1,85 +1,38 @@
-"""Cameras, printed boards and their tracking: pictures in, pose measurements out.
+"""Cameras, printed boards and markers, and visual SLAM: pictures in, pose measurements out.
 
-Poses are ``world_T_camera``; for a board the world is the board's own frame (origin at its first
-corner, x right and y up as printed, z out of the printed face). Needs OpenCV.
+Conventions:
+
+* **Frames.** A pose is named by what it maps: ``world_T_camera`` takes camera coordinates to the
+  world's. Cameras have OpenCV's axes (x right, y down, z forward). A board's or marker's frame has
+  its origin at its first corner, x to the right and y up as printed, z out of the printed face.
+  Where one board or map is tracked, its frame is the world.
+* **Pixels.** Pixel (0, 0) is the centre of the top-left pixel. Marker corners run clockwise from
+  the printed top-left one.
+* **Units.** Metres, radians, integer nanoseconds. SLAM with one camera alone has a free scale.
+* **Covariances.** ``(6, 6)``, rotation (rad) then translation (m), of ``pose.retract(error)``.
+
+Needs OpenCV. Names are imported when they are first used.
+
+Draw a marker, look at it straight on from 0.6 m, and find it again:
+
+>>> import cv2, numpy as np
+>>> from motorcade.tracking import Camera, SingleMarker, detect_markers, pose_marker
+>>> camera = Camera(width=640, height=480, fx=500.0, fy=500.0, cx=319.5, cy=239.5)
+>>> drawing, origin_px = SingleMarker("tag36h11", 7, side_m=0.12).draw(pixels_per_m=1000.0)
+>>> picture = np.full((480, 640), 255, np.uint8)
+>>> small = cv2.resize(drawing, None, fx=0.8, fy=0.8, interpolation=cv2.INTER_AREA)
+>>> picture[100 : 100 + len(small), 200 : 200 + small.shape[1]] = small
+>>> [found] = detect_markers(picture, "tag36h11", camera)
+>>> found.marker_id
+7
+>>> marker = pose_marker(found, camera, side_m=0.12)
+>>> np.round(marker.camera_T_marker[0].translation_m[2], 1)  # 500 px * 0.12 m / 96 px
+np.float64(0.6)
+
+Sub-packages: `boards`, `markers` (`markers.disambiguate`, `markers.mapping`,
+`markers.photometric`), `planes`, `slam`.
 """
 
-from __future__ import annotations
+import lazy_loader as lazy
 
-from motorcade.tracking.board_tracking.registration import registration_px
-from motorcade.tracking.board_tracking.selection import Choice, choose
-from motorcade.tracking.board_tracking.track import FRAME_STATES, BoardTrack, track_board
-from motorcade.tracking.board_tracking.tracker import BoardTracker, TrackedFrame
-from motorcade.tracking.boards import (
-    Board,
-    BoardCorners,
-    CharucoBoard,
-    Checkerboard,
-    GrayImage,
-    MarkerGrid,
-    Pattern,
-    SingleMarker,
-)
-from motorcade.tracking.cameras.calibrate import (
-    Calibration,
-    CalibrationError,
-    calibrate,
-    spread_views,
-)
-from motorcade.tracking.cameras.camera import Camera, CameraModel
-from motorcade.tracking.markers import (
-    FAMILIES,
-    Detection,
-    PosedMarker,
-    detect_markers,
-    pose_marker,
-)
-from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
-from motorcade.tracking.pose import (
-    SIGMA_FLOOR_PX,
-    PlanarCandidates,
-    RefinedPose,
-    TrackingError,
-    planar_candidates,
-    refine,
-    reprojection_px,
-)
-
-__all__ = [
-    "FAMILIES",
-    "FRAME_STATES",
-    "SIGMA_FLOOR_PX",
-    "Board",
-    "BoardCorners",
-    "BoardTrack",
-    "BoardTracker",
-    "Calibration",
-    "CalibrationError",
-    "Camera",
-    "CameraModel",
-    "CharucoBoard",
-    "Checkerboard",
-    "Choice",
-    "Detection",
-    "GrayImage",
-    "MarkerGrid",
-    "MarkerObservation",
-    "Pattern",
-    "PlanarCandidates",
-    "PoseMeasurements",
-    "PosedMarker",
-    "RefinedPose",
-    "SingleMarker",
-    "TrackedFrame",
-    "TrackingError",
-    "calibrate",
-    "choose",
-    "detect_markers",
-    "planar_candidates",
-    "pose_marker",
-    "refine",
-    "registration_px",
-    "reprojection_px",
-    "spread_views",
-    "track_board",
-]
+__getattr__, __dir__, __all__ = lazy.attach_stub(__name__, __file__)

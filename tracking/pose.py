@@ -20,7 +20,7 @@ import numpy as np
 from motorcade.ga import FloatArray, Motor
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import reproject, retract
+from motorcade.tracking.cameras.reprojection import reproject
 from motorcade.tracking.optimise import NormalEquations, Stop, minimise
 
 __all__ = [
@@ -154,7 +154,7 @@ def refine(corners: BoardCorners, camera: Camera, world_T_camera: Motor) -> Refi
     evaluate = partial(_Reprojection, corners, camera)
     if not np.isfinite(evaluate(world_T_camera).cost):
         raise TrackingError("world_T_camera: expected a pose with every corner before the camera")
-    found = minimise(world_T_camera, evaluate, retract, _STOP)
+    found = minimise(world_T_camera, evaluate, Motor.retract, _STOP)
     residuals = found.evaluation.residuals_px
     freedom = max(residuals.size - 6, 1)
     sigma = max(float(np.sqrt(np.sum(residuals**2) / freedom)), SIGMA_FLOOR_PX)

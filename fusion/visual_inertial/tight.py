@@ -179,7 +179,7 @@ def _add_sightings(
     lens = gtsam.Cal3_S2(matrix[0, 0], matrix[1, 1], 0.0, matrix[0, 2], matrix[1, 2])
     loss = gtsam.noiseModel.mEstimator.Huber.Create(_HUBER)
     model = gtsam.noiseModel.Robust.Create(loss, gtsam.noiseModel.Isotropic.Sigma(2, sigma_px))
-    mount, straight = as_pose(imu_T_camera), camera.straighten(observations.px)
+    mount, straight = as_pose(imu_T_camera), camera.undistort(observations.px)
     rows = np.flatnonzero(used[observations.landmark])
     for row in rows.tolist():
         pose = keys(int(observations.keyframe[row])).pose

@@ -16,15 +16,10 @@ from motorcade.replays.readers.frames.files import pictures_in
 from motorcade.replays.readers.frames.pictures import SUFFIXES, read_gray
 from motorcade.replays.readers.manifest.camera import camera_toml
 from motorcade.replays.recording import Frame, ImageArray
-from motorcade.tracking import (
-    Board,
-    BoardCorners,
-    Calibration,
-    CalibrationError,
-    CameraModel,
-    calibrate,
-    spread_views,
-)
+from motorcade.tracking import Board, Calibration, CalibrationError, calibrate
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.cameras.calibrate import spread_views
+from motorcade.tracking.cameras.camera import CameraModel
 
 __all__ = ["CalibrationRun", "calibrate_pictures", "describe_calibration", "write_calibration"]
 

@@ -15,15 +15,9 @@ from motorcade.replays.errors import RecordingError
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.readers.frames.pictures import read_gray
 from motorcade.replays.recording import ImageArray
-from motorcade.tracking import (
-    Camera,
-    Detection,
-    PosedMarker,
-    TrackingError,
-    detect_markers,
-    pose_marker,
-)
+from motorcade.tracking import Camera, Detection, TrackingError, detect_markers, pose_marker
 from motorcade.tracking.checks import check_length
+from motorcade.tracking.markers.poses import PosedMarker
 
 __all__ = ["MarkerPicture", "describe", "draw", "drawing_names", "markers_in", "write_drawing"]
 

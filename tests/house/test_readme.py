@@ -40,7 +40,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     drawing, origin = board.draw(scale)
     to_board = np.array([[1, 0, -origin[0]], [0, -1, origin[1]], [0, 0, scale]]) / scale
     pixels = np.stack(np.meshgrid(np.arange(752), np.arange(480)), axis=-1)
-    straight = camera.straighten(pixels.astype(float)).astype(np.float32)
+    straight = camera.undistort(pixels.astype(float)).astype(np.float32)
     poses = []
     for i in range(8):
         rotor = Rotor.from_rotation_vector([np.pi - 0.05 * i, 0.02 * i, 0.1])

@@ -6,18 +6,10 @@ import pytest
 from scipy.optimize import least_squares
 
 from motorcade.ga import Motor
-from motorcade.tracking import (
-    SIGMA_FLOOR_PX,
-    BoardCorners,
-    Camera,
-    Checkerboard,
-    SingleMarker,
-    TrackingError,
-    choose,
-    planar_candidates,
-    refine,
-    reprojection_px,
-)
+from motorcade.tracking import Camera, Checkerboard, SingleMarker, TrackingError
+from motorcade.tracking.board_tracking.selection import choose_pose
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.pose import SIGMA_FLOOR_PX, planar_candidates, refine, reprojection_px
 
 CHECKERS = Checkerboard(9, 6, 0.03)
 TAG = SingleMarker("tag36h11", 5, 0.05)
@@ -156,8 +148,8 @@ def test_leading_choice_is_the_smaller_error_and_history_corrects_it(look_at) ->
         corners = seen(TAG, camera, pose, 0.12, seed=frame)
         candidates = planar_candidates(corners, camera)
         best = min(angle_deg(pose, one) for one in candidates.world_T_camera)
-        single = choose(candidates, corners, camera)
-        before = choose(candidates, corners, camera, before, 1 / 30)
+        single = choose_pose(candidates, corners, camera)
+        before = choose_pose(candidates, corners, camera, before, 1 / 30)
         wrong = angle_deg(pose, single.pose.world_T_camera) > best + 5.0
         alone += wrong
         steady += angle_deg(pose, before.pose.world_T_camera) > best + 5.0
@@ -171,9 +163,9 @@ def test_leading_choice_is_the_smaller_error_and_history_corrects_it(look_at) ->
 def test_choice_needs_time_to_pass(look_at) -> None:
     corners = seen(TAG, CAMERAS[0], look_at(TAG, 0.5, 20.0))
     candidates = planar_candidates(corners, CAMERAS[0])
-    first = choose(candidates, corners, CAMERAS[0])
+    first = choose_pose(candidates, corners, CAMERAS[0])
     with pytest.raises(ValueError, match="elapsed_s: expected seconds above 0, got 0"):
-        choose(candidates, corners, CAMERAS[0], first, 0.0)
+        choose_pose(candidates, corners, CAMERAS[0], first, 0.0)
 
 
 def test_corners_that_carry_no_pose_are_refused(look_at) -> None:
@@ -190,7 +182,7 @@ def test_corners_that_carry_no_pose_are_refused(look_at) -> None:
         refine(corners, camera, pose @ Motor.from_twist([np.pi, 0, 0, 0, 0, 0]))
     folding = Camera(752, 480, 100.0, 100.0, 376.0, 240.0, "radtan", (-0.4, 0.0))
     with pytest.raises(TrackingError, match="that the lens model covers"):
-        planar_candidates(corners.moved(corners.corners_px + 300.0), folding)
+        planar_candidates(corners.at(corners.corners_px + 300.0), folding)
 
 
 def test_head_on_views_are_found_whatever_the_last_bits_are(look_at) -> None:

@@ -46,7 +46,7 @@ def test_depth_is_undistorted_as_pictures_are() -> None:
     straight = bent.undistort_depth(depth)
     rows, columns = np.nonzero(np.isfinite(straight))
     assert len(rows) > 0.8 * depth.size
-    source = bent.bend(np.stack([columns, rows], axis=-1).astype(np.float64))
+    source = bent.distort(np.stack([columns, rows], axis=-1).astype(np.float64))
     assert np.max(np.abs(straight[rows, columns] - source[:, 0])) <= 0.51
     wide = replace(bent, distortion=(0.5, 0.0, 0.0, 0.0))
     assert np.isnan(wide.undistort_depth(depth)[0, 0])  # nothing was seen so far out

@@ -1,1 +1,1 @@
-"""A board followed through a recording: corners carried along, poses chosen, the path kept."""
+"""A board tracked through a recording: corners from frame to frame, poses chosen, path kept."""

@@ -1,4 +1,4 @@
-"""What to believe: which corners agree with one pose, and which of the two planar poses is true.
+"""Which corners one pose explains (inliers), and which of the two planar poses is the true one.
 
 Frames and errors as in `pose`. The choice between candidates is a shortest path (Viterbi 1967) kept
 up online: each candidate costs what its pixels say against it, and each step what the camera would
@@ -17,7 +17,7 @@ from motorcade.tracking.boards import BoardCorners
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.pose import PlanarCandidates, RefinedPose, TrackingError, refine
 
-__all__ = ["Choice", "choose", "consistent"]
+__all__ = ["PoseChoice", "choose_pose", "inliers"]
 
 # Corner noise a coordinate, and how fast a camera in the hand turns; both decide only between
 # candidates that the pixels hardly tell apart.
@@ -28,8 +28,8 @@ _CLEAR = 200.0
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
-    """The believed pose, and what the next picture needs to know of both.
+class PoseChoice:
+    """The chosen pose, and what the next picture needs to know of both.
 
     Args:
         pose: the chosen candidate, refined on all corners.
@@ -42,13 +42,13 @@ class Choice:
     costs: FloatArray
 
 
-def choose(
+def choose_pose(
     candidates: PlanarCandidates,
     corners: BoardCorners,
     camera: Camera,
-    before: Choice | None = None,
+    before: PoseChoice | None = None,
     elapsed_s: float = 0.0,
-) -> Choice:
+) -> PoseChoice:
     """Choose between the two planar poses and refine the chosen one.
 
     Args:
@@ -80,10 +80,10 @@ def choose(
         costs = costs - costs.min()
     chosen = int(np.argmin(costs))
     pose = poses[chosen] if chosen < len(poses) else refine(corners, camera, second)
-    return Choice(pose, both, costs)
+    return PoseChoice(pose, both, costs)
 
 
-def consistent(corners: BoardCorners, camera: Camera, limit_px: float) -> BoardCorners:
+def inliers(corners: BoardCorners, camera: Camera, limit_px: float) -> BoardCorners:
     """The largest set of corners that one homography explains to `limit_px`, found by RANSAC.
 
     OpenCV seeds its search with a constant, so the answer is always the same.
@@ -91,12 +91,12 @@ def consistent(corners: BoardCorners, camera: Camera, limit_px: float) -> BoardC
     Raises:
         TrackingError: no homography at all.
     """
-    straight = camera.straighten(corners.corners_px)
+    straight = camera.undistort(corners.corners_px)
     homography, mask = cv2.findHomography(
         corners.points_m[:, :2], straight, cv2.RANSAC, limit_px, maxIters=500, confidence=0.999
     )
     if homography is None:
-        raise TrackingError("corners: expected four that agree with one pose, got none")
+        raise TrackingError("corners: expected four that one pose explains, got none")
     return corners.keep(mask.ravel() == 1)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory, checked_floats, frozen
-from motorcade.tracking.board_tracking.tracker import BoardTracker, TrackedFrame
+from motorcade.tracking.board_tracking.tracker import BoardFrame, BoardTracker
 from motorcade.tracking.boards import Board, GrayImage
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
@@ -23,8 +23,8 @@ from motorcade.tracking.pose import TrackingError
 
 __all__ = ["FRAME_STATES", "BoardTrack", "track_board"]
 
-FRAME_STATES = ("lost", "detected", "followed")
-_FORMAT = "motorcade board track 1"
+FRAME_STATES = ("lost", "detected", "tracked")
+_FORMAT = "motorcade board track 2"
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +177,7 @@ def track_board(
     """
     tracker = BoardTracker(camera, board)
     stamps: list[int] = []
-    tracked: list[TrackedFrame | None] = []
+    tracked: list[BoardFrame | None] = []
     for time_ns, image in frames:
         tracked.append(tracker.update(image, time_ns))
         stamps.append(int(time_ns))
@@ -192,7 +192,7 @@ def track_board(
     return _collected(stamps, states, seen)
 
 
-def _collected(stamps: list[int], states: list[str], seen: list[TrackedFrame]) -> BoardTrack:
+def _collected(stamps: list[int], states: list[str], seen: list[BoardFrame]) -> BoardTrack:
     trajectory = Trajectory(
         np.array([frame.observation.time_ns for frame in seen], np.int64),
         Motor.stack([frame.world_T_camera for frame in seen]),

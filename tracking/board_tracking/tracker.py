@@ -1,7 +1,7 @@
-"""Tracking a board through a recording: detect once, follow cheaply, look again when in doubt.
+"""Tracking a board through a recording: detect once, track cheaply, detect again when in doubt.
 
 The board frame is called ``world``; poses are ``world_T_camera``. A frame is ``detected`` where the
-whole picture was searched, ``followed`` where the corners came from the frame before, ``lost``
+whole picture was searched, ``tracked`` where the corners came from the frame before, ``lost``
 where no pose was found. No random numbers: the same pictures give the same bytes.
 """
 
@@ -13,11 +13,11 @@ from typing import Literal
 import numpy as np
 
 from motorcade.ga import FloatArray, Motor
-from motorcade.tracking.board_tracking.following import follow
-from motorcade.tracking.board_tracking.selection import Choice, choose, consistent
+from motorcade.tracking.board_tracking.selection import PoseChoice, choose_pose, inliers
 from motorcade.tracking.boards import Board, BoardCorners, GrayImage
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import check_count, checked_gray
+from motorcade.tracking.corner_flow import track_corners
 from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.pose import (
     PlanarCandidates,
@@ -26,7 +26,7 @@ from motorcade.tracking.pose import (
     planar_candidates,
 )
 
-__all__ = ["BoardTracker", "TrackedFrame"]
+__all__ = ["BoardFrame", "BoardTracker"]
 
 # How long an earlier pose still helps to choose between candidates and numberings.
 _CONTINUITY_NS = 500_000_000
@@ -41,7 +41,7 @@ _OUTLIER_FACTOR = 5.0
 
 
 @dataclass(frozen=True, eq=False)
-class TrackedFrame:
+class BoardFrame:
     """One frame in which the board was seen.
 
     Args:
@@ -56,14 +56,14 @@ class TrackedFrame:
     world_T_camera: Motor
     covariance: FloatArray
     error_px: float
-    state: Literal["detected", "followed"]
+    state: Literal["detected", "tracked"]
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
     corners: BoardCorners
     candidates: PlanarCandidates
-    choice: Choice
+    choice: PoseChoice
 
     @property
     def pose(self) -> RefinedPose:
@@ -96,7 +96,7 @@ class BoardTracker:
         self._search_count = 0
         self._search_error_px = 0.0
 
-    def update(self, image: GrayImage, time_ns: int) -> TrackedFrame | None:
+    def update(self, image: GrayImage, time_ns: int) -> BoardFrame | None:
         """Take the next picture; None where the board is not seen in it.
 
         Args:
@@ -115,7 +115,7 @@ class BoardTracker:
         if fit is None:
             return None
         self._fit, self._fit_ns = fit, self._time_ns
-        return TrackedFrame(
+        return BoardFrame(
             observation=MarkerObservation(
                 time_ns=self._time_ns,
                 ids=fit.corners.ids,
@@ -143,26 +143,26 @@ class BoardTracker:
 
     # Where the board is ------------------------------------------------------------------------
 
-    def _located(self, image: GrayImage) -> tuple[_Fit | None, Literal["detected", "followed"]]:
-        """Follow the board, search for it where that fails or is due, and keep the better."""
-        followed = self._followed(image)
-        if followed is not None and followed.pose.error_px > self._worst_error_px():
-            followed = None
+    def _located(self, image: GrayImage) -> tuple[_Fit | None, Literal["detected", "tracked"]]:
+        """Track the board, search for it where that fails or is due, and keep the better."""
+        tracked = self._tracked(image)
+        if tracked is not None and tracked.pose.error_px > self._worst_error_px():
+            tracked = None
         self._since_search += 1
-        if followed is not None and not self._search_due(followed):
-            return followed, "followed"
+        if tracked is not None and not self._search_due(tracked):
+            return tracked, "tracked"
         found = self._detected(image)
         self._since_search = 0
-        if followed is not None and (found is None or len(found.corners) < len(followed.corners)):
-            return followed, "followed"
+        if tracked is not None and (found is None or len(found.corners) < len(tracked.corners)):
+            return tracked, "tracked"
         if found is not None:
             self._search_count, self._search_error_px = len(found.corners), found.pose.error_px
         return found, "detected"
 
-    def _search_due(self, followed: _Fit) -> bool:
+    def _search_due(self, tracked: _Fit) -> bool:
         if self._since_search >= self.redetect_every:
             return True
-        few = len(followed.corners) < _GOOD_SHARE * self._search_count
+        few = len(tracked.corners) < _GOOD_SHARE * self._search_count
         return few and self._since_search >= _RETRY_FRAMES
 
     def _worst_error_px(self) -> float:
@@ -178,13 +178,19 @@ class BoardTracker:
                 corners = self.board.aligned(corners, expected)
         return self._completed(image, self._solved(corners))
 
-    def _followed(self, image: GrayImage) -> _Fit | None:
+    def _tracked(self, image: GrayImage) -> _Fit | None:
         if self._image is None or self._fit is None:
             return None
-        corners = follow(self._image, image, self._fit.corners)
+        before = self._fit.corners
+        px, found = track_corners(
+            self._image, image, before.corners_px, before.corners_px, return_px=1.0, border_px=0.0
+        )
+        corners = before.at(np.where(found[:, None], px, before.corners_px)).keep(found)
         if not corners.spanning:
             return None
-        return self._completed(image, self._solved(self.board.sharpen(image, corners, self.camera)))
+        return self._completed(
+            image, self._solved(self.board.refine_corners(image, corners, self.camera))
+        )
 
     def _completed(self, image: GrayImage, fit: _Fit | None) -> _Fit | None:
         """The fit with corners that were missed, where they stand as the pose has them."""
@@ -199,7 +205,7 @@ class BoardTracker:
         places[fit.corners.ids] = fit.corners.corners_px
         ids = np.flatnonzero(seen)
         tried = BoardCorners(ids, places[ids], self.board.points_m[ids])
-        sharp = self.board.sharpen(image, tried, self.camera)
+        sharp = self.board.refine_corners(image, tried, self.camera)
         moved = np.linalg.norm(sharp.corners_px - places[sharp.ids], axis=-1)
         near = sharp.keep(moved <= max(_NEAR_PX, _OUTLIER_FACTOR * fit.pose.error_px))
         return (self._solved(near) or fit) if len(near) > len(fit.corners) else fit
@@ -220,8 +226,8 @@ class BoardTracker:
             limit = _outlier_px(errors)
             if len(corners) == 4 or not np.any(errors > limit):
                 return fit
-            agreeing = consistent(corners, self.camera, max(limit, _RANSAC_PX))
-            errors = self._errors_px(corners, self._posed(agreeing))
+            explained = inliers(corners, self.camera, max(limit, _RANSAC_PX))
+            errors = self._errors_px(corners, self._posed(explained))
             return self._posed(corners.keep(errors <= _outlier_px(errors)))
         except TrackingError:
             return None
@@ -235,13 +241,13 @@ class BoardTracker:
     def _posed(self, corners: BoardCorners) -> _Fit:
         candidates = planar_candidates(corners, self.camera)
         if self._fit is None:
-            return _Fit(corners, candidates, choose(candidates, corners, self.camera))
+            return _Fit(corners, candidates, choose_pose(candidates, corners, self.camera))
         elapsed_s = 1e-9 * (self._time_ns - self._fit_ns)
         before = self._fit.choice
-        choice = choose(candidates, corners, self.camera, before, elapsed_s)
+        choice = choose_pose(candidates, corners, self.camera, before, elapsed_s)
         return _Fit(corners, candidates, choice)
 
 
 def _outlier_px(errors_px: FloatArray) -> float:
-    """Beyond this distance from its reprojection a corner is not believed."""
+    """Beyond this distance from its reprojection a corner is an outlier."""
     return max(_OUTLIER_PX, _OUTLIER_FACTOR * float(np.median(errors_px)))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from motorcade.ga import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.boards.picture import Pattern, draw
-from motorcade.tracking.boards.saddles import sharpen_saddles
+from motorcade.tracking.boards.saddles import refine_saddles
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray
 from motorcade.tracking.markers.families import dictionary, family_size, marker_cells
@@ -119,24 +119,24 @@ class CharucoBoard:
         found = BoardCorners(ids, places, self.points_m[ids])
         if not found.spanning:
             return None
-        sharp = self.sharpen(image, found)
+        sharp = self.refine_corners(image, found)
         return sharp if sharp.spanning else None
 
-    def sharpen(
+    def refine_corners(
         self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
     ) -> BoardCorners:
         """Move corners onto the saddles near them; those that do not look like one are left out.
 
         Needs four corners that span the board. `camera` is not needed.
         """
-        places, good = sharpen_saddles(
+        places, good = refine_saddles(
             image,
             corners.points_m[:, :2],
             corners.corners_px,
             self._black_up_left(corners.ids),
             min(0.45 * self.square_m, 0.5 * (self.square_m - self.marker_m)),
         )
-        return corners.moved(places).keep(good)
+        return corners.at(places).keep(good)
 
     def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
         """The corners as they are: they are numbered by the markers around them."""

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from motorcade.ga import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.boards.picture import Pattern, draw
-from motorcade.tracking.boards.saddles import contrast, sharpen_saddles
+from motorcade.tracking.boards.saddles import contrast, refine_saddles
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray
 
@@ -91,23 +91,23 @@ class Checkerboard:
             return None
         grid = raw.astype(np.float64).reshape(self.rows, self.columns, 2)
         numbered = self._numbered(image, grid)
-        return None if numbered is None else self.sharpen(image, numbered)
+        return None if numbered is None else self.refine_corners(image, numbered)
 
-    def sharpen(
+    def refine_corners(
         self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
     ) -> BoardCorners:
         """Move corners onto the saddles near them; those that do not look like one are left out.
 
         Needs four corners that span the board. `camera` is not needed.
         """
-        places, good = sharpen_saddles(
+        places, good = refine_saddles(
             image,
             corners.points_m[:, :2],
             corners.corners_px,
             self._black_up_left(corners.ids),
             _CLEAR_SHARE * self.square_m,
         )
-        return corners.moved(places).keep(good)
+        return corners.at(places).keep(good)
 
     def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
         """Of the numberings that the colours allow, the one nearest to the expected pixels."""

@@ -75,13 +75,13 @@ class BoardCorners:
         """Only the corners where the mask ``(n,)`` is true."""
         return BoardCorners(self.ids[mask], self.corners_px[mask], self.points_m[mask])
 
-    def moved(self, corners_px: FloatArray) -> BoardCorners:
-        """The same corners at other places in the picture."""
+    def at(self, corners_px: FloatArray) -> BoardCorners:
+        """The same corners at other pixels ``(n, 2)``."""
         return BoardCorners(self.ids, corners_px, self.points_m)
 
 
 class Board(Protocol):
-    """A printed, flat pattern whose corners can be found, sharpened and drawn."""
+    """A printed, flat pattern whose corners can be found, refined and drawn."""
 
     @property
     def name(self) -> str:
@@ -100,15 +100,15 @@ class Board(Protocol):
         """The printed pattern as black and white cells."""
 
     def detect(self, image: GrayImage, camera: Camera | None = None) -> BoardCorners | None:
-        """Find the board in a whole grey picture, corners sharpened; None where it is not seen."""
+        """Find the board in a whole grey picture, corners refined; None where it is not seen."""
 
-    def sharpen(
+    def refine_corners(
         self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
     ) -> BoardCorners:
-        """Move corners that are right to a pixel or two onto their sub-pixel places.
+        """Refine corners that are right to a pixel or two to sub-pixel accuracy.
 
         Corners that do not look like the print are left out. With a camera, edges that its lens
-        bends are straightened before lines are fitted to them.
+        bends are undistorted before lines are fitted to them.
         """
 
     def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:

@@ -12,7 +12,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray
 from motorcade.tracking.boards.checkerboard import Checkerboard
-from motorcade.tracking.boards.saddles import sharpen_saddles
+from motorcade.tracking.boards.saddles import refine_saddles
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.measurements import MarkerObservation
 
@@ -70,7 +70,7 @@ def _goes_on(image: GrayImage, lines: FloatArray) -> bool:
     return any(
         bool(good[:count].all()) and bool(good[count:].mean() > 0.5)
         for good in (
-            sharpen_saddles(image, points, corners, colours, _CLEAR_SHARE)[1]
+            refine_saddles(image, points, corners, colours, _CLEAR_SHARE)[1]
             for colours in (one_way, ~one_way)
         )
     )

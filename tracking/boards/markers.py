@@ -18,7 +18,7 @@ from motorcade.tracking.boards.picture import Pattern, draw
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length
 from motorcade.tracking.markers.detection import detect_markers
-from motorcade.tracking.markers.edges import sharpen_quads
+from motorcade.tracking.markers.edges import refine_quads
 from motorcade.tracking.markers.families import (
     border_share,
     family_size,
@@ -86,7 +86,7 @@ class _MarkerBoard(ABC):
         corners_px = np.concatenate([seen[marker] for marker in self.marker_ids[present]])
         return BoardCorners(corner_ids, corners_px, self.points_m[corner_ids])
 
-    def sharpen(
+    def refine_corners(
         self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
     ) -> BoardCorners:
         """Put the corners of markers onto the crossings of their sides.
@@ -98,8 +98,8 @@ class _MarkerBoard(ABC):
         if len(whole) == 0:
             return whole
         quads = whole.corners_px.reshape(-1, 4, 2)
-        sharp, good = sharpen_quads(image, quads, self._clear_share, camera)
-        return whole.moved(sharp.reshape(-1, 2)).keep(np.repeat(good, 4))
+        sharp, good = refine_quads(image, quads, self._clear_share, camera)
+        return whole.at(sharp.reshape(-1, 2)).keep(np.repeat(good, 4))
 
     def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
         """The corners as they are: markers are numbered by their ids."""

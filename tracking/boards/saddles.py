@@ -1,4 +1,4 @@
-"""Saddle corners, where two black and two white squares meet: sharpening and telling true ones.
+"""Saddle corners, where two black and two white squares meet: refined, and told from others.
 
 Points are printed coordinates in the board frame (metres, y up); pixels as the house has them.
 Sub-pixel places come from OpenCV's ``cornerSubPix`` (Förstner's gradient orthogonality), which is
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from motorcade.ga import FloatArray
 from motorcade.tracking.checks import GrayImage
 
-__all__ = ["contrast", "sharpen_saddles"]
+__all__ = ["contrast", "refine_saddles"]
 
 # Up-left, up-right, down-right, down-left of a corner, in the board frame.
 _DIAGONALS = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
@@ -26,7 +26,7 @@ _STOP = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 40, 1e-3)
 _LEAST_CONTRAST = 1.0 / 3.0
 
 
-def sharpen_saddles(
+def refine_saddles(
     image: GrayImage,
     points_m: FloatArray,
     corners_px: FloatArray,

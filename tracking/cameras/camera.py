@@ -144,7 +144,7 @@ class Camera:
         ideal = lenses.undistort(self.model, self._coefficients, plane)
         return np.concatenate([ideal, np.ones_like(ideal[..., :1])], axis=-1)
 
-    def straighten(self, pixels: ArrayLike) -> FloatArray:
+    def undistort(self, pixels: ArrayLike) -> FloatArray:
         """Where pixels ``(*, 2)`` of this camera lie in the picture of `undistorted`.
 
         Straight lines of the world are straight there. NaN where `unproject` gives NaN.
@@ -154,7 +154,7 @@ class Camera:
         """
         return self._to_pixels(self.unproject(pixels)[..., :2])
 
-    def bend(self, pixels: ArrayLike) -> FloatArray:
+    def distort(self, pixels: ArrayLike) -> FloatArray:
         """Where pixels ``(*, 2)`` of `undistorted` lie in this camera's picture.
 
         Raises:
@@ -224,7 +224,7 @@ class Camera:
 def _undistortion_source(camera: Camera) -> NDArray[np.float32]:
     """Where in the taken picture each undistorted pixel comes from, ``(height, width, 2)``."""
     columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
-    return camera.bend(np.stack([columns, rows], axis=-1)).astype(np.float32)
+    return camera.distort(np.stack([columns, rows], axis=-1)).astype(np.float32)
 
 
 @lru_cache(maxsize=8)

@@ -14,7 +14,7 @@ from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras import lenses
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import reproject, retract
+from motorcade.tracking.cameras.reprojection import reproject
 from motorcade.tracking.optimise import BlockEquations, Stop, minimise
 
 __all__ = ["Fit", "Observations", "fit_camera"]
@@ -83,7 +83,7 @@ class _State:
     def retract(self, step: tuple[FloatArray, FloatArray]) -> _State:
         numbers = self.numbers.copy()
         numbers[: step[0].size] += step[0].ravel()
-        return _State(numbers, retract(self.board_T_camera, step[1]))
+        return _State(numbers, self.board_T_camera.retract(step[1]))
 
 
 class _Reprojection:

@@ -1,10 +1,9 @@
 """Where points of the world appear in a picture, and how that changes with pose and points.
 
 The one derivative of reprojection. A pose is perturbed by a twist in its own frame,
-``world_T_camera.retract(twist)`` = ``world_T_camera @ Motor.from_twist(twist)``: rotation (rad),
-then translation (m). The derivative by a pose elsewhere in a chain follows by the adjoint of what
-lies between: ``rig`` in ``world_T_rig @ rig_T_camera`` moves the camera by
-``(camera_T_rig).adjoint() @ twist``.
+``world_T_camera.retract(twist)``: rotation (rad), then translation (m). The derivative by a pose
+elsewhere in a chain follows by the adjoint of what lies between: a twist of the rig in
+``world_T_rig @ rig_T_camera`` moves the camera by ``camera_T_rig.adjoint() @ twist``.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ import numpy as np
 from motorcade.ga import FloatArray, Motor
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["by_twist", "project", "reproject", "retract", "to_frame"]
+__all__ = ["by_twist", "project", "reproject", "to_frame"]
 
 
 def project(
@@ -70,8 +69,3 @@ def by_twist(in_camera: FloatArray, by_point: FloatArray) -> FloatArray:
     found[..., 2] = y * a - x * b
     np.negative(by_point, out=found[..., 3:])
     return found
-
-
-def retract(pose: Motor, twist: FloatArray) -> Motor:
-    """Poses moved by twists ``(*, 6)`` in their own frames."""
-    return pose @ Motor.from_twist(twist)

@@ -1,6 +1,6 @@
 """The two libraries that find markers, behind one signature: picture and family in, quads out.
 
-Both know the position of a marker to a pixel or so only; `detection` sharpens and checks it.
+Both know the position of a marker to a pixel or so only; `detection` refines and checks it.
 OpenCV's `ArucoDetector` knows every family, `pupil_apriltags` (the AprilTag 3 library) three.
 On AprilTags the latter misses fewer, above all small and shallow ones.
 """

@@ -1,4 +1,4 @@
-"""Markers of one family in a picture: found, sharpened to sub-pixels, read again, merged.
+"""Markers of one family in a picture: found, refined to sub-pixels, read again, merged.
 
 Either library proposes quads; the sides are then fitted (`edges`), which on exact renderings puts
 corners nearer than AprilTag's own and than ``cornerSubPix``; last the print is read again
@@ -15,7 +15,7 @@ from motorcade.ga import FloatArray, checked_floats, frozen
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.markers.backends import Backend, Quads, backend_for, find_quads
-from motorcade.tracking.markers.edges import sharpen_quads
+from motorcade.tracking.markers.edges import refine_quads
 from motorcade.tracking.markers.families import border_share, dictionary
 from motorcade.tracking.markers.reading import Reading, read_markers
 
@@ -72,7 +72,7 @@ def detect_markers(
     Args:
         image: ``(height, width)`` uint8.
         family: one of `families.FAMILIES`.
-        camera: straightens the sides before they are fitted; without one they count as straight.
+        camera: undistorts the sides before they are fitted; without one they count as straight.
         backend: the library that searches; None takes the one that finds more (see `backends`).
 
     Returns:
@@ -87,7 +87,7 @@ def detect_markers(
     quads = find_quads(gray, family, backend or backend_for(family))
     if len(quads.ids) == 0:
         return ()
-    places, sharp = sharpen_quads(gray, quads.corners_px, border_share(family), camera)
+    places, sharp = refine_quads(gray, quads.corners_px, border_share(family), camera)
     corners = np.where(sharp[:, None, None], places, quads.corners_px)
     reading = read_markers(gray, corners, family, quads.ids)
     kept = _merged(Quads(quads.ids, corners), reading)

@@ -1,9 +1,9 @@
 """Corners of square markers as the crossings of their four sides.
 
 The corner of a marker is rounded by blur, which draws any corner finder inward; its sides are
-straight. So points are sought across each side, a line is fitted to each, and neighbours are
+straight. So points are searched across each side, a line is fitted to each, and neighbours are
 crossed. Against exact renderings this is several times nearer than ``cornerSubPix``. Where a
-camera is given, the points are straightened by its lens model before the lines are fitted.
+camera is given, the points are undistorted by its lens model before the lines are fitted.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from motorcade.ga import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 
-__all__ = ["sharpen_quads"]
+__all__ = ["refine_quads"]
 
 _ALONG = np.linspace(0.12, 0.88, 20)
 _ACROSS = np.linspace(-1.0, 1.0, 15)
@@ -32,7 +32,7 @@ _OUTLIER_PX = 0.3
 _WORST_SPREAD_PX = 0.6
 
 
-def sharpen_quads(
+def refine_quads(
     image: GrayImage, quads: FloatArray, clear_share: float, camera: Camera | None = None
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Move the corners of black markers on white paper onto their sub-pixel places.
@@ -56,7 +56,7 @@ def sharpen_quads(
     with np.errstate(divide="ignore", invalid="ignore"):
         for _ in range(_ROUNDS):
             points, weights, seen = _side_points(image, places, reach)
-            lines, spread = _fit_lines(_straightened(points, camera), weights)
+            lines, spread = _fit_lines(_undistorted(points, camera), weights)
             crossed = _bent(_crossings(lines), camera)
             change = crossed - quads
             moved = np.sqrt((change * change).sum(axis=-1).max(axis=1))
@@ -127,17 +127,17 @@ def _crossings(lines: FloatArray) -> FloatArray:
     return corners
 
 
-def _straightened(points: FloatArray, camera: Camera | None) -> FloatArray:
+def _undistorted(points: FloatArray, camera: Camera | None) -> FloatArray:
     if camera is None or camera.model == "pinhole":
         return points
-    return camera.straighten(points)
+    return camera.undistort(points)
 
 
 def _bent(points: FloatArray, camera: Camera | None) -> FloatArray:
     if camera is None or camera.model == "pinhole":
         return points
     known = np.isfinite(points).all(axis=-1, keepdims=True)
-    return np.where(known, camera.bend(np.where(known, points, 0.0)), np.nan)
+    return np.where(known, camera.distort(np.where(known, points, 0.0)), np.nan)
 
 
 def _inside(image: GrayImage, quads: FloatArray, reach: FloatArray) -> NDArray[np.bool_]:

@@ -72,7 +72,7 @@ def depth_sigma_m(depth_m: FloatArray) -> FloatArray:
 
 
 def _normals(points: FloatArray) -> FloatArray:
-    """Unit normals ``(h, w, 3)`` of a grid of points; NaN at its rim, beside holes and at points.
+    """Unit normals ``(h, w, 3)`` of a grid of points; NaN at its rim, beside gaps and at points.
 
     Where the surface jumps, the slope between its sides is no plane's nearby.
     """

@@ -113,7 +113,7 @@ class Plane:
         side = edge[:, 0] * local[..., 1] - edge[:, 1] * local[..., 0]
         return np.asarray(np.all(side >= -_INSIDE_M, axis=-1))
 
-    def moved(self, motion: Motor) -> Plane:
+    def transformed_by(self, motion: Motor) -> Plane:
         """The same plane after a rigid motion, or in another frame: ``other_T_world``."""
         return replace(self, world_T_plane=motion @ self.world_T_plane)
 

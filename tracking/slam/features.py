@@ -1,9 +1,9 @@
 """Pictures ready for tracking, corners spread over them, and corners tracked between them.
 
 Pictures are undistorted once, so all pixels here belong to a pinhole camera. Corners are ORB's
-(FAST, ranked by Harris) with their descriptors; between pictures they are tracked by Lucas-Kanade.
+(FAST, ranked by Harris) with their descriptors; between pictures they are tracked (`corner_flow`).
 
-Sources: Rublee et al. 2011 (ORB); Lucas & Kanade 1981, Bouguet 2000 (pyramids).
+Source: Rublee et al. 2011 (ORB).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.slam.geometry import BoolArray
+from motorcade.tracking.corner_flow import track_corners
 
 __all__ = [
     "Corners",
@@ -26,16 +26,11 @@ __all__ = [
     "find_corners",
     "grid_cells",
     "stereo_depth",
-    "track_corners",
 ]
 
 DepthImage = NDArray[np.float32]
 Descriptors = NDArray[np.uint8]
 
-_WINDOW_PX = 21
-_LEVELS = 3
-_RETURN_PX = 0.7
-_BORDER_PX = 12
 _FAST_THRESHOLD = 7
 _CANDIDATES_A_CORNER = 6
 _FINER = 4  # at most one corner in a cell of a grid so much finer than one a corner
@@ -128,50 +123,6 @@ def _orb(count: int) -> Any:
         patchSize=31,
         fastThreshold=_FAST_THRESHOLD,
         scoreType=cv2.ORB_HARRIS_SCORE,
-    )
-
-
-def track_corners(
-    before: GrayImage, after: GrayImage, px: FloatArray, guess: FloatArray
-) -> tuple[FloatArray, BoolArray]:
-    """Where corners of one picture are in another, and which of them were found.
-
-    A corner is found if tracking it back ends where it began.
-
-    Args:
-        before: the picture that holds the corners.
-        after: the picture to find them in.
-        px: ``(n, 2)`` in `before`.
-        guess: ``(n, 2)`` about where in `after`.
-    """
-    if not len(px):
-        return np.zeros((0, 2)), np.zeros(0, dtype=np.bool_)
-    start = px.astype(np.float32).reshape(-1, 1, 2)
-    aim = guess.astype(np.float32).reshape(-1, 1, 2)
-    there, found, _ = _flow(before, after, start, aim.copy(), _LEVELS)
-    back, returned, _ = _flow(after, before, there, start.copy(), 1)
-    distance = np.linalg.norm((back - start)[:, 0], axis=-1)
-    px_after = there[:, 0].astype(np.float64)
-    height, width = after.shape
-    inside = np.all(
-        (px_after >= _BORDER_PX) & (px_after <= (width - 1 - _BORDER_PX, height - 1 - _BORDER_PX)),
-        axis=-1,
-    )
-    kept = (found.ravel() == 1) & (returned.ravel() == 1) & (distance < _RETURN_PX) & inside
-    return px_after, kept
-
-
-def _flow(before: GrayImage, after: GrayImage, px: Any, guess: Any, levels: int) -> Any:
-    return cv2.calcOpticalFlowPyrLK(
-        before,
-        after,
-        px,
-        guess,
-        winSize=(_WINDOW_PX, _WINDOW_PX),
-        maxLevel=levels,
-        criteria=(cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 20, 0.01),
-        flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
-        minEigThreshold=1e-4,
     )
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, Motor, Rotor
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import reproject, retract, to_frame
+from motorcade.tracking.cameras.reprojection import reproject, to_frame
 from motorcade.tracking.optimise import NormalEquations, Stop, huber_cauchy, minimise
 
 __all__ = [
@@ -126,7 +126,9 @@ def refine_pose(
     Points behind the camera count as outliers. With fewer than six inliers, or points that do not
     fix the pose, the covariance is infinite.
     """
-    found = minimise(world_T_camera, partial(_Reprojection, points, px, camera), retract, _STOP)
+    found = minimise(
+        world_T_camera, partial(_Reprojection, points, px, camera), Motor.retract, _STOP
+    )
     error = found.evaluation.error_px
     inliers = error <= OUTLIER_PX
     rms = float(np.sqrt(np.mean(error[inliers] ** 2))) if inliers.any() else float("inf")

@@ -19,7 +19,8 @@ import numpy as np
 from motorcade.ga import FloatArray, Motor
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import project
-from motorcade.tracking.slam.features import Corners, SlamPicture, find_corners, track_corners
+from motorcade.tracking.corner_flow import track_corners
+from motorcade.tracking.slam.features import Corners, SlamPicture, find_corners
 from motorcade.tracking.slam.geometry import (
     BoolArray,
     parallax_rad,

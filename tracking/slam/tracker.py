@@ -13,8 +13,9 @@ import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import project, retract
-from motorcade.tracking.slam.features import SlamPicture, grid_cells, track_corners
+from motorcade.tracking.cameras.reprojection import project
+from motorcade.tracking.corner_flow import track_corners
+from motorcade.tracking.slam.features import SlamPicture, grid_cells
 from motorcade.tracking.slam.geometry import (
     BoolArray,
     FittedPose,
@@ -205,7 +206,7 @@ class Tracker:
             first = self._moments[0]
             share = (time_ns - last.time_ns) / (last.time_ns - first.time_ns)
             motion = (first.world_T_camera.inverse() @ pose).as_twist()
-            pose = retract(pose, min(share, 3.0) * motion)
+            pose = pose.retract(min(share, 3.0) * motion)
         return pose
 
     def _guess(self, start: TrackedPoints, pose: Motor) -> FloatArray:

@@ -243,7 +243,7 @@ def _planes_of(recording: Recording, frame: Frame, world_T_camera: Motor) -> lis
         found = find_planes_in_depth(depth, camera, np.random.default_rng(0))
     except ValueError:  # hardly any depth in this frame: another may have more
         return []
-    return [plane.moved(world_T_camera) for plane in found.planes]
+    return [plane.transformed_by(world_T_camera) for plane in found.planes]
 
 
 def _points_of(recording: Recording, frame: Frame) -> FloatArray:

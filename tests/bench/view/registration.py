@@ -120,7 +120,7 @@ def _found(board: Checkerboard, image: ImageArray, real_px: FloatArray) -> Board
     size = np.array([image.shape[1], image.shape[0]])
     with np.errstate(invalid="ignore"):
         ids = np.flatnonzero(np.all((real_px > EDGE_PX) & (real_px < size - EDGE_PX), axis=1))
-    return board.sharpen(image, BoardCorners(ids, real_px[ids], board.points_m[ids]))
+    return board.refine_corners(image, BoardCorners(ids, real_px[ids], board.points_m[ids]))
 
 
 def shake_px(path: Trajectory, camera: Camera, point_m: FloatArray) -> float:
@@ -159,7 +159,7 @@ def vamr_board() -> tuple[Recording, Checkerboard, Camera, BoardTrack]:
 def straightened(track: BoardTrack, camera: Camera) -> BoardTrack:
     """The same track with its corners as the camera without distortion would have them."""
     moved = tuple(
-        replace(seen, corners_px=camera.straighten(seen.corners_px)) for seen in track.observations
+        replace(seen, corners_px=camera.undistort(seen.corners_px)) for seen in track.observations
     )
     return replace(track, observations=moved)
 

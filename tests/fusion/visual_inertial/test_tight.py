@@ -177,7 +177,7 @@ def test_a_run_of_slam_becomes_a_metric_path_through_darkness(scene: Scene):
     seen = (truth.time_s < 4.0) | (truth.time_s >= 5.0)
     frames = in_units(truth.transformed_by(right=Motor.from_twist(noise))[seen])
     keyframes, observed = in_units(scene.keyframes), scene.observations
-    straight = CAMERA.straighten(observed.px)
+    straight = CAMERA.undistort(observed.px)
     count = len(scene.landmarks_m)
     snapshot = MapSnapshot(
         keyframes.time_ns, keyframes.motors, visual.apply(scene.landmarks_m),

@@ -10,8 +10,9 @@ import pytest
 
 from motorcade.ga import Motor
 from motorcade.replays.stages.camera.board_check import warn_of_size, warn_of_wrong_board
-from motorcade.tracking import Checkerboard, MarkerGrid, MarkerObservation
+from motorcade.tracking import Checkerboard, MarkerGrid
 from motorcade.tracking.boards.extent import extent_in_picture, extent_seen
+from motorcade.tracking.measurements import MarkerObservation
 
 PRINTED = Checkerboard(9, 6, 0.03)
 WARP = np.array([[0.9, 0.15, 40.0], [-0.1, 0.85, 60.0], [2e-4, 3e-4, 1.0]])

@@ -4,14 +4,8 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.tracking import (
-    BoardTrack,
-    Camera,
-    Checkerboard,
-    MarkerObservation,
-    PoseMeasurements,
-    registration_px,
-)
+from motorcade.tracking import BoardTrack, Camera, Checkerboard, PoseMeasurements, registration_px
+from motorcade.tracking.measurements import MarkerObservation
 
 BOARD = Checkerboard(columns=5, rows=4, square_m=0.05)
 CAMERA = Camera(640, 480, 500.0, 500.0, 320.0, 240.0, "radtan", (-0.1, 0.02))

@@ -16,12 +16,12 @@ from motorcade.tracking import (
     CharucoBoard,
     Checkerboard,
     MarkerGrid,
-    MarkerObservation,
     PoseMeasurements,
     SingleMarker,
     TrackingError,
     track_board,
 )
+from motorcade.tracking.measurements import MarkerObservation
 
 STEP_NS = 33_333_333
 CHECKERS = Checkerboard(9, 6, 0.03)
@@ -77,7 +77,7 @@ def test_a_rendered_path_is_followed(
     poses, pictures = sequence(board, wide_camera, 12)
     track = track_board(stamped(pictures), wide_camera, board)
     assert track.count("lost") == 0
-    assert track.count("followed") >= 10
+    assert track.count("tracked") >= 10
     found = track.measurements.trajectory.poses
     moved, turned = errors(found, Motor.stack(poses))
     assert rms(moved) < position_mm
@@ -137,7 +137,7 @@ def test_a_symmetric_board_keeps_its_numbering_while_it_turns(
     pictures = [render(board, straight_camera, pose) for pose in poses]
     tracker = BoardTracker(straight_camera, board, redetect_every=2)
     frames = [tracker.update(picture, time) for time, picture in stamped(pictures)]
-    assert {frame.state for frame in frames} == {"detected", "followed"}
+    assert {frame.state for frame in frames} == {"detected", "tracked"}
     for frame, pose in zip(frames, poses, strict=True):
         assert errors(frame.world_T_camera, pose)[1] < 0.5
 
@@ -252,10 +252,10 @@ def test_a_track_must_agree_with_itself(straight_camera, sequence) -> None:
     _, pictures = sequence(CHECKERS, straight_camera, 2)
     track = track_board(stamped(pictures), straight_camera, CHECKERS)
     rest = (track.observations, track.measurements, track.error_px)
-    with pytest.raises(ValueError, match="states: expected lost, detected, followed only"):
+    with pytest.raises(ValueError, match="states: expected lost, detected, tracked only"):
         BoardTrack(track.time_ns, np.array(["seen", "seen"]), *rest)
     with pytest.raises(ValueError, match="observations: expected the 1 stamps"):
-        BoardTrack(track.time_ns, np.array(["lost", "followed"]), *rest)
+        BoardTrack(track.time_ns, np.array(["lost", "tracked"]), *rest)
 
 
 # The real checkerboard -------------------------------------------------------------------------
@@ -282,7 +282,7 @@ def test_every_frame_of_the_recorded_checkerboard_is_tracked(checkerboard_track)
     track, _ = checkerboard_track
     assert len(track) == 250
     assert track.count("lost") == 0
-    assert track.count("followed") > 235
+    assert track.count("tracked") > 235
     assert rms(track.error_px) < 0.2
     assert min(len(one.ids) for one in track.observations) >= 50
 

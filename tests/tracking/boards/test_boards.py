@@ -7,7 +7,6 @@ import pytest
 from motorcade.tracking import (
     FAMILIES,
     Board,
-    BoardCorners,
     Camera,
     CharucoBoard,
     Checkerboard,
@@ -15,6 +14,7 @@ from motorcade.tracking import (
     SingleMarker,
     detect_markers,
 )
+from motorcade.tracking.boards.corners import BoardCorners
 
 CHECKERS = Checkerboard(9, 6, 0.03)
 GRID = MarkerGrid("tag36h11", 4, 3, 0.05, 0.015)
@@ -137,7 +137,7 @@ def test_sharpening_leaves_out_covered_corners(straight_camera, render, look_at)
         middle = np.rint(expected.mean(axis=0)).astype(int)
         cv2.circle(picture, tuple(map(int, middle)), 30, 160, -1)
         given = BoardCorners(np.arange(len(expected)), expected + 0.6, board.points_m)
-        sharp = board.sharpen(picture, given, straight_camera)
+        sharp = board.refine_corners(picture, given, straight_camera)
         covered = np.linalg.norm(expected - middle, axis=1) < 24
         assert covered.any()
         assert not np.isin(np.flatnonzero(covered), sharp.ids).any()
@@ -150,7 +150,7 @@ def test_sharpening_leaves_out_covered_corners(straight_camera, render, look_at)
 def test_corners_on_one_spot_are_left_out_of_a_sharpening() -> None:
     picture = np.full((100, 100), 90, np.uint8)
     spot = BoardCorners(np.arange(54), np.full((54, 2), 50.0), CHECKERS.points_m)
-    assert len(CHECKERS.sharpen(picture, spot)) == 0
+    assert len(CHECKERS.refine_corners(picture, spot)) == 0
 
 
 def test_the_picture_and_the_corners_given_stay_as_they_were(
@@ -162,7 +162,7 @@ def test_the_picture_and_the_corners_given_stay_as_they_were(
     with pytest.raises(ValueError, match="read-only"):
         found.corners_px[0] = 0.0
     before = found.corners_px.copy()
-    GRID.sharpen(picture, found, straight_camera)
+    GRID.refine_corners(picture, found, straight_camera)
     np.testing.assert_array_equal(picture, copy)
     np.testing.assert_array_equal(found.corners_px, before)
 

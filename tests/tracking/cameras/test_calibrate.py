@@ -8,15 +8,15 @@ import pytest
 
 from motorcade.ga import Motor
 from motorcade.tracking import (
-    BoardCorners,
     CalibrationError,
     Camera,
     CharucoBoard,
     Checkerboard,
     MarkerGrid,
     calibrate,
-    spread_views,
 )
+from motorcade.tracking.boards.corners import BoardCorners
+from motorcade.tracking.cameras.calibrate import spread_views
 
 BOARD = Checkerboard(9, 6, 0.03)
 CAMERAS = [
@@ -122,8 +122,8 @@ def test_views_that_do_not_fit_are_left_out(look_at, rng) -> None:
     camera = CAMERAS[1]
     views = seen_by(camera, around(look_at, camera, rng, 60), 0.1, rng)[:16]
     bad = [3, 11]
-    views[3] = views[3].moved(np.roll(views[3].corners_px, 9, axis=0))  # numbered a row too far
-    views[11] = views[11].moved(views[11].corners_px + 4.0 * rng.standard_normal((54, 2)))
+    views[3] = views[3].at(np.roll(views[3].corners_px, 9, axis=0))  # numbered a row too far
+    views[11] = views[11].at(views[11].corners_px + 4.0 * rng.standard_normal((54, 2)))
     found = calibrate(views, (752, 480), "radtan")
     np.testing.assert_array_equal(np.flatnonzero(~found.used), bad)
     assert np.abs(truth_of(found.camera) - truth_of(camera))[:4].max() < 3.0
@@ -151,7 +151,7 @@ def test_what_the_views_do_not_tell_is_refused(look_at, rng) -> None:
             calibrate(views, size, "pinhole")
     with pytest.raises(CalibrationError, match="fix focal length and centre to 5 %"):
         calibrate(seen_by(camera, around(look_at, camera, rng, 40, 6.0), 2.0, rng)[:3], size)
-    noise = [view.moved(rng.uniform(0, 480, (54, 2))) for view in good]
+    noise = [view.at(rng.uniform(0, 480, (54, 2))) for view in good]
     with pytest.raises(CalibrationError):
         calibrate(noise, size)
     with pytest.raises(ValueError, match="model: expected pinhole, radtan, equidistant, got 'fov'"):

@@ -6,7 +6,7 @@ from scipy.optimize import least_squares
 
 from motorcade.ga import Motor
 from motorcade.tracking import Camera
-from motorcade.tracking.cameras.reprojection import project, reproject, retract
+from motorcade.tracking.cameras.reprojection import project, reproject
 from motorcade.tracking.optimise import (
     BlockEquations,
     NormalEquations,
@@ -117,7 +117,7 @@ def test_derivatives_are_those_of_differences(camera: Camera, rng: np.random.Gen
     pixels, by_twist, by_point = reproject(camera, in_camera)
     np.testing.assert_allclose(pixels, project(camera, pose, points)[0])
     for axis, step in enumerate(1e-6 * np.eye(6)):
-        ahead, behind = (project(camera, retract(pose, one), points)[0] for one in (step, -step))
+        ahead, behind = (project(camera, pose.retract(one), points)[0] for one in (step, -step))
         np.testing.assert_allclose(by_twist[..., axis], (ahead - behind) / 2e-6, atol=1e-4)
     for axis, step in enumerate(1e-6 * np.eye(3)):
         slope = (camera.project(in_camera + step) - camera.project(in_camera - step)) / 2e-6

@@ -66,8 +66,8 @@ def test_found_planes_move_with_the_points(rng: np.random.Generator) -> None:
     eye = motion.apply([2.0, 1.0, 2.9])
     moved = find_planes(motion.apply(points), SIGMA_M, rng, seen_from_m=eye)
     for a, b in zip(still.planes, moved.planes, strict=True):
-        assert tilt_deg(b, a.moved(motion).normal) < 0.02
-        assert b.distance_m == pytest.approx(a.moved(motion).distance_m, abs=1e-3)
+        assert tilt_deg(b, a.transformed_by(motion).normal) < 0.02
+        assert b.distance_m == pytest.approx(a.transformed_by(motion).distance_m, abs=1e-3)
 
 
 def test_a_small_plane_in_much_clutter_is_found(rng: np.random.Generator) -> None:
@@ -143,7 +143,7 @@ def test_planes_of_a_drawn_room_are_its_panels(rng: np.random.Generator) -> None
         found = find_planes_in_depth(depth, camera, rng)
         assert len(found.planes) >= 2
         assert np.mean(found.labels >= 0) > 0.7
-        planes = [plane.moved(pose) for plane in found.planes]
+        planes = [plane.transformed_by(pose) for plane in found.planes]
         for plane in planes:
             # Within a real camera's noise (4 cm at 5 m) a plane takes in the first centimetres of
             # its neighbours, which turns small ones.

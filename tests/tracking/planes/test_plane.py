@@ -26,7 +26,7 @@ def scattered(rng: np.random.Generator, pose: Motor, count: int, sigma_m: float)
 def test_a_plane_is_its_conformal_vector_and_moves_like_it(rng: np.random.Generator) -> None:
     plane = square(Motor.random(rng))
     motion = Motor.random(rng)
-    moved = plane.moved(motion)
+    moved = plane.transformed_by(motion)
     vector = moved.as_conformal()
     np.testing.assert_allclose(conformal.normal(vector), moved.normal, atol=1e-12)
     assert conformal.plane_distance(vector) == pytest.approx(moved.distance_m, abs=1e-12)

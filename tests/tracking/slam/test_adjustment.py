@@ -6,7 +6,7 @@ import pytest
 
 from motorcade.ga import Motor
 from motorcade.tracking import Camera
-from motorcade.tracking.cameras.reprojection import project, retract
+from motorcade.tracking.cameras.reprojection import project
 from motorcade.tracking.slam.mapping.adjustment import Bundle, adjust
 
 CAMERA = Camera(640, 480, 400.0, 400.0, 320.0, 240.0)
@@ -27,7 +27,7 @@ def _problem(rng: np.random.Generator, with_depth: bool) -> tuple[Bundle, Motor]
     disparity = FB / np.concatenate([one[1] for one in seen]) + rng.normal(0, 0.1, k * p)
     depth = FB / disparity if with_depth else np.full(k * p, np.nan)
     fixed = np.arange(k) < 2  # two fixed poses hold the scale
-    start = retract(truth, rng.normal(0, 0.01, (k, 6)) * ~fixed[:, None])
+    start = truth.retract(rng.normal(0, 0.01, (k, 6)) * ~fixed[:, None])
     off = points + rng.normal(0, 0.05, points.shape)
     bundle = Bundle(start, fixed, off, pose_of, point_of, px, depth, CAMERA, FB, SIGMA)
     return bundle, truth

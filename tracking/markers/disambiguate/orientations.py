@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.ga import FloatArray, Rotor
-from motorcade.tracking.markers.disambiguate.window import MODES, Memory, Window, misfit, trust
+from motorcade.tracking.markers.disambiguate.window import MODES, Memory, Window, influence, misfit
 
 __all__ = ["SLACK", "Orientations", "seeded", "settle", "weighed"]
 
@@ -94,7 +94,7 @@ def weighed(half: FloatArray, evidence: FloatArray) -> tuple[FloatArray, FloatAr
     """
     likelihood = -misfit(half) - evidence[:, None, :]
     fit = np.logaddexp.reduce(likelihood, axis=-1)
-    return np.exp(likelihood - fit[..., None]) * trust(half), fit
+    return np.exp(likelihood - fit[..., None]) * influence(half), fit
 
 
 def _turned_cameras(

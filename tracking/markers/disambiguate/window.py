@@ -15,11 +15,11 @@ from motorcade.ga import FloatArray, IntArray, Rotor
 from motorcade.tracking.markers.disambiguate.sightings import Sightings
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
-__all__ = ["MODES", "Memory", "Window", "corner_noise_px", "misfit", "trust"]
+__all__ = ["MODES", "Memory", "Window", "corner_noise_px", "influence", "misfit"]
 
 # Orientations that are kept for a marker until the evidence has spoken.
 MODES = 4
-# Orientations are never trusted further than this: lenses and paper bend.
+# Orientations are never taken as surer than this: lenses and paper bend.
 _SYSTEMATIC_RAD = np.radians(1.0)
 # Corners err with heavier tails than the normal distribution's (Student's t, Lange et al. 1989).
 _TAIL = 4.0
@@ -142,7 +142,7 @@ def misfit(half: FloatArray, freedom: int = _TURN_FREEDOM) -> FloatArray:
     return against
 
 
-def trust(half: FloatArray) -> FloatArray:
+def influence(half: FloatArray) -> FloatArray:
     """How much a turn at such a distance counts in a mean; fades as heavy tails have it."""
     weight: FloatArray = (_TAIL + _TURN_FREEDOM) / (_TAIL + 2.0 * half)
     return weight

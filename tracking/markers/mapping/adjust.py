@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor
-from motorcade.tracking.cameras.reprojection import retract
 from motorcade.tracking.markers.mapping.reprojection import linearised, residuals_px
 from motorcade.tracking.markers.mapping.rig import RigSightings
 from motorcade.tracking.optimise import (
@@ -174,7 +173,7 @@ def _retract(
     markers, cameras = _slots(state.seen, held)
     return replace(
         state,
-        seen=replace(state.seen, rig_T_camera=retract(state.seen.rig_T_camera, twists[cameras])),
-        world_T_rig=retract(state.world_T_rig, frames),
-        world_T_marker=retract(state.world_T_marker, twists[markers]),
+        seen=replace(state.seen, rig_T_camera=state.seen.rig_T_camera.retract(twists[cameras])),
+        world_T_rig=state.world_T_rig.retract(frames),
+        world_T_marker=state.world_T_marker.retract(twists[markers]),
     )

@@ -15,7 +15,7 @@ import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import by_twist, retract
+from motorcade.tracking.cameras.reprojection import by_twist
 from motorcade.tracking.optimise import BlockEquations, Stop, huber, minimise, sum_by
 from motorcade.tracking.slam.geometry import BoolArray
 
@@ -93,7 +93,7 @@ def adjust(bundle: Bundle, iterations: int = 8) -> AdjustedBundle:
 def _retract(bundle: Bundle, state: _State, step: tuple[FloatArray, FloatArray]) -> _State:
     twists = np.zeros((len(bundle.fixed), 6))
     twists[~bundle.fixed] = step[0]
-    return retract(state[0], twists), state[1] + step[1]
+    return state[0].retract(twists), state[1] + step[1]
 
 
 class _Reprojection:

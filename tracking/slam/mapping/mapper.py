@@ -13,13 +13,13 @@ import numpy as np
 from motorcade.ga import FloatArray, IntArray, Motor
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import project
+from motorcade.tracking.corner_flow import track_corners
 from motorcade.tracking.slam.features import (
     Corners,
     SlamPicture,
     depth_at,
     find_corners,
     stereo_depth,
-    track_corners,
 )
 from motorcade.tracking.slam.geometry import OUTLIER_PX, parallax_rad, triangulate
 from motorcade.tracking.slam.mapping.adjustment import AdjustedBundle, Bundle, adjust

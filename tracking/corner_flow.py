@@ -1,0 +1,72 @@
+"""Corners of one picture found in the next, by pyramidal Lucas-Kanade flow.
+
+A corner counts as found if the flow back from its new place ends where it began. What is found is
+right to some tenths of a pixel.
+
+Sources: Lucas & Kanade 1981; Bouguet 2000 (pyramids); Kalal et al. 2010 (forward-backward check).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray
+from motorcade.tracking.checks import GrayImage
+
+__all__ = ["track_corners"]
+
+_WINDOW_PX = 21
+_LEVELS = 3
+
+
+def track_corners(
+    before: GrayImage,
+    after: GrayImage,
+    px: FloatArray,
+    guess: FloatArray,
+    *,
+    return_px: float = 0.7,
+    border_px: float = 12.0,
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Where corners of one picture are in another, and which of them were found.
+
+    Motions of up to about 60 px from the guess are found.
+
+    Args:
+        before: the picture that holds the corners.
+        after: the picture to find them in.
+        px: ``(n, 2)`` in `before`.
+        guess: ``(n, 2)`` about where in `after`.
+        return_px: how far from its start the flow back may end.
+        border_px: nothing is found nearer to the edge of the picture.
+    """
+    if not len(px):
+        return np.zeros((0, 2)), np.zeros(0, dtype=np.bool_)
+    start = px.astype(np.float32).reshape(-1, 1, 2)
+    aim = guess.astype(np.float32).reshape(-1, 1, 2)
+    there, found, _ = _flow(before, after, start, aim.copy(), _LEVELS)
+    back, returned, _ = _flow(after, before, there, start.copy(), 1)
+    apart_px = np.linalg.norm((back - start)[:, 0], axis=-1)
+    px_after = there[:, 0].astype(np.float64)
+    limit = (after.shape[1] - 1 - border_px, after.shape[0] - 1 - border_px)
+    inside = np.all((px_after >= border_px) & (px_after <= limit), axis=-1)
+    kept = (found.ravel() == 1) & (returned.ravel() == 1) & (apart_px < return_px) & inside
+    return px_after, kept
+
+
+def _flow(before: GrayImage, after: GrayImage, px: Any, guess: Any, levels: int) -> Any:
+    return cv2.calcOpticalFlowPyrLK(
+        before,
+        after,
+        px,
+        guess,
+        winSize=(_WINDOW_PX, _WINDOW_PX),
+        maxLevel=levels,
+        criteria=(cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 20, 0.01),
+        flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
+        minEigThreshold=1e-4,
+    )
