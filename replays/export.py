@@ -18,8 +18,10 @@ from motorcade.animation.formats import CameraPath, write_gltf
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
 from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.engine.knobs import parse_knobs
-from motorcade.replays.pipeline import pipeline, trajectories
-from motorcade.replays.recording import Recording, open_recording
+from motorcade.replays.pipeline import pipeline
+from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.recording import Recording
+from motorcade.replays.results import trajectories
 from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["Shown", "open_run", "write_rrd", "write_run_gltf"]

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from motorcade.tracking.slam import MapSnapshot
 
 __all__ = [
-    "DepthArray", "Frame", "FrameSequence", "ImageArray", "Odometry", "Recording", "open_recording",
+    "DepthArray", "Frame", "FrameSequence", "ImageArray", "Odometry", "Recording",
 ]  # fmt: skip
 
 ImageArray = NDArray[np.uint8]
@@ -261,40 +261,6 @@ class Recording:
             yield "truth frames", f"{self.truth.parent} {self.truth.child}".encode()
             yield "truth stamps", _bytes(self.truth.time_ns)
             yield "truth poses", _bytes(self.truth.poses.coefficients)
-
-
-def open_recording(path: Path | str, manifest: Path | str | None = None) -> Recording:
-    """Open a folder of any known layout, or a video file.
-
-    Args:
-        path: the recording. Known layouts: EuRoC (`mav0/cam0/data.csv`), TUM RGB-D (`rgb.txt`),
-            7-Scenes (`frame-000000.color.png`), KITTI odometry (`calib.txt` beside `image_0`),
-            TagSLAM's recorded corners (`tag_detections.bag`), a ROS bag (`.bag`, `.mcap`, `.db3`, a
-            folder with `metadata.yaml`), a video file, and any folder with a manifest.
-        manifest: TOML file that describes the recording or adds to its layout (see
-            `docs/manifests`). It may lie anywhere. Without it, `motorcade.toml` in the folder is
-            used where there is one; since that one came with the recording, it may not point
-            outside the folder.
-
-    Raises:
-        RecordingError: nothing there, no known layout (the message lists what was looked for), or
-            whatever the layout's reader refuses.
-    """
-    from motorcade.replays.readers import manifest as manifests
-    from motorcade.replays.readers.layouts.detect import read_layout
-
-    root = Path(path)
-    try:
-        if not root.exists():
-            raise refusal(root, "no such file or folder")
-        if manifest is not None:
-            return manifests.read(root, Path(manifest), trusted=True)
-        if (root / manifests.LOCAL_NAME).is_file():
-            return manifests.read(root, root / manifests.LOCAL_NAME, trusted=False)
-        return read_layout(root)
-    except OSError as fault:
-        where = fault.filename or root
-        raise refusal(where, f"cannot be read: {fault.strerror or fault}") from fault
 
 
 def _bytes(array: NDArray[np.int64] | NDArray[np.float64]) -> memoryview:

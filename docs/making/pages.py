@@ -8,7 +8,6 @@ security are files at the top of the repository, where their readers look for th
 from __future__ import annotations
 
 import argparse
-import inspect
 from functools import partial
 from pathlib import Path
 
@@ -77,7 +76,7 @@ def commands() -> dict[str, argparse.ArgumentParser]:
 
 def stages_page() -> str:
     """Every stage of the pipeline: what it does, takes and gives, and its knobs."""
-    from motorcade.replays.engine.knobs import told_knobs
+    from motorcade.replays.engine.knobs import described_knobs
     from motorcade.replays.pipeline import pipeline
 
     parts = [
@@ -92,13 +91,13 @@ def stages_page() -> str:
         )
         parts += [
             f"## {stage.name}",
-            inspect.getdoc(stage.function) or "",
+            stage.doc,
             f"Takes {takes}; gives `{stage.output.__name__}`.",
         ]
         if stage.knobs:
             rows = [
                 f"| `{knob.name}` | {knob.values} | {f'`{knob.default}`' if knob.default else ''} |"
-                for knob in told_knobs(stage)
+                for knob in described_knobs(stage)
             ]
             parts.append("\n".join(["| knob | values | default |", "|---|---|---|", *rows]))
     return "\n\n".join(parts) + "\n"

@@ -11,12 +11,14 @@ Reading is driven by the type asked for, never by names found in the file; nothi
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import dataclasses
 import errno
 import hashlib
 import json
 import logging
+import math
 import os
 import re
 import shutil
@@ -27,6 +29,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -37,11 +40,9 @@ from motorcade.replays.files.atomic import is_alive
 
 log = logging.getLogger("motorcade.artifacts")
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 UNFINISHED = re.compile(r"\.(workspace|[a-z_]+-[0-9a-f]{24})\.(?P<pid>[0-9]+)")
 """Names of what is still being built; nothing else is ever swept."""
-ASIDE = {"aside": True}
-"""Metadata for `dataclasses.field`: the field is stored, but is not part of the value's content."""
 
 
 class ArtifactError(ValueError):
@@ -80,7 +81,7 @@ def _built(value: object, folder: Path, building: Path, seconds: float) -> Store
     tree = encoder.encode(value, "value")
     _write_json(building / "value.json", tree)
     _write_json(building / "aside.json", encoder.aside)
-    np.savez(building / "arrays.npz", allow_pickle=False, **encoder.arrays)
+    np.savez(building / "arrays.npz", allow_pickle=False, **encoder.joined())
     about: dict[str, Any] = {
         "version": FORMAT_VERSION,
         "name": folder.name,
@@ -160,8 +161,19 @@ def workspace(cache: Path) -> Iterator[None]:
 
 
 def new_file(name: str) -> Path:
-    """Where a stage may write a file that its output points to."""
-    return Path(tempfile.mkdtemp(dir=_workspace.get())) / name
+    """Where a stage may write a file that its output points to.
+
+    Outside a graph's run it is a temporary file that is gone when the program ends.
+    """
+    return Path(tempfile.mkdtemp(dir=_workspace.get() or _temporary_folder())) / name
+
+
+@cache
+def _temporary_folder() -> Path:
+    """A folder of this process, removed at its end."""
+    folder = tempfile.TemporaryDirectory(prefix="motorcade-")
+    atexit.register(folder.cleanup)
+    return Path(folder.name)
 
 
 def sweep_unfinished(cache: Path) -> None:
@@ -177,15 +189,26 @@ class _Encoder:
 
     def __init__(self, files: Path) -> None:
         self.files = files
-        self.arrays: dict[str, np.ndarray[Any, Any]] = {}
+        self.arrays: dict[str, list[np.ndarray[Any, Any]]] = {}
+        self.sizes: dict[str, int] = {}
         self.aside: dict[str, Any] = {}
+
+    def joined(self) -> dict[str, np.ndarray[Any, Any]]:
+        """All elements of one kind in a row, as an archive of many small arrays is slow."""
+        return {
+            kind: np.concatenate([array.reshape(-1) for array in arrays])
+            for kind, arrays in self.arrays.items()
+        }
 
     def encode(self, value: object, where: str) -> Any:
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             return self._encode_fields(value, where)
         if isinstance(value, np.ndarray):
-            self.arrays[where] = value
-            return {"array": where}
+            kind = value.dtype.str
+            start = self.sizes.get(kind, 0)
+            self.sizes[kind] = start + value.size
+            self.arrays.setdefault(kind, []).append(value)
+            return {"array": kind, "start": start, "shape": list(value.shape)}
         if isinstance(value, Path):
             name = f"{len(list(self.files.iterdir()))}{value.suffix}"
             shutil.move(value, self.files / name)
@@ -225,7 +248,7 @@ class _Decoder:
         if origin in (typing.Union, types.UnionType):
             return self._decode_union(tree, kind, where)
         if origin is np.ndarray or kind is np.ndarray:
-            return self.arrays[tree["array"]]
+            return self._array(tree)
         if dataclasses.is_dataclass(kind):
             return self._decode_fields(tree, kind, where)
         if kind is Path:
@@ -243,6 +266,14 @@ class _Decoder:
         if origin is typing.Literal or isinstance(tree, kind):
             return tree
         raise TypeError(f"{where}: expected {kind}, came {type(tree).__name__}")
+
+    def _array(self, tree: Any) -> np.ndarray[Any, Any]:
+        shape = tuple(map(int, tree["shape"]))
+        start, size = int(tree["start"]), math.prod(shape)
+        joined = self.arrays[tree["array"]]
+        if min((start, *shape)) < 0 or start + size > len(joined):
+            raise ValueError(f"an array of {size} elements from {start} on is not there")
+        return joined[start : start + size].reshape(shape)
 
     def _decode_union(self, tree: Any, kind: Any, where: str) -> Any:
         """The first of the types that takes the tree; values refuse what is another type's."""

@@ -3,47 +3,33 @@
 A stage is a function. Each positional parameter is an edge from the stage (or source) of that name,
 and its annotation must be that stage's return annotation; `X | None` marks an optional edge, which
 carries None where the stage says that it is `Unavailable` on this machine. Keyword-only parameters
-are knobs with defaults. Outputs are frozen dataclasses, cached under a key made of the content of
-the inputs, the knobs, and the code (see `provenance`); a killed run resumes where it was.
+are knobs with defaults. A choice (`first_of`) is an edge from the first of several stages that
+works; other stages may take one of these as an optional edge, None where another was chosen.
+
+Outputs are frozen dataclasses, cached under a key made of the content of the inputs, the knobs, and
+the code (see `provenance`); a killed run resumes where it was.
 """
 
 from __future__ import annotations
 
-import hashlib
-import inspect
-import json
 import logging
-import time
-import types
-import typing
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from motorcade.replays.engine import artifacts
-from motorcade.replays.engine.progress import working
-from motorcade.replays.engine.provenance import code_digest
+from motorcade.replays.engine.stage import Choice, GraphError, Stage, Unavailable
+from motorcade.replays.engine.store import Computed, StageStore
 from motorcade.replays.errors import did_you_mean
+
+__all__ = ["Graph", "GraphRun", "GraphSource", "Knobs"]
 
 log = logging.getLogger("motorcade.graph")
 
 Knobs = Mapping[str, Mapping[str, Any]]
 
 
-class GraphError(ValueError):
-    """The graph is wired wrongly, or asked for something it does not have."""
-
-
-class StageError(ValueError):
-    """A stage cannot work with what it was given; the message names the stage."""
-
-
-class Unavailable(RuntimeError):
-    """Raised by a stage that this machine cannot run; the message says what to install."""
-
-
-class Source(Protocol):
+class GraphSource(Protocol):
     """What the graph starts from: anything that can say what its content is."""
 
     def digest(self) -> str:
@@ -52,80 +38,89 @@ class Source(Protocol):
 
 
 @dataclass(frozen=True)
-class Stage:
-    """One function of the graph, taken apart."""
+class GraphRun:
+    """What a run left.
 
-    name: str
-    function: Callable[..., Any]
-    inputs: Mapping[str, Any]
-    optional: frozenset[str]
-    knobs: Mapping[str, inspect.Parameter]
-    output: Any
-
-    @classmethod
-    def of(cls, function: Callable[..., Any]) -> Stage:
-        """Read a stage off a function's signature; GraphError where an annotation is missing."""
-        hints = typing.get_type_hints(function)
-        inputs: dict[str, Any] = {}
-        optional = set()
-        knobs = {}
-        for parameter in inspect.signature(function).parameters.values():
-            if parameter.name not in hints:
-                raise GraphError(f"{function.__name__}.{parameter.name}: no type annotation")
-            if parameter.kind is parameter.KEYWORD_ONLY:
-                knobs[parameter.name] = parameter.replace(annotation=hints[parameter.name])
-                continue
-            kind, may_be_missing = _strip_none(hints[parameter.name])
-            inputs[parameter.name] = kind
-            if may_be_missing:
-                optional.add(parameter.name)
-        name = function.__name__
-        return cls(name, function, inputs, frozenset(optional), knobs, hints.get("return"))
-
-
-@dataclass(frozen=True)
-class Record:
-    """How one stage of a run came to its output: its key, knobs, and the seconds it took then."""
-
-    stage: str
-    key: str
-    knobs: Mapping[str, str]
-    seconds: float
-    cached: bool
-
-
-@dataclass(frozen=True)
-class Run:
-    """What a run left: every output, how it came about, and which stages could not run here."""
+    Fields:
+        outputs: of every stage and source by name; None of stages that were not run.
+        unavailable: stages that could not run here, with the reason.
+        chosen: the stage that each choice took.
+        records: how every output came about, in the order of the stages.
+    """
 
     outputs: Mapping[str, Any]
     unavailable: Mapping[str, str]
-    records: tuple[Record, ...]
+    chosen: Mapping[str, str]
+    records: tuple[Computed, ...]
 
 
 class Graph:
-    """Stages wired by name; checked for names, types and cycles when made."""
+    """Stages wired by name; checked for names, types and cycles when made.
+
+    Args:
+        stages: functions and choices, in any order.
+        sources: type of each source by its name.
+
+    Raises:
+        GraphError: an edge from nowhere or of another type, or stages that depend on each other.
+
+    >>> import tempfile
+    >>> from dataclasses import dataclass
+    >>> from pathlib import Path
+    >>> @dataclass(frozen=True)
+    ... class Text:
+    ...     letters: str
+    ...     def digest(self) -> str: return self.letters
+    >>> @dataclass(frozen=True)
+    ... class Count:
+    ...     value: int
+    >>> def counted(text: Text, *, letter: str = "a") -> Count:
+    ...     return Count(text.letters.count(letter))
+    >>> graph = Graph([counted], {"text": Text})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run = graph.run("counted", {"text": Text("banana")}, Path(folder))
+    ...     again = graph.run("counted", {"text": Text("banana")}, Path(folder))
+    >>> run.outputs["counted"], run.records[0].cached, again.records[0].cached
+    (Count(value=3), False, True)
+    """
 
     def __init__(
-        self, stages: Sequence[Callable[..., Any]], sources: Mapping[str, type[Any]]
+        self, stages: Sequence[Callable[..., Any] | Choice], sources: Mapping[str, type[Any]]
     ) -> None:
         self.sources = dict(sources)
-        self.stages = {stage.name: stage for stage in map(Stage.of, stages)}
-        for stage in self.stages.values():
-            for name, kind in stage.inputs.items():
-                self._check_edge(stage, name, kind)
+        choices = [one for one in stages if isinstance(one, Choice)]
+        self.choice_of = {stage.name: one for one in choices for stage in one.members.values()}
+        self.stages: dict[str, Stage | Choice] = {}
+        for one in stages:
+            if isinstance(one, Choice):
+                self.stages |= {stage.name: stage for stage in one.members.values()}
+                self.stages[one.name] = one
+            else:
+                self.stages[one.__name__] = Stage.of(one)
+        for node in self.stages.values():
+            if isinstance(node, Stage):
+                for name, kind in node.inputs.items():
+                    self._check_edge(node, name, kind)
         self.order = self._sorted()
 
     def _check_edge(self, stage: Stage, name: str, kind: Any) -> None:
-        if name in self.sources:
-            produced = self.sources[name]
-        elif name in self.stages:
-            produced = self.stages[name].output
-        else:
+        if name not in self.sources and name not in self.stages:
             known = ", ".join([*self.sources, *self.stages])
             raise GraphError(f"{stage.name} asks for {name!r}; there are: {known}")
-        if produced != kind:
+        node = self.stages.get(name)
+        produced = self.sources[name] if node is None else node.output
+        fits = node.takes(kind) if isinstance(node, Choice) else produced == kind
+        if not fits:
             raise GraphError(f"{stage.name} takes {name}: {kind}, but {name} gives {produced}")
+        if name in self.choice_of and name not in stage.optional:
+            raise GraphError(f"{stage.name}.{name}: one of a choice may be missing; allow None")
+
+    def _parents(self, name: str) -> Iterable[str]:
+        """What comes before a node; a choice does, where one of its members is asked for."""
+        node = self.stages[name]
+        yield from node.inputs
+        if isinstance(node, Stage):
+            yield from (self.choice_of[one].name for one in node.inputs if one in self.choice_of)
 
     def _sorted(self) -> tuple[str, ...]:
         order: list[str] = []
@@ -137,7 +132,7 @@ class Graph:
             if state.get(name) == "open":
                 raise GraphError(f"stages depend on each other: {' -> '.join([*path, name])}")
             state[name] = "open"
-            for parent in self.stages[name].inputs:
+            for parent in self._parents(name):
                 visit(parent, (*path, name))
             state[name] = "done"
             order.append(name)
@@ -153,7 +148,7 @@ class Graph:
         wanted = {target}
         for name in reversed(self.order):
             if name in wanted:
-                wanted.update(self.stages[name].inputs)
+                wanted.update(self._parents(name))
         return tuple(name for name in self.order if name in wanted)
 
     def checked_knobs(self, knobs: Knobs) -> Knobs:
@@ -168,108 +163,36 @@ class Graph:
         return knobs
 
     def run(
-        self, target: str, sources: Mapping[str, Source], cache: Path, knobs: Knobs | None = None
-    ) -> Run:
+        self,
+        target: str,
+        sources: Mapping[str, GraphSource],
+        cache: Path,
+        knobs: Knobs | None = None,
+    ) -> GraphRun:
         """Compute `target` and all it needs; take from `cache` what is there already.
 
         Raises GraphError for unknown stages and knobs, and whatever a stage raises; stages done
         before stay cached. `Unavailable` is passed on only where the stage's output is needed.
         """
-        chosen = self.checked_knobs(knobs or {})
-        cache.mkdir(parents=True, exist_ok=True)
-        artifacts.sweep_unfinished(cache)
-        outputs: dict[str, Any] = dict(sources)
-        digests = {name: source.digest() for name, source in sources.items()}
+        needed = self.needed(target)
+        store = StageStore(cache, sources, self.checked_knobs(knobs or {}))
         unavailable: dict[str, str] = {}
-        records = []
-        for name in self.needed(target):
-            stage = self.stages[name]
-            settings = _settings(stage, chosen.get(name, {}))
-            folder = cache / f"{name}-{_key(stage, outputs, digests, settings)}"
-            found = artifacts.find_artifact(folder)
-            if found:
-                log.info("%s: kept from before", name)
+        chosen: dict[str, str] = {}
+        for name in needed:
+            node = self.stages[name]
             try:
-                stored = found or _compute(stage, outputs, settings, folder)
-                output = _read(stored, stage, outputs, settings)
+                if isinstance(node, Choice):
+                    chosen[name] = store.choose(node)
+                elif name not in self.choice_of or name == target:
+                    store.obtain(node)
             except Unavailable as missing:
-                if name == target or not self._may_be_missing(name, target):
+                if name == target or not self._may_be_missing(name, needed):
                     raise
                 log.warning("%s: left out: %s", name, missing)
-                unavailable[name], outputs[name], digests[name] = str(missing), None, "none"
-                continue
-            knobs_as_text = {knob: repr(value) for knob, value in settings.items()}
-            records.append(
-                Record(name, folder.name, knobs_as_text, stored.seconds, cached=found is not None)
-            )
-            outputs[name] = output
-            digests[name] = stored.digest
-        return Run(outputs, unavailable, tuple(records))
+                unavailable[name] = str(missing)
+                store.leave_out(name)
+        return GraphRun(store.outputs, unavailable, chosen, tuple(store.records))
 
-    def _may_be_missing(self, name: str, target: str) -> bool:
-        users = [self.stages[user] for user in self.needed(target)]
+    def _may_be_missing(self, name: str, needed: Sequence[str]) -> bool:
+        users = [self.stages[user] for user in needed]
         return all(name in user.optional for user in users if name in user.inputs)
-
-
-def _strip_none(hint: Any) -> tuple[Any, bool]:
-    if typing.get_origin(hint) in (typing.Union, types.UnionType):
-        present = [part for part in typing.get_args(hint) if part is not types.NoneType]
-        if len(present) == 1:
-            return present[0], True
-    return hint, False
-
-
-def _settings(stage: Stage, chosen: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: chosen.get(name, parameter.default) for name, parameter in stage.knobs.items()}
-
-
-def _key(
-    stage: Stage,
-    outputs: Mapping[str, Any],
-    digests: Mapping[str, str],
-    settings: Mapping[str, Any],
-) -> str:
-    """Content of the inputs, knobs and code, as the name under which the output is cached."""
-    parts = {
-        "inputs": {name: digests[name] for name in stage.inputs},
-        "knobs": {name: _told(value) for name, value in settings.items()},
-        "code": code_digest(stage.function, [outputs[name] for name in stage.inputs]),
-        "format": artifacts.FORMAT_VERSION,
-    }
-    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
-
-
-def _told(value: Any) -> str:
-    """A knob's value as text; of a file its content as well."""
-    if isinstance(value, Path) and value.is_file():
-        return f"{value!r} {hashlib.sha256(value.read_bytes()).hexdigest()}"
-    return repr(value)
-
-
-def _read(
-    stored: artifacts.Stored, stage: Stage, outputs: Mapping[str, Any], settings: Mapping[str, Any]
-) -> Any:
-    """The output as stored; computed once more where another run took it away just now."""
-    try:
-        return artifacts.read_artifact(stored, stage.output)
-    except artifacts.ArtifactError:
-        if artifacts.find_artifact(stored.folder) is not None:
-            raise
-        again = _compute(stage, outputs, settings, stored.folder)
-        return artifacts.read_artifact(again, stage.output)
-
-
-def _compute(
-    stage: Stage, outputs: Mapping[str, Any], settings: Mapping[str, Any], folder: Path
-) -> artifacts.Stored:
-    log.debug("%s ...", stage.name)
-    start = time.perf_counter()
-    with artifacts.workspace(folder.parent), working(stage.name):
-        try:
-            value = stage.function(*(outputs[name] for name in stage.inputs), **settings)
-        except (ValueError, OverflowError, MemoryError) as error:
-            raise StageError(f"{stage.name}: {error}") from error
-        seconds = time.perf_counter() - start
-        stored = artifacts.write_artifact(value, folder, seconds)
-    log.info("%s: %.1f s", stage.name, seconds)
-    return stored

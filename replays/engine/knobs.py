@@ -5,7 +5,6 @@ What a knob may be is told by its annotation, and what it means by its stage's d
 
 from __future__ import annotations
 
-import inspect
 import re
 import types
 import typing
@@ -13,7 +12,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from motorcade.replays.engine.graph import Graph, GraphError, Stage
+from motorcade.replays.engine.graph import Graph
+from motorcade.replays.engine.stage import Choice, GraphError, Stage
 
 LARGEST = 1e9
 """No knob's number is larger than this in any unit that it could have."""
@@ -38,9 +38,9 @@ class Knob:
     meaning: str
 
 
-def told_knobs(stage: Stage) -> tuple[Knob, ...]:
+def described_knobs(stage: Stage | Choice) -> tuple[Knob, ...]:
     """The knobs of a stage, in the order of its signature."""
-    sentences = _SENTENCES.split(inspect.getdoc(stage.function) or "")
+    sentences = _SENTENCES.split(stage.doc)
     return tuple(
         Knob(name, _values(knob.annotation), _typed(knob.default), _meaning(name, sentences))
         for name, knob in stage.knobs.items()

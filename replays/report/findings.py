@@ -7,14 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera.camera_poses import CameraPoses
-from motorcade.replays.stages.errors import Errors
-from motorcade.replays.stages.inertial.convergence import Convergence
-from motorcade.replays.stages.inertial.fused import FusedPath
-from motorcade.replays.stages.inertial.imu import Imu
-from motorcade.replays.stages.smoothed import Smoothed
-from motorcade.replays.stages.view.overlay import Overlay
-from motorcade.replays.stages.view.placed import Placed
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.convergence import Convergence
+from motorcade.replays.values.errors import PathErrors
+from motorcade.replays.values.imu import UsedImu
+from motorcade.replays.values.paths import FusedPath, SmoothedPaths
+from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
 
 Spans = tuple[tuple[float, float], ...]
 
@@ -25,19 +23,19 @@ class Findings:
 
     recording: Recording
     camera_poses: CameraPoses
-    imu: Imu
+    imu: UsedImu
     fused: FusedPath
-    smoothed: Smoothed
+    smoothed: SmoothedPaths
     convergence: Convergence
-    errors: Errors
-    placed: Placed
-    overlay: Overlay | None
+    errors: PathErrors
+    placed: PlacedCharacter
+    overlay: OverlayVideo | None
 
     @property
     def frames_per_second(self) -> float | None:
         """Rate of tracking, reading included; None where nothing was tracked."""
         poses = self.camera_poses
-        return len(poses.sought_ns) / poses.seconds if poses.seconds > 0 else None
+        return len(poses.frame_times_ns) / poses.seconds if poses.seconds > 0 else None
 
     @property
     def nis_per_dimension(self) -> float | None:
@@ -52,16 +50,16 @@ class Findings:
         return float(np.mean(nis)) / 6 if nis.size else None
 
     def unmeasured_spans_s(self) -> Spans:
-        """Where poses were sought and none was found: from the last one before to the next one.
+        """Where a pose was looked for and none was found: from the last one before to the next one.
 
         Seconds after the first measured pose.
         """
-        sought = self.camera_poses.sought_ns
+        times_ns = self.camera_poses.frame_times_ns
         stamps = self.camera_poses.measurements.trajectory.time_ns
-        missing = ~np.isin(sought, stamps)
+        missing = ~np.isin(times_ns, stamps)
         edges = np.flatnonzero(np.diff(np.concatenate([[False], missing, [False]]).astype(np.int8)))
-        seconds = (sought - stamps[0]) * 1e-9
-        last = len(sought) - 1
+        seconds = (times_ns - stamps[0]) * 1e-9
+        last = len(times_ns) - 1
         return tuple(
             (float(seconds[max(first - 1, 0)]), float(seconds[min(end, last)]))
             for first, end in zip(edges[::2], edges[1::2], strict=True)

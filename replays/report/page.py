@@ -64,11 +64,11 @@ def page(findings: Findings) -> str:
 
 def _headline(findings: Findings) -> str:
     poses, fused = findings.camera_poses, findings.fused
-    told = f"Camera poses {poses.account}; IMU {_imu(findings)}. The path was {fused.account}."
+    told = f"Camera poses {poses.summary}; IMU {_imu(findings)}. The path was {fused.summary}."
     if fused.by != "imu":
-        told = f"Camera poses {poses.account}. The path was {fused.account}."
-    if poses.passed_over:
-        told += f" Passed over: {'; '.join(poses.passed_over)}."
+        told = f"Camera poses {poses.summary}. The path was {fused.summary}."
+    if poses.skipped:
+        told += f" Skipped: {'; '.join(poses.skipped)}."
     damaged = findings.recording.damaged
     if damaged:
         told += f" {len(damaged)} damaged pictures were left out: {'; '.join(damaged[:MOST_NAMED])}"
@@ -140,7 +140,7 @@ def _facts(findings: Findings) -> list[dict[str, str]]:
     """The few figures that stand large at the top."""
     poses = findings.camera_poses
     measured = len(poses.measurements.trajectory)
-    facts = [("frames with a pose", f"{measured} of {len(poses.sought_ns)}")]
+    facts = [("frames with a pose", f"{measured} of {len(poses.frame_times_ns)}")]
     if findings.frames_per_second is not None:
         facts.append(("frames/s tracked, reading included", f"{findings.frames_per_second:.0f}"))
     if np.any(np.isfinite(poses.reprojection_px)):

@@ -48,7 +48,7 @@ def sections(findings: Findings) -> list[Section]:
         Section(
             "Errors over time",
             "Logarithmic; lines that coincide lie within each other." + shaded,
-            (*_errors(findings, lost), _shake(findings, lost)),
+            (*_errors(findings, lost), _jitter(findings, lost)),
         ),
         Section(
             "The filter",
@@ -131,10 +131,9 @@ def _errors(findings: Findings, lost: Spans) -> tuple[Picture, ...]:
     )
 
 
-def _shake(findings: Findings, lost: Spans) -> Picture:
+def _jitter(findings: Findings, lost: Spans) -> Picture:
     series = {
-        name: (one.time_s, one.angular_acceleration_rad_s2)
-        for name, one in findings.errors.shake.items()
+        name: (one.time_s, one.angular_rad_s2) for name, one in findings.errors.acceleration.items()
     }
     return Picture(
         "Shaking",

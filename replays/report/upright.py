@@ -30,7 +30,7 @@ def map_unit(findings: Findings) -> str:
 def as_drawn(findings: Findings, paths: dict[str, Trajectory]) -> Drawn:
     """Paths and truth in the truth's world, aligned as the first path's errors are; z upwards.
 
-    The truth is taken from the first to the last stamp at which a pose was sought. The world of
+    The truth is taken from the first to the last stamp at which a pose was looked for. The world of
     SLAM may be the first camera's, whose z looks ahead: there, up is the normal of what the
     character stands on, and all is turned about the origin by the least rotation that takes it
     to z. Elsewhere z of the world is up.
@@ -42,8 +42,8 @@ def as_drawn(findings: Findings, paths: dict[str, Trajectory]) -> Drawn:
         fit = alignment_of(associate(next(iter(paths.values())), truth), findings.errors.align)
         paths = {name: fit.apply_to(one) for name, one in paths.items()}
         up = fit.rotor.apply(up)
-        sought = poses.sought_ns
-        inside = (truth.time_ns >= sought.min()) & (truth.time_ns <= sought.max())
+        times_ns = poses.frame_times_ns
+        inside = (truth.time_ns >= times_ns.min()) & (truth.time_ns <= times_ns.max())
         if np.any(inside):
             paths = paths | {"truth": truth[inside]}
         unit = "m"

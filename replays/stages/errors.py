@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -18,53 +17,25 @@ from motorcade.fusion.metrics import (
     jitter_above,
     rotation_rad,
 )
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import Trajectory
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera.camera_poses import CameraPoses
-from motorcade.replays.stages.inertial.fused import FusedPath
-from motorcade.replays.stages.smoothed import Smoothed
-from motorcade.tracking import BoardTrack, registration_px
-
-
-@dataclass(frozen=True)
-class ErrorSeries:
-    """Errors of one path over time; seconds count from the first stamp of the measured path."""
-
-    time_s: FloatArray
-    position_m: FloatArray
-    rotation_deg: FloatArray
-
-
-@dataclass(frozen=True)
-class ShakeSeries:
-    """Length of the angular acceleration of one path over time, in the moving frame."""
-
-    time_s: FloatArray
-    angular_acceleration_rad_s2: FloatArray
-
-
-@dataclass(frozen=True)
-class Errors:
-    """Figures and series a path: `measured`, `fused`, and every smoothed representation.
-
-    `align` is the alignment used; it is "none" and `against_truth` empty where there is no truth.
-    """
-
-    align: Align
-    figures: dict[str, dict[str, float | None]]
-    against_truth: dict[str, ErrorSeries]
-    shake: dict[str, ShakeSeries]
+from motorcade.replays.values.board_poses import BoardPoses
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.errors import AccelerationSeries, ErrorSeries, PathErrors
+from motorcade.replays.values.paths import FusedPath, SmoothedPaths
+from motorcade.tracking import registration_px
 
 
 def errors(
     recording: Recording,
     camera_poses: CameraPoses,
     fused: FusedPath,
-    smoothed: Smoothed,
+    smoothed: SmoothedPaths,
+    board_poses: BoardPoses | None = None,
     *,
     align: Literal["auto", "none", "se3", "sim3"] = "auto",
     jitter_above_hz: float = 5.0,
-) -> Errors:
+) -> PathErrors:
     """Evaluate every path.
 
     `align=auto` aligns (se3) where the poses were tracked, since the board's or the first camera's
@@ -75,18 +46,18 @@ def errors(
     paths = {"measured": camera_poses.measurements.trajectory, "fused": fused.trajectory}
     paths |= smoothed.trajectories
     start_ns = int(paths["measured"].time_ns[0])
-    stuck = {name: _registration(path, recording, camera_poses) for name, path in paths.items()}
-    shake = {name: _shake(path, start_ns) for name, path in paths.items()}
+    stuck = {name: _registration(path, recording, board_poses) for name, path in paths.items()}
+    acceleration = {name: _acceleration(path, start_ns) for name, path in paths.items()}
     truth = recording.truth
     if truth is None:
         figures = {
             name: _figures_without_truth(path, jitter_above_hz) for name, path in paths.items()
         }
-        return Errors("none", _joined(figures, stuck), {}, shake)
+        return PathErrors("none", _joined(figures, stuck), {}, acceleration)
     how: Align = _fitting(camera_poses) if align == "auto" else align
     figures = {name: _figures(path, truth, how) for name, path in paths.items()}
     series = {name: _series(path, truth, how, start_ns) for name, path in paths.items()}
-    return Errors(how, _joined(figures, stuck), series, shake)
+    return PathErrors(how, _joined(figures, stuck), series, acceleration)
 
 
 def _fitting(camera_poses: CameraPoses) -> Align:
@@ -117,14 +88,14 @@ def _figures_without_truth(path: Trajectory, frequency_hz: float) -> dict[str, f
 
 
 def _registration(
-    path: Trajectory, recording: Recording, camera_poses: CameraPoses
+    path: Trajectory, recording: Recording, board_poses: BoardPoses | None
 ) -> dict[str, float | None]:
     """How far what is drawn along the path moves against the footage; nothing without corners."""
-    if camera_poses.board_track is None or recording.board is None or recording.camera is None:
+    if board_poses is None or recording.board is None or recording.camera is None:
         return {}
     found = registration_px(
         path,
-        BoardTrack.load(camera_poses.board_track),
+        board_poses.track,
         recording.board,
         recording.camera,
         recording.world_T_board,
@@ -149,9 +120,9 @@ def _series(path: Trajectory, truth: Trajectory, align: Align, start_ns: int) ->
     )
 
 
-def _shake(path: Trajectory, start_ns: int) -> ShakeSeries:
+def _acceleration(path: Trajectory, start_ns: int) -> AccelerationSeries:
     if len(path) < 3:
-        return ShakeSeries(np.zeros(0), np.zeros(0))
+        return AccelerationSeries(np.zeros(0), np.zeros(0))
     _, angular = accelerations(path.time_s, path.motors)
     time_s = np.asarray((path.time_ns[1:-1] - start_ns) * 1e-9)
-    return ShakeSeries(time_s, np.linalg.norm(angular, axis=-1))
+    return AccelerationSeries(time_s, np.linalg.norm(angular, axis=-1))

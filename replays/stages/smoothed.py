@@ -2,23 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from motorcade.fusion.smoothing import automatic_window_s, smooth
-from motorcade.ga import Trajectory
-from motorcade.replays.stages.inertial.fused import FusedPath
-
-
-@dataclass(frozen=True)
-class Smoothed:
-    """The smoothed path `world_T_camera`, a trajectory a representation.
-
-    `window_s` is the width of the window used; None where the path was left as it was, because
-    any smoothing would have taken away motion.
-    """
-
-    trajectories: dict[str, Trajectory]
-    window_s: float | None
+from motorcade.replays.values.paths import FusedPath, SmoothedPaths
 
 
 def smoothed(
@@ -27,7 +12,7 @@ def smoothed(
     representations: tuple[str, ...] = ("motor", "quaternion", "euler_unwrapped", "euler"),
     window_s: float | None = None,
     order: int = 2,
-) -> Smoothed:
+) -> SmoothedPaths:
     """Smooth the fused path by local polynomials of `order` over `window_s` seconds.
 
     `representations` names those to compare, of motor, similarity, rotor, dual_quaternion,
@@ -42,8 +27,8 @@ def smoothed(
     if window_s is None:
         chosen = automatic_window_s(path, fused.covariance, order)
     if chosen is None:
-        return Smoothed(dict.fromkeys(representations, path), None)
-    return Smoothed(
+        return SmoothedPaths(dict.fromkeys(representations, path), None)
+    return SmoothedPaths(
         {
             name: smooth(path, "local_polynomial", name, window_s=chosen, order=order)
             for name in representations

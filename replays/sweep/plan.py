@@ -7,7 +7,7 @@
     until = "errors"             # or any later stage, as with `motorcade run --until`
 
     [knobs]
-    camera_poses.source = "simulated"    # the same in every run
+    tracked.by = "simulated"    # the same in every run
     fused.gate = [0.99, 0.9999]          # each in turn; every combination is run
 
 Paths are relative to the file. A list is always a list of alternatives: a knob that holds several
@@ -21,8 +21,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from motorcade.replays.engine.graph import Graph, GraphError
+from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import parse_knobs
+from motorcade.replays.engine.stage import GraphError
 from motorcade.replays.errors import RecordingError, one_line, refusal
 from motorcade.replays.readers.manifest.section import Section, load_toml
 
@@ -30,7 +31,7 @@ __all__ = ["SEEDED", "PlannedRun", "Sweep", "read_sweep"]
 
 MOST_RUNS = 100_000
 _KEYS = ("recordings", "seeds", "until", "knobs")
-SEEDED = ("camera_poses.seed", "imu.seed")
+SEEDED = ("simulated_poses.seed", "imu.seed")
 """The knobs that a seed of the sweep sets."""
 
 

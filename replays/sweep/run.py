@@ -17,8 +17,9 @@ from motorcade.replays.engine.jobs import job_key, run_jobs
 from motorcade.replays.errors import one_line
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.files.tables import write_csv
-from motorcade.replays.pipeline import Job, require_writable, run_job
-from motorcade.replays.recording import open_recording
+from motorcade.replays.pipeline import Job, run_job
+from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.results import require_writable
 from motorcade.replays.sweep.plan import PlannedRun, Sweep
 from motorcade.replays.sweep.report import report_page
 from motorcade.replays.sweep.table import FIGURES, PathFigures, Row, rows_of, write_parquet

@@ -32,8 +32,8 @@ from tests.end_to_end import conftest as small
 # The sources may be edited while this runs; here a key changes only by what is run.
 RUN = """
 import sys
-from motorcade.replays.engine import graph
-graph.code_digest = lambda function, given: "the same code"
+from motorcade.replays.engine import store
+store.code_digest = lambda function, given: "the same code"
 from motorcade.replays.cli import main
 sys.exit(main(sys.argv[1:]))
 """

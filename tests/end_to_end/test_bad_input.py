@@ -11,7 +11,7 @@ import pytest
 from motorcade.replays.cli import main
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.recording import open_recording
+from motorcade.replays.readers.opening import open_recording
 from motorcade.tracking import Camera
 from tests.textured_room.paths import handheld
 from tests.textured_room.recording import write_recording
@@ -66,7 +66,7 @@ def test_damaged_pictures_in_the_middle_are_left_out_told_and_counted(
         f"left out: {own / '013.png'}, frame 13: the file is empty",
     ]
     found = json.loads((out / "report.json").read_text())
-    assert found["camera_poses"]["measured"] == found["camera_poses"]["sought"] == 21
+    assert found["camera_poses"]["measured"] == found["camera_poses"]["frames"] == 21
     assert len(found["camera_poses"]["damaged_pictures"]) == 3
     assert "3 damaged pictures were left out" in (out / "report.html").read_text()
     # The others keep their stamps.
@@ -114,7 +114,7 @@ def test_damaged_depth_costs_the_depth_alone(
     path = sorted((room / "depth").glob("*.png"))[2]
     path.write_bytes(path.read_bytes()[:100])
     arguments = ["run", str(room), "--until", "camera_poses", "--out", str(tmp_path / "out")]
-    assert main([*arguments, "--set", "camera_poses.source=simulated"]) == 0
+    assert main([*arguments, "--set", "tracked.by=simulated"]) == 0
     assert f"left out: {path}, depth of frame 2: the picture is truncated" in caplog.text
     recording = open_recording(room).intact()
     depths = [frame.depth_m() is not None for frame in recording.frames]

@@ -38,7 +38,7 @@ def finished(board_recording: Path, tmp_path_factory: pytest.TempPathFactory) ->
 
 def test_a_run_leaves_report_video_and_trajectories(finished: Path) -> None:
     report = json.loads((finished / "report.json").read_text())
-    assert report["camera_poses"]["measured"] == report["camera_poses"]["sought"] == 24
+    assert report["camera_poses"]["measured"] == report["camera_poses"]["frames"] == 24
     assert report["errors"]["motor"]["ape_rmse_m"] < 0.001
     assert report["errors"]["motor"]["rotation_rmse_deg"] < 0.2
     for name in ("camera_poses_motor", "fused_motor", "smoothed_motor", "smoothed_quaternion"):
@@ -251,7 +251,7 @@ def test_an_empty_folder_is_called_empty(
         ("smoothed.windw=1", "no knob 'windw'"),
         ("smoothed.window_s=wide", "expected float, came 'wide'"),
         ("placed.on=ceiling", "expected one of auto, board, marker, plane, floor"),
-        ("camera_poses.sigma_m=nan", "expected a number within"),
+        ("simulated_poses.sigma_m=nan", "expected a number within"),
         ("smoothed.window_s=1e300", "expected a number within"),
         ("smoothed.representations=", "smoothed: representations: expected at least one"),
         ("fused.noise_factor=0", "fused: "),

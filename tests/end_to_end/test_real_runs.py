@@ -23,7 +23,7 @@ def test_a_handheld_checkerboard_is_tracked_throughout(data_dir: Path, tmp_path:
     found = report(
         tmp_path, data_dir / "replays" / "vamr_board", "--manifest", MANIFESTS / "vamr_board.toml"
     )
-    assert found["camera_poses"]["measured"] == found["camera_poses"]["sought"] == 250
+    assert found["camera_poses"]["measured"] == found["camera_poses"]["frames"] == 250
     motor, measured = found["errors"]["motor"], found["errors"]["measured"]
     assert motor["ape_rmse_m"] <= 0.8e-3
     assert motor["rotation_rmse_deg"] <= 0.25

@@ -69,8 +69,8 @@ def test_loose_markers_are_mapped_and_the_map_serves_again(
 ) -> None:
     folder, wall = tags
     found = report(tmp_path / "first", folder)
-    assert found["camera_poses"]["origin"] == "tags"
-    assert "6 loose markers, mapped from this recording alone" in found["camera_poses"]["account"]
+    assert found["camera_poses"]["origin"] == "markers"
+    assert "6 loose markers, mapped from this recording alone" in found["camera_poses"]["summary"]
     assert found["camera_poses"]["measured"] == 16
     assert found["align"] == "se3"
     assert found["errors"]["measured"]["ape_rmse_m"] < 0.002
@@ -84,7 +84,7 @@ def test_loose_markers_are_mapped_and_the_map_serves_again(
     manifest = tmp_path / "known.toml"
     manifest.write_text(TABLES + MARKERS + 'map_file = "known.json"\n')
     again = report(tmp_path / "again", folder, "--manifest", manifest, "--set", "errors.align=none")
-    assert "where a map places them" in again["camera_poses"]["account"]
+    assert "where a map places them" in again["camera_poses"]["summary"]
     assert again["errors"]["measured"]["ape_rmse_m"] < 0.002
     assert again["errors"]["measured"]["rotation_rmse_deg"] < 0.3
 
@@ -97,10 +97,10 @@ def test_loose_markers_are_refined_on_their_print_where_that_is_asked_for(
     shutil.copytree(tags[0], few)
     for path in sorted(few.glob("*.png"))[5:]:
         path.unlink()
-    knob = ("--set", "camera_poses.refine=photometric")
+    knob = ("--set", "marker_poses.refine=photometric")
     plain = report(tmp_path / "plain", few)
     found = report(tmp_path / "refined", few, *knob)
-    assert found["camera_poses"]["account"].endswith("refined on their prints")
+    assert found["camera_poses"]["summary"].endswith("refined on their prints")
     assert found["errors"]["measured"]["ape_rmse_m"] < plain["errors"]["measured"]["ape_rmse_m"]
     code = (
         "import sys; sys.modules['torch'] = None; from motorcade.replays.cli import main; "
@@ -122,8 +122,8 @@ def test_a_board_that_is_named_but_never_seen_is_passed_over_and_said(
     board = '[board]\ntype = "checkerboard"\ncolumns = 9\nrows = 6\nsquare_m = 0.04\n'
     manifest.write_text(TABLES + MARKERS + board)
     found = report(tmp_path, folder, "--manifest", manifest)
-    assert found["camera_poses"]["origin"] == "tags"
-    (passed,) = found["camera_poses"]["passed_over"]
+    assert found["camera_poses"]["origin"] == "markers"
+    (passed,) = found["camera_poses"]["skipped"]
     assert passed.startswith("board: frames: expected some that show checkerboard")
     assert "Passed over: board" in (tmp_path / "report.html").read_text()
 
@@ -133,7 +133,7 @@ def resumed_in_the_map_of_an_earlier_run(folder: Path, tmp_path: Path) -> None:
     again = '[slam]\nmap_file = "../depth/slam_map.npz"\n'
     manifest.write_text((folder / "motorcade.toml").read_text() + again)
     found = report(tmp_path / "again", folder, "--manifest", manifest, "--set", "errors.align=auto")
-    assert "in a saved map, with depth" in found["camera_poses"]["account"]
+    assert "in a saved map, with depth" in found["camera_poses"]["summary"]
     assert found["camera_poses"]["measured"] >= 55
     assert found["errors"]["measured"]["ape_rmse_m"] < 0.005
 
@@ -169,8 +169,8 @@ def test_recorded_corners_run_to_a_report_without_a_video(
     shutil.copytree(source, folder)
     found = report(tmp_path / "out", folder)
     assert "overlay: left out: the recording holds corners" in caplog.text
-    assert found["camera_poses"]["origin"] == "tags"
-    assert "recorded corners of 8 loose markers" in found["camera_poses"]["account"]
+    assert found["camera_poses"]["origin"] == "markers"
+    assert "recorded corners of 8 loose markers" in found["camera_poses"]["summary"]
     # The markers are carried past a camera at rest: the reference is seen from them.
     assert found["errors"]["measured"]["ape_rmse_m"] < 0.002
     assert found["overlay"] is None
@@ -191,7 +191,7 @@ def test_an_imu_gives_one_camera_its_metres(tmp_path: Path) -> None:
     found = report(tmp_path / "out", folder, "--set", "errors.align=auto")
     poses = found["camera_poses"]
     assert (poses["origin"], poses["scale"], found["align"]) == ("slam", "metric", "se3")
-    assert "metres and up found by the IMU" in poses["account"]
+    assert "metres and up found by the IMU" in poses["summary"]
     assert 0.0 < poses["scale_sigma"] < 0.1
     assert (found["imu"]["origin"], found["fused"]["by"]) == ("recorded", "imu")
     assert found["errors"]["fused"]["ape_rmse_m"] < 0.01

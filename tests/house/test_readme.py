@@ -11,7 +11,7 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
 from motorcade.replays.cli.main import _parser
 from motorcade.replays.files.trajectories import write_trajectory
-from motorcade.replays.recording import open_recording
+from motorcade.replays.readers.opening import open_recording
 from tests.bench.tables import SUITES
 
 README = Path(__file__).resolve().parents[2] / "README.md"

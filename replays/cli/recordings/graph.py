@@ -32,7 +32,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def draw(arguments: argparse.Namespace) -> None:
     """Print or write the drawing."""
     from motorcade.replays.engine import drawing
-    from motorcade.replays.engine.knobs import told_knobs
+    from motorcade.replays.engine.knobs import described_knobs
     from motorcade.replays.files.atomic import write_bytes
     from motorcade.replays.pipeline import pipeline
 
@@ -41,7 +41,7 @@ def draw(arguments: argparse.Namespace) -> None:
         write_bytes(arguments.svg, drawing.svg(graph).encode())
     elif arguments.knobs:
         for stage in graph.stages.values():
-            for knob in told_knobs(stage):
+            for knob in described_knobs(stage):
                 print(f"{stage.name}.{knob.name}={knob.default}  ({knob.values})")
                 print(textwrap.indent(textwrap.fill(knob.meaning, WIDTH), " " * 4))
     else:

@@ -35,7 +35,7 @@ def inspect(arguments: argparse.Namespace) -> None:
     """Open the recording or character and print its contents."""
     from motorcade.animation.formats import SUFFIXES
     from motorcade.replays.inspection import describe, describe_character
-    from motorcade.replays.recording import open_recording
+    from motorcade.replays.readers.opening import open_recording
 
     is_character = arguments.recording.suffix.lower() in SUFFIXES
     if is_character:

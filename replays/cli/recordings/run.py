@@ -148,7 +148,7 @@ def result(summary: Mapping[str, Any], out: Path) -> str:
     poses = summary.get("camera_poses")
     if poses is None:
         return f"done as far as {summary['until']}; look into {out}"
-    told = f"{poses['measured']} of {poses['sought']} frames have a pose ({poses['origin']})"
+    told = f"{poses['measured']} of {poses['frames']} frames have a pose ({poses['origin']})"
     smoothed = next(row for path, row in summary["errors"].items() if path not in UNSMOOTHED)
     off_m, off_deg = smoothed.get("ape_rmse_m"), smoothed.get("rotation_rmse_deg")
     if off_m is not None:

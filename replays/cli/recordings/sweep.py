@@ -16,7 +16,7 @@ What is finished is not run again. Paths in CONFIG.toml are relative to it:
   until = "errors"                    # or any later stage, as with `motorcade run --until`
 
   [knobs]                             # `motorcade graph --knobs` lists them
-  camera_poses.source = "simulated"   # the same in every run
+  tracked.by = "simulated"   # the same in every run
   fused.gate = [0.99, 0.9999]         # each in turn"""
 
 

@@ -68,7 +68,7 @@ def _stream(path: Path) -> ImuStream:
     from motorcade.replays.readers.frames import video
     from motorcade.replays.readers.gpmf import read_telemetry
     from motorcade.replays.readers.inertial import read_imu
-    from motorcade.replays.recording import open_recording
+    from motorcade.replays.readers.opening import open_recording
 
     if video.recognise(path):
         found = read_telemetry(path)

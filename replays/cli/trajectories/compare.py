@@ -55,7 +55,7 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
     from motorcade.replays.compare.plan import DEGRADATIONS, quick, standard
     from motorcade.replays.compare.run import compare
     from motorcade.replays.engine.executors import check_executor
-    from motorcade.replays.pipeline import require_writable
+    from motorcade.replays.results import require_writable
 
     if (arguments.input is None) != (arguments.truth is None):
         raise ValueError("compare: expected --input and --truth together, got one of them")

@@ -44,7 +44,7 @@ def consistency(arguments: argparse.Namespace) -> None:
     from motorcade.replays.consistency.run import Plan, as_json, as_table, run_plan
     from motorcade.replays.engine.executors import check_executor
     from motorcade.replays.files.atomic import write_bytes
-    from motorcade.replays.pipeline import require_writable
+    from motorcade.replays.results import require_writable
 
     names = ("motions", "filters", "runs", "seed", "duration_s")
     given = {name: getattr(arguments, name) for name in names}

@@ -1,24 +1,29 @@
-"""Camera poses by loose markers: corners found or recorded, mapped together, tracked by the map."""
+"""Stage `marker_poses`: camera poses by loose markers.
+
+Their corners are found or were recorded; they are mapped together and tracked by the map.
+"""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor
-from motorcade.replays.engine.graph import Unavailable
+from motorcade.ga import Motor
 from motorcade.replays.engine.progress import track
+from motorcade.replays.engine.stage import NotOffered, Unavailable
 from motorcade.replays.markers.loose import LooseMarkers
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.values.marker_poses import MarkerPoses
 from motorcade.tracking import Detection, PoseMeasurements, TrackingError, detect_markers
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import Sightings
 from motorcade.tracking.markers.mapping import MappedRecording, map_markers, track_rig
-from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.markers.photometric import (
     PhotometricUnavailable,
     RefinedFrame,
@@ -26,7 +31,7 @@ from motorcade.tracking.markers.photometric import (
     refine_frame,
 )
 
-__all__ = ["MarkerPoses", "Refine", "marker_poses", "markers_found"]
+__all__ = ["Refine", "marker_poses", "markers_found"]
 
 Refine = Literal["none", "photometric"]
 _ONLY = "camera"
@@ -34,84 +39,94 @@ _ONLY = "camera"
 _SIGMA_FLOOR = np.repeat([1e-4, 1e-4], 3)
 
 
-@dataclass(frozen=True, eq=False)
-class MarkerPoses:
-    """What markers measured.
-
-    Args:
-        measurements: `world_T_camera` of the frames that show a marker of the map.
-        sought_ns: stamps of all frames.
-        error_px: ``(N,)`` root mean square reprojection error of each measured frame.
-        marker_map: where the markers stand.
-        left_out: markers that were seen, but never together with one of the map.
-        seconds: time it took, reading and decoding included.
-    """
-
-    measurements: PoseMeasurements
-    sought_ns: IntArray
-    error_px: FloatArray
-    marker_map: MarkerMap
-    left_out: tuple[int, ...]
-    seconds: float
-
-
 def marker_poses(
-    recording: Recording, refine: Refine = "none", moving: tuple[int, ...] = ()
+    recording: Recording, *, refine: Refine = "none", moving: tuple[int, ...] = ()
 ) -> MarkerPoses:
     """Map the markers of a recording, unless their map is known, and track its camera by them.
 
-    The world is the map's; of a map made here, the frame of the marker seen most. Markers that are
-    `moving` are left out.
+    The world is the map's; of a map made here, the frame of the marker seen most.
+
+    `refine=photometric` refines the poses of loose markers in pictures on their whole print; it
+    needs torch and kornia (the extra `photometric`), and pays on small markers and for steadiness
+    (`make bench SUITE=tracking` says how much), at 30 to 150 ms a marker on one core.
+
+    `moving` names markers that do not stand still: they neither map nor track.
 
     Raises:
-        ValueError: neither recorded corners nor a family to look for, no camera, or refinement
-            where there are no pictures or some markers move.
+        NotOffered: no camera known, or neither recorded corners nor a family to look for.
+        ValueError: refinement where there are no pictures or some markers move.
         TrackingError: no marker seen.
         Unavailable: refinement without torch and kornia.
     """
     if refine != "none" and moving:
-        raise ValueError(f"{recording.name}: refine={refine} takes all markers, came {moving=}")
+        raise ValueError(f"{recording.name}: refine={refine} takes all markers, got {moving=}")
+    camera_of(recording)
     start = time.perf_counter()
-    frames, markers = recording.frames, recording.markers
-    known = None if markers is None else markers.marker_map
-    posed = None
-    if isinstance(frames, CornerFrames):
-        if refine != "none":
-            raise ValueError(f"{recording.name}: refine={refine} needs pictures, came corners")
-        first, streams = next(iter(frames.streams)), frames.streams
-        side_m, rig_T_camera = frames.side_m, frames.rig_T_camera
-    else:
-        first, loose = _ONLY, _named(recording)
-        stream, sightings = markers_found(recording, loose, refine)
-        streams, rig_T_camera = {_ONLY: stream}, {_ONLY: Motor.identity()}
-        side_m = dict.fromkeys(np.unique(stream.marker_ids).tolist(), loose.side_m)
-        posed = None if sightings is None else {_ONLY: sightings}
-    streams = {name: _standing(stream, moving) for name, stream in streams.items()}
+    seen = _seen_markers(recording, refine)
+    streams = {name: _standing(stream, moving) for name, stream in seen.streams.items()}
     if not any(len(stream) for stream in streams.values()):
         raise TrackingError("frames: expected some that show a marker, got none")
+    known = None if recording.markers is None else recording.markers.marker_map
     found = (
-        map_markers(streams, side_m, rig_T_camera, posed=posed)
+        map_markers(streams, seen.side_m, seen.rig_T_camera, posed=seen.posed)
         if known is None
-        else track_rig(known, streams, rig_T_camera)
+        else track_rig(known, streams, seen.rig_T_camera)
     )
-    return _of_camera(found, first, time.perf_counter() - start)
+    where = "mapped from this recording alone" if known is None else "where a map places them"
+    recorded = isinstance(recording.frames, CornerFrames)
+    summary = (
+        f"tracked by the {'recorded corners' if recorded else 'images'} of "
+        f"{len(found.marker_map)} loose markers, {where}"
+        + (", refined on their prints" if refine == "photometric" else "")
+        + (f"; {len(found.left_out)} markers never seen beside them" if found.left_out else "")
+    )
+    return MarkerPoses(
+        _of_camera(found, next(iter(streams))),
+        found.time_ns,
+        found.frame_error_px,
+        "markers",
+        summary,
+        seconds=time.perf_counter() - start,
+        marker_map=found.marker_map,
+    )
 
 
-def _of_camera(found: MappedRecording, camera: str, seconds: float) -> MarkerPoses:
-    """The rig's path and covariance, carried over to one of its cameras."""
+@dataclass(frozen=True, eq=False)
+class _SeenMarkers:
+    """Corners by camera, sides by marker, cameras on the rig, and poses where they were refined."""
+
+    streams: Mapping[str, CornerStream]
+    side_m: Mapping[int, float]
+    rig_T_camera: Mapping[str, Motor]
+    posed: dict[str, Sightings] | None = None
+
+
+def _seen_markers(recording: Recording, refine: Refine) -> _SeenMarkers:
+    """What was recorded of markers, or is found in the pictures."""
+    frames = recording.frames
+    if isinstance(frames, CornerFrames):
+        if refine != "none":
+            raise ValueError(f"{recording.name}: refine={refine} needs pictures, got corners")
+        return _SeenMarkers(frames.streams, frames.side_m, frames.rig_T_camera)
+    if recording.markers is None:
+        raise NotOffered(
+            f"{recording.name}: no markers to look for; name their family in a manifest ([markers])"
+        )
+    loose = recording.markers
+    stream, sightings = markers_found(recording, loose, refine)
+    side_m = dict.fromkeys(np.unique(stream.marker_ids).tolist(), loose.side_m)
+    posed = None if sightings is None else {_ONLY: sightings}
+    return _SeenMarkers({_ONLY: stream}, side_m, {_ONLY: Motor.identity()}, posed)
+
+
+def _of_camera(found: MappedRecording, camera: str) -> PoseMeasurements:
+    """The rig's path and covariance, at one of its cameras."""
     rig_T_camera = found.rig_T_camera[camera]
     adjoint = rig_T_camera.inverse().adjoint()
     covariance = adjoint @ found.covariance @ adjoint.T + np.diag(_SIGMA_FLOOR**2)
-    return MarkerPoses(
-        PoseMeasurements(
-            found.trajectory.transformed_by(right=rig_T_camera, child="camera"),
-            0.5 * (covariance + covariance.swapaxes(-1, -2)),
-        ),
-        found.time_ns,
-        found.frame_error_px,
-        found.marker_map,
-        found.left_out,
-        seconds,
+    return PoseMeasurements(
+        found.trajectory.transformed_by(right=rig_T_camera, child="camera"),
+        0.5 * (covariance + covariance.swapaxes(-1, -2)),
     )
 
 
@@ -124,12 +139,10 @@ def markers_found(
     since no map can tell its copies apart.
 
     Raises:
-        ValueError: no camera.
+        NotOffered: no camera known.
         Unavailable: refinement without torch and kornia.
     """
-    camera = recording.camera
-    if camera is None:
-        raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
+    camera = camera_of(recording)
     frames, family = recording.frames, markers.family
     ids, corners, refined = [], [], []
     for frame in track(frames, "detecting", len(frames)):
@@ -169,11 +182,3 @@ def _usable(found: tuple[Detection, ...]) -> list[Detection]:
     ids = [one.marker_id for one in found]
     once = [one for one in found if ids.count(one.marker_id) == 1]
     return [one for one in once if one.sharp] or once
-
-
-def _named(recording: Recording) -> LooseMarkers:
-    if recording.markers is None:
-        raise ValueError(
-            f"{recording.name}: no markers to look for; name their family in a manifest ([markers])"
-        )
-    return recording.markers

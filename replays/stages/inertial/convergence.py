@@ -2,40 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from motorcade.fusion.filter import fuse
 from motorcade.fusion.metrics import associate, tilt_rad
-from motorcade.ga import FloatArray
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera.camera_poses import CameraPoses
-from motorcade.replays.stages.inertial.fused import FusedPath, filter_settings
-from motorcade.replays.stages.inertial.imu import Imu
+from motorcade.replays.stages.inertial.fused import filter_settings
 from motorcade.replays.stages.inertial.imu_noise import assumed_noise
 from motorcade.replays.stages.inertial.levelled import levelled
-
-
-@dataclass(frozen=True)
-class Convergence:
-    """Tilt error (N,) in degrees over seconds after a start `initial_tilt_deg` wrong.
-
-    `settled_s` is when it falls below a tenth of the start for good, None if it never does;
-    `judged_by` names what the tilt was compared with. There are no errors where no filter ran.
-    """
-
-    initial_tilt_deg: float
-    time_s: FloatArray
-    tilt_error_deg: FloatArray
-    settled_s: float | None
-    judged_by: str
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.convergence import Convergence
+from motorcade.replays.values.imu import UsedImu
+from motorcade.replays.values.paths import FusedPath
 
 
 def convergence(
     recording: Recording,
     camera_poses: CameraPoses,
-    imu: Imu,
+    imu: UsedImu,
     fused: FusedPath,
     *,
     initial_tilt_deg: float = 5.0,

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from motorcade.fusion.filter import FilterSettings, fuse
 from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.fusion.imu import ImuNoise, ImuStream
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import Trajectory
 from motorcade.replays.recording import Odometry, Recording
-from motorcade.replays.stages.camera.camera_poses import CameraPoses
-from motorcade.replays.stages.inertial.imu import Imu
 from motorcade.replays.stages.inertial.imu_noise import assumed_noise
 from motorcade.replays.stages.inertial.levelled import Levelled, levelled
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.imu import UsedImu
+from motorcade.replays.values.paths import FusedPath, FusedWith
 from motorcade.tracking import PoseMeasurements
-
-By = Literal["imu", "odometry", "nothing"]
 
 ALIGNMENT_SIGMA_DEG = {"recorded": 1.0, "reference": 0.0, "tracked": 0.0}
 """How far the world's z may be from up, and the camera's calibrated attitude on the IMU from the
@@ -29,28 +26,10 @@ LEVELLED_SIGMA_DEG = 3.0
 that in a few seconds."""
 
 
-@dataclass(frozen=True, eq=False)
-class FusedPath:
-    """The path `world_T_camera` at N stamps, and how it came about.
-
-    `covariance` (N, 6, 6) is that of the right perturbation, rotation (rad) first. `nis` (N,) are
-    the filter's normalised innovations squared, NaN where nothing was measured or no filter ran;
-    `accepted` (N,) is false where it left a measurement out. `by` says what was fused with the
-    camera's poses, `account` the same in words.
-    """
-
-    trajectory: Trajectory
-    covariance: FloatArray
-    nis: FloatArray
-    accepted: NDArray[np.bool_]
-    by: By
-    account: str
-
-
 def fused(
     recording: Recording,
     camera_poses: CameraPoses,
-    imu: Imu,
+    imu: UsedImu,
     *,
     by: Literal["auto", "imu", "odometry", "nothing"] = "auto",
     look_ahead: bool = True,
@@ -60,7 +39,7 @@ def fused(
     gate: float = 0.9999,
     initial_tilt_deg: float = 0.0,
 ) -> FusedPath:
-    """Join the measured poses with what else was recorded, at every stamp at which one was sought.
+    """Join the measured poses with what else was recorded, at the time of every frame.
 
     `by=auto` filters with the IMU, unless that could only be simulated along the tracked path and
     an odometry was recorded: then the odometry bridges what the camera did not see. Where lengths
@@ -97,7 +76,9 @@ def fused(
     return _by_imu(camera_poses, imu, stream, noise, level, settings, look_ahead)
 
 
-def _chosen(camera_poses: CameraPoses, imu: Imu, odometry: Odometry | None, look_ahead: bool) -> By:
+def _chosen(
+    camera_poses: CameraPoses, imu: UsedImu, odometry: Odometry | None, look_ahead: bool
+) -> FusedWith:
     if not camera_poses.metric:
         return "nothing"
     return "odometry" if imu.origin == "tracked" and odometry and look_ahead else "imu"
@@ -105,35 +86,35 @@ def _chosen(camera_poses: CameraPoses, imu: Imu, odometry: Odometry | None, look
 
 def _as_tracked(camera_poses: CameraPoses) -> FusedPath:
     measured = camera_poses.measurements
-    account = "left as tracked"
+    summary = "left as tracked"
     if not camera_poses.metric:
-        account = "left as tracked: lengths have no unit, so nothing can be fused with it"
-    return _unjudged(measured, "nothing", account)
+        summary = "left as tracked: lengths have no unit, so nothing can be fused with it"
+    return _unjudged(measured, "nothing", summary)
 
 
-def _unjudged(found: PoseMeasurements, by: By, account: str) -> FusedPath:
+def _unjudged(found: PoseMeasurements, by: FusedWith, summary: str) -> FusedPath:
     count = len(found)
     accepted = np.ones(count, dtype=np.bool_)
     return FusedPath(
-        found.trajectory, found.covariance, np.full(count, np.nan), accepted, by, account
+        found.trajectory, found.covariance, np.full(count, np.nan), accepted, by, summary
     )
 
 
 def _by_odometry(camera_poses: CameraPoses, odometry: Odometry) -> FusedPath:
-    """The pose graph's path at the stamps sought, between its nodes by the screw motion."""
+    """The pose graph's path at the times of the frames, between its nodes by the screw motion."""
     found = fuse_odometry(
         camera_poses.measurements, odometry.trajectory, odometry.odometry_T_camera
     )
-    path, sought = found.trajectory, camera_poses.sought_ns
-    stamps = sought[(sought >= path.time_ns[0]) & (sought <= path.time_ns[-1])]
+    path, times_ns = found.trajectory, camera_poses.frame_times_ns
+    stamps = times_ns[(times_ns >= path.time_ns[0]) & (times_ns <= path.time_ns[-1])]
     rows = np.searchsorted(path.time_ns, stamps)
     at = Trajectory(stamps, path.motors_at(stamps), path.parent, path.child)
-    account = "fused with the recorded odometry, which bridges what the camera did not see"
-    return _unjudged(PoseMeasurements(at, found.covariance[rows]), "odometry", account)
+    summary = "fused with the recorded odometry, which bridges what the camera did not see"
+    return _unjudged(PoseMeasurements(at, found.covariance[rows]), "odometry", summary)
 
 
 def _by_imu(
-    camera_poses: CameraPoses, imu: Imu, stream: ImuStream, noise: ImuNoise, level: Levelled,
+    camera_poses: CameraPoses, imu: UsedImu, stream: ImuStream, noise: ImuNoise, level: Levelled,
     settings: FilterSettings, look_ahead: bool,
 ) -> FusedPath:  # fmt: skip
     found = fuse(
@@ -141,26 +122,26 @@ def _by_imu(
         stream,
         noise,
         imu.imu_T_camera,
-        camera_poses.sought_ns,
+        camera_poses.frame_times_ns,
         settings=settings,
         smoothed=look_ahead,
         state_covariances=False,
     )
-    account = f"fused with the {'recorded' if imu.origin == 'recorded' else 'simulated'} IMU"
+    summary = f"fused with the {'recorded' if imu.origin == 'recorded' else 'simulated'} IMU"
     if level.leaned:
-        account += f" (the world's z leans {level.lean_deg:.0f}° from up)"
+        summary += f" (the world's z leans {level.lean_deg:.0f}° from up)"
     return FusedPath(
         found.trajectory.transformed_by(left=level.level_T_world.inverse()),
         found.covariance,
         found.nis,
         found.accepted,
         "imu",
-        account,
+        summary,
     )
 
 
 def filter_settings(
-    imu: Imu,
+    imu: UsedImu,
     initial_tilt_deg: float = 0.0,
     alignment_sigma_deg: float | None = None,
     gate: float = 0.9999,

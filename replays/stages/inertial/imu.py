@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
-from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream, simulate_imu
+from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.fusion.sync import synchronise
 from motorcade.ga import Motor
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera.camera_poses import CameraPoses
-from motorcade.replays.stages.inertial.imu_noise import Origin
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.imu import ImuOrigin, UsedImu
 
 log = logging.getLogger("motorcade.imu")
 _NO_MOUNT = (
@@ -25,43 +25,6 @@ NEAREST_KNOTS_S = 0.02
 FEWEST_POSES = 4
 
 
-@dataclass(frozen=True)
-class Imu:
-    """What inertial stream there is, its noise model, where the camera sits on it, its origin.
-
-    `simulated` is there unless the stream is the recording's own, which is not stored twice;
-    `stream` gives the one or the other. `clock_offset_s` is taken off the recorded stamps (what the
-    IMU's clock showed at an event minus what the camera's did), and `clock_offset_sigma_s` is its
-    deviation; None where it was not sought.
-    """
-
-    simulated: ImuStream | None
-    noise: ImuNoise
-    imu_T_camera: Motor
-    origin: Origin
-    clock_offset_s: float = 0.0
-    clock_offset_sigma_s: float | None = None
-
-    def stream(self, recording: Recording) -> ImuStream:
-        """The stream on the camera's clock; `recording` is the one that the stage was given.
-
-        Raises:
-            ValueError: another recording, without a stream.
-        """
-        if self.simulated is not None:
-            return self.simulated
-        recorded = recording.imu
-        if recorded is None:
-            raise ValueError(f"{recording.name}: expected a recorded IMU, got none")
-        if self.clock_offset_s == 0.0:
-            return recorded
-        return ImuStream(
-            recorded.time_ns - round(self.clock_offset_s * 1e9),
-            recorded.angular_rate_rad_s,
-            recorded.specific_force_m_s2,
-        )
-
-
 def imu(
     recording: Recording,
     camera_poses: CameraPoses,
@@ -71,7 +34,7 @@ def imu(
     rate_hz: float = 200.0,
     knot_spacing_s: float | None = None,
     seed: int = 0,
-) -> Imu:
+) -> UsedImu:
     """The recording's own IMU; without one, a simulation along the tracked path.
 
     `source=auto` takes the recorded stream, else simulates one along the tracked path; that adds
@@ -93,7 +56,7 @@ def imu(
             raise ValueError(f"{recording.name}: imu.source=recorded, but it has no IMU stream")
         if imu_T_camera is None:
             raise ValueError(f"{recording.name}: imu.source=recorded, but {_NO_MOUNT}")
-        made = Imu(None, noise, imu_T_camera, origin)
+        made = UsedImu(None, noise, imu_T_camera, origin)
         return made if sync == "off" else _on_camera_clock(made, recording.imu, camera_poses)
     if sync != "off":
         raise ValueError(f"{recording.name}: imu.sync={sync} needs a recorded IMU")
@@ -113,10 +76,10 @@ def imu(
     simulated = simulate_imu(
         world_T_imu, rate_hz, noise, np.random.default_rng(seed), knot_spacing_s=knot_spacing_s
     )
-    return Imu(simulated.stream, noise, imu_T_camera, origin)
+    return UsedImu(simulated.stream, noise, imu_T_camera, origin)
 
 
-def _origin(recording: Recording) -> Origin:
+def _origin(recording: Recording) -> ImuOrigin:
     """Recorded, unless there is no stream, or nothing tells how the camera sits on its sensor."""
     if recording.imu is None:
         return "tracked"
@@ -126,7 +89,7 @@ def _origin(recording: Recording) -> Origin:
     return "recorded"
 
 
-def _on_camera_clock(imu: Imu, recorded: ImuStream, camera_poses: CameraPoses) -> Imu:
+def _on_camera_clock(imu: UsedImu, recorded: ImuStream, camera_poses: CameraPoses) -> UsedImu:
     """The IMU with the offset by which its stamps are carried over to the camera's clock."""
     if camera_poses.metres_a_unit is not None or not camera_poses.metric:
         raise ValueError(

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from motorcade.fusion.imu import ImuNoise
+from motorcade.replays.values.imu import ImuOrigin
 
-__all__ = ["NOISE_FACTORS", "Origin", "assumed_noise"]
+__all__ = ["NOISE_FACTORS", "assumed_noise"]
 
-Origin = Literal["recorded", "reference", "tracked"]
-
-NOISE_FACTORS: dict[Origin, tuple[float, float]] = {
+NOISE_FACTORS: dict[ImuOrigin, tuple[float, float]] = {
     "recorded": (10.0, 1.0), "reference": (1.0, 1.0), "tracked": (1000.0, 1000.0),
 }  # fmt: skip
 """On white densities and on bias walks, by where the IMU came from. Data sheets describe a sensor
@@ -21,7 +18,7 @@ tracked path repeats what the camera said, errors and all, and must not be belie
 
 
 def assumed_noise(
-    noise: ImuNoise, origin: Origin, white: float | None = None, walk: float | None = None
+    noise: ImuNoise, origin: ImuOrigin, white: float | None = None, walk: float | None = None
 ) -> ImuNoise:
     """The sensor's noise times the factors of its origin, or times those given."""
     usual_white, usual_walk = NOISE_FACTORS[origin]

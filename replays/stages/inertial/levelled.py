@@ -12,8 +12,8 @@ import numpy as np
 
 from motorcade.fusion.imu import ImuStream
 from motorcade.ga import FloatArray, Motor, Rotor
-from motorcade.replays.stages.camera.camera_poses import CameraPoses
-from motorcade.replays.stages.inertial.imu import Imu
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.imu import UsedImu
 from motorcade.tracking import PoseMeasurements
 
 __all__ = ["Levelled", "levelled"]
@@ -35,7 +35,7 @@ class Levelled:
     leaned: bool
 
 
-def levelled(camera_poses: CameraPoses, imu: Imu, stream: ImuStream) -> Levelled:
+def levelled(camera_poses: CameraPoses, imu: UsedImu, stream: ImuStream) -> Levelled:
     """Turn a world upright whose z is more than 3° from up by a recorded IMU.
 
     Poses simulated from a truth keep that truth's world, and an IMU simulated along a path has z
@@ -56,7 +56,7 @@ def levelled(camera_poses: CameraPoses, imu: Imu, stream: ImuStream) -> Levelled
     return Levelled(turned, turn, float(np.rad2deg(lean_rad)), leaned=True)
 
 
-def _mean_up(camera_poses: CameraPoses, imu: Imu, stream: ImuStream) -> FloatArray | None:
+def _mean_up(camera_poses: CameraPoses, imu: UsedImu, stream: ImuStream) -> FloatArray | None:
     """The mean specific force ``(3,)`` in the world; None where the IMU covers no pose."""
     path = camera_poses.measurements.trajectory
     rows = np.flatnonzero(

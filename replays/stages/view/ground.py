@@ -16,8 +16,8 @@ from motorcade.animation.vectors import axes_along
 from motorcade.ga import FloatArray, Motor, Rotor, Trajectory, frozen
 from motorcade.render.light import Prints
 from motorcade.replays.recording import Frame, Recording
-from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.view.in_view import best_place
+from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.tracking import Board, MarkerGrid, SingleMarker
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.marker_map import MarkerMap
@@ -83,7 +83,9 @@ def upward(
     return None
 
 
-def ground_on_board(recording: Recording, camera_poses: CameraPoses) -> Ground | None:
+def ground_on_board(
+    recording: Recording, camera_poses: CameraPoses, marker_map: MarkerMap | None
+) -> Ground | None:
     """The board where one is known, or loose markers: the plane of the one seen most."""
     if recording.board is not None and camera_poses.origin in ("board", "simulated"):
         height = 0.5 * min(recording.board.size_m)
@@ -91,12 +93,11 @@ def ground_on_board(recording: Recording, camera_poses: CameraPoses) -> Ground |
         x, y = printed.x_edges_m[[0, -1]], 0.0 - printed.y_edges_m[[-1, 0]]
         place, extent = _middle(recording.board), frozen(np.stack([x, y], axis=-1))
         return Ground(recording.world_T_board, place, height, "the board", extent)
-    if camera_poses.marker_map is None:
+    if marker_map is None:
         return None
-    known = MarkerMap.load(camera_poses.marker_map)
-    base = int(np.argmin(np.linalg.norm(known.world_T_marker.as_twist(), axis=-1)))
-    side_m, number = float(known.side_m[base]), int(known.marker_ids[base])
-    return ground_on_marker(known.world_T_marker[base], side_m, number)
+    base = int(np.argmin(np.linalg.norm(marker_map.world_T_marker.as_twist(), axis=-1)))
+    side_m, number = float(marker_map.side_m[base]), int(marker_map.marker_ids[base])
+    return ground_on_marker(marker_map.world_T_marker[base], side_m, number)
 
 
 def ground_on_marker(world_T_marker: Motor, side_m: float, marker_id: int) -> Ground:
@@ -105,7 +106,12 @@ def ground_on_marker(world_T_marker: Motor, side_m: float, marker_id: int) -> Gr
     return Ground(world_T_marker, middle, side_m, f"marker {marker_id}", frozen(extent))
 
 
-def known_marker(recording: Recording, camera_poses: CameraPoses, marker_id: int) -> Motor | None:
+def known_marker(
+    recording: Recording,
+    camera_poses: CameraPoses,
+    marker_map: MarkerMap | None,
+    marker_id: int,
+) -> Motor | None:
     """Where a map, or the board that it is part of, has a marker; None where neither knows it."""
     board = recording.board
     if camera_poses.origin in ("board", "simulated") and isinstance(
@@ -116,24 +122,24 @@ def known_marker(recording: Recording, camera_poses: CameraPoses, marker_id: int
             corner_m = board.points_m[4 * int(rows[0])]
             inside = Motor.from_translation(corner_m)
             return recording.world_T_board @ inside
-    if camera_poses.marker_map is None:
+    if marker_map is None:
         return None
-    known = MarkerMap.load(camera_poses.marker_map)
-    rows = np.flatnonzero(known.marker_ids == marker_id)
-    return known.world_T_marker[int(rows[0])] if len(rows) else None
+    rows = np.flatnonzero(marker_map.marker_ids == marker_id)
+    return marker_map.world_T_marker[int(rows[0])] if len(rows) else None
 
 
-def prints_of(recording: Recording, camera_poses: CameraPoses) -> Prints | None:
+def prints_of(
+    recording: Recording, camera_poses: CameraPoses, marker_map: MarkerMap | None
+) -> Prints | None:
     """Boards and markers whose place in the world is known; None where there are none."""
     if recording.board is not None and camera_poses.origin in ("board", "simulated"):
         points = recording.board.points_m[:, :2]
         low, high = points.min(axis=0)[None], points.max(axis=0)[None]
         return Prints(recording.world_T_board.reshape(1), low, high)
-    if camera_poses.marker_map is None:
+    if marker_map is None:
         return None
-    known = MarkerMap.load(camera_poses.marker_map)
-    side = known.side_m[:, None]
-    return Prints(known.world_T_marker, side * [0.0, -1.0], side * [1.0, 0.0])
+    side = marker_map.side_m[:, None]
+    return Prints(marker_map.world_T_marker, side * [0.0, -1.0], side * [1.0, 0.0])
 
 
 def ground_on_plane(

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -23,15 +21,16 @@ from motorcade.render.matching import Matching
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
 from motorcade.render.video.ahead import ahead
 from motorcade.replays.characters.acting import character_named, clip_named, walked
-from motorcade.replays.engine.artifacts import ASIDE, new_file
-from motorcade.replays.engine.graph import Unavailable
+from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.engine.progress import track
+from motorcade.replays.engine.stage import Unavailable
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Frame, Recording
-from motorcade.replays.stages.camera.camera_poses import CameraPoses
-from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.replays.stages.view.ground import prints_of
-from motorcade.replays.stages.view.placed import Placed
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.marker_poses import MarkerPoses
+from motorcade.replays.values.paths import SmoothedPaths
+from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
 
 # Frames, spread over the recording, from which light is estimated.
 LIT_FRAMES = 8
@@ -39,26 +38,12 @@ LIT_FRAMES = 8
 LED_ON_S = 0.1
 
 
-@dataclass(frozen=True)
-class Overlay:
-    """A video: how many of its frames show something drawn, on what the character stands, what
-    lights it, and whether the footage was undistorted.
-    """
-
-    path: Path
-    frames_with_character: int
-    frames: int
-    stands_on: str
-    lit_by: str
-    footage: str
-    seconds: float = field(metadata=ASIDE)
-
-
 def overlay(
     recording: Recording,
     camera_poses: CameraPoses,
-    smoothed: Smoothed,
-    placed: Placed,
+    smoothed: SmoothedPaths,
+    placed: PlacedCharacter,
+    marker_poses: MarkerPoses | None = None,
     *,
     representation: str | None = None,
     renderer: RendererName = "fast",
@@ -67,7 +52,7 @@ def overlay(
     gain: float = 1.0,
     exposure_s: float = 0.0,
     noise: float | None = 0.0,
-) -> Overlay:
+) -> OverlayVideo:
     """Draw the placed character into every frame that has a smoothed pose.
 
     `representation` says along which of the smoothed paths; without it, the first of them.
@@ -99,7 +84,8 @@ def overlay(
     start = time.perf_counter()
     footage = _Footage(recording, bent=lens == "bend")
     lighting, lit_by = None, "a fixed light"
-    prints = prints_of(recording, camera_poses)
+    marker_map = None if marker_poses is None else marker_poses.marker_map
+    prints = prints_of(recording, camera_poses, marker_map)
     if light == "estimated":
         lighting, lit_by = _estimated(footage, path, placed, character, prints)
     pictures = render_overlay(
@@ -120,7 +106,7 @@ def overlay(
         write_video(file, footage.counted(pictures), recording.frames.time_ns)
     except RenderUnavailable as missing:
         raise Unavailable(str(missing)) from missing
-    return Overlay(
+    return OverlayVideo(
         file,
         footage.drawn_into,
         len(recording.frames),
@@ -132,7 +118,11 @@ def overlay(
 
 
 def _estimated(
-    footage: _Footage, path: Trajectory, placed: Placed, character: Character, prints: Prints | None
+    footage: _Footage,
+    path: Trajectory,
+    placed: PlacedCharacter,
+    character: Character,
+    prints: Prints | None,
 ) -> tuple[Lighting, str]:
     """The light of a few straightened frames, spread over the recording, and what told it."""
     frames = footage.recording.frames
@@ -208,7 +198,7 @@ def led_on(path: Trajectory, measured: Trajectory) -> Trajectory:
     return Trajectory(np.concatenate(stamps), Motor.concatenate(poses), path.parent, path.child)
 
 
-def _chosen(smoothed: Smoothed, representation: str | None) -> Trajectory:
+def _chosen(smoothed: SmoothedPaths, representation: str | None) -> Trajectory:
     if representation is None:
         return next(iter(smoothed.trajectories.values()))
     if representation not in smoothed.trajectories:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
-from motorcade.animation import Placement, place_on_plane
-from motorcade.ga import FloatArray, Motor, Trajectory, frozen
+from motorcade.animation import place_on_plane
+from motorcade.ga import FloatArray, frozen
 from motorcade.replays.characters.acting import (
     MANNEQUIN,
     character_named,
@@ -20,8 +20,6 @@ from motorcade.replays.characters.acting import (
     walked,
 )
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera.camera_poses import CameraPoses
-from motorcade.replays.stages.smoothed import Smoothed
 from motorcade.replays.stages.view.carried import find_marker
 from motorcade.replays.stages.view.ground import (
     Ground,
@@ -31,34 +29,19 @@ from motorcade.replays.stages.view.ground import (
     ground_on_plane,
     known_marker,
 )
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.marker_poses import MarkerPoses
+from motorcade.replays.values.paths import SmoothedPaths
+from motorcade.replays.values.view import PlacedCharacter
 
 log = logging.getLogger("motorcade.placed")
-
-
-@dataclass(frozen=True)
-class Placed:
-    """A character by name, the clip it plays, where it stands in the world, and on what.
-
-    `character` is "mannequin" or a file. Where it walks, `path_m` ``(P, 2)`` are points of the
-    plane and `plane_T_character` is where the placement stands in it; else there are no points.
-    Where it stands on a marker that moves, `carry` says what moves the placement along: the pose
-    that takes what stands in the world at the first frame to where it is later.
-    """
-
-    character: str
-    clip: str
-    placement: Placement
-    stands_on: str
-    content: str = ""
-    path_m: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
-    plane_T_character: Motor = field(default_factory=Motor.identity)
-    carry: Trajectory | None = None
 
 
 def placed(
     recording: Recording,
     camera_poses: CameraPoses,
-    smoothed: Smoothed,
+    smoothed: SmoothedPaths,
+    marker_poses: MarkerPoses | None = None,
     *,
     character: Path = Path(MANNEQUIN),
     clip: str | None = None,
@@ -69,7 +52,7 @@ def placed(
     position_m: tuple[float, ...] = (),
     heading_deg: float | None = None,
     height_m: float | None = None,
-) -> Placed:
+) -> PlacedCharacter:
     """Stand the character on the board or markers, on a plane that was found, or on a floor.
 
     `character` is the mannequin or a file that holds one (glTF, Collada, MD5, FBX), `clip` one of
@@ -84,7 +67,7 @@ def placed(
     the world of SLAM a level `floor_m` above the foot of what was mapped. "marker" takes the marker
     with the id `marker`, which may move: it is looked for in every frame, and where it is not seen
     the character waits, and glides back once it is. Name it in
-    `camera_poses.moving` where loose markers are mapped. `position_m` (x, y) lies
+    `marker_poses.moving` where loose markers are mapped. `position_m` (x, y) lies
     in the plane's own frame; without it the character stands in the middle of the board or marker,
     on a plane where it is in view best and longest, or on the floor where the first camera looks.
     `heading_deg` turns from the plane's x towards its y; without it the character looks at the
@@ -95,6 +78,7 @@ def placed(
     """
     if position_m and len(position_m) != 2:
         raise ValueError(f"placed.position_m: expected x,y, came {len(position_m)} numbers")
+    marker_map = None if marker_poses is None else marker_poses.marker_map
     way = path_of(path) if path else None
     seen_from = next(iter(smoothed.trajectories.values()))
     first_camera = seen_from.motors[0]
@@ -102,14 +86,14 @@ def placed(
     if (on == "marker") != (marker is not None):
         raise ValueError(f"placed.marker: expected an id with placed.on=marker, came {marker}")
     if marker is not None:
-        known = known_marker(recording, camera_poses, marker)
+        known = known_marker(recording, camera_poses, marker_map, marker)
         found = find_marker(recording, seen_from, marker, known)
         ground = ground_on_marker(found.world_T_marker, found.side_m, marker)
         if found.path is not None:
             ground = replace(ground, name=f"{ground.name}, which moves")
             carry = found.path.transformed_by(right=found.world_T_marker.inverse(), child="start")
     if on in ("auto", "board"):
-        ground = ground_on_board(recording, camera_poses)
+        ground = ground_on_board(recording, camera_poses, marker_map)
     if on == "plane" or (on == "auto" and ground is None):
         ground = ground_on_plane(recording, camera_poses, seen_from)
     if ground is None and on in ("board", "plane"):
@@ -145,7 +129,7 @@ def placed(
         walked(who, motion, points, placement.scale, inside)
         _tell_points_off(points, ground)
     content = sha256(character.read_bytes()).hexdigest() if character.is_file() else ""
-    return Placed(
+    return PlacedCharacter(
         str(character), clip, placement, ground.name, content, frozen(points), inside, carry
     )  # fmt: skip
 

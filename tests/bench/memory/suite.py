@@ -51,8 +51,8 @@ def bench_memory(frames: int = FRAMES, stream_s: float = STREAM_S) -> dict[str, 
                 {"job": job, "limit_mib": STREAM_LIMIT_MIB}
                 | measured(
                     "run", str(stream), "--out", str(folder / f"out_{rate_hz:g}"),
-                    "--until", "smoothed", "--set", "camera_poses.source=simulated",
-                    "--set", f"camera_poses.rate_hz={rate_hz}",
+                    "--until", "smoothed", "--set", "tracked.by=simulated",
+                    "--set", f"simulated_poses.rate_hz={rate_hz}",
                 )
             )  # fmt: skip
     return {"frames": frames, "stream_s": stream_s, "jobs": rows}

@@ -43,7 +43,7 @@ _MANIFESTS = Path(__file__).parents[3] / "docs" / "manifests"
 
 def bench_slam() -> dict[str, Any]:
     """Run every recording that is present, and a drawn loop, with each part switched off."""
-    from motorcade.replays.recording import open_recording
+    from motorcade.replays.readers.opening import open_recording
     from tests.textured_room.recording import write_recording
     from tests.textured_room.scenarios import scenario
 

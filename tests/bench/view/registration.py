@@ -23,7 +23,8 @@ from motorcade.render.backends.choice import new_renderer
 from motorcade.render.composite import as_rgb, over
 from motorcade.render.lens import LensWarp
 from motorcade.render.scene import ImageArray
-from motorcade.replays.recording import Recording, open_recording
+from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.recording import Recording
 from motorcade.tracking import BoardTrack, track_board
 from motorcade.tracking.boards import BoardCorners, Checkerboard
 from motorcade.tracking.cameras.camera import Camera

@@ -16,7 +16,7 @@ import numpy as np
 from motorcade.ga import Trajectory
 from motorcade.render import Lighting
 from motorcade.replays.pipeline import Job, run_job
-from motorcade.replays.recording import open_recording
+from motorcade.replays.readers.opening import open_recording
 from tests.bench.data import data_folder
 from tests.bench.view import ground_truth as truth
 from tests.bench.view.registration import bench_registration, registration_lines

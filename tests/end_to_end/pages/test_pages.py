@@ -16,7 +16,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("pages")]
 SWEEP = """
 recordings = ["{recording}"]
 [knobs]
-camera_poses.source = "simulated"
+tracked.by = "simulated"
 smoothed.window_s = [0.2, 0.4]
 """
 NAMES = ("report", "comparison", "motion", "consistency", "sweep")

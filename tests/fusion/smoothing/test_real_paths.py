@@ -10,8 +10,8 @@ from motorcade.fusion.smoothing import choose
 from motorcade.fusion.smoothing.changes import changes
 from motorcade.ga import Motor
 from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.recording import open_recording
-from motorcade.replays.stages.camera.camera_poses import camera_poses
+from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.stages.camera.board_poses import board_poses
 
 MANIFESTS = Path(__file__).parents[3] / "docs" / "manifests"
 XYZ, DESK = "freiburg1_xyz-groundtruth.txt", "fr2_desk_groundtruth.txt"
@@ -48,7 +48,7 @@ def test_a_tracked_board_is_left_where_it_is_and_shakes_less(data_dir: Path) -> 
     told without it.
     """
     recording = open_recording(data_dir / "replays" / "vamr_board", MANIFESTS / "vamr_board.toml")
-    raw = camera_poses(recording).measurements.trajectory
+    raw = board_poses(recording).measurements.trajectory
     assert recording.truth is not None
     smoothed = choose(raw).smooth(raw)
     before, after = (evaluate(path, recording.truth) for path in (raw, smoothed))

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.replays.engine.provenance import reach, types_within
+from motorcade.replays.engine.stage import Choice
 from motorcade.replays.pipeline import pipeline
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import Recording
@@ -32,8 +33,10 @@ def recording_of_a_board() -> Recording:
 
 
 def modules_under(stage: str) -> frozenset[str]:
-    """Names of our modules under the cache key of a stage."""
+    """Names of our modules under the cache key of a stage; none under a choice, which runs none."""
     known = pipeline().stages[stage]
+    if isinstance(known, Choice):
+        return frozenset()
     given = types_within(recording_of_a_board()) if "recording" in known.inputs else set()
     found = reach(known.function.__module__, *sorted({one.__module__ for one in given}))
     return found.modules | found.faces

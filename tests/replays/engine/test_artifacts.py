@@ -9,6 +9,7 @@ import pytest
 
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.replays.engine import artifacts
+from motorcade.replays.engine.aside import ASIDE
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Outer:
     spans: tuple[float, ...]
     note: str | None
     film: Path
-    seconds: float = field(metadata=artifacts.ASIDE)
+    seconds: float = field(metadata=ASIDE)
 
 
 def outer(tmp_path: Path, seconds: float = 1.0) -> Outer:

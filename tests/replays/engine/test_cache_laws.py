@@ -26,7 +26,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 
 from motorcade.replays.engine import artifacts
-from motorcade.replays.engine import graph as engine
+from motorcade.replays.engine import store as engine
+from motorcade.replays.engine.aside import ASIDE
 from motorcade.replays.engine.graph import Graph
 
 REFUSALS = [errno.ENOSPC, errno.EROFS, errno.EACCES, errno.EDQUOT, errno.EIO]
@@ -48,7 +49,7 @@ class Words:
 class Counted:
     letters: dict[str, int]
     note: str | None
-    seconds: float = field(default=0.0, metadata=artifacts.ASIDE)
+    seconds: float = field(default=0.0, metadata=ASIDE)
 
 
 @dataclass(frozen=True)

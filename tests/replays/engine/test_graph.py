@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from motorcade.replays.engine import drawing
-from motorcade.replays.engine.graph import Graph, GraphError, StageError, Unavailable
+from motorcade.replays.engine.graph import Graph
+from motorcade.replays.engine.stage import GraphError, StageError, Unavailable
 
 calls: list[str] = []
 

@@ -11,12 +11,13 @@ import pytest
 
 from motorcade.fusion.smoothing import REPRESENTATIONS
 from motorcade.replays.cli import main
-from motorcade.replays.engine.graph import Graph, Stage
-from motorcade.replays.engine.knobs import Knob, parse_knobs, told_knobs
+from motorcade.replays.engine.graph import Graph
+from motorcade.replays.engine.knobs import Knob, described_knobs, parse_knobs
+from motorcade.replays.engine.stage import Stage
 from motorcade.replays.pipeline import pipeline
 
 GRAPH = pipeline()
-EVERY = [(stage, knob) for stage in GRAPH.stages.values() for knob in told_knobs(stage)]
+EVERY = [(stage, knob) for stage in GRAPH.stages.values() for knob in described_knobs(stage)]
 IDS = [f"{stage.name}.{knob.name}" for stage, knob in EVERY]
 
 
@@ -49,7 +50,7 @@ def test_each_is_told_with_values_default_and_its_first_sentence() -> None:
     walk = "Walk in a `gait`."
     fast = "It is `speed_m_s` fast (at most 2.5 m/s; e.g. 1); `led=false` lets go."
     last = "`places`, `by` the sea"
-    assert told_knobs(Stage.of(walked)) == (
+    assert described_knobs(Stage.of(walked)) == (
         Knob("gait", "trot, walk", "walk", walk),
         Knob("speed_m_s", "float or none", "none", fast),
         Knob("stops", "int,int,…", "3,5", "(The `stops` are counted.)"),
@@ -63,7 +64,9 @@ def test_each_is_told_with_values_default_and_its_first_sentence() -> None:
 
 def test_a_default_of_any_kind_is_told_as_it_is_typed() -> None:
     graph = Graph([walked], {})
-    typed = [f"walked.{knob.name}={knob.default}" for knob in told_knobs(graph.stages["walked"])]
+    typed = [
+        f"walked.{knob.name}={knob.default}" for knob in described_knobs(graph.stages["walked"])
+    ]
     read = parse_knobs(typed, graph)["walked"]
     assert read == {name: knob.default for name, knob in graph.stages["walked"].knobs.items()}
 
@@ -82,7 +85,7 @@ def test_every_knob_has_its_meaning_in_its_stages_docstring(stage: Stage, knob: 
 
 
 def test_the_representations_that_can_be_compared_are_all_named() -> None:
-    (knob,) = (k for k in told_knobs(GRAPH.stages["smoothed"]) if k.name == "representations")
+    (knob,) = (k for k in described_knobs(GRAPH.stages["smoothed"]) if k.name == "representations")
     assert set(re.findall(r"\w+", knob.meaning)) >= set(REPRESENTATIONS)
 
 

@@ -35,7 +35,8 @@ from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers import gpmf
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.readers.inertial import read_imu, read_noise
-from motorcade.replays.recording import Recording, open_recording
+from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.recording import Recording
 from tests.animation.formats.fuzz import mutated
 from tests.replays import conftest as layouts
 from tests.replays.readers import test_gopro, test_ros_recordings, test_tagslam

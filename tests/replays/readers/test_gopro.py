@@ -15,7 +15,7 @@ from motorcade.replays.cli.sensors.sync import _stream
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.files.imu import write_imu
 from motorcade.replays.readers import gpmf
-from motorcade.replays.recording import open_recording
+from motorcade.replays.readers.opening import open_recording
 
 HERE = Path("made-up.mp4")
 

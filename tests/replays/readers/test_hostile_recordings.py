@@ -14,8 +14,8 @@ import pytest
 from motorcade.replays.errors import RecordingError, one_line, refusal
 from motorcade.replays.readers.calibration import read_numbers, read_yaml
 from motorcade.replays.readers.frames.files import picture_glob
+from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.readers.tables import read_listing
-from motorcade.replays.recording import open_recording
 
 Make = Callable[..., Any]
 

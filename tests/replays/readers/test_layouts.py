@@ -12,7 +12,7 @@ import pytest
 from motorcade.ga import Motor
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers.layouts.tum_rgbd import nearest
-from motorcade.replays.recording import open_recording
+from motorcade.replays.readers.opening import open_recording
 
 Make = Callable[..., Any]
 KNOWN = ("euroc", "seven_scenes", "tum_rgbd", "kitti")

@@ -15,7 +15,7 @@ from motorcade.replays.readers.manifest.board import BOARD_KEYS
 from motorcade.replays.readers.manifest.camera import CAMERA_KEYS
 from motorcade.replays.readers.manifest.markers import MARKERS_KEYS
 from motorcade.replays.readers.manifest.truth import TRUTH_KEYS
-from motorcade.replays.recording import open_recording
+from motorcade.replays.readers.opening import open_recording
 
 Make = Callable[..., Any]
 EXAMPLES = sorted((Path(__file__).parents[3] / "docs" / "manifests").glob("*.toml"))

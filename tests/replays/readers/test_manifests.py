@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.files.trajectories import write_trajectory
-from motorcade.replays.recording import Recording, open_recording
+from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.recording import Recording
 from motorcade.tracking.boards import CharucoBoard, Checkerboard, MarkerGrid, SingleMarker
 
 Make = Callable[..., Any]

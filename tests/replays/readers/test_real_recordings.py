@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from motorcade.replays.errors import RecordingError
-from motorcade.replays.recording import open_recording
+from motorcade.replays.readers.opening import open_recording
 from motorcade.tracking.boards import Checkerboard
 
 MANIFESTS = Path(__file__).parents[3] / "docs" / "manifests"

@@ -16,7 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from motorcade.ga import Motor
 from motorcade.replays.errors import RecordingError
-from motorcade.replays.recording import open_recording
+from motorcade.replays.readers.opening import open_recording
 
 START_NS = 1_700_000_000_123_456_789
 COUNT, HEIGHT, WIDTH = 6, 16, 24

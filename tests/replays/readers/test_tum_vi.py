@@ -11,7 +11,7 @@ import pytest
 
 from motorcade.ga import Motor
 from motorcade.replays.errors import RecordingError
-from motorcade.replays.recording import open_recording
+from motorcade.replays.readers.opening import open_recording
 
 CHAIN = """
 cam0:

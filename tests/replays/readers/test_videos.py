@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers.frames.video import VideoFrames
-from motorcade.replays.recording import open_recording
+from motorcade.replays.readers.opening import open_recording
 
 
 @pytest.fixture

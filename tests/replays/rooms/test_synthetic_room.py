@@ -10,7 +10,8 @@ from motorcade.ga import Motor
 from motorcade.render import RenderUnavailable
 from motorcade.render.backends import platform
 from motorcade.replays import synthetic_room
-from motorcade.replays.recording import Recording, open_recording
+from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.recording import Recording
 from motorcade.replays.synthetic_room import CAMERA, FRAMES, IMU_T_CAMERA, exposed, write_recording
 from motorcade.replays.synthetic_room.furniture import BOARD, world_T_board
 from motorcade.replays.synthetic_room.path import BETWEEN_POLES_S, FIRST_POLE_S, HandheldPath

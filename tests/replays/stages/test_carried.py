@@ -14,10 +14,11 @@ from motorcade.render import render_overlay
 from motorcade.replays.characters.acting import character_named, clip_named
 from motorcade.replays.markers.loose import LooseMarkers
 from motorcade.replays.recording import Frame, FrameSequence, ImageArray, Recording
-from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.camera.marker_poses import marker_poses
-from motorcade.replays.stages.smoothed import Smoothed
-from motorcade.replays.stages.view.placed import Placed, placed
+from motorcade.replays.stages.view.placed import placed
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.paths import SmoothedPaths
+from motorcade.replays.values.view import PlacedCharacter
 from motorcade.tracking import Board, Camera, MarkerGrid, PoseMeasurements, SingleMarker
 from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 
@@ -84,7 +85,7 @@ def drawn(where: Callable[[int], Motor], hidden: range) -> tuple[ImageArray, ...
 
 def recorded(
     where: Callable[[int], Motor], hidden: range = range(0), board: Board | None = None
-) -> tuple[Recording, Smoothed, CameraPoses]:
+) -> tuple[Recording, SmoothedPaths, CameraPoses]:
     """Pictures of one marker by a camera whose path is known."""
     pictures = drawn(where, hidden)
     recording = Recording(
@@ -96,10 +97,10 @@ def recorded(
     nothing = np.full(FRAMES, np.nan)
     origin = "slam" if board is None else "board"
     found = CameraPoses(measured, TIME_NS, nothing, origin, "as given")
-    return recording, Smoothed({"motor": path}, None), found
+    return recording, SmoothedPaths({"motor": path}, None), found
 
 
-def feet_m(made: Placed) -> FloatArray:
+def feet_m(made: PlacedCharacter) -> FloatArray:
     """Where the character's soles are at every frame (FRAMES, 3), world."""
     own = made.placement.apply([0.0, 0.0, 0.0])
     if made.carry is None:
@@ -117,7 +118,7 @@ def pixels(points_m: FloatArray) -> FloatArray:
     return CAMERA.project(handheld_path(FRAMES, 0.7).inverse().apply(points_m))
 
 
-def on_marker(given: tuple[Recording, Smoothed, CameraPoses]) -> Placed:
+def on_marker(given: tuple[Recording, SmoothedPaths, CameraPoses]) -> PlacedCharacter:
     recording, smoothed, found = given
     return placed(recording, found, smoothed, on="marker", marker=ID, heading_deg=30.0)
 
@@ -235,7 +236,7 @@ def test_a_marker_that_is_said_to_move_spoils_no_map() -> None:
     recording = Recording("wall", Path("wall"), "images", frames, CAMERA, markers=loose)
     clean, spoilt = marker_poses(recording, moving=(ID,)), marker_poses(recording)
     assert clean.marker_map.marker_ids.tolist() == [1, 2, 3]
-    assert np.median(clean.error_px) < 0.3
-    assert np.median(spoilt.error_px) > 1.0
+    assert np.median(clean.reprojection_px) < 0.3
+    assert np.median(spoilt.reprojection_px) > 1.0
     with pytest.raises(ValueError, match="wall: refine=photometric takes all markers"):
-        marker_poses(recording, "photometric", (ID,))
+        marker_poses(recording, refine="photometric", moving=(ID,))

@@ -16,11 +16,13 @@ from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import IntArray, Motor, Trajectory
 from motorcade.replays.recording import Frame, Odometry, Recording
-from motorcade.replays.stages.camera.camera_poses import CameraPoses
 from motorcade.replays.stages.camera.metres import NoMetres, in_metres
 from motorcade.replays.stages.inertial.convergence import convergence
-from motorcade.replays.stages.inertial.fused import FusedPath, fused
-from motorcade.replays.stages.inertial.imu import Imu, imu
+from motorcade.replays.stages.inertial.fused import fused
+from motorcade.replays.stages.inertial.imu import imu
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.imu import UsedImu
+from motorcade.replays.values.paths import FusedPath
 from motorcade.tracking import Camera, PoseMeasurements
 from motorcade.tracking.slam import MapSnapshot
 from motorcade.tracking.slam.results import SlamResult
@@ -75,7 +77,7 @@ def with_imu(stream: ImuStream) -> Recording:
     return recording(imu=stream, imu_T_camera=MOUNT)
 
 
-def both(one: Recording, poses: CameraPoses, **knobs: Any) -> tuple[Imu, FusedPath]:
+def both(one: Recording, poses: CameraPoses, **knobs: Any) -> tuple[UsedImu, FusedPath]:
     made = imu(one, poses)
     return made, fused(one, poses, made, **knobs)
 
@@ -92,7 +94,7 @@ def test_a_world_that_leans_is_fused_as_well_as_an_upright_one(
     judged = evaluate(found.trajectory, path().transformed_by(left=turn), align="none")
     assert judged.ape_m.max < 0.06
     assert judged.rotation_deg.max < 0.5
-    assert ("leans" in found.account) == (lean_deg > 3.0)
+    assert ("leans" in found.summary) == (lean_deg > 3.0)
     again = convergence(one, poses, made, found, duration_s=8.0)
     assert again.settled_s is not None
     assert again.settled_s < 3.0
@@ -150,7 +152,7 @@ def test_a_path_without_a_unit_is_left_as_it_was_tracked(stream: ImuStream) -> N
     np.testing.assert_array_equal(
         found.trajectory.poses.coefficients, poses.measurements.trajectory.poses.coefficients
     )
-    assert "lengths have no unit" in found.account
+    assert "lengths have no unit" in found.summary
     assert convergence(one, poses, made, found).time_s.size == 0
     for by in ("imu", "odometry"):
         with pytest.raises(ValueError, match="have no unit"):
@@ -174,9 +176,9 @@ def test_a_recorded_odometry_bridges_what_the_camera_did_not_see(stream: ImuStre
     poses = measured(gap_s=(4.0, 6.0))
     made, found = both(recording(odometry=drifting()), poses)
     assert found.by == "odometry"
-    assert "recorded odometry" in found.account
-    sought = poses.sought_ns
-    inside = sought[sought <= drifting().trajectory.time_ns[-1]]
+    assert "recorded odometry" in found.summary
+    times_ns = poses.frame_times_ns
+    inside = times_ns[times_ns <= drifting().trajectory.time_ns[-1]]
     np.testing.assert_array_equal(found.trajectory.time_ns, inside)
     assert evaluate(found.trajectory, path(), align="none").ape_m.max < 0.015
     alone = fused(recording(odometry=drifting()), poses, made, by="imu")

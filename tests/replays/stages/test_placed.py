@@ -12,11 +12,13 @@ from motorcade.fusion.imu import ImuStream
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.recording import Recording, open_recording
-from motorcade.replays.stages.camera.camera_poses import CameraPoses, Origin
-from motorcade.replays.stages.smoothed import Smoothed
+from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.recording import Recording
 from motorcade.replays.stages.view.ground import upward
-from motorcade.replays.stages.view.placed import Placed, placed
+from motorcade.replays.stages.view.placed import placed
+from motorcade.replays.values.camera_poses import CameraPoses, PoseOrigin
+from motorcade.replays.values.paths import SmoothedPaths
+from motorcade.replays.values.view import PlacedCharacter
 from motorcade.tracking import Board, Checkerboard, MarkerGrid, PoseMeasurements
 from tests.textured_room.paths import handheld
 from tests.textured_room.recording import write_recording
@@ -31,13 +33,13 @@ def looking_down(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     return open_recording(folder)
 
 
-def smoothed(recording: Recording, left: Motor | None = None) -> Smoothed:
+def smoothed(recording: Recording, left: Motor | None = None) -> SmoothedPaths:
     path = recording.truth
     assert path is not None
-    return Smoothed({"motor": path if left is None else path.transformed_by(left=left)}, None)
+    return SmoothedPaths({"motor": path if left is None else path.transformed_by(left=left)}, None)
 
 
-def poses(path: Smoothed, origin: Origin = "slam", **more: Any) -> CameraPoses:
+def poses(path: SmoothedPaths, origin: PoseOrigin = "slam", **more: Any) -> CameraPoses:
     """The same path as the stage before would give it."""
     trajectory = path.trajectories["motor"]
     sure = np.tile(np.eye(6) * 1e-6, (len(trajectory), 1, 1))
@@ -46,7 +48,9 @@ def poses(path: Smoothed, origin: Origin = "slam", **more: Any) -> CameraPoses:
     return CameraPoses(measured, trajectory.time_ns, nothing, origin, "as given", **more)
 
 
-def stood(recording: Recording, path: Smoothed, origin: Origin = "slam", **knobs: Any) -> Placed:
+def stood(
+    recording: Recording, path: SmoothedPaths, origin: PoseOrigin = "slam", **knobs: Any
+) -> PlacedCharacter:
     """What the stage makes of a path that another source measured."""
     return placed(recording, poses(path, origin), path, **knobs)
 
@@ -125,7 +129,7 @@ def test_on_a_map_without_unit_the_size_follows_the_scene(
     blind = replace(looking_down, frames=replace(frames, depth_files=()))
     truth = looking_down.truth
     assert truth is not None
-    path = Smoothed({"motor": truth.transformed_by(left=truth.motors[0].inverse())}, None)
+    path = SmoothedPaths({"motor": truth.transformed_by(left=truth.motors[0].inverse())}, None)
     for unit in (0.01, 1.0, 100.0):
         ground = rng.uniform([-3.0, 1.5, 3.0], [3.0, 1.5, 9.0], (400, 3))
         points = unit * (ground + rng.normal(0.0, 0.003, ground.shape))
@@ -164,7 +168,7 @@ def test_in_a_real_kitchen_it_stands_upright_on_the_table(data_dir: Path) -> Non
     recording = open_recording(data_dir / "replays" / "7scenes_redkitchen")
     truth = recording.truth
     assert isinstance(truth, Trajectory)
-    made = stood(recording, Smoothed({"motor": truth}, None))
+    made = stood(recording, SmoothedPaths({"motor": truth}, None))
     first = truth.motors[0].inverse() @ made.placement.world_T_character
     up = first.rotor.apply([0.0, 0.0, 1.0])
     # The table as frame 0 sees it: 0.66 m from the lens, tilted by 29 degrees.

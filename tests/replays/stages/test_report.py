@@ -18,7 +18,7 @@ from motorcade.replays.report.summary import (
     shown_value,
     without_nan,
 )
-from motorcade.replays.stages.view.overlay import Overlay
+from motorcade.replays.values.view import OverlayVideo
 
 FIGURES = {
     "measured": {"ape_rmse_m": 0.0173, "rotation_rmse_deg": 0.8629, "lag_ms": -0.05},
@@ -94,7 +94,7 @@ def test_a_video_too_large_for_a_page_lies_beside_it(
     monkeypatch.setattr(page, "VIDEO_LIMIT", limit)
     film = tmp_path / "film.mp4"
     film.write_bytes(b"not long.")
-    told = Overlay(film, 3, 4, "the board", "a fixed light", "original", seconds=1.0)
+    told = OverlayVideo(film, 3, 4, "the board", "a fixed light", "original", seconds=1.0)
     found: Any = SimpleNamespace(overlay=told)
     data = "data:video/mp4;base64,bm90IGxvbmcu"
     assert page._video(found) == (data if inside else "overlay.mp4")

@@ -38,7 +38,7 @@ def findings(**changed: Any) -> Any:
     made: dict[str, Any] = {
         "recording": SimpleNamespace(truth=truth),
         "camera_poses": SimpleNamespace(
-            measurements=SimpleNamespace(trajectory=path), sought_ns=stamps, origin="board",
+            measurements=SimpleNamespace(trajectory=path), frame_times_ns=stamps, origin="board",
             reprojection_px=np.full(COUNT, 0.2),
         ),
         "imu": SimpleNamespace(origin="recorded"),
@@ -201,11 +201,11 @@ def test_elsewhere_the_world_is_drawn_as_it_is() -> None:
 def test_the_truth_is_drawn_while_the_recording_lasts_and_up_with_it() -> None:
     """Stamps of the truth reach from 0 to 2.99 s, those of the poses from 0.5 to 1.5 s."""
     told = drawn_by_slam(np.array([0.0, -1.0, 0.0]))
-    told.camera_poses.sought_ns = np.arange(500, 1501, 50) * 1_000_000
-    right = told.recording.truth.motors_at(told.camera_poses.sought_ns)
+    told.camera_poses.frame_times_ns = np.arange(500, 1501, 50) * 1_000_000
+    right = told.recording.truth.motors_at(told.camera_poses.frame_times_ns)
     away = Motor.from_rotor_translation(Rotor.from_rotation_vector([0.4, 0.3, -1.0]), [1, 2, 3])
     told.errors.align = "se3"
-    tracked = Trajectory(told.camera_poses.sought_ns, away @ right)
+    tracked = Trajectory(told.camera_poses.frame_times_ns, away @ right)
     drawn = as_drawn(told, {"motor": tracked})
     truth, path = drawn.paths["truth"], drawn.paths["motor"]
     assert (truth.time_ns[0], truth.time_ns[-1]) == (500_000_000, 1_500_000_000)

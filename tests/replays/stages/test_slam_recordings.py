@@ -8,8 +8,11 @@ import pytest
 
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Trajectory
-from motorcade.replays.recording import Recording, open_recording
+from motorcade.replays.engine.stage import Chosen
+from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.camera_poses import camera_poses
+from motorcade.replays.stages.camera.slam_poses import slam_poses
 from motorcade.tracking.slam import SlamResult, SlamSettings, VisualSlam
 from tests.textured_room.scenarios import scenario
 
@@ -105,11 +108,11 @@ def _loop_errors_m(seed: int) -> tuple[float, float]:
 @pytest.mark.slow
 def test_the_stage_gives_poses_in_metres_from_the_first_camera(data_dir: Path) -> None:
     recording = open_recording(data_dir / "replays" / "7scenes_redkitchen")
-    found = camera_poses(recording, source="slam", blackouts_s=(2.0, 3.0))
+    found = camera_poses(Chosen(slam_poses(recording)), blackouts_s=(2.0, 3.0))
     assert found.origin == "slam"
     assert found.metric
     assert len(found.measurements) == 170
-    assert len(found.sought_ns) == len(recording.frames)
+    assert len(found.frame_times_ns) == len(recording.frames)
     first = found.measurements.trajectory.motors[0]
     assert np.allclose(first.as_matrix(), np.eye(4))
     assert ape_m(found.measurements.trajectory, recording, "se3") <= 0.03
@@ -125,4 +128,4 @@ def test_pictures_without_texture_are_refused_by_name(tmp_path: Path) -> None:
         "width = 160\nheight = 120\nfx = 150\nfy = 150\ncx = 80\ncy = 60\n"
     )
     with pytest.raises(ValueError, match="grey: visual SLAM found no pose"):
-        camera_poses(open_recording(root), source="slam")
+        slam_poses(open_recording(root))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from motorcade.replays.engine.graph import GraphError
+from motorcade.replays.engine.stage import GraphError
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.pipeline import pipeline
 from motorcade.replays.sweep import read_sweep
@@ -23,7 +23,9 @@ def test_runs_are_the_product_of_recordings_knobs_and_seeds(config: Config) -> N
         (one.recording.name, *(value for _, value in one.varied), one.seed) for one in runs
     ] == list(combined)
     assert len(plan) == len(runs) == 16
-    assert {"camera_poses.seed=1", "imu.seed=1", "fused.look_ahead=false"} <= set(runs[-1].settings)
+    assert {"simulated_poses.seed=1", "imu.seed=1", "fused.look_ahead=false"} <= set(
+        runs[-1].settings
+    )
 
 
 def test_patterns_find_recordings_and_tables_name_manifests(config: Config, tmp_path: Path) -> None:

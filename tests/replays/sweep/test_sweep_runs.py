@@ -24,9 +24,7 @@ def swept(config: Path, out: Path, executor: str = "local") -> Summary:
 def test_figures_are_those_of_single_runs(config: Config, tmp_path: Path) -> None:
     path = config('["one"]', "smoothed.order = [1, 2]\nsmoothed.representations = 'motor'", "[4]")
     summary = swept(path, tmp_path / "out")
-    settings = (
-        "camera_poses.source=simulated smoothed.representations=motor convergence.duration_s=1"
-    )
+    settings = "tracked.by=simulated smoothed.representations=motor convergence.duration_s=1"
     for order in ("1", "2"):
         single = run_job(
             Job(
@@ -37,7 +35,7 @@ def test_figures_are_those_of_single_runs(config: Config, tmp_path: Path) -> Non
                     *settings.split(),
                     f"smoothed.order={order}",
                     "imu.seed=4",
-                    "camera_poses.seed=4",
+                    "simulated_poses.seed=4",
                 ),
             )
         )

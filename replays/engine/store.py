@@ -1,0 +1,175 @@
+"""The outputs of a run: taken from the cache where they are there, computed and kept otherwise."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from motorcade.replays.engine import artifacts
+from motorcade.replays.engine.progress import working
+from motorcade.replays.engine.provenance import code_digest
+from motorcade.replays.engine.stage import AUTO, Choice, Chosen, NotOffered, Stage, StageError
+
+__all__ = ["Computed", "StageStore"]
+
+log = logging.getLogger("motorcade.graph")
+
+_MISSING = "none"
+
+
+@dataclass(frozen=True)
+class Computed:
+    """How one stage of a run came to its output: its key, knobs, and the seconds it took then."""
+
+    stage: str
+    key: str
+    knobs: Mapping[str, str]
+    seconds: float
+    cached: bool
+
+
+@dataclass(frozen=True)
+class _NothingFound:
+    """Stored in the place of an output where a stage of a choice found nothing."""
+
+    reason: str
+
+
+class StageStore:
+    """Outputs of stages by name, as a run goes on.
+
+    Args:
+        cache: the folder of artifacts; made where it is missing.
+        sources: what the run starts from.
+        knobs: settings by stage and name.
+    """
+
+    def __init__(
+        self, cache: Path, sources: Mapping[str, Any], knobs: Mapping[str, Mapping[str, Any]]
+    ) -> None:
+        cache.mkdir(parents=True, exist_ok=True)
+        artifacts.sweep_unfinished(cache)
+        self.outputs: dict[str, Any] = dict(sources)
+        self.records: list[Computed] = []
+        self._cache, self._knobs = cache, knobs
+        self._digests = {name: source.digest() for name, source in sources.items()}
+
+    def obtain(self, stage: Stage) -> None:
+        """Have the output of a stage whose inputs are there; raises whatever the stage raises."""
+        output, digest = self._found(stage)
+        if isinstance(output, _NothingFound):
+            raise StageError(f"{stage.name}: {output.reason}")
+        self._keep(stage.name, output, digest)
+
+    def choose(self, choice: Choice) -> str:
+        """Have the output of the first stage of a choice that works; gives that stage's name.
+
+        Raises:
+            StageError: none works, or the one that is asked for does not.
+        """
+        by = self._knobs.get(choice.name, {}).get("by", AUTO)
+        for stage in choice.members.values():
+            self.leave_out(stage.name)
+        if by != AUTO:
+            self.obtain(choice.members[by])
+            return self._chosen(choice, by, ())
+        skipped, lacking = [], []
+        for label, stage in choice.members.items():
+            try:
+                output, digest = self._found(stage, choice.skips)
+            except NotOffered as reason:
+                lacking.append(str(reason))
+                continue
+            if isinstance(output, _NothingFound):
+                log.warning("%s: skipped: %s", stage.name, output.reason)
+                skipped.append(f"{label}: {output.reason}")
+                continue
+            self._keep(stage.name, output, digest)
+            return self._chosen(choice, label, tuple(skipped))
+        raise StageError(f"{choice.name}: {'; '.join(dict.fromkeys([*skipped, *lacking]))}")
+
+    def _chosen(self, choice: Choice, label: str, skipped: tuple[str, ...]) -> str:
+        name = choice.members[label].name
+        told = json.dumps([self._digests[name], label, skipped]).encode()
+        value = Chosen(self.outputs[name], label, skipped)
+        self._keep(choice.name, value, hashlib.sha256(told).hexdigest())
+        return name
+
+    def leave_out(self, name: str) -> None:
+        """Have nothing of a stage."""
+        self._keep(name, None, _MISSING)
+
+    def _keep(self, name: str, output: Any, digest: str) -> None:
+        self.outputs[name], self._digests[name] = output, digest
+
+    def _found(self, stage: Stage, skips: type[Exception] | None = None) -> tuple[Any, str]:
+        """Output and digest, cached or computed; `_NothingFound` where it raises what is skipped.
+
+        Raises:
+            NotOffered: the stage does, and something is skipped.
+        """
+        settings = stage.settings(self._knobs.get(stage.name, {}))
+        folder = self._cache / f"{stage.name}-{self._key(stage, settings)}"
+        found = artifacts.find_artifact(folder)
+        if found:
+            log.info("%s: kept from before", stage.name)
+        stored = found or self._compute(stage, settings, folder, skips)
+        kind = stage.output | _NothingFound
+        try:
+            output = artifacts.read_artifact(stored, kind)
+        except artifacts.ArtifactError:
+            if artifacts.find_artifact(stored.folder) is not None:
+                raise
+            # Another run took it away just now.
+            stored = self._compute(stage, settings, folder, skips)
+            output = artifacts.read_artifact(stored, kind)
+        texts = {knob: repr(value) for knob, value in settings.items()}
+        record = Computed(stage.name, folder.name, texts, stored.seconds, cached=found is not None)
+        self.records.append(record)
+        return output, stored.digest
+
+    def _key(self, stage: Stage, settings: Mapping[str, Any]) -> str:
+        """Content of the inputs, knobs and code, as the name under which the output is cached."""
+        parts = {
+            "inputs": {name: self._digests[name] for name in stage.inputs},
+            "knobs": {name: _content(value) for name, value in settings.items()},
+            "code": code_digest(stage.function, [self.outputs[name] for name in stage.inputs]),
+            "format": artifacts.FORMAT_VERSION,
+        }
+        return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
+
+    def _compute(
+        self,
+        stage: Stage,
+        settings: Mapping[str, Any],
+        folder: Path,
+        skips: type[Exception] | None,
+    ) -> artifacts.Stored:
+        log.debug("%s ...", stage.name)
+        start = time.perf_counter()
+        with artifacts.workspace(folder.parent), working(stage.name):
+            try:
+                value = stage.function(*(self.outputs[one] for one in stage.inputs), **settings)
+            except (ValueError, OverflowError, MemoryError) as error:
+                if skips is None or not isinstance(error, (skips, NotOffered)):
+                    raise StageError(f"{stage.name}: {error}") from error
+                if isinstance(error, NotOffered):
+                    raise
+                value = _NothingFound(str(error))
+            seconds = time.perf_counter() - start
+            stored = artifacts.write_artifact(value, folder, seconds)
+        log.info("%s: %.1f s", stage.name, seconds)
+        return stored
+
+
+def _content(value: Any) -> str:
+    """A knob's value as text; of a file its content as well."""
+    if isinstance(value, Path) and value.is_file():
+        return f"{value!r} {hashlib.sha256(value.read_bytes()).hexdigest()}"
+    return repr(value)

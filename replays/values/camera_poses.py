@@ -1,0 +1,48 @@
+"""Measured poses of the camera, however they were found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from motorcade.ga import FloatArray, IntArray
+from motorcade.replays.engine.aside import ASIDE
+from motorcade.tracking import PoseMeasurements
+
+__all__ = ["CameraPoses", "PoseOrigin"]
+
+PoseOrigin = Literal["board", "markers", "slam", "simulated"]
+
+
+@dataclass(frozen=True, eq=False)
+class CameraPoses:
+    """Measured poses `world_T_camera`, and every stamp at which one was looked for.
+
+    Fields:
+        measurements: N poses with covariances.
+        frame_times_ns: ``(F,)`` stamps at which a pose was looked for.
+        reprojection_px: ``(N,)``, NaN where nothing was reprojected.
+        origin: how the poses were found.
+        summary: the same in one line.
+        metric: False where the unit of length is free (SLAM by one camera alone, where no IMU
+            tells it).
+        points: ``(p, 3)`` of the map, where SLAM made one.
+        metres_a_unit, scale_sigma: where an IMU told the scale, what the map's unit was found to
+            be, and the relative deviation of that.
+        skipped: ways that were tried before this one, with the reason.
+        seconds: what tracking took, reading and decoding the pictures included.
+    """
+
+    measurements: PoseMeasurements
+    frame_times_ns: IntArray
+    reprojection_px: FloatArray
+    origin: PoseOrigin
+    summary: str
+    metric: bool = True
+    points: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    metres_a_unit: float | None = None
+    scale_sigma: float | None = None
+    skipped: tuple[str, ...] = ()
+    seconds: float = field(default=0.0, metadata=ASIDE)

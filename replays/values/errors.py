@@ -1,0 +1,40 @@
+"""Errors of a run's paths, as figures and over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from motorcade.fusion.metrics import Align
+from motorcade.ga import FloatArray
+
+__all__ = ["AccelerationSeries", "ErrorSeries", "PathErrors"]
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorSeries:
+    """Errors of one path over time; seconds count from the first stamp of the measured path."""
+
+    time_s: FloatArray
+    position_m: FloatArray
+    rotation_deg: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class AccelerationSeries:
+    """Length of the angular acceleration of one path over time, in the moving frame."""
+
+    time_s: FloatArray
+    angular_rad_s2: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class PathErrors:
+    """Figures and series for each path: `measured`, `fused`, and every smoothed representation.
+
+    `align` is the alignment used; without a ground truth it is "none" and `against_truth` empty.
+    """
+
+    align: Align
+    figures: dict[str, dict[str, float | None]]
+    against_truth: dict[str, ErrorSeries]
+    acceleration: dict[str, AccelerationSeries]

@@ -1,0 +1,49 @@
+"""Paths of the camera that stages make of the measured poses: fused, then smoothed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import FloatArray, Trajectory
+
+__all__ = ["FusedPath", "FusedWith", "SmoothedPaths"]
+
+FusedWith = Literal["imu", "odometry", "nothing"]
+
+
+@dataclass(frozen=True, eq=False)
+class FusedPath:
+    """The path `world_T_camera` at N stamps, and how it came about.
+
+    Fields:
+        trajectory: the poses.
+        covariance: ``(N, 6, 6)`` of the right perturbation, rotation (rad) first.
+        nis: ``(N,)`` the filter's normalised innovations squared, NaN where nothing was measured
+            or no filter ran.
+        accepted: ``(N,)`` false where the filter left a measurement out.
+        by: what was fused with the camera's poses.
+        summary: the same in words.
+    """
+
+    trajectory: Trajectory
+    covariance: FloatArray
+    nis: FloatArray
+    accepted: NDArray[np.bool_]
+    by: FusedWith
+    summary: str
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothedPaths:
+    """The smoothed path `world_T_camera`, a trajectory for each representation.
+
+    `window_s` is the width of the window used; None where the path was left as it was, because
+    any smoothing would have taken away motion.
+    """
+
+    trajectories: dict[str, Trajectory]
+    window_s: float | None

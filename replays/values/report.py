@@ -1,0 +1,16 @@
+"""The report of a run, as files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+__all__ = ["ReportFiles"]
+
+
+@dataclass(frozen=True)
+class ReportFiles:
+    """The page, and its figures as JSON."""
+
+    page: Path
+    summary: Path
