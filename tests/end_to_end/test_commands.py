@@ -67,7 +67,7 @@ def test_a_second_run_computes_nothing(
     def compute(*arguments: object) -> None:
         raise AssertionError("a stage was computed again")
 
-    monkeypatch.setattr("motorcade.replays.engine.graph._compute", compute)
+    monkeypatch.setattr("motorcade.replays.engine.store.StageStore._compute", compute)
     before = {path.name: path.read_bytes() for path in finished.glob("report.*")}
     assert run("run", board_recording, "--out", finished) == 0
     assert before == {path.name: path.read_bytes() for path in finished.glob("report.*")}
@@ -90,7 +90,9 @@ sys.exit(main(sys.argv[2:]))
 """
 
 
-@pytest.mark.parametrize("stage", ["camera_poses", "fused", "smoothed", "overlay", "report"])
+@pytest.mark.parametrize(
+    "stage", ["board_poses", "camera_poses", "fused", "smoothed", "overlay", "report"]
+)
 def test_a_run_killed_in_any_stage_resumes_to_the_same_bytes(
     stage: str, board_recording: Path, finished: Path, tmp_path: Path
 ) -> None:

@@ -114,7 +114,7 @@ def test_loose_markers_are_refined_on_their_print_where_that_is_asked_for(
     assert 'pip install "motorcade[photometric]"' in done.stderr.splitlines()[-1]
 
 
-def test_a_board_that_is_named_but_never_seen_is_passed_over_and_said(
+def test_a_board_that_is_named_but_never_seen_is_skipped_and_said(
     tags: tuple[Path, Motor], tmp_path: Path
 ) -> None:
     folder, _ = tags
@@ -125,7 +125,7 @@ def test_a_board_that_is_named_but_never_seen_is_passed_over_and_said(
     assert found["camera_poses"]["origin"] == "markers"
     (passed,) = found["camera_poses"]["skipped"]
     assert passed.startswith("board: frames: expected some that show checkerboard")
-    assert "Passed over: board" in (tmp_path / "report.html").read_text()
+    assert "Skipped: board" in (tmp_path / "report.html").read_text()
 
 
 def resumed_in_the_map_of_an_earlier_run(folder: Path, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 RUN = "import sys; from motorcade.replays.cli import main; sys.exit(main())"
-STAGES = ["camera_poses", "imu", "fused", "smoothed"]
+STAGES = ["board_poses", "camera_poses", "imu", "fused", "smoothed"]
 
 
 def told(*arguments: object) -> subprocess.CompletedProcess[str]:
@@ -75,7 +75,7 @@ def test_on_a_terminal_every_line_has_its_own_row(board_recording: Path, tmp_pat
             pass
     os.close(near)
     assert running.returncode == 0
-    assert "camera_poses: 00:00" in written.decode()
+    assert "board_poses: 00:00" in written.decode()
     rows = rows_shown(written.decode())
     for row, stage in zip(rows, STAGES, strict=False):
         assert re.fullmatch(rf"{stage}: \d+\.\d s", row)
