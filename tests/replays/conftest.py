@@ -199,7 +199,7 @@ def config(tmp_path: Path) -> Callable[..., Path]:
         path = tmp_path / "sweep.toml"
         path.write_text(
             f"recordings = {recordings}\nseeds = {seeds}\n[knobs]\n"
-            'camera_poses.source = "simulated"\nimu.source = "auto"\n'
+            'tracked.by = "simulated"\nimu.source = "auto"\n'
             f"convergence.duration_s = 1.0\n{knobs}\n"
         )
         return path
