@@ -1,3 +1,9 @@
+from . import boards as boards
+from . import cameras as cameras
+from . import markers as markers
+from . import optimise as optimise
+from . import planes as planes
+from . import slam as slam
 from .board_tracking.registration import registration_px as registration_px
 from .board_tracking.track import BoardTrack as BoardTrack
 from .board_tracking.track import track_board as track_board
