@@ -23,8 +23,8 @@ from .imu.screening import screen_imu as screen_imu
 from .imu.simulate.path import ContinuousPath as ContinuousPath
 from .imu.simulate.readings import simulate_imu as simulate_imu
 from .imu.stream import ImuStream as ImuStream
-from .metrics.evaluate import Evaluation as Evaluation
-from .metrics.evaluate import evaluate as evaluate
+from .metrics.evaluation import Evaluation as Evaluation
+from .metrics.evaluation import evaluate as evaluate
 from .metrics.jitter.jitter import jitter as jitter
 from .orientation.estimate import Orientation as Orientation
 from .orientation.estimate import OrientationFilter as OrientationFilter
@@ -33,8 +33,8 @@ from .orientation.model import OrientationModel as OrientationModel
 from .preintegration.preintegrate import preintegrate as preintegrate
 from .preintegration.preintegrated import Preintegrated as Preintegrated
 from .simulate_poses import simulate_camera_poses as simulate_camera_poses
-from .smoothing.smooth import METHODS as METHODS
-from .smoothing.smooth import smooth as smooth
+from .smoothing.methods import METHODS as METHODS
+from .smoothing.methods import smooth as smooth
 from .sync.synchronise import Synchronised as Synchronised
 from .sync.synchronise import synchronise as synchronise
 from .visual_inertial.start import start_inertial as start_inertial

@@ -3,7 +3,7 @@
 Each step moves one joint onto the sphere around its neighbour, where the line through both meets
 it (the kernel ``reach``, generated from that meet). A joint whose bones may bend only so far is
 then turned back by a rotor in their common plane. Passes from the target to the base and back go on
-until the end lies at the target. Where limits make the passes stall, the chain is shaken: bent a
+until the end lies at the target. Where limits make the passes stall, the chain is perturbed: bent a
 little out of its plane, by seeded random rotors, and tried again.
 Source: Aristidou and Lasenby, "FABRIK: a fast, iterative solver for the inverse kinematics problem"
 (2011), and "Inverse kinematics solutions using conformal geometric algebra" (2011).
@@ -21,7 +21,7 @@ from motorcade.ga import FloatArray, Rotor, checked_floats, kernels
 
 __all__ = ["Reached", "fabrik"]
 
-ROUNDS, SHAKES, HALVINGS = 40, 12, 48
+ROUNDS, PERTURBATIONS, HALVINGS = 40, 12, 48
 # Bones and distances shorter than this share of the chain have no direction.
 _NOTHING = 1e-9
 
@@ -65,7 +65,7 @@ def fabrik(
             `max_swing_rad`; none by default.
         max_swing_rad: see there.
         tolerance: of the end, as a share of the chain's length.
-        seed: of the shakes; the same seed gives the same chains.
+        seed: of the perturbations; the same seed gives the same chains.
 
     Raises:
         ValueError: shapes that do not fit, NaN or infinity, a chain of no length, limits outside
@@ -127,7 +127,7 @@ class _Problem:
         self.error_m = np.full(len(chains), np.inf)
 
     def solve(self, rng: np.random.Generator) -> int:
-        """Straight where the target is out of reach; else rounds and shakes. Returns rounds."""
+        """Straight where the target is out of reach; else in rounds, whose number is returned."""
         everyone = np.arange(len(self.best))
         chains = self._up(self._straightened(), everyone)
         self._keep(chains, everyone)
@@ -135,10 +135,12 @@ class _Problem:
         rounds = 0
         far = np.linalg.norm(self.target - self.base, axis=-1) >= self.total
         left = everyone[~far & (self.error_m > self.tolerance)]
-        for shake in range(SHAKES + 1):
+        for perturbation in range(PERTURBATIONS + 1):
             if not left.size:
                 break
-            current = self._start[left] if shake == 0 else self._shaken(left, shake, rng)
+            current = (
+                self._start[left] if perturbation == 0 else self._perturbed(left, perturbation, rng)
+            )
             for _ in range(ROUNDS):
                 rounds += 1
                 current = self._up(self._down(current, left), left)
@@ -160,10 +162,12 @@ class _Problem:
         laid: FloatArray = self.base[:, None] + ends[..., None] * ahead[:, None]
         return laid
 
-    def _shaken(self, which: NDArray[np.int64], shake: int, rng: np.random.Generator) -> FloatArray:
-        """Chains whose bones are all turned at random, more with every shake."""
+    def _perturbed(
+        self, which: NDArray[np.int64], perturbation: int, rng: np.random.Generator
+    ) -> FloatArray:
+        """Chains whose bones are all turned at random, more with every perturbation."""
         bones = np.diff(self.best[which], axis=1)
-        noise = rng.standard_normal(bones.shape) * (0.15 * shake)
+        noise = rng.standard_normal(bones.shape) * (0.15 * perturbation)
         turned = unit(bones, np.ones(3)) + noise
         steps = unit(turned) * self.lengths[which][..., None]
         moved = np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)

@@ -14,7 +14,7 @@ from typing import Any
 
 from motorcade.replays.compare.figures.statistics import PRACTICAL_SHARE
 from motorcade.replays.compare.report.findings import findings, percent
-from motorcade.replays.compare.report.ladder_ends import ladder_ends
+from motorcade.replays.compare.report.grid_ends import grid_ends
 from motorcade.replays.compare.report.matrix import Matrix, best_of_each
 from motorcade.replays.compare.report.names import (
     CAUSAL,
@@ -60,7 +60,7 @@ def guide(results: Results) -> str:
         motions=_rows(best_of_each(results)),
         starts=_starts(results),
         reasons=_reasons(results),
-        ladder_ends=ladder_ends(results),
+        grid_ends=grid_ends(results),
         left_out=_left_out(plan),
         ties=exact_ties(results),
         REPRESENTATIONS=REPRESENTATIONS,
@@ -183,12 +183,12 @@ def _left_out(plan: Mapping[str, Any]) -> list[str]:
         every = len(on) == len(plan["representations"])
         where = "" if every else f" on {listed(on)}"
         whole = len(one["degradations"]) == len(plan["degradations"])
-        spoiled = "" if whole else f" with {listed([LABELS[d] for d in one['degradations']])}"
+        degraded = "" if whole else f" with {listed([LABELS[d] for d in one['degradations']])}"
         part = len(one["motions"]) < len(plan["motions"])
         on_motions = (
             f" over {len(one['motions'])} of {len(plan['motions'])} motions" if part else ""
         )
-        made.append(f"`{one['method']}`{where}{spoiled}{on_motions}: {one['reason']}.")
+        made.append(f"`{one['method']}`{where}{degraded}{on_motions}: {one['reason']}.")
     return made
 
 
@@ -210,13 +210,13 @@ def _starts(results: Results) -> list[tuple[str, str]]:
     return made
 
 
-def _found(results: Results, method: str, ladders_only: bool = True) -> dict[str, list[float]]:
-    told = [one["parameter"] for one in results.told["ladders"].get(method, [])]
+def _found(results: Results, method: str, grids_only: bool = True) -> dict[str, list[float]]:
+    told = [one["parameter"] for one in results.told["grids"].get(method, [])]
     values: dict[str, list[float]] = {}
     for motion in results.motions:
         row = results.parameters(motion, results.degradations[0]).get((method, REFERENCE))
         for name, value in (row["parameters"] if row else {}).items():
-            if name in told or not ladders_only:
+            if name in told or not grids_only:
                 values.setdefault(name, []).append(value)
     return values
 
@@ -226,7 +226,7 @@ def _example(results: Results, causal: bool) -> dict[str, str]:
     for row in results.ranking():
         method = row["method"]
         if row["representation"] == REFERENCE and (method in CAUSAL) == causal:
-            found = _found(results, method, ladders_only=False)
+            found = _found(results, method, grids_only=False)
             arguments = [f"{name}={_short(statistics.median(of))}" for name, of in found.items()]
             return {
                 "method": method,

@@ -37,7 +37,7 @@ from motorcade.fusion.metrics.errors.relative_by_length import (
     relative_errors_by_length,
 )
 from motorcade.fusion.metrics.errors.scale import log_scales, without_scale
-from motorcade.fusion.metrics.evaluate import Evaluation, evaluate
+from motorcade.fusion.metrics.evaluation import Evaluation, evaluate
 from motorcade.fusion.metrics.jitter.jitter import Jitter, accelerations, jitter, jitter_above
 from motorcade.fusion.metrics.jitter.smoothness import Smoothness, log_dimensionless_jerk
 from motorcade.fusion.metrics.jitter.spectral_energy import EnergyExcess, energy_excess_above

@@ -1,7 +1,7 @@
 """Lag: how much later than the truth an estimate moves, from the peak of their cross-correlation.
 
 Positive lag is late; poses ahead of the truth have negative lag. The truth is read at the
-estimate's stamps minus the lag tried, so uneven stamps and holes do no harm, and both sides are
+estimate's stamps minus the lag tried, so uneven stamps and gaps do no harm, and both sides are
 differenced over the same steps, so an estimate equal to the truth has no lag at all. Position and
 angular rate are correlated apart: one shows what smoothing did to translations, the other what it
 did to rotations.
@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
+from motorcade.fusion.metrics.smooth_path import GAP_INTERVALS, NotObservableError, SmoothPath
 from motorcade.ga import FloatArray, Rotor, Trajectory
 
 __all__ = ["angular_rate_lag_s", "position_lag_s"]
@@ -26,7 +26,6 @@ _ROOT_TOLERANCE_S = 1e-12
 _BATCHES = 20
 # Changes smaller than this part of the values may be rounding.
 _EVEN = 1e-9
-_GAP_INTERVALS = 3.0
 # Over longer steps a mean rate in the moving frame says little about the moment.
 _LONGEST_STEP_S = 0.25
 _FEWEST_STAMPS = 4
@@ -59,7 +58,7 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
     time_s = path.seconds(estimate.time_ns)
     steps = np.diff(time_s)
     _, kept, limit_s = _inner(path, time_s[:-1], time_s[1:], max_lag_s)
-    near = steps <= min(_GAP_INTERVALS * float(np.median(steps)), _LONGEST_STEP_S)
+    near = steps <= min(GAP_INTERVALS * float(np.median(steps)), _LONGEST_STEP_S)
     chosen = np.flatnonzero(kept & near)
     if chosen.size < _FEWEST_STAMPS:
         raise NotObservableError(
@@ -181,7 +180,7 @@ def _refined(ours: FloatArray, true: Callable[[float], FloatArray], peak: float)
     """The peak within a coarse step of `peak`.
 
     Brent's search finds it to 0.01 ms; closer, the correlation is level to rounding (for slow
-    motion farther out), and the zero of its slope is sought instead.
+    motion farther out), and the zero of its slope is found instead.
     """
     from scipy.optimize import brentq, minimize_scalar
 

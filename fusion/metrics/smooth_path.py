@@ -3,7 +3,7 @@
 Screw interpolation has corners at the stamps, and second differences taken across a corner are
 large where the true acceleration is small. This interpolant passes through every pose with
 continuous velocity, acceleration and angular rate (cubic splines; scipy's `CubicSpline` and
-`RotationSpline`). It invents nothing across holes: `covers` says where the stamps stand close.
+`RotationSpline`). It invents nothing across gaps: `covers` says where the stamps stand close.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
 
-__all__ = ["NotObservableError", "SmoothPath"]
+__all__ = ["GAP_INTERVALS", "NotObservableError", "SmoothPath"]
 
-_HOLE_INTERVALS = 3.0
+# Steps of more than so many median intervals are gaps.
+GAP_INTERVALS = 3.0
 
 
 class NotObservableError(ValueError):
@@ -65,7 +66,7 @@ class SmoothPath:
     def covers(self, time_s: FloatArray) -> NDArray[np.bool_]:
         """Which times lie between two stamps at most three median intervals apart."""
         steps = np.diff(self._time_s)
-        close = steps <= _HOLE_INTERVALS * np.median(steps)
+        close = steps <= GAP_INTERVALS * np.median(steps)
         before = np.clip(np.searchsorted(self._time_s, time_s, side="right") - 1, 0, steps.size - 1)
         inside = (time_s >= self._time_s[0]) & (time_s <= self._time_s[-1])
         return np.asarray(inside & close[before], dtype=np.bool_)

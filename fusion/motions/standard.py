@@ -51,7 +51,7 @@ def _drift(size_m: float = 0.3) -> tuple[Factor, ...]:
     )
 
 
-def _mounted() -> Factor:
+def _camera_axes() -> Factor:
     """Camera axes (x right, y down, z ahead) on a body that looks along x with z up."""
     level = Motor.from_rotor_translation(Rotor.from_matrix(_FORWARD), np.zeros(3))
     return Factor(level.as_twist(), _ONCE)
@@ -119,7 +119,7 @@ def screw(rate_rad_s: float = 1.0, pitch_m: float = 0.5, radius_m: float = 0.7) 
         (
             Factor(along, Polynomial((0.0, rate_rad_s))),
             _shift("y", Polynomial((-radius_m,))),
-            _mounted(),
+            _camera_axes(),
         ),
         Motor,
     )
@@ -135,7 +135,7 @@ def distant_circle(
             _turn("z", Sines.single(sway_rad, 0.27)),
             _shift("x", Polynomial((radius_m,))),
             _turn("y", Sines.single(0.15, 0.43)),
-            _mounted(),
+            _camera_axes(),
         ),
         Motor,
     )
@@ -154,7 +154,7 @@ def handheld(
     axes = "xyz"
     shifts = [_shift(axis, Sines.random(rng, rms_m, band_hz)) for axis in axes]
     turns = [_turn(axis, Sines.random(rng, rms_rad, band_hz)) for axis in axes]
-    return Motion((*shifts, *turns, _mounted()), Motor)
+    return Motion((*shifts, *turns, _camera_axes()), Motor)
 
 
 def walk_and_look(
@@ -171,7 +171,7 @@ def walk_and_look(
             _turn("y", Stops((0.0, 0.3, -0.1, 0.2), 1.1, 1.3)),
             _turn("x", Sines.single(0.02, 0.5 * step_hz, 0.4)),
             _turn("y", Sines.single(0.012, step_hz, 2.0)),
-            _mounted(),
+            _camera_axes(),
         ),
         Motor,
     )
@@ -186,7 +186,7 @@ def stop_and_go(move_s: float = 1.2, rest_s: float = 0.8) -> Motion[Motor]:
             _shift("z", Stops((0.0, 0.2, 0.1, -0.1), move_s, rest_s)),
             _turn("z", Stops((0.0, 0.7, -0.2, 0.4, 1.2, 0.3), move_s, rest_s)),
             _turn("y", Stops((0.0, 0.3, -0.2), move_s, rest_s)),
-            _mounted(),
+            _camera_axes(),
         ),
         Motor,
     )
@@ -204,7 +204,7 @@ def fast_spin(rate_rad_s: float = 20.0, swing_rad: float = 0.8) -> Motion[Motor]
             _turn("x", Polynomial((0.5,))),
             _turn("z", Polynomial((0.0, rate_rad_s))),
             _turn("z", Sines.single(swing_rad, swing_hz)),
-            _mounted(),
+            _camera_axes(),
         ),
         Motor,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from motorcade.fusion.smoothing.auto import Choice, choose
+from motorcade.fusion.smoothing.auto import SmootherChoice, choose
 from motorcade.fusion.smoothing.batch import RobustPath, estimate_path
 from motorcade.fusion.smoothing.causal import (
     ConstantAccelerationFilter,
@@ -13,14 +13,13 @@ from motorcade.fusion.smoothing.causal import (
     SmoothedStates,
     smoothed_states,
 )
+from motorcade.fusion.smoothing.methods import METHODS, method_parameters, smooth
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
-from motorcade.fusion.smoothing.smooth import METHODS, method_parameters, smooth
 from motorcade.fusion.smoothing.window import automatic_window_s
 
 __all__ = [
     "METHODS",
     "REPRESENTATIONS",
-    "Choice",
     "ConstantAccelerationFilter",
     "ConstantVelocityFilter",
     "DoubleExponential",
@@ -29,6 +28,7 @@ __all__ = [
     "Representation",
     "RobustPath",
     "SmoothedStates",
+    "SmootherChoice",
     "automatic_window_s",
     "choose",
     "estimate_path",

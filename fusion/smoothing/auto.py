@@ -1,11 +1,12 @@
 """Which smoother a path calls for, and how strong: `method="auto"`.
 
-Noise and liveliness are estimated from the path itself (see `batch.noise`). A path without wrong
-poses is smoothed by the Rauch-Tung-Striebel smoother under the likelier motion model, one with
-wrong poses by the robust batch estimate. So is one whose rotation is so noisy beside its position
-that a step's lever arm counts, which the former neglects. Where there is no noise to speak of the
-smoother is told so, and leaves the path as it is. Poses that are sparser than 8 Hz do not resolve
-what hands and vehicles do, and any model takes such motion for noise; little is smoothed there.
+Measurement and process noise are estimated from the path itself (see `batch.noise`). A path without
+wrong poses is smoothed by the Rauch-Tung-Striebel smoother under the likelier motion model, one
+with wrong poses by the robust batch estimate. So is one whose rotation is so noisy beside its
+position that a step's lever arm counts, which the former neglects. Where there is no noise to speak
+of the smoother is told so, and leaves the path as it is. Poses that are sparser than 8 Hz do not
+resolve what hands and vehicles do, and any model takes such motion for noise; little is smoothed
+there.
 
 The robust estimate needs scipy. Where that is missing a Rauch-Tung-Striebel smoother takes its
 place, with a warning: it runs on NumPy alone, but gives wrong poses the weight of right ones.
@@ -21,14 +22,14 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.fusion.smoothing.batch.consistent import Sizes
+from motorcade.fusion.smoothing.batch.inliers import Sizes
 from motorcade.fusion.smoothing.batch.noise import NoiseModel, estimate_noise
 from motorcade.fusion.smoothing.batch.robust_map import robust_map
 from motorcade.fusion.smoothing.causal import rts_constant_acceleration, rts_constant_velocity
 from motorcade.fusion.smoothing.representations import Representation, representation_named
 from motorcade.ga import Similarity, Trajectory
 
-__all__ = ["Choice", "auto", "choose"]
+__all__ = ["SmootherChoice", "auto", "choose"]
 
 log = logging.getLogger("motorcade.smooth")
 
@@ -44,7 +45,7 @@ _METHODS: dict[str, Callable[..., Trajectory]] = {
 
 
 @dataclass(frozen=True)
-class Choice:
+class SmootherChoice:
     """A method with its parameters, and the noise that they were chosen by.
 
     Fields:
@@ -71,8 +72,8 @@ class Choice:
         return f"{self.method} on {self.representation}: {numbers}; {share}"
 
 
-def choose(trajectory: Trajectory, representation: str = "motor") -> Choice:
-    """Estimate noise and liveliness of a trajectory, and pick method and parameters by them.
+def choose(trajectory: Trajectory, representation: str = "motor") -> SmootherChoice:
+    """Estimate measurement and process noise, and pick a method and its parameters by them.
 
     Where the robust estimate is called for and a package that it needs is missing, a warning says
     so, and the likelier motion model is picked.
@@ -105,7 +106,7 @@ def choose(trajectory: Trajectory, representation: str = "motor") -> Choice:
     if isinstance(trajectory.poses, Similarity):
         growing = "scale_jerk_s3" if noise.order == 2 else "scale_acceleration_s2"
         parameters |= {growing: noise.scale.acceleration, "noise_scale": noise.scale.noise}
-    return Choice(method, representation, parameters, noise)
+    return SmootherChoice(method, representation, parameters, noise)
 
 
 def _robust_can_run(instead: str) -> bool:
@@ -138,7 +139,7 @@ def _believed(noise: NoiseModel, share: float) -> NoiseModel:
 
 
 def auto(trajectory: Trajectory, representation: Representation) -> Trajectory:
-    """Smooth as `choose` says: noise and liveliness are estimated, wrong poses told apart.
+    """Smooth as `choose` says: measurement and process noise are estimated, wrong poses told apart.
 
     Args:
         trajectory: at least 16 poses.

@@ -1,4 +1,4 @@
-"""One cell: a true motion, spoiled once, smoothed in every way asked for, and measured.
+"""One cell: a true motion, degraded once, smoothed in every way asked for, and measured.
 
 A method that refuses or fails leaves a row that says why; the others go on. What a cell gives
 depends on nothing but its fields and the code, so cells can be computed anywhere and kept.
@@ -79,33 +79,33 @@ class Cell:
 
 def run_cell(cell: Cell) -> tuple[Row, ...]:
     """The rows of a cell."""
-    spoiled, ruler = inputs_of(
+    degraded, ruler = inputs_of(
         cell.motion, cell.degradation, cell.seed, cell.rate_hz, cell.duration_s
     )
-    return tuple(measured_rows(spoiled, ruler, cell.settings))
+    return tuple(measured_rows(degraded, ruler, cell.settings))
 
 
 def inputs_of(
     motion: str, degradation: str, seed: int, rate_hz: float, duration_s: float
 ) -> tuple[Trajectory, Ruler]:
-    """The spoiled poses of a cell, and the ruler of their stamps.
+    """The degraded poses of a cell, and the ruler of their stamps.
 
     Draws depend on the seed and the names alone: every method sees the same poses.
     """
     truth = truth_of(motion, duration_s)
     drawn = np.random.default_rng([seed, _number(motion), _number(degradation)])
     clean = truth.motion.sampled(rate_hz, duration_s)
-    spoiled = degradation_named(degradation, truth.has_scale).apply(clean, drawn)
-    return spoiled, Ruler(spoiled.time_ns, truth)
+    degraded = degradation_named(degradation, truth.has_scale).apply(clean, drawn)
+    return degraded, Ruler(degraded.time_ns, truth)
 
 
-def measured_rows(spoiled: Trajectory, ruler: Ruler, settings: Iterable[Setting]) -> list[Row]:
+def measured_rows(degraded: Trajectory, ruler: Ruler, settings: Iterable[Setting]) -> list[Row]:
     """Smooth by every setting and measure, raw poses first."""
-    names, paths, failed = [RAW], [spoiled], []
+    names, paths, failed = [RAW], [degraded], []
     for setting in settings:
         name = (setting.method, setting.representation)
         try:
-            made = setting.smooth(spoiled)
+            made = setting.smooth(degraded)
         except Exception as error:  # one failing method never ends the others; its row says why
             failed.append(Row(*name, {}, why(error)))
             continue

@@ -1,6 +1,6 @@
 """What a comparison runs: motions, degradations, methods, representations, and the seeds of both.
 
-A cell is a motion, a degradation and a seed: the true motion is sampled, spoiled once, and every
+A cell is a motion, a degradation and a seed: the true motion is sampled, degraded once, and every
 method smooths the same poses in every representation. Parameters are chosen on other seeds than
 those that are judged; both lists are part of the plan and of the results.
 """

@@ -1,18 +1,18 @@
 """Parameters of every method, chosen the same way for every representation.
 
-A method has ladders of values in physical units. They are climbed one after another, the others at
-their start or at what was found before, and the rung with the lowest objective is taken (the first
-of equals); several ladders are climbed twice. Rungs, objective and number of trials are the same
+A method has grids of values in physical units. They are tried one after another, the others at
+their start or at what was found before, and the value with the lowest objective is taken (the first
+of equals); several grids are searched twice. Values, objective and number of trials are the same
 for each representation, on seeds that are not judged. The objective is the mean over those seeds of
 
     mean of (position error, rotation error, linear jitter, angular jitter), each over the raw one,
 
 and of the error of the scale where there is one: 1 is no better than the raw poses. So neither
-error nor shaking is bought at the other's price alone. Parameters are chosen for each motion and
+error nor jitter is bought at the other's price alone. Parameters are chosen for each motion and
 degradation apart, so no representation is judged with another motion's parameters. On rigid
 motions `similarity` takes what was found for `motor`, which is nearly the same there (see `ties`).
 
-Methods without a ladder run with their defaults, and the results say so.
+Methods without a grid run with their defaults, and the results say so.
 """
 
 from __future__ import annotations
@@ -28,58 +28,58 @@ from motorcade.ga import FloatArray, Trajectory
 from motorcade.replays.compare.cells import Setting, inputs_of
 from motorcade.replays.compare.measure.ruler import Ruler
 
-__all__ = ["LADDERS", "Ladder", "Tuned", "Tuning", "borrowed", "run_tuning", "tuned"]
+__all__ = ["GRIDS", "ParameterGrid", "Tuned", "Tuning", "borrowed", "run_tuning", "tuned"]
 
 NOISE = (("noise_m", 0.005), ("noise_rad", float(np.deg2rad(0.5))))
 """What filters that weigh noise against motion are told of it: only the ratio counts, which their
-ladders change; but `robust_map` tells outliers by it."""
+grids change; but `robust_map` tells outliers by it."""
 
-# Times that the ladders of a method are climbed, where it has more than one.
+# Times that the grids of a method are searched, where it has more than one.
 _ROUNDS = 2
 
 
 @dataclass(frozen=True)
-class Ladder:
+class ParameterGrid:
     """Values of one parameter to try, and where it stands while others are tried."""
 
     parameter: str
     start: float
-    rungs: tuple[float, ...]
+    values: tuple[float, ...]
 
 
-def _ladder(parameter: str, start: float, low: float, high: float, count: int) -> Ladder:
-    rungs = np.geomspace(low, high, count)
-    return Ladder(parameter, start, tuple(float(f"{rung:.4g}") for rung in rungs))
+def _grid(parameter: str, start: float, low: float, high: float, count: int) -> ParameterGrid:
+    values = np.geomspace(low, high, count)
+    return ParameterGrid(parameter, start, tuple(float(f"{value:.4g}") for value in values))
 
 
 _VELOCITY = (
-    _ladder("angular_acceleration_rad_s2", 3.0, 0.01, 1000.0, 11),
-    _ladder("acceleration_m_s2", 1.0, 0.005, 50.0, 9),
+    _grid("angular_acceleration_rad_s2", 3.0, 0.01, 1000.0, 11),
+    _grid("acceleration_m_s2", 1.0, 0.005, 50.0, 9),
 )
 _ACCELERATION = (
-    _ladder("angular_jerk_rad_s3", 10.0, 0.01, 10000.0, 13),
-    _ladder("jerk_m_s3", 5.0, 0.005, 500.0, 11),
+    _grid("angular_jerk_rad_s3", 10.0, 0.01, 10000.0, 13),
+    _grid("jerk_m_s3", 5.0, 0.005, 500.0, 11),
 )
 
-LADDERS: Mapping[str, tuple[Ladder, ...]] = MappingProxyType({
-    "exponential": (_ladder("cutoff_hz", 2.0, 0.5, 14.0, 12),),
+GRIDS: Mapping[str, tuple[ParameterGrid, ...]] = MappingProxyType({
+    "exponential": (_grid("cutoff_hz", 2.0, 0.5, 14.0, 12),),
     "double_exponential": (
-        _ladder("cutoff_hz", 2.0, 0.5, 14.0, 8),
-        _ladder("trend_cutoff_hz", 0.5, 0.05, 14.0, 8),
+        _grid("cutoff_hz", 2.0, 0.5, 14.0, 8),
+        _grid("trend_cutoff_hz", 0.5, 0.05, 14.0, 8),
     ),
     "one_euro": (
-        _ladder("min_cutoff_hz", 2.0, 0.25, 14.0, 8),
-        _ladder("beta_per_rad", 3.0, 0.1, 100.0, 7),
-        _ladder("beta_per_m", 3.0, 0.1, 100.0, 7),
+        _grid("min_cutoff_hz", 2.0, 0.25, 14.0, 8),
+        _grid("beta_per_rad", 3.0, 0.1, 100.0, 7),
+        _grid("beta_per_m", 3.0, 0.1, 100.0, 7),
     ),
     "constant_velocity": _VELOCITY,
     "constant_acceleration": _ACCELERATION,
     "rts_constant_velocity": _VELOCITY,
     "rts_constant_acceleration": _ACCELERATION,
-    "gaussian": (_ladder("sigma_s", 0.1, 0.02, 1.0, 12),),
-    "savitzky_golay": (_ladder("window_s", 0.3, 0.12, 4.0, 12),),
-    "local_polynomial": (_ladder("window_s", 0.3, 0.12, 4.0, 12),),
-    "spline": (_ladder("knot_spacing_s", 0.2, 0.075, 0.6, 7),),
+    "gaussian": (_grid("sigma_s", 0.1, 0.02, 1.0, 12),),
+    "savitzky_golay": (_grid("window_s", 0.3, 0.12, 4.0, 12),),
+    "local_polynomial": (_grid("window_s", 0.3, 0.12, 4.0, 12),),
+    "spline": (_grid("knot_spacing_s", 0.2, 0.075, 0.6, 7),),
 })  # fmt: skip
 """What is tried, in order. Cut-offs end below half the rate of the standard plan, 15 Hz."""
 
@@ -117,9 +117,9 @@ class Tuned:
 
     Fields:
         setting: the method, its representation, and all parameters that are given to it.
-        how: "ladder", "defaults" (no ladder, or no rung that the method did not refuse) or
+        how: "grid", "defaults" (no grid, or no value that the method did not refuse) or
             "borrowed".
-        objective: of the best rung; None where nothing was tried.
+        objective: of the best value; None where nothing was tried.
         trials: how many values were tried.
     """
 
@@ -135,7 +135,7 @@ def run_tuning(tuning: Tuning) -> tuple[Tuned, ...]:
         inputs_of(tuning.motion, tuning.degradation, seed, tuning.rate_hz, tuning.duration_s)
         for seed in tuning.seeds
     ]
-    raw = [ruler.errors([spoiled])[0] for spoiled, ruler in inputs]
+    raw = [ruler.errors([degraded])[0] for degraded, ruler in inputs]
     return tuple(tuned(*pair, inputs, raw) for pair in tuning.pairs)
 
 
@@ -145,28 +145,28 @@ def tuned(
     inputs: Sequence[tuple[Trajectory, Ruler]],
     raw: Sequence[FloatArray],
 ) -> Tuned:
-    """Climb a method's ladders on paths, given the errors of the raw poses of each."""
-    ladders = LADDERS.get(method, ())
+    """Search a method's grids on paths, given the errors of the raw poses of each."""
+    grids = GRIDS.get(method, ())
     chosen: dict[str, Any] = dict(FIXED.get(method, ()))
-    if not ladders:
+    if not grids:
         return Tuned(Setting(method, representation, tuple(chosen.items())), "defaults", None, 0)
-    chosen |= {ladder.parameter: ladder.start for ladder in ladders}
+    chosen |= {grid.parameter: grid.start for grid in grids}
     best, known = np.inf, dict[Setting, float]()
-    for ladder in ladders * (_ROUNDS if len(ladders) > 1 else 1):
+    for grid in grids * (_ROUNDS if len(grids) > 1 else 1):
         tried = [
-            Setting(method, representation, tuple((chosen | {ladder.parameter: rung}).items()))
-            for rung in ladder.rungs
+            Setting(method, representation, tuple((chosen | {grid.parameter: value}).items()))
+            for value in grid.values
         ]
         new = [one for one in tried if one not in known]
         known |= zip(new, _objectives(new, inputs, raw), strict=True)
         found = [known[one] for one in tried]
         if np.isfinite(np.min(found)):
             best = float(np.min(found))
-            chosen[ladder.parameter] = ladder.rungs[int(np.argmin(found))]
+            chosen[grid.parameter] = grid.values[int(np.argmin(found))]
     setting = Setting(method, representation, tuple(chosen.items()))
     if not np.isfinite(best):
         return Tuned(setting, "defaults", None, len(known))
-    return Tuned(setting, "ladder", float(f"{best:.9g}"), len(known))
+    return Tuned(setting, "grid", float(f"{best:.9g}"), len(known))
 
 
 def borrowed(method: str, representation: str, found: Tuned) -> Tuned:
@@ -183,16 +183,16 @@ def _objectives(
 ) -> FloatArray:
     """The objective of each setting; infinite where it is refused on one of the paths."""
     ratios = np.full((len(inputs), len(tried)), np.inf)
-    for row, ((spoiled, ruler), base) in enumerate(zip(inputs, raw, strict=True)):
-        made = [(i, path) for i, one in enumerate(tried) if (path := _smoothed(one, spoiled))]
+    for row, ((degraded, ruler), base) in enumerate(zip(inputs, raw, strict=True)):
+        made = [(i, path) for i, one in enumerate(tried) if (path := _smoothed(one, degraded))]
         if made:
             errors = ruler.errors([path for _, path in made])
             ratios[row, [i for i, _ in made]] = np.nanmean(errors / base, axis=1)
     return np.asarray(np.mean(ratios, axis=0), dtype=np.float64)
 
 
-def _smoothed(setting: Setting, spoiled: Trajectory) -> Trajectory | None:
+def _smoothed(setting: Setting, degraded: Trajectory) -> Trajectory | None:
     try:
-        return setting.smooth(spoiled)
+        return setting.smooth(degraded)
     except Exception:  # what a method refuses is no candidate; a cell's row says why
         return None

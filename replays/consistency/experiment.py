@@ -20,12 +20,12 @@ from motorcade.fusion.filter import FilterSettings, fuse
 from motorcade.fusion.filter.comparison import (
     ErrorCoordinates,
     Estimates,
-    EulerAngles,
-    ExactEulerAngles,
-    ExtendedPose,
-    QuaternionTranslation,
+    EulerErrors,
+    ExactEulerErrors,
+    ExtendedPoseErrors,
+    QuaternionTranslationErrors,
     Runs,
-    State,
+    RunStates,
     filter_runs,
 )
 from motorcade.fusion.imu import ContinuousPath, ImuFaults, ImuNoise, ImuStream, simulate_imu
@@ -112,7 +112,7 @@ class Simulated:
     """R runs of one experiment, and the true states ``(R, M)`` at the measured stamps."""
 
     recorded: tuple[tuple[PoseMeasurements, ImuStream], ...]
-    truth: State
+    truth: RunStates
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,12 +139,12 @@ def simulate(experiment: Experiment, seeds: range) -> Simulated:
     """Simulate a run a seed; a seed's run is the same whatever the others are."""
     path, tag = experiment.path(), crc32(experiment.motion.encode())
     made = [_run(experiment, path, np.random.default_rng((tag, seed))) for seed in seeds]
-    return Simulated(tuple(data for data, _ in made), State.stacked([true for _, true in made]))
+    return Simulated(tuple(data for data, _ in made), RunStates.stacked([true for _, true in made]))
 
 
 def _run(
     experiment: Experiment, path: ContinuousPath, rng: np.random.Generator
-) -> tuple[tuple[PoseMeasurements, ImuStream], State]:
+) -> tuple[tuple[PoseMeasurements, ImuStream], RunStates]:
     faults = ImuFaults(
         gyro_bias_rad_s=_GYRO_BIAS_RAD_S * rng.standard_normal(3),
         accel_bias_m_s2=_ACCEL_BIAS_M_S2 * rng.standard_normal(3),
@@ -156,7 +156,7 @@ def _run(
     at = np.searchsorted(imu.stream.time_ns, measured.trajectory.time_ns)
     bias = np.concatenate([imu.gyro_bias_rad_s, imu.accel_bias_m_s2], axis=-1)
     true = imu.path.motors[at]
-    return (measured, imu.stream), State(
+    return (measured, imu.stream), RunStates(
         true.rotor, true.translation_m, imu.velocity_m_s[at], bias[at]
     )
 
@@ -187,14 +187,14 @@ def _on_motors(simulated: Simulated, experiment: Experiment) -> Estimates:
         for measured, imu in simulated.recorded
     ]  # fmt: skip
     states = [
-        State(
+        RunStates(
             one.trajectory.motors.rotor, one.trajectory.motors.translation_m, one.velocity_m_s,
             np.concatenate([one.gyro_bias_rad_s, one.accel_bias_m_s2], axis=-1),
         )
         for one in each
     ]  # fmt: skip
     return Estimates(
-        State.stacked(states),
+        RunStates.stacked(states),
         np.stack([one.state_covariance for one in each]),
         np.stack([one.nis for one in each]),
         np.stack([one.accepted for one in each]),
@@ -212,9 +212,9 @@ def _in(coordinates: ErrorCoordinates) -> Filtering:
 
 Filtering = Callable[[Simulated, Experiment], Estimates]
 FILTERS: Mapping[str, tuple[Filtering, ErrorCoordinates]] = MappingProxyType({
-    "motor": (_on_motors, ExtendedPose()),
-    "quaternion": (_in(QuaternionTranslation()), QuaternionTranslation()),
-    "euler": (_in(EulerAngles()), EulerAngles()),
-    "euler_exact": (_in(ExactEulerAngles()), ExactEulerAngles()),
+    "motor": (_on_motors, ExtendedPoseErrors()),
+    "quaternion": (_in(QuaternionTranslationErrors()), QuaternionTranslationErrors()),
+    "euler": (_in(EulerErrors()), EulerErrors()),
+    "euler_exact": (_in(ExactEulerErrors()), ExactEulerErrors()),
 })  # fmt: skip
 """Every filter by name: what runs it, and the coordinates of its errors."""

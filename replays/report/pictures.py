@@ -136,8 +136,8 @@ def _jitter(findings: Findings, lost: Spans) -> Picture:
         name: (one.time_s, one.angular_rad_s2) for name, one in findings.errors.acceleration.items()
     }
     return Picture(
-        "Shaking",
-        "Length of the angular acceleration: shaking shows as height. Euler angles leap where one "
+        "Jitter",
+        "Length of the angular acceleration: jitter shows as height. Euler angles leap where one "
         "of them wraps or the pitch passes ±90°; unwrapping heals only the former.",
         _over_time(series, "angular acceleration (rad/s²)", lost),
         tuple(series),

@@ -43,11 +43,11 @@ class HandheldPath:
 
     Attributes:
         gaze_tremor_rad: (2, 2) amplitudes sideways and upwards at 4 and 5 times the base.
-        shake: (4, n, 2) amplitude and phase at `TREMOR_HZ` of x, y, z (m) and roll (rad).
+        tremor: (4, n, 2) amplitude and phase at `TREMOR_HZ` of x, y, z (m) and roll (rad).
     """
 
     gaze_tremor_rad: FloatArray
-    shake: FloatArray
+    tremor: FloatArray
 
     @classmethod
     def of(cls, rng: np.random.Generator) -> "HandheldPath":
@@ -65,11 +65,11 @@ class HandheldPath:
         gaze[..., 1] = -self._gaze(time, UPWARDS_DEG, 1)
         gaze[..., 2] = self._gaze(time, SIDEWAYS_DEG, 0)
         roll = np.zeros((*time.shape, 3))
-        roll[..., 0] = np.deg2rad(_waves(time, ROLL_DEG)) + self._shake(time, 3)
+        roll[..., 0] = np.deg2rad(_waves(time, ROLL_DEG)) + self._tremor(time, 3)
         rotor = Rotor.from_rotation_vector(gaze) @ Rotor.from_rotation_vector(roll)
         against = np.sin(BASE_RAD_S * (time - FIRST_POLE_S))
         place = [
-            MIDDLE_M[k] + AGAINST_M[k] * against + _waves(time, SWEEP[k]) + self._shake(time, k)
+            MIDDLE_M[k] + AGAINST_M[k] * against + _waves(time, SWEEP[k]) + self._tremor(time, k)
             for k in range(3)
         ]
         return Motor.from_rotor_translation(
@@ -89,9 +89,9 @@ class HandheldPath:
             total += self.gaze_tremor_rad[axis, k] * np.sin(multiple * angle)
         return total
 
-    def _shake(self, time: FloatArray, axis: int) -> FloatArray:
+    def _tremor(self, time: FloatArray, axis: int) -> FloatArray:
         total = np.zeros_like(time)
-        for hertz, (amplitude, phase) in zip(TREMOR_HZ, self.shake[axis], strict=True):
+        for hertz, (amplitude, phase) in zip(TREMOR_HZ, self.tremor[axis], strict=True):
             total += amplitude * np.sin(2.0 * np.pi * hertz * time + phase)
         return total
 

@@ -67,7 +67,7 @@ def handheld() -> Handheld:
 
 
 @pytest.fixture
-def shaken() -> Callable[[Trajectory, float, float, np.random.Generator], Trajectory]:
+def jittered() -> Callable[[Trajectory, float, float, np.random.Generator], Trajectory]:
     """Add independent noise (m, rad an axis) in the moving frame."""
 
     def add(

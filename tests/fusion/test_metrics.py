@@ -145,10 +145,10 @@ def test_angular_acceleration_is_exact_for_a_constant_one():
     np.testing.assert_allclose(angular, np.tile([0.0, 0.42, 0.56], (time_s.size - 2, 1)), atol=1e-9)
 
 
-def test_jitter_of_white_noise_has_its_closed_form(handheld, shaken, rng):
+def test_jitter_of_white_noise_has_its_closed_form(handheld, jittered, rng):
     """A second difference of white noise σ at step h has deviation σ √6 / h² an axis."""
     truth = handheld.trajectory(100.0, 40.0)
-    found = jitter(shaken(truth, 1e-3, 2e-3, rng), truth)
+    found = jitter(jittered(truth, 1e-3, 2e-3, rng), truth)
     assert found.linear_m_s2 == pytest.approx(1e-3 * np.sqrt(18) * 1e4, rel=0.03)
     assert found.angular_rad_s2 == pytest.approx(2e-3 * np.sqrt(18) * 1e4, rel=0.03)
 
@@ -162,25 +162,25 @@ def test_a_perfect_estimate_has_no_jitter_whatever_the_rates(handheld, truth_hz)
     assert found.angular_rad_s2 < 0.02
 
 
-def test_a_hole_in_the_truth_adds_no_jitter(handheld):
+def test_a_gap_in_the_truth_adds_no_jitter(handheld):
     truth = handheld.trajectory(100.0, 10.0)
     stamps = truth.time_s
-    holed = truth[(stamps < 4.0) | (stamps > 6.0)]
-    assert jitter(handheld.trajectory(50.0, 10.0), holed).linear_m_s2 < 1e-3
+    gapped = truth[(stamps < 4.0) | (stamps > 6.0)]
+    assert jitter(handheld.trajectory(50.0, 10.0), gapped).linear_m_s2 < 1e-3
 
 
 def test_jitter_without_truth_counts_only_what_is_faster(handheld):
-    """A 1 mm sine at 12 Hz shakes by A ω² / √2; the slow motion under it is not counted."""
+    """A 1 mm sine at 12 Hz jitters by A ω² / √2; the slow motion under it is not counted."""
     truth = handheld.trajectory(200.0, 20.0)
-    shake = np.zeros((len(truth), 3))
-    shake[:, 1] = 1e-3 * np.sin(2 * np.pi * 12.0 * truth.time_s)
-    poses = Motor.from_translation(shake) @ truth.poses
-    shaking = Trajectory(truth.time_ns, poses)
+    tremor = np.zeros((len(truth), 3))
+    tremor[:, 1] = 1e-3 * np.sin(2 * np.pi * 12.0 * truth.time_s)
+    poses = Motor.from_translation(tremor) @ truth.poses
+    jittering = Trajectory(truth.time_ns, poses)
     expected = 1e-3 * (2 * np.pi * 12.0) ** 2 / np.sqrt(2)
-    assert jitter_above(shaking, 6.0).linear_m_s2 == pytest.approx(expected, rel=0.03)
+    assert jitter_above(jittering, 6.0).linear_m_s2 == pytest.approx(expected, rel=0.03)
     assert jitter_above(truth, 6.0).linear_m_s2 < 0.02
-    holed = shaking[(truth.time_s < 8.0) | (truth.time_s > 8.5)]
-    assert jitter_above(holed, 6.0).linear_m_s2 == pytest.approx(expected, rel=0.03)
+    gapped = jittering[(truth.time_s < 8.0) | (truth.time_s > 8.5)]
+    assert jitter_above(gapped, 6.0).linear_m_s2 == pytest.approx(expected, rel=0.03)
 
 
 @pytest.mark.parametrize("lag_ms", [-37.3, 0.0, 3.7, 61.25])
@@ -201,10 +201,10 @@ def test_a_real_trajectory_has_no_lag_behind_itself(data_dir, file):
 
 
 @pytest.mark.parametrize("longest_step_ms", [12, 60, 240])
-def test_uneven_stamps_alone_make_no_lag(handheld, shaken, rng, longest_step_ms):
+def test_uneven_stamps_alone_make_no_lag(handheld, jittered, rng, longest_step_ms):
     steps = rng.integers(2_000_000, longest_step_ms * 1_000_000, 600)
     stamps = handheld.time_ns(100.0, 0.0)[0] + np.cumsum(steps)
-    path = shaken(Trajectory(stamps, handheld.poses(stamps)), 0.01, 0.02, rng)
+    path = jittered(Trajectory(stamps, handheld.poses(stamps)), 0.01, 0.02, rng)
     found = evaluate(path, path)
     assert abs(found.lag_ms) < 1e-6
     assert abs(found.angular_rate_lag_ms) < 1e-6
@@ -219,19 +219,19 @@ def test_a_known_shift_is_found_on_real_motion(data_dir):
     assert 1e3 * angular_rate_lag_s(late, truth) == pytest.approx(3.7, abs=0.2)
 
 
-def test_a_known_shift_is_found_under_noise(handheld, shaken, rng):
+def test_a_known_shift_is_found_under_noise(handheld, jittered, rng):
     truth = handheld.trajectory(100.0, 40.0)
     stamps = handheld.time_ns(30.0, 38.0) + 1_000_000_000
     stamps = stamps + rng.integers(-8_000_000, 8_000_000, stamps.size)
     late = Trajectory(stamps, handheld.poses(stamps - 3_700_000))
-    found = shaken(late, 5e-4, 2e-5, rng)
+    found = jittered(late, 5e-4, 2e-5, rng)
     assert 1e3 * position_lag_s(found, truth) == pytest.approx(3.7, abs=0.2)
     assert 1e3 * angular_rate_lag_s(found, truth) == pytest.approx(3.7, abs=0.2)
 
 
-def test_a_peak_that_noise_could_have_made_is_no_lag(handheld, shaken, rng):
+def test_a_peak_that_noise_could_have_made_is_no_lag(handheld, jittered, rng):
     truth = handheld.trajectory(100.0, 20.0)
-    drowned = shaken(handheld.trajectory(50.0, 20.0), 10.0, 1.0, rng)
+    drowned = jittered(handheld.trajectory(50.0, 20.0), 10.0, 1.0, rng)
     for lag_s in (position_lag_s, angular_rate_lag_s):
         with pytest.raises(NotObservableError, match="known to 10 ms, got a standard error of"):
             lag_s(drowned, truth)
@@ -251,9 +251,9 @@ def test_motion_straight_ahead_and_even_turns_have_no_lag_to_tell(handheld, rng)
     assert found.angular_rate_lag_ms is None
 
 
-def test_metrics_do_not_depend_on_the_world_of_both(handheld, shaken, rng):
+def test_metrics_do_not_depend_on_the_world_of_both(handheld, jittered, rng):
     truth = handheld.trajectory(50.0)
-    estimate = shaken(truth, 0.01, 0.01, rng)
+    estimate = jittered(truth, 0.01, 0.01, rng)
     elsewhere = Motor.random(rng)
     before = evaluate(estimate, truth, "se3").as_dict()
     after = evaluate(estimate.transformed_by(elsewhere), truth, "se3").as_dict()

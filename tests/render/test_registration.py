@@ -13,7 +13,7 @@ from motorcade.tracking.cameras.camera import Camera
 from tests.bench.view.printed import printed_surface
 from tests.bench.view.registration import (
     drawn_corner_distances_px,
-    shake_px,
+    jitter_px,
     straightened,
 )
 
@@ -58,10 +58,10 @@ def test_a_print_lies_where_its_pixels_are_said_to_lie() -> None:
         printed_surface(np.zeros((4, 4), dtype=np.uint8), 0.0, (0.0, 0.0), pose)
 
 
-def test_shake_is_the_deviation_of_white_noise(rng: np.random.Generator) -> None:
+def test_jitter_is_the_deviation_of_white_noise(rng: np.random.Generator) -> None:
     places = np.zeros((4000, 3))
     places[:, :2] = 0.002 * rng.standard_normal((4000, 2)) + np.linspace(0, 0.1, 4000)[:, None]
     stamps = np.arange(4000) * 33_333_333
     path = Trajectory(stamps, Motor.from_translation(places))
     expected = 300.0 / 2.0 * 0.002 * np.sqrt(2.0)
-    assert shake_px(path, CAMERA, np.array([0.0, 0.0, 2.0])) == pytest.approx(expected, rel=0.05)
+    assert jitter_px(path, CAMERA, np.array([0.0, 0.0, 2.0])) == pytest.approx(expected, rel=0.05)

@@ -8,21 +8,21 @@ does and what the covariance means.
 from motorcade.fusion.filter.comparison.batched import Estimates, Runs, filter_runs
 from motorcade.fusion.filter.comparison.coordinates import (
     ErrorCoordinates,
-    EulerAngles,
-    ExactEulerAngles,
-    ExtendedPose,
-    QuaternionTranslation,
-    State,
+    EulerErrors,
+    ExactEulerErrors,
+    ExtendedPoseErrors,
+    QuaternionTranslationErrors,
+    RunStates,
 )
 
 __all__ = [
     "ErrorCoordinates",
     "Estimates",
-    "EulerAngles",
-    "ExactEulerAngles",
-    "ExtendedPose",
-    "QuaternionTranslation",
+    "EulerErrors",
+    "ExactEulerErrors",
+    "ExtendedPoseErrors",
+    "QuaternionTranslationErrors",
+    "RunStates",
     "Runs",
-    "State",
     "filter_runs",
 ]

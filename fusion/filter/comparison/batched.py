@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.filter import FilterSettings
-from motorcade.fusion.filter.comparison.coordinates import ErrorCoordinates, State
+from motorcade.fusion.filter.comparison.coordinates import ErrorCoordinates, RunStates
 from motorcade.fusion.filter.extended_pose import ERROR_SIZE
 from motorcade.fusion.filter.increments import increments, process_noise
 from motorcade.fusion.imu.noise import ImuNoise
@@ -92,7 +92,7 @@ class Estimates:
         accepted: ``(R, M)`` false where a measurement was left out.
     """
 
-    state: State
+    state: RunStates
     covariance: FloatArray
     nis: FloatArray
     accepted: NDArray[np.bool_]
@@ -124,7 +124,9 @@ def filter_runs(
         )
         states.append(state)
         covariances.append(covariance)
-    return Estimates(State.stacked(states, axis=1), np.stack(covariances, axis=1), nis, accepted)
+    return Estimates(
+        RunStates.stacked(states, axis=1), np.stack(covariances, axis=1), nis, accepted
+    )
 
 
 class _Gate:
@@ -150,11 +152,11 @@ class _Gate:
 
 def _start(
     runs: Runs, coordinates: ErrorCoordinates, settings: FilterSettings
-) -> tuple[State, FloatArray]:
+) -> tuple[RunStates, FloatArray]:
     """The first measurement as a state: at rest, biases zero, with room for both to be wrong."""
     count, pose, tilt = len(runs), runs.world_T_imu[:, 0], settings.initial_tilt_error_rad
     rotor = Rotor.from_rotation_vector([tilt, 0.0, 0.0]) @ pose.rotor
-    state = State(rotor, pose.translation_m, np.zeros((count, 3)), np.zeros((count, 6)))
+    state = RunStates(rotor, pose.translation_m, np.zeros((count, 3)), np.zeros((count, 6)))
     sigma = [0.0, 0.0, _VELOCITY_SIGMA_M_S, _GYRO_BIAS_SIGMA_RAD_S, _ACCEL_BIAS_SIGMA_M_S2]
     body = np.tile(np.diag(np.repeat(sigma, 3) ** 2), (count, 1, 1))
     body[:, :6, :6] = runs.covariance
@@ -164,9 +166,9 @@ def _start(
 
 
 def _predicted(
-    runs: Runs, start: int, end: int, state: State, covariance: FloatArray, noise: ImuNoise,
+    runs: Runs, start: int, end: int, state: RunStates, covariance: FloatArray, noise: ImuNoise,
     coordinates: ErrorCoordinates, settings: FilterSettings,
-) -> tuple[State, FloatArray]:  # fmt: skip
+) -> tuple[RunStates, FloatArray]:  # fmt: skip
     """State and covariance after the intervals between two samples."""
     dt_s = np.diff(runs.time_ns[start : end + 1]) * 1e-9
     rate, force = (
@@ -194,16 +196,16 @@ def _predicted(
         position = position + velocity * dt + 0.5 * fall * dt**2 + rotor.apply(gained[:, k, 0])
         velocity = velocity + fall * dt + rotor.apply(gained[:, k, 1])
         rotor = coordinates.turned(rotor, turn_rad[:, k])
-    after = State(rotor, position, velocity, state.bias)
+    after = RunStates(rotor, position, velocity, state.bias)
     return after, _transformed(coordinates.from_body(after), body)
 
 
 def _updated(
-    state: State, covariance: FloatArray, measured: Motor, spread: FloatArray,
+    state: RunStates, covariance: FloatArray, measured: Motor, spread: FloatArray,
     coordinates: ErrorCoordinates, gate: _Gate,
-) -> tuple[State, FloatArray, FloatArray, NDArray[np.bool_]]:  # fmt: skip
+) -> tuple[RunStates, FloatArray, FloatArray, NDArray[np.bool_]]:  # fmt: skip
     """Kalman's update with poses of the IMU, in Joseph's form; the matrix is the identity."""
-    seen = State(measured.rotor, measured.translation_m, state.velocity_m_s, state.bias)
+    seen = RunStates(measured.rotor, measured.translation_m, state.velocity_m_s, state.bias)
     innovation = coordinates.local(state, seen)[:, :6]
     spread = coordinates.measurement_noise(state, spread)
     nis = np.sum(innovation * _solved(covariance[:, :6, :6] + spread, innovation), axis=-1)
@@ -224,7 +226,7 @@ def _updated(
     return coordinates.retract(state, correction), covariance, nis, believed
 
 
-def _doubt(state: State, seen: State) -> FloatArray:
+def _doubt(state: RunStates, seen: RunStates) -> FloatArray:
     """Covariance in the moving frame that makes room for an innovation, in velocity as well."""
     predicted, measured = (
         Motor.from_rotor_translation(one.rotor, one.position_m) for one in (state, seen)

@@ -20,16 +20,16 @@ from motorcade.ga.classical import euler_rates_from_body, nearest_branch
 
 __all__ = [
     "ErrorCoordinates",
-    "EulerAngles",
-    "ExactEulerAngles",
-    "ExtendedPose",
-    "QuaternionTranslation",
-    "State",
+    "EulerErrors",
+    "ExactEulerErrors",
+    "ExtendedPoseErrors",
+    "QuaternionTranslationErrors",
+    "RunStates",
 ]
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class RunStates:
     """States of R runs: ``world_T_imu``, velocity in the world, biases of gyro and accelerometer.
 
     Fields:
@@ -44,7 +44,7 @@ class State:
     bias: FloatArray
 
     @classmethod
-    def stacked(cls, states: Sequence[State], axis: int = 0) -> State:
+    def stacked(cls, states: Sequence[RunStates], axis: int = 0) -> RunStates:
         """States of one shape as one, with a further axis."""
         return cls(
             Rotor(np.stack([one.rotor.coefficients for one in states], axis)),
@@ -73,13 +73,13 @@ class ErrorCoordinates(ABC):
         """Orientations ``(R)`` after turns ``(R, 3)`` in the moving frame."""
         return rotor @ Rotor.from_rotation_vector(turn_rad)
 
-    def measurement_noise(self, state: State, covariance: FloatArray) -> FloatArray:
+    def measurement_noise(self, state: RunStates, covariance: FloatArray) -> FloatArray:
         """Covariances ``(R, 6, 6)`` of measured poses, given that of the right perturbation."""
         carrier = self.from_body(state)[..., :6, :6]
         noise: FloatArray = carrier @ covariance @ carrier.swapaxes(-1, -2)
         return noise
 
-    def local(self, state: State, other: State) -> FloatArray:
+    def local(self, state: RunStates, other: RunStates) -> FloatArray:
         """The error ``(R, 15)`` that leads from a state to the other."""
         return np.concatenate(
             [
@@ -91,16 +91,16 @@ class ErrorCoordinates(ABC):
             axis=-1,
         )
 
-    def retract(self, state: State, error: FloatArray) -> State:
+    def retract(self, state: RunStates, error: FloatArray) -> RunStates:
         """The state an error ``(R, 15)`` away."""
-        return State(
+        return RunStates(
             self.rotation_retract(state.rotor, error[..., :3]),
             state.position_m + error[..., 3:6],
             state.velocity_m_s + error[..., 6:9],
             state.bias + error[..., 9:],
         )
 
-    def from_body(self, state: State) -> FloatArray:
+    def from_body(self, state: RunStates) -> FloatArray:
         """Matrices ``(R, 15, 15)`` from small errors on the right of an extended pose to these."""
         rotor = state.rotor
         matrices = np.tile(np.eye(ERROR_SIZE), (*rotor.shape, 1, 1))
@@ -109,7 +109,7 @@ class ErrorCoordinates(ABC):
         return matrices
 
 
-class QuaternionTranslation(ErrorCoordinates):
+class QuaternionTranslationErrors(ErrorCoordinates):
     """The error-state filter as commonly written: turn in the moving frame, position in the world.
 
     Source: J. Solà, Quaternion kinematics for the error-state Kalman filter, arXiv:1711.02508,
@@ -129,13 +129,13 @@ class QuaternionTranslation(ErrorCoordinates):
         return np.tile(np.eye(3), (*rotor.shape, 1, 1))
 
 
-class ExtendedPose(QuaternionTranslation):
+class ExtendedPoseErrors(QuaternionTranslationErrors):
     """The filter's own: on the right of the pair of motors, position and velocity turning along.
 
     Orientations err as in the multiplicative filter.
     """
 
-    def local(self, state: State, other: State) -> FloatArray:
+    def local(self, state: RunStates, other: RunStates) -> FloatArray:
         """Logarithms of one extended pose seen from the other, and the biases' differences."""
         ours, theirs = (
             extended_pose(one.rotor, one.position_m, one.velocity_m_s) for one in (state, other)
@@ -145,18 +145,18 @@ class ExtendedPose(QuaternionTranslation):
             [twists[..., 0, :], twists[..., 1, 3:], other.bias - state.bias], axis=-1
         )
 
-    def retract(self, state: State, error: FloatArray) -> State:
+    def retract(self, state: RunStates, error: FloatArray) -> RunStates:
         """The extended pose times the exponential of the error."""
         pose = corrected(extended_pose(state.rotor, state.position_m, state.velocity_m_s), error)
         position, velocity = np.moveaxis(pose.translation_m, -2, 0)
-        return State(pose[..., 0].rotor, position, velocity, state.bias + error[..., 9:])
+        return RunStates(pose[..., 0].rotor, position, velocity, state.bias + error[..., 9:])
 
-    def from_body(self, state: State) -> FloatArray:
+    def from_body(self, state: RunStates) -> FloatArray:
         """The identity."""
         return np.tile(np.eye(ERROR_SIZE), (*state.rotor.shape, 1, 1))
 
 
-class ExactEulerAngles(ErrorCoordinates):
+class ExactEulerErrors(ErrorCoordinates):
     """Three angles, intrinsic x-y′-z″, added and subtracted one by one; all else converted exactly.
 
     Differences are wrapped to [-π, π]. Motion is composed as rotations, and the noise of a measured
@@ -177,7 +177,7 @@ class ExactEulerAngles(ErrorCoordinates):
         return euler_rates_from_body(rotor.as_euler())
 
 
-class EulerAngles(ExactEulerAngles):
+class EulerErrors(ExactEulerErrors):
     """The extended Kalman filter on Euler angles as practitioners write it.
 
     Angles are integrated by their rates, one Euler step a sample, and a measured orientation is
@@ -189,7 +189,7 @@ class EulerAngles(ExactEulerAngles):
         rates = self.rotation_from_body(rotor) @ turn_rad[..., None]
         return Rotor.from_euler(rotor.as_euler() + rates[..., 0])
 
-    def measurement_noise(self, state: State, covariance: FloatArray) -> FloatArray:
+    def measurement_noise(self, state: RunStates, covariance: FloatArray) -> FloatArray:
         """The turn's covariance as it is; the position's in the world."""
         carrier = self.from_body(state)[..., :6, :6]
         carrier[..., :3, :3] = np.eye(3)

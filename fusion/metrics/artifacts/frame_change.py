@@ -1,4 +1,4 @@
-"""Frame-change defect: does a smoother give the same motion in another world, on another mount?
+"""Frame-change defect: is smoothed motion the same in another world, with other extrinsics?
 
 A smoother that is one of motions, not of numbers, commutes with a change of the world's frame
 (left, ``L pose``) and of the sensor's (right, ``pose R``). The defect is how far smoothing first

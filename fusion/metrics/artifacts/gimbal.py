@@ -1,8 +1,8 @@
 """Gimbal index: how much more, how much faster and how often an estimate turns than the truth.
 
 What smoothing or interpolating Euler angles does near gimbal lock shows here: detours, bursts of
-speed, and whole turns that never happened. All three are 1, 1 and 0 for a perfect estimate, and
-do not depend on the frames.
+speed, and full revolutions that never happened. All three are 1, 1 and 0 for a perfect estimate,
+and do not depend on the frames.
 """
 
 from __future__ import annotations
@@ -14,7 +14,13 @@ import numpy as np
 from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
 from motorcade.ga import FloatArray, Rotor, Trajectory
 
-__all__ = ["GimbalIndex", "gimbal_index", "path_over_geodesic", "rotation_path_rad", "whole_turns"]
+__all__ = [
+    "GimbalIndex",
+    "gimbal_index",
+    "path_over_geodesic",
+    "rotation_path_rad",
+    "winding_count",
+]
 
 # Within this angle (a quarter of a turn) of the truth an estimate is at home again.
 _HOME_COSINE = float(np.cos(0.25 * np.pi))
@@ -29,8 +35,8 @@ class GimbalIndex:
         path_ratio: length of the path of orientations (sum of the angles between neighbours) over
             the truth's; noise lengthens it too.
         peak_rate_ratio: largest angular rate from stamp to stamp over the truth's largest.
-        spurious_turns: whole turns that the estimate makes and the truth does not: how often the
-            error, followed continuously, left the truth and came back to within 90° of it after
+        spurious_turns: full revolutions that the estimate makes and the truth does not: how often
+            the error, followed continuously, left the truth and came back to within 90° of it after
             going all the way round. Noise of less than half a turn makes none.
     """
 
@@ -63,7 +69,7 @@ def gimbal_index(estimate: Trajectory, truth: Trajectory) -> GimbalIndex:
     return GimbalIndex(
         path_ratio=float(np.sum(turned)) / length,
         peak_rate_ratio=float(np.max(turned / steps_s) / np.max(true_turned / steps_s)),
-        spurious_turns=whole_turns(true.inverse() @ ours),
+        spurious_turns=winding_count(true.inverse() @ ours),
     )
 
 
@@ -88,7 +94,7 @@ def _steps_rad(rotors: Rotor) -> FloatArray:
     return (rotors[:-1].inverse() @ rotors[1:]).angle()
 
 
-def whole_turns(error: Rotor) -> int:
+def winding_count(error: Rotor) -> int:
     """How often the error's rotor, followed continuously, goes from near 1 to near -1 or back."""
     together = np.sum(error.coefficients[1:] * error.coefficients[:-1], axis=-1)
     signs = np.cumprod(np.concatenate([[1.0], np.where(together < 0.0, -1.0, 1.0)]))

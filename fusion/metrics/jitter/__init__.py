@@ -1,1 +1,1 @@
-"""How much a trajectory shakes: jitter, spectral energy, log dimensionless jerk."""
+"""How much a trajectory jitters: jitter, spectral energy, log dimensionless jerk."""

@@ -13,12 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
+from motorcade.fusion.metrics.smooth_path import GAP_INTERVALS, NotObservableError, SmoothPath
 from motorcade.ga import FloatArray, Motor, Trajectory
 
 __all__ = ["Jitter", "accelerations", "jitter", "jitter_above"]
 
-_GAP_INTERVALS = 3.0
 _EVEN_INTERVALS = 1.5
 _SHORTEST_SPECTRUM = 16
 
@@ -48,8 +47,8 @@ def accelerations(time_s: FloatArray, poses: Motor) -> tuple[FloatArray, FloatAr
 def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
     """RMS of acceleration minus true acceleration, over the estimate's stamps.
 
-    The trajectories must share their frames: align first where the worlds differ. Stamps in holes
-    of the truth, and differences across holes of the estimate (more than three median
+    The trajectories must share their frames: align first where the worlds differ. Stamps in gaps
+    of the truth, and differences across gaps of the estimate (more than three median
     intervals), are left out.
 
     Raises:
@@ -78,13 +77,13 @@ def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
 def jitter_above(trajectory: Trajectory, frequency_hz: float) -> Jitter:
     """RMS acceleration above `frequency_hz`, where no truth is at hand.
 
-    Stretches without holes are brought to an even rate and the power of their periodograms
+    Stretches without gaps are brought to an even rate and the power of their periodograms
     (straight line removed, Hann window) above the frequency is summed; longer stretches weigh
     more. Real motion above the frequency counts as jitter too, so choose it above the motion.
 
     Raises:
         ValueError: a frequency that is not positive or not below half the sampling rate.
-        NotObservableError: no stretch of 16 poses without a hole.
+        NotObservableError: no stretch of 16 poses without a gap.
     """
     time_s = trajectory.time_s
     interval = float(np.median(np.diff(time_s))) if time_s.size > 1 else np.inf
@@ -106,7 +105,7 @@ def jitter_above(trajectory: Trajectory, frequency_hz: float) -> Jitter:
         weight += even_s.size
     if weight == 0:
         raise NotObservableError(
-            f"jitter: expected a stretch of {_SHORTEST_SPECTRUM} poses without a hole, got none"
+            f"jitter: expected a stretch of {_SHORTEST_SPECTRUM} poses without a gap, got none"
         )
     linear, angular = np.sqrt(power / weight)
     return Jitter(float(linear), float(angular))
@@ -116,7 +115,7 @@ def _whole_triples(time_s: FloatArray, covered: NDArray[np.bool_]) -> NDArray[np
     if time_s.size < 3:
         return np.zeros(0, dtype=np.bool_)
     steps = np.diff(time_s)
-    near = steps <= _GAP_INTERVALS * np.median(steps)
+    near = steps <= GAP_INTERVALS * np.median(steps)
     return np.asarray(covered[:-2] & covered[1:-1] & covered[2:] & near[:-1] & near[1:])
 
 

@@ -1,4 +1,4 @@
-"""Spectral energy: shaking above a cut-off that the truth does not have, or has and was lost."""
+"""Spectral energy above a cut-off that the ground truth does not have, or has and was lost."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["EnergyExcess", "energy_excess_above"]
 class EnergyExcess:
     """Mean square acceleration above a frequency, the estimate's less the truth's.
 
-    Zero for a perfect estimate, below zero where smoothing took away what truly shook.
+    Zero for a perfect estimate, below zero where smoothing took away true motion.
     """
 
     linear_m2_s4: float
@@ -37,7 +37,7 @@ def energy_excess_above(
 
     Raises:
         ValueError: a frequency that is not positive or not below half the sampling rate.
-        NotObservableError: no stretch of 16 poses without a hole within the truth.
+        NotObservableError: no stretch of 16 poses without a gap within the truth.
     """
     path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)

@@ -14,11 +14,11 @@ __all__ = ["Degradation", "InTurn", "check_number", "check_runs", "runs"]
 
 
 class Degradation(ABC):
-    """A way in which measuring spoils a trajectory; sizes are in metres, radians and seconds."""
+    """A way in which measuring degrades a trajectory; sizes are in metres, radians and seconds."""
 
     @abstractmethod
     def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
-        """The spoiled trajectory; the given one stays as it is."""
+        """The degraded trajectory; the given one stays as it is."""
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,11 @@
 
 The picture of a flat marker allows two poses, mirrored about the line of sight to its centre
 (`wrong_planar_pose`); the mirror of the wrong one is the right one again. Where a tracker takes the
-wrong one the path leaps, and leaps back. For each run of poses that the chain of `consistent`
-leaves out, the marker is sought, centre and normal at rest in the world, whose mirror puts the run
-on the path of the poses around it. The turn of one leap, about an axis through the centre and
-across the line of sight, tells all five numbers; then they and the path are estimated together. A
-run that no marker explains is left as it is.
+wrong one the path leaps, and leaps back. For each run of poses that the chain of `inliers`
+leaves out, the marker is searched for, centre and normal at rest in the world, whose mirror puts
+the run on the path of the poses around it. The turn of one leap, about an axis through the centre
+and across the line of sight, tells all five numbers; then they and the path are estimated together.
+A run that no marker explains is left as it is.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.motions.degradations import wrong_planar_pose
-from motorcade.fusion.smoothing.batch.consistent import Sizes, consistent_poses
-from motorcade.fusion.smoothing.batch.problem import Linear, Problem, State, rigid_poses
+from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
+from motorcade.fusion.smoothing.batch.problem import Linear, PathState, Problem, rigid_poses
 from motorcade.fusion.smoothing.batch.tridiagonal import solved
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor
@@ -28,10 +28,10 @@ __all__ = ["mirrored_back"]
 # Shorter runs are bridged as well as they are read.
 _SHORTEST = 4
 # Poses around a run that tell the path there, and poses of it, those whose place is then known
-# best, that a marker is first sought by.
+# best, that a marker is first estimated from.
 _AROUND, _TRIED = 30, 6
-# Motion may be so much livelier across a run than the model says.
-_LIVELIER = 3.0
+# Process noise across a run may be so many times what the model says.
+_PROCESS_FACTOR = 3.0
 # Models of the motion: the twist in the body is constant, or the turn and the shift in the world.
 _MODELS = ("motor", "rotor")
 # Turns that are told from noise, in its deviations.
@@ -57,7 +57,7 @@ def mirrored_back(
     Args:
         time_s: ``(N,)`` increasing.
         poses: ``(N,)`` as measured.
-        kept: which belong to the motion; see `consistent_poses`.
+        kept: which belong to the motion; see `inlier_poses`.
         sizes: of rotation and translation, as there.
         width: of Cauchy's loss, in deviations of a pose.
     """
@@ -139,7 +139,7 @@ class _Run:
     def _expected(self, linear: Linear) -> _Expected:
         noise, density = (np.repeat(pair, 3) for pair in zip(*self.sizes[:2], strict=True))
         spread = _bridge_variance(self.time_s, self.run)[:, None]
-        deviation = np.sqrt(2.0 * noise**2 + (_LIVELIER * density) ** 2 * spread)
+        deviation = np.sqrt(2.0 * noise**2 + (_PROCESS_FACTOR * density) ** 2 * spread)
         return _Expected(self._poses_of(linear.state.coordinates[self.run]), deviation)
 
     def _poses_of(self, coordinates: FloatArray) -> Motor:
@@ -201,7 +201,9 @@ class _Run:
         turned = self._read_anew(problem, marker, linear.state)
         return marker, problem.linearised(linear.state), turned
 
-    def _read_anew(self, problem: Problem, marker: FloatArray, state: State) -> NDArray[np.bool_]:
+    def _read_anew(
+        self, problem: Problem, marker: FloatArray, state: PathState
+    ) -> NDArray[np.bool_]:
         """Put the run's poses into the problem as they lie nearest; which of them are mirrored."""
         here = state.coordinates[self.run]
         read = [problem.written(poses, here) for poses in (self.poses, self._mirrored(marker))]
@@ -218,7 +220,7 @@ class _Run:
         coefficients = np.array(rigid_poses(self.problem.poses).coefficients)
         coefficients[self.run] = self._mirrored(marker).coefficients
         poses = Motor(coefficients)
-        kept = consistent_poses(self.time_s, poses, *self.sizes[:2])
+        kept = inlier_poses(self.time_s, poses, *self.sizes[:2])
         return Problem(self.problem.representation, self.time_s, poses, kept, self.sizes)
 
     def _by_marker(self, marker: FloatArray, linear: Linear) -> tuple[FloatArray, FloatArray]:

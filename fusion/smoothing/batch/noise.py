@@ -1,12 +1,11 @@
-"""How noisy a path is, and how lively its motion: what `method="auto"` goes by.
+"""Measurement and process noise of a path: what `method="auto"` goes by.
 
 A first guess of the noise is what third differences leave, by their medians. Poses that belong to
-no smooth chain are then set aside as outliers (a second time with what the first told of noise and
-liveliness), and of what is left the noise and the density of the
-process are those under which a Kalman filter's innovations are most likely (maximum likelihood: R.
-H. Shumway, D. S. Stoffer, J. Time Series Analysis 3, 1982), for a velocity changed by white
-acceleration and for an acceleration changed by white jerk; the likelier of the two models is taken.
-Rotation, translation and scale are searched for in turn.
+no smooth chain are then set aside as outliers (a second time with what the first told), and of what
+is left the noise and the density of the process are those under which a Kalman filter's innovations
+are most likely (maximum likelihood: R. H. Shumway, D. S. Stoffer, J. Time Series Analysis 3, 1982),
+for a velocity changed by white acceleration and for an acceleration changed by white jerk; the
+likelier of the two models is taken. Rotation, translation and scale are searched for in turn.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from math import exp, log
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.consistent import Sizes, consistent_poses
+from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
 from motorcade.fusion.smoothing.causal import (
     ConstantAccelerationFilter,
     ConstantVelocityFilter,
@@ -32,7 +31,7 @@ FEWEST_POSES = 16
 # The likelihood is taken over so many poses at most, in a few stretches of the path.
 _STRETCHES, _STRETCH = 4, 1000
 _ROUNDS = 2
-# Sizes are sought from this to that, in rad, m and seconds; the finest are lost in rounding.
+# Sizes are searched for from this to that, in rad, m and seconds; the finest are lost in rounding.
 _FINEST, _FINEST_LOG, _LARGEST_LOG = 1e-8, log(1e-8), log(1e6)
 # What the process adds from one pose to the next at least, of the noise, for rounding's sake.
 _STIFFEST = 1e-6
@@ -44,7 +43,7 @@ _MEDIAN_OF_NORM, _QUARTILE_OF_NORM = 1.5382, 2.0269
 
 @dataclass(frozen=True)
 class NoiseModel:
-    """Noise of good poses and liveliness of the motion, an axis.
+    """Noise of good poses and density of the process noise, an axis.
 
     Fields:
         order: 1 where the velocity is changed by white acceleration, 2 where the acceleration is
@@ -64,7 +63,7 @@ class NoiseModel:
 def estimate_noise(
     trajectory: Trajectory, representation: str = "motor", order: int | None = None
 ) -> NoiseModel:
-    """Estimate noise and liveliness of a trajectory; see the module.
+    """Estimate measurement and process noise of a trajectory; see the module.
 
     Args:
         trajectory: at least 16 poses.
@@ -98,7 +97,7 @@ def _rigid(trajectory: Trajectory) -> Motor:
 
 
 def _chain(trajectory: Trajectory, rotation: Sizes, translation: Sizes) -> NDArray[np.bool_]:
-    return consistent_poses(trajectory.time_s, _rigid(trajectory), rotation, translation)
+    return inlier_poses(trajectory.time_s, _rigid(trajectory), rotation, translation)
 
 
 def _first_sizes(trajectory: Trajectory) -> tuple[Sizes, Sizes]:

@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from motorcade.fusion.smoothing.batch.consistent import Sizes
+from motorcade.fusion.smoothing.batch.inliers import Sizes
 from motorcade.ga import FloatArray
 
-__all__ = ["Part", "parts"]
+__all__ = ["PathPart", "parts"]
 
 # Times √2 τ after which 1e-9 is left.
 _FADED = 21.0
@@ -27,14 +27,14 @@ _REJECTED_POSES = 200
 _FEWEST_KEPT = 1500
 
 
-class Part(NamedTuple):
+class PathPart(NamedTuple):
     """Rows of the path that are estimated together, and those of them that are kept."""
 
     rows: slice
     kept: slice
 
 
-def parts(time_s: FloatArray, sizes: Sequence[Sizes]) -> Iterator[Part]:
+def parts(time_s: FloatArray, sizes: Sequence[Sizes]) -> Iterator[PathPart]:
     """Cut a path at stamps ``(N,)`` for the sizes of its noise and motion; `kept` joins up."""
     overlap = _overlap(time_s, sizes)
     size = max(_FEWEST_KEPT, 2 * overlap)
@@ -42,7 +42,7 @@ def parts(time_s: FloatArray, sizes: Sequence[Sizes]) -> Iterator[Part]:
     edges = np.linspace(0, len(time_s), count + 1).astype(np.int64).tolist()
     for first, last in pairwise(edges):
         start = max(0, first - overlap)
-        yield Part(
+        yield PathPart(
             slice(start, min(len(time_s), last + overlap)), slice(first - start, last - start)
         )
 

@@ -7,13 +7,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.consistent import Sizes, bridged
 from motorcade.fusion.smoothing.batch.differences import Between, between, component_sizes
+from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged
 from motorcade.fusion.smoothing.batch.tridiagonal import Equations, prior_cost, solved
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga import FloatArray, Motor, Similarity
 
-__all__ = ["LAST_STEPS", "Linear", "Problem", "State", "loss_weights", "rigid_poses", "with_rigid"]
+__all__ = [
+    "LAST_STEPS",
+    "Linear",
+    "PathState",
+    "Problem",
+    "loss_weights",
+    "rigid_poses",
+    "with_rigid",
+]
 
 # The loss is this much wider than its own width at first, and halves until it is not.
 _WIDEST = 8.0
@@ -23,7 +31,7 @@ _CONVERGED = 1e-5
 _NO_MORE_DAMPING = 1e8
 
 
-class State(NamedTuple):
+class PathState(NamedTuple):
     """Coordinates ``(N, D)`` and velocities ``(N, d)``."""
 
     coordinates: FloatArray
@@ -33,7 +41,7 @@ class State(NamedTuple):
 class Linear(NamedTuple):
     """A state with its residuals and their derivatives."""
 
-    state: State
+    state: PathState
     steps: Between
     measured: Between
     squares: FloatArray
@@ -74,7 +82,7 @@ class Problem:
         own = self.representation.coordinates(poses)
         return np.array(self.representation.continued(own, near))
 
-    def _first_guess(self) -> State:
+    def _first_guess(self) -> PathState:
         """The poses to start from, and what lies between them."""
         poses, time_s = self.poses, self.time_s
         rigid = bridged(time_s, rigid_poses(poses), self.start)
@@ -86,9 +94,9 @@ class Problem:
         steps = self.representation.local(coordinates[1:], coordinates[:-1])
         rate = steps / self.interval_s[:, None]
         velocity = np.concatenate([rate[:1], 0.5 * (rate[1:] + rate[:-1]), rate[-1:]])
-        return State(coordinates, velocity)
+        return PathState(coordinates, velocity)
 
-    def linearised(self, state: State) -> Linear:
+    def linearised(self, state: PathState) -> Linear:
         """Residuals and derivatives at a state."""
         x = state.coordinates
         measured = between(self.representation, self.measured, x)
@@ -131,11 +139,11 @@ class Problem:
                 break
         return linear
 
-    def moved(self, state: State, move: FloatArray) -> State:
+    def moved(self, state: PathState, move: FloatArray) -> PathState:
         """The state a step ``(N, 2 d)`` on."""
         d = state.velocity.shape[1]
         coordinates = self.representation.retract(state.coordinates, move[:, :d])
-        return State(coordinates, state.velocity + move[:, d:])
+        return PathState(coordinates, state.velocity + move[:, d:])
 
     def cost(self, linear: Linear, loss: str, width: float, among: NDArray[np.bool_]) -> float:
         """What the prior and some of the poses charge."""

@@ -11,7 +11,7 @@ for 1).
 
 Solved by Gauss-Newton with Marquardt's damping, weights following the residuals (P. W. Holland,
 R. E. Welsch, Robust regression using iteratively reweighted least-squares, 1977). It starts from
-the poses that make up the longest smooth chain (see `consistent`), and the loss narrows in steps
+the poses that make up the longest smooth chain (see `inliers`), and the loss narrows in steps
 from wide to its own width (graduated non-convexity: A. Blake, A. Zisserman, Visual Reconstruction,
 1987); only then are the poses left out judged by their residuals as all others are.
 
@@ -30,7 +30,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.consistent import Sizes, consistent_poses
+from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
 from motorcade.fusion.smoothing.batch.parts import parts
 from motorcade.fusion.smoothing.batch.problem import (
@@ -62,15 +62,15 @@ class RobustPath:
     Fields:
         trajectory: the estimate, with the stamps and frames of the measured one.
         weight: ``(N,)`` 1 where a measured pose counts fully, towards 0 where it is rejected.
-        distance: ``(N,)`` of measured from estimated poses, in deviations of the noise.
+        normalised_residual: ``(N,)`` of measured from estimated poses, in deviations of the noise.
         mirrored: ``(N,)`` poses that were read as a flat marker's other candidate, see `mirrored`;
-            weight and distance are of the poses as they were measured.
+            weight and residual are of the poses as they were measured.
         velocity: ``(N, d)`` in the representation's vectors; on motors the body twist.
     """
 
     trajectory: Trajectory
     weight: FloatArray
-    distance: FloatArray
+    normalised_residual: FloatArray
     mirrored: NDArray[np.bool_]
     velocity: FloatArray
 
@@ -176,8 +176,8 @@ def _kept(found: RobustPath, rows: slice, last: FloatArray | None, signed: int) 
     poses = type(found.trajectory.poses)(found.trajectory.poses[rows].coefficients.copy())
     like = found.trajectory
     kept = Trajectory(like.time_ns[rows], poses, like.parent, like.child)
-    weight, distance = found.weight[rows].copy(), found.distance[rows].copy()
-    return RobustPath(kept, weight, distance, found.mirrored[rows].copy(), velocity)
+    weight, residual = found.weight[rows].copy(), found.normalised_residual[rows].copy()
+    return RobustPath(kept, weight, residual, found.mirrored[rows].copy(), velocity)
 
 
 def _joined(found: Sequence[RobustPath], like: Trajectory) -> RobustPath:
@@ -186,7 +186,7 @@ def _joined(found: Sequence[RobustPath], like: Trajectory) -> RobustPath:
     return RobustPath(
         Trajectory(like.time_ns, poses, like.parent, like.child),
         np.concatenate([one.weight for one in found]),
-        np.concatenate([one.distance for one in found]),
+        np.concatenate([one.normalised_residual for one in found]),
         np.concatenate([one.mirrored for one in found]),
         np.concatenate([one.velocity for one in found]),
     )
@@ -201,7 +201,7 @@ def _estimated(
 ) -> RobustPath:
     """The path, where need be again with runs of rejected poses mirrored back."""
     time_s, poses = trajectory.time_s, trajectory.poses
-    kept = consistent_poses(time_s, rigid_poses(poses), *sizes[:2])
+    kept = inlier_poses(time_s, rigid_poses(poses), *sizes[:2])
     mirrored = np.zeros_like(kept)
     for reading in range(_READINGS):
         if loss != "squares":
@@ -210,7 +210,7 @@ def _estimated(
                 break
             poses, mirrored = with_rigid(poses, rigid), mirrored | read
         if reading or np.any(mirrored):
-            kept = consistent_poses(time_s, rigid_poses(poses), *sizes[:2])
+            kept = inlier_poses(time_s, rigid_poses(poses), *sizes[:2])
         problem = Problem(representation, time_s, poses, kept, sizes)
         linear = problem.descended(
             problem.narrowed(loss, width), loss, width, np.ones_like(kept), LAST_STEPS

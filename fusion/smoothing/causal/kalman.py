@@ -6,15 +6,15 @@ the highest derivative, measurement noise white on the pose, both isotropic in r
 translation and in scale. Gaps are a longer prediction.
 
 Poses and residuals are moved exactly. Where poses compose (motors, similarities, the rotations of
-"rotor") their errors are carried along the motion with those of the rates in one covariance, as in
-J. Sola, J. Deray, D. Atchuthan, A micro Lie algebra for state estimation in robotics (2018); where
-they are added component by component, a small matrix a block is the whole covariance. Two things
-are neglected: what one step's length does to its effect across the axis of turn, a share |u|²/24
-for a twist u, and (of constant acceleration) the bracket of velocity and acceleration within a
-step. Errors remain as large as stated at 1 rad a step. The update is linear: on motors a turn of
-θ in the innovation swings a step of length s by up to sθ/2, which counts where positions are far
-better known than rotations (`robust_map` iterates). Poses half a turn or more apart are taken
-for the short way round, which nothing tells.
+"rotor") their errors are propagated along the motion with those of the rates in one covariance, as
+in J. Sola, J. Deray, D. Atchuthan, A micro Lie algebra for state estimation in robotics (2018);
+where they are added component by component, a small matrix a block is the whole covariance. Two
+things are neglected: what one step's length does to its effect across the axis of turn, a share
+|u|²/24 for a twist u, and (of constant acceleration) the bracket of velocity and acceleration
+within a step. Errors remain as large as stated at 1 rad a step. The update is linear: on motors a
+turn of θ in the innovation swings a step of length s by up to sθ/2, which counts where positions
+are far better known than rotations (`robust_map` iterates). Poses half a turn or more apart are
+taken for the short way round, which nothing tells.
 
 R. E. Kalman, A new approach to linear filtering and prediction problems, J. Basic Eng. 82 (1960);
 noise models as in Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with applications to

@@ -1,7 +1,7 @@
 // Kalman filter and Rauch-Tung-Striebel smoother of constant velocity (order 1) or constant
 // acceleration (order 2), over a representation.
 //
-// Errors are differences at the estimate. Where poses compose, an error is carried along by the
+// Errors are differences at the estimate. Where poses compose, an error is propagated by the
 // step's own motion, X exp(u), which turns its pose part by Ad(exp(-u)) and lets a rate's error act
 // through the right Jacobian; half of the turn before a straight drift and half behind it is both,
 // but for a factor 1 - |u|²/24 across the axis. What so couples is one dense covariance; the rest is
@@ -114,7 +114,7 @@ public:
     }
 
     // The smoothed state at `filtered` from the one `dt` later: that is freed of what the noise in
-    // between may explain, and then brought back along its own motion. Its covariance only on demand.
+    // between may explain, and then taken back along its own motion (the RTS step). Its covariance only on demand.
     template <bool WITH_COVARIANCE> State smoothed(const State &filtered, const State &later, double dt) const {
         const V way = travel(filtered, dt);
         const X predicted = unprojected<R>(filtered.pose, way);

@@ -2,7 +2,7 @@
 // pose into coordinates, writes it back, and offers the two verbs that scans are made of:
 // `local` and its mirror `retract`. Components of a local vector lie in blocks: rotation,
 // translation and, where poses have one, scale; `units` are components for a radian, a metre, and
-// a unit of scale. Errors of the first `coupled` components mix as they are carried along a motion
+// a unit of scale. Errors of the first `coupled` components mix as they are propagated along a motion
 // exp(v): by `adjoint_of_inverse(v)`, the matrix of Ad(exp(-v)).
 
 #pragma once

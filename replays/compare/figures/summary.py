@@ -23,7 +23,7 @@ def _ranking(results: Mapping[str, Any]) -> list[str]:
     ranked = next((one for one in results["rankings"] if one["metric"] == "score"), None)
     if ranked is None:
         return ["nothing has a result in every cell, so nothing is ranked"]
-    lines = [f"{'rank':<10}{'method':<28}{'representation':<18}error and shaking left, of raw"]
+    lines = [f"{'rank':<10}{'method':<28}{'representation':<18}residual error and jitter, of raw"]
     for row in ranked["rows"][:_SHOWN]:
         bounds = f"{row['rank_low']}-{row['rank_high']}"
         tie = "  ties with the first" if row["ties_with_best"] and row["rank"] > 1 else ""

@@ -6,8 +6,8 @@ Keys of ``results.json``:
 - ``plan``: all of `Plan`, with ``test_seeds``, ``tuning_seeds`` and what was ``left_out`` and why;
 - ``metrics``: name to practical floor, in the unit that the name ends with;
 - ``parameters``: a row a motion, degradation, method and representation: ``parameters``, ``how``
-  ("ladder", "defaults", "borrowed"), ``objective``, ``trials``;
-- ``ladders``: what was tried;
+  ("grid", "defaults", "borrowed"), ``objective``, ``trials``;
+- ``grids``: what was tried;
 - ``traits``: a row a method and representation: ``left_defect_m``, ``left_defect_rad`` (world's
   frame), ``right_defect_m``, ``right_defect_rad`` (sensor's frame), ``time_us_per_pose``;
 - ``failures``: a row a motion, degradation, method and representation that failed: on how many
@@ -51,7 +51,7 @@ from motorcade.replays.compare.figures.statistics import (
     verdicts,
 )
 from motorcade.replays.compare.measure.ruler import METRICS
-from motorcade.replays.compare.tuning import LADDERS, Tuned
+from motorcade.replays.compare.tuning import GRIDS, Tuned
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.files.tables import write_csv
 
@@ -95,7 +95,7 @@ def write_tables(outcome: Outcome, out: Path) -> dict[str, Any]:
         "python": platform.python_version(),
         "plan": outcome.plan,
         "metrics": FLOORS,
-        "ladders": {method: [asdict(one) for one in ladder] for method, ladder in LADDERS.items()},
+        "grids": {method: [asdict(one) for one in grid] for method, grid in GRIDS.items()},
         "parameters": [_parameters(place, one) for place, one in outcome.found.items()],
         "traits": list(outcome.traits),
         "failures": [row for group in groups for row in _failures(group)],

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from motorcade.fusion.metrics.artifacts.gimbal import whole_turns
+from motorcade.fusion.metrics.artifacts.gimbal import winding_count
 from motorcade.fusion.metrics.artifacts.overshoot import stops
 from motorcade.ga import FloatArray, IntArray, Motor, Similarity, Trajectory
 from motorcade.replays.compare.measure.lag import LagTable
@@ -145,7 +145,7 @@ class Ruler:
         if not np.sum(true) > 1e-9:
             return np.full((len(poses), 3), np.nan)
         error = self.true.rotor.inverse() @ poses.rotor
-        turns = np.array([float(whole_turns(error[i])) for i in range(len(poses))])
+        turns = np.array([float(winding_count(error[i])) for i in range(len(poses))])
         path = np.sum(turned, axis=-1) / np.sum(true)
         peak = np.max(turned / steps_s, axis=-1) / np.max(true / steps_s)
         return np.stack([path, peak, turns], axis=-1)

@@ -29,10 +29,10 @@ class Trait:
 
 def run_trait(trait: Trait) -> dict[str, str | int | float]:
     """`measured_trait` on the poses of a cell."""
-    spoiled, _ = inputs_of(
+    degraded, _ = inputs_of(
         trait.motion, trait.degradation, trait.seed, trait.rate_hz, trait.duration_s
     )
-    return measured_trait(trait.setting, spoiled)
+    return measured_trait(trait.setting, degraded)
 
 
 def measured_trait(setting: Setting, path: Trajectory) -> dict[str, str | int | float]:

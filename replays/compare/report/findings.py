@@ -91,7 +91,7 @@ def _best(results: Results) -> Iterator[str]:
     yield (
         f"Of {len(rows)} smoothers (a method in a representation) with a result in every pair of "
         f"motion and degradation ({places}), {_name(rows[0])} leaves least error and "
-        f"shaking: {_left(rows[0])}. {tie}"
+        f"jitter: {_left(rows[0])}. {tie}"
     )
     found = {name: results.best_ratio("all", name) for name in results.representations}
     first = sorted(
@@ -233,7 +233,9 @@ def _artifacts(results: Results) -> Iterator[str]:
         if not places[worst] > 1.5 * base:
             continue
         turns = results.figures[motion, degradation, method, name, "spurious_turns"].mean
-        also = f", with {shown(turns, 2)} whole turns a path that never happened" if turns else ""
+        also = (
+            f", with {shown(turns, 2)} full revolutions a path that never happened" if turns else ""
+        )
         yield (
             f"Worst place of `{name}`: `{method}` on {motion} with {LABELS[degradation]} turns at "
             f"{shown(places[worst])} times the true peak rate{also}; on motors at {shown(base)} "

@@ -101,7 +101,7 @@ def best_of_each(results: Results) -> Matrix:
             cells.append(Cell(ratio.value, shown(ratio.value), tint, note=method))
         rows.append((motion, cells))
     caption = (
-        "Error and shaking left, as a share of the raw poses', by the method that serves each "
+        "Residual error and jitter, as a share of the raw poses', by the method that serves each "
         "representation best on that motion, over all degradations. Tinted against motors; no tint "
         "is within 1 %."
     )

@@ -34,7 +34,7 @@ class Metric(NamedTuple):
 
 METRICS = {
     "score": Metric(
-        "error and shaking", "", 1.0,
+        "residual error and jitter", "", 1.0,
         "mean of four ratios to the raw poses: APE, rotation, linear and angular jitter; geometric "
         "mean over motions and degradations. Parameters are tuned by it",
         "defined here",
@@ -91,7 +91,7 @@ METRICS = {
     ),
     "spurious_turns": Metric(
         "spurious turns", "", 1.0,
-        "whole turns that the path makes and the truth does not",
+        "full revolutions that the path makes and the truth does not",
         "gimbal index, defined here",
     ),
     "log_scale_rmse": Metric(

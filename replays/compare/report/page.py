@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from motorcade.replays.compare.report import names
 from motorcade.replays.compare.report.crossing import Crossing, crossing
 from motorcade.replays.compare.report.findings import findings
-from motorcade.replays.compare.report.ladder_ends import ladder_ends
+from motorcade.replays.compare.report.grid_ends import grid_ends
 from motorcade.replays.compare.report.matrix import (
     against_motor,
     best_of_each,
@@ -101,7 +101,7 @@ def _overview(environment: Environment, results: Results) -> str:
         panels = small_panels([replay(results, one, degradation, method) for one in drawable])
     motions = against_motor(
         results, "motion", results.motions,
-        "Error and shaking, times what motors leave, over all methods and degradations.",
+        "Residual error and jitter, times what motors leave, over all methods and degradations.",
     )  # fmt: skip
     degradations = against_motor(
         results, "degradation", results.degradations,
@@ -128,7 +128,7 @@ def _overview(environment: Environment, results: Results) -> str:
         traits=trait_matrices(results),
         seeds={name: _spans(plan[name]) for name in ("test_seeds", "tuning_seeds")},
         failures=results.told["failures"],
-        ladder_ends=ladder_ends(results),
+        grid_ends=grid_ends(results),
     )
 
 
@@ -230,7 +230,7 @@ def _parameter_text(row: Mapping[str, Any] | None) -> list[str]:
     if row is None:
         return ["–"]
     lines = [f"{name} {value:.4g}" for name, value in row["parameters"].items()]
-    return [*(lines or ["its own choice"]), *([] if row["how"] == "ladder" else [row["how"]])]
+    return [*(lines or ["its own choice"]), *([] if row["how"] == "grid" else [row["how"]])]
 
 
 def _spans(seeds: list[int]) -> str:

@@ -10,13 +10,13 @@ from motorcade.fusion.imu import ADIS16448
 from motorcade.fusion.motions.degradations import Degradation
 from motorcade.fusion.sync import synchronise
 from tests.bench.data import data_folder
-from tests.bench.fusion.recorded import BLACKOUTS, SPOILT, Flight, flight, measured
+from tests.bench.fusion.recorded import BLACKOUTS, DEGRADED, Flight, flight, measured
 
 __all__ = ["bench_offsets", "found_offset", "offsets_table"]
 
 _DELAYS_S = (0.005, 0.02, 0.05)
 _SEEDS = range(2)
-_POSES: Mapping[str, Degradation] = {"blackouts": BLACKOUTS, "blackouts, outliers": SPOILT}
+_POSES: Mapping[str, Degradation] = {"blackouts": BLACKOUTS, "blackouts, outliers": DEGRADED}
 
 
 def bench_offsets() -> dict[str, Any]:
@@ -25,18 +25,18 @@ def bench_offsets() -> dict[str, Any]:
     if one is None:
         return {"rows": [], "left_out": [f"V1_02: not below {data_folder()}; set MOTORCADE_DATA"]}
     rows = [
-        {"poses": kind, "seed": seed, **found_offset(one, seed, delay_s, spoilt)}
-        for kind, spoilt in _POSES.items()
+        {"poses": kind, "seed": seed, **found_offset(one, seed, delay_s, degraded)}
+        for kind, degraded in _POSES.items()
         for delay_s in _DELAYS_S
         for seed in _SEEDS
     ]
     return {"rows": rows, "left_out": []}
 
 
-def found_offset(one: Flight, seed: int, delay_s: float, spoilt: Degradation) -> dict[str, Any]:
+def found_offset(one: Flight, seed: int, delay_s: float, degraded: Degradation) -> dict[str, Any]:
     """What is found where the camera's stamps are late by a delay; `refused` says why nothing."""
     start = perf_counter()
-    path = measured(one, seed, delay_s, spoilt).trajectory
+    path = measured(one, seed, delay_s, degraded).trajectory
     try:
         found = synchronise(path, one.imu, ADIS16448)
     except ValueError as refusal:

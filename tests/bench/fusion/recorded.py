@@ -20,10 +20,10 @@ from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers.inertial import read_imu
 from motorcade.tracking.measurements import PoseMeasurements
 
-__all__ = ["BLACKOUTS", "NOISE", "SETTINGS", "SPOILT", "Flight", "flight", "measured"]
+__all__ = ["BLACKOUTS", "DEGRADED", "NOISE", "SETTINGS", "Flight", "flight", "measured"]
 
 BLACKOUTS = Blackouts(2.0, 15.0)
-SPOILT = InTurn((Outliers(0.02, 0.5, 0.5), BLACKOUTS))
+DEGRADED = InTurn((Outliers(0.02, 0.5, 0.5), BLACKOUTS))
 
 _DENSITY_FACTORS = 7.0, 15.0
 _WALK_FACTORS = 1.0, 0.3
@@ -91,11 +91,11 @@ def flight(name: str, folder: Path) -> Flight | None:
 
 
 def measured(
-    one: Flight, seed: int, delay_s: float = 0.0, spoilt: Degradation | None = SPOILT
+    one: Flight, seed: int, delay_s: float = 0.0, degraded: Degradation | None = DEGRADED
 ) -> PoseMeasurements:
     """Camera poses of a flight, the camera in the IMU's place, stamped late by `delay_s`."""
     rng = np.random.default_rng(seed)
-    poses = simulate_camera_poses(one.truth, 20.0, 0.01, np.deg2rad(0.5), rng, spoilt)
+    poses = simulate_camera_poses(one.truth, 20.0, 0.01, np.deg2rad(0.5), rng, degraded)
     path = poses.trajectory
     late = Trajectory(path.time_ns + round(1e9 * delay_s), path.motors, path.parent, "imu")
     return PoseMeasurements(late, poses.covariance)

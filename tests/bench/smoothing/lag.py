@@ -239,8 +239,8 @@ def _tuned_one_euro(case: Case, which: int, jitter_limit: float) -> tuple[float,
     bounds = Bounds([-2.0, -1.5, -1.0], [1.0, 2.5, 1.1])
 
     def cost(powers: FloatArray) -> float:
-        shake, lag, _ = _figures(case, _one_euro(_parameters(powers), which), which)
-        return lag + max(0.0, shake / (EQUAL * jitter_limit) - 1.0)
+        residual, lag, _ = _figures(case, _one_euro(_parameters(powers), which), which)
+        return lag + max(0.0, residual / (EQUAL * jitter_limit) - 1.0)
 
     found = differential_evolution(cost, bounds, maxiter=12, popsize=10, rng=1, polish=False)
     return _parameters(found.x)

@@ -173,7 +173,7 @@ def _stream(rounds: int) -> list[SmoothRow]:
 def _robust() -> list[SmoothRow]:
     path = noisy_path(ROBUST_POSES)
     rng = np.random.default_rng(1)
-    spoiled = PlanarFlips(0.02).apply(Outliers(0.05, 0.3, 0.5).apply(path, rng), rng)
+    degraded = PlanarFlips(0.02).apply(Outliers(0.05, 0.3, 0.5).apply(path, rng), rng)
     rad = float(np.deg2rad(0.5))
 
     def estimated(given: Trajectory) -> Trajectory:
@@ -181,7 +181,7 @@ def _robust() -> list[SmoothRow]:
 
     return _rows(f"robust estimate over {ROBUST_POSES:,} poses, motors", 1, {
         "no wrong poses": (lambda: estimated(path), 1.0),
-        "5 % outliers, 2 % flips in runs": (lambda: estimated(spoiled), 1.0),
+        "5 % outliers, 2 % flips in runs": (lambda: estimated(degraded), 1.0),
     })  # fmt: skip
 
 

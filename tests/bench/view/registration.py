@@ -3,9 +3,9 @@
 The board is drawn into every frame along the path, and its drawn corners are found again by the
 detector that found the real ones. Once on the frames as they were taken, drawn through the lens,
 and once on frames whose distortion was taken out. Beside it, how much a virtual point above the
-board shakes in the picture along each path. Smoothing calms the point, but the footage itself is
-shaken by the hand that took it: what is smoother than that slides against it, and the distances of
-corners say by how much.
+board jitters in the picture along each path. Smoothing steadies the point, but the footage itself
+is shaken by the hand that took it: what is smoother than that slides against it, and the distances
+of corners say by how much.
 """
 
 from __future__ import annotations
@@ -33,8 +33,13 @@ from tests.bench.tracking.board_smoothing import CAUSAL, OFFLINE
 from tests.bench.view.printed import printed_surface
 
 __all__ = [
-    "Registration", "bench_registration", "drawn_corner_distances_px", "registration_lines",
-    "shake_px", "straightened", "vamr_board",
+    "Registration",
+    "bench_registration",
+    "drawn_corner_distances_px",
+    "jitter_px",
+    "registration_lines",
+    "straightened",
+    "vamr_board",
 ]  # fmt: skip
 
 PIXELS_PER_M = 4000.0
@@ -124,8 +129,8 @@ def _found(board: Checkerboard, image: ImageArray, real_px: FloatArray) -> Board
     return board.refine_corners(image, BoardCorners(ids, real_px[ids], board.points_m[ids]))
 
 
-def shake_px(path: Trajectory, camera: Camera, point_m: FloatArray) -> float:
-    """How much a point of the world shakes in the pictures along a path, pixels.
+def jitter_px(path: Trajectory, camera: Camera, point_m: FloatArray) -> float:
+    """How much a point of the world jitters in the pictures along a path, pixels.
 
     Root mean square of third differences over √20: the deviation of white noise that would give
     them, while smooth motion hardly counts.
@@ -166,7 +171,7 @@ def straightened(track: BoardTrack, camera: Camera) -> BoardTrack:
 
 
 def bench_registration() -> dict[str, Any]:
-    """Distances and shaking along the path as tracked, and smoothed causally and offline.
+    """Distances and jitter along the path as tracked, and smoothed causally and offline.
 
     Raises:
         OSError: the recording is not here.
@@ -192,8 +197,8 @@ def bench_registration() -> dict[str, Any]:
             })  # fmt: skip
     if recording.truth is not None:
         paths["reference"] = recording.truth
-    shakes = {name: shake_px(path, camera, np.array(ABOVE_M)) for name, path in paths.items()}
-    return {"corners": corners, "shake_px": shakes}
+    jitters = {name: jitter_px(path, camera, np.array(ABOVE_M)) for name, path in paths.items()}
+    return {"corners": corners, "jitter_px": jitters}
 
 
 def registration_lines(found: Mapping[str, Any]) -> Iterator[str]:
@@ -203,6 +208,6 @@ def registration_lines(found: Mapping[str, Any]) -> Iterator[str]:
             f"  {row['path']:<12}{row['frames_are']:<13}{row['corner_rms_px']:.3f} px RMS, at most "
             f"{row['corner_max_px']:.2f}, drawn board found in {row['found']} of {row['frames']}"
         )
-    calm = found["shake_px"]["as tracked"]
-    for name, pixels in found["shake_px"].items():
-        yield f"  {name:<12}shakes {pixels:.3f} px, {pixels / calm:.2f} of as tracked"
+    tracked = found["jitter_px"]["as tracked"]
+    for name, pixels in found["jitter_px"].items():
+        yield f"  {name:<12}jitters {pixels:.3f} px, {pixels / tracked:.2f} of as tracked"

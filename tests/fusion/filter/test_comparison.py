@@ -8,19 +8,19 @@ from scipy.spatial.transform import Rotation
 
 from motorcade.fusion.filter import FilterSettings, Fused, fuse
 from motorcade.fusion.filter.comparison import (
-    EulerAngles,
-    ExactEulerAngles,
-    ExtendedPose,
-    QuaternionTranslation,
+    EulerErrors,
+    ExactEulerErrors,
+    ExtendedPoseErrors,
+    QuaternionTranslationErrors,
     Runs,
-    State,
+    RunStates,
     filter_runs,
 )
 from motorcade.fusion.imu import ImuNoise, ImuStream
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
-ALL = (QuaternionTranslation(), EulerAngles(), ExactEulerAngles())
+ALL = (QuaternionTranslationErrors(), EulerErrors(), ExactEulerErrors())
 # Of the recordings that the fixture `record` simulates.
 NOISE = ImuNoise(2e-3, 2e-4, 2e-2, 3e-3)
 Recorded = list[tuple[PoseMeasurements, ImuStream]]
@@ -51,7 +51,7 @@ def test_in_the_coordinates_of_motors_it_is_fuse(recorded):
     """Outliers, weighed down and left out, and a wrong start included: to 1e-4 of a deviation."""
     runs = recorded()
     settings = FilterSettings(initial_tilt_error_rad=TILT_RAD)
-    found = filter_runs(Runs.of(runs), NOISE, ExtendedPose(), settings)
+    found = filter_runs(Runs.of(runs), NOISE, ExtendedPoseErrors(), settings)
     assert np.count_nonzero(~found.accepted) > 10
     for i, (measured, imu) in enumerate(runs):
         one = fuse(measured, imu, NOISE, Motor.identity(), settings=settings, smoothed=False)
@@ -62,7 +62,7 @@ def test_in_the_coordinates_of_motors_it_is_fuse(recorded):
         np.testing.assert_allclose(
             found.covariance[i] / scale, one.state_covariance / scale, atol=1e-4
         )
-        apart = ExtendedPose().local(one_state(one), at(found.state, i))
+        apart = ExtendedPoseErrors().local(one_state(one), at(found.state, i))
         np.testing.assert_allclose(apart / sigma, 0.0, atol=1e-3)
 
 
@@ -76,7 +76,7 @@ def test_after_many_left_out_the_next_is_believed(recorded):
         poses = Motor.concatenate([path.motors[~later], jump @ path.motors[later]])
         path = Trajectory(path.time_ns, poses, path.parent, path.child)
         moved.append((PoseMeasurements(path, measured.covariance), imu))
-    found = filter_runs(Runs.of(moved), NOISE, QuaternionTranslation(), FilterSettings())
+    found = filter_runs(Runs.of(moved), NOISE, QuaternionTranslationErrors(), FilterSettings())
     left_out = np.flatnonzero(~found.accepted[0])
     np.testing.assert_array_equal(left_out, 40 + np.arange(FilterSettings().patience))
     shift = found.state.position_m - Runs.of(moved).world_T_imu.translation_m
@@ -94,14 +94,14 @@ def test_runs_are_of_one_experiment(recorded):
         Runs.of([(PoseMeasurements(later, runs[0][0].covariance), runs[0][1])])
 
 
-def one_state(one: Fused) -> State:
+def one_state(one: Fused) -> RunStates:
     poses = one.trajectory.motors
     bias = np.concatenate([one.gyro_bias_rad_s, one.accel_bias_m_s2], axis=-1)
-    return State(poses.rotor, poses.translation_m, one.velocity_m_s, bias)
+    return RunStates(poses.rotor, poses.translation_m, one.velocity_m_s, bias)
 
 
-def at(state: State, i: int) -> State:
-    return State(state.rotor[i], state.position_m[i], state.velocity_m_s[i], state.bias[i])
+def at(state: RunStates, i: int) -> RunStates:
+    return RunStates(state.rotor[i], state.position_m[i], state.velocity_m_s[i], state.bias[i])
 
 
 @pytest.mark.parametrize("coordinates", ALL, ids=lambda one: type(one).__name__)
@@ -118,12 +118,14 @@ def test_they_agree_with_fuse_where_errors_are_small(recorded, coordinates):
         assert np.max(np.abs(apart.as_rotation_vector()[20:])) < np.deg2rad(0.15)
 
 
-def some_states(rng, count=50) -> State:
+def some_states(rng, count=50) -> RunStates:
     rotor = Rotor.from_euler(rng.uniform([-3, -1.4, -3], [3, 1.4, 3], (count, 3)))
-    return State(rotor, *rng.standard_normal((2, count, 3)), rng.standard_normal((count, 6)))
+    return RunStates(rotor, *rng.standard_normal((2, count, 3)), rng.standard_normal((count, 6)))
 
 
-@pytest.mark.parametrize("coordinates", [*ALL, ExtendedPose()], ids=lambda one: type(one).__name__)
+@pytest.mark.parametrize(
+    "coordinates", [*ALL, ExtendedPoseErrors()], ids=lambda one: type(one).__name__
+)
 def test_differences_undo_moves(coordinates, rng):
     state, error = some_states(rng), 0.1 * rng.standard_normal((50, 15))
     moved = coordinates.retract(state, error)
@@ -133,7 +135,7 @@ def test_differences_undo_moves(coordinates, rng):
 @pytest.mark.parametrize("coordinates", ALL, ids=lambda one: type(one).__name__)
 def test_small_errors_of_motors_are_carried_into_the_coordinates(coordinates, rng):
     state, error = some_states(rng), 1e-6 * rng.standard_normal((50, 15))
-    found = coordinates.local(state, ExtendedPose().retract(state, error))
+    found = coordinates.local(state, ExtendedPoseErrors().retract(state, error))
     carried = (coordinates.from_body(state) @ error[..., None])[..., 0]
     np.testing.assert_allclose(found, carried, atol=3e-10)
 
@@ -143,9 +145,9 @@ def test_euler_angles_and_their_rates_are_scipys(rng):
     body = Rotation.from_quat(state.rotor.as_quaternion(), scalar_first=True)
     turn = 1e-6 * rng.standard_normal((50, 3))
     before, after = (one.as_euler("XYZ") for one in (body, body * Rotation.from_rotvec(turn)))
-    rates = (EulerAngles().rotation_from_body(state.rotor) @ turn[..., None])[..., 0]
+    rates = (EulerErrors().rotation_from_body(state.rotor) @ turn[..., None])[..., 0]
     np.testing.assert_allclose(np.mod(after - before + 1, 2 * np.pi) - 1, rates, atol=1e-9)
-    turned = EulerAngles().turned(state.rotor, turn).as_quaternion()
+    turned = EulerErrors().turned(state.rotor, turn).as_quaternion()
     again = Rotation.from_quat(turned, scalar_first=True)
     apart = (again.inv() * body * Rotation.from_rotvec(turn)).magnitude()
     assert np.max(apart) < 1e-9

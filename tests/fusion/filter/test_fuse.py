@@ -31,7 +31,7 @@ def rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def spoilt(measurements: PoseMeasurements, which: np.ndarray, twist: list[float]):
+def degraded(measurements: PoseMeasurements, which: np.ndarray, twist: list[float]):
     """The measurements with some of them off by a twist."""
     off = Motor.from_twist(np.where(which[:, None], np.array(twist), 0.0))
     return PoseMeasurements(
@@ -153,7 +153,7 @@ def test_gross_outliers_leave_no_trace(record, rng):
     stamps = run.measurements.trajectory.time_ns
     clean = fuse(rest, run.imu, run.noise, run.mount, stamps)
     for twist in ([0.7, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 1.0, 0.0]):
-        found = fuse(spoilt(run.measurements, bad, twist), run.imu, run.noise, run.mount, stamps)
+        found = fuse(degraded(run.measurements, bad, twist), run.imu, run.noise, run.mount, stamps)
         np.testing.assert_array_equal(found.accepted, ~bad)
         apart = (clean.trajectory.poses.inverse() @ found.trajectory.poses).as_twist()
         assert np.max(np.abs(apart)) < 1e-9
@@ -162,7 +162,7 @@ def test_gross_outliers_leave_no_trace(record, rng):
 def test_moderate_outliers_are_weighed_down(record, rng):
     run = record(rng, 6.0)
     bad = np.arange(len(run.measurements)) % 10 == 7
-    off = spoilt(run.measurements, bad, [0.0, 0.0, 0.0, 0.08, 0.0, 0.0])
+    off = degraded(run.measurements, bad, [0.0, 0.0, 0.0, 0.08, 0.0, 0.0])
     gated, open_to_all = (
         fuse(off, run.imu, run.noise, run.mount, settings=FilterSettings(gate=gate))
         for gate in (0.9999, 1.0)
@@ -266,12 +266,12 @@ def test_simulated_poses_have_their_noise_and_rate(handheld):
             simulate_camera_poses(truth, *arguments)
 
 
-def test_simulated_poses_can_be_spoilt_besides(handheld):
+def test_simulated_poses_can_be_degraded_besides(handheld):
     truth = handheld.trajectory(200.0, 40.0)
-    spoilt = InTurn((Outliers(0.1, 0.5, 0.5), Blackouts(2.0, 15.0), Latency(0.02)))
+    degraded = InTurn((Outliers(0.1, 0.5, 0.5), Blackouts(2.0, 15.0), Latency(0.02)))
     plain, found = (
         simulate_camera_poses(truth, 20.0, 0.01, 0.02, np.random.default_rng(3), how)
-        for how in (None, spoilt)
+        for how in (None, degraded)
     )
     assert len(plain) - len(found) == 80
     assert len(found.covariance) == len(found)

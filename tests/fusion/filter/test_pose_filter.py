@@ -322,19 +322,19 @@ def test_a_fifth_of_outliers_and_a_wrong_start_are_left_behind(record):
         assert np.mean(fused.accepted == ~bad) > 0.95
 
 
-def test_a_hole_in_the_samples_is_owned_up_to(record, rng):
+def test_a_gap_in_the_samples_is_owned_up_to(record, rng):
     """Half a second without inertial data: uncertain by what the settings say, and honest."""
     run = record(rng, 6.0)
     stamps = run.imu.time_ns
     seconds = (stamps - stamps[0]) * 1e-9
     kept = (seconds < 3.0) | (seconds > 3.5)
-    holed = ImuStream(
+    gapped = ImuStream(
         stamps[kept], run.imu.angular_rate_rad_s[kept], run.imu.specific_force_m_s2[kept]
     )
     seen = (run.measurements.trajectory.time_s < 3.0) | (run.measurements.trajectory.time_s > 3.5)
     rest = PoseMeasurements(run.measurements.trajectory[seen], run.measurements.covariance[seen])
     at = stamps[[299, 345]]
-    fused = fuse(rest, holed, run.noise, run.mount, at, smoothed=False)
+    fused = fuse(rest, gapped, run.noise, run.mount, at, smoothed=False)
     whole = fuse(rest, run.imu, run.noise, run.mount, at, smoothed=False)
     sigma, known = (
         np.sqrt(np.diagonal(one.state_covariance, axis1=1, axis2=2)) for one in (fused, whole)
@@ -344,7 +344,7 @@ def test_a_hole_in_the_samples_is_owned_up_to(record, rng):
     assert np.all(sigma[1, :3] > 5.0 * known[1, :3])
     apart = (fused.trajectory.poses.inverse() @ run.camera.at(at)).as_twist()[1]
     assert np.all(np.abs(apart) < 4.0 * np.sqrt(np.diag(fused.covariance[1])))
-    after = fuse(rest, holed, run.noise, run.mount)
+    after = fuse(rest, gapped, run.noise, run.mount)
     assert np.all(after.accepted)
 
 
@@ -386,7 +386,7 @@ def test_motion_is_not_taken_for_rest(record, rng):
 
 
 def check_covariances(seconds: float, rng: np.random.Generator) -> None:
-    """Fast shaking at 200 Hz, a pose now and then: covariances stay what covariances are."""
+    """Fast jittering at 200 Hz, a pose now and then: covariances stay what covariances are."""
     count = int(seconds * 200)
     stamps = np.arange(count, dtype=np.int64) * 5_000_000
     rate = rng.normal(0.0, 2.0, (count, 3))

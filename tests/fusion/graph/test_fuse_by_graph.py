@@ -97,16 +97,16 @@ def test_a_lag_longer_than_the_recording_is_the_batch(record: Record, rng):
 def test_wrong_poses_leave_next_to_no_trace(record: Record, rng, lag_s):
     run = record(rng, 5.0)
     wrong = np.arange(len(run.measurements)) % 10 == 7
-    spoilt = replace(run, measurements=with_wrong_poses(run.measurements, wrong))
+    degraded = replace(run, measurements=with_wrong_poses(run.measurements, wrong))
     kept = run.measurements
     without = PoseMeasurements(kept.trajectory[~wrong], kept.covariance[~wrong])
     clean = by_graph(
         replace(run, measurements=without), stamps_ns=kept.trajectory.time_ns, lag_s=lag_s
     )
-    found = by_graph(spoilt, lag_s=lag_s)
+    found = by_graph(degraded, lag_s=lag_s)
     np.testing.assert_array_equal(found.accepted, ~wrong)
     assert np.max(in_deviations(clean, found)) < 0.3
-    trusting = by_graph(spoilt, lag_s=lag_s, settings=FilterSettings(gate=1.0))
+    trusting = by_graph(degraded, lag_s=lag_s, settings=FilterSettings(gate=1.0))
     assert np.max(in_deviations(clean, trusting)) > 3.0
 
 

@@ -59,10 +59,10 @@ def test_wrong_poses_and_gaps_do_little_harm(rng):
     truth, odometry, measured = given(rng)
     wrong = np.arange(len(measured)) % 9 == 4
     off = Motor.from_twist(np.where(wrong[:, None], [0.0, 0.6, 0.0, 0.5, 0.0, 0.5], 0.0))
-    spoilt = measured.trajectory.transformed_by(right=off)
-    kept = (spoilt.time_s < 5.0) | (spoilt.time_s > 7.5)
+    degraded = measured.trajectory.transformed_by(right=off)
+    kept = (degraded.time_s < 5.0) | (degraded.time_s > 7.5)
     fused = fuse_odometry(
-        PoseMeasurements(spoilt[kept], measured.covariance[kept]), odometry, MOUNT, NOISE
+        PoseMeasurements(degraded[kept], measured.covariance[kept]), odometry, MOUNT, NOISE
     )
     assert len(fused) == len(truth)
     assert rms(fused.trajectory, truth) < rms(measured.trajectory, truth)

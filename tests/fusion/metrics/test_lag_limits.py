@@ -107,11 +107,11 @@ def test_rates_over_more_than_three_intervals_do_not_count(handheld, gap_ms, cou
 
 
 @LAGS
-def test_a_truth_with_a_hole_tells_by_its_rest(handheld, lag_s):
+def test_a_truth_with_a_gap_tells_by_its_rest(handheld, lag_s):
     truth = handheld.trajectory(100.0, 24.0)
     seconds = truth.time_s
-    holed = truth[(seconds < 9.0) | (seconds > 10.0)]
-    assert 1e3 * lag_s(late_by(handheld, 7.0), holed) == pytest.approx(7.0, abs=0.5)
+    gapped = truth[(seconds < 9.0) | (seconds > 10.0)]
+    assert 1e3 * lag_s(late_by(handheld, 7.0), gapped) == pytest.approx(7.0, abs=0.5)
 
 
 def test_what_stands_still_or_turns_evenly_has_no_lag(handheld):
@@ -130,13 +130,13 @@ def opposite(trajectory: Trajectory) -> Trajectory:
 
 
 @pytest.mark.parametrize(
-    ("shake", "said"), [(0.0, "got one at the edge"), (0.05, "got a standard error of inf ms")]
+    ("tremor", "said"), [(0.0, "got one at the edge"), (0.05, "got a standard error of inf ms")]
 )
-def test_motion_the_other_way_fits_at_no_lag(handheld, shake, said):
-    """Straight on at one speed: where a shake makes a peak, the correlation is below zero there."""
+def test_motion_the_other_way_fits_at_no_lag(handheld, tremor, said):
+    """Straight on at one speed: where a tremor makes a peak, the correlation is negative."""
     stamps = handheld.time_ns(100.0, 8.0)
     seconds = (stamps - stamps[0]) * 1e-9
-    along = seconds + 0.01 * seconds**2 + shake * np.sin(2.0 * np.pi * seconds / 0.4)
+    along = seconds + 0.01 * seconds**2 + tremor * np.sin(2.0 * np.pi * seconds / 0.4)
     motors = Motor.from_translation(along[:, None] * [1.0, 0.0, 0.0])
     path = Trajectory(stamps, motors)
     with pytest.raises(NotObservableError, match=f"lag: expected a peak of the .*, {said}"):
@@ -188,11 +188,11 @@ def test_slow_errors_make_a_peak_less_sure_than_as_many_white_ones(handheld, rng
     assert stated_ms(clean, slow, truth) > 2.5 * stated_ms(clean, quick, truth)
 
 
-def test_a_peak_known_to_half_an_interval_is_taken(handheld, shaken, rng):
+def test_a_peak_known_to_half_an_interval_is_taken(handheld, jittered, rng):
     """The same errors, seldom: intervals of 100 ms allow 50 ms."""
     truth = handheld.trajectory(100.0, 24.0)
-    seldom = shaken(late_by(handheld, 0.0, 10.0, 2.0, 200), 0.1, 1e-6, rng)
-    often = shaken(late_by(handheld, 0.0, 100.0, 2.0, 2000), 1.0, 1e-6, rng)
+    seldom = jittered(late_by(handheld, 0.0, 10.0, 2.0, 200), 0.1, 1e-6, rng)
+    often = jittered(late_by(handheld, 0.0, 100.0, 2.0, 2000), 1.0, 1e-6, rng)
     assert abs(position_lag_s(seldom, truth)) < 0.05
     with pytest.raises(NotObservableError, match="known to 5 ms, got a standard error of"):
         position_lag_s(often, truth)

@@ -13,7 +13,7 @@ from motorcade.fusion.metrics import (
     rotation_path_rad,
     seconds_per_pose,
 )
-from motorcade.fusion.metrics.artifacts.gimbal import whole_turns
+from motorcade.fusion.metrics.artifacts.gimbal import winding_count
 from motorcade.fusion.metrics.artifacts.overshoot import stops
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Rotor, Trajectory
@@ -112,21 +112,21 @@ def test_five_stamps_within_the_truth_are_enough_for_overshoot():
 )
 def test_a_whole_turn_ends_within_a_quarter_of_the_truth(end_deg, turns):
     error = about(np.deg2rad(np.linspace(0.0, end_deg, 200)))
-    assert whole_turns(error) == turns
-    assert whole_turns(error[::-1]) == turns
+    assert winding_count(error) == turns
+    assert winding_count(error[::-1]) == turns
 
 
 def test_errors_that_leave_a_quarter_and_come_back_the_other_way_are_counted_once():
     """From 80° (at home) all the way round to 275°, which is 85° short of the truth."""
-    assert whole_turns(about(np.deg2rad(np.linspace(80.0, 275.0, 100)))) == 1
-    assert whole_turns(about(np.deg2rad(np.linspace(95.0, 275.0, 100)))) == 0  # never at home
+    assert winding_count(about(np.deg2rad(np.linspace(80.0, 275.0, 100)))) == 1
+    assert winding_count(about(np.deg2rad(np.linspace(95.0, 275.0, 100)))) == 0  # never at home
 
 
 def test_the_sign_of_a_rotor_says_nothing(rng):
     for end_deg in (100.0, 200.0, 260.0, 350.0, 500.0, 1000.0):
         error = about(np.deg2rad(np.linspace(0.0, end_deg, 300)))
         signs = rng.choice([-1.0, 1.0], (300, 1))
-        assert whole_turns(Rotor(signs * error.coefficients)) == whole_turns(error)
+        assert winding_count(Rotor(signs * error.coefficients)) == winding_count(error)
 
 
 def test_two_stamps_within_the_truth_are_enough_for_turning():

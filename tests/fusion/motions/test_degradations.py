@@ -45,10 +45,10 @@ def truth() -> Trajectory:
     return MOTIONS["handheld"].sampled(30.0, 1000.0)
 
 
-def difference(spoiled: Trajectory, truth: Trajectory):
+def difference(degraded: Trajectory, truth: Trajectory):
     """Position error (N, 3) in the world and rotation vector (N, 3) in the moving frame."""
-    shift = spoiled.poses.translation_m - truth.poses.translation_m
-    return shift, (truth.poses.rotor.inverse() @ spoiled.poses.rotor).as_rotation_vector()
+    shift = degraded.poses.translation_m - truth.poses.translation_m
+    return shift, (truth.poses.rotor.inverse() @ degraded.poses.rotor).as_rotation_vector()
 
 
 def run_lengths(struck):
@@ -98,8 +98,8 @@ def test_a_share_of_one_strikes_all(truth, rng):
 @pytest.mark.parametrize(("share", "mean_run"), [(0.02, 10.0), (0.3, 4.0), (0.5, 2.0)])
 def test_flips_have_their_share_runs_and_size(truth, rng, share, mean_run):
     tilt, distance = 25 * DEGREE, 1.5
-    spoiled = PlanarFlips(share, mean_run, distance, tilt).apply(truth, rng)
-    shift, turn = difference(spoiled, truth)
+    degraded = PlanarFlips(share, mean_run, distance, tilt).apply(truth, rng)
+    shift, turn = difference(degraded, truth)
     struck = np.linalg.norm(turn, axis=1) > 1e-9
     lengths = run_lengths(struck)
     assert lengths.mean() == pytest.approx(mean_run, abs=5.0 * lengths.std() / lengths.size**0.5)
@@ -115,9 +115,9 @@ def test_flips_have_their_share_runs_and_size(truth, rng, share, mean_run):
 
 def test_no_share_leaves_everything(truth, rng):
     for none in (PlanarFlips(0.0), Outliers(0.0, 1.0, 1.0), DroppedFrames(0.0), Quantised(0, 0)):
-        spoiled = none.apply(truth, rng)
-        np.testing.assert_array_equal(spoiled.time_ns, truth.time_ns)
-        shift, turn = difference(spoiled, truth)
+        degraded = none.apply(truth, rng)
+        np.testing.assert_array_equal(degraded.time_ns, truth.time_ns)
+        shift, turn = difference(degraded, truth)
         assert max(np.abs(shift).max(), np.abs(turn).max()) < 1e-12
 
 
@@ -172,10 +172,10 @@ def test_the_wrong_planar_pose_mirrors_the_normal_about_the_line_of_sight(rng):
 
 
 def test_quantised_poses_lie_on_their_grid(truth, rng):
-    spoiled = Quantised(2e-3, 1e-2).apply(truth, rng)
-    steps = spoiled.poses.translation_m / 2e-3
+    degraded = Quantised(2e-3, 1e-2).apply(truth, rng)
+    steps = degraded.poses.translation_m / 2e-3
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
-    shift, turn = difference(spoiled, truth)
+    shift, turn = difference(degraded, truth)
     assert np.abs(shift).max() <= 1e-3 * (1 + 1e-9)
     assert stats.kstest(shift.ravel() / 2e-3 + 0.5, "uniform").statistic < 0.02
     assert np.linalg.norm(turn, axis=1).max() < 1e-2
@@ -184,19 +184,19 @@ def test_quantised_poses_lie_on_their_grid(truth, rng):
 
 
 def test_stamps_tremble_by_their_deviation_in_order(truth, rng):
-    spoiled = StampJitter(2e-3).apply(truth, rng)
-    offsets = (spoiled.time_ns - truth.time_ns) * 1e-9
+    degraded = StampJitter(2e-3).apply(truth, rng)
+    offsets = (degraded.time_ns - truth.time_ns) * 1e-9
     assert np.std(offsets) == pytest.approx(2e-3, rel=5.0 / np.sqrt(2.0 * len(truth)))
     assert stats.kstest(offsets / 2e-3, "norm").pvalue > 1e-4
-    np.testing.assert_array_equal(spoiled.poses.coefficients, truth.poses.coefficients)
+    np.testing.assert_array_equal(degraded.poses.coefficients, truth.poses.coefficients)
     wild = StampJitter(1.0).apply(truth, rng)
     assert np.diff(wild.time_ns).min() > 0
 
 
 @pytest.mark.parametrize(("share", "mean_run"), [(0.2, None), (0.1, 8.0)])
 def test_dropped_frames_have_their_share_and_bursts(truth, rng, share, mean_run):
-    spoiled = DroppedFrames(share, mean_run).apply(truth, rng)
-    lost = ~np.isin(truth.time_ns, spoiled.time_ns)
+    degraded = DroppedFrames(share, mean_run).apply(truth, rng)
+    lost = ~np.isin(truth.time_ns, degraded.time_ns)
     lengths = run_lengths(lost)
     expected = 1.0 / (1.0 - share) if mean_run is None else mean_run
     assert lengths.mean() == pytest.approx(expected, abs=5.0 * lengths.std() / lengths.size**0.5)
@@ -210,13 +210,13 @@ def test_dropped_frames_have_their_share_and_bursts(truth, rng, share, mean_run)
 
 def test_blackouts_take_every_pose_of_their_spans_and_no_other(truth, rng):
     blackouts, short = Blackouts(2.0, 15.0), truth[: 30 * 47]
-    spoiled = blackouts.apply(short, rng)
-    offset_s = (spoiled.time_ns - short.time_ns[0]) * 1e-9
+    degraded = blackouts.apply(short, rng)
+    offset_s = (degraded.time_ns - short.time_ns[0]) * 1e-9
     gaps = np.flatnonzero(np.diff(offset_s) > 0.1)
     # The third would end at 47 s, after the last pose at 46.97 s.
     np.testing.assert_allclose(offset_s[gaps], [15.0 - 1 / 30, 30.0 - 1 / 30], atol=1e-8)
     np.testing.assert_allclose(offset_s[gaps + 1], [17.0, 32.0], atol=1e-8)
-    assert len(short) - len(spoiled) == 2 * 60
+    assert len(short) - len(degraded) == 2 * 60
     np.testing.assert_array_equal(blackouts.spans_s(47.0)[-1], [45.0, 47.0])
     assert len(blackouts.apply(truth[:100], rng)) == 100
 
@@ -284,20 +284,20 @@ def test_bad_input_is_refused(make, message):
 @pytest.mark.parametrize("degradation", ALL, ids=repr)
 def test_similarities_keep_their_scale_and_take_the_same_errors(degradation):
     zooming = MOTIONS["zoom"].sampled(30.0, 20.0)
-    spoiled = degradation.apply(zooming, np.random.default_rng(4))
+    degraded = degradation.apply(zooming, np.random.default_rng(4))
     rigid = degradation.apply(without_scale(zooming), np.random.default_rng(4))
-    np.testing.assert_array_equal(spoiled.time_ns, rigid.time_ns)
-    found = without_scale(spoiled).motors.as_matrix()
+    np.testing.assert_array_equal(degraded.time_ns, rigid.time_ns)
+    found = without_scale(degraded).motors.as_matrix()
     np.testing.assert_allclose(found, rigid.motors.as_matrix(), rtol=0, atol=1e-12)
-    if len(spoiled) == len(zooming):
-        scales = log_scales(spoiled.poses), log_scales(zooming.poses)
+    if len(degraded) == len(zooming):
+        scales = log_scales(degraded.poses), log_scales(zooming.poses)
         np.testing.assert_allclose(*scales, rtol=0, atol=1e-12)
 
 
 def test_noise_of_the_scale_has_its_deviation(rng):
     zooming = MOTIONS["zoom"].sampled(30.0, 500.0)
-    spoiled = Gaussian(0.0, 0.0, 0.02).apply(zooming, rng)
-    errors = log_scales(spoiled.poses) - log_scales(zooming.poses)
+    degraded = Gaussian(0.0, 0.0, 0.02).apply(zooming, rng)
+    errors = log_scales(degraded.poses) - log_scales(zooming.poses)
     assert np.std(errors) == pytest.approx(0.02, rel=5.0 / np.sqrt(2.0 * errors.size))
 
 

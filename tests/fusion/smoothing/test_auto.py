@@ -63,15 +63,15 @@ def test_noise_of_any_size_is_told(
 def test_wrong_poses_call_for_the_robust_estimate(name: str, rng: np.random.Generator) -> None:
     truth = MOTIONS[name].sampled(30.0, 10.0)
     noisy = Gaussian(0.005, np.deg2rad(0.5)).apply(truth, rng)
-    spoiled = PlanarFlips(0.02).apply(Outliers(0.05, 0.3, 0.5).apply(noisy, rng), rng)
-    picked = choose(spoiled)
+    degraded = PlanarFlips(0.02).apply(Outliers(0.05, 0.3, 0.5).apply(noisy, rng), rng)
+    picked = choose(degraded)
     assert picked.method == "robust_map"
     assert 0.03 < picked.noise.outliers < 0.15
     assert "outliers" in str(picked)
-    found = picked.smooth(spoiled)
-    right = np.linalg.norm((noisy.poses.inverse() @ spoiled.poses).as_twist(), axis=1) < 1e-9
+    found = picked.smooth(degraded)
+    right = np.linalg.norm((noisy.poses.inverse() @ degraded.poses).as_twist(), axis=1) < 1e-9
     assert np.all(errors(found[right], truth[right]) < 0.7 * errors(noisy, truth))
-    assert np.all(errors(found, truth) < 0.2 * errors(spoiled, truth))
+    assert np.all(errors(found, truth) < 0.2 * errors(degraded, truth))
 
 
 @pytest.mark.parametrize("representation", REPRESENTATIONS)

@@ -9,7 +9,7 @@ from motorcade.fusion.smoothing import automatic_window_s, smooth
 from motorcade.fusion.smoothing.window import white_noise_removed
 from motorcade.ga import FloatArray, Motor, Trajectory
 
-Shake = Callable[[Trajectory, float, float, np.random.Generator], Trajectory]
+Jittering = Callable[[Trajectory, float, float, np.random.Generator], Trajectory]
 SIGMA_M, SIGMA_RAD = 0.01, 0.008
 
 
@@ -41,10 +41,10 @@ def test_the_share_of_white_noise_removed_is_what_a_simulation_loses(
 
 
 def test_noise_on_slow_motion_is_given_a_wide_window_that_helps(
-    shaken: Shake, rng: np.random.Generator
+    jittered: Jittering, rng: np.random.Generator
 ) -> None:
     truth = waving(0.2)
-    noisy = shaken(truth, SIGMA_M, SIGMA_RAD, rng)
+    noisy = jittered(truth, SIGMA_M, SIGMA_RAD, rng)
     window_s = automatic_window_s(noisy, covariances(300))
     assert window_s is not None
     assert window_s > 0.4
@@ -54,9 +54,12 @@ def test_noise_on_slow_motion_is_given_a_wide_window_that_helps(
     assert after.mean() < 0.5 * before.mean()
 
 
-def test_faster_motion_is_given_a_narrower_window(shaken: Shake, rng: np.random.Generator) -> None:
+def test_faster_motion_is_given_a_narrower_window(
+    jittered: Jittering, rng: np.random.Generator
+) -> None:
     windows = [
-        automatic_window_s(shaken(waving(hertz), SIGMA_M, SIGMA_RAD, rng), covariances(300)) or 0.0
+        automatic_window_s(jittered(waving(hertz), SIGMA_M, SIGMA_RAD, rng), covariances(300))
+        or 0.0
         for hertz in (0.2, 2.0, 6.0)
     ]
     assert windows[0] > windows[1] > windows[2]

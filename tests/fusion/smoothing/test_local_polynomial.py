@@ -31,7 +31,7 @@ def distance(a: Motor, b: Motor) -> FloatArray:
     return np.linalg.norm((a.inverse() @ b).as_twist(), axis=-1)
 
 
-def shaken(poses: Motor, rng: np.random.Generator, size: float) -> Motor:
+def jittered(poses: Motor, rng: np.random.Generator, size: float) -> Motor:
     return poses @ Motor.from_twist(size * rng.standard_normal((len(poses), 6)))
 
 
@@ -49,7 +49,7 @@ def test_noise_shrinks_and_nothing_lags(representation: str, rng: np.random.Gene
     twist = np.zeros((600, 6))
     twist[:, 1], twist[:, 5] = np.sin(2 * np.pi * 0.5 * seconds), 0.3 * np.cos(2.0 * seconds)
     truth = Motor.from_twist(twist)
-    path = Trajectory(time_ns, shaken(truth, rng, 0.01))
+    path = Trajectory(time_ns, jittered(truth, rng, 0.01))
     found = smooth(path, representation, 0.3)
     assert distance(found.poses, truth)[30:-30].mean() < 0.4 * distance(path.poses, truth).mean()
     true_turn = 2 * np.pi * 0.5 * np.cos(2 * np.pi * 0.5 * seconds)
@@ -60,7 +60,7 @@ def test_noise_shrinks_and_nothing_lags(representation: str, rng: np.random.Gene
 
 def test_motors_do_not_care_where_world_and_sensor_frame_lie(rng: np.random.Generator) -> None:
     time_ns = uneven_stamps(rng, 80)
-    path = Trajectory(time_ns, shaken(screw_motion(time_ns), rng, 0.05))
+    path = Trajectory(time_ns, jittered(screw_motion(time_ns), rng, 0.05))
     left, right = Motor.random(rng), Motor.random(rng)
     moved = smooth(path.transformed_by(left, right))
     assert distance(moved.poses, smooth(path).transformed_by(left, right).poses).max() < 1e-12
@@ -83,7 +83,7 @@ def test_only_naive_euler_angles_break_where_the_yaw_leaps(rng: np.random.Genera
     yaw = np.pi + np.sin(np.linspace(0, 12, 200))
     angles = np.stack([np.zeros(200), np.zeros(200), yaw], axis=-1)
     truth = Motor.from_rotor_translation(Rotor.from_euler(angles), np.zeros(3))
-    path = Trajectory(time_ns, shaken(truth, rng, 0.01))
+    path = Trajectory(time_ns, jittered(truth, rng, 0.01))
     worst = {name: distance(smooth(path, name, 0.3).poses, truth).max() for name in REPRESENTATIONS}
     assert worst["euler"] > 1.0
     assert worst["euler_unwrapped"] < 1.1 * worst["motor"] < 0.05
@@ -98,7 +98,7 @@ def test_euler_angles_break_at_gimbal_lock_where_motors_do_not(
     pitch = 4.0 * time_ns[:, None] * 1e-9 * np.array([0.0, 1.0, 0.0])
     loops = Rotor.from_rotation_vector(pitch) @ Rotor.from_euler(np.array([0.0, 0.0, 0.4]))
     truth = Motor.from_rotor_translation(loops, np.zeros(3))
-    path = Trajectory(time_ns, shaken(truth, rng, 0.01))
+    path = Trajectory(time_ns, jittered(truth, rng, 0.01))
     ours = distance(smooth(path, "motor", 0.3).poses, truth)
     theirs = distance(smooth(path, representation, 0.3).poses, truth)
     assert ours.max() < 0.05

@@ -11,8 +11,8 @@ from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlip
 from motorcade.fusion.smoothing import REPRESENTATIONS, smooth
 from motorcade.fusion.smoothing.batch import estimate_path
 from motorcade.fusion.smoothing.batch import parts as parts_module
-from motorcade.fusion.smoothing.batch.consistent import Sizes, bridged, consistent_poses
 from motorcade.fusion.smoothing.batch.differences import between
+from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
 
 NOISE = Gaussian(0.005, np.deg2rad(0.5))
@@ -139,21 +139,21 @@ def test_the_path_is_gtsams_on_the_same_graph(loss: str, rng: np.random.Generato
 
 @pytest.mark.parametrize("name", ["gimbal_hover", "screw", "tumble", "walk_and_look", "handheld"])
 def test_wrong_poses_do_no_more_harm_than_missing_ones(name: str, rng: np.random.Generator) -> None:
-    truth, noisy, spoiled = measured(name, rng)
-    wrong = np.linalg.norm((noisy.poses.inverse() @ spoiled.poses).as_twist(), axis=1) > 0.3
+    truth, noisy, degraded = measured(name, rng)
+    wrong = np.linalg.norm((noisy.poses.inverse() @ degraded.poses).as_twist(), axis=1) > 0.3
     assert 5 < np.count_nonzero(wrong) < 80
-    found = estimate_path(spoiled, **MODEL)
+    found = estimate_path(degraded, **MODEL)
     assert np.all(found.rejected[wrong])
     assert np.count_nonzero(found.rejected[~wrong]) < 8
     clean = errors(estimate_path(noisy, **MODEL).trajectory, truth)
     assert np.all(errors(found.trajectory, truth) < 1.3 * clean)
-    assert np.all(errors(smooth(spoiled, "gaussian", sigma_s=0.1), truth) > 3.0 * clean)
+    assert np.all(errors(smooth(degraded, "gaussian", sigma_s=0.1), truth) > 3.0 * clean)
 
 
 @pytest.mark.parametrize("representation", REPRESENTATIONS)
 def test_every_representation_sheds_outliers(representation: str, rng: np.random.Generator) -> None:
-    truth, noisy, spoiled = measured("antipodal_crossing", rng, duration_s=6.0)
-    found = estimate_path(spoiled, representation, **MODEL)
+    truth, noisy, degraded = measured("antipodal_crossing", rng, duration_s=6.0)
+    found = estimate_path(degraded, representation, **MODEL)
     clean = estimate_path(noisy, representation, **MODEL)
     if representation == "euler":
         return  # angles leap where they are wrapped; that it ends is all there is to say
@@ -163,12 +163,12 @@ def test_every_representation_sheds_outliers(representation: str, rng: np.random
 def test_similarities_keep_their_scale(rng: np.random.Generator) -> None:
     truth = MOTIONS["zoom"].sampled(30.0, 5.0)
     noisy = Gaussian(0.005, 0.01, 0.01).apply(truth, rng)
-    spoiled = Outliers(0.05, 0.3, 0.5).apply(noisy, rng)
+    degraded = Outliers(0.05, 0.3, 0.5).apply(noisy, rng)
     for representation in ("similarity", "motor"):
-        found = smooth(spoiled, "robust_map", representation, noise_scale=0.01)
+        found = smooth(degraded, "robust_map", representation, noise_scale=0.01)
         assert isinstance(found.poses, Similarity)
         error = np.log(found.poses.scale / truth.poses.scale)
-        raw = np.log(spoiled.poses.scale / truth.poses.scale)
+        raw = np.log(degraded.poses.scale / truth.poses.scale)
         assert np.sqrt(np.mean(error**2)) < 0.8 * np.sqrt(np.mean(raw**2))
 
 
@@ -177,10 +177,10 @@ def test_a_run_of_wrong_poses_is_left_out_and_a_long_path_is_kept(
 ) -> None:
     _, noisy, _ = measured("tumble", rng)
     sizes = Sizes(MODEL["noise_rad"], 1.0), Sizes(MODEL["noise_m"], 1.0)
-    assert np.all(consistent_poses(noisy.time_s, noisy.poses, *sizes))
+    assert np.all(inlier_poses(noisy.time_s, noisy.poses, *sizes))
     thrown = np.array(noisy.poses.coefficients)
     thrown[100:115] = (noisy.poses[100:115] @ Motor.from_twist([0.8, 0, 0, 0, 0.5, 0])).coefficients
-    kept = consistent_poses(noisy.time_s, Motor(thrown), *sizes)
+    kept = inlier_poses(noisy.time_s, Motor(thrown), *sizes)
     assert np.flatnonzero(~kept).tolist() == list(range(100, 115))
 
 
@@ -195,18 +195,18 @@ def test_gaps_may_hold_whole_turns() -> None:
 
 
 def test_weights_fall_with_the_distance(rng: np.random.Generator) -> None:
-    _, _, spoiled = measured("screw", rng)
-    found = estimate_path(spoiled, **MODEL)
-    order = np.argsort(found.distance)
+    _, _, degraded = measured("screw", rng)
+    found = estimate_path(degraded, **MODEL)
+    order = np.argsort(found.normalised_residual)
     assert np.all(np.diff(found.weight[order]) <= 0.0)
     assert found.weight.max() <= 1.0
 
 
 def test_motors_do_not_notice_in_which_world_they_are_written(rng: np.random.Generator) -> None:
-    _, _, spoiled = measured("handheld", rng, duration_s=4.0)
-    found = estimate_path(spoiled, **MODEL).trajectory
+    _, _, degraded = measured("handheld", rng, duration_s=4.0)
+    found = estimate_path(degraded, **MODEL).trajectory
     change = Motor.random(rng, extent_m=3.0)
-    moved = estimate_path(spoiled.transformed_by(left=change), **MODEL).trajectory
+    moved = estimate_path(degraded.transformed_by(left=change), **MODEL).trajectory
     apart = (moved.poses.inverse() @ found.transformed_by(left=change).poses).as_twist()
     assert np.abs(apart).max() < 1e-6
 
@@ -242,14 +242,14 @@ def test_what_is_missing_is_named_with_the_extra_that_brings_it(
 def test_parts_of_a_long_path_are_what_the_whole_is(
     representation: str, close: float, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    _, _, spoiled = measured("handheld", rng, duration_s=15.0)
-    whole = estimate_path(spoiled, representation, **MODEL)
+    _, _, degraded = measured("handheld", rng, duration_s=15.0)
+    whole = estimate_path(degraded, representation, **MODEL)
     monkeypatch.setattr(parts_module, "_FEWEST_KEPT", 150)
     monkeypatch.setattr(parts_module, "_REJECTED_POSES", 40)
-    cut = list(parts_module.parts(spoiled.time_s, SIZES))
+    cut = list(parts_module.parts(degraded.time_s, SIZES))
     assert len(cut) == 2
     assert [row for part in cut for row in range(451)[part.rows][part.kept]] == list(range(451))
-    joined = estimate_path(spoiled, representation, **MODEL)
+    joined = estimate_path(degraded, representation, **MODEL)
     apart = (whole.trajectory.poses.inverse() @ joined.trajectory.poses).as_twist()
     assert np.abs(apart).max() < close
     np.testing.assert_allclose(joined.velocity, whole.velocity, atol=1e3 * close)

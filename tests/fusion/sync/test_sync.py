@@ -22,7 +22,7 @@ from motorcade.replays.cli import main
 from motorcade.replays.files.imu import write_imu
 from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
 from motorcade.replays.readers.inertial import read_imu
-from tests.bench.fusion.recorded import SPOILT, flight, measured
+from tests.bench.fusion.recorded import DEGRADED, flight, measured
 
 MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
 SIGMA_M, SIGMA_RAD = 0.01, np.deg2rad(0.5)
@@ -94,8 +94,8 @@ def test_over_many_runs_errors_are_as_large_as_stated():
 def test_wrong_poses_hardly_matter(rng):
     camera, imu = recorded(rng)
     twists = np.where(np.arange(len(camera))[:, None] % 25 == 12, [0.6, 0, 0, 0, 0.8, 0], 0.0)
-    spoilt = camera.transformed_by(right=Motor.from_twist(twists))
-    found = synchronise(spoilt, imu, ADIS16448, search_s=0.2)
+    degraded = camera.transformed_by(right=Motor.from_twist(twists))
+    found = synchronise(degraded, imu, ADIS16448, search_s=0.2)
     assert np.max(np.abs(errors_in_deviations(found, 0.02))) < 4.0
 
 
@@ -155,14 +155,14 @@ def test_streams_that_do_not_belong_together_are_refused(rng):
     with pytest.raises(ValueError, match="too little rotation, or not one motion"):
         synchronise(other, imu, ADIS16448, search_s=0.2)
     still = Trajectory(camera.time_ns, Motor.identity((len(camera),)))
-    shaken = simulate_camera_poses(still, 20.0, SIGMA_M, SIGMA_RAD, rng).trajectory
+    jittered = simulate_camera_poses(still, 20.0, SIGMA_M, SIGMA_RAD, rng).trajectory
     rest = ImuStream(
         imu.time_ns,
         1e-3 * rng.standard_normal((len(imu), 3)),
         np.array([0.0, 0.0, 9.81]) + 0.02 * rng.standard_normal((len(imu), 3)),
     )
     with pytest.raises(ValueError, match=r"turns by 0\.00\d rad/s RMS.*too little rotation"):
-        synchronise(shaken, rest, ADIS16448)
+        synchronise(jittered, rest, ADIS16448)
     with pytest.raises(ValueError, match="search_s"):
         synchronise(camera, imu, ADIS16448, search_s=0.0)
     falling = ImuStream(imu.time_ns, imu.angular_rate_rad_s, 0.0 * imu.specific_force_m_s2)
@@ -210,7 +210,7 @@ def test_outliers_and_blackouts_leave_offset_and_mount_within_what_is_said(
     """
     one = flight("V1_02", data_dir)
     assert one is not None
-    found = synchronise(measured(one, seed, delay_s, SPOILT).trajectory, one.imu, ADIS16448)
+    found = synchronise(measured(one, seed, delay_s, DEGRADED).trajectory, one.imu, ADIS16448)
     assert found.offset_s == pytest.approx(-delay_s, abs=1e-3)
     turned = found.imu_T_camera.rotor.as_rotation_vector()
     assert np.all(np.abs(turned) < 3.0 * found.rotation_sigma_rad + np.deg2rad(0.1))
@@ -222,10 +222,10 @@ def test_gross_errors_are_found_by_their_neighbours(rng):
     wrong[100:102] = True  # two that follow each other
     twists = np.zeros((len(camera), 6))
     twists[wrong, 0], twists[np.arange(len(camera)) % 40 == 10, 4] = 0.3, 0.6
-    spoilt = camera.transformed_by(right=Motor.from_twist(twists))
-    used = covered(spoilt, imu, 0.0, 0.0)
-    kept = plausible(used, imu, match_rates(spoilt, imu, 0.2))
-    known = wrong[np.isin(spoilt.time_ns, used.time_ns)]
+    degraded = camera.transformed_by(right=Motor.from_twist(twists))
+    used = covered(degraded, imu, 0.0, 0.0)
+    kept = plausible(used, imu, match_rates(degraded, imu, 0.2))
+    known = wrong[np.isin(degraded.time_ns, used.time_ns)]
     assert not np.any(kept & known)
     assert np.mean(kept[~known]) > 0.98
     assert np.all(plausible(camera[:1], imu, match_rates(camera, imu, 0.2)))

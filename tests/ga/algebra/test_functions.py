@@ -340,9 +340,9 @@ def test_what_rounding_left_beside_a_versor_is_dropped(
     function: Callable[[Multivector], Multivector],
 ) -> None:
     x = translator((1.0, 2.0, 3.0)) * rotor(0.7, (1, 2, 3)) * dilator(1.2)
-    spoiled = x + CGA3.multivector({"e1": 1e-18, "e2^e3^e0": -2e-18})
-    assert function(spoiled).masks == function(x).masks
-    close(function(spoiled), function(x), 1e-15)
+    perturbed = x + CGA3.multivector({"e1": 1e-18, "e2^e3^e0": -2e-18})
+    assert function(perturbed).masks == function(x).masks
+    close(function(perturbed), function(x), 1e-15)
 
 
 @pytest.mark.parametrize("function", [log, sqrt, versor], ids=lambda f: f.__name__)

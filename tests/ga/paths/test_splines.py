@@ -330,8 +330,8 @@ def test_plainly_wrong_poses_do_not_keep_a_fit_from_settling(rng: np.random.Gene
     coefficients = np.array(path.coefficients)
     wrong = rng.choice(len(time_s), 9, replace=False)
     coefficients[wrong] = (path[wrong] @ Motor.random(rng, (9,))).coefficients
-    spoiled = Trajectory((time_s * 1e9).astype(np.int64), Motor(coefficients))
+    degraded = Trajectory((time_s * 1e9).astype(np.int64), Motor(coefficients))
     for spacing in (0.12, 0.3, 0.6):
-        fitted = CumulativeBSpline.fit(spoiled, spacing)
-        off = (fitted.at(spoiled.time_ns).inverse() @ path).as_twist()
+        fitted = CumulativeBSpline.fit(degraded, spacing)
+        off = (fitted.at(degraded.time_ns).inverse() @ path).as_twist()
         assert np.median(np.abs(off)) < 0.5

@@ -41,8 +41,8 @@ def test_auto_takes_what_there_is_and_says_so(tmp_path: Path) -> None:
     truth = MOTIONS["screw"].sampled(30.0, 5.0)
     noisy = Gaussian(0.005, 0.01).apply(truth, rng)
     write_trajectory(noisy, tmp_path / "noisy.tum")
-    write_trajectory(Outliers(0.05, 0.3, 0.5).apply(noisy, rng), tmp_path / "spoiled.tum")
-    for name, warned in (("noisy", 0), ("spoiled", 1)):
+    write_trajectory(Outliers(0.05, 0.3, 0.5).apply(noisy, rng), tmp_path / "degraded.tum")
+    for name, warned in (("noisy", 0), ("degraded", 1)):
         done = core("smooth", tmp_path / f"{name}.tum", "-o", tmp_path / "out.tum")
         assert done.returncode == 0, done.stderr
         assert done.stdout.startswith("auto: rts_constant_")

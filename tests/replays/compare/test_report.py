@@ -26,7 +26,7 @@ from motorcade.replays.compare.measure.traits import Trait, run_trait
 from motorcade.replays.compare.plan import DEGRADATIONS, Plan
 from motorcade.replays.compare.report import Results, names, write_report
 from motorcade.replays.compare.report.findings import findings
-from motorcade.replays.compare.report.ladder_ends import ladder_ends
+from motorcade.replays.compare.report.grid_ends import grid_ends
 from motorcade.replays.compare.report.names import METRICS, shown
 from motorcade.replays.compare.report.results import Ratio, tied
 from motorcade.replays.compare.tuning import Tuned
@@ -57,7 +57,7 @@ def written(folder: Path, rename: Callable[[str], str]) -> Results:
                 samples.append(Sample.of(cell, rows))
             for one in settings:
                 place = (motion, degradation, one.method, one.representation)
-                found[place] = Tuned(one, "ladder", 0.5, 12)
+                found[place] = Tuned(one, "grid", 0.5, 12)
     traits = [
         run_trait(Trait("walk_and_look", "gaussian", 1, PLAN.rate_hz, PLAN.duration_s, one))
         for one in settings
@@ -295,18 +295,18 @@ def test_the_drawn_passage_is_that_of_the_first_seed(folder: Path) -> None:
     data = json.loads(found[1])
     method = re.search(r"Each\s+picture holds what <code>(\w+)</code>", text)
     assert method is not None
-    spoiled, ruler = inputs_of("gimbal_crossing", "gaussian", 7, PLAN.rate_hz, PLAN.duration_s)
+    degraded, ruler = inputs_of("gimbal_crossing", "gaussian", 7, PLAN.rate_hz, PLAN.duration_s)
     true = Rotation.from_matrix(ruler.true.as_matrix()[:, :3, :3])
     assert set(data["points"]) == {"truth", *PLAN.representations}
     for name in PLAN.representations:
-        smoothed = Setting(method[1], name, PARAMETERS[method[1]]).smooth(spoiled)
+        smoothed = Setting(method[1], name, PARAMETERS[method[1]]).smooth(degraded)
         turned = Rotation.from_matrix(smoothed.motors.as_matrix()[:, :3, :3])
         angle_deg = np.rad2deg((true.inv() * turned).magnitude())
         np.testing.assert_allclose(data["errors"][name], angle_deg, atol=0.0051)
     assert max(data["errors"]["euler"]) > 20.0
     assert max(data["errors"]["motor"]) < 5.0
     # Without perspective, opposite corners have the same sum, and the axis is where they meet.
-    points = np.array(data["points"]["euler"]).reshape(len(spoiled), 6, 2)
+    points = np.array(data["points"]["euler"]).reshape(len(degraded), 6, 2)
     np.testing.assert_allclose(points[:, 0] + points[:, 2], points[:, 1] + points[:, 3], atol=2.0)
 
 
@@ -323,26 +323,26 @@ def test_the_guide_is_written_from_the_figures(results: Results, swapped: Result
         compile(block, f"block {number}", "exec")
 
 
-def test_ends_of_ladders_and_what_was_not_run_are_told(results: Results) -> None:
-    assert ladder_ends(results) == []
+def test_ends_of_grids_and_what_was_not_run_are_told(results: Results) -> None:
+    assert grid_ends(results) == []
     told = copy.deepcopy(dict(results.told))
     first = PLAN.motions[0]
     for row in told["parameters"]:
         if row["motion"] == first and row["representation"] == "motor":
             name = next(iter(row["parameters"]))
-            row["parameters"][name] = told["ladders"][row["method"]][0]["rungs"][-1]
+            row["parameters"][name] = told["grids"][row["method"]][0]["values"][-1]
     told["plan"]["left_out"] = [
         {"method": "gaussian", "representations": ["euler"], "motions": list(PLAN.motions),
          "degradations": list(PLAN.degradations), "reason": "for a reason"}
     ]  # fmt: skip
     changed = Results(told, results.figures)
-    # The last rung of a cut-off smooths least, that of a width most.
-    assert ladder_ends(changed) == [
+    # The last value of a cut-off smooths least, that of a width most.
+    assert grid_ends(changed) == [
         f"`exponential` asks for the least smoothing on {first}.",
         f"`gaussian` asks for the most smoothing on {first}.",
     ]
     page = guide(changed)
-    for sentence in (*ladder_ends(changed), "`gaussian` on `euler`: for a reason."):
+    for sentence in (*grid_ends(changed), "`gaussian` on `euler`: for a reason."):
         assert f"- {sentence}" in page
 
 

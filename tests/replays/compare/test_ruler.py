@@ -21,8 +21,8 @@ DURATION_S = 8.0
 
 
 def paths_of(motion: str, degradation: str) -> tuple[list[Trajectory], Ruler]:
-    spoiled, ruler = inputs_of(motion, degradation, 7, 30.0, DURATION_S)
-    return [spoiled, *(setting.smooth(spoiled) for setting in SETTINGS)], ruler
+    degraded, ruler = inputs_of(motion, degradation, 7, 30.0, DURATION_S)
+    return [degraded, *(setting.smooth(degraded) for setting in SETTINGS)], ruler
 
 
 def one_by_one(path: Trajectory, truth: Trajectory) -> list[float]:

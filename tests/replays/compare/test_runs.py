@@ -21,7 +21,7 @@ from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.own_data import compare_recorded
 from motorcade.replays.compare.plan import DEGRADATIONS, SLOW, Plan, quick, standard
 from motorcade.replays.compare.run import compare
-from motorcade.replays.compare.tuning import BORROWS, LADDERS
+from motorcade.replays.compare.tuning import BORROWS, GRIDS
 from motorcade.replays.files.trajectories import write_trajectory
 
 UNITS = ("_m", "_deg", "_s2", "_ms", "_ratio", "_turns", "log_scale_rmse")
@@ -97,7 +97,7 @@ def test_the_standard_plan_is_complete_but_for_what_it_names() -> None:
             missing = set(METHODS) - {method for method, _ in plan.pairs(motion, degradation)}
             assert missing <= set(SLOW)
     assert all(one.method in SLOW and one.reason for one in plan.left_out)
-    assert set(LADDERS) | set(BORROWS) | {"auto"} >= set(METHODS)
+    assert set(GRIDS) | set(BORROWS) | {"auto"} >= set(METHODS)
 
 
 def test_two_processes_give_what_one_gives(small: Path, tmp_path: Path) -> None:
@@ -126,7 +126,7 @@ def test_a_failing_method_says_why_and_ends_nothing(
     assert failure["seeds"] == 3
     how = {(one["method"], one["representation"]): one["how"] for one in told["parameters"]}
     assert how["exponential", "euler"] == "defaults"
-    assert how["double_exponential", "euler"] == "ladder"
+    assert how["double_exponential", "euler"] == "grid"
 
 
 def test_keys_carry_units(small: Path) -> None:
@@ -145,29 +145,29 @@ def test_keys_carry_units(small: Path) -> None:
 
 def test_every_representation_is_tuned_with_the_same_trials(small: Path) -> None:
     told = json.loads((small / "results.json").read_text())
-    searched = [one for one in told["parameters"] if one["how"] == "ladder"]
+    searched = [one for one in told["parameters"] if one["how"] == "grid"]
     for method in SMALL.methods:
         assert len({one["trials"] for one in searched if one["method"] == method}) == 1
-    rungs = {one["parameter"]: one["rungs"] for one in told["ladders"]["exponential"]}
+    values = {one["parameter"]: one["values"] for one in told["grids"]["exponential"]}
     for one in searched:
         if one["method"] == "exponential":
-            assert one["parameters"]["cutoff_hz"] in rungs["cutoff_hz"]
+            assert one["parameters"]["cutoff_hz"] in values["cutoff_hz"]
 
 
-def test_the_rung_that_is_taken_has_the_lowest_objective() -> None:
+def test_the_value_that_is_taken_has_the_lowest_objective() -> None:
     from motorcade.replays.compare.cells import Setting, inputs_of
     from motorcade.replays.compare.tuning import tuned
 
-    spoiled, ruler = inputs_of("handheld", "gaussian", 1, 30.0, 4.0)
-    raw = ruler.errors([spoiled])[0]
-    found = tuned("gaussian", "motor", [(spoiled, ruler)], [raw])
-    (ladder,) = LADDERS["gaussian"]
+    degraded, ruler = inputs_of("handheld", "gaussian", 1, 30.0, 4.0)
+    raw = ruler.errors([degraded])[0]
+    found = tuned("gaussian", "motor", [(degraded, ruler)], [raw])
+    (grid,) = GRIDS["gaussian"]
     objectives = []
-    for rung in ladder.rungs:
-        path = Setting("gaussian", "motor", ((ladder.parameter, rung),)).smooth(spoiled)
+    for value in grid.values:
+        path = Setting("gaussian", "motor", ((grid.parameter, value),)).smooth(degraded)
         objectives.append(np.mean(ruler.errors([path])[0, :4] / raw[:4]))
     assert found.objective == pytest.approx(min(objectives), rel=1e-8)
-    assert dict(found.setting.parameters)["sigma_s"] == ladder.rungs[int(np.argmin(objectives))]
+    assert dict(found.setting.parameters)["sigma_s"] == grid.values[int(np.argmin(objectives))]
 
 
 def test_scales_are_judged_where_there_are_some(small: Path) -> None:

@@ -244,9 +244,9 @@ def test_every_byte_of_an_artifact_counts(tmp_path: Path) -> None:
         for place in rng.choice(len(data), min(12, len(data)), replace=False):
             shutil.rmtree(tmp_path / "cache")
             shutil.copytree(kept, tmp_path / "cache")
-            spoilt = bytearray(data)
-            spoilt[place] ^= 1 << int(rng.integers(8))
-            (tmp_path / "cache" / path.relative_to(kept)).write_bytes(spoilt)
+            broken = bytearray(data)
+            broken[place] ^= 1 << int(rng.integers(8))
+            (tmp_path / "cache" / path.relative_to(kept)).write_bytes(broken)
             stage = tmp_path / "cache" / path.relative_to(kept).parts[0]
             assert artifacts.find_artifact(stage) is None, f"{path.name}, byte {place}"
             assert run(tmp_path / "cache", "abba", None, 2.0) == expected

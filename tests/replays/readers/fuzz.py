@@ -128,7 +128,7 @@ class Samples:
             (loose / name).write_bytes(content)
             self.made.append((reader, loose / name))
 
-    def spoilt(self, rng: np.random.Generator) -> tuple[Reader, Path, Path, bytes]:
+    def broken(self, rng: np.random.Generator) -> tuple[Reader, Path, Path, bytes]:
         """Mutate one file: what to call, with what, which file, and what stood in it."""
         reader, root = self.made[int(rng.integers(len(self.made)))]
         files = [root] if root.is_file() else sorted(p for p in root.rglob("*") if p.is_file())
@@ -151,7 +151,7 @@ def run(inputs: int, seed: int, tell: Callable[[str], None]) -> tuple[Counter[st
         warnings.simplefilter("error")
         samples = Samples(Path(folder))
         for number in range(inputs):
-            reader, root, path, whole = samples.spoilt(rng)
+            reader, root, path, whole = samples.broken(rng)
             start = time.perf_counter()
             signal.alarm(SLOWEST_S)
             try:

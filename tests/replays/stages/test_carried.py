@@ -234,7 +234,7 @@ def test_a_marker_that_is_said_to_move_spoils_no_map() -> None:
     frames.time_ns = TIME_NS[::3]
     loose = LooseMarkers("tag36h11", SIDE_M)
     recording = Recording("wall", Path("wall"), "images", frames, CAMERA, markers=loose)
-    clean, spoilt = marker_poses(recording, moving=(ID,)), marker_poses(recording)
+    clean, moving = marker_poses(recording, moving=(ID,)), marker_poses(recording)
     assert clean.marker_map.marker_ids.tolist() == [1, 2, 3]
     assert np.median(clean.reprojection_px) < 0.3
     assert np.median(spoilt.reprojection_px) > 1.0

@@ -15,7 +15,7 @@ def steady(rng: np.random.Generator, count: int = 30) -> Trajectory:
     return Trajectory(stamps, Motor.random(rng) @ Motor.from_twist(1e-9 * stamps[:, None] * twist))
 
 
-def shaken(path: Trajectory, rng: np.random.Generator) -> Trajectory:
+def jittered(path: Trajectory, rng: np.random.Generator) -> Trajectory:
     noise = Motor.from_twist(0.05 * rng.standard_normal((len(path), 6)))
     return Trajectory(path.time_ns, path.motors @ noise)
 
@@ -23,7 +23,7 @@ def shaken(path: Trajectory, rng: np.random.Generator) -> Trajectory:
 def test_a_path_that_ends_early_goes_on_as_it_went(rng: np.random.Generator) -> None:
     """Whatever noise there is in what was measured there."""
     whole = steady(rng)
-    path = led_on(whole[1:-2], shaken(whole, rng))
+    path = led_on(whole[1:-2], jittered(whole, rng))
     np.testing.assert_array_equal(path.time_ns, whole.time_ns)
     np.testing.assert_allclose(path.motors.as_matrix(), whole.motors.as_matrix(), atol=1e-12)
     np.testing.assert_array_equal(path.motors[1:-2].coefficients, whole.motors[1:-2].coefficients)

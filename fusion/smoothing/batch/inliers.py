@@ -1,11 +1,11 @@
-"""Which poses of a path tell of one smooth motion, and which are thrown off: a robust first guess.
+"""Which poses of a path are inliers of one smooth motion, and which are not: a robust first guess.
 
 Wrong poses often come in runs that agree with each other, such as a planar marker's wrong candidate
 over ten frames; then no average over a window tells right from wrong. The path is cut wherever it
 leaps, and of the pieces that chain is taken which keeps the most poses at the least price for its
-joints, by dynamic programming. A joint costs the squared error of carrying on with the speed at
-both sides, in deviations that the motion model allows, but never more than `_DEAREST_JOINT` poses:
-runs of up to twice as many are left out, longer ones are kept with both their leaps.
+joints, by dynamic programming. A joint costs the squared error of extrapolating with the speed
+at both sides, in deviations that the motion model allows, but never more than `_DEAREST_JOINT`
+poses: runs of up to twice as many are left out, longer ones are kept with both their leaps.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor
 
-__all__ = ["Sizes", "bridged", "consistent_poses"]
+__all__ = ["Sizes", "bridged", "inlier_poses"]
 
 # Poses that one joint may cost at most, and pieces that may be left out between two joined ones.
 _DEAREST_JOINT = 20.0
@@ -39,7 +39,7 @@ class Sizes(NamedTuple):
     acceleration: float
 
 
-def consistent_poses(
+def inlier_poses(
     time_s: FloatArray, poses: Motor, rotation: Sizes, translation: Sizes
 ) -> NDArray[np.bool_]:
     """Which of the poses ``(N,)`` belong to the longest smooth chain; at least one does.
@@ -75,7 +75,7 @@ def bridged(time_s: FloatArray, poses: Motor, kept: NDArray[np.bool_]) -> Motor:
     """The path ``(N,)`` with the poses that are not kept put between their neighbours.
 
     In a gap the pose goes on with the speed at both sides, and what is missing at the far end is
-    made up evenly along it; so a gap may hold whole turns. Beyond the ends it stands still.
+    made up evenly along it; so a gap may hold full revolutions. Beyond the ends it stands still.
     """
     rows = np.flatnonzero(kept)
     lost = np.flatnonzero(~kept)
@@ -157,8 +157,8 @@ def _joint_cost(
     off = step - rate * gap_s[:, None]
     cost = np.zeros(len(earlier))
     for block, (noise, acceleration) in ((slice(0, 3), rotation), (slice(3, 6), translation)):
-        carried = np.sum((_SPEED_ERROR * noise * gap_s / span_s) ** 2, axis=0) / known**2
-        variance = 2.0 * noise**2 + acceleration**2 * gap_s**3 + carried
+        extrapolated = np.sum((_SPEED_ERROR * noise * gap_s / span_s) ** 2, axis=0) / known**2
+        variance = 2.0 * noise**2 + acceleration**2 * gap_s**3 + extrapolated
         cost += 0.5 * np.sum(off[:, block] ** 2, axis=1) / variance
     return np.minimum(cost, _DEAREST_JOINT)
 

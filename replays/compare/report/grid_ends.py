@@ -1,8 +1,8 @@
-"""Where a search ended on the first or last rung of its ladder, and what that means there.
+"""Where a search ended on the first or last value of its grid, and what that means there.
 
-A ladder has an end with least smoothing and one with most. Least is asked for where any smoothing
+A grid has an end with least smoothing and one with most. Least is asked for where any smoothing
 costs more than it takes away, most where the motion is what the method takes for constant: then a
-longer ladder would be followed further, to little gain.
+longer grid would be followed further, to little gain.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from operator import itemgetter
 from motorcade.replays.compare.report.names import listed
 from motorcade.replays.compare.report.results import REFERENCE, Results
 
-__all__ = ["ladder_ends"]
+__all__ = ["grid_ends"]
 
 # Parameters that smooth more the larger they are; all others smooth less.
 _WIDTHS = ("sigma_s", "window_s", "knot_spacing_s")
 
 
-def ladder_ends(results: Results) -> list[str]:
+def grid_ends(results: Results) -> list[str]:
     """Sentences on what motors asked for with the first degradation, method by method."""
     found = sorted(_found(results), key=itemgetter(0, 1))
     made = []
@@ -37,9 +37,9 @@ def _found(results: Results) -> Iterator[tuple[bool, str, str]]:
         for (method, representation), row in results.parameters(
             motion, results.degradations[0]
         ).items():
-            if representation != REFERENCE or row["how"] != "ladder":
+            if representation != REFERENCE or row["how"] != "grid":
                 continue
-            for ladder in results.told["ladders"][method]:
-                value, rungs = row["parameters"][ladder["parameter"]], ladder["rungs"]
-                if value in (rungs[0], rungs[-1]):
-                    yield (ladder["parameter"] in _WIDTHS) == (value == rungs[-1]), method, motion
+            for grid in results.told["grids"][method]:
+                value, values = row["parameters"][grid["parameter"]], grid["values"]
+                if value in (values[0], values[-1]):
+                    yield (grid["parameter"] in _WIDTHS) == (value == values[-1]), method, motion

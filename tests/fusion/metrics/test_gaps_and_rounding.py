@@ -1,4 +1,4 @@
-"""Shaking where stamps are few, uneven or missing, and where numbers are no more than rounding."""
+"""Jitter where stamps are few, uneven or missing, and where numbers are no more than rounding."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def spiked(stamps_ms, row: int, size: float = 1e-3) -> Trajectory:
     return along(stamps_ms, size * (np.arange(len(stamps_ms)) == row))
 
 
-def test_one_pose_off_shakes_as_its_second_differences():
+def test_one_pose_off_jitters_as_its_second_differences():
     """1 mm at 100 Hz: 10, -20, 10 m/s² in three of eight."""
     found = jitter(spiked(np.arange(10) * 10, 5), still(np.arange(0, 200, 10)))
     expected = np.sqrt((10.0**2 + 20.0**2 + 10.0**2) / 8)
@@ -72,13 +72,13 @@ def test_three_stamps_are_enough_for_jitter_and_two_are_not():
             jitter(still(few), truth)
 
 
-def test_three_poses_between_holes_count():
+def test_three_poses_between_gaps_count():
     stamps = np.concatenate([np.arange(0, 200, 10), [300, 310, 320, 430]])
     assert jitter(spiked(stamps, 21), still(np.arange(0, 500, 10))).linear_m_s2 > 1.0
 
 
-def test_a_hole_in_the_truth_is_left_out_by_itself():
-    """What shakes within the hole is not judged; what shakes beside it is."""
+def test_a_gap_in_the_truth_is_left_out_by_itself():
+    """What jitters within the gap is not judged; what jitters beside it is."""
     truth = still([*range(0, 100, 10), *range(200, 300, 10)])
     stamps = np.arange(0, 300, 10)
     assert jitter(spiked(stamps, 14), truth).linear_m_s2 == 0.0
@@ -103,22 +103,22 @@ def test_jitter_above_is_the_root_of_scipys_band_power():
         assert found.angular_rad_s2 == pytest.approx(expected, rel=1e-6)
 
 
-def test_sixteen_poses_without_a_hole_are_a_spectrum_and_fewer_are_none():
+def test_sixteen_poses_without_a_gap_are_a_spectrum_and_fewer_are_none():
     assert jitter_above(sine(16, 100.0, 30.0), 10.0).linear_m_s2 > 1.0
-    with pytest.raises(NotObservableError, match="a stretch of 16 poses without a hole, got none"):
+    with pytest.raises(NotObservableError, match="a stretch of 16 poses without a gap, got none"):
         jitter_above(sine(15, 100.0, 30.0), 10.0)
-    # one interval and a half is no hole, more is one
+    # one interval and a half is no gap, more is one
     for gap_ms, told in ((15, True), (15.1, False)):
         stamps = np.concatenate([np.arange(8) * 10, 70 + gap_ms + np.arange(8) * 10])
         if told:
             assert jitter_above(still(stamps), 10.0).linear_m_s2 == 0.0
         else:
-            with pytest.raises(NotObservableError, match="16 poses without a hole"):
+            with pytest.raises(NotObservableError, match="16 poses without a gap"):
                 jitter_above(still(stamps), 10.0)
 
 
 def test_longer_stretches_weigh_more_and_short_ones_do_not_count():
-    """A quiet stretch of 300 poses and a shaking one of 100, beside 15 that shake wildly."""
+    """A quiet stretch of 300 poses and a jittering one of 100, beside 15 that jitter wildly."""
     rate_hz, frequency_hz, size = 100.0, 25.0, 1e-3
     counts, sizes = (300, 100, 15), (0.0, size, 100.0 * size)
     index = np.concatenate(
@@ -148,7 +148,7 @@ def test_energy_needs_a_stretch_within_the_truth():
     truth = still(np.arange(0, 1000, 10))
     for stamps, message in [
         ([990, 1000, 1010], "expected 2 or more stamps within the truth, got 1"),
-        ([980, 990, 1000], "a stretch of 16 poses without a hole, got none"),
+        ([980, 990, 1000], "a stretch of 16 poses without a gap, got none"),
         ([2000, 2010], "expected 2 or more stamps within the truth, got 0"),
     ]:
         with pytest.raises(NotObservableError, match=message):
@@ -156,14 +156,14 @@ def test_energy_needs_a_stretch_within_the_truth():
 
 
 def test_energy_is_compared_over_the_common_stamps_alone():
-    """The estimate shakes outside the truth; within it stands still, as the truth does."""
+    """The estimate jitters outside the truth; within it stands still, as the truth does."""
     stamps = np.arange(0, 1000, 10)
     wild = along(stamps, 1e-3 * ((-1.0) ** np.arange(100)) * (stamps < 300))
     truth = still(np.arange(400, 1000, 10))
     assert energy_excess_above(wild, truth, 10.0).linear_m2_s4 == 0.0
-    shaking = along(stamps, 1e-3 * np.sin(2.0 * np.pi * 20.0 * stamps * 1e-3))
-    later = jitter_above(shaking[stamps >= 400], 10.0)
-    found = energy_excess_above(shaking, truth, 10.0)
+    jittering = along(stamps, 1e-3 * np.sin(2.0 * np.pi * 20.0 * stamps * 1e-3))
+    later = jitter_above(jittering[stamps >= 400], 10.0)
+    found = energy_excess_above(jittering, truth, 10.0)
     assert found.linear_m2_s4 == pytest.approx(later.linear_m_s2**2, rel=1e-9)
     assert found.angular_rad2_s4 == pytest.approx(later.angular_rad_s2**2, rel=1e-9)
 
@@ -210,15 +210,15 @@ def test_jerk_at_uneven_stamps_is_weighed_by_their_steps():
 
 @pytest.mark.parametrize(("size", "told"), [(1e-17, False), (2e-13, True), (1e-9, True)])
 def test_no_score_is_made_of_rounding(size, told):
-    """A shake of so many metres on a path a metre from the origin."""
+    """A tremor of so many metres on a path a metre from the origin."""
     stamps = np.arange(50) * 10
-    shake = size * np.sin(np.arange(50.0))
+    tremor = size * np.sin(np.arange(50.0))
     moved = Trajectory(stamps * MS, Motor.from_rotor_translation(
-        Rotor.identity((50,)), np.ones(50)[:, None] + shake[:, None] * [1.0, 0.0, 0.0]
+        Rotor.identity((50,)), np.ones(50)[:, None] + tremor[:, None] * [1.0, 0.0, 0.0]
     ))  # fmt: skip
     assert (log_dimensionless_jerk(moved).linear is not None) is told
     turned = Trajectory(stamps * MS, Motor.from_rotor_translation(
-        Rotor.from_rotation_vector(shake[:, None] * [1.0, 0.0, 0.0]), np.zeros((50, 3))
+        Rotor.from_rotation_vector(tremor[:, None] * [1.0, 0.0, 0.0]), np.zeros((50, 3))
     ))  # fmt: skip
     assert (log_dimensionless_jerk(turned).angular is not None) is told
 

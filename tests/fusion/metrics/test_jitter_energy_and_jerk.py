@@ -60,11 +60,11 @@ def test_noise_is_less_smooth_and_even_motion_has_no_score(rng):
         log_dimensionless_jerk(truth[:4])
 
 
-def test_energy_above_is_that_of_the_shaking_added():
+def test_energy_above_is_that_of_the_tremor_added():
     seconds = np.arange(0.0, 40.0, 0.01)
     slow, size, frequency_hz = 0.5 * np.sin(2.0 * seconds), 1e-4, 8.0
-    shaken = slow + size * np.sin(2.0 * np.pi * frequency_hz * seconds)
-    truth, estimate = along(seconds, slow), along(seconds, shaken)
+    jittered = slow + size * np.sin(2.0 * np.pi * frequency_hz * seconds)
+    truth, estimate = along(seconds, slow), along(seconds, jittered)
     omega = 2.0 * np.pi * frequency_hz
     # Second differences see ω² as (2 sin(ω dt/2) / dt)².
     seen = (2.0 * np.sin(0.5 * omega * 0.01) / 0.01) ** 2

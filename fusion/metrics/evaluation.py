@@ -187,15 +187,17 @@ def evaluate(
         rpe_length_m=rpe_length_m,
         rpe_by_length_trans_m=far_trans,
         rpe_by_length_rot_deg=far_rot,
-        jitter=_told(lambda: jitter(moved, reference)),
+        jitter=_if_observable(lambda: jitter(moved, reference)),
         energy_above_hz=above_hz,
-        energy_excess=_told(lambda: energy_excess_above(moved, reference, above_hz)),
-        log_jerk=_told(lambda: log_dimensionless_jerk(moved)),
-        lag_ms=_told(lambda: 1e3 * position_lag_s(moved, reference)),
-        angular_rate_lag_ms=_told(lambda: 1e3 * angular_rate_lag_s(moved, reference)),
-        overshoot_m=_told(lambda: position_overshoot_m(moved, reference)),
-        rotation_overshoot_deg=_told(lambda: degrees(rotation_overshoot_rad(moved, reference))),
-        gimbal=_told(lambda: gimbal_index(moved, reference)),
+        energy_excess=_if_observable(lambda: energy_excess_above(moved, reference, above_hz)),
+        log_jerk=_if_observable(lambda: log_dimensionless_jerk(moved)),
+        lag_ms=_if_observable(lambda: 1e3 * position_lag_s(moved, reference)),
+        angular_rate_lag_ms=_if_observable(lambda: 1e3 * angular_rate_lag_s(moved, reference)),
+        overshoot_m=_if_observable(lambda: position_overshoot_m(moved, reference)),
+        rotation_overshoot_deg=_if_observable(
+            lambda: degrees(rotation_overshoot_rad(moved, reference))
+        ),
+        gimbal=_if_observable(lambda: gimbal_index(moved, reference)),
     )
 
 
@@ -211,7 +213,7 @@ def _log_scale(
 def _relative(
     errors: Callable[[], tuple[FloatArray, FloatArray]], pairs: int
 ) -> tuple[Statistics | None, Statistics | None]:
-    found = _told(errors) if pairs > 1 else None
+    found = _if_observable(errors) if pairs > 1 else None
     if found is None:
         return None, None
     return Statistics.of(found[0]), Statistics.of(np.rad2deg(found[1]))
@@ -225,7 +227,7 @@ def _cutoff_hz(wanted_hz: float, estimate: Trajectory) -> float:
     return min(wanted_hz, 0.25 / float(np.median(np.diff(estimate.time_s))))
 
 
-def _told(figure: Callable[[], T]) -> T | None:
+def _if_observable(figure: Callable[[], T]) -> T | None:
     """The figure, or None where the trajectories cannot tell it."""
     try:
         return figure()
