@@ -237,6 +237,6 @@ def test_a_marker_that_is_said_to_move_spoils_no_map() -> None:
     clean, moving = marker_poses(recording, moving=(ID,)), marker_poses(recording)
     assert clean.marker_map.marker_ids.tolist() == [1, 2, 3]
     assert np.median(clean.reprojection_px) < 0.3
-    assert np.median(spoilt.reprojection_px) > 1.0
+    assert np.median(moving.reprojection_px) > 1.0
     with pytest.raises(ValueError, match="wall: refine=photometric takes all markers"):
         marker_poses(recording, refine="photometric", moving=(ID,))
