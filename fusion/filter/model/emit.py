@@ -6,18 +6,17 @@ that is read.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from motorcade.fusion.filter.model.measurements import MEASUREMENTS
 from motorcade.fusion.filter.model.motion import MOTION
 from motorcade.fusion.filter.model.symbols import Definition
-from motorcade.ga.codegen.expressions import component_name, statements
+from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.library_kernels.like_terms import collected
 from motorcade.ga.codegen.precision import DOUBLE
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.c import c_dialect
-from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, indented
+from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, indented, loads
 from motorcade.ga.codegen.targets.shared.text import call
 from motorcade.ga.codegen.trace import trace
 
@@ -104,7 +103,12 @@ def _function(definition: Definition) -> str:
     tape = tape_of(definition)
     written = statements(tape, c_dialect(DOUBLE))
     body = [
-        *(line for operand in definition.inputs for line in _load(operand, tape)),
+        *(
+            line
+            for operand in definition.inputs
+            if operand.width > 1 or not tape.components_read(operand.name)
+            for line in loads(operand, tape, "const double")
+        ),
         *declarations(written.body, "const double", "const _Bool"),
         *(
             f"{operand.name}[{i}] = {value};"
@@ -113,15 +117,3 @@ def _function(definition: Definition) -> str:
         ),
     ]
     return "\n".join([_head(definition), "{", *indented(body), "}"])
-
-
-def _load(operand: Operand, tape: Tape) -> Sequence[str]:
-    read = tape.components_read(operand.name)
-    if operand.width == 1:
-        return [] if read else [f"(void){operand.name};"]
-    if not read:
-        return [f"(void){operand.name};"]
-    items = [
-        f"{component_name(operand.name, i, operand.width)} = {operand.name}[{i}]" for i in read
-    ]
-    return [f"const double {', '.join(items[i : i + 4])};" for i in range(0, len(items), 4)]

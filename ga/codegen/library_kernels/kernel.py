@@ -11,7 +11,9 @@ from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.trace import casadi_function, trace
 
-__all__ = ["Kernel"]
+__all__ = ["NOTE", "Kernel"]
+
+NOTE = "Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions; edit those."
 
 
 @dataclass(frozen=True)

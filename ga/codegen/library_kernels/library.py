@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from motorcade.ga.codegen.library_kernels.emit_c import c_source, c_table
-from motorcade.ga.codegen.library_kernels.emit_glsl import glsl_source
-from motorcade.ga.codegen.library_kernels.emit_numpy import numpy_source, numpy_table
-from motorcade.ga.codegen.library_kernels.kernel import Kernel
+from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
+from motorcade.ga.codegen.targets import c_batch, glsl, numpy
 from motorcade.ga.codegen.targets.cpp import cpp_header
 
 __all__ = ["GENERATED", "library_files", "write_library", "written_files"]
@@ -21,7 +19,7 @@ GENERATED = Path(__file__).resolve().parents[2] / "kernels" / "generated"
 _IN_SHADERS = ("skinning",)
 _VERSORS = (
     "Rotors, motors and similarities one at a time. Versors are taken for unit.",
-    "Written by `python -m motorcade.ga.codegen` from ga/kernels/definitions; edit those.",
+    NOTE,
 )
 
 
@@ -37,12 +35,15 @@ def library_files() -> dict[str, str]:
     groups: dict[str, list[Kernel]] = {}
     for kernel in KERNELS:
         groups.setdefault(kernel.group, []).append(kernel)
-    files = {"c/table.c": c_table(KERNELS), "python/__init__.py": numpy_table(KERNELS)}
+    files = {
+        "c/table.c": c_batch.library_table(KERNELS),
+        "python/__init__.py": numpy.library_table(KERNELS),
+    }
     for group, kernels in groups.items():
-        files[f"c/{group}.c"] = c_source(group, kernels)
-        files[f"python/{group}.py"] = numpy_source(group, kernels)
+        files[f"c/{group}.c"] = c_batch.library_source(group, kernels)
+        files[f"python/{group}.py"] = numpy.library_source(group, kernels)
     for group in _IN_SHADERS:
-        files[f"glsl/{group}.glsl"] = glsl_source(group, groups[group])
+        files[f"glsl/{group}.glsl"] = glsl.library_source(group, groups[group])
     files["cpp/versors.h"] = cpp_header("motorcade::versors", _VERSORS, FUNCTIONS)
     return files
 

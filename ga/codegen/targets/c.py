@@ -7,7 +7,7 @@ callers in C and C++. Outside a function's domain the results are NaN or infinit
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from motorcade.ga.codegen.expressions import statements
 from motorcade.ga.codegen.precision import DOUBLE, Precision
@@ -50,17 +50,17 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     body = [
         *(f"(void){name};" for name in unread(program)),
         *declarations(written.body, f"const {real.c}", "const _Bool"),
-        *array_stores(program, written.results),
+        *array_stores(program.tape.outputs, written.results),
     ]
     told = [*description(program, f"c --precision {real.numpy}"), *_TOLD]
     head = function(program.name, parameters, "void")
     return c_files(program.name, told, head, head, indented(body))
 
 
-def c_dialect(precision: Precision) -> Templates:
-    """C's operations, with the functions of ``math.h`` for the precision."""
+def c_dialect(precision: Precision, others: Mapping[str, str] | None = None) -> Templates:
+    """C's operations, with the functions of ``math.h`` for the precision, but for some others."""
     suffix = "f" if precision.c == "float" else ""
-    return Templates(C_LOGIC, C_FUNCTIONS, precision, suffix=suffix)
+    return Templates(C_LOGIC, {**C_FUNCTIONS, **(others or {})}, precision, suffix=suffix)
 
 
 def c_files(

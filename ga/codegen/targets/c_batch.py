@@ -4,24 +4,45 @@
 `rows` numbers for each variable and each component of each output. No output may overlap another
 array. The loop has no branch; where it calls no function of ``math.h`` but sqrt, floor, ceil or
 fabs, gcc -O3 -fno-math-errno -fno-trapping-math makes SIMD code of it.
+
+The library's own kernels are such loops too, one a precision, with the signature of ``support.h``:
+for every operand a pointer to its first component and the distance to the next one. They run over
+whole blocks of rows, so that the compiler needs no remainder.
 """
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from dataclasses import replace
 
 from motorcade.ga.codegen.expressions import statements
-from motorcade.ga.codegen.precision import DOUBLE, Precision
+from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
+from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets.c import c_dialect, c_files
 from motorcade.ga.codegen.targets.names import C_NAMES, check_names
-from motorcade.ga.codegen.targets.shared.c_family import declarations, function, indented
+from motorcade.ga.codegen.targets.shared.c_family import (
+    close_comment,
+    declarations,
+    function,
+    indented,
+    loads,
+    operand_lines,
+)
 from motorcade.ga.codegen.targets.shared.text import description, unread, variables
 
-__all__ = ["write"]
+__all__ = ["library_source", "library_table", "write"]
 
 _NAMES = replace(C_NAMES, words=C_NAMES.words | {"row", "rows"})
+_LIBRARY_FUNCTIONS = {
+    "min": "smaller",
+    "max": "larger",
+    "exp2_of_integer": "exp2_of_integer",
+    "exponent": "exponent",
+}
+_NO_STEP = re.compile(r"\[0 \* \w+_step \+ i\]")
 _TOLD = (
     "",
     "Every pointer is to `rows` numbers: variable x is in_x, blade e1^e2 of output A is",
@@ -75,3 +96,86 @@ def _places(operand: Operand) -> list[tuple[str, str]]:
         (operand.name, f"out_{operand.name}_{blade.replace('^', '_')}")
         for blade in operand.components
     ]
+
+
+def library_source(group: str, kernels: Sequence[Kernel]) -> str:
+    """The C file of a group of kernels, both precisions."""
+    listed = ", ".join(kernel.name for kernel in kernels)
+    parts = [close_comment([f"Kernels of the group {group}: {listed}.", NOTE])]
+    parts.append('#include "support.h"')
+    for kernel in kernels:
+        parts.append(close_comment([f"{kernel.name}: {kernel.summary}", *operand_lines(kernel)]))
+        parts.extend(_kernel(kernel, precision) for precision in PRECISIONS)
+    return "\n\n".join(parts) + "\n"
+
+
+def library_table(kernels: Sequence[Kernel]) -> str:
+    """The C file that lists all kernels with the widths of their operands."""
+    lines = [close_comment(["All kernels, in the order of their definitions.", NOTE])]
+    lines += ['#include "support.h"', ""]
+    lines += [f"{_head(kernel, p)};" for kernel in kernels for p in PRECISIONS]
+    lines += ["", "const struct motorcade_kernel motorcade_kernels[] = {"]
+    for kernel in kernels:
+        widths = ", ".join(str(o.width) for o in (*kernel.inputs, *kernel.outputs))
+        lines += [
+            f'    {{"{kernel.name}", {len(kernel.inputs)}, {len(kernel.outputs)}, {{{widths}}},',
+            f"     motorcade_{kernel.name}_f32, motorcade_{kernel.name}_f64}},",
+        ]
+    lines += ["};", "const size_t motorcade_kernel_count ="]
+    lines += ["    sizeof motorcade_kernels / sizeof motorcade_kernels[0];"]
+    return "\n".join(lines) + "\n"
+
+
+def _kernel(kernel: Kernel, precision: Precision) -> str:
+    tape = kernel.tape(precision)
+    written = statements(tape, c_dialect(precision, _LIBRARY_FUNCTIONS))
+    number = f"const {precision.c}"
+    read = [
+        line
+        for operand in kernel.inputs
+        for line in loads(operand, tape, number, "{0}_at[{1} * {0}_step + i]", 3)
+    ]
+    loop = [
+        *declarations(written.body, number, "const _Bool"),
+        *(
+            f"{operand.name}_at[{i} * {operand.name}_step + i] = {value};"
+            for operand, row in zip(kernel.outputs, written.results, strict=True)
+            for i, value in enumerate(row)
+        ),
+    ]
+    lines = [
+        "MOTORCADE_SIMD",
+        _head(kernel, precision),
+        "{",
+        *indented(_pointers(kernel, precision)),
+        "    MOTORCADE_INDEPENDENT",
+        "    for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {",
+        *(f"        {_first_steps(line)}" for line in read),
+        *indented(map(_first_steps, loop), 2),
+        "    }",
+        "}",
+    ]
+    return "\n".join(lines)
+
+
+def _first_steps(line: str) -> str:
+    """Without multiples by 0 and 1 in the places of components."""
+    return _NO_STEP.sub("[i]", line).replace("[1 * ", "[")
+
+
+def _head(kernel: Kernel, precision: Precision) -> str:
+    arguments = f"MOTORCADE_ARGUMENTS({precision.c})"
+    return f"void motorcade_{kernel.name}_{precision.suffix}({arguments})"
+
+
+def _pointers(kernel: Kernel, precision: Precision) -> list[str]:
+    lines = []
+    for side, operands in (("input", kernel.inputs), ("output", kernel.outputs)):
+        kind = f"const {precision.c}" if side == "input" else precision.c
+        for k, operand in enumerate(operands):
+            lines.append(f"{kind} *restrict {operand.name}_at = {side}s[{k}];")
+            if operand.width > 1:
+                lines.append(f"const ptrdiff_t {operand.name}_step = {side}_steps[{k}];")
+    if all(operand.width == 1 for operand in kernel.inputs):
+        lines.append("(void)input_steps;")
+    return lines

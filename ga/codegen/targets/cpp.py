@@ -61,7 +61,12 @@ def _function(name: str, kernel: Kernel) -> str:
     (output,) = kernel.outputs
     given = [f"const {_type(o, real)} {'&' if o.width > 1 else ''}{o.name}" for o in kernel.inputs]
     body = [
-        *(line for operand in kernel.inputs for line in loads(operand, tape, f"const {real}")),
+        *(
+            line
+            for operand in kernel.inputs
+            if operand.width > 1
+            for line in loads(operand, tape, f"const {real}")
+        ),
         *_written(statements, real, ()),
         *(
             [f"return {results[0]};"]

@@ -3,11 +3,16 @@
 ``void name(float x, …, out float out_A[nA], …)`` takes the variables in the order of first use and
 fills one array for each output that has components. ES shaders say ``precision highp float;``
 first. How exact sin, exp and the like are, GLSL leaves to the driver.
+
+The library's own kernels become ``void name(float a[n], …, out float out_z[m])``.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from motorcade.ga.codegen.expressions import statements
+from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
 from motorcade.ga.codegen.precision import SINGLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import GLSL_NAMES, check_names
@@ -19,17 +24,23 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     declarations,
     function,
     indented,
+    loads,
 )
 from motorcade.ga.codegen.targets.shared.templates import C_LOGIC, SAME_NAMES, Templates
-from motorcade.ga.codegen.targets.shared.text import description, variables
+from motorcade.ga.codegen.targets.shared.text import WIDTH, description, variables, wrapped
 
-__all__ = ["write"]
+__all__ = ["library_source", "write"]
 
 # Drivers make rough asin and acos (Mesa errs by 2e-4); atan and sqrt are good everywhere.
 _TEMPLATES = C_LOGIC | {
     "asin": "atan({0}, sqrt((1.0 - ({0})) * (1.0 + ({0}))))",
     "acos": "atan(sqrt((1.0 - ({0})) * (1.0 + ({0}))), {0})",
+    # From the bits of a number: exact everywhere, as exp2 and log2 are not.
+    "exp2_of_integer": "intBitsToFloat((int({0}) + 127) << 23)",
+    "exponent": "float(((floatBitsToInt({0}) >> 23) & 255) - 127)",
 }
+# Shaders are written in ASCII; comments of other signs stop some compilers.
+_SIGNS = str.maketrans({"∞": "inf", "ε": "eps ", "×": "x"})
 _FUNCTIONS = SAME_NAMES | {"abs": "abs", "min": "min", "max": "max", "atan2": "atan"}
 _TOLD = ("", "Output A fills out_A, one number a blade; one without blades has no parameter.")
 
@@ -53,7 +64,39 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         function(program.name, parameters, ""),
         "{",
         *indented(declarations(written.body, "float", "bool")),
-        *indented(array_stores(program, written.results)),
+        *indented(array_stores(program.tape.outputs, written.results)),
         "}",
     ]
     return {f"{program.name}.glsl": "\n".join(lines) + "\n"}
+
+
+def library_source(group: str, kernels: Sequence[Kernel]) -> str:
+    """The GLSL file of kernels of one group."""
+    listed = ", ".join(kernel.name for kernel in kernels)
+    opening = [*wrapped(f"Kernels of the group {group}: {listed}.", WIDTH - 3, ""), NOTE]
+    return "\n".join([comment(opening), *(_kernel(kernel) for kernel in kernels)]) + "\n"
+
+
+def _kernel(kernel: Kernel) -> str:
+    tape = kernel.tape(SINGLE)
+    slots = frozenset(f"out_{operand.name}" for operand in kernel.outputs)
+    written = statements(tape, Templates(_TEMPLATES, _FUNCTIONS, SINGLE), GLSL_NAMES.words | slots)
+    parameters = [f"float {operand.name}[{operand.width}]" for operand in kernel.inputs]
+    parameters += [f"out float out_{operand.name}[{operand.width}]" for operand in kernel.outputs]
+    described = [f"{kernel.name}: {kernel.summary}"]
+    described += [f"{o.name}: {', '.join(o.components)}" for o in (*kernel.inputs, *kernel.outputs)]
+    lines = [
+        "",
+        comment(
+            [part.translate(_SIGNS) for line in described for part in wrapped(line, WIDTH - 8)]
+        ),
+        function(kernel.name, parameters, ""),
+        "{",
+        *indented(
+            line for o in kernel.inputs for line in loads(o, tape, "float", together=o.width)
+        ),
+        *indented(declarations(written.body, "float", "bool")),
+        *indented(array_stores(kernel.outputs, written.results)),
+        "}",
+    ]
+    return "\n".join(lines)

@@ -4,17 +4,32 @@ The function returns a dictionary of its outputs, each a dictionary of its blade
 has the shape to which all variables broadcast together, constant ones too. Without a precision the
 type is that of the variables (float32 stays float32, whole numbers become float64). Outside a
 function's domain the results are NaN or infinite, without a warning.
+
+The library's own kernels become functions of arrays ``(*, n)`` whose batches broadcast, one a
+precision, that return a tuple of components: the fallback and the witness of the compiled ones.
 """
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.precision import Precision
-from motorcade.ga.codegen.programs import Program
-from motorcade.ga.codegen.targets.names import python_names
-from motorcade.ga.codegen.targets.shared.python_module import ArrayLibrary, array_module, listed
-from motorcade.ga.codegen.targets.shared.templates import SAME_NAMES
+from collections.abc import Sequence
 
-__all__ = ["write"]
+from motorcade.ga.codegen.expressions import component_name, statements
+from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
+from motorcade.ga.codegen.precision import PRECISIONS, Precision
+from motorcade.ga.codegen.programs import Program
+from motorcade.ga.codegen.tape import Operand, Tape
+from motorcade.ga.codegen.targets.names import python_names
+from motorcade.ga.codegen.targets.shared.python_module import (
+    ArrayLibrary,
+    ArrayTemplates,
+    array_module,
+    assignments,
+    listed,
+)
+from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, SAME_NAMES
+from motorcade.ga.codegen.targets.shared.text import WIDTH, wrapped
+
+__all__ = ["library_source", "library_table", "write"]
 
 _FUNCTIONS = SAME_NAMES | {
     "asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "abs": "abs",
@@ -73,3 +88,74 @@ _LIBRARY = ArrayLibrary(
     opening=_opening,
     within='with np.errstate(all="ignore"):',
 )
+_POWERS_OF_TWO = ("exp2_of_integer", "exponent")
+_LIBRARY_TEMPLATES = (
+    COMPARISONS
+    | {"and": "({} & {})", "or": "({} | {})"}
+    | {name: f"{name}({{}})" for name in _POWERS_OF_TWO}
+)
+_LIBRARY_FUNCTIONS = _FUNCTIONS | {"min": "minimum", "max": "maximum"}
+
+
+def library_source(group: str, kernels: Sequence[Kernel]) -> str:
+    """The Python module of a group of kernels, both precisions."""
+    listed = ", ".join(kernel.name for kernel in kernels)
+    functions = [_kernel(k, p) for k in kernels for p in PRECISIONS]
+    body = "".join(f"\n\n{function}\n" for function in functions)
+    called = ", ".join(name for name in _POWERS_OF_TWO if f"{name}(" in body)
+    imports = "from typing import Any\n"
+    if "np." in body:
+        imports += "\nimport numpy as np\n"
+    if called:
+        imports += f"\nfrom motorcade.ga.kernels.powers_of_two import {called}\n"
+    return _opening_of(f"Kernels of the group {group}: {listed}.") + imports + body
+
+
+def library_table(kernels: Sequence[Kernel]) -> str:
+    """The module that lists all kernels: by name, the widths of inputs and outputs."""
+    rows = [
+        f'    "{k.name}": ("{k.group}", {tuple(o.width for o in k.inputs)}, {k.outputs[0].width}),'
+        for k in kernels
+    ]
+    opening = _opening_of(
+        "All kernels: the module that holds them, widths of the inputs, width of the output."
+    )
+    table = "KERNELS: dict[str, tuple[str, tuple[int, ...], int]] = {"
+    return opening + "\n".join([table, *rows, "}"]) + "\n"
+
+
+def _opening_of(summary: str) -> str:
+    note = NOTE.replace("`", "``")
+    text = "\n".join(wrapped(summary, WIDTH - 3, ""))
+    return f'"""{text}\n\n{note}\n"""\n# fmt: off\n\nfrom __future__ import annotations\n\n'
+
+
+def _kernel(kernel: Kernel, precision: Precision) -> str:
+    tape = kernel.tape(precision)
+    dialect = ArrayTemplates(
+        _LIBRARY_TEMPLATES, _LIBRARY_FUNCTIONS, precision, prefix="np.",
+        number=f"np.{precision.numpy}", typed=("select",),
+    )  # fmt: skip
+    written = statements(tape, dialect)
+    results = [value for row in written.results for value in row]
+    body = [
+        f'"""{kernel.summary}"""',
+        *(line for operand in kernel.inputs for line in _load(operand, tape)),
+        *assignments(written.body, lead=4),
+        "return (",
+        *(line for value in results for line in wrapped(f"    {value},", WIDTH - 8, " " * 8)),
+        ")",
+    ]
+    arguments = ", ".join(f"{operand.name}: Any" for operand in kernel.inputs)
+    head = f"def {kernel.name}_{precision.suffix}({arguments}) -> tuple[Any, ...]:"
+    return "\n".join([head, *(f"    {line}" for line in body)])
+
+
+def _load(operand: Operand, tape: Tape) -> list[str]:
+    read = tape.components_read(operand.name)
+    names = [component_name(operand.name, i, operand.width) for i in read]
+    if len(read) == 1:
+        return [f"{names[0]} = {operand.name}[..., {read[0]}]"]
+    chosen = f"range({len(read)})" if read == list(range(len(read))) else str(tuple(read))
+    text = f"{', '.join(names)} = ({operand.name}[..., i] for i in {chosen})"
+    return wrapped(text, WIDTH - 4)

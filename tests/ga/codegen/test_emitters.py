@@ -15,14 +15,14 @@ pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is
 
 import casadi as ca
 
-from motorcade.ga.codegen.library_kernels.emit_c import c_source
-from motorcade.ga.codegen.library_kernels.emit_numpy import numpy_source
 from motorcade.ga.codegen.library_kernels.fit import fitted, horner
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.library_kernels.like_terms import collected
 from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, SINGLE, Precision
 from motorcade.ga.codegen.tape import Operand
+from motorcade.ga.codegen.targets import c_batch
+from motorcade.ga.codegen.targets import numpy as numpy_target
 from motorcade.ga.codegen.trace import trace
 
 COMPILER = shutil.which("gcc") or shutil.which("cc")
@@ -60,7 +60,7 @@ def test_numpy_code_computes_what_casadi_computes(
     precision: Precision, samples: tuple[np.ndarray, np.ndarray]
 ) -> None:
     names: dict[str, Any] = {}
-    exec(numpy_source("tests", [KERNEL]), names)
+    exec(numpy_target.library_source("tests", [KERNEL]), names)
     x, y = (part.astype(precision.numpy) for part in samples)
     made = np.stack(names[f"everything_{precision.suffix}"](x, y[:, None]), axis=-1)
     assert made.dtype == precision.numpy
@@ -75,7 +75,7 @@ def test_numpy_code_computes_what_casadi_computes(
 def test_c_code_compiles_without_warnings_and_computes_what_casadi_computes(
     precision: Precision, samples: tuple[np.ndarray, np.ndarray], tmp_path: Path
 ) -> None:
-    (tmp_path / "tests.c").write_text(c_source("tests", [KERNEL]))
+    (tmp_path / "tests.c").write_text(c_batch.library_source("tests", [KERNEL]))
     library = tmp_path / "tests.so"
     build(["-shared", "-fPIC", str(tmp_path / "tests.c"), "-lm", "-o", str(library)])
     entry = getattr(ctypes.CDLL(str(library)), f"motorcade_everything_{precision.suffix}")

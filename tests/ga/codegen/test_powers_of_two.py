@@ -16,13 +16,13 @@ pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is
 import casadi as ca
 import mpmath
 
-from motorcade.ga.codegen.library_kernels.emit_c import c_source
-from motorcade.ga.codegen.library_kernels.emit_numpy import numpy_source
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.library_kernels.powers_of_two import exponent, power_of_two
 from motorcade.ga.codegen.precision import PRECISIONS, SINGLE, Precision
 from motorcade.ga.codegen.tape import Operand
+from motorcade.ga.codegen.targets import c_batch
+from motorcade.ga.codegen.targets import numpy as numpy_target
 from motorcade.ga.codegen.trace import trace
 from motorcade.ga.kernels.definitions.growth import hyperbolic, inverse_hyperbolic
 
@@ -55,13 +55,13 @@ def run(request: pytest.FixtureRequest, tmp_path: Path) -> Any:
 
     def in_numpy(kernel: Kernel, precision: Precision, x: np.ndarray) -> np.ndarray:
         names: dict[str, Any] = {}
-        exec(numpy_source("tests", [kernel]), names)
+        exec(numpy_target.library_source("tests", [kernel]), names)
         columns = names[f"{kernel.name}_{precision.suffix}"](x[:, None])
         return np.stack([np.broadcast_to(column, x.shape) for column in columns], axis=1)
 
     def in_c(kernel: Kernel, precision: Precision, x: np.ndarray) -> np.ndarray:
         source, library = tmp_path / "tests.c", tmp_path / f"{kernel.name}{precision.suffix}.so"
-        source.write_text(c_source("tests", [kernel]))
+        source.write_text(c_batch.library_source("tests", [kernel]))
         compiled("-O3", "-shared", "-fPIC", str(source), "-lm", "-o", str(library))
         entry = getattr(ctypes.CDLL(str(library)), f"motorcade_{kernel.name}_{precision.suffix}")
         padded = np.resize(x, -(-len(x) // 16) * 16)

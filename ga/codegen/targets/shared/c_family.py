@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from motorcade.ga.codegen.expressions import Statement, component_name
+from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.shared.text import WIDTH, call, wrapped
@@ -13,17 +14,37 @@ __all__ = [
     "array_parameters",
     "array_slots",
     "array_stores",
+    "close_comment",
     "comment",
     "declarations",
     "function",
     "indented",
     "loads",
+    "operand_lines",
 ]
 
 
 def comment(lines: Sequence[str]) -> str:
     """A comment of these lines."""
     return "\n".join(["/*", *(f" * {line}".rstrip() for line in lines), " */"])
+
+
+def close_comment(lines: Sequence[str]) -> str:
+    """The same without lines for its ends; lines are broken where they are too long."""
+    return (
+        "/* "
+        + "\n * ".join(part for line in lines for part in wrapped(line, WIDTH - 3, ""))
+        + " */"
+    )
+
+
+def operand_lines(kernel: Kernel) -> list[str]:
+    """Which components the operands of a kernel have."""
+    return [
+        f"{side} {operand.name}: {' '.join(operand.components)}"
+        for side, operands in (("in", kernel.inputs), ("out", kernel.outputs))
+        for operand in operands
+    ]
 
 
 def declarations(body: Iterable[Statement], number: str, boolean: str) -> list[str]:
@@ -34,17 +55,21 @@ def declarations(body: Iterable[Statement], number: str, boolean: str) -> list[s
     ]
 
 
-def loads(operand: Operand, tape: Tape, number: str) -> list[str]:
+def loads(
+    operand: Operand, tape: Tape, number: str, place: str = "{0}[{1}]", together: int = 4
+) -> list[str]:
     """The components of an array that are read as variables of a type, as the statements name
-    them; an operand of one number has its name already.
+    them, so many in a line; `place` says where one is, by the array's name and its index.
     """
     read = tape.components_read(operand.name)
-    if operand.width == 1 or not read:
-        return [] if read else [f"(void){operand.name};"]
+    if not read:
+        return [f"(void){operand.name};"]
     items = [
-        f"{component_name(operand.name, i, operand.width)} = {operand.name}[{i}]" for i in read
+        f"{component_name(operand.name, i, operand.width)} = {place.format(operand.name, i)}"
+        for i in read
     ]
-    return [f"{number} {', '.join(items[i : i + 4])};" for i in range(0, len(items), 4)]
+    rows = [items[i : i + together] for i in range(0, len(items), together)]
+    return [f"{number} {', '.join(row)};" for row in rows]
 
 
 def array_slots(program: Program) -> list[tuple[str, str]]:
@@ -59,11 +84,11 @@ def array_parameters(program: Program, declared: str) -> list[str]:
     return [f"{declared} out_{o.name}[{o.width}]" for o in outputs if o.components]
 
 
-def array_stores(program: Program, results: Sequence[Sequence[str]]) -> list[str]:
+def array_stores(outputs: Sequence[Operand], results: Sequence[Sequence[str]]) -> list[str]:
     """The results into the arrays."""
     return [
         f"out_{operand.name}[{i}] = {value};"
-        for operand, row in zip(program.tape.outputs, results, strict=True)
+        for operand, row in zip(outputs, results, strict=True)
         for i, value in enumerate(row)
     ]
 

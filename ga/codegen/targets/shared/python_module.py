@@ -15,6 +15,7 @@ from motorcade.ga.codegen.targets.shared.text import WIDTH, call, description, v
 
 __all__ = [
     "ArrayLibrary",
+    "ArrayTemplates",
     "array_module",
     "assignments",
     "listed",
@@ -28,12 +29,28 @@ class ArrayTemplates(Templates):
     """Numbers among the arguments of functions become arrays of the type computed in.
 
     In sums and products plain numbers take the type of the other side; functions of numbers alone
-    would give float64.
+    would give float64. `number` makes the arrays, for the operations `typed` or, if None, for all.
     """
+
+    def __init__(
+        self,
+        templates: Mapping[str, str],
+        calls: Mapping[str, str],
+        precision: Precision | None,
+        *,
+        prefix: str,
+        number: str = "_number",
+        typed: Sequence[str] | None = None,
+    ) -> None:
+        super().__init__(templates, calls, precision, prefix=prefix)
+        self._number = number
+        self._typed = typed
 
     def call(self, op: str, args: list[str]) -> str:
         """The operation's template with its arguments, or the call of its function."""
-        return super().call(op, [f"_number({a})" if _LITERAL.fullmatch(a) else a for a in args])
+        if self._typed is None or op in self._typed:
+            args = [f"{self._number}({a})" if _LITERAL.fullmatch(a) else a for a in args]
+        return super().call(op, args)
 
 
 @dataclass(frozen=True)
@@ -87,15 +104,15 @@ def module(
     return {f"{program.name}.py": "\n".join(lines) + "\n"}
 
 
-def assignments(body: Iterable[Statement]) -> list[str]:
-    """The statements as assignments; long ones stand in brackets over several lines."""
+def assignments(body: Iterable[Statement], lead: int = 8) -> list[str]:
+    """The statements as assignments `lead` spaces deep; long ones stand in brackets."""
     lines: list[str] = []
     for statement in body:
         name, expression = statement.name, statement.expression
-        if len(name) + len(expression) + 3 <= WIDTH - 8:
+        if len(name) + len(expression) + 3 <= WIDTH - lead:
             lines.append(f"{name} = {expression}")
         else:
-            parts = wrapped(expression, WIDTH - 12)
+            parts = wrapped(expression, WIDTH - lead - 4)
             lines += [f"{name} = (", *(f"    {part}" for part in parts), ")"]
     return lines
 

@@ -156,8 +156,8 @@ def rotor_log_long_f32(r: Any) -> tuple[Any, ...]:
     t2 = t0 * (t0 * (t0 * (t0 * (t0 * t1 + 0.00298998) + 0.02730914) + 0.056896698) + 0.13334942)
     t3 = t0 * (t2 + 0.33333293) + 1.0
     t4 = (
-        np.where((r0 < 0.0), np.float32(3.1415927 / np.sqrt(np.maximum(r1 * r1 + r2 * r2 + r3 * r3,
-            1.6940659e-21)) - t3), t3)
+        np.where((r0 < 0.0), 3.1415927 / np.sqrt(np.maximum(r1 * r1 + r2 * r2 + r3 * r3,
+            1.6940659e-21)) - t3, t3)
     )
     return (
         r1 * t4,
@@ -305,8 +305,8 @@ def rotor_interpolate_long_f32(a: Any, b: Any, fraction: Any) -> tuple[Any, ...]
     t6 = t4 * (t4 * (t4 * (t4 * (t4 * t5 + 0.00298998) + 0.02730914) + 0.056896698) + 0.13334942)
     t7 = t4 * (t6 + 0.33333293) + 1.0
     t8 = (
-        np.where((t0 < 0.0), np.float32(3.1415927 / np.sqrt(np.maximum(t1 * t1 + t2 * t2 + t3 * t3,
-            1.6940659e-21)) - t7), t7)
+        np.where((t0 < 0.0), 3.1415927 / np.sqrt(np.maximum(t1 * t1 + t2 * t2 + t3 * t3,
+            1.6940659e-21)) - t7, t7)
     )
     t9 = t3 * t8 * fraction
     t10 = fraction * (t2 * t8)

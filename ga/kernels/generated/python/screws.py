@@ -170,8 +170,8 @@ def interpolate_f64(a: Any, b: Any, fraction: Any) -> tuple[Any, ...]:
             -0.0005952380952367574
     )
     t48 = (
-        np.where(t27, np.float64(-0.16666666666666666 + t23 * (t23 * t47 + 0.01666666666666651)),
-            (t26 - t31) / (2.0 * np.maximum(1.0, t17)))
+        np.where(t27, -0.16666666666666666 + t23 * (t23 * t47 + 0.01666666666666651), (t26 - t31) /
+            (2.0 * np.maximum(1.0, t17)))
     )
     t49 = (
         t10 * (t1 * (a0 * b6 + b2 * a4 - b1 * a5 - b0 * a6 + a3 * b7 - a2 * b4 + a1 * b5 - b3 * a7))
@@ -363,8 +363,8 @@ def interpolate_long_f64(a: Any, b: Any, fraction: Any) -> tuple[Any, ...]:
             -0.0005952380952367574
     )
     t51 = (
-        np.where(t30, np.float64(-0.16666666666666666 + t26 * (t26 * t50 + 0.01666666666666651)),
-            (t29 - t34) / (2.0 * np.maximum(1.0, t20)))
+        np.where(t30, -0.16666666666666666 + t26 * (t26 * t50 + 0.01666666666666651), (t29 - t34) /
+            (2.0 * np.maximum(1.0, t20)))
     )
     t52 = t16 * (a0 * b6 + b2 * a4 - b1 * a5 - b0 * a6 + a3 * b7 - a2 * b4 + a1 * b5 - b3 * a7)
     t53 = fraction * (t52 + t4 * t47)

@@ -71,7 +71,7 @@ def similarity_left_jacobian_f32(twist: Any) -> tuple[Any, ...]:
     t48 = t46 * (t46 * (t46 * (t47 + 0.008333339) + 0.04166674) + 0.16666667) + 0.5
     t49 = 1.0 / np.where((twist6 < 0.0), np.minimum(twist6, -1.0), np.maximum(1.0, twist6))
     t50 = (t44 - 1.0) * t49
-    t51 = np.where(t45, np.float32(1.0 + t46 * t48), t50)
+    t51 = np.where(t45, 1.0 + t46 * t48, t50)
     t52 = np.where(t45, t48, t49 * (t50 - 1.0))
     t53 = t51 - t52
     t54 = twist6 * twist6
@@ -265,7 +265,7 @@ def similarity_left_jacobian_f64(twist: Any) -> tuple[Any, ...]:
     t58 = 0.5 + t53 * (0.16666666666666666 + t53 * t57)
     t59 = 1.0 / np.where((twist6 < 0.0), np.minimum(twist6, -1.0), np.maximum(1.0, twist6))
     t60 = (t51 - 1.0) * t59
-    t61 = np.where(t52, np.float64(1.0 + t53 * t58), t60)
+    t61 = np.where(t52, 1.0 + t53 * t58, t60)
     t62 = np.where(t52, t58, t59 * (t60 - 1.0))
     t63 = t61 - t62
     t64 = twist6 * twist6
@@ -295,8 +295,8 @@ def similarity_left_jacobian_f64(twist: Any) -> tuple[Any, ...]:
             -0.0005952380952367574
     )
     t87 = (
-        np.where(t12, np.float64(-0.16666666666666666 + t15 * (t15 * t86 + 0.01666666666666651)),
-            (t23 - t20) / (2.0 * np.maximum(1.0, t5)))
+        np.where(t12, -0.16666666666666666 + t15 * (t15 * t86 + 0.01666666666666651), (t23 - t20) /
+            (2.0 * np.maximum(1.0, t5)))
     )
     t88 = 0.25 * (t23 * t87 - t29)
     t89 = t65 * (t51 * (0.5 * (1.0 - t4 * t24) + twist6 * t88) - t70)
@@ -445,7 +445,7 @@ def similarity_left_jacobian_inverse_f32(twist: Any) -> tuple[Any, ...]:
     t60 = t58 * (t58 * (t58 * (t59 + 0.008333339) + 0.04166674) + 0.16666667) + 0.5
     t61 = 1.0 / np.where((twist6 < 0.0), np.minimum(-1.0, twist6), np.maximum(1.0, twist6))
     t62 = (t47 - 1.0) * t61
-    t63 = np.where(t57, np.float32(1.0 + t58 * t60), t62)
+    t63 = np.where(t57, 1.0 + t58 * t60, t62)
     t64 = np.where(t57, t60, t61 * (t62 - 1.0))
     t65 = t63 - t64
     t66 = t56 * t65 + t47 * (1.0 - t56) * (t52 - twist6 * t49)
@@ -680,8 +680,8 @@ def similarity_left_jacobian_inverse_f64(twist: Any) -> tuple[Any, ...]:
             -0.0005952380952367574
     )
     t62 = (
-        np.where(t21, np.float64(-0.16666666666666666 + t17 * (t17 * t61 + 0.01666666666666651)),
-            (t20 - t25) / (2.0 * np.maximum(1.0, t5)))
+        np.where(t21, -0.16666666666666666 + t17 * (t17 * t61 + 0.01666666666666651), (t20 - t25) /
+            (2.0 * np.maximum(1.0, t5)))
     )
     t63 = t25 * (0.5 * t25)
     t64 = 0.25 * (t20 * t62 - t63)
@@ -706,7 +706,7 @@ def similarity_left_jacobian_inverse_f64(twist: Any) -> tuple[Any, ...]:
     t74 = 0.5 + t69 * (0.16666666666666666 + t69 * t73)
     t75 = 1.0 / np.where((twist6 < 0.0), np.minimum(-1.0, twist6), np.maximum(1.0, twist6))
     t76 = (t55 - 1.0) * t75
-    t77 = np.where(t68, np.float64(1.0 + t69 * t74), t76)
+    t77 = np.where(t68, 1.0 + t69 * t74, t76)
     t78 = np.where(t68, t74, t75 * (t76 - 1.0))
     t79 = t77 - t78
     t80 = t67 * t79 + t55 * (1.0 - t67) * (t63 - twist6 * t59)

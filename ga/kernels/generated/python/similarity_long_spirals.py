@@ -36,10 +36,7 @@ def similarity_interpolate_long_f32(a: Any, b: Any, fraction: Any) -> tuple[Any,
     )
     t13 = t11 * (t11 * (t11 * (t11 * t12 + 0.00298998) + 0.02730914) + 0.056896698) + 0.13334942
     t14 = t11 * (t11 * t13 + 0.33333293) + 1.0
-    t15 = (
-        np.where((t6 < 0.0), np.float32(3.1415927 / np.sqrt(np.maximum(t10, 1.6940659e-21)) - t14),
-            t14)
-    )
+    t15 = np.where((t6 < 0.0), 3.1415927 / np.sqrt(np.maximum(t10, 1.6940659e-21)) - t14, t14)
     t16 = fraction * (t7 * t15)
     t17 = fraction * (t8 * t15)
     t18 = fraction * (t9 * t15)
@@ -61,7 +58,7 @@ def similarity_interpolate_long_f32(a: Any, b: Any, fraction: Any) -> tuple[Any,
     t34 = exponent(1.4142135 * t33)
     t35 = (t34 < 0.5)
     t36 = t33 * exp2_of_integer(-t34)
-    t37 = np.where(t35, t32, np.float32(0.5 * (t36 - 1.0 / t36)))
+    t37 = np.where(t35, t32, 0.5 * (t36 - 1.0 / t36))
     t38 = t37 * t37
     t39 = t38 * (t38 * (t38 * (0.024318371 * t38 + -0.044006806) + 0.07497201) + -0.16666622) + 1.0
     t40 = (
@@ -224,8 +221,8 @@ def similarity_interpolate_long_f64(a: Any, b: Any, fraction: Any) -> tuple[Any,
     t18 = t11 * (t11 * (t11 * t17 + 0.0571428571878089) + 0.1333333333326277) + 0.3333333333333377
     t19 = 1.0 + t11 * t18
     t20 = (
-        np.where((t6 < 0.0), np.float64(3.141592653589793 / np.sqrt(np.maximum(t10,
-            1.0947644252537633e-47)) - t19), t19)
+        np.where((t6 < 0.0), 3.141592653589793 / np.sqrt(np.maximum(t10, 1.0947644252537633e-47)) -
+            t19, t19)
     )
     t21 = fraction * (t7 * t20)
     t22 = fraction * (t8 * t20)
@@ -255,7 +252,7 @@ def similarity_interpolate_long_f64(a: Any, b: Any, fraction: Any) -> tuple[Any,
     t41 = exponent(1.4142135623730951 * t40)
     t42 = (t41 < 0.5)
     t43 = t40 * exp2_of_integer(-t41)
-    t44 = np.where(t42, t39, np.float64(0.5 * (t43 - 1.0 / t43)))
+    t44 = np.where(t42, t39, 0.5 * (t43 - 1.0 / t43))
     t45 = t44 * t44
     t46 = t45 * (t45 * (-0.005811206588331519 * t45 + 0.010599129520028859) + -0.01383075592600594)
     t47 = t45 * (t45 * (t46 + 0.017341108627894623) + -0.02237152504384804) + 0.030381923311340625

@@ -58,7 +58,7 @@ def similarity_interpolate_f32(a: Any, b: Any, fraction: Any) -> tuple[Any, ...]
     t34 = exponent(1.4142135 * t33)
     t35 = (t34 < 0.5)
     t36 = t33 * exp2_of_integer(-t34)
-    t37 = np.where(t35, t32, np.float32(0.5 * (t36 - 1.0 / t36)))
+    t37 = np.where(t35, t32, 0.5 * (t36 - 1.0 / t36))
     t38 = t37 * t37
     t39 = t38 * (t38 * (t38 * (0.024318371 * t38 + -0.044006806) + 0.07497201) + -0.16666622) + 1.0
     t40 = (
@@ -247,7 +247,7 @@ def similarity_interpolate_f64(a: Any, b: Any, fraction: Any) -> tuple[Any, ...]
     t41 = exponent(1.4142135623730951 * t40)
     t42 = (t41 < 0.5)
     t43 = t40 * exp2_of_integer(-t41)
-    t44 = np.where(t42, t39, np.float64(0.5 * (t43 - 1.0 / t43)))
+    t44 = np.where(t42, t39, 0.5 * (t43 - 1.0 / t43))
     t45 = t44 * t44
     t46 = t45 * (t45 * (-0.005811206588331519 * t45 + 0.010599129520028859) + -0.01383075592600594)
     t47 = t45 * (t45 * (t46 + 0.017341108627894623) + -0.02237152504384804) + 0.030381923311340625
