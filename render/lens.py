@@ -1,4 +1,4 @@
-"""Bends drawn pictures as a lens bends light, so that footage can stay as it was taken.
+"""Distorts drawn pictures as a lens does, so that footage can stay as it was taken.
 
 The scene is drawn by a pinhole camera wide enough for the whole distorted picture, and what was
 drawn is resampled: alpha is premultiplied, so edges stay clean. Undistorting the footage instead
@@ -44,7 +44,7 @@ class LensWarp:
         size = high - low + 3.0
         if not np.all(size < WIDEST * np.array([camera.width, camera.height])):
             raise ValueError(
-                f"LensWarp(camera): expected a lens whose straightened picture is at most "
+                f"LensWarp(camera): expected a lens whose undistorted picture is at most "
                 f"{WIDEST:g} times as large as {camera.width} x {camera.height}, got "
                 f"{size[0]:.0f} x {size[1]:.0f}; undistort the footage instead"
             )
@@ -78,5 +78,7 @@ class LensWarp:
         """A picture (h, w) of numbers that may be mixed, such as shade."""
         if self.camera is self.pinhole:
             return values
-        bent = cv2.remap(values.astype(np.float32), self._whole, self._fraction, cv2.INTER_LINEAR)
-        return np.asarray(bent, dtype=np.float64)
+        distorted = cv2.remap(
+            values.astype(np.float32), self._whole, self._fraction, cv2.INTER_LINEAR
+        )
+        return np.asarray(distorted, dtype=np.float64)

@@ -58,7 +58,7 @@ def render_overlay(
     look: ShadowLook | None = None,
     matching: Matching | None = None,
     prints: Prints | None = None,
-    carry: Trajectory | None = None,
+    ground_motion: Trajectory | None = None,
     renderer: RendererName = "fast",
 ) -> Iterator[ImageArray]:
     """Draw a placed character with its shadow into every frame that has a pose.
@@ -72,7 +72,7 @@ def render_overlay(
             depth (h, w) in metres of what the camera saw: it hides the character where it is
             nearer.
         camera: of the frames' size. The frames of a camera with distortion stay as they are: what
-            is drawn is bent as its lens bends (see `LensWarp`).
+            is drawn is distorted as by its lens (see `LensWarp`).
         world_T_camera: the camera's path, in the world of the placement.
         character: who is drawn.
         clip: what it does; one of its clips, or another for the same skeleton.
@@ -84,9 +84,9 @@ def render_overlay(
         matching: how what is drawn is fitted to the footage; its noise is the same in every run.
         prints: boards and markers whose place is known: where a frame has no depth, they and the
             ground hide what is behind them.
-        carry: what moves the placement along, on a ground that moves: the pose that takes what is
-            in the world as the placement says to where it is at that time. Before its first stamp
-            and after its last it stays as it is there.
+        ground_motion: of a ground that moves: the motion that takes the placement from where it
+            says to where it is at that time, in the world. Before its first stamp and after its
+            last it stays as it is there.
         renderer: that draws; see `new_renderer`.
 
     Yields:
@@ -95,7 +95,7 @@ def render_overlay(
     Raises:
         RenderUnavailable: this machine has no OpenGL.
         ValueError: a frame of another size, light from below ground, a direction and a lighting
-            both, a lens too wide to be bent, or an unknown renderer.
+            both, a lens too wide to draw for, or an unknown renderer.
     """
     if light_direction is not None and lighting is not None:
         raise ValueError("render_overlay: expected light_direction or lighting, got both")
@@ -126,17 +126,19 @@ def render_overlay(
                     world_T_camera.motors_at(moment),
                     1e-9 * (moment - start_ns),
                     measured=depth_m is not None,
-                    carried=_carried(carry, moment),
+                    now_T_start=_at_moment(ground_motion, moment),
                 )
                 for moment in np.clip(matched.moments_ns(time_ns), *span_ns)
             ]
             yield stage.laid_over(frame, drawn, depth_m, matched, rng)
 
 
-def _carried(carry: Trajectory | None, moment_ns: np.int64) -> Motor | None:
-    if carry is None:
+def _at_moment(ground_motion: Trajectory | None, moment_ns: np.int64) -> Motor | None:
+    if ground_motion is None:
         return None
-    return carry.motors_at(np.clip(moment_ns, carry.time_ns[0], carry.time_ns[-1]))
+    return ground_motion.motors_at(
+        np.clip(moment_ns, ground_motion.time_ns[0], ground_motion.time_ns[-1])
+    )
 
 
 def _usual_light(
@@ -217,24 +219,24 @@ class _Stage:
         time_s: float,
         *,
         measured: bool,
-        carried: Motor | None = None,
+        now_T_start: Motor | None = None,
     ) -> _Drawn:
         """The character and its shade at one moment, as the footage's camera sees them.
 
-        Where a ground carries them, all is drawn as it is seen from there.
+        On a ground that has moved, all is drawn as it is seen from there.
         """
-        if carried is not None:
-            world_T_camera = carried.inverse() @ world_T_camera
+        if now_T_start is not None:
+            world_T_camera = now_T_start.inverse() @ world_T_camera
             about_m = self.placement.world_T_character.translation_m
-            self._light(self.given.turned_by(carried.rotor.inverse(), about_m))
+            self._light(self.given.rotated_by(now_T_start.rotor.inverse(), about_m))
             if self.ground_light[2] > -LEAST_FALL:  # the ground has turned away from the sun
                 self.ground_light, self.strength = np.array([0.0, 0.0, -1.0]), 0.0
         vertices, normals = self._skinned(self.clip.at(time_s))
         stand, own_m = self.placement.world_T_character, self.placement.scale * vertices
         renderer.move(0, stand.apply(own_m), stand.rotor.apply(normals))
         center_m = self._center(own_m)
-        if self._travels or carried is not None:
-            renderer.relight(self.lighting.moved_by(stand.rotor.apply(center_m)))
+        if self._travels or now_T_start is not None:
+            renderer.relight(self.lighting.translated_by(stand.rotor.apply(center_m)))
         pinhole = self.lens.pinhole
         layer = self.lens.layer(renderer.render(pinhole, world_T_camera))
         camera_T_ground = world_T_camera.inverse() @ stand

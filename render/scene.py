@@ -13,6 +13,8 @@ from motorcade.ga import FloatArray, IntArray, Rotor
 
 ImageArray = NDArray[np.uint8]
 DepthArray = NDArray[np.float32]
+Triple = tuple[float, float, float]
+"""Of a point or direction in the world, or of red, green and blue."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,9 +71,9 @@ class Sun:
         color: linear RGB.
     """
 
-    direction: tuple[float, float, float]
+    direction: Triple
     intensity: float
-    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    color: Triple = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -84,9 +86,9 @@ class Lamp:
         color: linear RGB.
     """
 
-    position_m: tuple[float, float, float]
+    position_m: Triple
     intensity: float
-    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    color: Triple = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -101,24 +103,24 @@ class Lighting:
         shadow_radius_m: radius of the ball around it that holds everything that throws them.
     """
 
-    ambient: tuple[float, float, float]
+    ambient: Triple
     sun: Sun
     lamps: tuple[Lamp, ...]
-    shadow_center_m: tuple[float, float, float]
+    shadow_center_m: Triple
     shadow_radius_m: float
 
-    def moved_by(self, offset_m: FloatArray) -> "Lighting":
+    def translated_by(self, offset_m: FloatArray) -> "Lighting":
         """The same light about another place: lamps and shadows moved by (3,) metres, world."""
         lamps = tuple(
-            replace(lamp, position_m=_moved(lamp.position_m, offset_m)) for lamp in self.lamps
+            replace(lamp, position_m=_translated(lamp.position_m, offset_m)) for lamp in self.lamps
         )
-        center_m = _moved(self.shadow_center_m, offset_m)
+        center_m = _translated(self.shadow_center_m, offset_m)
         return replace(self, lamps=lamps, shadow_center_m=center_m)
 
-    def turned_by(self, rotor: Rotor, about_m: FloatArray) -> "Lighting":
+    def rotated_by(self, rotor: Rotor, about_m: FloatArray) -> "Lighting":
         """The same light turned about a place (3,), world; shadows are made for the same ball."""
 
-        def turned(place_m: tuple[float, float, float]) -> tuple[float, float, float]:
+        def turned(place_m: Triple) -> Triple:
             x, y, z = (rotor.apply(np.subtract(place_m, about_m)) + about_m).tolist()
             return x, y, z
 
@@ -127,7 +129,7 @@ class Lighting:
         return replace(self, sun=replace(self.sun, direction=(x, y, z)), lamps=lamps)
 
 
-def _moved(place_m: tuple[float, float, float], by_m: FloatArray) -> tuple[float, float, float]:
+def _translated(place_m: Triple, by_m: FloatArray) -> Triple:
     x, y, z = (float(value) for value in np.add(place_m, by_m))
     return x, y, z
 

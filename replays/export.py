@@ -41,7 +41,7 @@ class Shown:
         character: who stands there.
         clip: what it does.
         placement: where it stands at first.
-        carry: what moves it along from there, None where nothing does.
+        ground_motion: what moves it along from there, None where nothing does.
         points_m: (N, 3) mapped points, world; N may be 0.
     """
 
@@ -52,17 +52,17 @@ class Shown:
     character: Character
     clip: Clip
     placement: Placement
-    carry: Trajectory | None
+    ground_motion: Trajectory | None
     points_m: FloatArray
 
     @property
     def world_T_character(self) -> Trajectory:
         """Where the character stands over the path's time."""
         stand = self.placement.world_T_character
-        if self.carry is None:
+        if self.ground_motion is None:
             ends = self.path.time_ns[[0, -1]]
             return Trajectory(ends, Motor.stack([stand, stand]), "world", "character")
-        return self.carry.transformed_by(right=stand, child="character")
+        return self.ground_motion.transformed_by(right=stand, child="character")
 
 
 def open_run(folder: Path) -> Shown:
@@ -107,7 +107,7 @@ def open_run(folder: Path) -> Shown:
         character,
         clip,
         placed.placement,
-        placed.carry,
+        placed.ground_motion,
         np.asarray(found.points, dtype=np.float64),
     )
 

@@ -49,10 +49,10 @@ class Drag:
     def applied(self, pose: ObjectPose, amount: float, world_T_parent: Similarity) -> ObjectPose:
         """A pose after the whole drag."""
         if self.kind == "rotate":
-            return pose.turned(self.axis, amount, self.frame, world_T_parent)
+            return pose.rotated(self.axis, amount, self.frame, world_T_parent)
         if self.kind == "translate":
-            return pose.moved(amount * self.axis, self.frame, world_T_parent)
-        return pose.grown(amount)
+            return pose.translated(amount * self.axis, self.frame, world_T_parent)
+        return pose.scaled(amount)
 
 
 @dataclass(frozen=True)

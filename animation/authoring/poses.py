@@ -31,17 +31,17 @@ class ObjectPose(ABC):
         """`parent_T_object`."""
 
     @abstractmethod
-    def turned(
+    def rotated(
         self, axis: FloatArray, angle_rad: float, frame: Frame, world_T_parent: Similarity
     ) -> Self:
         """Turned about the object's origin, right-handed about a unit axis of the frame."""
 
     @abstractmethod
-    def moved(self, shift_m: FloatArray, frame: Frame, world_T_parent: Similarity) -> Self:
+    def translated(self, shift_m: FloatArray, frame: Frame, world_T_parent: Similarity) -> Self:
         """Moved by a vector of the frame, in the frame's metres."""
 
     @abstractmethod
-    def grown(self, factor: float) -> Self:
+    def scaled(self, factor: float) -> Self:
         """Grown about the object's origin."""
 
     @abstractmethod
@@ -73,17 +73,17 @@ class VersorObjectPose(ObjectPose):
         """`parent_T_object`."""
         return self.parent_T_object
 
-    def turned(
+    def rotated(
         self, axis: FloatArray, angle_rad: float, frame: Frame, world_T_parent: Similarity
     ) -> VersorObjectPose:
         """The rotor goes to the right of the versor in the local frame, else to its left."""
         pose = self.parent_T_object
         about = axis if frame != "global" else world_T_parent.rotor.inverse().apply(axis)
         rotor = Rotor.from_rotation_vector(angle_rad * about)
-        turned = pose.rotor @ rotor if frame == "local" else rotor @ pose.rotor
-        return VersorObjectPose(_joined(turned, pose.translation_m, pose.scale))
+        rotated = pose.rotor @ rotor if frame == "local" else rotor @ pose.rotor
+        return VersorObjectPose(_joined(rotated, pose.translation_m, pose.scale))
 
-    def moved(
+    def translated(
         self, shift_m: FloatArray, frame: Frame, world_T_parent: Similarity
     ) -> VersorObjectPose:
         """A translator on the left, by the vector as the parent sees it."""
@@ -91,11 +91,11 @@ class VersorObjectPose(ObjectPose):
         shift = _in_parent(shift_m, frame, pose, world_T_parent)
         return VersorObjectPose(_joined(pose.rotor, pose.translation_m + shift, pose.scale))
 
-    def grown(self, factor: float) -> VersorObjectPose:
+    def scaled(self, factor: float) -> VersorObjectPose:
         """A dilator on the right."""
         pose = self.parent_T_object
-        grown = Similarity.from_motor_scale(Motor.identity(), factor)
-        return VersorObjectPose(Similarity.normalize((pose @ grown).coefficients))
+        scaled = Similarity.from_motor_scale(Motor.identity(), factor)
+        return VersorObjectPose(Similarity.normalize((pose @ scaled).coefficients))
 
     def towards(self, other: VersorObjectPose, fraction: FloatArray) -> Similarity:
         """Turned by rotors along the geodesic, moved straight, grown evenly in the logarithm."""
@@ -143,7 +143,7 @@ class EulerObjectPose(ObjectPose):
         """`parent_T_object`."""
         return _joined(Rotor.from_euler(self.angles_rad), self.position_m, self.scale)
 
-    def turned(
+    def rotated(
         self, axis: FloatArray, angle_rad: float, frame: Frame, world_T_parent: Similarity
     ) -> EulerObjectPose:
         """The axis' components times the angle are added to the three angles, whatever the frame.
@@ -152,14 +152,14 @@ class EulerObjectPose(ObjectPose):
         """
         return EulerObjectPose(self.angles_rad + angle_rad * axis, self.position_m, self.scale)
 
-    def moved(
+    def translated(
         self, shift_m: FloatArray, frame: Frame, world_T_parent: Similarity
     ) -> EulerObjectPose:
         """Moved by the vector as the parent sees it."""
         shift = _in_parent(shift_m, frame, self.as_similarity(), world_T_parent)
         return EulerObjectPose(self.angles_rad, self.position_m + shift, self.scale)
 
-    def grown(self, factor: float) -> EulerObjectPose:
+    def scaled(self, factor: float) -> EulerObjectPose:
         """The scale times the factor."""
         return EulerObjectPose(self.angles_rad, self.position_m, self.scale * factor)
 

@@ -2,7 +2,7 @@
 
 from motorcade.animation.blend.clips import blend_clips, differences_m
 from motorcade.animation.blend.closing import closed
-from motorcade.animation.blend.layers import Layer, added, additive, blend_layers
+from motorcade.animation.blend.layers import PoseLayer, added, additive, blend_layers
 from motorcade.animation.blend.locomotion import BlendSpace, phase_between
 from motorcade.animation.blend.methods import (
     BLEND_METHODS,
@@ -20,7 +20,7 @@ __all__ = [
     "BlendSpace",
     "CrossFade",
     "Inertialized",
-    "Layer",
+    "PoseLayer",
     "PoseSource",
     "Poses",
     "RootMotion",

@@ -15,11 +15,11 @@ import numpy as np
 from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
 from motorcade.ga import FloatArray, Motor, checked_floats, frozen
 
-__all__ = ["Layer", "added", "additive", "blend_layers"]
+__all__ = ["PoseLayer", "added", "additive", "blend_layers"]
 
 
 @dataclass(frozen=True, eq=False)
-class Layer:
+class PoseLayer:
     """A pose that takes part in a blend.
 
     Args:
@@ -38,15 +38,15 @@ class Layer:
 
     def __post_init__(self) -> None:
         if not self.pose.shape:
-            raise ValueError("Layer.pose: expected shape (*, J), got ()")
+            raise ValueError("PoseLayer.pose: expected shape (*, J), got ()")
         if not (np.isfinite(self.weight) and self.weight >= 0.0):
-            raise ValueError(f"Layer.weight: expected a number from 0 up, got {self.weight}")
+            raise ValueError(f"PoseLayer.weight: expected a number from 0 up, got {self.weight}")
         if self.mask is None:
             return
-        mask = checked_floats(self.mask, "Layer.mask", ())
+        mask = checked_floats(self.mask, "PoseLayer.mask", ())
         if mask.shape != self.pose.shape[-1:] or mask.min() < 0.0 or mask.max() > 1.0:
             raise ValueError(
-                f"Layer.mask: expected {self.pose.shape[-1]} factors from 0 to 1, got shape "
+                f"PoseLayer.mask: expected {self.pose.shape[-1]} factors from 0 to 1, got shape "
                 f"{mask.shape} from {mask.min(initial=0):g} to {mask.max(initial=0):g}"
             )
         object.__setattr__(self, "mask", frozen(mask))
@@ -59,10 +59,10 @@ class Layer:
 
 
 def blend_layers(
-    layers: Sequence[Layer],
+    layers: Sequence[PoseLayer],
     rest: Motor,
     *,
-    additive_layers: Sequence[Layer] = (),
+    additive_layers: Sequence[PoseLayer] = (),
     method: BlendMethod = "motor",
     threshold: float = 0.1,
 ) -> Poses:

@@ -93,9 +93,9 @@ class Textures:
             try:
                 made = decode_texture(data(), self._pixels_left)
             except FormatError as fault:
-                told = shown(name, 60)
+                label = shown(name, 60)
                 self.notices.append(
-                    f"texture '{told}' was not read ({fault}): plain colours stand in"
+                    f"texture '{label}' was not read ({fault}): plain colours stand in"
                 )
             else:
                 self._known[known] = made

@@ -2,13 +2,13 @@
 
 from motorcade.animation.ik.chain import Chain, reach_with
 from motorcade.animation.ik.fabrik import Reached, fabrik
-from motorcade.animation.ik.feet import Ground, Leg, find_stances, plant_feet
+from motorcade.animation.ik.feet import GroundHeights, Leg, find_stances, plant_feet
 from motorcade.animation.ik.fitted import fitted_legs
 from motorcade.animation.ik.two_bone import aim, bend_limb
 
 __all__ = [
     "Chain",
-    "Ground",
+    "GroundHeights",
     "Leg",
     "Reached",
     "aim",

@@ -129,7 +129,7 @@ class _Problem:
     def solve(self, rng: np.random.Generator) -> int:
         """Straight where the target is out of reach; else in rounds, whose number is returned."""
         everyone = np.arange(len(self.best))
-        chains = self._up(self._straightened(), everyone)
+        chains = self._up(self._stretched(), everyone)
         self._keep(chains, everyone)
         chains = self._up(self.best.copy(), everyone)
         rounds = 0
@@ -150,11 +150,11 @@ class _Problem:
                 if not left.size:
                     break
             if left.size:
-                self._keep(self._up(self._unbent(current, left), left), left)
+                self._keep(self._up(self._with_reach(current, left), left), left)
                 left = left[self.error_m[left] > self.tolerance[left]]
         return rounds
 
-    def _straightened(self) -> FloatArray:
+    def _stretched(self) -> FloatArray:
         """The chains laid straight towards their targets."""
         self._start = self.best.copy()
         ahead = unit(self.target - self.base, unit(self.best[:, -1] - self.base))
@@ -170,16 +170,16 @@ class _Problem:
         noise = rng.standard_normal(bones.shape) * (0.15 * perturbation)
         turned = unit(bones, np.ones(3)) + noise
         steps = unit(turned) * self.lengths[which][..., None]
-        moved = np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)
-        return self._up(self.base[which][:, None] + moved, which)
+        offsets = np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)
+        return self._up(self.base[which][:, None] + offsets, which)
 
-    def _unbent(self, chains: FloatArray, which: NDArray[np.int64]) -> FloatArray:
+    def _with_reach(self, chains: FloatArray, which: NDArray[np.int64]) -> FloatArray:
         """Chains with all bends scaled alike until they are as long as the target is far, then
         turned to it. Close to straight, where the passes creep, one step of this is the solution.
         """
         away = self.target[which] - self.base[which]
         distance = np.linalg.norm(away, axis=-1)
-        low, high = np.zeros(len(which)), _most_bent(chains, self.limits)
+        low, high = np.zeros(len(which)), _largest_factor(chains, self.limits)
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             long = _extent(_scaled(chains, middle)) > distance
@@ -257,7 +257,7 @@ def _bends(chains: FloatArray) -> tuple[FloatArray, FloatArray]:
     return bones, shortest_turn(bones[:, :-1], bones[:, 1:]).as_rotation_vector()
 
 
-def _most_bent(chains: FloatArray, limits: FloatArray) -> FloatArray:
+def _largest_factor(chains: FloatArray, limits: FloatArray) -> FloatArray:
     """The factor on all bends ``(B,)`` at which the first of them meets its limit."""
     angles = np.linalg.norm(_bends(chains)[1], axis=-1)
     factors = limits[1:] / np.maximum(angles, 1e-12)
@@ -275,8 +275,8 @@ def _scaled(chains: FloatArray, factor: FloatArray) -> FloatArray:
         changed = changed @ extra
         turned.append(changed.apply(bones[:, k + 1]))
     steps = lengths * np.stack(turned, axis=1)
-    moved = np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)
-    made: FloatArray = chains[:, :1] + moved
+    offsets = np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)
+    made: FloatArray = chains[:, :1] + offsets
     return made
 
 

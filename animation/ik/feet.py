@@ -25,7 +25,7 @@ from motorcade.animation.skeleton import Skeleton, turned_joint, with_joint
 from motorcade.animation.vectors import UP, shortest_turn, turn_z
 from motorcade.ga import FloatArray, Motor, Rotor
 
-__all__ = ["Ground", "Leg", "find_stances", "plant_feet"]
+__all__ = ["GroundHeights", "Leg", "find_stances", "plant_feet"]
 
 # A stance: lower than this share of the foot's lift, and slower than this share of its fastest.
 LOW, SLOW = 0.25, 0.12
@@ -67,7 +67,7 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Ground:
+class GroundHeights:
     """Heights of the ground.
 
     Args:
@@ -102,7 +102,7 @@ def plant_feet(
     legs: Sequence[Leg],
     *,
     world_T_character: Motor | None = None,
-    ground: Ground | None = None,
+    ground: GroundHeights | None = None,
     stances: Sequence[NDArray[np.bool_]] | None = None,
 ) -> Motor:
     """The motion with feet that neither slide nor sink.
@@ -127,7 +127,7 @@ def plant_feet(
             f"plant_feet(poses): expected shape ({len(time_s)}, {len(skeleton)}), got {poses.shape}"
         )
     way = Motor.identity((len(time_s),)) if world_T_character is None else world_T_character
-    floor = Ground() if ground is None else ground
+    floor = GroundHeights() if ground is None else ground
     world = way.reshape(-1, 1) @ skeleton.world(poses)
     inside, feet, targets = way.inverse(), [], []
     for index, leg in enumerate(legs):
@@ -185,7 +185,11 @@ def _turned(skeleton: Skeleton, poses: Motor, leg: Leg, foot: Rotor, toes: Rotor
 
 
 def _holding(
-    at: FloatArray, time_s: FloatArray, standing: NDArray[np.bool_], ground: Ground, sole_m: float
+    at: FloatArray,
+    time_s: FloatArray,
+    standing: NDArray[np.bool_],
+    ground: GroundHeights,
+    sole_m: float,
 ) -> FloatArray:
     """Shifts ``(F, 3)`` that hold the ball over one place in each stance.
 

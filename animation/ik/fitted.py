@@ -27,13 +27,13 @@ def fitted_legs(legs: Sequence[Leg], character: Character) -> list[Leg]:
     """
     skeleton, at = character.skeleton, character.skeleton.rest_world.translation_m
     rows = np.arange(len(character.joints))
-    carried_by = character.joints[rows, np.argmax(character.weights, axis=1)]
+    heaviest = character.joints[rows, np.argmax(character.weights, axis=1)]
     low = character.vertices[:, 2] < LOW * character.height_m
     made = []
     for leg in legs:
         ankle, ball = leg.foot(skeleton)
         along = (at[ball] - at[ankle])[:2]
-        sole = character.vertices[low & np.isin(carried_by, (ankle, ball))]
+        sole = character.vertices[low & np.isin(heaviest, (ankle, ball))]
         if len(sole) and np.any(along):
             share = (sole[:, :2] - at[ankle, :2]) @ along / (along @ along)
             leg = replace(leg, heel=float(-share.min()), tip=float(share.max() - 1.0))

@@ -57,7 +57,7 @@ def bend_limb(
     if not (np.all(upper > 0.0) and np.all(lower > 0.0)):
         raise ValueError(f"bend_limb(joints): expected bones longer than 0 between {joints}")
     pole = middle if pole_m is None else checked_floats(pole_m, "bend_limb(pole_m)", (3,))
-    knee, ankle = _bent(root, goal, pole - root, upper, lower)
+    knee, ankle = _middle_and_end(root, goal, pole - root, upper, lower)
     batch = np.broadcast_shapes(root.shape, ankle.shape)
     points = np.stack([np.broadcast_to(one, batch) for one in (root, knee, ankle)], axis=-2)
     made = laid_along(skeleton, local_pose, numbers, points)
@@ -67,7 +67,7 @@ def bend_limb(
     return turned_joint(made, numbers[2], above.inverse() @ world[..., numbers[2]].rotor)
 
 
-def _bent(
+def _middle_and_end(
     root: FloatArray, goal: FloatArray, towards: FloatArray, upper: FloatArray, lower: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Where middle and end lie, ``(*, 3)`` each."""

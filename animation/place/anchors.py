@@ -74,7 +74,7 @@ class Anchor:
         offset = Similarity.normalize((target.inverse() @ shown).coefficients)
         return replace(self, target=target, time_s=time_s, offset=offset)
 
-    def carried(self, target: Similarity, time_s: float) -> Anchor:
+    def tracked(self, target: Similarity, time_s: float) -> Anchor:
         """The anchor after its target has moved of its own: what is shown moves along at once.
 
         Raises:
@@ -130,9 +130,9 @@ def followed(
     anchor, row, shown = Anchor(targets[0], float(seen_s[0]), settle_s), 0, []
     for moment in time_s:
         while row + 1 < len(seen_s) and seen_s[row + 1] <= moment:
-            told = anchor.corrected if leaps[row] else anchor.carried
+            update = anchor.corrected if leaps[row] else anchor.tracked
             row += 1
-            anchor = told(targets[row], float(seen_s[row]))
+            anchor = update(targets[row], float(seen_s[row]))
         shown.append(anchor.at(max(float(moment), float(seen_s[0]))).as_motor_scale()[0])
     return Motor.stack(shown)
 

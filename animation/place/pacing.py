@@ -163,11 +163,11 @@ def standing_pose(loop: Clip, skeleton: Skeleton, legs: Sequence[Leg]) -> Clip:
         for joint in range(len(skeleton))
     ]
     pose = Motor.from_rotor_translation(Rotor.stack(turns), skeleton.rest.translation_m)
-    bent = _with_bent_knees(pose, skeleton, legs)
-    return Clip("standing", np.zeros(1), bent.reshape(1, -1))
+    flexed = _with_flexed_knees(pose, skeleton, legs)
+    return Clip("standing", np.zeros(1), flexed.reshape(1, -1))
 
 
-def _with_bent_knees(pose: Motor, skeleton: Skeleton, legs: Sequence[Leg]) -> Motor:
+def _with_flexed_knees(pose: Motor, skeleton: Skeleton, legs: Sequence[Leg]) -> Motor:
     """A pose lowered over its feet: legs that rest quite straight would snap when they come to."""
     at, made = skeleton.rest_world.translation_m, pose
     long_m = np.mean([at[skeleton.index(leg.hip), 2] for leg in legs])

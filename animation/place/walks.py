@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from motorcade.animation.blend import Inertialized
 from motorcade.animation.blend.transitions import PoseSource
 from motorcade.animation.clip import Clip
-from motorcade.animation.ik import Ground, Leg, find_stances, plant_feet
+from motorcade.animation.ik import GroundHeights, Leg, find_stances, plant_feet
 from motorcade.animation.place.pacing import Pace, passing_s, standing_pose
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_z
@@ -114,7 +114,7 @@ def walk_along(
     *,
     rate_hz: float = 60.0,
     scale: float = 1.0,
-    ground: Ground | None = None,
+    ground: GroundHeights | None = None,
     standing: Clip | None = None,
     starts: bool = True,
     stops: bool = True,

@@ -102,9 +102,9 @@ def _hinge(
     by_hand = unit(np.cross(ahead, across) if thumb else across)
     if len(line) < 3:
         return by_hand
-    bent = np.cross(unit(seen.bone(*line[:2])), unit(seen.bone(*line[1:])))
-    bent = bent if side == "right" and not thumb else -bent
+    hinge = np.cross(unit(seen.bone(*line[:2])), unit(seen.bone(*line[1:])))
+    hinge = hinge if side == "right" and not thumb else -hinge
     # One that is bent the other way, or sideways, does not tell how it would be closed.
-    told = np.sum(bent * by_hand, axis=-1, keepdims=True) > 0.0
-    made: FloatArray = ASSUMED_BEND * by_hand + np.where(told, bent, 0.0)
+    plausible = np.sum(hinge * by_hand, axis=-1, keepdims=True) > 0.0
+    made: FloatArray = ASSUMED_BEND * by_hand + np.where(plausible, hinge, 0.0)
     return made

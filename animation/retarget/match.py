@@ -48,7 +48,7 @@ class Match:
     source: Skeleton
     target: Skeleton
     joints: Mapping[int, int]
-    moved: Motor
+    source_world: Motor
 
     @cached_property
     def roles(self) -> dict[str, int]:

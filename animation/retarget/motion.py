@@ -36,10 +36,10 @@ class _Motion:
 
     def __init__(self, match: Match) -> None:
         self.match, self.roles = match, match.roles
-        at = match.moved.translation_m
+        at = match.source_world.translation_m
         self.heading = _headings(match, at)
         self.at = self.heading.reshape(-1, 1).apply(at)
-        self.rotors = self.heading.reshape(-1, 1) @ match.moved.rotor
+        self.rotors = self.heading.reshape(-1, 1) @ match.source_world.rotor
         self.upright = self._upright()
         self.lean = self._lean()
         rest = match.target.rest_world.reshape(1, -1)

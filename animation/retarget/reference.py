@@ -45,12 +45,12 @@ def _from_rests(match: Match) -> dict[int, Rotor]:
         if laid is not None:
             made[joint], turns[joint] = laid, back @ laid @ rest.inverse()
             continue
-        carried = turns.get(above, Rotor.identity()) if _goes_along(role) else Rotor.identity()
+        turn = turns.get(above, Rotor.identity()) if _goes_along(role) else Rotor.identity()
         bones = _bones_at_rest(match, joint) if _is_laid(role) else None
         if bones is not None:
-            carried = shortest_turn(carried.apply(bones[0]), bones[1]) @ carried
-        turns[joint] = carried
-        made[joint] = back.inverse() @ carried @ rest
+            turn = shortest_turn(turn.apply(bones[0]), bones[1]) @ turn
+        turns[joint] = turn
+        made[joint] = back.inverse() @ turn @ rest
     return made
 
 

@@ -190,8 +190,8 @@ def _side_and_part(name: str) -> tuple[str, str]:
 
 def _spine(skeleton: Skeleton, body: Mapping[str, int]) -> list[int]:
     """Joints between the hips and what the trunk carries, from below."""
-    carried = ("neck", "head", "left_clavicle", "left_upper_arm")
-    tops = [body[role] for role in carried if role in body]
+    carriers = ("neck", "head", "left_clavicle", "left_upper_arm")
+    tops = [body[role] for role in carriers if role in body]
     taken, found = set(body.values()), []
     if not tops or "hips" not in body:
         return []

@@ -27,7 +27,7 @@ def spread_spine(match: Match) -> Match:
         return match
     wanted, known = _shares(match.target, ours), _shares(match.source, theirs)
     names, parents = list(match.source.names), list(match.source.parents)
-    rest, moved = [match.source.rest], [match.moved]
+    rest, source_world = [match.source.rest], [match.source_world]
     joints = dict(match.joints)
     for joint, share in zip(ours, wanted, strict=True):
         after = int(np.clip(np.searchsorted(known, share), 1, len(known) - 1))
@@ -43,12 +43,12 @@ def spread_spine(match: Match) -> Match:
         back = match.source.rest_world[b].rotor.inverse() @ match.source.rest_world[a].rotor
         if not match.comparable:  # at rest it is bent as well: frames are built along one another
             back = along_axes(back)
-        start, end = match.moved[:, a], match.moved[:, b].rotor @ back
+        start, end = match.source_world[:, a], match.source_world[:, b].rotor @ back
         turned = start.rotor.interpolate(end, part)
         between = Motor.from_rotor_translation(turned, start.translation_m)
-        moved.append(between.reshape(-1, 1))
+        source_world.append(between.reshape(-1, 1))
     source = Skeleton(tuple(names), np.array(parents), _joined(rest))
-    return Match(source, match.target, joints, _joined(moved))
+    return Match(source, match.target, joints, _joined(source_world))
 
 
 def _spine(skeleton: Skeleton) -> list[int]:

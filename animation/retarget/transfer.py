@@ -62,16 +62,16 @@ def retarget(
         raise ValueError(
             "retarget(joints): expected one pair or more, got none: the skeletons share no names"
         )
-    moved = source.world(clip.rigid_poses)
+    source_world = source.world(clip.rigid_poses)
     carrier, hips = _carrier(target), _carrier(source)
     if joints is None:
         numbers.setdefault(carrier, hips)
-    match = Match(source, target, dict(sorted(numbers.items())), moved)
+    match = Match(source, target, dict(sorted(numbers.items())), source_world)
     if joints is None and not match.one_rig:
         match = spread_spine(match)
     poses = _turned(match)
     if carrier in numbers:
-        poses = _carried(match, poses, carrier, _way(match, carrier, hips))
+        poses = _with_way(match, poses, carrier, _way(match, carrier, hips))
         if not match.comparable:
             poses = _grounded(target, poses, carrier)
     return Clip(clip.name, clip.time_s, poses, clip.looped, clip.key_count)
@@ -81,12 +81,12 @@ def _turned(match: Match) -> Motor:
     """Local poses ``(F, J)`` with every joint turned, and where it rests in the one above it."""
     target, made = match.target, constants(match)
     world: list[Rotor] = []
-    poses = np.empty((len(match.moved), len(target), 8))
+    poses = np.empty((len(match.source_world), len(target), 8))
     for joint in range(len(target)):
         parent = int(target.parents[joint])
         before = world[parent] if parent >= 0 else Rotor.identity()
         if joint in match.joints:
-            world.append(match.moved[:, match.joints[joint]].rotor @ made[joint])
+            world.append(match.source_world[:, match.joints[joint]].rotor @ made[joint])
         else:
             world.append(before @ target.rest[joint].rotor)
         shift = target.rest[joint].translation_m
@@ -117,7 +117,7 @@ def _way(match: Match, carrier: int, hips: int) -> FloatArray:
         scale = lengths[0] / lengths[1]
     elif min(own[2], start[2]) > NO_BONE_M:
         scale = own[2] / start[2]
-    way: FloatArray = own + scale * (match.moved[:, hips].translation_m - start)
+    way: FloatArray = own + scale * (match.source_world[:, hips].translation_m - start)
     return way
 
 
@@ -136,7 +136,7 @@ def _leg_m(skeleton: Skeleton) -> float:
     return float(np.mean(lengths)) if lengths else 0.0
 
 
-def _carried(match: Match, poses: Motor, carrier: int, way: FloatArray) -> Motor:
+def _with_way(match: Match, poses: Motor, carrier: int, way: FloatArray) -> Motor:
     """Poses in which the carrier goes its way: over the ground by its root, the rest by itself."""
     target = match.target
     line = ancestors(target, carrier)
@@ -147,8 +147,8 @@ def _carried(match: Match, poses: Motor, carrier: int, way: FloatArray) -> Motor
         poses = with_joint(poses, root, Motor.from_rotor_translation(poses[:, root].rotor, shift))
         above = target.world(poses)[:, line[0]]
         way = above.inverse().apply(way)
-    moved = Motor.from_rotor_translation(poses[:, carrier].rotor, way)
-    return with_joint(poses, carrier, moved)
+    source_world = Motor.from_rotor_translation(poses[:, carrier].rotor, way)
+    return with_joint(poses, carrier, source_world)
 
 
 def _grounded(target: Skeleton, poses: Motor, carrier: int) -> Motor:

@@ -55,10 +55,10 @@ def palette(
     checked_method(method)
     world, back = skeleton.world(local_pose), skeleton.rest_world_inverse
     if isinstance(world, Motor):
-        moved = world @ back
+        motion = world @ back
         if method == "similarity":
-            return Similarity.from_motor_scale(moved).coefficients, None
-        return _rigid(moved, method), None
+            return Similarity.from_motor_scale(motion).coefficients, None
+        return _rigid(motion, method), None
     grown = world @ Similarity.from_motor_scale(back)
     if method == "similarity":
         return grown.coefficients, None
@@ -68,12 +68,12 @@ def palette(
     return _rigid(rigid, method), scale
 
 
-def _rigid(moved: Motor, method: SkinMethod) -> FloatArray:
+def _rigid(motion: Motor, method: SkinMethod) -> FloatArray:
     if method == "linear":
-        return _rows(moved.as_matrix())
+        return _rows(motion.as_matrix())
     if method == "dual_quaternion":
-        return moved.as_dual_quaternion()
-    return np.asarray(moved.coefficients, dtype=np.float64)
+        return motion.as_dual_quaternion()
+    return np.asarray(motion.coefficients, dtype=np.float64)
 
 
 def _rows(matrices: FloatArray) -> FloatArray:

@@ -79,5 +79,5 @@ class PoseField:
         """
         vertices = checked_floats(vertices_m, "PoseField.deform(vertices_m)", (3,))
         directions = checked_floats(normals, "PoseField.deform(normals)", (3,))
-        moved = self.at(vertices, fraction)
-        return moved.apply(vertices), moved.rotor.apply(directions)
+        motion = self.at(vertices, fraction)
+        return motion.apply(vertices), motion.rotor.apply(directions)

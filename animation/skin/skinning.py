@@ -17,9 +17,9 @@ from motorcade.animation.character import Character
 from motorcade.animation.skin.palette import SkinMethod, palette
 from motorcade.ga import FloatArray, Motor, Similarity, kernels
 
-__all__ = ["CARRIERS", "skin"]
+__all__ = ["SKIN_KERNELS", "skin"]
 
-CARRIERS: dict[SkinMethod, str] = {
+SKIN_KERNELS: dict[SkinMethod, str] = {
     "linear": "carry_matrix",
     "dual_quaternion": "carry_dual_quaternion",
     "motor": "carry_motor",
@@ -53,15 +53,15 @@ def skin(
     if scale is not None:
         share = np.sum(scale[..., character.joints] * character.weights, axis=-1)
         rest = rest * share[..., None]
-    carried = np.empty((*sums.shape[:-1], 6))
+    skinned = np.empty((*sums.shape[:-1], 6))
     batch = sums.shape[:-1]
-    kernels.function(CARRIERS[method])(
+    kernels.function(SKIN_KERNELS[method])(
         np.ascontiguousarray(sums).reshape(-1, sums.shape[-1]),
         np.ascontiguousarray(np.broadcast_to(rest, (*batch, 3))).reshape(-1, 3),
         np.ascontiguousarray(np.broadcast_to(character.normals, (*batch, 3))).reshape(-1, 3),
-        carried.reshape(-1, 6),
+        skinned.reshape(-1, 6),
     )
-    return carried[..., :3], carried[..., 3:]
+    return skinned[..., :3], skinned[..., 3:]
 
 
 def _sums(character: Character, entries: FloatArray, with_signs: bool) -> FloatArray:

@@ -23,7 +23,7 @@ from motorcade.render.backends.projection import (
     OPENCV_T_OPENGL,
     shadow_camera,
 )
-from motorcade.render.backends.renderer import Renderer, check_moved
+from motorcade.render.backends.renderer import Renderer, check_vertices
 from motorcade.render.scene import Lamp, Layer, Lighting, Sun, Surface
 from motorcade.tracking.cameras.camera import Camera
 
@@ -64,7 +64,7 @@ class OffscreenRenderer(Renderer):
 
     def _move(self, surface: int, vertices: FloatArray, normals: FloatArray) -> None:
         primitive = self._primitives[surface]
-        check_moved(primitive.positions.shape, vertices, normals)
+        check_vertices(primitive.positions.shape, vertices, normals)
         bounds = primitive.bounds
         primitive.positions = vertices
         primitive.normals = normals

@@ -13,7 +13,7 @@ from motorcade.render.backends.platform import ContextLost, choose_platform
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["Renderer", "check_moved", "check_size"]
+__all__ = ["Renderer", "check_size", "check_vertices"]
 
 
 class Renderer(ABC):
@@ -188,7 +188,7 @@ def check_size(width: int, height: int, largest: int | None = None) -> None:
         )
 
 
-def check_moved(shape: tuple[int, ...], vertices: FloatArray, normals: FloatArray) -> None:
+def check_vertices(shape: tuple[int, ...], vertices: FloatArray, normals: FloatArray) -> None:
     """Refuse vertices of another number than were shown.
 
     Raises:

@@ -60,7 +60,7 @@ def lighting_of_footage(
     estimate = estimate_light(ShadedPoints.joined(parts), middle, 2.0 * height_m)
     assumed = sunlight_direction(placement, world_T_camera.motors)
     sure = certainty(estimate)
-    told = "light estimated from surfaces with depth"
+    summary = "light estimated from surfaces with depth"
     if sure < 1.0:
-        told += ", its direction assumed" if sure == 0.0 else ", its direction in part assumed"
-    return estimated_lighting(placement, height_m, estimate, assumed), told
+        summary += ", its direction assumed" if sure == 0.0 else ", its direction in part assumed"
+    return estimated_lighting(placement, height_m, estimate, assumed), summary

@@ -127,13 +127,13 @@ def lighting_without_depth(
                 on_prints += _paper(seen, camera, pose, prints)
     if prints is not None and on_prints:
         gain = _gain_by_paper(usual, prints, on_prints)
-        told = "light as bright and of the colour that printed paper shows, its direction assumed"
+        summary = "brightness and colour of light by printed paper, its direction assumed"
     elif greys:
         gain = _gain_by_grey(usual, placement, np.median(greys, axis=0))
-        told = "light of a brightness and colour guessed from a grey world, its direction assumed"
+        summary = "brightness and colour of light guessed from a grey world, its direction assumed"
     else:
         return usual, "a fixed light"
-    return _brightened(usual, np.clip(gain, *GAINS)), told
+    return _brightened(usual, np.clip(gain, *GAINS)), summary
 
 
 def _paper(

@@ -41,9 +41,9 @@ def twists(path: Trajectory) -> tuple[FloatArray, FloatArray]:
     the next, its logarithm over the time between.
     """
     poses, time_s = path.motors, path.time_s
-    moved = (poses[:-1].inverse() @ poses[1:]).as_twist()
+    steps = (poses[:-1].inverse() @ poses[1:]).as_twist()
     step_s = np.diff(time_s)
-    return time_s[:-1] + 0.5 * step_s, moved / step_s[:, None]
+    return time_s[:-1] + 0.5 * step_s, steps / step_s[:, None]
 
 
 def plot_rotation_and_twist(path: Trajectory, start_ns: int | None = None, unit: str = "m") -> str:

@@ -26,7 +26,7 @@ class PlacedCharacter:
         content: SHA-256 of the character's file; empty for the mannequin.
         path_m: where it walks, ``(P, 2)`` points of the plane; else none.
         plane_T_character: where the placement stands in that plane.
-        carry: where it stands on a marker that moves, what moves the placement along: the pose
+        ground_motion: on a marker that moves, what moves the placement along: the pose
             that takes what stands in the world at the first frame to where it is later.
     """
 
@@ -37,7 +37,7 @@ class PlacedCharacter:
     content: str = ""
     path_m: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
     plane_T_character: Motor = field(default_factory=Motor.identity)
-    carry: Trajectory | None = None
+    ground_motion: Trajectory | None = None
 
 
 @dataclass(frozen=True, eq=False)

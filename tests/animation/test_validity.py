@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Character, Clip, PoseRuntime, Skeleton, Skinner, skin
-from motorcade.animation.blend import BLEND_METHODS, Layer, added, blend_layers, blend_poses
+from motorcade.animation.blend import BLEND_METHODS, PoseLayer, added, blend_layers, blend_poses
 from motorcade.animation.skin import SKIN_METHODS
 from motorcade.ga import Motor, Similarity
 
@@ -109,10 +109,10 @@ class TestBlending:
         np.testing.assert_allclose(whole[some].coefficients, alone.coefficients, atol=1e-9)
 
     def test_layers_bear_masks_of_nothing(self, skeleton, poses, method):
-        empty = Layer(poses[0], 1.0, np.zeros(3))
+        empty = PoseLayer(poses[0], 1.0, np.zeros(3))
         alone = blend_layers([empty], skeleton.rest, method=method)
         np.testing.assert_allclose(alone.as_matrix(), skeleton.rest.as_matrix(), atol=1e-12)
-        both = blend_layers([empty, Layer(poses[1])], skeleton.rest, method=method)
+        both = blend_layers([empty, PoseLayer(poses[1])], skeleton.rest, method=method)
         np.testing.assert_allclose(both.as_matrix(), poses[1].as_matrix(), atol=1e-9)
 
 
@@ -127,37 +127,37 @@ class TestBlending:
     ],
 )
 def test_masks_that_are_none_are_refused(poses, mask, message):
-    with pytest.raises(ValueError, match=rf"Layer\.mask.*{message}"):
-        Layer(poses[0], 1.0, np.array(mask))
+    with pytest.raises(ValueError, match=rf"PoseLayer\.mask.*{message}"):
+        PoseLayer(poses[0], 1.0, np.array(mask))
 
 
 @pytest.mark.parametrize("weight", [-0.1, np.nan, np.inf])
 def test_weights_of_layers_that_are_none_are_refused(skeleton, poses, weight):
-    with pytest.raises(ValueError, match=r"Layer\.weight: expected a number from 0 up, got"):
-        Layer(poses[0], weight)
+    with pytest.raises(ValueError, match=r"PoseLayer\.weight: expected a number from 0 up, got"):
+        PoseLayer(poses[0], weight)
     with pytest.raises(ValueError, match="threshold"):
-        blend_layers([Layer(poses[0])], skeleton.rest, threshold=-abs(weight))
+        blend_layers([PoseLayer(poses[0])], skeleton.rest, threshold=-abs(weight))
     if not np.isfinite(weight):
         with pytest.raises(ValueError, match=r"added\(weights\): expected finite"):
             added(poses[0], poses[1], weight)
 
 
 def test_a_pose_of_no_joints_is_no_layer(poses):
-    with pytest.raises(ValueError, match=r"Layer\.pose: expected shape \(\*, J\), got \(\)"):
-        Layer(poses[0, 0])
+    with pytest.raises(ValueError, match=r"PoseLayer\.pose: expected shape \(\*, J\), got \(\)"):
+        PoseLayer(poses[0, 0])
 
 
 def test_layers_of_other_skeletons_are_refused(skeleton, poses):
     with pytest.raises(ValueError, match=r"expected poses of \(3,\) joints"):
-        blend_layers([Layer(poses[0][:2])], skeleton.rest)
+        blend_layers([PoseLayer(poses[0][:2])], skeleton.rest)
     with pytest.raises(ValueError, match="expected 3 factors from 0 to 1"):
-        Layer(poses[0], 1.0, np.ones(2))
+        PoseLayer(poses[0], 1.0, np.ones(2))
 
 
 def test_layers_without_weight_are_the_rest_pose(skeleton, poses):
-    made = blend_layers([Layer(poses[0], 0.0)], skeleton.rest)
+    made = blend_layers([PoseLayer(poses[0], 0.0)], skeleton.rest)
     np.testing.assert_allclose(made.coefficients, skeleton.rest.coefficients, atol=1e-15)
-    half = blend_layers([Layer(poses[0], 0.0), Layer(poses[1], 1.0)], skeleton.rest)
+    half = blend_layers([PoseLayer(poses[0], 0.0), PoseLayer(poses[1], 1.0)], skeleton.rest)
     np.testing.assert_allclose(half.apply([0, 0, 0.1]), poses[1].apply([0, 0, 0.1]), atol=1e-12)
 
 

@@ -171,7 +171,7 @@ def test_light_and_shadow_go_with_a_figure_that_travels(figure: Character, rende
     shift = Motor.from_translation([away, 0.0, 0.0])
     moved = Trajectory(np.array([0, 1_000_000_000]), shift @ path_here.motors)
     light = character_lighting(here, path_here.motors, 1.0, np.array([-0.4, 0.3, -0.85]))
-    light_there = light.moved_by(np.array([away, 0.0, 0.0]))
+    light_there = light.translated_by(np.array([away, 0.0, 0.0]))
     frame = np.full((CAMERA.height, CAMERA.width, 3), 120, dtype=np.uint8)
     stamps = (0, 1_000_000_000)
     went = list(

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.animation.formats.collada.library import Library, inputs_of
-from motorcade.animation.formats.collada.scene import Scene, matrix_of_steps
+from motorcade.animation.formats.collada.scene import ColladaScene, matrix_of_steps
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.rig.curves import before_jumps, between, great_arc, with_times
@@ -55,10 +55,10 @@ class _Curve:
         kinds = self.kinds[before]
         hold = (kinds == "STEP") & (fraction < 1.0)
         made = np.where(hold[:, None], self.values[before], made)
-        bent = np.flatnonzero(kinds == "BEZIER")
-        if len(bent) and self.into is not None and self.out is not None:
+        curved = np.flatnonzero(kinds == "BEZIER")
+        if len(curved) and self.into is not None and self.out is not None:
             made = np.array(made)
-            made[bent] = self._bezier(before[bent], times[bent])
+            made[curved] = self._bezier(before[curved], times[curved])
         return made
 
     def _bezier(self, before: np.ndarray, times: FloatArray) -> FloatArray:
@@ -84,13 +84,17 @@ class _Curve:
         )
 
 
-def read_clip(library: Library, scene: Scene) -> tuple[RigClip | None, list[str]]:
+_Moves = list[tuple[int, slice | int, _Curve]]
+"""Steps of one node's stack, which of each step's numbers move, and how."""
+
+
+def read_clip(library: Library, scene: ColladaScene) -> tuple[RigClip | None, list[str]]:
     """All channels that move nodes of the scene as one clip, or None without any.
 
     Raises:
         FormatError: sources that are missing or do not fit, or times that do not increase.
     """
-    moves: dict[int, list[tuple[int, slice | int, _Curve]]] = {}
+    moves: dict[int, _Moves] = {}
     left_out = 0
     title = ""
     for animations in library.root.all("library_animations"):
@@ -117,9 +121,7 @@ def read_clip(library: Library, scene: Scene) -> tuple[RigClip | None, list[str]
     return _clip(scene, moves, title or "animation"), notices
 
 
-def _clip(
-    scene: Scene, moves: dict[int, list[tuple[int, slice | int, _Curve]]], name: str
-) -> RigClip:
+def _clip(scene: ColladaScene, moves: dict[int, _Moves], name: str) -> RigClip:
     curves = [curve for parts in moves.values() for _, _, curve in parts]
     times = np.unique(np.concatenate([curve.keys for curve in curves]))
     jumps = [before_jumps(curve.keys) for curve in curves if np.any(curve.kinds == "STEP")]
@@ -154,14 +156,12 @@ def _clip(
     )
 
 
-def _matrix_moves(scene: Scene, node: int, parts: list[tuple[int, slice | int, _Curve]]) -> bool:
+def _matrix_moves(scene: ColladaScene, node: int, parts: _Moves) -> bool:
     """Whether a node moves by the keys of a matrix."""
     return any(scene.stacks[node][step].kind == "matrix" for step, _, _ in parts)
 
 
-def _at_keys(
-    scene: Scene, node: int, parts: list[tuple[int, slice | int, _Curve]], wanted: FloatArray
-) -> Transforms:
+def _at_keys(scene: ColladaScene, node: int, parts: _Moves, wanted: FloatArray) -> Transforms:
     """Transforms (n,) between those that a node has at its own keys."""
     keys = np.unique(np.concatenate([curve.keys for _, _, curve in parts]))
     held = Transforms.from_matrices(_matrices(scene, node, parts, keys))
@@ -173,9 +173,7 @@ def _at_keys(
     )
 
 
-def _matrices(
-    scene: Scene, node: int, parts: list[tuple[int, slice | int, _Curve]], times: FloatArray
-) -> FloatArray:
+def _matrices(scene: ColladaScene, node: int, parts: _Moves, times: FloatArray) -> FloatArray:
     """Matrices (n, 4, 4) of a node with its moving numbers put in."""
     stack = scene.stacks[node]
     values: dict[int, FloatArray] = {}
@@ -187,7 +185,7 @@ def _matrices(
     return np.broadcast_to(matrix_of_steps(stack, values), (len(times), 4, 4))
 
 
-def _target(scene: Scene, target: str) -> tuple[int, int, slice | int | None] | None:
+def _target(scene: ColladaScene, target: str) -> tuple[int, int, slice | int | None] | None:
     """Node, step of its stack, and which of the step's numbers; None for anything else."""
     name, slash, rest = target.partition("/")
     node = scene.by_id.get(name)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.animation.formats.collada.geometry import Part, read_geometry
+from motorcade.animation.formats.collada.geometry import PolygonGroup, read_geometry
 from motorcade.animation.formats.collada.library import Library, inputs_of, matrices_of, number
 from motorcade.animation.formats.collada.materials import ColladaMaterials
-from motorcade.animation.formats.collada.scene import Scene
+from motorcade.animation.formats.collada.scene import ColladaScene
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.limits import MAX_VERTICES, check_count
-from motorcade.animation.formats.rig.values import Skin, Surface
+from motorcade.animation.formats.rig.values import RigSurface, Skin
 from motorcade.ga import FloatArray, IntArray
 
 __all__ = ["Controllers"]
@@ -28,21 +28,21 @@ class Controllers:
         materials: its colours.
     """
 
-    def __init__(self, library: Library, scene: Scene, materials: ColladaMaterials) -> None:
+    def __init__(self, library: Library, scene: ColladaScene, materials: ColladaMaterials) -> None:
         self._library = library
         self._scene = scene
         self._materials = materials
         self.notices: list[str] = []
-        self._geometries: dict[str, tuple[list[Part], list[str]]] = {}
+        self._geometries: dict[str, tuple[list[PolygonGroup], list[str]]] = {}
         self._total = 0
 
-    def surfaces(self) -> tuple[tuple[Surface, ...], tuple[int, ...]]:
+    def surfaces(self) -> tuple[tuple[RigSurface, ...], tuple[int, ...]]:
         """Surfaces of every node, and the nodes that skins call joints.
 
         Raises:
             FormatError: sources that are missing or do not fit, or joints that are no nodes.
         """
-        made: list[Surface] = []
+        made: list[RigSurface] = []
         joints: set[int] = set()
         for node, element in enumerate(self._scene.elements):
             for instance in element.all("instance_controller"):
@@ -62,26 +62,26 @@ class Controllers:
             self.notices.append(f"'{controller.get('id')[:60]}' morphs a mesh: left out")
         return skin
 
-    def _parts(self, geometry: Element) -> tuple[list[Part], list[str]]:
+    def _parts(self, geometry: Element) -> tuple[list[PolygonGroup], list[str]]:
         """Parts of a geometry, which several nodes may share; read once."""
         key = geometry.get("id")
         if key not in self._geometries:
             self._geometries[key] = read_geometry(self._library, geometry)
-        parts, told = self._geometries[key]
+        parts, notices = self._geometries[key]
         self._total += sum(max(len(part.vertices), len(part.triangles)) for part in parts)
         check_count("vertices and triangles", self._total, MAX_VERTICES)
-        return parts, told
+        return parts, notices
 
-    def _hanging(self, instance: Element, node: int) -> list[Surface]:
+    def _hanging(self, instance: Element, node: int) -> list[RigSurface]:
         geometry = self._library.named(instance.get("url"), "geometry", "instance_geometry")
         if geometry.first("mesh") is None:
             self.notices.append(f"'{geometry.get('id')[:60]}' is no mesh: left out")
             return []
-        parts, told = self._parts(geometry)
-        self.notices += told
+        parts, notices = self._parts(geometry)
+        self.notices += notices
         name = (geometry.get("name") or geometry.get("id"))[:60]
         return [
-            Surface(
+            RigSurface(
                 name,
                 node,
                 part.vertices,
@@ -94,32 +94,32 @@ class Controllers:
 
     def _skinned(
         self, element: Element, instance: Element, node: int
-    ) -> tuple[list[Surface], list[int]]:
+    ) -> tuple[list[RigSurface], list[int]]:
         geometry = self._library.named(element.get("source"), "geometry", "skin source")
         name = (geometry.get("name") or geometry.get("id"))[:60]
-        parts, told = self._parts(geometry)
-        self.notices += told
+        parts, notices = self._parts(geometry)
+        self.notices += notices
         skin = self._skin(element, name)
         numbers, weights = self._influences(element, name, len(skin.nodes))
         made = []
         for part in parts:
             if part.positions.max(initial=0) >= len(numbers):
                 raise expected(f"skin of '{name}'", "weights of every vertex", len(numbers))
-            made.append(self._carried(part, instance, node, name, skin, numbers, weights))
+            made.append(self._bound(part, instance, node, name, skin, numbers, weights))
         return made, skin.nodes.tolist()
 
-    def _carried(
+    def _bound(
         self,
-        part: Part,
+        part: PolygonGroup,
         instance: Element,
         node: int,
         name: str,
         skin: Skin,
         numbers: IntArray,
         weights: FloatArray,
-    ) -> Surface:
+    ) -> RigSurface:
         held = part.positions
-        return Surface(
+        return RigSurface(
             name,
             node,
             part.vertices,

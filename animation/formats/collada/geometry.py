@@ -16,14 +16,14 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_VALUES
 from motorcade.ga import FloatArray, IntArray
 
-__all__ = ["Part", "read_geometry"]
+__all__ = ["PolygonGroup", "read_geometry"]
 
 KINDS = ("triangles", "polylist", "polygons")
 OTHERS = ("tristrips", "trifans", "lines", "linestrips")
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class PolygonGroup:
     """Polygons of one material.
 
     Args:
@@ -45,7 +45,7 @@ class Part:
     triangles: IntArray
 
 
-def read_geometry(library: Library, geometry: Element) -> tuple[list[Part], list[str]]:
+def read_geometry(library: Library, geometry: Element) -> tuple[list[PolygonGroup], list[str]]:
     """Parts of a geometry, and what was left out.
 
     Raises:
@@ -78,7 +78,7 @@ def _part(
     positions: FloatArray,
     shared: dict[str, Element],
     name: str,
-) -> Part | None:
+) -> PolygonGroup | None:
     inputs = inputs_of(element)
     if "VERTEX" not in inputs:
         raise expected(f"'{name}' <{element.name}>", "an input VERTEX", sorted(inputs))
@@ -102,7 +102,7 @@ def _part(
         semantic: values[unique[:, column_number]]
         for column_number, (semantic, (_, values)) in enumerate(used.items())
     }
-    return Part(
+    return PolygonGroup(
         element.get("material"),
         unique[:, 0],
         taken["VERTEX"],

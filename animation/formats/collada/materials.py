@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.animation.formats.collada.geometry import Part
+from motorcade.animation.formats.collada.geometry import PolygonGroup
 from motorcade.animation.formats.collada.library import Library
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.images import Texture, Textures
@@ -37,7 +37,7 @@ class ColladaMaterials:
         """Textures that could not be read."""
         return self._textures.notices
 
-    def colors(self, part: Part, instance: Element) -> FloatArray:
+    def colors(self, part: PolygonGroup, instance: Element) -> FloatArray:
         """Colours (V, 3), sRGB, of a part of a mesh, as an instance binds its material."""
         if part.colors is not None:
             return np.clip(part.colors, 0.0, 1.0)

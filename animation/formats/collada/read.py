@@ -44,7 +44,7 @@ def read_collada(path: Path) -> Rig:
     materials = ColladaMaterials(library, path.parent)
     controllers = Controllers(library, scene, materials)
     surfaces, joints = controllers.surfaces()
-    clip, told = read_clip(library, scene)
+    clip, notices_of_clips = read_clip(library, scene)
     return Rig(
         scene.tree,
         joints,
@@ -53,7 +53,7 @@ def read_collada(path: Path) -> Rig:
         up=up,
         forward=forward,
         unit_m=_unit_m("" if unit is None else unit.get("meter")),
-        notices=(*scene.notices, *controllers.notices, *materials.notices, *told),
+        notices=(*scene.notices, *controllers.notices, *materials.notices, *notices_of_clips),
     )
 
 

@@ -19,13 +19,13 @@ from motorcade.animation.formats.rig.values import NodeTree
 from motorcade.animation.vectors import unit
 from motorcade.ga import FloatArray, Rotor
 
-__all__ = ["Scene", "Step", "matrix_of_steps", "read_scene"]
+__all__ = ["ColladaScene", "TransformStep", "matrix_of_steps", "read_scene"]
 
 SIZES = {"matrix": 16, "translate": 3, "rotate": 4, "scale": 3}
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class TransformStep:
     """One transform of a stack.
 
     Args:
@@ -40,7 +40,7 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class ColladaScene:
     """The nodes of the scene.
 
     Args:
@@ -52,7 +52,7 @@ class Scene:
 
     tree: NodeTree
     elements: tuple[Element, ...]
-    stacks: tuple[tuple[Step, ...], ...]
+    stacks: tuple[tuple[TransformStep, ...], ...]
     notices: tuple[str, ...]
     by_id: dict[str, int] = field(default_factory=dict)
     by_sid: dict[str, int] = field(default_factory=dict)
@@ -66,7 +66,7 @@ class Scene:
         return None
 
 
-def read_scene(library: Library) -> Scene:
+def read_scene(library: Library) -> ColladaScene:
     """The nodes of the scene that the document shows, or else of its first.
 
     Raises:
@@ -95,7 +95,7 @@ def read_scene(library: Library) -> Scene:
     names = tuple((one.get("name") or one.get("id"))[:200] for one in elements)
     tree = NodeTree(names, np.array(parents), Transforms.from_matrices(rest))
     notices = (f"{left_out} instances of library nodes are left out",) if left_out else ()
-    made = Scene(tree, tuple(elements), stacks, notices)
+    made = ColladaScene(tree, tuple(elements), stacks, notices)
     for number, one in enumerate(elements):
         for key, known in (("id", made.by_id), ("sid", made.by_sid), ("name", made.by_name)):
             if one.get(key):
@@ -104,7 +104,7 @@ def read_scene(library: Library) -> Scene:
 
 
 def matrix_of_steps(
-    stack: tuple[Step, ...], values: dict[int, FloatArray] | None = None
+    stack: tuple[TransformStep, ...], values: dict[int, FloatArray] | None = None
 ) -> FloatArray:
     """The product (4, 4) of a stack, or (n, 4, 4) where some steps have values (n, size)."""
     product = np.eye(4)
@@ -114,7 +114,7 @@ def matrix_of_steps(
     return product
 
 
-def _stack(element: Element) -> tuple[Step, ...]:
+def _stack(element: Element) -> tuple[TransformStep, ...]:
     steps = []
     for one in element.children:
         if one.name in ("lookat", "skew"):
@@ -122,7 +122,7 @@ def _stack(element: Element) -> tuple[Step, ...]:
                 f"node '{element.get('id')}'", "matrix, translate, rotate or scale", one.name
             )
         if one.name in SIZES:
-            steps.append(Step(one.name, one.get("sid"), one.floats(SIZES[one.name])))
+            steps.append(TransformStep(one.name, one.get("sid"), one.floats(SIZES[one.name])))
     return tuple(steps)
 
 

@@ -70,7 +70,7 @@ def read_animations(
     """
     entries = document.entries("animations")
     check_count("animations", len(entries), MAX_CLIPS)
-    reader = _Reader(accessors, nodes)
+    reader = _ChannelReader(accessors, nodes)
     clips = []
     for number, one in enumerate(entries):
         given = table(one, f"animations[{number}]")
@@ -88,13 +88,13 @@ def _clip(given: dict[str, Any], groups: list[_Group], nodes: Nodes) -> RigClip:
     jumps = [before_jumps(group.keys) for group in groups if group.interpolation == "STEP"]
     if jumps:
         times = np.unique(np.concatenate([times, *jumps]))
-    moved = np.unique(np.concatenate([group.nodes for group in groups]))
+    moving = np.unique(np.concatenate([group.nodes for group in groups]))
     extras = given.get("extras")
     return RigClip(
         str(given.get("name", ""))[:200],
         times,
-        partial(_transforms, groups, nodes, moved, _replaced_helpers(nodes.tree, moved)),
-        moved,
+        partial(_transforms, groups, nodes, moving, _replaced_helpers(nodes.tree, moving)),
+        moving,
         straight=all(group.interpolation == "LINEAR" for group in groups),
         looped=isinstance(extras, dict) and extras.get("looped") is True,
         key_count=max(len(group.keys) for group in groups),
@@ -102,7 +102,7 @@ def _clip(given: dict[str, Any], groups: list[_Group], nodes: Nodes) -> RigClip:
 
 
 def _transforms(
-    groups: list[_Group], nodes: Nodes, moved: IntArray, dropped: IntArray, times: FloatArray
+    groups: list[_Group], nodes: Nodes, moving: IntArray, dropped: IntArray, times: FloatArray
 ) -> Transforms:
     """Transforms (n, N) of all nodes at times (n,); those dropped move nothing."""
     wxyz, places, scales = (np.repeat(part[None], len(times), axis=0) for part in nodes.parts)
@@ -120,18 +120,18 @@ def _transforms(
     if blocks is None:
         return made
     own = np.array(made.as_blocks())
-    still = np.setdiff1d(np.arange(len(blocks)), np.union1d(moved, dropped))
+    still = np.setdiff1d(np.arange(len(blocks)), np.union1d(moving, dropped))
     own[:, still] = blocks[still]
     return Transforms(made.wxyz, made.translation, made.scale, own)
 
 
-def _replaced_helpers(tree: NodeTree, moved: IntArray) -> IntArray:
+def _replaced_helpers(tree: NodeTree, targets: IntArray) -> IntArray:
     """Helper nodes whose transforms an animation of their joint already contains.
 
     Files made from FBX put a joint's pivots and rotations into helper nodes above it. An animation
     then moves these helpers, or else the joint itself by all that they and it do together.
     """
-    parents, moving = tree.parents.tolist(), set(moved.tolist())
+    parents, moving = tree.parents.tolist(), set(targets.tolist())
     dropped: list[int] = []
     for node in moving:
         helpers = []
@@ -144,7 +144,7 @@ def _replaced_helpers(tree: NodeTree, moved: IntArray) -> IntArray:
     return np.array(sorted(dropped), dtype=np.int64)
 
 
-class _Reader:
+class _ChannelReader:
     """Reads the channels of one document; counts what they unpack to.
 
     Args:

@@ -13,7 +13,7 @@ from motorcade.animation.formats.gltf.fields import integer, listed, table
 from motorcade.animation.formats.gltf.materials import GltfMaterials
 from motorcade.animation.formats.gltf.nodes import Nodes
 from motorcade.animation.formats.limits import MAX_VERTICES, check_count
-from motorcade.animation.formats.rig.values import Skin, Surface
+from motorcade.animation.formats.rig.values import RigSurface, Skin
 from motorcade.ga import FloatArray, IntArray
 
 __all__ = ["Meshes"]
@@ -42,14 +42,14 @@ class Meshes:
     @property
     def notices(self) -> list[str]:
         """What was left out or assumed."""
-        told = list(self._materials.notices)
+        notices = list(self._materials.notices)
         if self._morphs:
-            told.append(f"morph targets of {self._morphs} meshes are left out")
+            notices.append(f"morph targets of {self._morphs} meshes are left out")
         if self._lines:
-            told.append(f"{self._lines} meshes of points or lines are left out")
-        return told
+            notices.append(f"{self._lines} meshes of points or lines are left out")
+        return notices
 
-    def surfaces(self) -> tuple[tuple[Surface, ...], tuple[int, ...]]:
+    def surfaces(self) -> tuple[tuple[RigSurface, ...], tuple[int, ...]]:
         """Surfaces of every node with a mesh, and the nodes that skins call joints.
 
         Raises:
@@ -96,7 +96,7 @@ class Meshes:
 
     def _surface(
         self, part: dict[str, Any], name: str, node: int, skin: Skin | None
-    ) -> Surface | None:
+    ) -> RigSurface | None:
         mode = integer(part.get("mode", TRIANGLES), f"mesh '{name}'.mode", 0, 6)
         if mode not in (TRIANGLES, STRIP, FAN):
             self._lines += 1
@@ -119,9 +119,9 @@ class Meshes:
         check_count("vertices and triangles", self._total, MAX_VERTICES)
         colors = self._materials.colors(part, given, self._accessors, name, count)
         if skin is None:
-            return Surface(name, node, vertices, normals, triangles, colors)
+            return RigSurface(name, node, vertices, normals, triangles, colors)
         numbers, weights = self._influences(given, name, count, len(skin.nodes))
-        return Surface(name, node, vertices, normals, triangles, colors, skin, numbers, weights)
+        return RigSurface(name, node, vertices, normals, triangles, colors, skin, numbers, weights)
 
     def _same(self, index: object, field: str, kind: str, count: int) -> FloatArray:
         values = self._accessors.floats(index, field, kind)

@@ -28,7 +28,7 @@ def read_gltf(path: Path) -> Rig:
     nodes = read_nodes(document)
     meshes = Meshes(document, accessors, nodes)
     surfaces, joints = meshes.surfaces()
-    clips, told = read_animations(document, accessors, nodes)
+    clips, notices_of_clips = read_animations(document, accessors, nodes)
     generator = document.root["asset"].get("generator")
     return Rig(
         nodes.tree,
@@ -39,5 +39,5 @@ def read_gltf(path: Path) -> Rig:
         forward=(0.0, 0.0, 1.0),
         unit_m=1.0,
         unit_checked=isinstance(generator, str) and KEEPS_UNITS in generator,
-        notices=(*meshes.notices, *told),
+        notices=(*meshes.notices, *notices_of_clips),
     )

@@ -161,10 +161,10 @@ def _add_points(buffer: BinaryBuffer, document: dict[str, Any], points_m: FloatA
     document["nodes"].append({"name": "map", "mesh": len(document["meshes"]) - 1})
 
 
-def _nodes(character: Character, carried: bool, filmed: bool) -> list[dict[str, Any]]:
+def _nodes(character: Character, on_path: bool, filmed: bool) -> list[dict[str, Any]]:
     """The world, what the path carries, the joints, the mesh, the camera."""
     skeleton = character.skeleton
-    first = 2 if carried else 1
+    first = 2 if on_path else 1
     below: list[list[int]] = [[] for _ in range(len(skeleton))]
     roots: list[int] = []
     for joint, parent in enumerate(skeleton.parents.tolist()):
@@ -172,7 +172,7 @@ def _nodes(character: Character, carried: bool, filmed: bool) -> list[dict[str, 
     camera = first + len(skeleton) + 1
     world: dict[str, Any] = {"name": "world", "rotation": UPRIGHT_XYZW, "children": roots}
     nodes = [world]
-    if carried:
+    if on_path:
         world["children"] = [1, camera] if filmed else [1]
         nodes.append({"name": "path", "children": roots})
     wxyz, places = skeleton.rest.as_quaternion_translation()

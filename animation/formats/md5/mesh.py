@@ -12,7 +12,7 @@ from motorcade.animation.formats.limits import MAX_NODES, beside, read_bounded
 from motorcade.animation.formats.md5.motion import read_clip
 from motorcade.animation.formats.md5.words import Words, opened, orientation
 from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip, Skin, Surface
+from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip, RigSurface, Skin
 from motorcade.animation.skeleton import local_poses
 from motorcade.ga import FloatArray, IntArray, Motor
 
@@ -85,7 +85,7 @@ def _mesh(
     skin: Skin,
     folder: Path,
     textures: Textures,
-) -> Surface | None:
+) -> RigSurface | None:
     words.need("mesh", "{")
     shader = ""
     if words.peek() == "shader":
@@ -112,7 +112,7 @@ def _mesh(
     if shader:
         texture = textures.read(shader, lambda: read_bounded(beside(folder, shader, "shader")))
     colors = np.tile(PLAIN, (len(placed), 1)) if texture is None else texture.at(vertices[:, 1:3])
-    return Surface(
+    return RigSurface(
         shader or field,
         0,
         placed,

@@ -76,12 +76,12 @@ def _motion(path: Path) -> tuple[tuple[str, ...], IntArray, Transforms, RigClip]
         row = words.floats(width, f"frame {frame}")
         words.need("}")
         for part in range(6):
-            moved = np.flatnonzero(flags & (1 << part))
+            animated = np.flatnonzero(flags & (1 << part))
             before = np.array(
-                [bin(int(flags[joint]) & ((1 << part) - 1)).count("1") for joint in moved],
+                [bin(int(flags[joint]) & ((1 << part) - 1)).count("1") for joint in animated],
                 dtype=np.int64,
             )
-            values[frame, moved, part] = row[starts[moved] + before]
+            values[frame, animated, part] = row[starts[animated] + before]
     rest = Transforms(orientation(base[:, 3:]), base[:, :3], np.ones(joints))
     return names, parents, rest, _clip(path.stem[:200], values, rate)
 

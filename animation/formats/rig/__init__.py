@@ -15,8 +15,8 @@ from motorcade.animation.formats.rig.values import (
     NodeTree,
     Rig,
     RigClip,
+    RigSurface,
     Skin,
-    Surface,
     transforms_over,
 )
 
@@ -24,9 +24,9 @@ __all__ = [
     "NodeTree",
     "Rig",
     "RigClip",
+    "RigSurface",
     "SkeletalMotion",
     "Skin",
-    "Surface",
     "Transforms",
     "assemble_character",
     "assemble_motion",

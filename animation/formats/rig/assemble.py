@@ -53,7 +53,7 @@ def assemble_character(rig: Rig, unit_m: float | None) -> Character:
     """
     if not rig.surfaces:
         raise NoMeshError("meshes: expected one or more, got none; read_motion reads the rest")
-    stage = _Stage.of(rig, unit_m)
+    stage = _Stance.of(rig, unit_m)
     binding = bind(stage.joints, stage.rest, rig.surfaces)
     mesh = bound_mesh(rig.tree, stage.joints, binding, rig.surfaces)
     notices = [*stage.notices, *mesh.notices, *_lost(stage.rest, mesh)]
@@ -67,7 +67,7 @@ def assemble_character(rig: Rig, unit_m: float | None) -> Character:
     stage = replace(stage, world=replace(stage.world, lowered_m=soles_m))
     watched = _carrying(stage.joints, mesh)
     height_m = float(max(vertices[:, 2].max(), 1e-6))
-    clips, told = stage.clips(rig, binding.scale, height_m, watched)
+    clips, notice = stage.clips(rig, binding.scale, height_m, watched)
     return Character(
         skeleton,
         vertices,
@@ -77,7 +77,7 @@ def assemble_character(rig: Rig, unit_m: float | None) -> Character:
         mesh.joints,
         mesh.weights,
         clips,
-        (*notices, *told),
+        (*notices, *notice),
     )
 
 
@@ -90,7 +90,7 @@ def assemble_motion(rig: Rig, unit_m: float | None) -> SkeletalMotion:
     Raises:
         FormatError: no joints, or values that make no skeleton.
     """
-    stage = _Stage.of(rig, unit_m)
+    stage = _Stance.of(rig, unit_m)
     local = stage.rest.motors()[0]
     skeleton = Skeleton(stage.joints.names, stage.joints.parents, local)
     lowest_m = float(skeleton.rest_world.translation_m[:, 2].min())
@@ -99,12 +99,12 @@ def assemble_motion(rig: Rig, unit_m: float | None) -> SkeletalMotion:
         skeleton = _skeleton(stage.joints, lift @ skeleton.rest_world)
     height_m = float(np.ptp(skeleton.rest_world.translation_m, axis=0).max())
     everything = np.ones(len(skeleton), dtype=bool)
-    clips, told = stage.clips(rig, stage.rest.scale[0], max(height_m, 1e-6), everything)
-    return SkeletalMotion(skeleton, clips, (*stage.notices, *told))
+    clips, notice = stage.clips(rig, stage.rest.scale[0], max(height_m, 1e-6), everything)
+    return SkeletalMotion(skeleton, clips, (*stage.notices, *notice))
 
 
 @dataclass(frozen=True, eq=False)
-class _Stage:
+class _Stance:
     """Joints, the lie of the file's world, and the pose (1, J) in which the nodes stand."""
 
     joints: Joints
@@ -113,7 +113,7 @@ class _Stage:
     notices: tuple[str, ...]
 
     @staticmethod
-    def of(rig: Rig, unit_m: float | None) -> _Stage:
+    def of(rig: Rig, unit_m: float | None) -> _Stance:
         joints = joints_of(rig)
         plain = joint_poses(rig.tree, joints, rig.tree.rest[None], World(Rotor.identity(), 1.0))
         skeleton = Skeleton(joints.names, joints.parents, plain.motors()[0])
@@ -125,8 +125,8 @@ class _Stage:
         height = float(np.ptp(axes.turn.apply(places)[:, 2])) or _tallest(rig)
         unsure = rig.unit_checked and unit_m is None and not is_plausible(height * (unit or 1.0))
         if unit is None or unsure:
-            unit, told = guessed_unit_m(height)
-            notices.append(told)
+            unit, notice = guessed_unit_m(height)
+            notices.append(notice)
         if joints.renamed:
             notices.append(f"{joints.renamed} joints without a name of their own were named")
         world = World(axes.turn, unit)
@@ -134,7 +134,7 @@ class _Stage:
         mirrored = int(np.count_nonzero(rest.scale[0] < 0.0))
         if mirrored:
             notices.append(f"{mirrored} joints are mirrored: their frames stay right-handed")
-        return _Stage(joints, world, rest, tuple(notices))
+        return _Stance(joints, world, rest, tuple(notices))
 
     def clips(
         self, rig: Rig, reference: FloatArray, height_m: float, watched: NDArray[np.bool_]
@@ -188,8 +188,8 @@ def _lowest(
     """Height of the lowest vertex in the pose in which the nodes stand."""
     world = skeleton.world(rest.motors()[0]).as_matrix()
     world[:, :3, :3] *= np.abs(rest.scale[0] / binding.scale)[:, None, None]
-    moved = (world @ skeleton.rest_world_inverse.as_matrix())[:, 2]
-    heights = np.einsum("vki,vi->vk", moved[mesh.joints, :3], vertices) + moved[mesh.joints, 3]
+    moved_z = (world @ skeleton.rest_world_inverse.as_matrix())[:, 2]
+    heights = np.einsum("vki,vi->vk", moved_z[mesh.joints, :3], vertices) + moved_z[mesh.joints, 3]
     return float(np.sum(heights * mesh.weights, axis=1).min())
 
 

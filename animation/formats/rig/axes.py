@@ -60,8 +60,8 @@ def axes_of(rig: Rig, joints: Joints, places: FloatArray) -> Axes:
     if rig.up is not None:
         up = np.array(rig.up)
     else:
-        up, told = _up(joints, places)
-        notices.append(f"the file does not say which way is up: {_axis_name(up)} by {told}")
+        up, by = _up(joints, places)
+        notices.append(f"the file does not say which way is up: {_axis_name(up)} by {by}")
     usual = _usual_forward(up) if rig.forward is None else np.array(rig.forward)
     seen = _facing(joints, places, up)
     if seen is None:

@@ -19,7 +19,7 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.rig.joints import Joints
 from motorcade.animation.formats.rig.poses import JointPoses
 from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.animation.formats.rig.values import Skin, Surface
+from motorcade.animation.formats.rig.values import RigSurface, Skin
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor
@@ -51,7 +51,7 @@ class Binding:
         return made
 
 
-def bind(joints: Joints, rest: JointPoses, surfaces: tuple[Surface, ...]) -> Binding:
+def bind(joints: Joints, rest: JointPoses, surfaces: tuple[RigSurface, ...]) -> Binding:
     """Rest frames from the skin that carries most triangles, else from the nodes.
 
     Args:
@@ -85,14 +85,14 @@ def bind(joints: Joints, rest: JointPoses, surfaces: tuple[Surface, ...]) -> Bin
             continue
         ratio = scales[parent] / scale[parent]
         step = local[joint]
-        moved = Motor.from_rotor_translation(step.rotor, ratio * step.translation_m)
-        coefficients[joint] = (Motor(coefficients[parent]) @ moved).coefficients
+        step_m = Motor.from_rotor_translation(step.rotor, ratio * step.translation_m)
+        coefficients[joint] = (Motor(coefficients[parent]) @ step_m).coefficients
         scales[joint] = ratio * scale[joint]
     return Binding(Motor(coefficients), scales, agrees)
 
 
 def _placing(
-    main: Surface, skin: Skin, numbers: IntArray, world: Motor, scale: FloatArray
+    main: RigSurface, skin: Skin, numbers: IntArray, world: Motor, scale: FloatArray
 ) -> tuple[FloatArray, bool]:
     """Matrix (4, 4) that places the mesh, and whether all joints agree on it."""
     frames = world[numbers].as_matrix()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.animation.formats.errors import expected
-from motorcade.animation.formats.rig.values import Surface
+from motorcade.animation.formats.rig.values import RigSurface
 from motorcade.animation.vectors import UP, unit
 from motorcade.ga import FloatArray, IntArray
 
@@ -32,7 +32,7 @@ class Influences:
     notices: tuple[str, ...]
 
 
-def strongest_four(surface: Surface) -> Influences:
+def strongest_four(surface: RigSurface) -> Influences:
     """The four largest influences of each vertex, brought to a sum of 1.
 
     A vertex without any weight is given to the first joint of its skin, which a notice says.

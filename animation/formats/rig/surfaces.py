@@ -10,7 +10,7 @@ from motorcade.animation.formats.errors import FormatError
 from motorcade.animation.formats.rig.binding import Binding
 from motorcade.animation.formats.rig.joints import Joints, nearest_joints
 from motorcade.animation.formats.rig.mesh import normals_of, strongest_four
-from motorcade.animation.formats.rig.values import NodeTree, Skin, Surface
+from motorcade.animation.formats.rig.values import NodeTree, RigSurface, Skin
 from motorcade.animation.vectors import UP, unit
 from motorcade.ga import FloatArray, IntArray
 
@@ -31,7 +31,7 @@ class BoundMesh:
 
 
 def bound_mesh(
-    tree: NodeTree, joints: Joints, binding: Binding, surfaces: tuple[Surface, ...]
+    tree: NodeTree, joints: Joints, binding: Binding, surfaces: tuple[RigSurface, ...]
 ) -> BoundMesh:
     """Merge surfaces; a surface without a skin follows the joint above it.
 
@@ -69,7 +69,7 @@ def bound_mesh(
 
 
 def _hanging(
-    tree: NodeTree, joints: Joints, frames: FloatArray, surface: Surface, joint: int
+    tree: NodeTree, joints: Joints, frames: FloatArray, surface: RigSurface, joint: int
 ) -> BoundMesh:
     """A surface that one joint carries, by the nodes between."""
     below = np.eye(4)
@@ -83,7 +83,7 @@ def _hanging(
     return _placed(surface, (frames[joint] @ below)[None], numbers, weights, ())
 
 
-def _skinned(joints: Joints, frames: FloatArray, surface: Surface, skin: Skin) -> BoundMesh:
+def _skinned(joints: Joints, frames: FloatArray, surface: RigSurface, skin: Skin) -> BoundMesh:
     """A surface in the bind pose that all share: posed there by its own bind matrices."""
     held = strongest_four(surface)
     own = np.searchsorted(joints.nodes, skin.nodes)
@@ -102,7 +102,7 @@ def _skinned(joints: Joints, frames: FloatArray, surface: Surface, skin: Skin) -
 
 
 def _placed(
-    surface: Surface,
+    surface: RigSurface,
     matrices: FloatArray,
     numbers: IntArray,
     weights: FloatArray,

@@ -13,7 +13,7 @@ from motorcade.animation.formats.rig.curves import great_arc, with_times
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.ga import FloatArray, IntArray
 
-__all__ = ["NodeTree", "Rig", "RigClip", "Skin", "Surface", "transforms_over"]
+__all__ = ["NodeTree", "Rig", "RigClip", "RigSurface", "Skin", "transforms_over"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class Skin:
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class RigSurface:
     """Triangles that hang on a node, or are carried by a skin.
 
     Args:
@@ -150,7 +150,7 @@ class Rig:
 
     tree: NodeTree
     joints: tuple[int, ...]
-    surfaces: tuple[Surface, ...]
+    surfaces: tuple[RigSurface, ...]
     clips: tuple[RigClip, ...]
     up: tuple[float, float, float] | None
     forward: tuple[float, float, float] | None

@@ -184,7 +184,7 @@ GAITS: Mapping[str, Gait] = {
 
 
 @dataclass(frozen=True)
-class Step:
+class FootPath:
     """One foot over the cycle, in the plane of its path.
 
     Attributes:
@@ -202,7 +202,7 @@ class Step:
     toes_rad: FloatArray
 
 
-def step(gait: Gait, phase: FloatArray) -> Step:
+def step(gait: Gait, phase: FloatArray) -> FootPath:
     """The foot at phases (F,) in [0, 1], where 0 and 1 are its own strikes."""
     curves = _contact(gait, np.minimum(phase, gait.stance))
     swinging = phase > gait.stance
@@ -222,7 +222,7 @@ def step(gait: Gait, phase: FloatArray) -> Step:
     bend = ease(phase, *leaving) - ease(phase, gait.stance, gait.stance + 0.22)
     toes = np.deg2rad(gait.push_deg) * bend
     height[swinging] += _lifted(gait, u, height[swinging], pitch[swinging], toes[swinging])
-    return Step(ahead, out, height, pitch, toes)
+    return FootPath(ahead, out, height, pitch, toes)
 
 
 def _lifted(
@@ -252,9 +252,9 @@ def _contact(gait: Gait, phase: FloatArray) -> list[FloatArray]:
     rolled = pivot_x - (cos * pivot_x - sin * pivot_z)
     height = ANKLE_HEIGHT_M + pivot_z - (sin * pivot_x + cos * pivot_z)
     # on the spot the ground goes back
-    moved = gait.strike_ahead_m - gait.speed_m_s * gait.period_s * phase
+    ankle_m = gait.strike_ahead_m - gait.speed_m_s * gait.period_s * phase
     turned = math.radians(gait.toe_out_deg)
-    return [moved + math.cos(turned) * rolled, math.sin(turned) * rolled, height, pitch]
+    return [ankle_m + math.cos(turned) * rolled, math.sin(turned) * rolled, height, pitch]
 
 
 def _posture(gait: Gait, posture: Posture) -> tuple[float, float, float, float]:
@@ -330,13 +330,13 @@ def _leg(
 def _arm(gait: Gait, own: FloatArray, side: str, sign: float) -> dict[str, Rotor]:
     """One arm: it swings with the other leg, the elbow bending on the way forward."""
     mean, swing = (math.radians(angle) for angle in gait.shoulder_deg)
-    bent, more = (math.radians(angle) for angle in gait.elbow_deg)
+    mean_elbow, more = (math.radians(angle) for angle in gait.elbow_deg)
     forward = mean - swing * wave(own, 0.02)
-    elbow = bent - more * wave(own, 0.06) + math.radians(2.0) * wave(own, 0.3, 2)
+    elbow = mean_elbow - more * wave(own, 0.06) + math.radians(2.0) * wave(own, 0.3, 2)
     shrug = math.radians(2.0) * wave(own, 0.50)
-    inward = math.radians(7.0) + math.radians(3.0) * wave(own, 0.5) + 0.08 * bent
+    inward = math.radians(7.0) + math.radians(3.0) * wave(own, 0.5) + 0.08 * mean_elbow
     hang = turn_x(sign * np.full_like(own, math.radians(9.5)))
-    palm = np.full_like(own, 0.25 + 0.25 * bent)
+    palm = np.full_like(own, 0.25 + 0.25 * mean_elbow)
     return {
         f"{side}_clavicle": turn_x(-sign * 0.05) @ turn_z(sign * shrug),
         f"{side}_upper_arm": turn_y(-forward) @ hang @ turn_z(-sign * inward),

@@ -51,7 +51,7 @@ def clamped_curve(
 
 
 @dataclass(frozen=True)
-class Leg:
+class LegRotors:
     """Local rotors (F,) of one leg that put its ankle and foot where they were asked."""
 
     thigh: Rotor
@@ -65,7 +65,7 @@ def reach(
     ankle_m: FloatArray,
     world_R_foot: Rotor,
     knee_out_rad: ArrayLike = 0.0,
-) -> Leg:
+) -> LegRotors:
     """Two-bone inverse kinematics of a leg in closed form, the knee a pure hinge.
 
     Args:
@@ -97,7 +97,7 @@ def reach(
     thigh = turned @ turn_x(aside) @ turn_y(back - lead)
     calf = turn_y(knee)
     foot = (world_T_hips.rotor @ thigh @ calf).inverse() @ world_R_foot
-    return Leg(thigh, calf, foot)
+    return LegRotors(thigh, calf, foot)
 
 
 def _cosine(a: ArrayLike, b: ArrayLike, opposite: ArrayLike) -> FloatArray:

@@ -15,7 +15,7 @@ from motorcade.animation.mannequin.proportions import (
     THIGH_M,
 )
 from motorcade.animation.mannequin.shape.arm import arm
-from motorcade.animation.mannequin.shape.fields import Block, Field, block
+from motorcade.animation.mannequin.shape.fields import BodyBlock, BodyField, block
 from motorcade.ga import FloatArray
 
 __all__ = ["body_field"]
@@ -27,9 +27,9 @@ AHEAD = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 SOLE_ROUNDING_M = 0.006
 
 
-def body_field() -> Field:
+def body_field() -> BodyField:
     """The whole body, arms spread, soles at z = 0."""
-    return Field((*_trunk(), *_leg(), *_head(), *arm()), SOLE_ROUNDING_M)
+    return BodyField((*_trunk(), *_leg(), *_head(), *arm()), SOLE_ROUNDING_M)
 
 
 def _ball(
@@ -38,13 +38,13 @@ def _ball(
     blend_m: float,
     carve: bool = False,
     axes: FloatArray = UP,
-) -> Block:
+) -> BodyBlock:
     """An ellipsoid with half-axes along `axes`."""
     rows = [(0.0, half[0], half[1])]
     return block(centre, axes, rows, (half[2], half[2]), blend_m, carve=carve)
 
 
-def _trunk() -> list[Block]:
+def _trunk() -> list[BodyBlock]:
     core = block(
         (0.0, 0.0, 0.0),
         UP,
@@ -92,7 +92,7 @@ def _frame(along: tuple[float, float, float]) -> FloatArray:
     return np.stack([ahead, np.cross(axis, ahead), axis])
 
 
-def _head() -> list[Block]:
+def _head() -> list[BodyBlock]:
     neck = block(
         (0.0, 0.0, 0.0),
         UP,
@@ -161,7 +161,7 @@ def _tilted(about_y_rad: float, about_z_rad: float) -> FloatArray:
 _EAR = _tilted(0.25, 0.28)
 
 
-def _leg() -> list[Block]:
+def _leg() -> list[BodyBlock]:
     hip_z = ANKLE_HEIGHT_M + SHIN_M + THIGH_M
     knee_z, aside = ANKLE_HEIGHT_M + SHIN_M, HIP_HALF_WIDTH_M
     thigh = block(
@@ -208,7 +208,7 @@ def _leg() -> list[Block]:
     ]
 
 
-def _foot(aside: float) -> list[Block]:
+def _foot(aside: float) -> list[BodyBlock]:
     """Heel, arch, ball and toe box; rows read (ahead, half height, half width, up, aside)."""
     sole = block(
         (0.0, aside, 0.0),

@@ -17,7 +17,7 @@ from motorcade.animation.mannequin.proportions import (
     THUMB_SPREAD_RAD,
     UPPER_ARM_M,
 )
-from motorcade.animation.mannequin.shape.fields import Block, block
+from motorcade.animation.mannequin.shape.fields import BodyBlock, block
 from motorcade.ga import FloatArray
 
 __all__ = ["SHOULDER_M", "arm", "arm_axes"]
@@ -40,24 +40,24 @@ def arm_axes() -> FloatArray:
     return np.array([[1.0, 0.0, 0.0], [0.0, cos, sin], [0.0, sin, -cos]])
 
 
-def arm() -> list[Block]:
+def arm() -> list[BodyBlock]:
     """Shoulder to fingertips."""
     return [*_upper_arm(), *_forearm(), *_palm(), *_fingers(), *_thumb()]
 
 
-def _part(rows: list[tuple[float, ...]], caps_m: tuple[float, float], blend_m: float) -> Block:
+def _part(rows: list[tuple[float, ...]], caps_m: tuple[float, float], blend_m: float) -> BodyBlock:
     """A block along the arm, stations measured from the shoulder."""
     return block(SHOULDER_M, arm_axes(), rows, caps_m, blend_m)
 
 
 def _muscle(
     along: float, ahead: float, out: float, half: tuple[float, float, float], blend_m: float
-) -> Block:
+) -> BodyBlock:
     """An ellipsoid with half-axes (ahead, aside, along)."""
     return _part([(along, half[0], half[1], ahead, out)], (half[2], half[2]), blend_m)
 
 
-def _upper_arm() -> list[Block]:
+def _upper_arm() -> list[BodyBlock]:
     bone = _part(
         [
             (-0.010, 0.042, 0.037, 0.000, -0.004),
@@ -79,7 +79,7 @@ def _upper_arm() -> list[Block]:
     ]
 
 
-def _forearm() -> list[Block]:
+def _forearm() -> list[BodyBlock]:
     bone = _part(
         [
             (ELBOW - 0.005, 0.035, 0.035, -0.002, 0.000),
@@ -95,7 +95,7 @@ def _forearm() -> list[Block]:
     return [bone, _muscle(ELBOW + 0.060, 0.018, 0.010, (0.026, 0.026, 0.065), 0.022)]
 
 
-def _palm() -> list[Block]:
+def _palm() -> list[BodyBlock]:
     palm = _part(
         [
             (WRIST - 0.004, 0.0260, 0.0175, 0.000, 0.000),
@@ -113,7 +113,7 @@ def _palm() -> list[Block]:
     ]
 
 
-def _fingers() -> list[Block]:
+def _fingers() -> list[BodyBlock]:
     fingers = []
     for name, (ahead, down, bones, fan) in FINGERS.items():
         root = SHOULDER_M + arm_axes().T @ np.array([ahead, 0.0, WRIST + down])
@@ -121,7 +121,7 @@ def _fingers() -> list[Block]:
     return fingers
 
 
-def _thumb() -> list[Block]:
+def _thumb() -> list[BodyBlock]:
     ahead, down = THUMB_ROOT_M
     root = SHOULDER_M + arm_axes().T @ np.array([ahead, -0.004, WRIST + down])
     return [_digit(root, THUMB_SPREAD_RAD, THUMB_M, (0.0135, 0.0108, 0.0088), start=0.006)]
@@ -133,7 +133,7 @@ def _digit(
     bones_m: tuple[float, float, float],
     half_m: tuple[float, float, float],
     start: float,
-) -> Block:
+) -> BodyBlock:
     """A finger from its root joint; its knuckles are a little wider than its bones."""
     axes = arm_axes()
     along = np.sin(fan_rad) * axes[0] + np.cos(fan_rad) * axes[2]

@@ -18,14 +18,14 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga import FloatArray, IntArray
 
-__all__ = ["Block", "Field", "block", "smooth_curve"]
+__all__ = ["BodyBlock", "BodyField", "block", "smooth_curve"]
 
 SAMPLES = 129
 FAR_M = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class BodyBlock:
     """A part of a body.
 
     Attributes:
@@ -78,7 +78,7 @@ def block(
     blend_m: float,
     *,
     carve: bool = False,
-) -> Block:
+) -> BodyBlock:
     """A block from rows `(station, half_1, half_2[, shift_1[, shift_2]])`, in metres.
 
     Args:
@@ -99,11 +99,11 @@ def block(
     half = np.sqrt(np.hstack([profile[:, :2], caps]) ** 2 @ turn**2)
     low, high = (centre - half).min(axis=0) + start, (centre + half).max(axis=0) + start
     span = (float(table[0, 0]), float(table[-1, 0]))
-    return Block(start, turn, span, profile, caps_m, blend_m, carve, low, high)
+    return BodyBlock(start, turn, span, profile, caps_m, blend_m, carve, low, high)
 
 
 @dataclass(frozen=True, eq=False)
-class Field:
+class BodyField:
     """Blocks melted together in their order: a solid, cut off flat at the ground z = 0.
 
     Args:
@@ -111,7 +111,7 @@ class Field:
         sole_m: width over which the edge of the cut is rounded.
     """
 
-    blocks: tuple[Block, ...]
+    blocks: tuple[BodyBlock, ...]
     sole_m: float
 
     def distance_m(self, points_m: FloatArray, near_m: float = 0.0) -> FloatArray:
@@ -186,5 +186,5 @@ def smooth_curve(stations: FloatArray, controls: FloatArray, at: FloatArray) -> 
     k = np.clip(np.searchsorted(stations, place, side="right") - 1, 0, len(step) - 1)
     u = (place - stations[k]) / step[k]
     rise = controls[k] * (1 + 2 * u) * (1 - u) ** 2 + controls[k + 1] * (3 - 2 * u) * u**2
-    bend = slope[k] * u * (1 - u) ** 2 - slope[k + 1] * u**2 * (1 - u)
-    return np.asarray(rise + step[k] * bend)
+    slopes = slope[k] * u * (1 - u) ** 2 - slope[k + 1] * u**2 * (1 - u)
+    return np.asarray(rise + step[k] * slopes)

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from motorcade.animation.easing import smoothstep
 from motorcade.animation.mannequin.proportions import ARM_SPREAD_RAD
 from motorcade.animation.mannequin.shape.arm import SHOULDER_M
-from motorcade.animation.mannequin.shape.fields import Field
+from motorcade.animation.mannequin.shape.fields import BodyField
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import FloatArray, IntArray
 
-__all__ = ["Mesh", "meshed"]
+__all__ = ["SymmetricMesh", "meshed"]
 
 Flags = NDArray[np.bool_]
 
@@ -39,7 +39,7 @@ ARM_LINE = (0.0, 1.0, -1.0 / float(np.tan(ARM_SPREAD_RAD)))
 
 
 @dataclass(frozen=True)
-class Mesh:
+class SymmetricMesh:
     """A closed surface that is its own mirror image.
 
     Attributes:
@@ -107,9 +107,9 @@ class Stretch:
         station = np.interp(points[:, self.axis], stretched, known)
         line = self._line(station)
         scale = 1.0 + (self.across - 1.0) * self._share(station)
-        moved = points.copy()
-        moved[:, self.axis] = station
-        return np.asarray(line + (moved - line) / scale[:, None]), scale
+        unstretched = points.copy()
+        unstretched[:, self.axis] = station
+        return np.asarray(line + (unstretched - line) / scale[:, None]), scale
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class Grid:
         return points, total
 
 
-def meshed(field: Field, triangles: int) -> Mesh:
+def meshed(field: BodyField, triangles: int) -> SymmetricMesh:
     """The field's surface with about so many triangles (to 15 %).
 
     Raises:
@@ -173,10 +173,10 @@ def meshed(field: Field, triangles: int) -> Mesh:
     twins = np.concatenate([np.arange(count), aside])
     twins[aside] = count + np.arange(len(aside))
     vertices, normals = (_mirrored(one, faces, middle)[0] for one in (vertices, normals))
-    return Mesh(vertices, normals, whole, twins, step)
+    return SymmetricMesh(vertices, normals, whole, twins, step)
 
 
-def _half(field: Field, grid: Grid) -> tuple[FloatArray, IntArray]:
+def _half(field: BodyField, grid: Grid) -> tuple[FloatArray, IntArray]:
     """Marching cubes over the left half, in stretched space."""
     try:
         from skimage.measure import marching_cubes
@@ -192,7 +192,7 @@ def _half(field: Field, grid: Grid) -> tuple[FloatArray, IntArray]:
     return made, faces[:, ::-1].astype(np.int64)
 
 
-def _sampled(field: Field, grid: Grid) -> tuple[FloatArray, NDArray[np.float32]]:
+def _sampled(field: BodyField, grid: Grid) -> tuple[FloatArray, NDArray[np.float32]]:
     """First node and float32 values (X, Y, Z) of the grid: exact near the surface, signs beyond."""
     step = grid.step_m
     reach = grid.stretched(box_corners(np.stack([LOW_M, HIGH_M])))
@@ -256,7 +256,7 @@ def _relaxed(points: FloatArray, faces: IntArray) -> FloatArray:
     return points
 
 
-def _pulled(field: Field, points: FloatArray, middle: Flags) -> FloatArray:
+def _pulled(field: BodyField, points: FloatArray, middle: Flags) -> FloatArray:
     """Vertices moved onto the true zero by Newton steps; those in the middle stay there."""
     for _ in range(NEWTON_STEPS):
         slope = field.gradient(points)

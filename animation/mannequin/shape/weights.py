@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.mannequin.shape.surface import Mesh
+from motorcade.animation.mannequin.shape.surface import SymmetricMesh
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import FloatArray, IntArray
 
@@ -35,7 +35,7 @@ class Bone:
     radius_m: float
 
 
-def influences(mesh: Mesh, skeleton: Skeleton) -> tuple[IntArray, FloatArray]:
+def influences(mesh: SymmetricMesh, skeleton: Skeleton) -> tuple[IntArray, FloatArray]:
     """Joint numbers and weights (V, 4) of a mesh in the rest pose.
 
     Weights beyond the fourth are not cut off: the fifth is taken from all, which keeps them
@@ -49,7 +49,7 @@ def influences(mesh: Mesh, skeleton: Skeleton) -> tuple[IntArray, FloatArray]:
     return np.where(weights > 0.0, order[:, :4], order[:, :1]), weights
 
 
-def _temperatures(mesh: Mesh, bones: Sequence[Bone], skeleton: Skeleton) -> FloatArray:
+def _temperatures(mesh: SymmetricMesh, bones: Sequence[Bone], skeleton: Skeleton) -> FloatArray:
     """Temperatures (V, J) in balance, one column for each joint; rows sum to 1."""
     from scipy.sparse import coo_matrix, diags
     from scipy.sparse.linalg import splu

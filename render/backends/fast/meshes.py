@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from motorcade.animation import Character, Placement
 from motorcade.animation.skin.palette import SkinMethod, checked_method
-from motorcade.animation.skin.skinning import CARRIERS
+from motorcade.animation.skin.skinning import SKIN_KERNELS
 from motorcade.animation.srgb import to_linear
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import FloatArray
 from motorcade.render.backends.fast.programs import Programs
-from motorcade.render.backends.renderer import check_moved
+from motorcade.render.backends.renderer import check_vertices
 from motorcade.render.scene import Surface
 
 _ROWS: dict[SkinMethod, int] = {"linear": 3, "dual_quaternion": 2, "motor": 2, "similarity": 3}
@@ -66,7 +66,7 @@ class RenderMesh:
 
     def move(self, vertices: FloatArray, normals: FloatArray) -> None:
         """Write new vertices and normals."""
-        check_moved(self.shape, vertices, normals)
+        check_vertices(self.shape, vertices, normals)
         self.corners_m = _corners(vertices)
         self.vertices.write(_interleaved(vertices, normals))
 
@@ -101,7 +101,7 @@ class RenderMesh:
         return made
 
 
-class Carried:
+class SkinnedMesh:
     """A mesh whose vertices a shader carries by the joints of a character.
 
     Args:
@@ -130,7 +130,7 @@ class Carried:
         most = gl.info["GL_MAX_TEXTURE_SIZE"]
         if self._shape[0] > most:
             raise ValueError(f"bind(character): expected at most {most} joints")
-        self._program = programs.carry(CARRIERS[known], _ROWS[known], signed=known != "linear")
+        self._program = programs.carry(SKIN_KERNELS[known], _ROWS[known], signed=known != "linear")
         self._rest = gl.buffer(_interleaved(character.vertices, character.normals))
         joints, weights = character.influences
         self._joints = gl.buffer(np.ascontiguousarray(joints, np.uint16))

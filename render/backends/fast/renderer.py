@@ -18,7 +18,7 @@ from motorcade.animation import Character, Placement
 from motorcade.ga import FloatArray, Motor
 from motorcade.render.backends.contexts import Context
 from motorcade.render.backends.fast.framebuffers import Box, Framebuffer, ShadowMap
-from motorcade.render.backends.fast.meshes import Carried, RenderMesh, column_major
+from motorcade.render.backends.fast.meshes import RenderMesh, SkinnedMesh, column_major
 from motorcade.render.backends.fast.programs import Programs
 from motorcade.render.backends.platform import RenderUnavailable
 from motorcade.render.backends.projection import (
@@ -47,7 +47,7 @@ class FastRenderer(Renderer):
 
     def _set_up(self) -> None:
         self._meshes: list[RenderMesh] = []
-        self._carried: dict[int, Carried] = {}
+        self._skinned: dict[int, SkinnedMesh] = {}
         self._shadow_map: ShadowMap | None = None
         self._gl = _moderngl_context(self._context)
         check_size(*self._size, self._gl.info["GL_MAX_RENDERBUFFER_SIZE"])
@@ -87,11 +87,11 @@ class FastRenderer(Renderer):
             ContextLost: its context is gone.
         """
         self._begin("bind")
-        carried = Carried(self._gl, self._programs, self._meshes[surface], character, method)
-        earlier = self._carried.pop(surface, None)
+        skinned = SkinnedMesh(self._gl, self._programs, self._meshes[surface], character, method)
+        earlier = self._skinned.pop(surface, None)
         if earlier is not None:
             earlier.release()
-        self._carried[surface] = carried
+        self._skinned[surface] = skinned
 
     def pose(self, surface: int, entries: FloatArray, placement: Placement | None = None) -> None:
         """Carry a bound surface; positions are good to about 1e-6 of the character's height.
@@ -107,11 +107,11 @@ class FastRenderer(Renderer):
             ContextLost: its context is gone.
         """
         self._begin("pose")
-        if surface not in self._carried:
+        if surface not in self._skinned:
             raise ValueError(f"pose(surface): expected a surface that was bound, got {surface}")
         # Nothing is drawn, but without a framebuffer OpenGL refuses.
         self._framebuffer.drawn.use()
-        self._carried[surface].pose(entries, placement)
+        self._skinned[surface].pose(entries, placement)
 
     def vertices(self, surface: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Vertices and normals (V, 3) of a surface as they are drawn, world, read back.
@@ -141,11 +141,11 @@ class FastRenderer(Renderer):
             self._shadow_map.release()
 
     def _forget(self) -> None:
-        self._meshes, self._carried = [], {}
+        self._meshes, self._skinned = [], {}
 
     def _clear(self) -> None:
-        for carried in self._carried.values():
-            carried.release()
+        for skinned in self._skinned.values():
+            skinned.release()
         for mesh in self._meshes:
             mesh.release()
         self._forget()

@@ -34,8 +34,8 @@ from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
 
 # Frames, spread over the recording, from which light is estimated.
 LIT_FRAMES = 8
-# A path is led on so far beyond its ends, where poses were measured.
-LED_ON_S = 0.1
+# A path is extrapolated so far beyond its ends, where poses were measured.
+EXTRAPOLATED_S = 0.1
 
 
 def overlay(
@@ -48,7 +48,7 @@ def overlay(
     representation: str | None = None,
     renderer: RendererName = "fast",
     light: Literal["fixed", "estimated"] = "fixed",
-    lens: Literal["straighten", "bend"] = "straighten",
+    lens: Literal["undistort", "distort"] = "undistort",
     gain: float = 1.0,
     exposure_s: float = 0.0,
     noise: float | None = 0.0,
@@ -59,21 +59,21 @@ def overlay(
     `renderer` draws: "fast", or "pyrender" (docs/rendering.md says when to take which).
     `light=estimated` takes sun and ambient light from frames with depth; without depth it takes
     brightness and colour from board or markers, else from the pictures' mean, and no direction.
-    `lens=bend` leaves the footage as it was taken and bends what is drawn as the lens does;
-    otherwise the footage is straightened. `gain` brightens what is drawn, `exposure_s` blurs it by
+    `lens=distort` leaves the footage as it was taken and distorts what is drawn as the lens does;
+    otherwise the footage is undistorted. `gain` brightens what is drawn, `exposure_s` blurs it by
     the motion in that time, `noise` (of 255; none: each frame's own) grains it.
-    The smoothed path is led on to measured poses within 0.1 s of its ends, as fusion may end before
-    them; frames without a pose (before the first, after the last) are shown as they are. Where the
-    recording has depth, what is nearer hides the character; where it has none, the board, markers
-    and the ground do. Raises `Unavailable` without OpenGL and
-    for recordings of corners, which hold no pictures, and ValueError without a camera or for a
-    representation that was not smoothed.
+    The smoothed path is extrapolated to measured poses within 0.1 s of its ends, as fusion may
+    end before them; frames without a pose (before the first, after the last) are shown as they
+    are. Where the recording has depth, what is nearer hides the character; where it has none,
+    the board, markers and the ground do. Raises `Unavailable` without OpenGL and for recordings
+    of corners, which hold no pictures, and ValueError without a camera or for a representation
+    that was not smoothed.
     """
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
     if isinstance(recording.frames, CornerFrames):
         raise Unavailable("the recording holds corners of markers and no pictures to draw into")
-    path = led_on(_chosen(smoothed, representation), camera_poses.measurements.trajectory)
+    path = extrapolated(_chosen(smoothed, representation), camera_poses.measurements.trajectory)
     character = character_named(placed.character)
     clip = clip_named(character, placed.clip)
     if len(placed.path_m):
@@ -82,7 +82,7 @@ def overlay(
             lasting_s=1e-9 * float(np.ptp(recording.frames.time_ns)),
         )  # fmt: skip
     start = time.perf_counter()
-    footage = _Footage(recording, bent=lens == "bend")
+    footage = _Footage(recording, distorted=lens == "distort")
     lighting, lit_by = None, "a fixed light"
     marker_map = None if marker_poses is None else marker_poses.marker_map
     prints = prints_of(recording, camera_poses, marker_map)
@@ -97,8 +97,10 @@ def overlay(
         placed.placement,
         lighting=lighting,
         matching=Matching(gain, exposure_s, noise),
-        prints=prints if placed.carry is None else None,  # where things move, a map may not hold
-        carry=placed.carry,
+        prints=prints
+        if placed.ground_motion is None
+        else None,  # where things move, a map may not hold
+        ground_motion=placed.ground_motion,
         renderer=renderer,
     )
     file = new_file("overlay.mp4")
@@ -112,7 +114,7 @@ def overlay(
         len(recording.frames),
         placed.stands_on,
         lit_by,
-        "original" if lens == "bend" else "undistorted",
+        "original" if lens == "distort" else "undistorted",
         time.perf_counter() - start,
     )
 
@@ -124,10 +126,10 @@ def _estimated(
     character: Character,
     prints: Prints | None,
 ) -> tuple[Lighting, str]:
-    """The light of a few straightened frames, spread over the recording, and what told it."""
+    """The light of a few undistorted frames, spread over the recording, and how it was found."""
     frames = footage.recording.frames
     some = np.unique(np.linspace(0, len(frames) - 1, LIT_FRAMES).round())
-    straight = _Footage(footage.recording, bent=False)
+    straight = _Footage(footage.recording, distorted=False)
     seen = list(straight.frames(frames[int(k)] for k in some))
     height_m = placed.placement.scale * character.height_m
     found = lighting_of_footage(seen, straight.camera, path, placed.placement, height_m)
@@ -139,15 +141,15 @@ def _estimated(
 class _Footage:
     """The frames on their way to the renderer and back, and how many of them came back changed.
 
-    Bent footage is as the lens took it; other footage is as a camera without distortion has it.
+    Distorted footage is as the lens took it; other footage as a camera without distortion has it.
     """
 
-    def __init__(self, recording: Recording, bent: bool) -> None:
+    def __init__(self, recording: Recording, distorted: bool) -> None:
         assert recording.camera is not None  # checked by the stage
         self.recording, self._taken_by = recording, recording.camera
-        self.camera = recording.camera if bent else recording.camera.undistorted()
+        self.camera = recording.camera if distorted else recording.camera.undistorted()
         self.drawn_into = 0
-        self._bent = bent
+        self._distorted = distorted
         self._given: ImageArray | None = None
 
     def frames(
@@ -160,7 +162,7 @@ class _Footage:
 
     def _prepared(self, frame: Frame) -> tuple[int, ImageArray, DepthArray | None]:
         picture, depth_m = frame.image(), frame.depth_m()
-        if not self._bent:
+        if not self._distorted:
             picture = self._taken_by.undistort_image(picture)
             depth_m = None if depth_m is None else self._taken_by.undistort_depth(depth_m)
         return frame.time_ns, picture, depth_m
@@ -175,14 +177,14 @@ class _Footage:
             yield picture
 
 
-def led_on(path: Trajectory, measured: Trajectory) -> Trajectory:
+def extrapolated(path: Trajectory, measured: Trajectory) -> Trajectory:
     """The path to the measured poses just before its first and after its last, at even velocity.
 
     That something was measured there says that the camera saw; where it was then is told better by
     how the smoothed path goes on than by one noisy pose, and so nothing jumps.
     """
     stamps, poses = [path.time_ns], [path.motors]
-    reach_ns = np.int64(1e9 * LED_ON_S)
+    reach_ns = np.int64(1e9 * EXTRAPOLATED_S)
     for end, inwards in ((path.time_ns[0], 1), (path.time_ns[-1], -1)):
         beyond = inwards * (end - measured.time_ns)
         rows = np.flatnonzero((beyond > 0) & (beyond <= reach_ns))
@@ -191,10 +193,10 @@ def led_on(path: Trajectory, measured: Trajectory) -> Trajectory:
             continue
         last, before = path.motors_at(np.stack([end, end + inwards * within_ns]))
         twist = (before.inverse() @ last).as_twist()
-        led = last.reshape(1) @ Motor.from_twist(beyond[rows, None] / within_ns * twist)
+        extended = last.reshape(1) @ Motor.from_twist(beyond[rows, None] / within_ns * twist)
         where = 0 if inwards > 0 else len(stamps)
         stamps.insert(where, measured.time_ns[rows])
-        poses.insert(where, led)
+        poses.insert(where, extended)
     return Trajectory(np.concatenate(stamps), Motor.concatenate(poses), path.parent, path.child)
 
 

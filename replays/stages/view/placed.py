@@ -20,7 +20,6 @@ from motorcade.replays.characters.acting import (
     walked,
 )
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.view.carried import find_marker
 from motorcade.replays.stages.view.ground import (
     Ground,
     ground_on_board,
@@ -29,6 +28,7 @@ from motorcade.replays.stages.view.ground import (
     ground_on_plane,
     known_marker,
 )
+from motorcade.replays.stages.view.moving_marker import find_marker
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.marker_poses import MarkerPoses
 from motorcade.replays.values.paths import SmoothedPaths
@@ -82,7 +82,7 @@ def placed(
     way = path_of(path) if path else None
     seen_from = next(iter(smoothed.trajectories.values()))
     first_camera = seen_from.motors[0]
-    ground, carry = None, None
+    ground, ground_motion = None, None
     if (on == "marker") != (marker is not None):
         raise ValueError(f"placed.marker: expected an id with placed.on=marker, came {marker}")
     if marker is not None:
@@ -91,7 +91,9 @@ def placed(
         ground = ground_on_marker(found.world_T_marker, found.side_m, marker)
         if found.path is not None:
             ground = replace(ground, name=f"{ground.name}, which moves")
-            carry = found.path.transformed_by(right=found.world_T_marker.inverse(), child="start")
+            ground_motion = found.path.transformed_by(
+                right=found.world_T_marker.inverse(), child="start"
+            )
     if on in ("auto", "board"):
         ground = ground_on_board(recording, camera_poses, marker_map)
     if on == "plane" or (on == "auto" and ground is None):
@@ -130,7 +132,7 @@ def placed(
         _tell_points_off(points, ground)
     content = sha256(character.read_bytes()).hexdigest() if character.is_file() else ""
     return PlacedCharacter(
-        str(character), clip, placement, ground.name, content, frozen(points), inside, carry
+        str(character), clip, placement, ground.name, content, frozen(points), inside, ground_motion
     )  # fmt: skip
 
 

@@ -58,8 +58,8 @@ def test_a_shift_is_in_the_frames_metres(scene, frame):
     before, parent = _matrix(scene), _matrix(scene, "table")
     edited = SceneEditor(scene).apply(Drag("cup", "translate", axis, frame), 0.7)
     own = {"local": before, "parent": parent, "global": np.eye(4)}[frame]
-    moved = _matrix(edited)[:3, 3] - before[:3, 3]
-    np.testing.assert_allclose(moved, own[:3, :3] @ (0.7 * axis / 5.0), atol=1e-12)
+    translated = _matrix(edited)[:3, 3] - before[:3, 3]
+    np.testing.assert_allclose(translated, own[:3, :3] @ (0.7 * axis / 5.0), atol=1e-12)
     np.testing.assert_allclose(_matrix(edited)[:3, :3], before[:3, :3], atol=1e-12)
 
 
@@ -130,12 +130,12 @@ def test_at_ninety_degrees_two_rings_turn_alike_and_rotors_do_not(scene):
     flat = Scene(scene.parents, {
         name: VersorObjectPose(Similarity.identity()) for name in scene.poses
     })  # fmt: skip
-    turned = SceneEditor(flat).apply(Drag("cup", "rotate", (0, 1, 0)), np.pi / 2)
-    held = turned.on_euler_angles()
+    rotated = SceneEditor(flat).apply(Drag("cup", "rotate", (0, 1, 0)), np.pi / 2)
+    held = rotated.on_euler_angles()
     x, z = (SceneEditor(held).apply(Drag("cup", "rotate", axis), 0.4)
             for axis in ((1, 0, 0), (0, 0, 1)))  # fmt: skip
     np.testing.assert_allclose(_matrix(x), _matrix(z), atol=1e-7)
-    x, z = (SceneEditor(turned).apply(Drag("cup", "rotate", axis), 0.4)
+    x, z = (SceneEditor(rotated).apply(Drag("cup", "rotate", axis), 0.4)
             for axis in ((1, 0, 0), (0, 0, 1)))  # fmt: skip
     assert np.abs(_matrix(x) - _matrix(z)).max() > 0.3
 

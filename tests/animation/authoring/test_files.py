@@ -133,5 +133,5 @@ def test_more_gestures_than_the_limit_are_refused(tmp_path, monkeypatch):
 def test_a_rotation_may_be_given_as_angles(tmp_path):
     path = tmp_path / "scene.json"
     path.write_text(json.dumps({"objects": [{"name": "a", "euler_deg": [0, 0, 90]}]}))
-    turned = read_scene(path).world_T_object("a").apply([1.0, 0.0, 0.0])
-    np.testing.assert_allclose(turned, [0.0, 1.0, 0.0], atol=1e-15)
+    rotated = read_scene(path).world_T_object("a").apply([1.0, 0.0, 0.0])
+    np.testing.assert_allclose(rotated, [0.0, 1.0, 0.0], atol=1e-15)

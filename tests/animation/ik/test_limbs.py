@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Skeleton
-from motorcade.animation.ik import Chain, Ground, Leg, aim, bend_limb, plant_feet, reach_with
+from motorcade.animation.ik import Chain, GroundHeights, Leg, aim, bend_limb, plant_feet, reach_with
 from motorcade.animation.ik.feet import find_stances
 from motorcade.ga import Motor, Rotor
 
@@ -112,7 +112,7 @@ def test_a_planted_foot_neither_slides_nor_sinks(skeleton):
     before = _at(skeleton, poses, "toes").translation_m
     standing = find_stances(before, time_s)
     assert 0.3 < standing.mean() < 0.6
-    hill = Ground(lambda at: 0.05 * at[..., 0])
+    hill = GroundHeights(lambda at: 0.05 * at[..., 0])
     made = plant_feet(skeleton, time_s, poses, legs, ground=hill)
     after = _at(skeleton, made, "toes").translation_m
     edges = np.flatnonzero(np.diff(standing.astype(int))) + 1
@@ -217,7 +217,7 @@ def test_a_knee_stays_ahead_where_the_leg_is_laid_beyond_it(skeleton):
 
 def test_hips_come_down_where_a_leg_would_not_reach(skeleton):
     poses = Motor.stack([skeleton.rest] * 3)
-    pit = Ground(lambda at: np.full(at.shape[:-1], -0.2))
+    pit = GroundHeights(lambda at: np.full(at.shape[:-1], -0.2))
     time_s = np.array([0.0, 0.5, 1.0])
     made = plant_feet(
         skeleton, time_s, poses, [Leg("thigh", "calf", "foot")], ground=pit,

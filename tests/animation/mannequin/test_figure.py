@@ -9,7 +9,7 @@ import pytest
 from motorcade.animation import Character, mannequin
 from motorcade.animation.mannequin.rig import mannequin_skeleton
 from motorcade.animation.mannequin.shape.anatomy import body_field
-from motorcade.animation.mannequin.shape.surface import Mesh, meshed
+from motorcade.animation.mannequin.shape.surface import SymmetricMesh, meshed
 from motorcade.animation.mannequin.shape.weights import influences
 
 
@@ -19,7 +19,7 @@ def figure() -> Character:
 
 
 @pytest.fixture(scope="module")
-def coarse() -> Mesh:
+def coarse() -> SymmetricMesh:
     return meshed(body_field(), 6_000)
 
 
@@ -77,7 +77,7 @@ def test_a_height_that_is_not_positive_is_refused(height_m: float) -> None:
         mannequin(height_m)
 
 
-def test_the_skin_is_the_zero_of_the_field_and_normals_are_its_slope(coarse: Mesh) -> None:
+def test_the_skin_is_the_zero_of_the_field_and_normals_are_its_slope(coarse: SymmetricMesh) -> None:
     field, step = body_field(), 1e-4
     assert np.abs(field.distance_m(coarse.vertices, 0.01)).max() < 1.5e-3
     # a point a little along the normal is outside by about as much, one below it inside
@@ -97,7 +97,7 @@ def test_normals_point_outwards(figure: Character) -> None:
     assert np.mean(agree > 0.0) > 0.999
 
 
-def test_left_and_right_mirror_each_other_in_joints_skin_and_weights(coarse: Mesh) -> None:
+def test_left_and_right_mirror_each_other_in_joints_skin_and_weights(coarse: SymmetricMesh) -> None:
     skeleton = mannequin_skeleton()
     world = skeleton.rest_world.translation_m
     mirrored = [
@@ -153,7 +153,7 @@ def test_every_height_is_the_same_figure() -> None:
     )  # fmt: skip
 
 
-def test_it_is_made_the_same_every_time(coarse: Mesh) -> None:
+def test_it_is_made_the_same_every_time(coarse: SymmetricMesh) -> None:
     again = meshed(body_field(), 6_000)
     for name in ("vertices", "normals", "triangles"):
         np.testing.assert_array_equal(getattr(coarse, name), getattr(again, name))

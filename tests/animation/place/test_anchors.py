@@ -56,10 +56,10 @@ def test_what_carries_itself_is_followed_at_once_and_the_rest_settles(targets):
     anchor = Anchor(targets[0]).corrected(targets[1], 0.0)
     step = Similarity.from_twist([0.1, -0.2, 0.05, 0.0, 0.3, 0.1, -0.2])
     moved = step @ targets[1]
-    carried = anchor.carried(moved, 0.1)
-    assert _apart(carried.at(0.1), step @ anchor.at(0.1)) < 1e-12
-    assert _apart(carried.at(0.6), step @ anchor.at(0.6)) < 1e-12
-    assert _apart(carried.at(20.0), moved) < 1e-11
+    tracked = anchor.tracked(moved, 0.1)
+    assert _apart(tracked.at(0.1), step @ anchor.at(0.1)) < 1e-12
+    assert _apart(tracked.at(0.6), step @ anchor.at(0.6)) < 1e-12
+    assert _apart(tracked.at(20.0), moved) < 1e-11
 
 
 def test_a_thing_that_moves_is_followed_without_lag_and_leaps_are_glided_over(rng):

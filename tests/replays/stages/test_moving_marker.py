@@ -103,10 +103,10 @@ def recorded(
 def feet_m(made: PlacedCharacter) -> FloatArray:
     """Where the character's soles are at every frame (FRAMES, 3), world."""
     own = made.placement.apply([0.0, 0.0, 0.0])
-    if made.carry is None:
+    if made.ground_motion is None:
         return np.tile(own, (FRAMES, 1))
-    np.testing.assert_array_equal(made.carry.time_ns, TIME_NS)
-    return made.carry.motors.apply(own)
+    np.testing.assert_array_equal(made.ground_motion.time_ns, TIME_NS)
+    return made.ground_motion.motors.apply(own)
 
 
 def middles_m(where: Callable[[int], Motor]) -> FloatArray:
@@ -128,12 +128,12 @@ def test_it_moves_with_the_marker() -> None:
     assert made.stands_on == "marker 7, which moves"
     apart = np.linalg.norm(pixels(feet_m(made)) - pixels(middles_m(wandering)), axis=1)
     assert apart.max() < 1.0
-    assert made.carry is not None
-    up = (made.carry.motors @ made.placement.world_T_character).rotor.apply([0.0, 0.0, 1.0])
+    assert made.ground_motion is not None
+    up = (made.ground_motion.motors @ made.placement.world_T_character).rotor.apply([0.0, 0.0, 1.0])
     wanted = np.array([wandering(k).rotor.apply([0.0, 0.0, 1.0]) for k in range(FRAMES)])
     tilted = np.arccos(np.clip(np.sum(up * wanted, axis=1), -1.0, 1.0))
     assert np.rad2deg(tilted).max() < 4.0
-    np.testing.assert_allclose(made.carry.motors[0].as_matrix(), np.eye(4), atol=1e-9)
+    np.testing.assert_allclose(made.ground_motion.motors[0].as_matrix(), np.eye(4), atol=1e-9)
 
 
 @pytest.mark.usefixtures("opengl")
@@ -145,7 +145,9 @@ def test_it_is_drawn_where_the_marker_is() -> None:
     figure = character_named(made.character)
     clip = clip_named(figure, made.clip)
     frames = [(frame.time_ns, frame.image()) for frame in recording.frames][::8]
-    made_of = render_overlay(frames, CAMERA, path, figure, clip, made.placement, carry=made.carry)
+    made_of = render_overlay(
+        frames, CAMERA, path, figure, clip, made.placement, ground_motion=made.ground_motion
+    )
     ends_m = np.array([[0.5, -0.5, 0.0], [0.5, -0.5, 1.0]]) * SIDE_M
     for (stamp, before), after in zip(frames, made_of, strict=True):
         k = int(np.flatnonzero(stamp == TIME_NS)[0])
@@ -193,7 +195,7 @@ def test_a_marker_that_stands_still_is_the_board_that_it_is(board: Board) -> Non
     recording, smoothed, found = recorded(still, board=board)
     made = on_marker((recording, smoothed, found))
     usual = placed(recording, found, smoothed, on="board", heading_deg=30.0, height_m=SIDE_M)
-    assert made.carry is None
+    assert made.ground_motion is None
     assert made.stands_on == "marker 7"
     np.testing.assert_allclose(
         made.placement.world_T_character.as_matrix(),
@@ -204,7 +206,7 @@ def test_a_marker_that_stands_still_is_the_board_that_it_is(board: Board) -> Non
 
 def test_a_still_marker_that_no_map_knows_is_found_once_for_all_frames() -> None:
     made = on_marker(recorded(still, HIDDEN))
-    assert made.carry is None
+    assert made.ground_motion is None
     apart = np.linalg.norm(pixels(feet_m(made)) - pixels(middles_m(still)), axis=1)
     assert apart.max() < 0.5
 

@@ -38,21 +38,21 @@ def sun(direction: tuple[float, float, float], share: float = 1.0) -> Lighting:
 
 
 def drawn(
-    lighting: Lighting, carry: Trajectory | None, only: int | None = None
+    lighting: Lighting, ground_motion: Trajectory | None, only: int | None = None
 ) -> list[ImageArray]:
     """All frames; or one of them, with the figure and its light placed where the carry has it."""
     placement, light = PLACEMENT, lighting
     rows = range(3) if only is None else [only]
-    if only is not None and carry is not None:
-        pose = carry.motors[only] @ PLACEMENT.world_T_character
+    if only is not None and ground_motion is not None:
+        pose = ground_motion.motors[only] @ PLACEMENT.world_T_character
         placement = replace(PLACEMENT, world_T_character=pose)
-        middle = carry.motors[only].apply(np.array(lighting.shadow_center_m)).tolist()
-        light, carry = replace(lighting, shadow_center_m=tuple(middle)), None
+        middle = ground_motion.motors[only].apply(np.array(lighting.shadow_center_m)).tolist()
+        light, ground_motion = replace(lighting, shadow_center_m=tuple(middle)), None
     frames = [(0, FRAME)] + [(int(TIME_NS[k]), FRAME) for k in rows if k]
     made = list(
         render_overlay(
             frames, CAMERA, cameras(), FIGURE, FIGURE.clip("idle"), placement,
-            lighting=light, carry=carry,
+            lighting=light, ground_motion=ground_motion,
         )
     )  # fmt: skip
     return made if only is None else made[-1:]
@@ -62,10 +62,10 @@ def drawn(
 def test_light_stays_in_the_world_while_the_ground_moves(
     direction: tuple[float, float, float],
 ) -> None:
-    carry = moved(np.array([[0.0, 0.0, 0.0], [0.05, 0.0, 0.7], [0.1, -0.1, 1.5]]))
-    carried = drawn(sun(direction), carry)
+    ground_motion = moved(np.array([[0.0, 0.0, 0.0], [0.05, 0.0, 0.7], [0.1, -0.1, 1.5]]))
+    carried = drawn(sun(direction), ground_motion)
     for k in range(3):
-        anew = drawn(sun(direction), carry, only=k)[0]
+        anew = drawn(sun(direction), ground_motion, only=k)[0]
         apart = np.abs(carried[k].astype(int) - anew)
         changed = np.any(anew != FRAME, axis=2)
         assert np.count_nonzero(changed) > 600
@@ -74,8 +74,8 @@ def test_light_stays_in_the_world_while_the_ground_moves(
 
 
 def test_a_ground_that_turns_away_from_the_sun_has_no_shadow_but_is_drawn() -> None:
-    carry = moved(np.array([[0.0, 0.0, 0.0], [0.0, 1.2, 0.0], [0.0, 2.0, 0.0]]))
-    carried = drawn(sun((1.0, 0.0, -0.4)), carry)
+    ground_motion = moved(np.array([[0.0, 0.0, 0.0], [0.0, 1.2, 0.0], [0.0, 2.0, 0.0]]))
+    carried = drawn(sun((1.0, 0.0, -0.4)), ground_motion)
     assert all(np.any(one != FRAME) for one in carried)
     with pytest.raises(ValueError, match="light from above"):
         drawn(sun((1.0, 0.0, 0.4)), None)
