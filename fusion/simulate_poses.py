@@ -1,6 +1,6 @@
-"""Camera poses simulated from a truth: noisy, at a camera's rate, as well or badly as one may ask.
+"""Camera poses simulated from ground truth: noisy, at a camera's rate, degraded as one may ask.
 
-They stand in for a tracker where a recording has a truth but no images to track. What goes wrong
+They stand in for a tracker where a recording has ground truth but no images. What goes wrong
 beyond noise is a degradation: outliers, blackouts, stamps that are late, or several in turn.
 """
 
@@ -27,7 +27,7 @@ def simulate_camera_poses(
 
     Args:
         truth: ``world_T_camera``; between its stamps it follows the screw.
-        rate_hz: measurements a second, from the first stamp of the truth to its last.
+        rate_hz: measurements a second, from the first stamp of `truth` to its last.
         sigma_m: deviation of the position an axis, above zero.
         sigma_rad: deviation of the rotation an axis; both also make the measurements' covariance.
         rng: source of the errors.

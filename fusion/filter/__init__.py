@@ -5,5 +5,11 @@ from motorcade.fusion.filter.pose_filter import FilterState, Innovation, PoseFil
 from motorcade.fusion.filter.settings import FilterSettings, RestDetection
 
 __all__ = [
-    "FilterSettings", "FilterState", "Fused", "Innovation", "PoseFilter", "RestDetection", "fuse",
-]  # fmt: skip
+    "FilterSettings",
+    "FilterState",
+    "Fused",
+    "Innovation",
+    "PoseFilter",
+    "RestDetection",
+    "fuse",
+]

@@ -1,4 +1,4 @@
-"""Extended poses: position and velocity carried by one rotation, as a pair of motors.
+"""Extended poses: position and velocity under one rotation, as a pair of motors.
 
 The group SE₂(3) of (R, p, v) is a Motor of shape ``(*, 2)``: the pose, and the same rotor with the
 velocity in place of the translation. Composition, exponential and logarithm are then those of
@@ -28,7 +28,7 @@ def extended_pose(rotor: Rotor, position_m: FloatArray, velocity_m_s: FloatArray
 
 
 def corrected(pose: Motor, error: FloatArray) -> Motor:
-    """Extended poses ``(*, 2)`` moved by the first nine numbers of errors ``(*, 15)``."""
+    """Extended poses ``(*, 2)`` retracted by the first nine numbers of errors ``(*, 15)``."""
     return pose.retract(_pairs(error))
 
 

@@ -18,7 +18,7 @@ from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["Fused", "camera_covariance", "fuse"]
 
-_MOUNT = slice(17, 23)
+_EXTRINSICS = slice(17, 23)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,11 +78,11 @@ def fuse(
 
     Args:
         measurements: ``world_T_camera`` with covariances; the world's z is up.
-        imu: must cover the measurements that are to be used: the others are left out. A hole in
+        imu: must cover the measurements that are to be used: the others are left out. A gap in
             it is bridged by the line between the samples on both sides, with the uncertainty that
             `FilterSettings` states.
         noise: the IMU's densities and bias walks. Those of a data sheet are too small for a
-            sensor that is carried or flown; `ImuNoise.scaled` until the mean NIS is about 6.
+            sensor in the hand or in flight; `ImuNoise.scaled` until the mean NIS is about 6.
         imu_T_camera: pose of the camera on the IMU.
         stamps_ns: rising stamps of the IMU's clock at which the path is wanted, measured there or
             not; by default those of the measurements. Stamps before the first measurement or
@@ -113,9 +113,11 @@ def fuse(
     run.hold(*columns)
     _schedule(run, used)
     run.outputs(
-        np.ascontiguousarray(wanted), *made.arrays,
-        whole=whole if state_covariances else None, final=smoothed,
-    )  # fmt: skip
+        np.ascontiguousarray(wanted),
+        *made.arrays,
+        whole=whole if state_covariances else None,
+        final=smoothed,
+    )
     run.play()
     if smoothed:
         run.smooth()
@@ -125,7 +127,10 @@ def fuse(
 
 @dataclass(frozen=True, eq=False)
 class _Made:
-    """What the compiled filter fills, one row a stamp; `others` are plumb, mount and offset."""
+    """What the compiled filter fills, one row a stamp.
+
+    `others` are the rotor of gravity, the extrinsics and the time offset.
+    """
 
     pose: FloatArray
     velocity: FloatArray
@@ -143,12 +148,17 @@ class _Made:
         return self.pose, self.velocity, self.bias, self.covariance, self.others
 
     def fused(
-        self, wanted: IntArray, measured: Trajectory, whole: FloatArray, nis: FloatArray,
-        accepted: NDArray[np.bool_], gravity_m_s2: float,
-    ) -> Fused:  # fmt: skip
+        self,
+        wanted: IntArray,
+        measured: Trajectory,
+        whole: FloatArray,
+        nis: FloatArray,
+        accepted: NDArray[np.bool_],
+        gravity_m_s2: float,
+    ) -> Fused:
         """The result, seen from the camera."""
-        mount = Motor.normalize(self.others[:, 4:12])
-        poses = Motor.normalize(self.pose) @ mount
+        imu_T_camera = Motor.normalize(self.others[:, 4:12])
+        poses = Motor.normalize(self.pose) @ imu_T_camera
         return Fused(
             trajectory=Trajectory(wanted, poses, measured.parent, measured.child),
             velocity_m_s=self.velocity,
@@ -159,7 +169,7 @@ class _Made:
             nis=nis,
             accepted=accepted,
             gravity_m_s2=Rotor(self.others[:, :4]).apply(np.array([0.0, 0.0, -gravity_m_s2])),
-            imu_T_camera=mount,
+            imu_T_camera=imu_T_camera,
             time_offset_s=self.others[:, 12],
         )
 
@@ -169,8 +179,8 @@ def camera_covariance(covariance: FloatArray, imu_T_camera: Motor) -> FloatArray
     adjoint = imu_T_camera.inverse().adjoint()
     effect = np.zeros((*adjoint.shape[:-1], covariance.shape[-1]))
     effect[..., :6] = adjoint
-    if covariance.shape[-1] > _MOUNT.stop:
-        effect[..., _MOUNT] = np.eye(6)
+    if covariance.shape[-1] > _EXTRINSICS.stop:
+        effect[..., _EXTRINSICS] = np.eye(6)
     seen: FloatArray = effect @ covariance @ np.swapaxes(effect, -1, -2)
     return seen
 

@@ -72,8 +72,8 @@ def increments(
         transition,
         covariance,
     )
-    moved = Motor.normalize(pose)
-    return extended_pose(moved.rotor, moved.translation_m, velocity), transition, covariance
+    unit = Motor.normalize(pose)
+    return extended_pose(unit.rotor, unit.translation_m, velocity), transition, covariance
 
 
 def process_noise(dt_s: FloatArray, noise: ImuNoise) -> FloatArray:

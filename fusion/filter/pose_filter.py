@@ -103,8 +103,8 @@ class PoseFilter:
             raise ValueError(f"time_offset_s: expected a finite number, got {time_offset_s}")
         self._settings = settings or FilterSettings()
         self._has_camera = imu_T_camera is not None
-        mount = Motor.identity() if imu_T_camera is None else imu_T_camera
-        self._engine = engine(self._settings, noise, mount, time_offset_s, history_s)
+        extrinsics = Motor.identity() if imu_T_camera is None else imu_T_camera
+        self._engine = engine(self._settings, noise, extrinsics, time_offset_s, history_s)
         self._measured = 0
 
     def imu(self, time_ns: int, gyro: ArrayLike, accel: ArrayLike) -> None:
@@ -133,7 +133,7 @@ class PoseFilter:
         Raises:
             ValueError: a filter that was not told `imu_T_camera`, besides. So all of the camera.
         """
-        self._check_mount()
+        self._check_extrinsics()
         row = np.concatenate([_one(world_T_camera), _spread(covariance, 6)])
         self._add("camera_pose", time_ns, row)
 
@@ -149,15 +149,19 @@ class PoseFilter:
         self.camera_pose(time_ns, world_T_tag @ camera_T_tag.inverse(), 0.5 * (spread + spread.T))
 
     def tag(
-        self, time_ns: int, corners_px: ArrayLike, corners_m: ArrayLike, camera: Camera,
+        self,
+        time_ns: int,
+        corners_px: ArrayLike,
+        corners_m: ArrayLike,
+        camera: Camera,
         sigma_px: float = 1.0,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Take up to four corners ``(n, 2)`` in pixels of points ``(n, 3)`` of the world.
 
         The lens's distortion is taken off them first; their noise, `sigma_px` an axis, goes along
         by its derivative.
         """
-        self._check_mount()
+        self._check_extrinsics()
         pixels = checked_floats(corners_px, "corners_px", (2,))
         points = checked_floats(corners_m, "corners_m", (3,))
         if pixels.ndim != 2 or not 1 <= len(pixels) <= 4 or points.shape != (len(pixels), 3):
@@ -170,9 +174,12 @@ class PoseFilter:
         self._add("corners", time_ns, _corner_rows(pixels, points, camera, sigma_px).ravel())
 
     def position(
-        self, time_ns: int, position_m: ArrayLike, covariance: ArrayLike,
+        self,
+        time_ns: int,
+        position_m: ArrayLike,
+        covariance: ArrayLike,
         arm_m: ArrayLike = (0.0, 0.0, 0.0),
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Take the place ``(3,)`` in the world of a point `arm_m` from the IMU, in its axes."""
         place, arm = (
             _three(value, name) for value, name in ((position_m, "position_m"), (arm_m, "arm_m"))
@@ -190,12 +197,19 @@ class PoseFilter:
         found = self._engine.state()
         if found is None:
             return None
-        time_ns, pose, velocity, bias, plumb, mount, offset_s, covariance = found
+        time_ns, pose, velocity, bias, gravity, extrinsics, offset_s, covariance = found
         down = np.array([0.0, 0.0, -self._settings.gravity_m_s2])
         return FilterState(
-            time_ns, Motor.normalize(pose), velocity, bias[:3], bias[3:], Rotor(plumb).apply(down),
-            Motor.normalize(mount), offset_s, covariance,
-        )  # fmt: skip
+            time_ns,
+            Motor.normalize(pose),
+            velocity,
+            bias[:3],
+            bias[3:],
+            Rotor(gravity).apply(down),
+            Motor.normalize(extrinsics),
+            offset_s,
+            covariance,
+        )
 
     @property
     def innovations(self) -> tuple[Innovation, ...]:
@@ -208,7 +222,7 @@ class PoseFilter:
             )
         )
 
-    def _check_mount(self) -> None:
+    def _check_extrinsics(self) -> None:
         if not self._has_camera:
             raise ValueError(
                 "imu_T_camera: expected the camera's pose on the IMU to take what a camera saw, "

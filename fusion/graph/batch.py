@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from motorcade.fusion.graph.conversions import as_motor, as_poses
+from motorcade.fusion.graph.conversions import as_motor, as_poses, optimised
 from motorcade.fusion.graph.inertial import InertialGraph, keys, state_covariance
 from motorcade.ga import FloatArray, Motor, Trajectory
 
@@ -46,11 +46,7 @@ def smooth_all(graph: InertialGraph) -> Smoothed:
             factors.push_back(seen)
         if index:
             factors.push_back(graph.motion(index, graph.summed(index, bias)))
-    params = gtsam.LevenbergMarquardtParams()
-    params.setMaxIterations(_ITERATIONS)
-    params.setRelativeErrorTol(_RELATIVE)
-    found = gtsam.LevenbergMarquardtOptimizer(factors, _start(graph), params).optimize()
-    return _read(graph, factors, found)
+    return _read(graph, factors, optimised(factors, _start(graph), _ITERATIONS, _RELATIVE))
 
 
 def _start(graph: InertialGraph) -> gtsam.Values:

@@ -1,4 +1,4 @@
-"""Motors as gtsam's poses and back. Both perturb on the right, rotation first."""
+"""Motors as gtsam's poses and back, which perturb on the right too; and its optimiser."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from motorcade.ga import FloatArray, Motor, Rotor
 if TYPE_CHECKING:
     import gtsam
 
-__all__ = ["as_motor", "as_pose", "as_poses"]
+__all__ = ["as_motor", "as_pose", "as_poses", "optimised"]
 
 
 def as_pose(motor: Motor) -> gtsam.Pose3:
@@ -27,6 +27,18 @@ def as_poses(motors: Motor) -> list[gtsam.Pose3]:
     import gtsam
 
     return [gtsam.Pose3(matrix) for matrix in motors.as_matrix()]
+
+
+def optimised(
+    factors: gtsam.NonlinearFactorGraph, start: gtsam.Values, iterations: int, relative: float
+) -> gtsam.Values:
+    """The most probable values, by Levenberg and Marquardt, until the error falls no more."""
+    import gtsam
+
+    params = gtsam.LevenbergMarquardtParams()
+    params.setMaxIterations(iterations)
+    params.setRelativeErrorTol(relative)
+    return gtsam.LevenbergMarquardtOptimizer(factors, start, params).optimize()
 
 
 def as_motor(poses: Sequence[gtsam.Pose3]) -> Motor:

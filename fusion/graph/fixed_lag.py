@@ -34,9 +34,8 @@ def smooth_with_lag(graph: InertialGraph, lag_s: float) -> Smoothed:
     import gtsam
 
     params = gtsam.ISAM2Params()
-    params.setFactorization(
-        "QR"
-    )  # walks are so slow beside the first doubt that squares lose digits
+    # Walks are so slow beside the first uncertainty that squares lose digits.
+    params.setFactorization("QR")
     params.relinearizeSkip = 1
     params.setRelinearizeThreshold(1e-3)
     smoother = gtsam.IncrementalFixedLagSmoother(lag_s, params)
@@ -57,7 +56,7 @@ def smooth_with_lag(graph: InertialGraph, lag_s: float) -> Smoothed:
 def _add(
     smoother: gtsam.IncrementalFixedLagSmoother, graph: InertialGraph, index: int, time_s: float
 ) -> None:
-    """One node with its factors, started where the samples carry the one before."""
+    """One node with its factors, started where the samples propagate the one before."""
     import gtsam
 
     factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()

@@ -32,12 +32,13 @@ def fuse_by_graph(
 
     Every stamp, measured or wanted, is a node of 15 unknowns with its own covariance: the graph is
     for frames, not for the IMU's own rate. Of `settings` it takes gravity and the gate: a
-    measurement beyond it loses its weight smoothly, and where the result leaves it `gross` gates
-    away it counts as not accepted. `nis` is NaN: a graph has no innovations.
+    measurement beyond it loses its weight smoothly, and where the result leaves it
+    `outlier_threshold` gates away it counts as not accepted. `nis` is NaN: a graph has no
+    innovations.
 
     Args:
         measurements: ``world_T_camera`` with covariances; the world's z is up.
-        imu: must cover the measurements that are to be used: the others are left out. Holes are
+        imu: must cover the measurements that are to be used: the others are left out. Gaps are
             bridged linearly, which nothing accounts for.
         noise: the IMU's densities and bias walks.
         imu_T_camera: pose of the camera on the IMU.
@@ -59,7 +60,7 @@ def fuse_by_graph(
     used = covered(measurements, imu)
     wanted = wanted_stamps(used.trajectory.time_ns, imu, stamps_ns)
     graph = InertialGraph.of(
-        used, imu, noise, imu_T_camera, wanted, chosen.gravity_m_s2, _limit(chosen.gate)
+        used, imu, noise, imu_T_camera, wanted, chosen.gravity_m_s2, chosen.gate_limit(6)
     )
     found = smooth_all(graph) if lag_s is None else smooth_with_lag(graph, lag_s)
     rows = np.searchsorted(graph.time_ns, wanted)
@@ -75,16 +76,8 @@ def fuse_by_graph(
         covariance=camera_covariance(spread, imu_T_camera),
         state_covariance=spread,
         nis=np.full(count, np.nan),
-        accepted=graph.accepted(found.world_T_imu, chosen.gross)[rows],
+        accepted=graph.accepted(found.world_T_imu, chosen.outlier_threshold)[rows],
         gravity_m_s2=np.tile(fall, (count, 1)),
         imu_T_camera=Motor.stack([imu_T_camera] * count),
         time_offset_s=np.zeros(count),
     )
-
-
-def _limit(gate: float) -> float:
-    """The squared deviation of a pose's six numbers that the gate lets pass."""
-    from scipy.special import gammaincinv
-
-    # χ² with 6 degrees of freedom is a gamma distribution of shape 3 and scale 2.
-    return float(2.0 * gammaincinv(3.0, gate))

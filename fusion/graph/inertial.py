@@ -17,6 +17,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.filter.settings import (
+    ACCEL_BIAS_SIGMA_M_S2,
+    GYRO_BIAS_SIGMA_RAD_S,
+    VELOCITY_SIGMA_M_S,
+)
 from motorcade.fusion.graph.conversions import as_poses
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
@@ -28,9 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["InertialGraph", "Node", "keys", "state_covariance"]
 
-_GYRO_BIAS_SIGMA_RAD_S = 0.1
-_ACCEL_BIAS_SIGMA_M_S2 = 0.5
-_VELOCITY_SIGMA_M_S = 20.0
 # An interval of a single sample has no position noise of its own, and would be singular.
 _POSITION_DENSITY = 1e-7
 
@@ -77,22 +79,32 @@ class InertialGraph:
 
     @classmethod
     def of(
-        cls, measurements: PoseMeasurements, imu: ImuStream, noise: ImuNoise, imu_T_camera: Motor,
-        stamps_ns: IntArray, gravity_m_s2: float, gate: float,
-    ) -> InertialGraph:  # fmt: skip
+        cls,
+        measurements: PoseMeasurements,
+        imu: ImuStream,
+        noise: ImuNoise,
+        imu_T_camera: Motor,
+        stamps_ns: IntArray,
+        gravity_m_s2: float,
+        gate: float,
+    ) -> InertialGraph:
         """Nodes at all measured stamps and at `stamps_ns`."""
         seen = measurements.trajectory.time_ns
         nodes = np.union1d(seen, stamps_ns).astype(np.int64)
-        own = imu.time_ns[(imu.time_ns > nodes[0]) & (imu.time_ns < nodes[-1])]
-        data = imu.at(np.union1d(nodes, own).astype(np.int64)) if len(nodes) > 1 else imu
+        data = imu.around(nodes) if len(nodes) > 1 else imu
         rows = np.full(len(nodes), -1)
         rows[np.searchsorted(nodes, seen)] = np.arange(len(seen))
         adjoint = imu_T_camera.adjoint()
         return cls(
-            nodes, data, noise, gravity_m_s2, rows,
+            nodes,
+            data,
+            noise,
+            gravity_m_s2,
+            rows,
             measurements.trajectory.motors @ imu_T_camera.inverse(),
-            adjoint @ measurements.covariance @ adjoint.T, gate,
-        )  # fmt: skip
+            adjoint @ measurements.covariance @ adjoint.T,
+            gate,
+        )
 
     @cached_property
     def poses(self) -> list[gtsam.Pose3]:
@@ -162,22 +174,22 @@ class InertialGraph:
         import gtsam
 
         first = keys(0)
-        speed = gtsam.noiseModel.Isotropic.Sigma(3, _VELOCITY_SIGMA_M_S)
-        sigmas = np.repeat([_ACCEL_BIAS_SIGMA_M_S2, _GYRO_BIAS_SIGMA_RAD_S], 3)
+        speed = gtsam.noiseModel.Isotropic.Sigma(3, VELOCITY_SIGMA_M_S)
+        sigmas = np.repeat([ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S], 3)
         biases = gtsam.noiseModel.Diagonal.Sigmas(sigmas)
         return [
             gtsam.PriorFactorVector(first.velocity, np.zeros(3), speed),
             gtsam.PriorFactorConstantBias(first.bias, gtsam.imuBias.ConstantBias(), biases),
         ]
 
-    def accepted(self, poses: Motor, gross: float) -> NDArray[np.bool_]:
+    def accepted(self, poses: Motor, outlier_threshold: float) -> NDArray[np.bool_]:
         """Whether each node's measurement, if any, has a weight to speak of."""
         accepted = np.ones(len(self.time_ns), dtype=np.bool_)
         nodes = np.flatnonzero(self.measured >= 0)
         rows = self.measured[nodes]
-        apart = (poses[nodes].inverse() @ self.world_T_imu[rows]).as_twist()
+        apart = poses[nodes].local(self.world_T_imu[rows])
         solved = np.linalg.solve(self.covariance[rows], apart[..., None])[..., 0]
-        accepted[nodes] = np.sum(apart * solved, axis=-1) <= gross * self.gate
+        accepted[nodes] = np.sum(apart * solved, axis=-1) <= outlier_threshold * self.gate
         return accepted
 
 

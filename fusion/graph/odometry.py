@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from motorcade.fusion.graph.conversions import as_motor, as_poses
+from motorcade.fusion.graph.conversions import as_motor, as_poses, optimised
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
@@ -23,6 +23,7 @@ __all__ = ["OdometryNoise", "fuse_odometry"]
 
 _GATE = 27.86  # χ² with six degrees of freedom exceeds it once in 10,000 poses
 _ITERATIONS = 100
+_RELATIVE = 1e-5
 _MOST = 50  # poses that the start looks at
 
 
@@ -90,10 +91,7 @@ def fuse_odometry(
         loss = gtsam.noiseModel.mEstimator.DCS.Create(_GATE)
         robust = gtsam.noiseModel.Robust.Create(loss, gtsam.noiseModel.Gaussian.Covariance(spread))
         factors.push_back(gtsam.PriorFactorPose3(node, pose, robust))
-    params = gtsam.LevenbergMarquardtParams()
-    params.setMaxIterations(_ITERATIONS)
-    start = _start(path, nodes, measured)
-    found = gtsam.LevenbergMarquardtOptimizer(factors, start, params).optimize()
+    found = optimised(factors, _start(path, nodes, measured), _ITERATIONS, _RELATIVE)
     marginals = gtsam.Marginals(factors, found)
     count = len(stamps)
     spreads: FloatArray = np.array([marginals.marginalCovariance(k) for k in range(count)])
@@ -118,16 +116,16 @@ def _add_steps(
 
 
 def _start(path: Motor, nodes: IntArray, measured: Motor) -> gtsam.Values:
-    """The odometry's path as a whole, carried to where most measured poses have it."""
+    """The odometry's path as a whole, moved to where most measured poses have it."""
     import gtsam
 
     some = np.linspace(0, len(nodes) - 1, min(len(nodes), _MOST)).astype(np.int64)
-    carried = measured[some] @ path[nodes[some]].inverse()
+    world_T_odometry = measured[some] @ path[nodes[some]].inverse()
     # The one that is nearest to the others where the path is: no mean, so wrong poses do not pull.
-    places = carried[:, None].apply(path[nodes[some]].translation_m[None])
+    places = world_T_odometry[:, None].apply(path[nodes[some]].translation_m[None])
     apart = np.linalg.norm(places[:, None] - places[None], axis=-1).mean(axis=-1)
     best = int(np.argmin(np.median(apart, axis=-1)))
     values = gtsam.Values()
-    for k, pose in enumerate(as_poses(carried[best] @ path)):
+    for k, pose in enumerate(as_poses(world_T_odometry[best] @ path)):
         values.insert(k, pose)
     return values

@@ -147,11 +147,11 @@ def estimate_noise(imu: ImuStream) -> StreamNoise:
     _check_even(imu)
     try:
         refuse_movement(imu)
-    except ValueError as moved:
+    except ValueError as refusal:
         raise ValueError(
-            f"{moved}; Allan deviation takes all that moves for noise: record hours at rest, or "
+            f"{refusal}; Allan deviation takes all that moves for noise: record hours at rest, or "
             "cut the recording to where it lies still"
-        ) from moved
+        ) from refusal
     curves = [
         allan_deviation(values, imu.rate_hz)
         for values in (imu.angular_rate_rad_s, imu.specific_force_m_s2)
@@ -181,10 +181,13 @@ def fitted_noise(curve: AllanCurve, axis: int) -> NoiseEstimate:
         squares > spread, spread / (2.0 * np.maximum(roots, 1e-300)), np.sqrt(spread)
     )
     return NoiseEstimate(
-        float(roots[0]), float(deviations[0]),
-        float(roots[2]), float(deviations[2]),
-        float(roots[1]), float(deviations[1]),
-    )  # fmt: skip
+        float(roots[0]),
+        float(deviations[0]),
+        float(roots[2]),
+        float(deviations[2]),
+        float(roots[1]),
+        float(deviations[1]),
+    )
 
 
 def _terms(tau_s: FloatArray) -> FloatArray:

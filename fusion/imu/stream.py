@@ -98,3 +98,8 @@ class ImuStream:
             for values in (self.angular_rate_rad_s, self.specific_force_m_s2)
         )
         return ImuStream(time_ns, rate, force)
+
+    def around(self, time_ns: IntArray) -> ImuStream:
+        """Samples at stamps ``(M,)``, as of `at`, and all that lie between them."""
+        own = self.time_ns[(self.time_ns > time_ns[0]) & (self.time_ns < time_ns[-1])]
+        return self.at(np.union1d(time_ns, own).astype(np.int64))

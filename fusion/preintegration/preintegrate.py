@@ -27,7 +27,7 @@ def preintegrate(
 ) -> Preintegrated:
     """Sum up the samples between each keyframe and the next.
 
-    Keyframes need not coincide with samples: the stream is interpolated linearly at them. Holes in
+    Keyframes need not coincide with samples: the stream is interpolated linearly at them. Gaps in
     the stream are bridged linearly too, which the covariance knows nothing of.
 
     Args:
@@ -59,17 +59,15 @@ def preintegrate(
         ],
         axis=-1,
     )
-    own = imu.time_ns[(imu.time_ns > keys[0]) & (imu.time_ns < keys[-1])]
-    stamps = np.union1d(keys, own).astype(np.int64)
-    first = np.searchsorted(stamps, keys)
-    data = imu.at(stamps)
+    data = imu.around(keys)
+    first = np.searchsorted(data.time_ns, keys)
     rate, force = (
         values[:-1] if rule == "held" else 0.5 * (values[1:] + values[:-1])
         for values in (data.angular_rate_rad_s, data.specific_force_m_s2)
     )
     motion, transition, covariance = increments(
         first[:-1],
-        np.diff(stamps) * 1e-9,
+        np.diff(data.time_ns) * 1e-9,
         rate,
         force,
         np.repeat(biases, np.diff(first), axis=0),

@@ -1,4 +1,4 @@
-"""Camera and IMU brought together: time offset and mount estimated from what both recorded."""
+"""Camera and IMU brought together: time offset and extrinsics estimated from what both recorded."""
 
 from __future__ import annotations
 

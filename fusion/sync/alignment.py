@@ -1,10 +1,10 @@
 """The map of all unknowns of a camera path beside an IMU: maximum a posteriori, by Gauss-Newton.
 
-States stand at the camera's stamps, carried to the IMU's clock: pose, velocity, both biases. They
-share the time offset, the mount, gravity and the scale of the camera's world. Between states stand
-preintegrated samples, summed up again at every step at the offset and the biases of the moment, so
-that nothing is linearised but where it stands. Wrong poses lose their weight (Cauchy's loss); the
-noise of the others is estimated along the way.
+States stand at the camera's stamps, moved to the IMU's clock: pose, velocity, both biases. They
+share the time offset, the extrinsics, gravity and the scale of the camera's world. Between states
+stand preintegrated samples, summed up again at every step at the offset and the biases of the
+moment, so that nothing is linearised but where it stands. Wrong poses lose their weight (Cauchy's
+loss); the noise of the others is estimated along the way.
 
 Sources: T. Qin and S. Shen, Online temporal calibration for monocular visual-inertial systems,
 IROS 2018; C. Campos, J. Montiel, J. Tardós, Inertial-only optimization for visual-inertial
@@ -17,6 +17,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from motorcade.fusion.filter.settings import (
+    ACCEL_BIAS_SIGMA_M_S2,
+    GYRO_BIAS_SIGMA_RAD_S,
+)
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.preintegration import Preintegrated, preintegrate
@@ -28,8 +32,6 @@ __all__ = ["Aligned", "Beliefs", "Shared", "align", "covered"]
 
 _ITERATIONS = 30
 _SETTLED = 0.1  # of its own deviation, the most that an unknown still moves
-_GYRO_BIAS_SIGMA_RAD_S = 0.1
-_ACCEL_BIAS_SIGMA_M_S2 = 0.5
 _CAUCHY = 16.8  # χ² with six degrees of freedom exceeds it in one of a hundred poses
 _MEDIAN_CHI2 = 2.366  # median of χ² with three degrees of freedom
 _SMALLEST_SIGMA = 1e-6
@@ -39,8 +41,12 @@ _FASTEST = 100.0  # most that a variance may grow or shrink in one step
 _JITTER = np.repeat([1e-9, 1e-8, 1e-8, 1e-10, 1e-10], 3) ** 2
 # How the shared unknowns stand in a row.
 OFFSET, ROTATION, LEVER, GRAVITY, SCALE = (
-    slice(0, 1), slice(1, 4), slice(4, 7), slice(7, 10), slice(10, 11)
-)  # fmt: skip
+    slice(0, 1),
+    slice(1, 4),
+    slice(4, 7),
+    slice(7, 10),
+    slice(10, 11),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +55,7 @@ class Shared:
 
     Fields:
         offset_s: IMU's clock minus the camera's.
-        imu_T_camera: the mount.
+        imu_T_camera: the extrinsics.
         gravity_m_s2: ``(3,)`` in the camera's world.
         scale: metres a unit of the camera's world.
     """
@@ -83,8 +89,8 @@ class Aligned:
 
     Fields:
         shared: unknowns of the recording.
-        covariance: ``(11, 11)`` of offset (s), mount (right perturbation: rotation in rad, lever
-            in m, camera's axes), gravity (m/s²) and logarithm of the scale; 0 where held.
+        covariance: ``(11, 11)`` of offset (s), extrinsics (right perturbation: rotation in rad,
+            lever in m, camera's axes), gravity (m/s²) and logarithm of the scale; 0 where held.
         time_ns: ``(N,)`` on the camera's clock.
         world_T_imu: Motor ``(N,)``, in metres.
         velocity_m_s: ``(N, 3)``; bias: ``(N, 6)`` of gyroscope and accelerometer.
@@ -175,7 +181,7 @@ def align(
         sigmas = np.sqrt(np.diag(solved.covariance))
         if iteration > 2 and np.all(np.abs(solved.shared) <= _SETTLED * sigmas):
             return replace(state, covariance=solved.covariance)
-    doubt = "" if beliefs.rotation_rad > 0.0 else "; is imu_T_camera, the mount, the right one?"
+    doubt = "" if beliefs.rotation_rad > 0.0 else "; is imu_T_camera the right one?"
     raise ValueError(
         f"camera and imu: expected an estimate that settles, got none in {_ITERATIONS} steps{doubt}"
     )
@@ -188,9 +194,16 @@ def _first(
     count = len(camera)
     poses = _in_metres(camera, start.scale) @ start.imu_T_camera.inverse()
     return Aligned(
-        start, np.zeros((11, 11)), camera.time_ns, poses, np.zeros((count, 3)),
-        np.zeros((count, 6)), sigma, np.ones(count), noise,
-    )  # fmt: skip
+        start,
+        np.zeros((11, 11)),
+        camera.time_ns,
+        poses,
+        np.zeros((count, 3)),
+        np.zeros((count, 6)),
+        sigma,
+        np.ones(count),
+        noise,
+    )
 
 
 def _in_metres(camera: Trajectory, scale: float) -> Motor:
@@ -199,13 +212,16 @@ def _in_metres(camera: Trajectory, scale: float) -> Motor:
 
 
 def _equations(
-    state: Aligned, poses: tuple[FloatArray, ...], intervals: _Intervals, start: Shared,
+    state: Aligned,
+    poses: tuple[FloatArray, ...],
+    intervals: _Intervals,
+    start: Shared,
     beliefs: Beliefs,
-) -> Bordered:  # fmt: skip
+) -> Bordered:
     equations = Bordered(len(state.time_ns), 15, 11)
     equations.add_states(*poses)
     intervals.add_to(equations)
-    biases = np.repeat([_GYRO_BIAS_SIGMA_RAD_S, _ACCEL_BIAS_SIGMA_M_S2], 3)
+    biases = np.repeat([GYRO_BIAS_SIGMA_RAD_S, ACCEL_BIAS_SIGMA_M_S2], 3)
     equations.add_prior(0, slice(9, 15), state.bias[0], biases)
     _add_beliefs(equations, state.shared, start, beliefs)
     return equations
@@ -222,9 +238,11 @@ def _white_poses(
     """Residuals ``(N, 6)`` of the poses in deviations, derivatives by states and what is shared."""
     measured = _in_metres(camera, state.shared.scale).coefficients
     residual, slope = pose_residuals(
-        state.world_T_imu.coefficients, _twists(state, rate),
-        state.shared.imu_T_camera.coefficients, measured,
-    )  # fmt: skip
+        state.world_T_imu.coefficients,
+        _twists(state, rate),
+        state.shared.imu_T_camera.coefficients,
+        measured,
+    )
     root = np.sqrt(state.weight)[:, None] / np.repeat(state.sigma, 3)
     residual, slope = root * residual, root[..., None] * slope
     own, shared = np.zeros((*residual.shape, 15)), np.zeros((*residual.shape, 11))
@@ -256,10 +274,14 @@ class _Intervals:
     def of(cls, state: Aligned, summed: Preintegrated) -> _Intervals:
         poses, velocity = state.world_T_imu.coefficients, state.velocity_m_s
         residual, slope = interval_residuals(
-            (poses[:-1], poses[1:]), (velocity[:-1], velocity[1:]), np.diff(state.bias, axis=0),
-            state.shared.gravity_m_s2, summed.motion.coefficients.reshape(-1, 16),
-            summed.bias_jacobian, summed.duration_s,
-        )  # fmt: skip
+            (poses[:-1], poses[1:]),
+            (velocity[:-1], velocity[1:]),
+            np.diff(state.bias, axis=0),
+            state.shared.gravity_m_s2,
+            summed.motion.coefficients.reshape(-1, 16),
+            summed.bias_jacobian,
+            summed.duration_s,
+        )
         shared = np.zeros((*residual.shape, 11))
         shared[..., GRAVITY] = slope[..., 30:]
         covariance = summed.covariance + np.diag(_JITTER)
@@ -280,8 +302,8 @@ class _Intervals:
         covariance, without what the unknowns took of them (Förstner 1979).
         """
         step, known = solved.states[..., None], self.covariance
-        moved = self.start @ step[:-1] + self.end @ step[1:]
-        left = self.residual[..., None] + moved + self.shared @ solved.shared[:, None]
+        stepped = self.start @ step[:-1] + self.end @ step[1:]
+        left = self.residual[..., None] + stepped + self.shared @ solved.shared[:, None]
         expected = known - solved.interval_covariance(self.start, self.end, self.shared)
         ratios = []
         for first in (0, 6, 9, 12):  # rows that this noise rules: turn, velocity, biases
@@ -306,11 +328,11 @@ def _at_least(stated: ImuNoise, now: ImuNoise, grown: FloatArray) -> ImuNoise:
 def _add_beliefs(equations: Bordered, now: Shared, start: Shared, beliefs: Beliefs) -> None:
     size = float(np.linalg.norm(now.gravity_m_s2))
     expected = float(np.linalg.norm(start.gravity_m_s2))
-    mount = (start.imu_T_camera.inverse() @ now.imu_T_camera).as_twist()
+    extrinsics = start.imu_T_camera.local(now.imu_T_camera)
     error = np.concatenate(
         [
             [now.offset_s - start.offset_s],
-            mount,
+            extrinsics,
             [size - expected],
             [np.log(now.scale / start.scale)],
         ]
@@ -327,16 +349,16 @@ def _stepped(state: Aligned, solved: Solved, rate: FloatArray) -> Aligned:
     """All unknowns moved; a later offset takes the states along their paths."""
     step, shared = solved.states, state.shared
     later = float(solved.shared[0])
-    moved = state.world_T_imu @ Motor.from_twist(step[:, :6] + later * _twists(state, rate))
+    poses = state.world_T_imu.retract(step[:, :6] + later * _twists(state, rate))
     return replace(
         state,
         shared=Shared(
             shared.offset_s + later,
-            shared.imu_T_camera @ Motor.from_twist(solved.shared[1:7]),
+            shared.imu_T_camera.retract(solved.shared[1:7]),
             shared.gravity_m_s2 + solved.shared[GRAVITY],
             shared.scale * float(np.exp(solved.shared[10])),
         ),
-        world_T_imu=moved,
+        world_T_imu=poses,
         velocity_m_s=state.velocity_m_s + step[:, 6:9],
         bias=state.bias + step[:, 9:],
     )

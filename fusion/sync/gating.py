@@ -18,7 +18,7 @@ __all__ = ["plausible"]
 
 _REACH = 3  # neighbours to either side
 _NEAR_S = 0.5  # beyond, neither gyroscope nor lines foretell
-_GROSS = 6.0  # of the median's deviation
+_OUTLIER_THRESHOLD = 6.0  # of the median's deviation
 _MEDIAN_NORM = 1.538  # of three normal numbers
 _LEAST_RAD, _LEAST_M = 1e-4, 1e-4
 
@@ -32,18 +32,18 @@ def plausible(camera: Trajectory, imu: ImuStream, match: RateMatch) -> NDArray[n
         match: where its clock and axes stand.
     """
     turned = np.linalg.norm(_turn_errors(camera, imu, match), axis=-1)
-    moved = np.linalg.norm(_place_errors(camera), axis=-1)
-    mask: NDArray[np.bool_] = ~(_gross(turned, _LEAST_RAD) | _gross(moved, _LEAST_M))
+    shifted = np.linalg.norm(_place_errors(camera), axis=-1)
+    mask: NDArray[np.bool_] = ~(_outliers(turned, _LEAST_RAD) | _outliers(shifted, _LEAST_M))
     return mask
 
 
-def _gross(error: FloatArray, least: float) -> NDArray[np.bool_]:
+def _outliers(error: FloatArray, least: float) -> NDArray[np.bool_]:
     """Which are far beyond what most are; NaN is not."""
     known = error[np.isfinite(error)]
     if known.size == 0:
         return np.zeros(len(error), dtype=np.bool_)
     scale = max(float(np.median(known)) / _MEDIAN_NORM, least)
-    beyond: NDArray[np.bool_] = error > _GROSS * scale
+    beyond: NDArray[np.bool_] = error > _OUTLIER_THRESHOLD * scale
     return beyond
 
 

@@ -54,22 +54,22 @@ def interval_residuals(
 
 
 def pose_residuals(
-    poses: FloatArray, twists: FloatArray, mount: FloatArray, measured: FloatArray
+    poses: FloatArray, twists: FloatArray, imu_T_camera: FloatArray, measured: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """How far N measured poses of the camera are from those that the IMU's poses imply.
 
     Args:
         poses: coefficients ``(N, 8)`` of ``world_T_imu``.
         twists: ``(N, 6)`` of the IMU, rad/s and m/s: where a later time would find it.
-        mount: ``(8,)`` of ``imu_T_camera``.
+        imu_T_camera: ``(8,)`` of ``imu_T_camera``.
         measured: ``(N, 8)`` of ``world_T_camera``, scaled to metres.
 
     Returns:
         Residuals ``(N, 6)`` in the camera's axes, and their derivatives ``(N, 6, 14)`` by the
-        pose, the time offset (s), the mount, and the logarithm of the measurements' scale.
+        pose, the time offset (s), the extrinsics, and the logarithm of the measurements' scale.
     """
-    mounts = np.broadcast_to(mount, (len(poses), 8))
-    return _evaluated(_pose(), [poses, twists, mounts, measured])
+    extrinsics = np.broadcast_to(imu_T_camera, (len(poses), 8))
+    return _evaluated(_pose(), [poses, twists, extrinsics, measured])
 
 
 def _evaluated(function: Any, given: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
@@ -90,15 +90,15 @@ def _interval() -> Any:
     inputs = [ca.SX.sym(f"input{i}", size) for i, size in enumerate(sizes)]
     start, end, v0, v1, bias_step, fall, motion, jacobian, dt = inputs
     step = ca.SX.sym("step", 33)
-    pose0, pose1 = _moved(start, step[:6]), _moved(end, step[15:21])
+    pose0, pose1 = _retract(start, step[:6]), _retract(end, step[15:21])
     v0, v1, fall = v0 + step[6:9], v1 + step[21:24], fall + step[30:]
     # Gravity and the first velocity taken back: the pose and the velocity that force alone makes.
     place = ~pose0 * _translator(-(v0 * dt + 0.5 * fall * dt**2)) * pose1
     speed = ~_turned(pose0, v0) * _translator(-fall * dt) * _turned(pose1, v1)
     summed = [on.motor_of(_listed(motion[8 * i : 8 * i + 8])) for i in range(2)]
-    moved, gained = (_difference(a, b) for a, b in zip(summed, (place, speed), strict=True))
+    shifted, gained = (_difference(a, b) for a, b in zip(summed, (place, speed), strict=True))
     by_bias = ca.reshape(jacobian, 9, 6) @ step[9:15]
-    residual = ca.vertcat(moved, gained[3:]) - by_bias
+    residual = ca.vertcat(shifted, gained[3:]) - by_bias
     residual = ca.vertcat(residual, bias_step + step[24:30] - step[9:15])
     return _with_derivative("interval", inputs, residual, step)
 
@@ -109,10 +109,10 @@ def _pose() -> Any:
     import casadi as ca
 
     inputs = [ca.SX.sym(f"input{i}", size) for i, size in enumerate((8, 6, 8, 8))]
-    pose, twist, mount, measured = inputs
+    pose, twist, imu_T_camera, measured = inputs
     step = ca.SX.sym("step", 14)
-    later = _moved(pose, step[:6] + step[6] * twist)
-    expected = later * _moved(mount, step[7:13])
+    later = _retract(pose, step[:6] + step[6] * twist)
+    expected = later * _retract(imu_T_camera, step[7:13])
     # The expected place shrinks where the scale grows, not the measured one grows: its noise would
     # grow with it, and the scale come out too small.
     numbers = on.motor_numbers(expected)
@@ -134,7 +134,7 @@ def _listed(column: Any) -> list[Any]:
     return [column[i] for i in range(column.shape[0])]
 
 
-def _moved(motor: Any, twist: Any) -> Multivector:
+def _retract(motor: Any, twist: Any) -> Multivector:
     """``M (1 - ½ twist)``."""
     made: Multivector = on.motor_of(_listed(motor)) * (1 + on.bivector_of(_listed(-0.5 * twist)))
     return made

@@ -1,9 +1,9 @@
 """A start from angular rates alone: time offset by correlation, rotation by Wahba's problem.
 
 How fast a rigid body turns is the same number in every one of its frames, so the norms of both
-angular rates match before anything is known of the mount. Sources: E. Mair et al., Spatio-temporal
-initialization for IMU to camera registration, ROBIO 2011; G. Wahba, A least squares estimate of
-satellite attitude, SIAM Review 7(3), 1965.
+angular rates match before anything is known of the extrinsics. Sources: E. Mair et al.,
+Spatio-temporal initialization for IMU to camera registration, ROBIO 2011; G. Wahba, A least squares
+estimate of satellite attitude, SIAM Review 7(3), 1965.
 """
 
 from __future__ import annotations

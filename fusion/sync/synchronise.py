@@ -31,7 +31,7 @@ _MARGIN_S = 0.1
 # Of the deviation that rates state for the offset: the estimate believes them no more than this,
 # since it uses the same data again, and does not leave it.
 _DOUBT = 6.0
-# Times the accelerometer's noise, at which it tells nothing of the mount.
+# Times the accelerometer's noise, at which it tells nothing of the extrinsics.
 _DEAF = 30.0
 _UNLIKELY = 10.83  # χ² with one degree of freedom exceeds it once in a thousand cases
 
@@ -44,7 +44,7 @@ class Synchronised:
         offset_s: what the IMU's clock shows at an event minus what the camera's shows.
         imu_T_camera: pose of the camera on the IMU.
         gravity_m_s2: ``(3,)`` in the world of the camera's poses.
-        covariance: ``(10, 10)`` of offset (s), mount (right perturbation in the camera's axes:
+        covariance: ``(10, 10)`` of offset (s), extrinsics (right perturbation in the camera's axes:
             rotation in rad, lever arm in m) and gravity (m/s²).
         gyro_bias_rad_s: ``(N, 3)``; accel_bias_m_s2: ``(N, 3)``, at the poses that were used.
         time_ns: ``(N,)`` their stamps on the camera's clock.
@@ -73,7 +73,7 @@ class Synchronised:
 
     @property
     def rotation_sigma_rad(self) -> FloatArray:
-        """Deviations ``(3,)`` of the mount's rotation about the camera's axes."""
+        """Deviations ``(3,)`` of the extrinsics' rotation about the camera's axes."""
         return np.sqrt(np.diag(self.covariance)[1:4])
 
     @property
@@ -91,15 +91,15 @@ class Synchronised:
 def synchronise(
     camera: Trajectory, imu: ImuStream, noise: ImuNoise, *, search_s: float = 2.0
 ) -> Synchronised:
-    """Estimate time offset and mount from a metric camera path and an IMU that moved with it.
+    """Estimate time offset and extrinsics from a metric camera path and an IMU that moved with it.
 
     Angular rates give offset and rotation to start from; everything is then estimated together,
     with the biases and gravity; poses that contradict their neighbours are left out before. The
     stated uncertainty believes that errors of the camera's poses are independent from one to the
     next: those of a smoothed path are not, and it is then too small. Faults of scale, axes and
-    linearity of the sensor are seen only as noise, and can pull the mount further than noise
+    linearity of the sensor are seen only as noise, and can pull the extrinsics further than noise
     does: by 0.9° on EuRoC's V1_02, whose accelerometer strays by 0.04 m/s² from its truth for a
-    third of a second and longer, while its gyroscope alone fits within 0.1°. So the mount
+    third of a second and longer, while its gyroscope alone fits within 0.1°. So the extrinsics
     is estimated without the accelerometer as well, and where both differ by more than noise
     explains, the deviations of its rotation cover the difference. A direction in which
     the motion tells nothing (the lever arm along the only axis of rotation) keeps the uncertainty
@@ -122,8 +122,8 @@ def synchronise(
     match = match_rates(camera, imu, search_s)
     used = covered(camera, imu, match.offset_s, _MARGIN_S)
     used = used[plausible(used, imu, match)]
-    mount = Motor.from_rotor_translation(match.imu_R_camera, np.zeros(3))
-    start = Shared(match.offset_s, mount, _gravity(used, imu, match.offset_s, mount))
+    imu_T_camera = Motor.from_rotor_translation(match.imu_R_camera, np.zeros(3))
+    start = Shared(match.offset_s, imu_T_camera, _gravity(used, imu, match.offset_s, imu_T_camera))
     doubt_s = _DOUBT * match.offset_sigma_s
     beliefs = Beliefs(doubt_s, np.pi, _LEVER_SIGMA_M, _GRAVITY_SIGMA_M_S2, 0.0)
     found = align(used, imu, noise, start, beliefs)
@@ -154,8 +154,8 @@ def _borne_out(found: Aligned, used: Trajectory, imu: ImuStream, beliefs: Belief
     """
     deaf = replace(found.noise, accel_density_m_s2_rthz=_DEAF * found.noise.accel_density_m_s2_rthz)
     turning = align(used, imu, deaf, found.shared, beliefs, found.sigma, adapt=False)
-    mount = found.shared.imu_T_camera.rotor.inverse() @ turning.shared.imu_T_camera.rotor
-    squares = mount.as_rotation_vector() ** 2
+    apart = found.shared.imu_T_camera.rotor.local(turning.shared.imu_T_camera.rotor)
+    squares = apart**2
     covariance = found.covariance[: GRAVITY.stop, : GRAVITY.stop]
     stated = np.diag(covariance)[ROTATION]
     own = np.diag(turning.covariance)[ROTATION]
@@ -166,10 +166,12 @@ def _borne_out(found: Aligned, used: Trajectory, imu: ImuStream, beliefs: Belief
     return inflated
 
 
-def _gravity(camera: Trajectory, imu: ImuStream, offset_s: float, mount: Motor) -> FloatArray:
+def _gravity(
+    camera: Trajectory, imu: ImuStream, offset_s: float, imu_T_camera: Motor
+) -> FloatArray:
     """Against the mean of the specific force in the world: accelerations cancel over time."""
     force = imu.at(camera.time_ns + round(offset_s * 1e9)).specific_force_m_s2
-    up = np.mean((camera.motors @ mount.inverse()).rotor.apply(force), axis=0)
+    up = np.mean((camera.motors @ imu_T_camera.inverse()).rotor.apply(force), axis=0)
     size = float(np.linalg.norm(up))
     if size == 0.0:
         raise ValueError("imu: expected specific forces, got zeros")

@@ -56,7 +56,7 @@ def _system(
     count = len(summed)
     lever = camera.motors.rotor.apply(camera_T_imu.translation_m)
     dt = summed.duration_s[:, None, None]
-    moved, gained = np.moveaxis(summed.motion.translation_m, 1, 0)
+    shifted, gained = np.moveaxis(summed.motion.translation_m, 1, 0)
     back, identity = turn[:-1].swapaxes(-1, -2), np.eye(3)
     matrix = np.zeros((2, count, 3, 3 * (count + 1) + 4))
     for k in range(count):
@@ -69,7 +69,7 @@ def _system(
     steps = np.diff(camera.motors.translation_m, axis=0)
     matrix[0, :, :, -1] = np.einsum("kij,kj->ki", back, steps)
     shift = np.einsum("kij,kj->ki", back, np.diff(lever, axis=0))
-    right = np.stack([moved - shift, gained])
+    right = np.stack([shifted - shift, gained])
     # Positions over an interval are as sure as velocities times its length.
     weight = np.stack([1.0 / dt[:, :, 0], np.ones_like(dt[:, :, 0])])
     return (matrix * weight[..., None]).reshape(6 * count, -1), (right * weight).ravel()

@@ -96,23 +96,28 @@ def metric_map(
     seen = inside[snapshot.keyframe_of]
     rows = np.cumsum(inside) - 1
     keyframes = adjust_visual_inertial(
-        before, start.world_T_visual.apply(snapshot.points),
-        LandmarkObservations(rows[snapshot.keyframe_of[seen]], snapshot.point_of[seen],
-                             snapshot.px[seen]),
-        camera.undistorted(), imu, noise, imu_T_camera,
-    )  # fmt: skip
+        before,
+        start.world_T_visual.apply(snapshot.points),
+        LandmarkObservations(
+            rows[snapshot.keyframe_of[seen]], snapshot.point_of[seen], snapshot.px[seen]
+        ),
+        camera.undistorted(),
+        imu,
+        noise,
+        imu_T_camera,
+    )
     scale = float(start.world_T_visual.scale) * _spread(keyframes.trajectory) / _spread(before)
-    measured = _carried(path, result.covariance, own, keyframes.trajectory.motors, scale)
+    measured = _in_metres(path, result.covariance, own, keyframes.trajectory.motors, scale)
     return MetricMap(measured, keyframes, start, scale)
 
 
 def _spread(path: Trajectory) -> float:
-    """RMS distance of positions from their mean, metres."""
+    """RMS of positions about their mean, metres."""
     places = path.motors.translation_m
     return float(np.sqrt(np.mean(np.sum((places - places.mean(axis=0)) ** 2, axis=-1))))
 
 
-def _carried(
+def _in_metres(
     path: Trajectory, covariance: FloatArray, own: Trajectory, adjusted: Motor, scale: float
 ) -> PoseMeasurements:
     """Frames hung on the adjusted keyframes as they hung on the map's own."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.graph.conversions import as_motor, as_pose, as_poses
+from motorcade.fusion.graph.conversions import as_motor, as_pose, as_poses, optimised
 from motorcade.fusion.graph.inertial import InertialGraph, keys
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
@@ -102,17 +102,16 @@ def adjust_visual_inertial(
     _add_states(factors, values, graph, start, keyframes.time_s)
     _add_sightings(factors, observations, used, camera, imu_T_camera, sigma_px)
     _add_landmarks(factors, values, landmarks, used)
-    params = gtsam.LevenbergMarquardtParams()
-    params.setMaxIterations(_ITERATIONS)
-    params.setRelativeErrorTol(_RELATIVE)
-    found = gtsam.LevenbergMarquardtOptimizer(factors, values, params).optimize()
+    found = optimised(factors, values, _ITERATIONS, _RELATIVE)
     return _read(found, keyframes, landmarks, used, observations, camera, imu_T_camera)
 
 
 def _checked(
-    keyframes: Trajectory, landmarks_m: FloatArray, observations: LandmarkObservations,
+    keyframes: Trajectory,
+    landmarks_m: FloatArray,
+    observations: LandmarkObservations,
     imu: ImuStream,
-) -> FloatArray:  # fmt: skip
+) -> FloatArray:
     landmarks = checked_floats(landmarks_m, "landmarks_m", (3,))
     for name, count in (("keyframe", len(keyframes)), ("landmark", len(landmarks))):
         rows = getattr(observations, name)
@@ -136,17 +135,19 @@ def _inertial(
 ) -> InertialGraph:
     """The chain of keyframes without any measured pose."""
     stamps = keyframes.time_ns
-    own = imu.time_ns[(imu.time_ns > stamps[0]) & (imu.time_ns < stamps[-1])]
-    data = imu.at(np.union1d(stamps, own).astype(np.int64))
+    data = imu.around(stamps)
     none = np.full(len(stamps), -1)
     poses = Motor.identity((0,))
     return InertialGraph(stamps, data, noise, gravity_m_s2, none, poses, np.zeros((0, 6, 6)), 1.0)
 
 
 def _add_states(
-    factors: gtsam.NonlinearFactorGraph, values: gtsam.Values, graph: InertialGraph, start: Motor,
+    factors: gtsam.NonlinearFactorGraph,
+    values: gtsam.Values,
+    graph: InertialGraph,
+    start: Motor,
     time_s: FloatArray,
-) -> None:  # fmt: skip
+) -> None:
     """Poses, velocities and biases with what the samples say of them."""
     import gtsam
 
@@ -170,31 +171,37 @@ def _add_states(
 
 
 def _add_sightings(
-    factors: gtsam.NonlinearFactorGraph, observations: LandmarkObservations,
-    used: NDArray[np.bool_], camera: Camera, imu_T_camera: Motor, sigma_px: float,
-) -> None:  # fmt: skip
+    factors: gtsam.NonlinearFactorGraph,
+    observations: LandmarkObservations,
+    used: NDArray[np.bool_],
+    camera: Camera,
+    imu_T_camera: Motor,
+    sigma_px: float,
+) -> None:
     import gtsam
 
     matrix = camera.matrix
     lens = gtsam.Cal3_S2(matrix[0, 0], matrix[1, 1], 0.0, matrix[0, 2], matrix[1, 2])
     loss = gtsam.noiseModel.mEstimator.Huber.Create(_HUBER)
     model = gtsam.noiseModel.Robust.Create(loss, gtsam.noiseModel.Isotropic.Sigma(2, sigma_px))
-    mount, straight = as_pose(imu_T_camera), camera.undistort(observations.px)
+    extrinsics, straight = as_pose(imu_T_camera), camera.undistort(observations.px)
     rows = np.flatnonzero(used[observations.landmark])
     for row in rows.tolist():
         pose = keys(int(observations.keyframe[row])).pose
         point = gtsam.symbol("l", int(observations.landmark[row]))
         factors.push_back(
             gtsam.GenericProjectionFactorCal3_S2(
-                straight[row], model, pose, point, lens, False, False, mount
+                straight[row], model, pose, point, lens, False, False, extrinsics
             )
         )
 
 
 def _add_landmarks(
-    factors: gtsam.NonlinearFactorGraph, values: gtsam.Values, landmarks: FloatArray,
+    factors: gtsam.NonlinearFactorGraph,
+    values: gtsam.Values,
+    landmarks: FloatArray,
     used: NDArray[np.bool_],
-) -> None:  # fmt: skip
+) -> None:
     import gtsam
 
     loose = gtsam.noiseModel.Isotropic.Sigma(3, _LANDMARK_SIGMA_M)
@@ -205,9 +212,14 @@ def _add_landmarks(
 
 
 def _read(
-    found: gtsam.Values, keyframes: Trajectory, landmarks: FloatArray, used: NDArray[np.bool_],
-    observations: LandmarkObservations, camera: Camera, imu_T_camera: Motor,
-) -> VisualInertial:  # fmt: skip
+    found: gtsam.Values,
+    keyframes: Trajectory,
+    landmarks: FloatArray,
+    used: NDArray[np.bool_],
+    observations: LandmarkObservations,
+    camera: Camera,
+    imu_T_camera: Motor,
+) -> VisualInertial:
     import gtsam
 
     nodes = [keys(index) for index in range(len(keyframes))]

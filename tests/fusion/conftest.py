@@ -22,7 +22,9 @@ from motorcade.tracking.measurements import PoseMeasurements
 START_NS = 1_403_715_273_262_142_976
 
 NOISE = ImuNoise(2e-3, 2e-4, 2e-2, 3e-3)
-MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
+IMU_T_CAMERA = Motor.from_euler_translation(
+    np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07])
+)
 SIGMA_M, SIGMA_RAD = 0.01, np.deg2rad(0.5)
 
 
@@ -95,14 +97,14 @@ class Run:
     imu: ImuStream
     measurements: PoseMeasurements
     noise: ImuNoise = NOISE
-    mount: Motor = MOUNT
+    imu_T_camera: Motor = IMU_T_CAMERA
 
     @property
     def camera(self) -> Trajectory:
-        return self.truth.transformed_by(right=self.mount, child="camera")
+        return self.truth.transformed_by(right=self.imu_T_camera, child="camera")
 
     def fuse(self, **options: Any) -> Fused:
-        return fuse(self.measurements, self.imu, self.noise, self.mount, **options)
+        return fuse(self.measurements, self.imu, self.noise, self.imu_T_camera, **options)
 
 
 @pytest.fixture
@@ -118,7 +120,7 @@ def record(handheld: Handheld) -> Callable[..., Run]:
             simulated.stream.angular_rate_rad_s + gyro,
             simulated.stream.specific_force_m_s2 + accel,
         )
-        camera = simulated.path.transformed_by(right=MOUNT)
+        camera = simulated.path.transformed_by(right=IMU_T_CAMERA)
         measured = simulate_camera_poses(camera, 20.0, SIGMA_M, SIGMA_RAD, rng)
         biases = simulated.gyro_bias_rad_s + gyro, simulated.accel_bias_m_s2 + accel
         return Run(simulated.path, simulated.velocity_m_s, *biases, imu, measured)

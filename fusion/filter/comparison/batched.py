@@ -20,15 +20,17 @@ from motorcade.fusion.filter import FilterSettings
 from motorcade.fusion.filter.comparison.coordinates import ErrorCoordinates, RunStates
 from motorcade.fusion.filter.extended_pose import ERROR_SIZE
 from motorcade.fusion.filter.increments import increments, process_noise
+from motorcade.fusion.filter.settings import (
+    ACCEL_BIAS_SIGMA_M_S2,
+    GYRO_BIAS_SIGMA_RAD_S,
+    VELOCITY_SIGMA_M_S,
+)
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["Estimates", "Runs", "filter_runs"]
-
-# The prior of the filter on motors.
-_VELOCITY_SIGMA_M_S, _GYRO_BIAS_SIGMA_RAD_S, _ACCEL_BIAS_SIGMA_M_S2 = 20.0, 0.1, 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,20 +135,17 @@ class _Gate:
     """How far to believe a measurement, run by run."""
 
     def __init__(self, settings: FilterSettings, runs: int) -> None:
-        from scipy.special import gammaincinv
-
-        # χ² with 6 degrees of freedom is a gamma distribution of shape 3 and scale 2.
-        self._limit = 2.0 * float(gammaincinv(3.0, settings.gate))
-        self._gross, self._patience = settings.gross, settings.patience
+        self._limit = settings.gate_limit(6)
+        self._threshold, self._patience = settings.outlier_threshold, settings.patience
         self._left_out = np.zeros(runs, dtype=np.int64)
 
     def judge(self, nis: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
         """Factors on the covariance (0: leave out), and where the prediction is doubted."""
-        gross = ~(nis <= self._gross * self._limit)
-        self._left_out = np.where(gross, self._left_out + 1, 0)
+        outlier = ~(nis <= self._threshold * self._limit)
+        self._left_out = np.where(outlier, self._left_out + 1, 0)
         doubted = self._left_out > self._patience
         self._left_out[doubted] = 0
-        factor = np.where(gross, np.where(doubted, 1.0, 0.0), np.maximum(1.0, nis / self._limit))
+        factor = np.where(outlier, np.where(doubted, 1.0, 0.0), np.maximum(1.0, nis / self._limit))
         return factor, doubted
 
 
@@ -157,7 +156,7 @@ def _start(
     count, pose, tilt = len(runs), runs.world_T_imu[:, 0], settings.initial_tilt_error_rad
     rotor = Rotor.from_rotation_vector([tilt, 0.0, 0.0]) @ pose.rotor
     state = RunStates(rotor, pose.translation_m, np.zeros((count, 3)), np.zeros((count, 6)))
-    sigma = [0.0, 0.0, _VELOCITY_SIGMA_M_S, _GYRO_BIAS_SIGMA_RAD_S, _ACCEL_BIAS_SIGMA_M_S2]
+    sigma = [0.0, 0.0, VELOCITY_SIGMA_M_S, GYRO_BIAS_SIGMA_RAD_S, ACCEL_BIAS_SIGMA_M_S2]
     body = np.tile(np.diag(np.repeat(sigma, 3) ** 2), (count, 1, 1))
     body[:, :6, :6] = runs.covariance
     level = rotor.as_matrix()[:, :2]
@@ -166,10 +165,16 @@ def _start(
 
 
 def _predicted(
-    runs: Runs, start: int, end: int, state: RunStates, covariance: FloatArray, noise: ImuNoise,
-    coordinates: ErrorCoordinates, settings: FilterSettings,
-) -> tuple[RunStates, FloatArray]:  # fmt: skip
-    """State and covariance after the intervals between two samples."""
+    runs: Runs,
+    start: int,
+    end: int,
+    state: RunStates,
+    covariance: FloatArray,
+    noise: ImuNoise,
+    coordinates: ErrorCoordinates,
+    settings: FilterSettings,
+) -> tuple[RunStates, FloatArray]:
+    """RunStates and covariance after the intervals between two samples."""
     dt_s = np.diff(runs.time_ns[start : end + 1]) * 1e-9
     rate, force = (
         0.5 * (values[:, start:end] + values[:, start + 1 : end + 1])
@@ -201,9 +206,13 @@ def _predicted(
 
 
 def _updated(
-    state: RunStates, covariance: FloatArray, measured: Motor, spread: FloatArray,
-    coordinates: ErrorCoordinates, gate: _Gate,
-) -> tuple[RunStates, FloatArray, FloatArray, NDArray[np.bool_]]:  # fmt: skip
+    state: RunStates,
+    covariance: FloatArray,
+    measured: Motor,
+    spread: FloatArray,
+    coordinates: ErrorCoordinates,
+    gate: _Gate,
+) -> tuple[RunStates, FloatArray, FloatArray, NDArray[np.bool_]]:
     """Kalman's update with poses of the IMU, in Joseph's form; the matrix is the identity."""
     seen = RunStates(measured.rotor, measured.translation_m, state.velocity_m_s, state.bias)
     innovation = coordinates.local(state, seen)[:, :6]
@@ -231,10 +240,10 @@ def _doubt(state: RunStates, seen: RunStates) -> FloatArray:
     predicted, measured = (
         Motor.from_rotor_translation(one.rotor, one.position_m) for one in (state, seen)
     )
-    innovation = (predicted.inverse() @ measured).as_twist() ** 2
+    innovation = predicted.local(measured) ** 2
     turn, shift = np.sum(innovation[:, :3], axis=-1), np.sum(innovation[:, 3:], axis=-1)
     nothing = np.zeros_like(turn)
-    sizes = [turn, shift, shift + _VELOCITY_SIGMA_M_S**2 / 100, nothing, nothing]
+    sizes = [turn, shift, shift + VELOCITY_SIGMA_M_S**2 / 100, nothing, nothing]
     return np.repeat(np.stack(sizes, axis=-1), 3, axis=-1)[:, None] * np.eye(ERROR_SIZE)
 
 

@@ -140,7 +140,7 @@ class ExtendedPoseErrors(QuaternionTranslationErrors):
         ours, theirs = (
             extended_pose(one.rotor, one.position_m, one.velocity_m_s) for one in (state, other)
         )
-        twists = (ours.inverse() @ theirs).as_twist()
+        twists = ours.local(theirs)
         return np.concatenate(
             [twists[..., 0, :], twists[..., 1, 3:], other.bias - state.bias], axis=-1
         )

@@ -24,6 +24,21 @@ __all__ = ["GENERATED", "model_files", "tape_of", "write_model"]
 
 GENERATED = Path(__file__).resolve().parents[1] / "native" / "generated"
 _NOTE = "Written by `python -m motorcade.fusion.filter.model`; edit fusion/filter/model."
+_HEADER = """{title}
+#ifndef MOTORCADE_FILTER_MODEL_H
+#define MOTORCADE_FILTER_MODEL_H
+
+#ifdef __cplusplus
+extern "C" {{
+#endif
+
+{declared}
+#ifdef __cplusplus
+}}
+#endif
+
+#endif
+"""
 _GROUPS = {"motion": MOTION, "measurements": MEASUREMENTS}
 
 
@@ -65,18 +80,13 @@ def _header() -> str:
         line
         for definitions in _GROUPS.values()
         for definition in definitions
-        for line in (_told(definition), f"{_head(definition)};", "")
+        for line in (_documented(definition), f"{_head(definition)};", "")
     ]
-    return "\n".join([
-        comment(["The filter's model: its motion, its measurements and their derivatives.", _NOTE]),
-        "#ifndef MOTORCADE_FILTER_MODEL_H", "#define MOTORCADE_FILTER_MODEL_H", "",
-        "#ifdef __cplusplus", 'extern "C" {', "#endif", "",
-        *declared,
-        "#ifdef __cplusplus", "}", "#endif", "", "#endif",
-    ]) + "\n"  # fmt: skip
+    title = "The filter's model: its motion, its measurements and their derivatives."
+    return _HEADER.format(title=comment([title, _NOTE]), declared="\n".join(declared))
 
 
-def _told(definition: Definition) -> str:
+def _documented(definition: Definition) -> str:
     sides = (("in", definition.inputs), ("out", definition.outputs))
     operands = [
         f"{side} {operand.name}: {' '.join(operand.components)}"

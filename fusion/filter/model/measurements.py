@@ -32,51 +32,51 @@ __all__ = ["MEASUREMENTS"]
 _ONE = [1.0, *[0.0] * 7]
 
 
-def _pose(pose: Numbers, mount: Numbers, measured: Numbers) -> list[Numbers]:
-    predicted = on.motor_of(pose) * on.motor_of(mount)
+def _pose(pose: Numbers, imu_T_camera: Numbers, measured: Numbers) -> list[Numbers]:
+    predicted = on.motor_of(pose) * on.motor_of(imu_T_camera)
     bivector = logarithm(DOUBLE, ~predicted * on.motor_of(measured), short_way=True)
     return [[-2 * value for value in on.bivector_numbers(bivector)]]
 
 
-def _pose_effect(mount: Numbers) -> list[Numbers]:
+def _pose_effect(imu_T_camera: Numbers) -> list[Numbers]:
     xi = symbols("xi", 6)
-    camera = on.motor_of(mount)
-    moved = ~camera * disturbed(on.motor_of(_ONE), [xi[i] for i in range(6)]) * camera
-    return [blocks(derivative(error_of(moved), xi), slice(0, 6), slice(0, 6))]
+    camera = on.motor_of(imu_T_camera)
+    perturbed = ~camera * disturbed(on.motor_of(_ONE), [xi[i] for i in range(6)]) * camera
+    return [blocks(derivative(error_of(perturbed), xi), slice(0, 6), slice(0, 6))]
 
 
 def _point(pose: Numbers, arm: Numbers) -> list[Numbers]:
     """Where a point fixed to the IMU is in the world, and how that moves with the pose's error."""
     xi = symbols("xi", 6)
     at = _placed(on.motor_of(pose), arm)
-    moved = disturbed(on.motor_of(pose), [xi[i] for i in range(6)])
-    effect = derivative(_placed(moved, arm), xi)
+    perturbed = disturbed(on.motor_of(pose), [xi[i] for i in range(6)])
+    effect = derivative(_placed(perturbed, arm), xi)
     return [at, blocks(effect, slice(0, 3), slice(0, 6))]
 
 
 def _placed(motor: Multivector, point: Numbers) -> Numbers:
     _, rotor, _ = motor_at(on.motor_numbers(motor))
     turned = rotated(rotor, point)
-    moved = on.translation_numbers(motor * ~rotor)
-    return [a + b for a, b in zip(turned, moved, strict=True)]
+    shift = on.translation_numbers(motor * ~rotor)
+    return [a + b for a, b in zip(turned, shift, strict=True)]
 
 
 def _velocity_effect(pose: Numbers) -> list[Numbers]:
     nu = symbols("nu", 3)
-    moved = rotated(on.rotor_of(pose[:4]), [nu[i] for i in range(3)])
-    return [blocks(derivative(moved, nu), slice(0, 3), slice(0, 3))]
+    perturbed = rotated(on.rotor_of(pose[:4]), [nu[i] for i in range(3)])
+    return [blocks(derivative(perturbed, nu), slice(0, 3), slice(0, 3))]
 
 
-def _corner(pose: Numbers, mount: Numbers, point: Numbers) -> list[Numbers]:
+def _corner(pose: Numbers, imu_T_camera: Numbers, point: Numbers) -> list[Numbers]:
     """A point of the world on the plane z = 1 of the camera, its depth, and the effects of both."""
     xi, eta = symbols("xi", 6), symbols("eta", 6)
-    motor, camera = on.motor_of(pose), on.motor_of(mount)
+    motor, camera = on.motor_of(pose), on.motor_of(imu_T_camera)
     seen = _seen(motor * camera, point)
-    moved = _seen(disturbed(motor, [xi[i] for i in range(6)]) * camera, point)
+    perturbed = _seen(disturbed(motor, [xi[i] for i in range(6)]) * camera, point)
     shifted = _seen(motor * disturbed(camera, [eta[i] for i in range(6)]), point)
     effects = [
         blocks(derivative(value[:2], by), slice(0, 2), slice(0, 6))
-        for value, by in ((moved, xi), (shifted, eta))
+        for value, by in ((perturbed, xi), (shifted, eta))
     ]
     return [seen[:2], seen[2:], *effects]
 
@@ -86,7 +86,7 @@ def _seen(camera: Multivector, point: Numbers) -> Numbers:
     return [x / depth, y / depth, depth]
 
 
-def _moved(pose: Numbers, error: Numbers) -> list[Numbers]:
+def _retract(pose: Numbers, error: Numbers) -> list[Numbers]:
     """``M Exp(ξ)``, unit to rounding whatever the pose was; turns are held below π."""
     half = on.bivector_of([-0.5 * value for value in error])
     motor: Any = on.motor_of(pose) * exponential(DOUBLE, half)
@@ -95,31 +95,31 @@ def _moved(pose: Numbers, error: Numbers) -> list[Numbers]:
 
 
 def _corrected(pose: Numbers, velocity: Numbers, error: Numbers) -> list[Numbers]:
-    """Pose and velocity moved as one extended pose: the velocity as the pose of its own motor."""
+    """Pose and velocity retracted as one extended pose: each as the pose of a motor of its own."""
     carrier = translated(velocity) * on.rotor_of(pose[:4])
-    faster = motor_at(_moved(on.motor_numbers(carrier), [*error[:3], *error[6:]])[0])[2]
-    return [*_moved(pose, error[:6]), faster]
+    faster = motor_at(_retract(on.motor_numbers(carrier), [*error[:3], *error[6:]])[0])[2]
+    return [*_retract(pose, error[:6]), faster]
 
 
-def _start(measured: Numbers, mount: Numbers) -> list[Numbers]:
+def _start(measured: Numbers, imu_T_camera: Numbers) -> list[Numbers]:
     """The IMU's pose by a measured one of the camera, and how that one's error turns up in it."""
     return [
-        on.motor_numbers(on.motor_of(measured) * ~on.motor_of(mount)),
-        *_pose_effect(on.motor_numbers(~on.motor_of(mount))),
+        on.motor_numbers(on.motor_of(measured) * ~on.motor_of(imu_T_camera)),
+        *_pose_effect(on.motor_numbers(~on.motor_of(imu_T_camera))),
     ]
 
 
-_POSE, _MOUNT = on.motor("pose"), on.motor("mount")
+_POSE, _EXTRINSICS = on.motor("pose"), on.motor("imu_T_camera")
 _ERROR = Operand("error", tuple(f"{kind}_{axis}" for kind in ("turn", "shift") for axis in "xyz"))
 _FASTER = ("speed_x", "speed_y", "speed_z")
 
 MEASUREMENTS = (
     Definition(
-        "motorcade_moved",
+        "motorcade_retract",
         ("A motor with an error (rad, m) on its right.",),
         (_POSE, _ERROR),
         (on.motor("out"),),
-        _moved,
+        _retract,
     ),
     Definition(
         "motorcade_corrected",
@@ -132,21 +132,21 @@ MEASUREMENTS = (
         "motorcade_start",
         ("The IMU's pose by a measured one of the camera, and how an error on the right of the",
          "measured one turns up on its right, 6x6 by rows."),
-        (on.motor("measured"), _MOUNT),
+        (on.motor("measured"), _EXTRINSICS),
         (on.motor("pose"), on.components("effect", 6, 6)),
         _start,
     ),
     Definition(
         "motorcade_pose_residual",
-        ("Twist (rad, m) to the measured pose of the camera from pose times mount.",),
-        (_POSE, _MOUNT, on.motor("measured")),
+        ("Twist (rad, m) to the measured pose of the camera from pose times extrinsics.",),
+        (_POSE, _EXTRINSICS, on.motor("measured")),
         (Operand("residual", _ERROR.components),),
         _pose,
     ),
     Definition(
         "motorcade_pose_effect",
-        ("How an error of the pose turns up behind the mount, 6x6 by rows.",),
-        (_MOUNT,),
+        ("How an error of the pose turns up behind the extrinsics, 6x6 by rows.",),
+        (_EXTRINSICS,),
         (on.components("effect", 6, 6),),
         _pose_effect,
     ),
@@ -167,10 +167,10 @@ MEASUREMENTS = (
     Definition(
         "motorcade_corner",
         ("A point (m) of the world on the camera's plane z = 1, its depth (m) there, and how the",
-         "errors of the pose and of the mount move it, 2x6 each."),
-        (_POSE, _MOUNT, on.points("point")),
+         "errors of the pose and of the extrinsics move it, 2x6 each."),
+        (_POSE, _EXTRINSICS, on.points("point")),
         (Operand("seen", ("x", "y")), on.numbers("depth"), on.components("pose_effect", 2, 6),
-         on.components("mount_effect", 2, 6)),
+         on.components("extrinsics_effect", 2, 6)),
         _corner,
     ),
 )  # fmt: skip

@@ -7,7 +7,7 @@ with the turn φ = (rate - bias) Δt, ``ΔR = exp(-½ φ·e)``, ``Δv = ∫₀¹
 the right of the extended pose, ``true = (M Exp(φ, ρ), v + R ν ~R)``; their motion does not depend
 on the state (A. Barrau and S. Bonnabel, The invariant extended Kalman filter as a stable observer,
 IEEE TAC 62(4), 2017), so that its derivative is taken at the origin, at rest, where it is shortest.
-Only where the direction of gravity is sought does it depend on the attitude.
+Only where the direction of gravity is estimated does it depend on the attitude.
 """
 
 from __future__ import annotations
@@ -71,11 +71,11 @@ def advanced(
 ) -> tuple[Multivector, Numbers]:  # fmt: skip
     """Motor and velocity after an interval."""
     motor, rotor, _ = motor_at(pose)
-    turn, gained, moved = increment(rate, force, dt, held=held)
+    turn, gained, shifted = increment(rate, force, dt, held=held)
     fallen = [v * dt + 0.5 * g * dt * dt for v, g in zip(velocity, gravity, strict=True)]
     faster = rotated(rotor, gained)
     return (
-        translated(fallen) * motor * (translated(moved) * turn),
+        translated(fallen) * motor * (translated(shifted) * turn),
         [v + g * dt + a for v, g, a in zip(velocity, gravity, faster, strict=True)],
     )
 
@@ -98,7 +98,7 @@ def _step(
 def _transition(
     bias: Numbers, rate: Numbers, force: Numbers, dt: Numbers, *, held: bool = False
 ) -> list[Numbers]:
-    """Blocks of the matrix that carries the error over the interval; see `MOTION`."""
+    """Blocks of the error's transition over the interval; see `MOTION`."""
     xi = symbols("xi", 15)
     error = [xi[i] for i in range(15)]
     plain = _less(rate, bias[:3]), _less(force, bias[3:])
@@ -107,24 +107,26 @@ def _transition(
     # Unit to first order only, which is all that a derivative needs.
     begun = on.motor_numbers(disturbed(on.motor_of(_AT_REST), error[:6]))
     ended, _ = advanced(_AT_REST, still, *plain, dt[0], still, held=held)
-    moved, faster = advanced(begun, error[_V], *sensed, dt[0], still, held=held)
+    reached, faster = advanced(begun, error[_V], *sensed, dt[0], still, held=held)
     turn, gained, _ = increment(*plain, dt[0], held=held)
     seen = rotated(~turn, _less(faster, gained))
-    values = [*error_of(~ended * moved), *seen]
+    values = [*error_of(~ended * reached), *seen]
     matrix = derivative(values, xi)
     pairs = ((_R, _R), (_P, _R), (_V, _R), (_R, _BG), (_P, _BG), (_V, _BG), (_P, _BA), (_V, _BA))
     return [blocks(matrix, row, column) for row, column in pairs]
 
 
-def _gravity(plumb: Numbers, size: Numbers) -> list[Numbers]:
-    """Gravity in the world: ``-z`` of the world turned by the plumb's rotor."""
-    return [rotated(on.rotor_of(plumb), [0.0, 0.0, -size[0]])]
+def _gravity(gravity_rotor: Numbers, size: Numbers) -> list[Numbers]:
+    """Gravity in the world: ``-z`` of the world turned by a rotor."""
+    return [rotated(on.rotor_of(gravity_rotor), [0.0, 0.0, -size[0]])]
 
 
-def _gravity_effect(pose: Numbers, plumb: Numbers, size: Numbers, dt: Numbers) -> list[Numbers]:
-    """What tilting the plumb does to the error's velocity, in the axes of the pose at the end."""
+def _gravity_effect(
+    pose: Numbers, gravity_rotor: Numbers, size: Numbers, dt: Numbers
+) -> list[Numbers]:
+    """What tilting that rotor does to the error's velocity, in the axes of the pose at the end."""
     tilt = symbols("tilt", 2)
-    rotor, upright = on.rotor_of(pose[:4]), on.rotor_of(plumb)
+    rotor, upright = on.rotor_of(pose[:4]), on.rotor_of(gravity_rotor)
     tilted = upright + upright * on.angles_of([-0.5 * tilt[0], -0.5 * tilt[1], 0.0])
     fall = rotated(~rotor, rotated(tilted, [0.0, 0.0, -size[0]]))
     matrix = derivative(fall, tilt)
@@ -138,7 +140,7 @@ def _matrix(name: str, columns: int = 3) -> Operand:
 _POSE, _VELOCITY = on.motor("pose"), on.points("velocity")
 _BIAS = Operand("bias", tuple(f"{kind}_{axis}" for kind in ("gyro", "accel") for axis in "xyz"))
 _RATE, _FORCE, _DT = on.points("rate"), on.points("force"), on.numbers("dt")
-_PLUMB, _SIZE = on.rotor("plumb"), on.numbers("size")
+_GRAVITY, _SIZE = on.rotor("gravity_rotor"), on.numbers("size")
 
 _STEP_IN = (_POSE, _VELOCITY, _BIAS, _RATE, _FORCE, _DT, on.points("gravity"))
 _STEP_OUT = on.motor("next_pose"), on.points("next_velocity")
@@ -176,16 +178,16 @@ MOTION = (
     ),
     Definition(
         "motorcade_gravity",
-        ("Gravity (m/s²) in the world: its size along -z turned by the plumb's rotor.",),
-        (_PLUMB, _SIZE),
+        ("Gravity (m/s²) in the world: its size along -z turned by a rotor.",),
+        (_GRAVITY, _SIZE),
         (on.points("gravity"),),
         _gravity,
     ),
     Definition(
         "motorcade_gravity_effect",
-        ("What a tilt of the plumb, an error on its right about its x and y, adds over dt (s) to",
+        ("What a tilt of gravity, an error on its right about its x and y, adds over dt (s) to",
          "the error's velocity, 3x2 by rows, in the axes of the pose; dt/2 times it to position."),
-        (_POSE, _PLUMB, _SIZE, _DT),
+        (_POSE, _GRAVITY, _SIZE, _DT),
         (_matrix("velocity_tilt", 2),),
         _gravity_effect,
     ),

@@ -29,7 +29,7 @@ __all__ = [
     "symbols",
     "translated",
     "turn_functions",
-]  # fmt: skip
+]
 
 Numbers = list[Any]
 

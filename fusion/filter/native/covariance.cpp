@@ -28,19 +28,19 @@ MOTORCADE_INLINE Quad column_of(const double *block, std::size_t i, const Quad *
 
 // The first nine rows of F X; the others are those of X.
 template <bool tilted, std::size_t W>
-MOTORCADE_INLINE void carried(const Transition &f, const double (*x)[W], double (*made)[W]) {
+MOTORCADE_INLINE void multiplied(const Transition &f, const double (*x)[W], double (*made)[W]) {
     for (std::size_t q = 0; q < W / 4; ++q) {
-        Quad turned[3], moved[3], faster[3], by_gyro[3], by_accel[3];
+        Quad turned[3], shifted[3], faster[3], by_gyro[3], by_accel[3];
         for (std::size_t i = 0; i < 3; ++i) {
             turned[i] = quad(x[turn + i], q);
             faster[i] = quad(x[velocity + i], q);
-            moved[i] = quad(x[position + i], q) + f.dt * faster[i];
+            shifted[i] = quad(x[position + i], q) + f.dt * faster[i];
             by_gyro[i] = quad(x[gyro + i], q);
             by_accel[i] = quad(x[accel + i], q);
         }
         for (std::size_t i = 0; i < 3; ++i) {
             put(made[turn + i], q, row_of(f.turn_turn, i, turned) + row_of(f.turn_gyro, i, by_gyro));
-            Quad place = row_of(f.position_turn, i, turned) + row_of(f.turn_turn, i, moved) +
+            Quad place = row_of(f.position_turn, i, turned) + row_of(f.turn_turn, i, shifted) +
                          row_of(f.position_gyro, i, by_gyro) + row_of(f.position_accel, i, by_accel);
             Quad speed = row_of(f.velocity_turn, i, turned) + row_of(f.turn_turn, i, faster) +
                          row_of(f.velocity_gyro, i, by_gyro) + row_of(f.velocity_accel, i, by_accel);
@@ -58,23 +58,23 @@ MOTORCADE_INLINE void carried(const Transition &f, const double (*x)[W], double 
 
 // F' X.
 template <std::size_t N, std::size_t W>
-MOTORCADE_INLINE void carried_back(const Transition &f, const double (*x)[W], double (*made)[W]) {
+MOTORCADE_INLINE void multiplied_back(const Transition &f, const double (*x)[W], double (*made)[W]) {
     for (std::size_t q = 0; q < W / 4; ++q) {
-        Quad turned[3], moved[3], faster[3];
+        Quad turned[3], shifted[3], faster[3];
         for (std::size_t i = 0; i < 3; ++i) {
             turned[i] = quad(x[turn + i], q);
-            moved[i] = quad(x[position + i], q);
+            shifted[i] = quad(x[position + i], q);
             faster[i] = quad(x[velocity + i], q);
         }
         for (std::size_t i = 0; i < 3; ++i) {
-            const Quad place = column_of(f.turn_turn, i, moved);
-            put(made[turn + i], q, column_of(f.turn_turn, i, turned) + column_of(f.position_turn, i, moved) +
+            const Quad place = column_of(f.turn_turn, i, shifted);
+            put(made[turn + i], q, column_of(f.turn_turn, i, turned) + column_of(f.position_turn, i, shifted) +
                                        column_of(f.velocity_turn, i, faster));
             put(made[position + i], q, place);
             put(made[velocity + i], q, column_of(f.turn_turn, i, faster) + f.dt * place);
             put(made[gyro + i], q, quad(x[gyro + i], q) + column_of(f.turn_gyro, i, turned) +
-                                       column_of(f.position_gyro, i, moved) + column_of(f.velocity_gyro, i, faster));
-            put(made[accel + i], q, quad(x[accel + i], q) + column_of(f.position_accel, i, moved) +
+                                       column_of(f.position_gyro, i, shifted) + column_of(f.velocity_gyro, i, faster));
+            put(made[accel + i], q, quad(x[accel + i], q) + column_of(f.position_accel, i, shifted) +
                                         column_of(f.velocity_accel, i, faster));
         }
         for (std::size_t k = 15; k < N; ++k) put(made[k], q, quad(x[k], q));
@@ -82,7 +82,7 @@ MOTORCADE_INLINE void carried_back(const Transition &f, const double (*x)[W], do
             for (std::size_t k = 0; k < 2; ++k) {
                 Quad sum = quad(x[tilt + k], q);
                 for (std::size_t i = 0; i < 3; ++i)
-                    sum += f.velocity_tilt[2 * i + k] * (faster[i] + 0.5 * f.dt * moved[i]);
+                    sum += f.velocity_tilt[2 * i + k] * (faster[i] + 0.5 * f.dt * shifted[i]);
                 put(made[tilt + k], q, sum);
             }
     }
@@ -95,12 +95,12 @@ template <std::size_t N> MOTORCADE_INLINE void propagated(Matrix<N> &p, const Tr
     alignas(64) double top[9][W];
     alignas(64) double across[N][half];
     alignas(64) double corner[9][half];
-    carried<tilted, W>(f, p.row, top);
+    multiplied<tilted, W>(f, p.row, top);
     for (std::size_t k = 0; k < N; ++k) {
         for (std::size_t i = 0; i < 9; ++i) across[k][i] = top[i][k];
         for (std::size_t i = 9; i < half; ++i) across[k][i] = 0.0;
     }
-    carried<tilted, half>(f, across, corner);
+    multiplied<tilted, half>(f, across, corner);
     for (std::size_t i = 0; i < 9; ++i) {
         for (std::size_t j = 0; j <= i; ++j) p.row[i][j] = p.row[j][i] = corner[i][j];
         for (std::size_t j = 9; j < N; ++j) p.row[i][j] = p.row[j][i] = top[i][j];
@@ -120,7 +120,7 @@ template <std::size_t N> MOTORCADE_INLINE void propagated(Matrix<N> &p, const Tr
 MOTORCADE_INLINE void transformed(Matrix<15> &x, const Transition &f) {
     constexpr std::size_t W = Matrix<15>::width;
     alignas(64) double top[9][W];
-    carried<false, W>(f, x.row, top);
+    multiplied<false, W>(f, x.row, top);
     for (std::size_t i = 0; i < 9; ++i)
         for (std::size_t j = 0; j < W; ++j) x.row[i][j] = top[i][j];
 }
@@ -131,17 +131,17 @@ MOTORCADE_INLINE void propagated_back(Matrix<N> &curvature, double *gradient, co
     Matrix<N> once, across;
     if constexpr (W > N) {  // the gradient goes along in a column that nothing else needs
         for (std::size_t i = 0; i < N; ++i) curvature.row[i][N] = gradient[i];
-        carried_back<N, W>(f, curvature.row, once.row);
+        multiplied_back<N, W>(f, curvature.row, once.row);
         for (std::size_t i = 0; i < N; ++i) gradient[i] = once.row[i][N];
     } else {
-        alignas(64) double row[N][4] = {}, moved[N][4];
+        alignas(64) double row[N][4] = {}, shifted[N][4];
         for (std::size_t i = 0; i < N; ++i) row[i][0] = gradient[i];
-        carried_back<N, 4>(f, row, moved);
-        for (std::size_t i = 0; i < N; ++i) gradient[i] = moved[i][0];
-        carried_back<N, W>(f, curvature.row, once.row);
+        multiplied_back<N, 4>(f, row, shifted);
+        for (std::size_t i = 0; i < N; ++i) gradient[i] = shifted[i][0];
+        multiplied_back<N, W>(f, curvature.row, once.row);
     }
     transpose<N>(once.row, across.row);
-    carried_back<N, W>(f, across.row, curvature.row);
+    multiplied_back<N, W>(f, across.row, curvature.row);
 }
 
 // Inverse of a symmetric positive definite matrix by Cholesky; false where it is not one.
@@ -252,7 +252,7 @@ MOTORCADE_INLINE void updated_back(Matrix<N> &curvature, const Innovation<N> &gi
     symmetrise(curvature);
 }
 
-template <std::size_t N> MOTORCADE_INLINE void sharpened(Matrix<N> &p, const Matrix<N> &curvature) {
+template <std::size_t N> MOTORCADE_INLINE void shrunk(Matrix<N> &p, const Matrix<N> &curvature) {
     constexpr std::size_t W = Matrix<N>::width;
     Matrix<N> product;
     for (std::size_t i = 0; i < N; ++i)
@@ -286,7 +286,7 @@ MOTORCADE_CLONES void update(Matrix<15> &p, const Innovation<15> &given, const G
 MOTORCADE_CLONES void update_back(Matrix<15> &curvature, const Innovation<15> &given, const Gain<15> &by) {
     updated_back<15>(curvature, given, by);
 }
-MOTORCADE_CLONES void sharpen(Matrix<15> &p, const Matrix<15> &curvature) { sharpened<15>(p, curvature); }
+MOTORCADE_CLONES void shrink(Matrix<15> &p, const Matrix<15> &curvature) { shrunk<15>(p, curvature); }
 MOTORCADE_CLONES bool weigh(const Matrix<24> &p, const Innovation<24> &given, double factor, Gain<24> &made) {
     return weighed<24>(p, given, factor, made);
 }
@@ -296,6 +296,6 @@ MOTORCADE_CLONES void update(Matrix<24> &p, const Innovation<24> &given, const G
 MOTORCADE_CLONES void update_back(Matrix<24> &curvature, const Innovation<24> &given, const Gain<24> &by) {
     updated_back<24>(curvature, given, by);
 }
-MOTORCADE_CLONES void sharpen(Matrix<24> &p, const Matrix<24> &curvature) { sharpened<24>(p, curvature); }
+MOTORCADE_CLONES void shrink(Matrix<24> &p, const Matrix<24> &curvature) { shrunk<24>(p, curvature); }
 
 }  // namespace motorcade::filter

@@ -20,7 +20,7 @@
 namespace motorcade::filter {
 
 constexpr std::size_t turn = 0, position = 3, velocity = 6, gyro = 9, accel = 12;
-constexpr std::size_t tilt = 15, mounting = 17, delay = 23;
+constexpr std::size_t tilt = 15, extrinsics = 17, delay = 23;
 constexpr std::size_t widest = 8;  // numbers in one measurement
 
 // Blocks of 3x3 by rows, named as the generated `motorcade_transition` names them.
@@ -114,7 +114,7 @@ void update_back(Matrix<15> &curvature, const Innovation<15> &given, const Gain<
 void update_back(Matrix<24> &curvature, const Innovation<24> &given, const Gain<24> &by);
 
 // P becomes P - P Λ P.
-void sharpen(Matrix<15> &p, const Matrix<15> &curvature);
-void sharpen(Matrix<24> &p, const Matrix<24> &curvature);
+void shrink(Matrix<15> &p, const Matrix<15> &curvature);
+void shrink(Matrix<24> &p, const Matrix<24> &curvature);
 
 }  // namespace motorcade::filter

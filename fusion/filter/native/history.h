@@ -45,16 +45,16 @@ template <std::size_t N> void Timeline<N>::reopen() {
         --target, --far;
     target = target == 1 && !forgotten_ ? 0 : first;
     const Event &witness = events_[first];
-    double turned = 0.0, moved = 0.0;
+    double turned = 0.0, shifted = 0.0;
     for (std::size_t a = 0; a < witness.size; ++a)
-        (witness.size == 6 && a < 3 ? turned : moved) += witness.linear[a] * witness.linear[a];
+        (witness.size == 6 && a < 3 ? turned : shifted) += witness.linear[a] * witness.linear[a];
     const bool fast = witness.kind == Kind::velocity, seen = witness.kind == Kind::corners;
     Event &given_up = events_[target];
     given_up.doubt = std::make_unique<Doubt>();
     const std::array<double, 5> &start = settings_.start_sigma;
     const double share = far == 0 ? 1.0 : 0.01;
-    const double room[5] = {seen ? 1.0 : turned, seen ? 1.0 : fast ? 0.0 : moved,
-                            moved + share * start[2] * start[2], share * start[3] * start[3],
+    const double room[5] = {seen ? 1.0 : turned, seen ? 1.0 : fast ? 0.0 : shifted,
+                            shifted + share * start[2] * start[2], share * start[3] * start[3],
                             share * start[4] * start[4]};
     std::copy_n(room, 5, given_up.doubt->added);
     if (target == 0 && witness.size == 6 && witness.kind == given_up.kind)
@@ -121,10 +121,10 @@ template <std::size_t N> void Timeline<N>::put(std::size_t row, const Matrix<N> 
     if (sink.whole != nullptr)
         for (std::size_t i = 0; i < N; ++i) std::copy_n(p.row[i], N, sink.whole + (N * row + i) * N);
     double effect[6][N] = {}, by_pose[36], spread[6][N];
-    motorcade_pose_effect(now_.mount, by_pose);
+    motorcade_pose_effect(now_.imu_T_camera, by_pose);
     for (std::size_t a = 0; a < 6; ++a) {
         std::copy_n(by_pose + 6 * a, 6, effect[a]);
-        if constexpr (N > 15) effect[a][mounting + a] = 1.0;
+        if constexpr (N > 15) effect[a][extrinsics + a] = 1.0;
         std::fill_n(spread[a], N, 0.0);
         for (std::size_t k = 0; k < N; ++k) filter::add<N>(spread[a], effect[a][k], p.row[k]);
     }
@@ -138,8 +138,8 @@ template <std::size_t N> void Timeline<N>::put(std::size_t row, const Matrix<N> 
     std::copy_n(now_.velocity, 3, sink.velocity + 3 * row);
     std::copy_n(now_.bias, 6, sink.bias + 6 * row);
     double *others = sink.others + 13 * row;
-    std::copy_n(now_.plumb, 4, others);
-    std::copy_n(now_.mount, 8, others + 4);
+    std::copy_n(now_.gravity_rotor, 4, others);
+    std::copy_n(now_.imu_T_camera, 8, others + 4);
     others[12] = now_.delay_s;
 }
 

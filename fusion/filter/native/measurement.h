@@ -90,7 +90,7 @@ private:
         if (N == 15 || state_.delay_s == event.shift_s) return;
         double ahead[6];
         for (int i = 0; i < 6; ++i) ahead[i] = (state_.delay_s - event.shift_s) * going_[i];
-        motorcade_moved(state_.pose, ahead, pose);
+        motorcade_retract(state_.pose, ahead, pose);
     }
 
     void delayed(Innovation<N> &made, std::size_t row) const {
@@ -101,18 +101,18 @@ private:
     void pose(const Event &event, const double *data, Innovation<N> &made) const {
         static constexpr double one[8] = {1.0};
         const bool camera = event.kind == Kind::camera_pose;
-        const double *mount = camera ? state_.mount : one;
+        const double *imu_T_camera = camera ? state_.imu_T_camera : one;
         double predicted[8], effect[36];
         if (camera) at_stamp(event, predicted);
         else std::copy_n(state_.pose, 8, predicted);
         made.size = 6;
-        motorcade_pose_residual(predicted, mount, data, made.residual);
-        motorcade_pose_effect(mount, effect);
+        motorcade_pose_residual(predicted, imu_T_camera, data, made.residual);
+        motorcade_pose_effect(imu_T_camera, effect);
         for (std::size_t a = 0; a < 6; ++a) {
             std::copy_n(effect + 6 * a, 6, made.effect[a]);
             std::copy_n(data + 8 + 6 * a, 6, made.noise[a]);
             if constexpr (N > 15)
-                if (camera) made.effect[a][mounting + a] = 1.0;
+                if (camera) made.effect[a][extrinsics + a] = 1.0;
             if (camera) delayed(made, a);
         }
     }
@@ -140,19 +140,19 @@ private:
     }
 
     bool corners(const Event &event, const double *data, Innovation<N> &made) const {
-        double pose[8], seen[2], depth[1], by_pose[12], by_mount[12];
+        double pose[8], seen[2], depth[1], by_pose[12], by_extrinsics[12];
         at_stamp(event, pose);
         const std::size_t count = event.data.size() / corner_numbers;
         made.size = 2 * count;
         for (std::size_t c = 0; c < count; ++c) {
             const double *corner = data + c * corner_numbers;
-            motorcade_corner(pose, state_.mount, corner, seen, depth, by_pose, by_mount);
+            motorcade_corner(pose, state_.imu_T_camera, corner, seen, depth, by_pose, by_extrinsics);
             if (!(depth[0] > nearest_depth_m)) return false;
             for (std::size_t a = 0; a < 2; ++a) {
                 const std::size_t row = 2 * c + a;
                 made.residual[row] = corner[3 + a] - seen[a];
                 std::copy_n(by_pose + 6 * a, 6, made.effect[row]);
-                if constexpr (N > 15) std::copy_n(by_mount + 6 * a, 6, made.effect[row] + mounting);
+                if constexpr (N > 15) std::copy_n(by_extrinsics + 6 * a, 6, made.effect[row] + extrinsics);
                 for (std::size_t b = 0; b < 2; ++b) made.noise[row][2 * c + b] = corner[5 + a + b];
                 delayed(made, row);
             }

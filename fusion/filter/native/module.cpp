@@ -170,8 +170,8 @@ public:
         const auto of = [](const double *given, std::size_t n) {
             return array(std::vector<double>(given, given + n), {n});
         };
-        return nb::make_tuple(filter_.time_ns(), of(at.pose, 8), of(at.velocity, 3), of(at.bias, 6), of(at.plumb, 4),
-                              of(at.mount, 8), at.delay_s, array(covariance, {N, N}));
+        return nb::make_tuple(filter_.time_ns(), of(at.pose, 8), of(at.velocity, 3), of(at.bias, 6), of(at.gravity_rotor, 4),
+                              of(at.imu_T_camera, 8), at.delay_s, array(covariance, {N, N}));
     }
 
     nb::object judged() const override {
@@ -224,8 +224,8 @@ private:
 
 std::unique_ptr<Engine> engine(const std::array<double, 5> &model, const std::array<double, 6> &start,
                                const std::array<double, 4> &known, const std::array<double, widest + 1> &gate,
-                               double gross, std::size_t patience, const std::array<double, 3> &hole, double history_s,
-                               std::size_t check_every, const std::array<double, 8> &mount, double delay_s,
+                               double outlier_threshold, std::size_t patience, const std::array<double, 3> &gap, double history_s,
+                               std::size_t check_every, const std::array<double, 8> &imu_T_camera, double delay_s,
                                const std::array<double, 5> &rest) {
     const auto square = [](double x) { return x * x; };
     Settings made;
@@ -235,18 +235,18 @@ std::unique_ptr<Engine> engine(const std::array<double, 5> &model, const std::ar
     made.start_tilt_rad = start[5];
     made.known_sigma = known;
     made.gate = gate;
-    made.gross = gross;
+    made.outlier_threshold = outlier_threshold;
     made.patience = patience;
-    made.hole_ns = static_cast<std::int64_t>(hole[0] * 1e9);
-    made.hole_rate = hole[1];
-    made.hole_force = hole[2];
+    made.gap_ns = static_cast<std::int64_t>(gap[0] * 1e9);
+    made.gap_rate = gap[1];
+    made.gap_force = gap[2];
     made.history_ns = history_s < 1e9 ? static_cast<std::int64_t>(history_s * 1e9) : INT64_MAX / 2;
     made.check_every = check_every;
     State first;
-    std::copy(mount.begin(), mount.end(), first.mount);
+    std::copy(imu_T_camera.begin(), imu_T_camera.end(), first.imu_T_camera);
     first.delay_s = delay_s;
-    const bool sought = known[0] > 0.0 || known[1] > 0.0 || known[2] > 0.0 || known[3] > 0.0;
-    if (sought) return std::make_unique<EngineOf<24>>(made, first, Rest(rest));
+    const bool more = known[0] > 0.0 || known[1] > 0.0 || known[2] > 0.0 || known[3] > 0.0;
+    if (more) return std::make_unique<EngineOf<24>>(made, first, Rest(rest));
     return std::make_unique<EngineOf<15>>(made, first, Rest(rest));
 }
 
@@ -310,8 +310,8 @@ NB_MODULE(_filter, module) {
         .def("state", &Engine::state)
         .def("judged", &Engine::judged)
         .def("held", &Engine::held);
-    module.def("engine", &engine, "model"_a, "start"_a, "known"_a, "gate"_a, "gross"_a, "patience"_a, "hole"_a,
-               "history_s"_a, "check_every"_a, "mount"_a, "delay_s"_a, "rest"_a);
+    module.def("engine", &engine, "model"_a, "start"_a, "known"_a, "gate"_a, "outlier_threshold"_a, "patience"_a, "gap"_a,
+               "history_s"_a, "check_every"_a, "imu_T_camera"_a, "delay_s"_a, "rest"_a);
     module.def("increments", &increments<false>, "first"_a, "dt_s"_a, "rate"_a, "force"_a, "bias"_a, "squares"_a,
                "pose"_a, "velocity"_a, "transition"_a, "covariance"_a);
     module.def("held_increments", &increments<true>, "first"_a, "dt_s"_a, "rate"_a, "force"_a, "bias"_a, "squares"_a,

@@ -30,7 +30,7 @@ public:
                 Event &event = this->events_[i];
                 if (event.kind == Kind::output) rewrite(event, gradient, curvature);
                 if (event.measures() && event.factor > 0.0 && i > 0) take_in(event, gradient, curvature);
-                if (i > 0) carry_back(this->events_[i - 1], event.time_ns, gradient, curvature);
+                if (i > 0) step_back(this->events_[i - 1], event.time_ns, gradient, curvature);
                 event.known.reset();
                 event.linear = std::vector<double>();
             }
@@ -39,7 +39,7 @@ public:
     }
 
 private:
-    void carry_back(const Event &from, std::int64_t to, double *gradient, Matrix<N> &curvature) {
+    void step_back(const Event &from, std::int64_t to, double *gradient, Matrix<N> &curvature) {
         steps_.clear();
         this->now_ = from.known->after;
         this->seek(from.time_ns);
@@ -76,7 +76,7 @@ private:
         unpack(event.known->covariance, p);
         for (std::size_t i = 0; i < N; ++i)
             for (std::size_t k = 0; k < N; ++k) error[i] -= p.row[i][k] * gradient[k];
-        sharpen(p, curvature);
+        shrink(p, curvature);
         this->now_ = event.known->after;
         correct<N>(this->now_, error);
         this->put(event.number, p);

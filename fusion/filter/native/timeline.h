@@ -1,4 +1,4 @@
-// Inertial samples and events in the order of time, and the state that is carried along them. Live
+// Inertial samples and events in the order of time, and the state that is propagated along them. Live
 // streams and whole recordings go through the same code: samples are added one after another, events
 // wait until the samples reach them, and one that comes late is put where it belongs, after which
 // everything since is done again from the nearest state that was kept.
@@ -21,12 +21,12 @@ struct Settings {
     Densities noise;
     std::array<double, 5> start_sigma;             // turn, position, velocity, both biases, at the start
     double start_tilt_rad;                         // how wrong the start is made on purpose
-    std::array<double, 4> known_sigma;             // tilt, mount's turn and shift, time offset
+    std::array<double, 4> known_sigma;             // tilt, extrinsics' turn and shift, time offset
     std::array<double, widest + 1> gate;           // of χ², by degrees of freedom
-    double gross;                                  // beyond so many gates a measurement is left out
+    double outlier_threshold;                                  // beyond so many gates a measurement is left out
     std::size_t patience;                          // measurements left out in a row before doubt
-    std::int64_t hole_ns;                          // longer intervals between samples lack data
-    double hole_rate, hole_force;                  // deviations of what was not felt in them
+    std::int64_t gap_ns;                          // longer intervals between samples lack data
+    double gap_rate, gap_force;                  // deviations of what was not felt in them
     std::int64_t history_ns;                       // how late an event may come
     std::size_t check_every;                       // samples between kept states; 0: at events only
 };
@@ -48,7 +48,7 @@ template <std::size_t N> class Timeline {
 public:
     Timeline(const Settings &settings, const State &first)
         : settings_(settings), motion_(settings.gravity_m_s2), first_(first) {}
-    // Adds a sample and carries everything to it.
+    // Adds a sample and moves everything on to it.
     void imu(const Sample &sample) {
         if (!samples_.empty() && sample.time_ns <= samples_.back().time_ns)
             refuse("imu: expected a stamp after " + std::to_string(samples_.back().time_ns) + ", got " +
@@ -68,7 +68,7 @@ public:
         samples_.show();
     }
 
-    // Carries everything to the next sample held; false where none is left.
+    // Moves everything on to the next sample held; false where none is left.
     bool play() {
         if (!samples_.show()) return false;
         catch_up();
@@ -109,7 +109,7 @@ public:
     Sink sink;
 
 protected:
-    // Carries the state to a moment within the samples; `each` sees every transition.
+    // Propagates the state to a moment within the samples; `each` sees every transition.
     template <class Each> void advance(std::int64_t to, Each &&each) {
         double fall[3];
         motion_.gravity(now_, fall);
@@ -140,7 +140,7 @@ protected:
         time_ns_ = time_ns;
     }
 
-    void carry(std::int64_t to) {
+    void advance_to(std::int64_t to) {
         advance(to, [this](const Transition &f, const Densities &q) { propagate(p_, f, q); });
     }
 
@@ -174,13 +174,13 @@ private:
         return made;
     }
 
-    // Through a hole in the data, rate and force may have been anything by a constant deviation.
+    // Through a gap in the data, rate and force may have been anything by a constant deviation.
     Densities densities(std::int64_t interval_ns) const {
         Densities made = settings_.noise;
-        if (interval_ns <= settings_.hole_ns) return made;
+        if (interval_ns <= settings_.gap_ns) return made;
         const double length = 1e-9 * static_cast<double>(interval_ns);
-        made.rate += settings_.hole_rate * settings_.hole_rate * length;
-        made.force += settings_.hole_force * settings_.hole_force * length;
+        made.rate += settings_.gap_rate * settings_.gap_rate * length;
+        made.force += settings_.gap_force * settings_.gap_force * length;
         return made;
     }
 
@@ -218,7 +218,7 @@ private:
             process(next_++);
             if (streak_.size() >= settings_.patience) reopen();
         }
-        if (started_) carry(horizon);
+        if (started_) advance_to(horizon);
     }
 
     void process(std::size_t index) {
@@ -226,7 +226,7 @@ private:
         if (!started_) {
             start(event);
         } else {
-            carry(event.time_ns);
+            advance_to(event.time_ns);
             if (event.measures()) measure(event, index);
         }
         if (event.kind == Kind::output) write(event);
@@ -255,10 +255,10 @@ private:
         double spread[36], measured[8];
         seek(event.time_ns);
         now_ = first_;
-        const double *mount = event.kind == Kind::camera_pose ? first_.mount : one;
+        const double *imu_T_camera = event.kind == Kind::camera_pose ? first_.imu_T_camera : one;
         const Doubt none;
-        motorcade_moved(event.data.data(), (event.doubt ? *event.doubt : none).restart, measured);
-        motorcade_start(measured, mount, now_.pose, spread);
+        motorcade_retract(event.data.data(), (event.doubt ? *event.doubt : none).restart, measured);
+        motorcade_start(measured, imu_T_camera, now_.pose, spread);
         p_ = Matrix<N>();
         for (std::size_t i = 0; i < 6; ++i)
             for (std::size_t j = 0; j < 6; ++j)
@@ -279,7 +279,7 @@ private:
 
     double start_sigma(std::size_t k) const {
         if (k < tilt) return settings_.start_sigma[k / 3];
-        return settings_.known_sigma[k < mounting ? 0 : k < mounting + 3 ? 1 : k < delay ? 2 : 3];
+        return settings_.known_sigma[k < extrinsics ? 0 : k < extrinsics + 3 ? 1 : k < delay ? 2 : 3];
     }
 
     // A start that is wrong on purpose: turned about the world's x, with room for that in its tilt.
@@ -334,7 +334,7 @@ private:
 
     double judged(double nis, std::size_t freedom) const {
         const double limit = settings_.gate[freedom];
-        if (!(nis <= settings_.gross * limit)) return 0.0;
+        if (!(nis <= settings_.outlier_threshold * limit)) return 0.0;
         return nis <= limit ? 1.0 : nis / limit;
     }
 

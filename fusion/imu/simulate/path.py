@@ -86,12 +86,12 @@ class ContinuousPath:
         """
         if imu_T_child.shape != ():
             raise ValueError(f"imu_T_child: expected a single pose, got shape {imu_T_child.shape}")
-        mount = imu_T_child.inverse()
+        child_T_imu = imu_T_child.inverse()
 
         def twists(time_s: FloatArray) -> TwistSample[Motor]:
             given = self.twists(time_s)
             return TwistSample(
-                given.pose @ mount,
+                given.pose @ child_T_imu,
                 imu_T_child.transform_twist(given.body_twist),
                 imu_T_child.transform_twist(given.body_twist_rate),
             )

@@ -22,7 +22,7 @@ __all__ = ["SimulatedImu", "simulate_imu"]
 
 @dataclass(frozen=True, eq=False)
 class SimulatedImu:
-    """A simulated stream and the truth behind it, sample by sample ``(N,)``.
+    """A simulated stream and its ground truth, sample by sample ``(N,)``.
 
     Fields:
         stream: what the sensor reads, at stamps of its own clock.

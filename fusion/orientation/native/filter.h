@@ -1,4 +1,4 @@
-// Orientation from a gyroscope and an accelerometer: a rotor carried by every sample, corrected
+// Orientation from a gyroscope and an accelerometer: a rotor propagated by every sample, corrected
 // once an interval by an error-state Kalman filter. Specific force is averaged over the interval in
 // the axes of the world, where gravity stands still while the sensor turns (so do Laidig and Seel,
 // "VQF: Highly accurate IMU orientation estimation with bias estimation and magnetic disturbance
@@ -103,9 +103,9 @@ public:
     // Whether a sample dt after the last must find the interval closed.
     bool leaves_gap(double dt) const { return dt > GAP_S && gathered(); }
 
-    // Carries the rotor over dt, with the mean of the readings at both ends or, where they are means
+    // Propagates the rotor over dt, with the mean of the readings at both ends or, where they are means
     // themselves, with the last; true where the interval is full and wants correction.
-    bool carry(const Three &rate, const Three &force, double dt) {
+    bool propagate(const Three &rate, const Three &force, double dt) {
         const double past = set_.averaged ? 0.0 : 0.5;
         Three half, felt, net;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -275,20 +275,20 @@ private:
     // One number at a time: residual = slope · error + noise; earlier ones of the instant count.
     void measure(Kind kind, std::uint8_t axis, double residual, double noise, State &added, Node *node) {
         const State h = slope(kind, axis, elapsed_, set_);
-        State carried{};
+        State spread{};
         double variance = noise, innovation = residual;
         for (std::size_t j = 0; j < ERRORS; ++j) {
             if (h[j] == 0.0) continue;
-            for (std::size_t i = 0; i < ERRORS; ++i) carried[i] += covariance_[j][i] * h[j];
+            for (std::size_t i = 0; i < ERRORS; ++i) spread[i] += covariance_[j][i] * h[j];
             innovation -= h[j] * added[j];
         }
-        for (std::size_t j = 0; j < ERRORS; ++j) variance += h[j] * carried[j];
+        for (std::size_t j = 0; j < ERRORS; ++j) variance += h[j] * spread[j];
         State gain;
-        for (std::size_t i = 0; i < ERRORS; ++i) gain[i] = carried[i] / variance;
+        for (std::size_t i = 0; i < ERRORS; ++i) gain[i] = spread[i] / variance;
         for (std::size_t i = 0; i < ERRORS; ++i) {
             added[i] += gain[i] * innovation;
             for (std::size_t j = 0; j <= i; ++j)
-                covariance_[i][j] = covariance_[j][i] = covariance_[i][j] - gain[i] * carried[j];
+                covariance_[i][j] = covariance_[j][i] = covariance_[i][j] - gain[i] * spread[j];
         }
         if (node) node->measured[node->count++] = {kind, axis, innovation, variance, gain};
     }

@@ -53,7 +53,7 @@ public:
                                             std::to_string(time_ns));
             const double dt = 1e-9 * static_cast<double>(time_ns - last_ns_);
             if (filter_.leaves_gap(dt)) filter_.correct(nullptr);
-            if (filter_.carry(turned, felt, dt)) filter_.correct(nullptr);
+            if (filter_.propagate(turned, felt, dt)) filter_.correct(nullptr);
         }
         last_ns_ = time_ns;
         std::copy(filter_.rotor().begin(), filter_.rotor().end(), out.data());
@@ -93,7 +93,7 @@ void forward(Filter &filter, const Three *rates, const Three *forces, const std:
     for (std::size_t k = 1; k < count; ++k) {
         const double dt = 1e-9 * static_cast<double>(time_ns[k] - time_ns[k - 1]);
         if (filter.leaves_gap(dt)) correct(k - 1);
-        const bool full = filter.carry(rates[k], forces[k], dt);
+        const bool full = filter.propagate(rates[k], forces[k], dt);
         if (nodes) made.put(k, filter.rotor(), filter.bias());
         if (full || (nodes && k + 1 == count && filter.gathered())) correct(k);
         if (!nodes) made.put(k, filter.rotor(), filter.bias());

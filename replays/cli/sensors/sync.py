@@ -1,4 +1,4 @@
-"""`motorcade sync`: time offset and mount between a camera's trajectory and an IMU."""
+"""`motorcade sync`: time offset and extrinsics between a camera's trajectory and an IMU."""
 
 from __future__ import annotations
 

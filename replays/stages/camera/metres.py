@@ -39,7 +39,7 @@ def in_metres(recording: Recording, found: SlamResult) -> Metres:
     """
     imu, camera = recording.imu, recording.camera
     if imu is None or camera is None:
-        raise NoMetres("no IMU whose mount is known was recorded")
+        raise NoMetres("no IMU whose extrinsics are known was recorded")
     if recording.imu_T_camera is None:
         raise NoMetres("where the camera sits on the IMU is not known")
     noise = assumed_noise(recording.imu_noise or ADIS16448, "recorded")

@@ -157,5 +157,5 @@ def filter_settings(
         gate=gate,
         initial_tilt_error_rad=float(np.deg2rad(initial_tilt_deg)),
         gravity_sigma_rad=up_rad if leaned else sigma_rad,
-        mount_sigma_rad=sigma_rad,
+        extrinsics_sigma_rad=sigma_rad,
     )

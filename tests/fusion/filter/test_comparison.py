@@ -39,7 +39,7 @@ def recorded(record):
             if degraded:
                 off[10::9] = 0.05 * rng.standard_normal(off[10::9].shape)
                 off[14::13] = rng.standard_normal(off[14::13].shape)
-            turned = one.mount.inverse() @ Motor.from_twist(off)
+            turned = one.imu_T_camera.inverse() @ Motor.from_twist(off)
             path = one.measurements.trajectory.transformed_by(right=turned, child="imu")
             made.append((PoseMeasurements(path, one.measurements.covariance), one.imu))
         return made

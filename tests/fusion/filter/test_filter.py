@@ -17,7 +17,7 @@ from tests.fusion.filter.by_hand import GRAVITY, Intervals
 def state_errors(run, fused: Fused) -> FloatArray:
     """True minus estimated state ``(N, 15)`` in the filter's own coordinates."""
     k = np.searchsorted(run.truth.time_ns, fused.trajectory.time_ns)
-    true, found = run.truth.poses[k], fused.trajectory.poses @ run.mount.inverse()
+    true, found = run.truth.poses[k], fused.trajectory.poses @ run.imu_T_camera.inverse()
     ours = extended_pose(found.rotor, found.translation_m, fused.velocity_m_s)
     theirs = extended_pose(true.rotor, true.translation_m, run.velocity_m_s[k])
     twists = (ours.inverse() @ theirs).as_twist()
@@ -159,7 +159,7 @@ def test_covariances_are_honest(record, smoothed):
         assert low < np.mean(values) < high, (name, np.mean(values), freedom)
 
 
-@pytest.mark.parametrize("more", [{}, {"gravity_sigma_rad": 0.02, "mount_sigma_rad": 0.02}])
+@pytest.mark.parametrize("more", [{}, {"gravity_sigma_rad": 0.02, "extrinsics_sigma_rad": 0.02}])
 def test_smoothed_covariances_are_symmetric_positive_and_smaller(record, rng, more):
     """At every sample, from a start that hardly knows its velocity; scaled by their deviations."""
     run = record(rng, 4.0)
@@ -193,7 +193,7 @@ def test_the_backward_pass_is_gtsams_batch_optimum(record, rng):
     run = record(rng, 2.0)
     fused = run.fuse(settings=FilterSettings(gate=1.0))
     batch = gtsam_batch(gtsam, run)
-    ours = fused.trajectory.poses @ run.mount.inverse()
+    ours = fused.trajectory.poses @ run.imu_T_camera.inverse()
     apart = (ours.inverse() @ Motor.stack([Motor.from_matrix(m) for m, _, _ in batch])).as_twist()
     sigma = np.sqrt(np.diagonal(fused.state_covariance, axis1=-2, axis2=-1))
     assert np.max(np.abs(apart) / sigma[:, :6]) < 0.1
@@ -210,8 +210,8 @@ def gtsam_batch(gtsam, run) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
         lambda i, letter=letter: gtsam.symbol(letter, i) for letter in "xvb"
     )  # fmt: skip
     stamps, poses = run.measurements.trajectory.time_ns, run.measurements.trajectory.poses
-    bodies = poses @ run.mount.inverse()
-    adjoint = gtsam.Pose3(run.mount.as_matrix()).AdjointMap()
+    bodies = poses @ run.imu_T_camera.inverse()
+    adjoint = gtsam.Pose3(run.imu_T_camera.as_matrix()).AdjointMap()
     guess = np.gradient(bodies.translation_m, stamps * 1e-9, axis=0)
     zero, at_rest = gtsam.imuBias.ConstantBias(), np.zeros(3)
     walks = np.repeat([noise.accel_walk_m_s3_rthz, noise.gyro_walk_rad_s2_rthz], 3)

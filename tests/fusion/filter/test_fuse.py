@@ -74,17 +74,21 @@ def test_measurements_stamped_by_another_clock_fuse_as_if_by_the_imus(record, rn
         run.measurements.trajectory, time_ns=inside, poses=run.measurements.trajectory.motors[some]
     )
     covariance = run.measurements.covariance[some]
-    own = fuse(PoseMeasurements(path, covariance), run.imu, run.noise, run.mount)
+    own = fuse(PoseMeasurements(path, covariance), run.imu, run.noise, run.imu_T_camera)
     late = replace(path, time_ns=inside - round(offset_s * 1e9))
     other = fuse(
-        PoseMeasurements(late, covariance), run.imu, run.noise, run.mount, time_offset_s=offset_s
+        PoseMeasurements(late, covariance),
+        run.imu,
+        run.noise,
+        run.imu_T_camera,
+        time_offset_s=offset_s,
     )
     np.testing.assert_array_equal(other.trajectory.time_ns, own.trajectory.time_ns)
     apart = (own.trajectory.motors.inverse() @ other.trajectory.motors).as_twist()
     assert np.max(np.abs(apart)) < 1e-9
 
 
-@pytest.mark.parametrize("more", [{}, {"gravity_sigma_rad": 0.02, "mount_sigma_rad": 0.02}])
+@pytest.mark.parametrize("more", [{}, {"gravity_sigma_rad": 0.02, "extrinsics_sigma_rad": 0.02}])
 @pytest.mark.parametrize("smoothed", [False, True])
 def test_the_cameras_covariance_is_that_of_the_state_seen_from_it(record, rng, smoothed, more):
     run = record(rng, 10.0)
@@ -151,9 +155,11 @@ def test_gross_outliers_leave_no_trace(record, rng):
     bad = np.arange(len(run.measurements)) % 10 == 7
     rest = PoseMeasurements(run.measurements.trajectory[~bad], run.measurements.covariance[~bad])
     stamps = run.measurements.trajectory.time_ns
-    clean = fuse(rest, run.imu, run.noise, run.mount, stamps)
+    clean = fuse(rest, run.imu, run.noise, run.imu_T_camera, stamps)
     for twist in ([0.7, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 1.0, 0.0]):
-        found = fuse(degraded(run.measurements, bad, twist), run.imu, run.noise, run.mount, stamps)
+        found = fuse(
+            degraded(run.measurements, bad, twist), run.imu, run.noise, run.imu_T_camera, stamps
+        )
         np.testing.assert_array_equal(found.accepted, ~bad)
         apart = (clean.trajectory.poses.inverse() @ found.trajectory.poses).as_twist()
         assert np.max(np.abs(apart)) < 1e-9
@@ -164,7 +170,7 @@ def test_moderate_outliers_are_weighed_down(record, rng):
     bad = np.arange(len(run.measurements)) % 10 == 7
     off = degraded(run.measurements, bad, [0.0, 0.0, 0.0, 0.08, 0.0, 0.0])
     gated, open_to_all = (
-        fuse(off, run.imu, run.noise, run.mount, settings=FilterSettings(gate=gate))
+        fuse(off, run.imu, run.noise, run.imu_T_camera, settings=FilterSettings(gate=gate))
         for gate in (0.9999, 1.0)
     )
     assert np.all(gated.accepted)
@@ -184,7 +190,7 @@ def test_when_the_world_has_moved_the_camera_is_believed_again(record, rng):
     jumped = PoseMeasurements(Trajectory(stamps, moved), run.measurements.covariance)
     true = Motor.concatenate([run.camera.at(stamps[~later]), jump @ run.camera.at(stamps[later])])
     for smoothed in (False, True):
-        found = fuse(jumped, run.imu, run.noise, run.mount, smoothed=smoothed)
+        found = fuse(jumped, run.imu, run.noise, run.imu_T_camera, smoothed=smoothed)
         assert np.count_nonzero(~found.accepted) == (0 if smoothed else 5)
         settled = np.abs(stamps - stamps[0] - 4_000_000_000) > 500_000_000
         error = absolute_translation_m(found.trajectory.poses, true)
@@ -200,7 +206,7 @@ def test_the_path_does_not_depend_on_heading_or_place_of_the_world(record, rng):
         run.measurements.trajectory.transformed_by(left), run.measurements.covariance
     )
     here = run.fuse()
-    there = fuse(moved, run.imu, run.noise, run.mount)
+    there = fuse(moved, run.imu, run.noise, run.imu_T_camera)
     apart = ((left @ here.trajectory.poses).inverse() @ there.trajectory.poses).as_twist()
     assert np.max(np.abs(apart)) < 1e-8
     np.testing.assert_allclose(there.covariance, here.covariance, atol=1e-10)
@@ -223,7 +229,7 @@ def test_refusals(record, rng):
         run.imu.time_ns + 10**12, run.imu.angular_rate_rad_s, run.imu.specific_force_m_s2
     )
     with pytest.raises(ValueError, match="measurements and imu: expected spans that overlap"):
-        fuse(run.measurements, far, run.noise, run.mount)
+        fuse(run.measurements, far, run.noise, run.imu_T_camera)
     with pytest.raises(ValueError, match="stamps_ns: expected rising integer nanoseconds"):
         run.fuse(stamps_ns=run.imu.time_ns[::-1])
     with pytest.raises(ValueError, match="stamps_ns: expected rising integer nanoseconds"):
@@ -235,8 +241,9 @@ def test_refusals(record, rng):
     with pytest.raises(ValueError, match=r"FilterSettings.gravity_m_s2: expected a number above 0"):
         FilterSettings(gravity_m_s2=float("nan"))
     for name, value in (
-        ("gross", 0.5), ("patience", 1), ("hole_s", 0.0), ("hole_rate_rad_s", -1.0),
-        ("gravity_sigma_rad", float("inf")), ("mount_sigma_m", -0.1), ("time_offset_sigma_s", -1.0),
+        ("outlier_threshold", 0.5), ("patience", 1), ("gap_s", 0.0), ("gap_rate_rad_s", -1.0),
+        ("gravity_sigma_rad", float("inf")), ("extrinsics_sigma_m", -0.1),
+        ("time_offset_sigma_s", -1.0),
         ("initial_tilt_error_rad", float("nan")),
     ):  # fmt: skip
         with pytest.raises(ValueError, match=rf"FilterSettings.{name}: expected"):

@@ -170,24 +170,24 @@ def test_a_pose_is_moved_as_motors_are(rng, call):
 
 
 def test_a_measured_pose(rng, call):
-    pose, mount, measured = motor_with(rng), motor_with(rng), motor_with(rng)
-    rows = pose.coefficients, mount.coefficients
+    pose, extrinsics, measured = motor_with(rng), motor_with(rng), motor_with(rng)
+    rows = pose.coefficients, extrinsics.coefficients
     (residual,) = call("pose_residual", *rows, measured.coefficients)
-    expected = ((pose @ mount).inverse() @ measured).as_twist()
+    expected = ((pose @ extrinsics).inverse() @ measured).as_twist()
     np.testing.assert_allclose(residual, expected, atol=1e-12)
-    (effect,) = call("pose_effect", mount.coefficients)
-    np.testing.assert_allclose(effect.reshape(6, 6), mount.inverse().adjoint(), atol=1e-12)
+    (effect,) = call("pose_effect", extrinsics.coefficients)
+    np.testing.assert_allclose(effect.reshape(6, 6), extrinsics.inverse().adjoint(), atol=1e-12)
 
     def seen(error: FloatArray) -> FloatArray:
-        moved = pose @ Motor.from_twist(error) @ mount
-        twist: FloatArray = ((pose @ mount).inverse() @ moved).as_twist()
+        moved = pose @ Motor.from_twist(error) @ extrinsics
+        twist: FloatArray = ((pose @ extrinsics).inverse() @ moved).as_twist()
         return twist
 
     np.testing.assert_allclose(effect.reshape(6, 6), numeric(seen, 6, 1e-5), atol=1e-8)
-    start, spread = call("start", measured.coefficients, mount.coefficients)
-    apart = (Motor(start).inverse() @ measured @ mount.inverse()).as_twist()
+    start, spread = call("start", measured.coefficients, extrinsics.coefficients)
+    apart = (Motor(start).inverse() @ measured @ extrinsics.inverse()).as_twist()
     np.testing.assert_allclose(apart, 0.0, atol=1e-12)
-    np.testing.assert_allclose(spread.reshape(6, 6), mount.adjoint(), atol=1e-12)
+    np.testing.assert_allclose(spread.reshape(6, 6), extrinsics.adjoint(), atol=1e-12)
 
 
 def test_a_measured_point_and_velocity(rng, call):
@@ -201,16 +201,18 @@ def test_a_measured_point_and_velocity(rng, call):
 
 
 def test_a_corner_through_a_camera(rng, call):
-    pose, mount = motor_with(rng, 0.5), motor_with(rng, 0.5)
-    point = (pose @ mount).apply(np.array([0.4, -0.3, 2.5]))
-    seen, depth, by_pose, by_mount = call("corner", pose.coefficients, mount.coefficients, point)
+    pose, extrinsics = motor_with(rng, 0.5), motor_with(rng, 0.5)
+    point = (pose @ extrinsics).apply(np.array([0.4, -0.3, 2.5]))
+    seen, depth, by_pose, by_mount = call(
+        "corner", pose.coefficients, extrinsics.coefficients, point
+    )
     np.testing.assert_allclose([*seen, *depth], [0.16, -0.12, 2.5], atol=1e-12)
 
     def through(camera: Motor) -> FloatArray:
         x, y, z = camera.inverse().apply(point)
         return np.array([x / z, y / z])
 
-    moved = numeric(lambda e: through(pose @ Motor.from_twist(e) @ mount), 6, 1e-5)
-    shifted = numeric(lambda e: through(pose @ mount @ Motor.from_twist(e)), 6, 1e-5)
+    moved = numeric(lambda e: through(pose @ Motor.from_twist(e) @ extrinsics), 6, 1e-5)
+    shifted = numeric(lambda e: through(pose @ extrinsics @ Motor.from_twist(e)), 6, 1e-5)
     np.testing.assert_allclose(by_pose.reshape(2, 6), moved, atol=1e-8)
     np.testing.assert_allclose(by_mount.reshape(2, 6), shifted, atol=1e-8)

@@ -21,7 +21,7 @@ GRAVITY = np.array([0.0, 0.0, 9.81])
 
 def fed(run, arrivals, **options) -> PoseFilter:
     """A filter fed with a recording: `arrivals` are (time of arrival, index of measurement)."""
-    stream = PoseFilter(run.noise, run.mount, **options)
+    stream = PoseFilter(run.noise, run.imu_T_camera, **options)
     path, waiting = run.measurements.trajectory, sorted(arrivals)
     for time_ns, rate, force in zip(
         run.imu.time_ns.tolist(), run.imu.angular_rate_rad_s, run.imu.specific_force_m_s2,
@@ -53,7 +53,7 @@ def test_a_stream_ends_where_the_recording_does(record, rng):
     run = record(rng, 3.0)
     stream = fed(run, on_time(run))
     batch = fuse(
-        run.measurements, run.imu, run.noise, run.mount, run.imu.time_ns[-1:], smoothed=False
+        run.measurements, run.imu, run.noise, run.imu_T_camera, run.imu.time_ns[-1:], smoothed=False
     )
     assert stream.state.time_ns == run.imu.time_ns[-1]
     apart = (stream.state.world_T_camera.inverse() @ batch.trajectory.poses[0]).as_twist()
@@ -81,7 +81,7 @@ def test_measurements_ahead_of_the_inertial_data_wait(record, rng):
 def test_what_comes_too_late_or_from_before_the_start_is_refused(record, rng):
     run = record(rng, 4.0)
     pose, covariance = run.measurements.trajectory.motors[0], run.measurements.covariance[0]
-    fresh = PoseFilter(run.noise, run.mount)
+    fresh = PoseFilter(run.noise, run.imu_T_camera)
     with pytest.raises(ValueError, match="expected inertial data before measurements"):
         fresh.camera_pose(int(run.imu.time_ns[0]), pose, covariance)
     fresh.imu(1000, np.zeros(3), GRAVITY)
@@ -167,13 +167,13 @@ def corners_of(world_T_camera: Motor) -> FloatArray:
     return world_T_camera.apply(TAG + np.array([0.1, -0.2, 2.0]))
 
 
-def measured(kind: str, pose: Motor, velocity: FloatArray, mount: Motor, points: FloatArray):
+def measured(kind: str, pose: Motor, velocity: FloatArray, extrinsics: Motor, points: FloatArray):
     """What is measured of each kind, as numbers whose differences are residuals."""
     if kind == "position":
         return pose.apply(ARM)
     if kind == "velocity":
         return velocity
-    return CAMERA.project((pose @ mount).inverse().apply(points)).ravel()
+    return CAMERA.project((pose @ extrinsics).inverse().apply(points)).ravel()
 
 
 def offer(stream: PoseFilter, kind: str, time_ns: int, value: FloatArray, points: FloatArray):
@@ -202,7 +202,7 @@ def test_an_update_is_bayes_rule_with_derivatives_by_differences(record, rng, ki
 
     def seen(error: FloatArray) -> FloatArray:
         moved = corrected(state, error)
-        return measured(kind, moved[0], moved[1].translation_m, run.mount, points)
+        return measured(kind, moved[0], moved[1].translation_m, run.imu_T_camera, points)
 
     effect = np.stack([(seen(1e-5 * e) - seen(-1e-5 * e)) / 2e-5 for e in np.eye(15)], axis=-1)
     residual = 1e-4 * rng.standard_normal(len(effect))
@@ -246,7 +246,7 @@ def test_innovations_of_every_kind_are_honest(record, rng, kind):
     size = 0
     for seed in range(3):
         run = record(np.random.default_rng(seed), 6.0)
-        stream = PoseFilter(run.noise, run.mount, settings=FilterSettings(gate=1.0))
+        stream = PoseFilter(run.noise, run.imu_T_camera, settings=FilterSettings(gate=1.0))
         camera, points = run.camera, corners_of(run.camera.poses[0])
         for k, time_ns in enumerate(run.imu.time_ns.tolist()):
             stream.imu(time_ns, run.imu.angular_rate_rad_s[k], run.imu.specific_force_m_s2[k])
@@ -257,7 +257,9 @@ def test_innovations_of_every_kind_are_honest(record, rng, kind):
             elif k % 10 == 0:
                 if kind == "corners":
                     points = corners_of(camera.poses[k])
-                true = measured(kind, run.truth.motors[k], run.velocity_m_s[k], run.mount, points)
+                true = measured(
+                    kind, run.truth.motors[k], run.velocity_m_s[k], run.imu_T_camera, points
+                )
                 size = true.size
                 root = 0.01 * (np.eye(size) + 0.2 * np.ones((size, size)))
                 scale = 0.7 * np.eye(size) if kind == "corners" else root
@@ -279,7 +281,9 @@ def test_a_wrong_start_is_given_up(record, rng):
         [0.5, 0.0, 0.3, 1.0, 0.0, -0.8]
     )).coefficients  # fmt: skip
     path = replace(run.measurements.trajectory, poses=Motor(poses))
-    fused = fuse(PoseMeasurements(path, run.measurements.covariance), run.imu, run.noise, run.mount)
+    fused = fuse(
+        PoseMeasurements(path, run.measurements.covariance), run.imu, run.noise, run.imu_T_camera
+    )
     np.testing.assert_array_equal(np.flatnonzero(~fused.accepted), [0])
     apart = (fused.trajectory.poses.inverse() @ run.camera.at(path.time_ns)).as_twist()
     sigma = np.sqrt(np.diagonal(fused.covariance, axis1=1, axis2=2))
@@ -299,7 +303,7 @@ def test_outliers_that_contradict_each_other_never_win(record, rng):
     path = replace(run.measurements.trajectory, poses=Motor(coefficients))
     wrong = PoseMeasurements(path, run.measurements.covariance)
     for smoothed in (False, True):
-        fused = fuse(wrong, run.imu, run.noise, run.mount, smoothed=smoothed)
+        fused = fuse(wrong, run.imu, run.noise, run.imu_T_camera, smoothed=smoothed)
         left_out = np.flatnonzero(~fused.accepted)
         np.testing.assert_array_equal(left_out, np.arange(80, 110))
 
@@ -315,7 +319,7 @@ def test_a_fifth_of_outliers_and_a_wrong_start_are_left_behind(record):
         errors = rng.standard_normal((len(path), 6)) * np.repeat([0.5, 1.0], 3)
         off = Motor.from_twist(np.where(bad[:, None], errors, 0.0))
         wrong = PoseMeasurements(path.transformed_by(right=off), run.measurements.covariance)
-        fused = fuse(wrong, run.imu, run.noise, run.mount)
+        fused = fuse(wrong, run.imu, run.noise, run.imu_T_camera)
         apart = (fused.trajectory.poses.inverse() @ run.camera.at(path.time_ns)).as_twist()
         assert np.max(np.abs(apart[20:, :3])) < np.deg2rad(2.0)
         assert np.max(np.abs(apart[20:, 3:])) < 0.05
@@ -328,14 +332,14 @@ def test_a_gap_in_the_samples_is_owned_up_to(record, rng):
     stamps = run.imu.time_ns
     seconds = (stamps - stamps[0]) * 1e-9
     kept = (seconds < 3.0) | (seconds > 3.5)
-    gapped = ImuStream(
+    with_gap = ImuStream(
         stamps[kept], run.imu.angular_rate_rad_s[kept], run.imu.specific_force_m_s2[kept]
     )
     seen = (run.measurements.trajectory.time_s < 3.0) | (run.measurements.trajectory.time_s > 3.5)
     rest = PoseMeasurements(run.measurements.trajectory[seen], run.measurements.covariance[seen])
     at = stamps[[299, 345]]
-    fused = fuse(rest, gapped, run.noise, run.mount, at, smoothed=False)
-    whole = fuse(rest, run.imu, run.noise, run.mount, at, smoothed=False)
+    fused = fuse(rest, with_gap, run.noise, run.imu_T_camera, at, smoothed=False)
+    whole = fuse(rest, run.imu, run.noise, run.imu_T_camera, at, smoothed=False)
     sigma, known = (
         np.sqrt(np.diagonal(one.state_covariance, axis1=1, axis2=2)) for one in (fused, whole)
     )
@@ -344,7 +348,7 @@ def test_a_gap_in_the_samples_is_owned_up_to(record, rng):
     assert np.all(sigma[1, :3] > 5.0 * known[1, :3])
     apart = (fused.trajectory.poses.inverse() @ run.camera.at(at)).as_twist()[1]
     assert np.all(np.abs(apart) < 4.0 * np.sqrt(np.diag(fused.covariance[1])))
-    after = fuse(rest, gapped, run.noise, run.mount)
+    after = fuse(rest, with_gap, run.noise, run.imu_T_camera)
     assert np.all(after.accepted)
 
 

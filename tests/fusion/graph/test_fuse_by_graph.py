@@ -24,7 +24,7 @@ Record = Callable[..., Any]
 
 
 def by_graph(run: Any, **options: Any) -> Fused:
-    return fuse_by_graph(run.measurements, run.imu, run.noise, run.mount, **options)
+    return fuse_by_graph(run.measurements, run.imu, run.noise, run.imu_T_camera, **options)
 
 
 def in_deviations(a: Fused, b: Fused) -> FloatArray:
@@ -171,9 +171,9 @@ def test_on_a_real_flight_batch_and_filter_agree(data_dir: Path):
     path, noise = given.trajectory, ADIS16448.scaled(8.0)
     seen = path.time_s % 15.0 < 13.0
     given = PoseMeasurements(path[seen], given.covariance[seen])
-    mount = Motor.identity()
-    batch = fuse_by_graph(given, imu, noise, mount, path.time_ns)
-    by_filter = fuse(given, imu, noise, mount, path.time_ns)
+    extrinsics = Motor.identity()
+    batch = fuse_by_graph(given, imu, noise, extrinsics, path.time_ns)
+    by_filter = fuse(given, imu, noise, extrinsics, path.time_ns)
     assert np.max(in_deviations(by_filter, batch)) < 1.0
     error = absolute_translation_m(batch.trajectory.poses, truth.at(path.time_ns))
     assert np.sqrt(np.mean(error[seen] ** 2)) < 0.005

@@ -16,19 +16,19 @@ from motorcade.replays.readers.tagslam.odometry import read_rig_odometry
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.fusion.tag_odometry import bench_tag_odometry, tag_odometry_table
 
-MOUNT = Motor.from_euler_translation(np.array([0.3, -0.2, 3.0]), np.array([0.05, 0.02, 0.1]))
+IMU_T_CAMERA = Motor.from_euler_translation(np.array([0.3, -0.2, 3.0]), np.array([0.05, 0.02, 0.1]))
 NOISE = OdometryNoise(2e-3, 5e-3)
 
 
 def drifting(truth: Trajectory, rng: np.random.Generator) -> Trajectory:
-    """Odometry of a frame that carries the camera at MOUNT: right but for noise of its steps."""
-    body = truth.transformed_by(right=MOUNT.inverse())
+    """Odometry of a frame that holds the camera at IMU_T_CAMERA, with noise of its steps."""
+    body = truth.transformed_by(right=IMU_T_CAMERA.inverse())
     steps = body.motors[:-1].inverse() @ body.motors[1:]
     sigma = np.repeat([NOISE.rotation_rad_rts, NOISE.translation_m_rts], 3)
     dt_s = np.diff(truth.time_ns)[:, None] * 1e-9
     # The noise is the camera's, seen from the body.
     noise = Motor.from_twist(sigma * np.sqrt(dt_s) * rng.standard_normal((len(dt_s), 6)))
-    steps = steps @ (MOUNT @ noise @ MOUNT.inverse())
+    steps = steps @ (IMU_T_CAMERA @ noise @ IMU_T_CAMERA.inverse())
     poses = [Motor.random(rng)]
     for step in steps:
         poses.append(poses[-1] @ step)
@@ -47,7 +47,7 @@ def given(rng: np.random.Generator) -> tuple[Trajectory, Trajectory, PoseMeasure
 
 def test_both_are_better_than_either_and_know_how_well(rng):
     truth, odometry, measured = given(rng)
-    fused = fuse_odometry(measured, odometry, MOUNT, NOISE)
+    fused = fuse_odometry(measured, odometry, IMU_T_CAMERA, NOISE)
     np.testing.assert_array_equal(fused.trajectory.time_ns, truth.time_ns)
     assert rms(fused.trajectory, truth) < 0.6 * rms(measured.trajectory, truth)
     errors = (fused.trajectory.motors.inverse() @ truth.motors).as_twist()
@@ -62,7 +62,7 @@ def test_wrong_poses_and_gaps_do_little_harm(rng):
     degraded = measured.trajectory.transformed_by(right=off)
     kept = (degraded.time_s < 5.0) | (degraded.time_s > 7.5)
     fused = fuse_odometry(
-        PoseMeasurements(degraded[kept], measured.covariance[kept]), odometry, MOUNT, NOISE
+        PoseMeasurements(degraded[kept], measured.covariance[kept]), odometry, IMU_T_CAMERA, NOISE
     )
     assert len(fused) == len(truth)
     assert rms(fused.trajectory, truth) < rms(measured.trajectory, truth)
@@ -73,12 +73,12 @@ def test_stamps_of_both_are_served_and_others_refused(rng):
     path = measured.trajectory
     moved = Trajectory(path.time_ns + 7_000_000, path.poses)
     late = PoseMeasurements(moved, measured.covariance)
-    fused = fuse_odometry(late, odometry, MOUNT, NOISE)
+    fused = fuse_odometry(late, odometry, IMU_T_CAMERA, NOISE)
     inside = moved.time_ns[moved.time_ns <= odometry.time_ns[-1]]
     np.testing.assert_array_equal(fused.trajectory.time_ns, np.union1d(odometry.time_ns, inside))
     far = PoseMeasurements(Trajectory(path.time_ns + 10**12, path.poses), measured.covariance)
     with pytest.raises(ValueError, match="overlap"):
-        fuse_odometry(far, odometry, MOUNT)
+        fuse_odometry(far, odometry, IMU_T_CAMERA)
     with pytest.raises(ValueError, match="translation_m_rts"):
         OdometryNoise(translation_m_rts=0.0)
 

@@ -1,4 +1,4 @@
-"""Streams in other units, saturated or gapped are found out; sound ones pass in silence."""
+"""Streams in other units, saturated or with gaps are found out; sound ones pass in silence."""
 
 from __future__ import annotations
 
@@ -99,10 +99,10 @@ def test_saturation_is_told_of_the_axis_that_has_it():
 def test_gaps_are_counted():
     stream = ridden("handheld")
     kept = np.r_[0:1000, 1001:2000, 2400:4001]
-    gapped = ImuStream(
+    with_gap = ImuStream(
         stream.time_ns[kept], stream.angular_rate_rad_s[kept], stream.specific_force_m_s2[kept]
     )
-    (told,) = screen_imu(gapped)
+    (told,) = screen_imu(with_gap)
     assert told == "2 gaps in the samples, the longest of 2.0050 s after 9995000000 ns"
 
 

@@ -151,15 +151,15 @@ def test_readings_end_at_the_range_and_stand_on_steps(rng):
 
 def test_lost_samples_leave_the_others_as_they_were(rng):
     path = ContinuousPath.along(MOTIONS["handheld"], 20.0)
-    whole, gapped = (
+    whole, with_gap = (
         simulate_imu(path, 200.0, ADIS16448, np.random.default_rng(5), faults=faults)
         for faults in (ImuFaults(), ImuFaults(dropped_share=0.1))
     )
-    assert 1 - len(gapped.stream) / len(whole.stream) == pytest.approx(0.1, abs=0.02)
-    at = np.searchsorted(whole.stream.time_ns, gapped.stream.time_ns)
-    assert np.array_equal(whole.stream.specific_force_m_s2[at], gapped.stream.specific_force_m_s2)
-    assert np.array_equal(gapped.path.time_ns, gapped.stream.time_ns)
-    assert np.array_equal(whole.gyro_bias_rad_s[at], gapped.gyro_bias_rad_s)
+    assert 1 - len(with_gap.stream) / len(whole.stream) == pytest.approx(0.1, abs=0.02)
+    at = np.searchsorted(whole.stream.time_ns, with_gap.stream.time_ns)
+    assert np.array_equal(whole.stream.specific_force_m_s2[at], with_gap.stream.specific_force_m_s2)
+    assert np.array_equal(with_gap.path.time_ns, with_gap.stream.time_ns)
+    assert np.array_equal(whole.gyro_bias_rad_s[at], with_gap.gyro_bias_rad_s)
 
 
 def test_simulators_of_one_seed_agree_whatever_the_path_is_made_of(rng):

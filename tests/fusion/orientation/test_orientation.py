@@ -159,18 +159,20 @@ def test_after_a_gap_it_knows_less_and_finds_back(rng, smooth, inclination_rms_d
     simulated = ridden("handheld", rng, 60.0)
     kept = np.r_[0:4000, 4400:12001]  # two seconds are missing
     stream = simulated.stream
-    gapped = ImuStream(
+    with_gap = ImuStream(
         stream.time_ns[kept], stream.angular_rate_rad_s[kept], stream.specific_force_m_s2[kept]
     )
     truth = simulated.path.poses.rotor[kept]
-    found = estimate_orientation(gapped, smooth=smooth).world_R_imu
+    found = estimate_orientation(with_gap, smooth=smooth).world_R_imu
     assert inclination_rms_deg(found, truth, slice(2000, 4000)) < 0.7
     assert inclination_rms_deg(found, truth, slice(9000, None)) < 1.5
     running = OrientationFilter()
     deviations = []
     for k in range(3900, 4100):
         running.update(
-            int(gapped.time_ns[k]), gapped.angular_rate_rad_s[k], gapped.specific_force_m_s2[k]
+            int(with_gap.time_ns[k]),
+            with_gap.angular_rate_rad_s[k],
+            with_gap.specific_force_m_s2[k],
         )
         deviations.append(running.tilt_deviation_rad)
     assert max(deviations[101:120]) > 3.0 * deviations[99]

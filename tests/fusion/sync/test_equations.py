@@ -75,20 +75,24 @@ def test_derivatives_of_an_interval_are_differences(rng):
 
 
 def test_derivatives_of_a_pose_are_differences(rng):
-    pose, mount = Motor.random(rng, (1,)), Motor.random(rng)
+    pose, extrinsics = Motor.random(rng, (1,)), Motor.random(rng)
     twist = rng.standard_normal((1, 6))
     off = Motor.from_twist(0.01 * rng.standard_normal((1, 6)))
-    measured = pose @ mount @ off
+    measured = pose @ extrinsics @ off
 
     def residual(step: FloatArray) -> FloatArray:
         there = moved(pose.coefficients, step[:6] + step[6] * twist)
         # A larger scale of the measurements, seen in their own units, is a smaller place.
-        seen = (Motor(there) @ Motor(moved(mount.coefficients, step[7:13]))).coefficients.copy()
+        seen = (
+            Motor(there) @ Motor(moved(extrinsics.coefficients, step[7:13]))
+        ).coefficients.copy()
         seen[:, 4:] *= np.exp(-step[13])
         none = Motor.identity().coefficients
         return pose_residuals(seen, twist, none, measured.coefficients)[0][0]
 
-    slope = pose_residuals(pose.coefficients, twist, mount.coefficients, measured.coefficients)[1]
+    slope = pose_residuals(
+        pose.coefficients, twist, extrinsics.coefficients, measured.coefficients
+    )[1]
     numeric = np.stack(
         [(residual(one) - residual(-one)) / 2e-6 for one in 1e-6 * np.eye(14)], axis=-1
     )

@@ -1,4 +1,4 @@
-"""Offset and mount found from data, how sure they are, and what is refused."""
+"""Offset and extrinsics found from data, how sure they are, and what is refused."""
 
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ from motorcade.replays.files.trajectories import read_trajectory, write_trajecto
 from motorcade.replays.readers.inertial import read_imu
 from tests.bench.fusion.recorded import DEGRADED, flight, measured
 
-MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
+IMU_T_CAMERA = Motor.from_euler_translation(
+    np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07])
+)
 SIGMA_M, SIGMA_RAD = 0.01, np.deg2rad(0.5)
 
 
@@ -40,7 +42,7 @@ def recorded(
     path = MOTIONS[name].sampled(100.0, duration_s, start_ns=10**18, child="imu")
     simulated = simulate_imu(path, 100.0, noise, rng)
     leaning = Motor.from_euler_translation(np.array([0.2, 0.1, 0.7]), np.array([1.0, 2.0, 3.0]))
-    camera = simulated.path.transformed_by(left=leaning, right=MOUNT)
+    camera = simulated.path.transformed_by(left=leaning, right=IMU_T_CAMERA)
     measured = simulate_camera_poses(camera, 20.0, SIGMA_M, SIGMA_RAD, rng)
     biases = np.array([0.02, -0.01, 0.03]), np.array([0.1, -0.2, 0.05])
     stream = simulated.stream
@@ -53,8 +55,8 @@ def recorded(
 
 
 def errors_in_deviations(found: Synchronised, offset_s: float) -> FloatArray:
-    """Errors of offset and mount ``(7,)``, white if the stated covariance is right."""
-    apart = (found.imu_T_camera.inverse() @ MOUNT).as_twist()
+    """Errors of offset and extrinsics ``(7,)``, white if the stated covariance is right."""
+    apart = (found.imu_T_camera.inverse() @ IMU_T_CAMERA).as_twist()
     error = np.append(offset_s - found.offset_s, apart)
     return np.linalg.solve(np.linalg.cholesky(found.covariance[:7, :7]), error)
 
@@ -65,9 +67,9 @@ def test_offset_and_mount_are_found_within_their_stated_uncertainty(rng, name, o
     camera, imu = recorded(rng, name, offset_s)
     found = synchronise(camera, imu, ADIS16448, search_s=0.5)
     assert found.offset_s == pytest.approx(offset_s, abs=3.0 * found.offset_sigma_s)
-    apart = (MOUNT.inverse() @ found.imu_T_camera).as_twist()
+    apart = (IMU_T_CAMERA.inverse() @ found.imu_T_camera).as_twist()
     assert np.all(np.abs(apart[:3]) < 3.0 * found.rotation_sigma_rad)
-    lever = found.imu_T_camera.translation_m - MOUNT.translation_m
+    lever = found.imu_T_camera.translation_m - IMU_T_CAMERA.translation_m
     assert np.all(np.abs(lever) < 3.0 * found.lever_arm_sigma_m)
     assert found.offset_sigma_s < 2e-3
     assert np.max(found.rotation_sigma_rad) < np.deg2rad(0.4)
@@ -120,7 +122,7 @@ def test_about_one_axis_the_lever_arm_along_it_stays_open(rng):
     path = Trajectory(np.round(time_s * 1e9).astype(np.int64), poses, "world", "imu")
     imu = simulate_imu(path, 100.0, ADIS16448, rng).stream
     camera = simulate_camera_poses(
-        path.transformed_by(right=MOUNT), 20.0, SIGMA_M, SIGMA_RAD, rng
+        path.transformed_by(right=IMU_T_CAMERA), 20.0, SIGMA_M, SIGMA_RAD, rng
     ).trajectory
     found = synchronise(camera, imu, ADIS16448, search_s=0.2)
     sigma = found.lever_arm_sigma_m
@@ -134,10 +136,10 @@ def test_rates_alone_give_a_start(rng):
     camera, imu = recorded(rng, offset_s=1.2345, duration_s=20.0)
     match = match_rates(camera, imu, 2.0)
     assert match.offset_s == pytest.approx(1.2345, abs=5e-3)
-    assert (match.imu_R_camera.inverse() @ MOUNT.rotor).angle() < np.deg2rad(1.5)
+    assert (match.imu_R_camera.inverse() @ IMU_T_CAMERA.rotor).angle() < np.deg2rad(1.5)
     # The same problem for scipy, from rates over the same spans without any noise.
     vectors = rng.standard_normal((30, 3))
-    turned = MOUNT.rotor.apply(vectors) + 0.01 * rng.standard_normal((30, 3))
+    turned = IMU_T_CAMERA.rotor.apply(vectors) + 0.01 * rng.standard_normal((30, 3))
     from motorcade.fusion.sync.rates import _wahba
 
     own = _wahba(vectors, turned)
@@ -191,7 +193,7 @@ def test_on_a_real_flight_an_injected_offset_is_found_to_a_millisecond(data_dir:
     imu = read_imu(data_dir / "imu" / "V102_imu.txt")
     truth = read_trajectory(data_dir / "imu" / "V1_02_medium.csv")
     camera = simulate_camera_poses(
-        truth.transformed_by(right=MOUNT), 20.0, SIGMA_M, SIGMA_RAD,
+        truth.transformed_by(right=IMU_T_CAMERA), 20.0, SIGMA_M, SIGMA_RAD,
         np.random.default_rng(offset_ms),
     ).trajectory  # fmt: skip
     found = synchronise(later(camera, -1e-3 * offset_ms), imu, ADIS16448)
@@ -204,7 +206,7 @@ def test_on_a_real_flight_an_injected_offset_is_found_to_a_millisecond(data_dir:
 def test_outliers_and_blackouts_leave_offset_and_mount_within_what_is_said(
     data_dir: Path, seed: int, delay_s: float
 ):
-    """V1_02, whose accelerometer pulls the mount from where its gyroscope has it.
+    """V1_02, whose accelerometer pulls the extrinsics from where its gyroscope has it.
 
     The gyroscope is turned by up to 0.1° from the recorded truth's axes, and so is an estimate.
     """

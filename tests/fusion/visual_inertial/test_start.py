@@ -15,7 +15,9 @@ from motorcade.fusion.visual_inertial.start import _upright
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
-MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
+IMU_T_CAMERA = Motor.from_euler_translation(
+    np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07])
+)
 UNIT_M = 3.7
 # From the world to the camera's own: another scale, leaning, elsewhere.
 VISUAL_T_WORLD = Similarity.from_motor_scale(
@@ -41,7 +43,7 @@ def recorded(
     """The camera's true path, and what the IMU read."""
     path = MOTIONS[name].sampled(100.0, duration_s, child="imu")
     simulated = simulate_imu(path, 100.0, ADIS16448, rng)
-    return simulated.path.transformed_by(right=MOUNT), simulated
+    return simulated.path.transformed_by(right=IMU_T_CAMERA), simulated
 
 
 def scale_error(start: InertialStart) -> float:
@@ -52,7 +54,7 @@ def scale_error(start: InertialStart) -> float:
 def test_the_scale_is_found_to_one_per_cent_from_noisy_poses(rng, name):
     truth, simulated = recorded(rng, name, 15.0)
     noisy = simulate_camera_poses(truth, 20.0, 0.005, np.deg2rad(0.2), rng)
-    start = start_inertial(measured_in_units(noisy), simulated.stream, ADIS16448, MOUNT)
+    start = start_inertial(measured_in_units(noisy), simulated.stream, ADIS16448, IMU_T_CAMERA)
     assert abs(scale_error(start)) < 0.01
     assert abs(scale_error(start)) < 3.0 * start.log_scale_sigma
     assert start.log_scale_sigma < 0.01
@@ -82,7 +84,7 @@ def test_over_many_runs_the_scale_errs_as_stated():
         rng = np.random.default_rng(seed)
         truth, simulated = recorded(rng, "handheld", 6.0)
         noisy = simulate_camera_poses(truth, 20.0, 0.01, np.deg2rad(0.3), rng)
-        start = start_inertial(measured_in_units(noisy), simulated.stream, ADIS16448, MOUNT)
+        start = start_inertial(measured_in_units(noisy), simulated.stream, ADIS16448, IMU_T_CAMERA)
         errors.append(scale_error(start) / start.log_scale_sigma)
     assert abs(np.mean(errors)) < 3.0 / np.sqrt(len(errors))
     assert 0.6 < np.std(errors) < 1.5
@@ -94,8 +96,8 @@ def test_the_linear_start_is_exact_where_nothing_is_noisy(rng):
     bias = np.array([0.02, -0.03, 0.01])
     stream = simulated.stream
     imu = ImuStream(stream.time_ns, stream.angular_rate_rad_s + bias, stream.specific_force_m_s2)
-    camera = simulated.path.transformed_by(right=MOUNT).at_rate(4.0)
-    scale, gravity = linear_start(in_units(camera), imu, ADIS16448, MOUNT)
+    camera = simulated.path.transformed_by(right=IMU_T_CAMERA).at_rate(4.0)
+    scale, gravity = linear_start(in_units(camera), imu, ADIS16448, IMU_T_CAMERA)
     assert scale == pytest.approx(UNIT_M, rel=1e-3)
     expected = VISUAL_T_WORLD.rotor.apply([0.0, 0.0, -9.81])
     np.testing.assert_allclose(gravity, expected, atol=5e-3)
@@ -111,24 +113,29 @@ def test_an_even_pace_tells_no_scale_and_that_is_said(seed):
     poses = Motor.from_rotor_translation(turns, places)
     path = Trajectory(np.round(time_s * 1e9).astype(np.int64), poses, "world", "imu")
     imu = simulate_imu(path, 100.0, ADIS16448, rng).stream
-    mount = Motor.from_rotor_translation(MOUNT.rotor, np.zeros(3))
+    extrinsics = Motor.from_rotor_translation(IMU_T_CAMERA.rotor, np.zeros(3))
     noisy = simulate_camera_poses(
-        path.transformed_by(right=mount), 20.0, 0.005, np.deg2rad(0.2), rng
+        path.transformed_by(right=extrinsics), 20.0, 0.005, np.deg2rad(0.2), rng
     )
     if seed == 1:
         with pytest.raises(ValueError, match="expected motion that tells the scale"):
-            start_inertial(measured_in_units(noisy), imu, ADIS16448, mount)
+            start_inertial(measured_in_units(noisy), imu, ADIS16448, extrinsics)
     else:
-        assert start_inertial(measured_in_units(noisy), imu, ADIS16448, mount).log_scale_sigma > 1.0
+        assert (
+            start_inertial(measured_in_units(noisy), imu, ADIS16448, extrinsics).log_scale_sigma
+            > 1.0
+        )
 
 
-def test_where_nothing_settles_the_mount_that_was_given_is_doubted(rng, monkeypatch):
-    """Not where it is sought as well, as `synchronise` does."""
+def test_where_nothing_settles_the_extrinsics_that_were_given_are_doubted(rng, monkeypatch):
+    """Not where they are estimated as well, as `synchronise` does."""
     truth, simulated = recorded(rng, duration_s=6.0)
     noisy = simulate_camera_poses(truth, 20.0, 0.005, np.deg2rad(0.2), rng)
     monkeypatch.setattr(alignment, "_ITERATIONS", 1)
-    with pytest.raises(ValueError, match=r"settles, got none in 1 steps; is imu_T_camera, the m"):
-        start_inertial(measured_in_units(noisy), simulated.stream, ADIS16448, MOUNT)
+    with pytest.raises(
+        ValueError, match=r"settles, got none in 1 steps; is imu_T_camera the right one"
+    ):
+        start_inertial(measured_in_units(noisy), simulated.stream, ADIS16448, IMU_T_CAMERA)
     with pytest.raises(ValueError, match=r"settles, got none in 1 steps$"):
         synchronise(noisy.trajectory, simulated.stream, ADIS16448, search_s=0.1)
 
@@ -146,8 +153,8 @@ def test_bad_input_is_refused(rng):
     truth, simulated = recorded(rng, duration_s=3.0)
     camera = in_units(truth.at_rate(20.0))
     with pytest.raises(ValueError, match="four poses"):
-        linear_start(camera[:3], simulated.stream, ADIS16448, MOUNT)
+        linear_start(camera[:3], simulated.stream, ADIS16448, IMU_T_CAMERA)
     later = Trajectory(camera.time_ns + 10**12, camera.poses)
     given = PoseMeasurements(later, np.tile(np.eye(6), (len(later), 1, 1)))
     with pytest.raises(ValueError, match="covers"):
-        start_inertial(given, simulated.stream, ADIS16448, MOUNT)
+        start_inertial(given, simulated.stream, ADIS16448, IMU_T_CAMERA)

@@ -22,7 +22,9 @@ from motorcade.tracking import Camera, PoseMeasurements
 from motorcade.tracking.slam import SlamResult
 from motorcade.tracking.slam.mapping.map import MapSnapshot
 
-MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
+IMU_T_CAMERA = Motor.from_euler_translation(
+    np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07])
+)
 CAMERA = Camera(640, 480, 400.0, 400.0, 320.0, 240.0, "radtan", (-0.1, 0.02, 0.0, 0.0))
 SIGMA_PX = 0.5
 
@@ -39,7 +41,7 @@ class Scene:
 
     def adjusted(self, keyframes: Trajectory, landmarks_m: FloatArray) -> VisualInertial:
         return adjust_visual_inertial(
-            keyframes, landmarks_m, self.observations, CAMERA, self.imu, ADIS16448, MOUNT,
+            keyframes, landmarks_m, self.observations, CAMERA, self.imu, ADIS16448, IMU_T_CAMERA,
             sigma_px=SIGMA_PX,
         )  # fmt: skip
 
@@ -49,7 +51,7 @@ def scene() -> Scene:
     rng = np.random.default_rng(3)
     path = MOTIONS["handheld"].sampled(100.0, 8.0, child="imu")
     simulated = simulate_imu(path, 100.0, ADIS16448, rng)
-    keyframes = simulated.path.transformed_by(right=MOUNT).at_rate(4.0)
+    keyframes = simulated.path.transformed_by(right=IMU_T_CAMERA).at_rate(4.0)
     points = []
     for pose in keyframes.motors[::3]:
         rays = CAMERA.unproject(rng.uniform([20.0, 20.0], [620.0, 460.0], (12, 2)))
@@ -90,7 +92,7 @@ def test_a_monocular_start_becomes_metric(scene: Scene):
     points = visual.apply(scene.landmarks_m + 0.03 * rng.standard_normal(scene.landmarks_m.shape))
     spread = np.diag(np.repeat([0.003, 0.01 * 0.27], 3) ** 2)
     given = PoseMeasurements(path, np.tile(spread, (len(path), 1, 1)))
-    start = start_inertial(given, scene.imu, ADIS16448, MOUNT)
+    start = start_inertial(given, scene.imu, ADIS16448, IMU_T_CAMERA)
     found = scene.adjusted(start.in_metres(path), start.world_T_visual.apply(points))
     rigid = evaluate(found.trajectory, scene.keyframes, align="se3")
     assert rigid.ape_m.rmse < 0.01
@@ -156,7 +158,7 @@ def test_bad_input_is_refused(scene: Scene):
         scene.adjusted(later, scene.landmarks_m)
     with pytest.raises(ValueError, match="sigma_px"):
         adjust_visual_inertial(
-            scene.keyframes, scene.landmarks_m, seen, CAMERA, scene.imu, ADIS16448, MOUNT,
+            scene.keyframes, scene.landmarks_m, seen, CAMERA, scene.imu, ADIS16448, IMU_T_CAMERA,
             sigma_px=0.0,
         )  # fmt: skip
 
@@ -172,7 +174,7 @@ def test_a_run_of_slam_becomes_a_metric_path_through_darkness(scene: Scene):
         turned, places = visual.rotor @ path.motors.rotor, visual.apply(path.motors.translation_m)
         return Trajectory(path.time_ns, Motor.from_rotor_translation(turned, places))
 
-    truth = MOTIONS["handheld"].sampled(20.0, 8.0).transformed_by(right=MOUNT)
+    truth = MOTIONS["handheld"].sampled(20.0, 8.0).transformed_by(right=IMU_T_CAMERA)
     noise = rng.standard_normal((len(truth), 6)) * np.repeat([0.001, 0.003], 3)
     seen = (truth.time_s < 4.0) | (truth.time_s >= 5.0)
     frames = in_units(truth.transformed_by(right=Motor.from_twist(noise))[seen])
@@ -189,7 +191,7 @@ def test_a_run_of_slam_becomes_a_metric_path_through_darkness(scene: Scene):
         frames, np.tile(spread, (len(frames), 1, 1)), truth.time_ns,
         tuple("tracking" if one else "lost" for one in seen), None, snapshot, False, 0, {},
     )  # fmt: skip
-    found = fuse_map(result, CAMERA, scene.imu, ADIS16448, MOUNT)
+    found = fuse_map(result, CAMERA, scene.imu, ADIS16448, IMU_T_CAMERA)
     np.testing.assert_array_equal(found.fused.trajectory.time_ns, truth.time_ns)
     judged = evaluate(found.fused.trajectory, truth, align="se3")
     assert judged.ape_m.rmse < 0.01
@@ -197,4 +199,4 @@ def test_a_run_of_slam_becomes_a_metric_path_through_darkness(scene: Scene):
     scaled = evaluate(found.keyframes.trajectory, scene.keyframes, align="sim3")
     assert scaled.scale == pytest.approx(1.0, abs=0.01)
     with pytest.raises(ValueError, match="found poses"):
-        fuse_map(replace(result, trajectory=None), CAMERA, scene.imu, ADIS16448, MOUNT)
+        fuse_map(replace(result, trajectory=None), CAMERA, scene.imu, ADIS16448, IMU_T_CAMERA)

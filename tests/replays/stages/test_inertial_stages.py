@@ -223,7 +223,7 @@ def test_an_imu_tells_metres_where_it_was_carried_and_says_why_not(stream: ImuSt
     assert found.scale_sigma < 0.05
     judged = evaluate(found.made.measurements.trajectory, path(), align="se3")
     assert judged.ape_m.rmse < 0.03
-    with pytest.raises(NoMetres, match="no IMU whose mount is known"):
+    with pytest.raises(NoMetres, match="no IMU whose extrinsics are known"):
         in_metres(replace(one, imu=None), mapped(path()))
     with pytest.raises(NoMetres, match="where the camera sits"):
         in_metres(replace(one, imu_T_camera=None), mapped(path()))

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-void motorcade_moved(const double pose[8], const double error[6], double out[8])
+void motorcade_retract(const double pose[8], const double error[6], double out[8])
 {
     const double pose0 = pose[0], pose1 = pose[1], pose2 = pose[2], pose3 = pose[3];
     const double pose4 = pose[4], pose5 = pose[5], pose6 = pose[6], pose7 = pose[7];
@@ -203,142 +203,166 @@ void motorcade_corrected(const double pose[8], const double velocity[3], const d
     out_velocity[2] = -2.0 * (t26 * t79 - (t28 * t77 + t27 * t78) + t29 * t80);
 }
 
-void motorcade_start(const double measured[8], const double mount[8], double pose[8],
+void motorcade_start(const double measured[8], const double imu_T_camera[8], double pose[8],
         double effect[36])
 {
     const double measured0 = measured[0], measured1 = measured[1], measured2 = measured[2],
         measured3 = measured[3];
     const double measured4 = measured[4], measured5 = measured[5], measured6 = measured[6],
         measured7 = measured[7];
-    const double mount0 = mount[0], mount1 = mount[1], mount2 = mount[2], mount3 = mount[3];
-    const double mount4 = mount[4], mount5 = mount[5], mount6 = mount[6], mount7 = mount[7];
-    const double t0 = measured2 * mount6 - (measured0 * mount4 + measured3 * mount5) + mount0 *
-        measured4 - measured1 * mount7;
-    const double t1 = mount0 * measured5 - (measured0 * mount5 + measured2 * mount7 + mount3 *
-        measured4 + measured1 * mount6);
-    const double t2 = mount2 * measured4 - measured0 * mount6 - mount1 * measured5 + mount0 *
-        measured6 - measured3 * mount7;
-    const double t3 = measured0 * mount7 - measured3 * mount6 - mount1 * measured4 - measured1 *
-        mount4 - mount3 * measured6;
-    const double t4 = mount0 * -0.5;
-    const double t5 = mount0 * t4;
-    const double t6 = mount3 * -0.5;
-    const double t7 = mount3 * t6;
-    const double t8 = mount1 * -0.5;
-    const double t9 = mount1 * t8;
-    const double t10 = mount2 * -0.5;
-    const double t11 = mount2 * t10;
-    const double t12 = mount0 * t6;
-    const double t13 = mount1 * t10;
-    const double t14 = mount3 * t4;
-    const double t15 = mount2 * t8;
-    const double t16 = mount1 * t6;
-    const double t17 = mount3 * t8;
-    const double t18 = mount0 * t10;
-    const double t19 = mount2 * t4;
-    const double t20 = mount2 * t6;
-    const double t21 = mount1 * t4;
-    const double t22 = mount0 * t8;
-    const double t23 = mount3 * t10;
-    const double t24 = mount4 * -0.5;
-    const double t25 = mount1 * t24;
-    const double t26 = mount7 * -0.5;
-    const double t27 = mount0 * t26;
-    const double t28 = mount5 * t10;
-    const double t29 = mount4 * t8;
-    const double t30 = mount6 * t6;
-    const double t31 = mount7 * t4;
-    const double t32 = mount6 * -0.5;
-    const double t33 = mount3 * t32;
-    const double t34 = mount5 * -0.5;
-    const double t35 = mount2 * t34;
-    const double t36 = mount0 * t32;
-    const double t37 = mount4 * t10;
-    const double t38 = mount5 * t8;
-    const double t39 = mount6 * t4;
-    const double t40 = mount7 * t6;
-    const double t41 = mount3 * t26;
-    const double t42 = mount2 * t24;
-    const double t43 = mount1 * t34;
-    const double t44 = mount7 * t10;
-    const double t45 = mount0 * t34;
-    const double t46 = mount5 * t4;
-    const double t47 = mount4 * t6;
-    const double t48 = mount6 * t8;
-    const double t49 = mount3 * t24;
-    const double t50 = mount2 * t26;
-    const double t51 = mount1 * t32;
-    const double t52 = t5 - t7;
-    const double t53 = t12 + t14;
-    const double t54 = mount5 * t6;
-    const double t55 = mount7 * t8;
-    const double t56 = mount3 * t34;
-    const double t57 = mount6 * t10;
-    const double t58 = mount0 * t24;
-    const double t59 = mount2 * t32;
-    const double t60 = mount4 * t4;
-    const double t61 = mount1 * t26;
-    pose[0] = measured0 * mount0 + measured3 * mount3 + measured2 * mount2 + measured1 * mount1;
-    pose[1] = mount3 * measured2 - measured0 * mount1 + mount0 * measured1 - measured3 * mount2;
-    pose[2] = -(measured0 * mount2 - measured3 * mount1 - mount0 * measured2 + mount3 * measured1);
-    pose[3] = mount0 * measured3 - measured0 * mount3 + mount2 * measured1 - measured2 * mount1;
-    pose[4] = t0 + mount3 * measured5 - mount2 * measured6 + mount1 * measured7;
-    pose[5] = t1 + mount2 * measured7 + measured3 * mount4 + mount1 * measured6;
-    pose[6] = t2 - measured2 * mount4 + measured1 * mount5 + mount3 * measured7;
-    pose[7] = t3 + mount0 * measured7 - measured2 * mount5 - mount2 * measured5;
-    effect[0] = -2.0 * (t5 - (t7 - t9) - t11);
-    effect[1] = -2.0 * (t12 + (t13 + t14) + t15);
-    effect[2] = -2.0 * (t16 + t17 - t18 - t19);
+    const double imu_T_camera0 = imu_T_camera[0], imu_T_camera1 = imu_T_camera[1], imu_T_camera2 =
+        imu_T_camera[2], imu_T_camera3 = imu_T_camera[3];
+    const double imu_T_camera4 = imu_T_camera[4], imu_T_camera5 = imu_T_camera[5], imu_T_camera6 =
+        imu_T_camera[6], imu_T_camera7 = imu_T_camera[7];
+    const double t0 = measured0 * imu_T_camera0 + measured3 * imu_T_camera3 + measured2 *
+        imu_T_camera2 + measured1 * imu_T_camera1;
+    const double t1 = imu_T_camera3 * measured2 - measured0 * imu_T_camera1 + imu_T_camera0 *
+        measured1 - measured3 * imu_T_camera2;
+    const double t2 = measured0 * imu_T_camera2 - measured3 * imu_T_camera1 - imu_T_camera0 *
+        measured2 + imu_T_camera3 * measured1;
+    const double t3 = imu_T_camera0 * measured3 - measured0 * imu_T_camera3 + imu_T_camera2 *
+        measured1 - measured2 * imu_T_camera1;
+    const double t4 = measured2 * imu_T_camera6 - (measured0 * imu_T_camera4 + measured3 *
+        imu_T_camera5) + imu_T_camera0 * measured4;
+    const double t5 = t4 - measured1 * imu_T_camera7 + imu_T_camera3 * measured5 - imu_T_camera2 *
+        measured6;
+    const double t6 = measured0 * imu_T_camera5 + measured2 * imu_T_camera7 + imu_T_camera3 *
+        measured4 + measured1 * imu_T_camera6;
+    const double t7 = imu_T_camera0 * measured5 - t6 + imu_T_camera2 * measured7 + measured3 *
+        imu_T_camera4;
+    const double t8 = imu_T_camera2 * measured4 - measured0 * imu_T_camera6 - imu_T_camera1 *
+        measured5 + imu_T_camera0 * measured6;
+    const double t9 = t8 - measured3 * imu_T_camera7 - measured2 * imu_T_camera4 + measured1 *
+        imu_T_camera5;
+    const double t10 = measured0 * imu_T_camera7 - measured3 * imu_T_camera6 - imu_T_camera1 *
+        measured4 - measured1 * imu_T_camera4;
+    const double t11 = t10 - imu_T_camera3 * measured6 + imu_T_camera0 * measured7 - measured2 *
+        imu_T_camera5;
+    const double t12 = imu_T_camera0 * -0.5;
+    const double t13 = imu_T_camera0 * t12;
+    const double t14 = imu_T_camera3 * -0.5;
+    const double t15 = imu_T_camera3 * t14;
+    const double t16 = imu_T_camera1 * -0.5;
+    const double t17 = imu_T_camera1 * t16;
+    const double t18 = imu_T_camera2 * -0.5;
+    const double t19 = imu_T_camera2 * t18;
+    const double t20 = imu_T_camera0 * t14;
+    const double t21 = imu_T_camera1 * t18;
+    const double t22 = imu_T_camera3 * t12;
+    const double t23 = imu_T_camera2 * t16;
+    const double t24 = imu_T_camera1 * t14;
+    const double t25 = imu_T_camera3 * t16;
+    const double t26 = imu_T_camera0 * t18;
+    const double t27 = imu_T_camera2 * t12;
+    const double t28 = imu_T_camera2 * t14;
+    const double t29 = imu_T_camera1 * t12;
+    const double t30 = imu_T_camera0 * t16;
+    const double t31 = imu_T_camera3 * t18;
+    const double t32 = imu_T_camera4 * -0.5;
+    const double t33 = imu_T_camera1 * t32;
+    const double t34 = imu_T_camera7 * -0.5;
+    const double t35 = imu_T_camera0 * t34;
+    const double t36 = imu_T_camera5 * t18;
+    const double t37 = imu_T_camera4 * t16;
+    const double t38 = imu_T_camera6 * t14;
+    const double t39 = imu_T_camera7 * t12;
+    const double t40 = imu_T_camera6 * -0.5;
+    const double t41 = imu_T_camera3 * t40;
+    const double t42 = imu_T_camera5 * -0.5;
+    const double t43 = imu_T_camera2 * t42;
+    const double t44 = imu_T_camera0 * t40;
+    const double t45 = imu_T_camera4 * t18;
+    const double t46 = imu_T_camera5 * t16;
+    const double t47 = imu_T_camera6 * t12;
+    const double t48 = imu_T_camera7 * t14;
+    const double t49 = imu_T_camera3 * t34;
+    const double t50 = imu_T_camera2 * t32;
+    const double t51 = imu_T_camera1 * t42;
+    const double t52 = imu_T_camera7 * t18;
+    const double t53 = imu_T_camera0 * t42;
+    const double t54 = imu_T_camera5 * t12;
+    const double t55 = imu_T_camera4 * t14;
+    const double t56 = imu_T_camera6 * t16;
+    const double t57 = imu_T_camera3 * t32;
+    const double t58 = imu_T_camera2 * t34;
+    const double t59 = imu_T_camera1 * t40;
+    const double t60 = t13 - t15;
+    const double t61 = t20 + t22;
+    const double t62 = imu_T_camera5 * t14;
+    const double t63 = imu_T_camera7 * t16;
+    const double t64 = imu_T_camera3 * t42;
+    const double t65 = imu_T_camera6 * t18;
+    const double t66 = imu_T_camera0 * t32;
+    const double t67 = imu_T_camera2 * t40;
+    const double t68 = imu_T_camera4 * t12;
+    const double t69 = imu_T_camera1 * t34;
+    pose[0] = t0;
+    pose[1] = t1;
+    pose[2] = -t2;
+    pose[3] = t3;
+    pose[4] = t5 + imu_T_camera1 * measured7;
+    pose[5] = t7 + imu_T_camera1 * measured6;
+    pose[6] = t9 + imu_T_camera3 * measured7;
+    pose[7] = t11 - imu_T_camera2 * measured5;
+    effect[0] = -2.0 * (t13 - (t15 - t17) - t19);
+    effect[1] = -2.0 * (t20 + (t21 + t22) + t23);
+    effect[2] = -2.0 * (t24 + t25 - t26 - t27);
     effect[3] = 0.0;
     effect[4] = 0.0;
     effect[5] = 0.0;
-    effect[6] = -(-2.0 * (t14 + (t12 - (t13 + t15))));
-    effect[7] = -(-2.0 * (t7 + (t9 - t11 - t5)));
-    effect[8] = -2.0 * (t20 + t21 + t22 + t23);
+    effect[6] = -(-2.0 * (t22 + (t20 - (t21 + t23))));
+    effect[7] = -(-2.0 * (t15 + (t17 - t19 - t13)));
+    effect[8] = -2.0 * (t28 + t29 + t30 + t31);
     effect[9] = 0.0;
     effect[10] = 0.0;
     effect[11] = 0.0;
-    effect[12] = -2.0 * (t16 + (t19 + (t17 + t18)));
-    effect[13] = -2.0 * (t20 + (t23 - t22) - t21);
-    effect[14] = -2.0 * (t5 + t7 - t11 - t9);
+    effect[12] = -2.0 * (t24 + (t27 + (t25 + t26)));
+    effect[13] = -2.0 * (t28 + (t31 - t30) - t29);
+    effect[14] = -2.0 * (t13 + t15 - t19 - t17);
     effect[15] = 0.0;
     effect[16] = 0.0;
     effect[17] = 0.0;
-    effect[18] = -2.0 * (t25 - (t27 + (t28 - t29 + t30) + t31 + t33 + t35));
-    effect[19] = -2.0 * (t36 + (t37 + t38 + t39) - t40 - t41 + t42 + t43);
-    effect[20] = -2.0 * (t44 - (t45 + (t46 - t47 - t48)) + t49 + t50 + t51);
-    effect[21] = -2.0 * (t9 + (t52 - t11));
-    effect[22] = -2.0 * (t13 + (t15 + t53));
-    effect[23] = -2.0 * (t16 + (t17 - t18 - t19));
-    effect[24] = -2.0 * (t43 + (t37 + (t42 + (t41 + (t38 + t40) - t39 - t36))));
-    effect[25] = -2.0 * (t35 + (t28 - t31 - t33 - t30 - t27) - t29 - t25);
-    effect[26] = -2.0 * (t54 - t55 + t56 + t57 + t58 + t59 + t60 - t61);
-    effect[27] = -2.0 * (t13 + (t15 - t53));
-    effect[28] = -2.0 * (t11 + t52 - t9);
-    effect[29] = -2.0 * (t21 + (t20 + (t22 + t23)));
-    effect[30] = -2.0 * (t49 + (t46 + (t47 + (t45 + (t51 + (t48 - t50)) - t44))));
-    effect[31] = -2.0 * (t56 + (t54 + (t55 + (t61 + (t57 + t59) - t58) - t60)));
-    effect[32] = -2.0 * (t33 + (t30 - t35 - t25 - t27 - t31 - t29 - t28));
-    effect[33] = -2.0 * (t17 + (t18 + (t16 + t19)));
-    effect[34] = -2.0 * (t23 + (t20 - t21 - t22));
-    effect[35] = -2.0 * (t7 + (t5 - (t9 + t11)));
+    effect[18] = -2.0 * (t33 - (t35 + (t36 - t37 + t38) + t39 + t41 + t43));
+    effect[19] = -2.0 * (t44 + (t45 + t46 + t47) - t48 - t49 + t50 + t51);
+    effect[20] = -2.0 * (t52 - (t53 + (t54 - t55 - t56)) + t57 + t58 + t59);
+    effect[21] = -2.0 * (t17 + (t60 - t19));
+    effect[22] = -2.0 * (t21 + (t23 + t61));
+    effect[23] = -2.0 * (t24 + (t25 - t26 - t27));
+    effect[24] = -2.0 * (t51 + (t45 + (t50 + (t49 + (t46 + t48) - t47 - t44))));
+    effect[25] = -2.0 * (t43 + (t36 - t39 - t41 - t38 - t35) - t37 - t33);
+    effect[26] = -2.0 * (t62 - t63 + t64 + t65 + t66 + t67 + t68 - t69);
+    effect[27] = -2.0 * (t21 + (t23 - t61));
+    effect[28] = -2.0 * (t19 + t60 - t17);
+    effect[29] = -2.0 * (t29 + (t28 + (t30 + t31)));
+    effect[30] = -2.0 * (t57 + (t54 + (t55 + (t53 + (t59 + (t56 - t58)) - t52))));
+    effect[31] = -2.0 * (t64 + (t62 + (t63 + (t69 + (t65 + t67) - t66) - t68)));
+    effect[32] = -2.0 * (t41 + (t38 - t43 - t33 - t35 - t39 - t37 - t36));
+    effect[33] = -2.0 * (t25 + (t26 + (t24 + t27)));
+    effect[34] = -2.0 * (t31 + (t28 - t29 - t30));
+    effect[35] = -2.0 * (t15 + (t13 - (t17 + t19)));
 }
 
-void motorcade_pose_residual(const double pose[8], const double mount[8], const double measured[8],
-        double residual[6])
+void motorcade_pose_residual(const double pose[8], const double imu_T_camera[8],
+        const double measured[8], double residual[6])
 {
     const double pose0 = pose[0], pose1 = pose[1], pose2 = pose[2], pose3 = pose[3];
     const double pose4 = pose[4], pose5 = pose[5], pose6 = pose[6], pose7 = pose[7];
-    const double mount0 = mount[0], mount1 = mount[1], mount2 = mount[2], mount3 = mount[3];
-    const double mount4 = mount[4], mount5 = mount[5], mount6 = mount[6], mount7 = mount[7];
+    const double imu_T_camera0 = imu_T_camera[0], imu_T_camera1 = imu_T_camera[1], imu_T_camera2 =
+        imu_T_camera[2], imu_T_camera3 = imu_T_camera[3];
+    const double imu_T_camera4 = imu_T_camera[4], imu_T_camera5 = imu_T_camera[5], imu_T_camera6 =
+        imu_T_camera[6], imu_T_camera7 = imu_T_camera[7];
     const double measured0 = measured[0], measured1 = measured[1], measured2 = measured[2],
         measured3 = measured[3];
     const double measured4 = measured[4], measured5 = measured[5], measured6 = measured[6],
         measured7 = measured[7];
-    const double t0 = pose0 * mount0 - pose3 * mount3 - pose2 * mount2 - pose1 * mount1;
-    const double t1 = pose0 * mount3 + mount0 * pose3 - mount2 * pose1 + pose2 * mount1;
-    const double t2 = pose3 * mount1 - pose0 * mount2 - mount0 * pose2 - mount3 * pose1;
-    const double t3 = pose0 * mount1 - mount3 * pose2 + mount0 * pose1 + pose3 * mount2;
+    const double t0 = pose0 * imu_T_camera0 - pose3 * imu_T_camera3 - pose2 * imu_T_camera2 - pose1
+        * imu_T_camera1;
+    const double t1 = pose0 * imu_T_camera3 + imu_T_camera0 * pose3 - imu_T_camera2 * pose1 + pose2
+        * imu_T_camera1;
+    const double t2 = pose3 * imu_T_camera1 - pose0 * imu_T_camera2 - imu_T_camera0 * pose2 -
+        imu_T_camera3 * pose1;
+    const double t3 = pose0 * imu_T_camera1 - imu_T_camera3 * pose2 + imu_T_camera0 * pose1 + pose3
+        * imu_T_camera2;
     const double t4 = t0 * measured0 + t1 * measured3 - t2 * measured2 + t3 * measured1;
     const double t5 = ((t4 < 0.0) ? -1.0 : 1.0);
     const double t6 = 1.0 - t4 * t5;
@@ -360,20 +384,24 @@ void motorcade_pose_residual(const double pose[8], const double mount[8], const 
     const double t15 = t5 * (t0 * measured1 - measured3 * t2 - measured0 * t3 - t1 * measured2);
     const double t16 = t5 * (measured3 * t3 - (t0 * measured2 + t1 * measured1 + measured0 * t2));
     const double t17 = t5 * (t0 * measured3 - measured0 * t1 + measured2 * t3 + t2 * measured1);
-    const double t18 = pose0 * mount4 + pose3 * mount5 - pose2 * mount6 + mount0 * pose4 - pose1 *
-        mount7 - mount3 * pose5;
-    const double t19 = t18 + mount2 * pose6 - mount1 * pose7;
-    const double t20 = pose0 * mount5 - pose2 * mount7 + mount3 * pose4 + pose1 * mount6 + mount0 *
-        pose5 - mount2 * pose7;
-    const double t21 = t20 - pose3 * mount4 - mount1 * pose6;
+    const double t18 = pose0 * imu_T_camera4 + pose3 * imu_T_camera5 - pose2 * imu_T_camera6 +
+        imu_T_camera0 * pose4;
+    const double t19 = t18 - pose1 * imu_T_camera7 - imu_T_camera3 * pose5 + imu_T_camera2 * pose6 -
+        imu_T_camera1 * pose7;
+    const double t20 = pose0 * imu_T_camera5 - pose2 * imu_T_camera7 + imu_T_camera3 * pose4 + pose1
+        * imu_T_camera6;
+    const double t21 = t20 + imu_T_camera0 * pose5 - imu_T_camera2 * pose7 - pose3 * imu_T_camera4 -
+        imu_T_camera1 * pose6;
     const double t22 = t0 * measured4 - t1 * measured5 - t2 * measured6 - measured0 * t19 + t3 *
         measured7 + measured3 * t21;
-    const double t23 = pose0 * mount6 - mount2 * pose4 + mount1 * pose5 + mount0 * pose6 - pose3 *
-        mount7 + pose2 * mount4;
-    const double t24 = t23 - pose1 * mount5 - mount3 * pose7;
-    const double t25 = pose0 * mount7 + pose3 * mount6 + mount1 * pose4 + pose1 * mount4 + mount3 *
-        pose6 + mount0 * pose7;
-    const double t26 = t25 + pose2 * mount5 + mount2 * pose5;
+    const double t23 = pose0 * imu_T_camera6 - imu_T_camera2 * pose4 + imu_T_camera1 * pose5 +
+        imu_T_camera0 * pose6;
+    const double t24 = t23 - pose3 * imu_T_camera7 + pose2 * imu_T_camera4 - pose1 * imu_T_camera5 -
+        imu_T_camera3 * pose7;
+    const double t25 = pose0 * imu_T_camera7 + pose3 * imu_T_camera6 + imu_T_camera1 * pose4 + pose1
+        * imu_T_camera4;
+    const double t26 = t25 + imu_T_camera3 * pose6 + imu_T_camera0 * pose7 + pose2 * imu_T_camera5 +
+        imu_T_camera2 * pose5;
     const double t27 = t6 * (t6 * (t6 * 0.0006075023168817953 + -0.006093589939124222) +
         0.029004300694938867);
     const double t28 = t6 * (t6 * (t6 * (t27 + -0.08654292963332932) + 0.18095358835013511) +
@@ -407,68 +435,70 @@ void motorcade_pose_residual(const double pose[8], const double mount[8], const 
     residual[5] = t39;
 }
 
-void motorcade_pose_effect(const double mount[8], double effect[36])
+void motorcade_pose_effect(const double imu_T_camera[8], double effect[36])
 {
-    const double mount0 = mount[0], mount1 = mount[1], mount2 = mount[2], mount3 = mount[3];
-    const double mount4 = mount[4], mount5 = mount[5], mount6 = mount[6], mount7 = mount[7];
-    const double t0 = mount1 * -0.5;
-    const double t1 = mount1 * t0;
-    const double t2 = -0.5 * mount3;
-    const double t3 = mount3 * t2;
-    const double t4 = -0.5 * mount0;
-    const double t5 = mount0 * t4;
-    const double t6 = -0.5 * mount2;
-    const double t7 = mount2 * t6;
-    const double t8 = mount1 * t6;
-    const double t9 = mount3 * t4;
-    const double t10 = t2 * mount0;
-    const double t11 = t0 * mount2;
-    const double t12 = mount1 * t2;
-    const double t13 = t0 * mount3;
-    const double t14 = mount0 * t6;
-    const double t15 = t4 * mount2;
-    const double t16 = mount1 * t4;
-    const double t17 = t2 * mount2;
-    const double t18 = t0 * mount0;
-    const double t19 = mount3 * t6;
-    const double t20 = t0 * mount4;
-    const double t21 = t6 * mount5;
-    const double t22 = t2 * mount6;
-    const double t23 = -0.5 * mount7;
-    const double t24 = mount0 * t23;
-    const double t25 = t4 * mount7;
-    const double t26 = -0.5 * mount6;
-    const double t27 = mount3 * t26;
-    const double t28 = -0.5 * mount5;
-    const double t29 = mount2 * t28;
-    const double t30 = -0.5 * mount4;
-    const double t31 = mount1 * t30;
-    const double t32 = t6 * mount4;
-    const double t33 = t0 * mount5;
-    const double t34 = t4 * mount6;
-    const double t35 = mount0 * t26;
-    const double t36 = t2 * mount7;
-    const double t37 = mount3 * t23;
-    const double t38 = mount2 * t30;
-    const double t39 = mount1 * t28;
-    const double t40 = t2 * mount4;
-    const double t41 = t4 * mount5;
-    const double t42 = t0 * mount6;
-    const double t43 = mount0 * t28;
-    const double t44 = t6 * mount7;
-    const double t45 = mount3 * t30;
-    const double t46 = mount2 * t23;
-    const double t47 = mount1 * t26;
+    const double imu_T_camera0 = imu_T_camera[0], imu_T_camera1 = imu_T_camera[1], imu_T_camera2 =
+        imu_T_camera[2], imu_T_camera3 = imu_T_camera[3];
+    const double imu_T_camera4 = imu_T_camera[4], imu_T_camera5 = imu_T_camera[5], imu_T_camera6 =
+        imu_T_camera[6], imu_T_camera7 = imu_T_camera[7];
+    const double t0 = imu_T_camera1 * -0.5;
+    const double t1 = imu_T_camera1 * t0;
+    const double t2 = -0.5 * imu_T_camera3;
+    const double t3 = imu_T_camera3 * t2;
+    const double t4 = -0.5 * imu_T_camera0;
+    const double t5 = imu_T_camera0 * t4;
+    const double t6 = -0.5 * imu_T_camera2;
+    const double t7 = imu_T_camera2 * t6;
+    const double t8 = imu_T_camera1 * t6;
+    const double t9 = imu_T_camera3 * t4;
+    const double t10 = t2 * imu_T_camera0;
+    const double t11 = t0 * imu_T_camera2;
+    const double t12 = imu_T_camera1 * t2;
+    const double t13 = t0 * imu_T_camera3;
+    const double t14 = imu_T_camera0 * t6;
+    const double t15 = t4 * imu_T_camera2;
+    const double t16 = imu_T_camera1 * t4;
+    const double t17 = t2 * imu_T_camera2;
+    const double t18 = t0 * imu_T_camera0;
+    const double t19 = imu_T_camera3 * t6;
+    const double t20 = t0 * imu_T_camera4;
+    const double t21 = t6 * imu_T_camera5;
+    const double t22 = t2 * imu_T_camera6;
+    const double t23 = -0.5 * imu_T_camera7;
+    const double t24 = imu_T_camera0 * t23;
+    const double t25 = t4 * imu_T_camera7;
+    const double t26 = -0.5 * imu_T_camera6;
+    const double t27 = imu_T_camera3 * t26;
+    const double t28 = -0.5 * imu_T_camera5;
+    const double t29 = imu_T_camera2 * t28;
+    const double t30 = -0.5 * imu_T_camera4;
+    const double t31 = imu_T_camera1 * t30;
+    const double t32 = t6 * imu_T_camera4;
+    const double t33 = t0 * imu_T_camera5;
+    const double t34 = t4 * imu_T_camera6;
+    const double t35 = imu_T_camera0 * t26;
+    const double t36 = t2 * imu_T_camera7;
+    const double t37 = imu_T_camera3 * t23;
+    const double t38 = imu_T_camera2 * t30;
+    const double t39 = imu_T_camera1 * t28;
+    const double t40 = t2 * imu_T_camera4;
+    const double t41 = t4 * imu_T_camera5;
+    const double t42 = t0 * imu_T_camera6;
+    const double t43 = imu_T_camera0 * t28;
+    const double t44 = t6 * imu_T_camera7;
+    const double t45 = imu_T_camera3 * t30;
+    const double t46 = imu_T_camera2 * t23;
+    const double t47 = imu_T_camera1 * t26;
     const double t48 = t5 - t3;
     const double t49 = t9 + t10;
-    const double t50 = t2 * mount5;
-    const double t51 = t0 * mount7;
-    const double t52 = mount3 * t28;
-    const double t53 = t6 * mount6;
-    const double t54 = mount0 * t30;
-    const double t55 = mount2 * t26;
-    const double t56 = t4 * mount4;
-    const double t57 = mount1 * t23;
+    const double t50 = t2 * imu_T_camera5;
+    const double t51 = t0 * imu_T_camera7;
+    const double t52 = imu_T_camera3 * t28;
+    const double t53 = t6 * imu_T_camera6;
+    const double t54 = imu_T_camera0 * t30;
+    const double t55 = imu_T_camera2 * t26;
+    const double t56 = t4 * imu_T_camera4;
+    const double t57 = imu_T_camera1 * t23;
     effect[0] = -2.0 * (t1 - t3 + t5 - t7);
     effect[1] = -2.0 * (t8 - t9 - t10 + t11);
     effect[2] = -2.0 * (t12 + t13 + t14 + t15);
@@ -684,34 +714,44 @@ void motorcade_velocity_effect(const double pose[8], double effect[9])
     effect[8] = t1 + (t0 - (t3 + t4));
 }
 
-void motorcade_corner(const double pose[8], const double mount[8], const double point[3],
-        double seen[2], double depth[1], double pose_effect[12], double mount_effect[12])
+void motorcade_corner(const double pose[8], const double imu_T_camera[8], const double point[3],
+        double seen[2], double depth[1], double pose_effect[12], double extrinsics_effect[12])
 {
     const double pose0 = pose[0], pose1 = pose[1], pose2 = pose[2], pose3 = pose[3];
     const double pose4 = pose[4], pose5 = pose[5], pose6 = pose[6], pose7 = pose[7];
-    const double mount0 = mount[0], mount1 = mount[1], mount2 = mount[2], mount3 = mount[3];
-    const double mount4 = mount[4], mount5 = mount[5], mount6 = mount[6], mount7 = mount[7];
+    const double imu_T_camera0 = imu_T_camera[0], imu_T_camera1 = imu_T_camera[1], imu_T_camera2 =
+        imu_T_camera[2], imu_T_camera3 = imu_T_camera[3];
+    const double imu_T_camera4 = imu_T_camera[4], imu_T_camera5 = imu_T_camera[5], imu_T_camera6 =
+        imu_T_camera[6], imu_T_camera7 = imu_T_camera[7];
     const double point0 = point[0], point1 = point[1], point2 = point[2];
-    const double t0 = pose0 * mount0 - pose3 * mount3 - pose2 * mount2 - pose1 * mount1;
-    const double t1 = pose0 * mount3 + mount0 * pose3 - mount2 * pose1 + pose2 * mount1;
-    const double t2 = pose3 * mount1 - pose0 * mount2 - mount0 * pose2 - mount3 * pose1;
+    const double t0 = pose0 * imu_T_camera0 - pose3 * imu_T_camera3 - pose2 * imu_T_camera2 - pose1
+        * imu_T_camera1;
+    const double t1 = pose0 * imu_T_camera3 + imu_T_camera0 * pose3 - imu_T_camera2 * pose1 + pose2
+        * imu_T_camera1;
+    const double t2 = pose3 * imu_T_camera1 - pose0 * imu_T_camera2 - imu_T_camera0 * pose2 -
+        imu_T_camera3 * pose1;
     const double t3 = t0 * point0 - t1 * point1 - t2 * point2;
-    const double t4 = pose0 * mount1 - mount3 * pose2 + mount0 * pose1 + pose3 * mount2;
+    const double t4 = pose0 * imu_T_camera1 - imu_T_camera3 * pose2 + imu_T_camera0 * pose1 + pose3
+        * imu_T_camera2;
     const double t5 = t0 * point1 - point2 * t4 + point0 * t1;
     const double t6 = t0 * point2 + point0 * t2 + point1 * t4;
     const double t7 = point1 * t2 - (t1 * point2 + point0 * t4);
-    const double t8 = pose0 * mount5 - pose2 * mount7 + mount3 * pose4 + pose1 * mount6 + mount0 *
-        pose5 - mount2 * pose7;
-    const double t9 = t8 - pose3 * mount4 - mount1 * pose6;
-    const double t10 = pose0 * mount4 + pose3 * mount5 - pose2 * mount6 + mount0 * pose4 - pose1 *
-        mount7 - mount3 * pose5;
-    const double t11 = t10 + mount2 * pose6 - mount1 * pose7;
-    const double t12 = pose0 * mount6 - mount2 * pose4 + mount1 * pose5 + mount0 * pose6 - pose3 *
-        mount7 + pose2 * mount4;
-    const double t13 = t12 - pose1 * mount5 - mount3 * pose7;
-    const double t14 = pose0 * mount7 + pose3 * mount6 + mount1 * pose4 + pose1 * mount4 + mount3 *
-        pose6 + mount0 * pose7;
-    const double t15 = t14 + pose2 * mount5 + mount2 * pose5;
+    const double t8 = pose0 * imu_T_camera5 - pose2 * imu_T_camera7 + imu_T_camera3 * pose4 + pose1
+        * imu_T_camera6;
+    const double t9 = t8 + imu_T_camera0 * pose5 - imu_T_camera2 * pose7 - pose3 * imu_T_camera4 -
+        imu_T_camera1 * pose6;
+    const double t10 = pose0 * imu_T_camera4 + pose3 * imu_T_camera5 - pose2 * imu_T_camera6 +
+        imu_T_camera0 * pose4;
+    const double t11 = t10 - pose1 * imu_T_camera7 - imu_T_camera3 * pose5 + imu_T_camera2 * pose6 -
+        imu_T_camera1 * pose7;
+    const double t12 = pose0 * imu_T_camera6 - imu_T_camera2 * pose4 + imu_T_camera1 * pose5 +
+        imu_T_camera0 * pose6;
+    const double t13 = t12 - pose3 * imu_T_camera7 + pose2 * imu_T_camera4 - pose1 * imu_T_camera5 -
+        imu_T_camera3 * pose7;
+    const double t14 = pose0 * imu_T_camera7 + pose3 * imu_T_camera6 + imu_T_camera1 * pose4 + pose1
+        * imu_T_camera4;
+    const double t15 = t14 + imu_T_camera3 * pose6 + imu_T_camera0 * pose7 + pose2 * imu_T_camera5 +
+        imu_T_camera2 * pose5;
     const double t16 = t0 * t3 - t1 * t5 - t2 * t6 - t4 * t7 + -2.0 * (t1 * t9 - t0 * t11 + t2 * t13
         - t4 * t15);
     const double t17 = t2 * t3 + t4 * t5 + t0 * t6 - t1 * t7 - -2.0 * (t2 * t11 + t4 * t9 + t0 * t13
@@ -732,47 +772,55 @@ void motorcade_corner(const double pose[8], const double mount[8], const double 
     const double t30 = t2 * t23 - t29;
     const double t31 = t1 * t24;
     const double t32 = t4 * t23 + t31;
-    const double t33 = mount3 * t26 + mount0 * t28 + mount2 * t30 - mount1 * t32;
-    const double t34 = mount0 * t26 - mount3 * t28 - mount1 * t30 - mount2 * t32;
-    const double t35 = mount2 * t26 + mount1 * t28 - mount3 * t30 + mount0 * t32;
-    const double t36 = mount1 * t26 - mount2 * t28 + mount0 * t30 + mount3 * t32;
-    const double t37 = t15 * t24;
-    const double t38 = t7 * t18;
-    const double t39 = t4 * t18;
-    const double t40 = t1 * t22 - t39;
-    const double t41 = t2 * t18;
-    const double t42 = t0 * t22 + t41;
-    const double t43 = t1 * t18;
-    const double t44 = t4 * t22 + t43;
-    const double t45 = t9 * t23 - t5 * t22 - t37 - t38 - point0 * t40 - point1 * t42 + point2 * t44;
-    const double t46 = t13 * t24;
-    const double t47 = t6 * t18;
-    const double t48 = t0 * t18;
-    const double t49 = t48 - t2 * t22;
-    const double t50 = t11 * t23 - t3 * t22 + t46 + point1 * t40 - t47 - point0 * t42 - point2 *
-        t49;
-    const double t51 = mount4 * t26 - mount5 * t28 - mount7 * t30 + mount6 * t32 + mount0 * t45 -
-        mount3 * t50;
+    const double t33 = imu_T_camera3 * t26 + imu_T_camera0 * t28 + imu_T_camera2 * t30 -
+        imu_T_camera1 * t32;
+    const double t34 = imu_T_camera0 * t26 - imu_T_camera3 * t28 - imu_T_camera1 * t30 -
+        imu_T_camera2 * t32;
+    const double t35 = imu_T_camera2 * t26 + imu_T_camera1 * t28 - imu_T_camera3 * t30 +
+        imu_T_camera0 * t32;
+    const double t36 = imu_T_camera1 * t26 - imu_T_camera2 * t28 + imu_T_camera0 * t30 +
+        imu_T_camera3 * t32;
+    const double t37 = imu_T_camera4 * t26 - imu_T_camera5 * t28 - imu_T_camera7 * t30 +
+        imu_T_camera6 * t32;
+    const double t38 = t15 * t24;
+    const double t39 = t7 * t18;
+    const double t40 = t4 * t18;
+    const double t41 = t1 * t22 - t40;
+    const double t42 = t2 * t18;
+    const double t43 = t0 * t22 + t42;
+    const double t44 = t1 * t18;
+    const double t45 = t4 * t22 + t44;
+    const double t46 = t9 * t23 - t5 * t22 - t38 - t39 - point0 * t41 - point1 * t43 + point2 * t45;
+    const double t47 = t13 * t24;
+    const double t48 = t6 * t18;
+    const double t49 = t0 * t18;
+    const double t50 = t49 - t2 * t22;
+    const double t51 = t11 * t23 - t3 * t22 + t47 + point1 * t41 - t48 - point0 * t43 - point2 *
+        t50;
     const double t52 = t9 * t24;
     const double t53 = t5 * t18;
-    const double t54 = t15 * t23 + t7 * t22 + t52 - point2 * t40 - t53 - point0 * t44 - point1 *
-        t49;
+    const double t54 = t15 * t23 + t7 * t22 + t52 - point2 * t41 - t53 - point0 * t45 - point1 *
+        t50;
     const double t55 = t11 * t24;
     const double t56 = t3 * t18;
-    const double t57 = t13 * t23 - t6 * t22 - t55 - point2 * t42 - point1 * t44 + t56 + point0 *
-        t49;
-    const double t58 = t51 - mount2 * t54 - mount1 * t57;
-    const double t59 = mount6 * t30 - (mount5 * t26 + mount4 * t28) + mount7 * t32 + mount3 * t45 +
-        mount0 * t50;
-    const double t60 = t59 - mount1 * t54 + mount2 * t57;
-    const double t61 = mount6 * t26 - mount7 * t28 + mount5 * t30 - mount4 * t32 + mount2 * t45 +
-        mount1 * t50;
-    const double t62 = t61 + mount0 * t54 - mount3 * t57;
+    const double t57 = t13 * t23 - t6 * t22 - t55 - point2 * t43 - point1 * t45 + t56 + point0 *
+        t50;
+    const double t58 = t37 + imu_T_camera0 * t46 - imu_T_camera3 * t51 - imu_T_camera2 * t54 -
+        imu_T_camera1 * t57;
+    const double t59 = imu_T_camera6 * t30 - (imu_T_camera5 * t26 + imu_T_camera4 * t28) +
+        imu_T_camera7 * t32;
+    const double t60 = t59 + imu_T_camera3 * t46 + imu_T_camera0 * t51 - imu_T_camera1 * t54 +
+        imu_T_camera2 * t57;
+    const double t61 = imu_T_camera6 * t26 - imu_T_camera7 * t28 + imu_T_camera5 * t30 -
+        imu_T_camera4 * t32;
+    const double t62 = t61 + imu_T_camera2 * t46 + imu_T_camera1 * t51 + imu_T_camera0 * t54 -
+        imu_T_camera3 * t57;
     const double t63 = pose5 * t33 + pose4 * t34 - pose6 * t35 - pose7 * t36 + pose0 * t58 + pose3 *
         t60 + pose2 * t62;
-    const double t64 = mount7 * t26 + mount6 * t28 + mount4 * t30 + mount5 * t32 + mount1 * t45 -
-        mount2 * t50;
-    const double t65 = t64 + mount3 * t54 + mount0 * t57;
+    const double t64 = imu_T_camera7 * t26 + imu_T_camera6 * t28 + imu_T_camera4 * t30 +
+        imu_T_camera5 * t32;
+    const double t65 = t64 + imu_T_camera1 * t46 - imu_T_camera2 * t51 + imu_T_camera3 * t54 +
+        imu_T_camera0 * t57;
     const double t66 = pose5 * t34 - pose4 * t33 - pose7 * t35 + pose6 * t36 + pose3 * t58 - pose0 *
         t60 - pose1 * t62;
     const double t67 = pose6 * t34 - pose7 * t33 + pose4 * t35 - pose5 * t36 - pose2 * t58 - pose1 *
@@ -783,35 +831,43 @@ void motorcade_corner(const double pose[8], const double mount[8], const double 
     const double t71 = t25 + t0 * t69;
     const double t72 = t2 * t69 - t31;
     const double t73 = t4 * t69 - t29;
-    const double t74 = mount3 * t70 + mount0 * t71 + mount2 * t72 - mount1 * t73;
-    const double t75 = mount0 * t70 - mount3 * t71 - mount1 * t72 - mount2 * t73;
-    const double t76 = mount2 * t70 + mount1 * t71 - mount3 * t72 + mount0 * t73;
-    const double t77 = mount1 * t70 - mount2 * t71 + mount0 * t72 + mount3 * t73;
-    const double t78 = t41 + t1 * t68;
-    const double t79 = t39 + t0 * t68;
-    const double t80 = t48 - t4 * t68;
-    const double t81 = t46 - t47 + t9 * t69 - t5 * t68 - point0 * t78 - point1 * t79 - point2 * t80;
-    const double t82 = t43 - t2 * t68;
-    const double t83 = t37 + t38 + t11 * t69 - t3 * t68 + point1 * t78 - point0 * t79 - point2 *
-        t82;
-    const double t84 = mount4 * t70 - mount5 * t71 - mount7 * t72 + mount6 * t73 + mount0 * t81 -
-        mount3 * t83;
-    const double t85 = t56 - t55 + t15 * t69 + t7 * t68 - point2 * t78 + point0 * t80 - point1 *
-        t82;
-    const double t86 = t53 - t52 + t13 * t69 - t6 * t68 - point2 * t79 + point1 * t80 + point0 *
-        t82;
-    const double t87 = t84 - mount2 * t85 - mount1 * t86;
-    const double t88 = mount6 * t72 - (mount5 * t70 + mount4 * t71) + mount7 * t73 + mount3 * t81 +
-        mount0 * t83;
-    const double t89 = t88 - mount1 * t85 + mount2 * t86;
-    const double t90 = mount6 * t70 - mount7 * t71 + mount5 * t72 - mount4 * t73 + mount2 * t81 +
-        mount1 * t83;
-    const double t91 = t90 + mount0 * t85 - mount3 * t86;
+    const double t74 = imu_T_camera3 * t70 + imu_T_camera0 * t71 + imu_T_camera2 * t72 -
+        imu_T_camera1 * t73;
+    const double t75 = imu_T_camera0 * t70 - imu_T_camera3 * t71 - imu_T_camera1 * t72 -
+        imu_T_camera2 * t73;
+    const double t76 = imu_T_camera2 * t70 + imu_T_camera1 * t71 - imu_T_camera3 * t72 +
+        imu_T_camera0 * t73;
+    const double t77 = imu_T_camera1 * t70 - imu_T_camera2 * t71 + imu_T_camera0 * t72 +
+        imu_T_camera3 * t73;
+    const double t78 = imu_T_camera4 * t70 - imu_T_camera5 * t71 - imu_T_camera7 * t72 +
+        imu_T_camera6 * t73;
+    const double t79 = t42 + t1 * t68;
+    const double t80 = t40 + t0 * t68;
+    const double t81 = t49 - t4 * t68;
+    const double t82 = t47 - t48 + t9 * t69 - t5 * t68 - point0 * t79 - point1 * t80 - point2 * t81;
+    const double t83 = t44 - t2 * t68;
+    const double t84 = t38 + t39 + t11 * t69 - t3 * t68 + point1 * t79 - point0 * t80 - point2 *
+        t83;
+    const double t85 = t56 - t55 + t15 * t69 + t7 * t68 - point2 * t79 + point0 * t81 - point1 *
+        t83;
+    const double t86 = t53 - t52 + t13 * t69 - t6 * t68 - point2 * t80 + point1 * t81 + point0 *
+        t83;
+    const double t87 = t78 + imu_T_camera0 * t82 - imu_T_camera3 * t84 - imu_T_camera2 * t85 -
+        imu_T_camera1 * t86;
+    const double t88 = imu_T_camera6 * t72 - (imu_T_camera5 * t70 + imu_T_camera4 * t71) +
+        imu_T_camera7 * t73;
+    const double t89 = t88 + imu_T_camera3 * t82 + imu_T_camera0 * t84 - imu_T_camera1 * t85 +
+        imu_T_camera2 * t86;
+    const double t90 = imu_T_camera6 * t70 - imu_T_camera7 * t71 + imu_T_camera5 * t72 -
+        imu_T_camera4 * t73;
+    const double t91 = t90 + imu_T_camera2 * t82 + imu_T_camera1 * t84 + imu_T_camera0 * t85 -
+        imu_T_camera3 * t86;
     const double t92 = pose5 * t74 + pose4 * t75 - pose6 * t76 - pose7 * t77 + pose0 * t87 + pose3 *
         t89 + pose2 * t91;
-    const double t93 = mount7 * t70 + mount6 * t71 + mount4 * t72 + mount5 * t73 + mount1 * t81 -
-        mount2 * t83;
-    const double t94 = t93 + mount3 * t85 + mount0 * t86;
+    const double t93 = imu_T_camera7 * t70 + imu_T_camera6 * t71 + imu_T_camera4 * t72 +
+        imu_T_camera5 * t73;
+    const double t94 = t93 + imu_T_camera1 * t82 - imu_T_camera2 * t84 + imu_T_camera3 * t85 +
+        imu_T_camera0 * t86;
     const double t95 = pose5 * t75 - pose4 * t74 - pose7 * t76 + pose6 * t77 + pose3 * t87 - pose0 *
         t89 - pose1 * t91;
     const double t96 = pose6 * t75 - pose7 * t74 + pose4 * t76 - pose5 * t77 - pose2 * t87 - pose1 *
@@ -820,46 +876,70 @@ void motorcade_corner(const double pose[8], const double mount[8], const double 
     const double t98 = pose1 * t26 + pose2 * t28 + pose0 * t30 - pose3 * t32;
     const double t99 = pose0 * t26 - pose3 * t28 - pose1 * t30 - pose2 * t32;
     const double t100 = pose2 * t26 - pose1 * t28 + pose3 * t30 + pose0 * t32;
-    const double t101 = pose4 * t26 + pose5 * t28 - pose7 * t30 - pose6 * t32 + pose0 * t45 + pose3
-        * t50 + pose2 * t54;
-    const double t102 = t101 - pose1 * t57;
-    const double t103 = pose4 * t28 - pose5 * t26 - pose6 * t30 + pose7 * t32 - pose3 * t45 + pose0
-        * t50 + pose1 * t54;
-    const double t104 = t103 + pose2 * t57;
-    const double t105 = mount5 * t97 - mount7 * t98 + mount4 * t99 - mount6 * t100 + mount0 * t102 +
-        mount3 * t104;
-    const double t106 = pose6 * t26 - pose7 * t28 - pose5 * t30 + pose4 * t32 - pose2 * t45 - pose1
-        * t50 + pose0 * t54;
+    const double t101 = imu_T_camera5 * t97 - imu_T_camera7 * t98 + imu_T_camera4 * t99 -
+        imu_T_camera6 * t100;
+    const double t102 = pose4 * t26 + pose5 * t28 - pose7 * t30 - pose6 * t32 + pose0 * t46 + pose3
+        * t51 + pose2 * t54;
+    const double t103 = t102 - pose1 * t57;
+    const double t104 = pose4 * t28 - pose5 * t26 - pose6 * t30 + pose7 * t32 - pose3 * t46 + pose0
+        * t51 + pose1 * t54;
+    const double t105 = t104 + pose2 * t57;
+    const double t106 = pose6 * t26 - pose7 * t28 - pose5 * t30 + pose4 * t32 - pose2 * t46 - pose1
+        * t51 + pose0 * t54;
     const double t107 = t106 - pose3 * t57;
-    const double t108 = pose7 * t26 + pose6 * t28 + pose4 * t30 + pose5 * t32 + pose1 * t45 - pose2
-        * t50 + pose3 * t54;
+    const double t108 = pose7 * t26 + pose6 * t28 + pose4 * t30 + pose5 * t32 + pose1 * t46 - pose2
+        * t51 + pose3 * t54;
     const double t109 = t108 + pose0 * t57;
-    const double t110 = mount6 * t98 - mount4 * t97 + mount5 * t99 - mount7 * t100 + mount3 * t102 -
-        mount0 * t104;
-    const double t111 = mount6 * t99 - (mount5 * t98 + mount7 * t97) + mount4 * t100 - mount2 * t102
-        - mount1 * t104;
-    const double t112 = pose3 * t70 + pose0 * t71 - pose2 * t72 + pose1 * t73;
-    const double t113 = pose1 * t70 + pose2 * t71 + pose0 * t72 - pose3 * t73;
-    const double t114 = pose0 * t70 - pose3 * t71 - pose1 * t72 - pose2 * t73;
-    const double t115 = pose2 * t70 - pose1 * t71 + pose3 * t72 + pose0 * t73;
-    const double t116 = pose4 * t70 + pose5 * t71 - pose7 * t72 - pose6 * t73 + pose0 * t81 + pose3
-        * t83 + pose2 * t85;
-    const double t117 = t116 - pose1 * t86;
-    const double t118 = pose4 * t71 - pose5 * t70 - pose6 * t72 + pose7 * t73 - pose3 * t81 + pose0
-        * t83 + pose1 * t85;
-    const double t119 = t118 + pose2 * t86;
-    const double t120 = mount5 * t112 - mount7 * t113 + mount4 * t114 - mount6 * t115 + mount0 *
-        t117 + mount3 * t119;
-    const double t121 = pose6 * t70 - pose7 * t71 - pose5 * t72 + pose4 * t73 - pose2 * t81 - pose1
-        * t83 + pose0 * t85;
-    const double t122 = t121 - pose3 * t86;
-    const double t123 = pose7 * t70 + pose6 * t71 + pose4 * t72 + pose5 * t73 + pose1 * t81 - pose2
-        * t83 + pose3 * t85;
-    const double t124 = t123 + pose0 * t86;
-    const double t125 = mount6 * t113 - mount4 * t112 + mount5 * t114 - mount7 * t115 + mount3 *
-        t117 - mount0 * t119;
-    const double t126 = mount6 * t114 - (mount5 * t113 + mount7 * t112) + mount4 * t115 - mount2 *
-        t117 - mount1 * t119;
+    const double t110 = t101 + imu_T_camera0 * t103 + imu_T_camera3 * t105 + imu_T_camera2 * t107 -
+        imu_T_camera1 * t109;
+    const double t111 = imu_T_camera6 * t98 - imu_T_camera4 * t97 + imu_T_camera5 * t99 -
+        imu_T_camera7 * t100;
+    const double t112 = t111 + imu_T_camera3 * t103 - imu_T_camera0 * t105 - imu_T_camera1 * t107 -
+        imu_T_camera2 * t109;
+    const double t113 = imu_T_camera6 * t99 - (imu_T_camera5 * t98 + imu_T_camera7 * t97) +
+        imu_T_camera4 * t100;
+    const double t114 = t113 - imu_T_camera2 * t103 - imu_T_camera1 * t105 + imu_T_camera0 * t107 -
+        imu_T_camera3 * t109;
+    const double t115 = imu_T_camera0 * t98 + imu_T_camera2 * t97 + imu_T_camera1 * t99 -
+        imu_T_camera3 * t100;
+    const double t116 = imu_T_camera3 * t98 - imu_T_camera1 * t97 + imu_T_camera2 * t99 +
+        imu_T_camera0 * t100;
+    const double t117 = imu_T_camera0 * t97 - imu_T_camera2 * t98 + imu_T_camera3 * t99 +
+        imu_T_camera1 * t100;
+    const double t118 = pose3 * t70 + pose0 * t71 - pose2 * t72 + pose1 * t73;
+    const double t119 = pose1 * t70 + pose2 * t71 + pose0 * t72 - pose3 * t73;
+    const double t120 = pose0 * t70 - pose3 * t71 - pose1 * t72 - pose2 * t73;
+    const double t121 = pose2 * t70 - pose1 * t71 + pose3 * t72 + pose0 * t73;
+    const double t122 = imu_T_camera5 * t118 - imu_T_camera7 * t119 + imu_T_camera4 * t120 -
+        imu_T_camera6 * t121;
+    const double t123 = pose4 * t70 + pose5 * t71 - pose7 * t72 - pose6 * t73 + pose0 * t82 + pose3
+        * t84 + pose2 * t85;
+    const double t124 = t123 - pose1 * t86;
+    const double t125 = pose4 * t71 - pose5 * t70 - pose6 * t72 + pose7 * t73 - pose3 * t82 + pose0
+        * t84 + pose1 * t85;
+    const double t126 = t125 + pose2 * t86;
+    const double t127 = pose6 * t70 - pose7 * t71 - pose5 * t72 + pose4 * t73 - pose2 * t82 - pose1
+        * t84 + pose0 * t85;
+    const double t128 = t127 - pose3 * t86;
+    const double t129 = pose7 * t70 + pose6 * t71 + pose4 * t72 + pose5 * t73 + pose1 * t82 - pose2
+        * t84 + pose3 * t85;
+    const double t130 = t129 + pose0 * t86;
+    const double t131 = t122 + imu_T_camera0 * t124 + imu_T_camera3 * t126 + imu_T_camera2 * t128 -
+        imu_T_camera1 * t130;
+    const double t132 = imu_T_camera6 * t119 - imu_T_camera4 * t118 + imu_T_camera5 * t120 -
+        imu_T_camera7 * t121;
+    const double t133 = t132 + imu_T_camera3 * t124 - imu_T_camera0 * t126 - imu_T_camera1 * t128 -
+        imu_T_camera2 * t130;
+    const double t134 = imu_T_camera6 * t120 - (imu_T_camera5 * t119 + imu_T_camera7 * t118) +
+        imu_T_camera4 * t121;
+    const double t135 = t134 - imu_T_camera2 * t124 - imu_T_camera1 * t126 + imu_T_camera0 * t128 -
+        imu_T_camera3 * t130;
+    const double t136 = imu_T_camera0 * t119 + imu_T_camera2 * t118 + imu_T_camera1 * t120 -
+        imu_T_camera3 * t121;
+    const double t137 = imu_T_camera3 * t119 - imu_T_camera1 * t118 + imu_T_camera2 * t120 +
+        imu_T_camera0 * t121;
+    const double t138 = imu_T_camera0 * t118 - imu_T_camera2 * t119 + imu_T_camera3 * t120 +
+        imu_T_camera1 * t121;
     seen[0] = t19;
     seen[1] = t21;
     depth[0] = t17;
@@ -875,16 +955,16 @@ void motorcade_corner(const double pose[8], const double mount[8], const double 
     pose_effect[9] = -0.5 * (pose2 * t74 + pose1 * t75 - pose3 * t76 + pose0 * t77);
     pose_effect[10] = -0.5 * (pose2 * t75 - pose1 * t74 + pose0 * t76 + pose3 * t77);
     pose_effect[11] = -0.5 * (pose0 * t74 + pose3 * t75 + pose1 * t76 - pose2 * t77);
-    mount_effect[0] = -0.5 * (t105 + mount2 * t107 - mount1 * t109);
-    mount_effect[1] = -0.5 * (t110 - mount1 * t107 - mount2 * t109);
-    mount_effect[2] = -0.5 * (t111 + mount0 * t107 - mount3 * t109);
-    mount_effect[3] = -0.5 * (mount0 * t98 + mount2 * t97 + mount1 * t99 - mount3 * t100);
-    mount_effect[4] = -0.5 * (mount3 * t98 - mount1 * t97 + mount2 * t99 + mount0 * t100);
-    mount_effect[5] = -0.5 * (mount0 * t97 - mount2 * t98 + mount3 * t99 + mount1 * t100);
-    mount_effect[6] = -0.5 * (t120 + mount2 * t122 - mount1 * t124);
-    mount_effect[7] = -0.5 * (t125 - mount1 * t122 - mount2 * t124);
-    mount_effect[8] = -0.5 * (t126 + mount0 * t122 - mount3 * t124);
-    mount_effect[9] = -0.5 * (mount0 * t113 + mount2 * t112 + mount1 * t114 - mount3 * t115);
-    mount_effect[10] = -0.5 * (mount3 * t113 - mount1 * t112 + mount2 * t114 + mount0 * t115);
-    mount_effect[11] = -0.5 * (mount0 * t112 - mount2 * t113 + mount3 * t114 + mount1 * t115);
+    extrinsics_effect[0] = -0.5 * t110;
+    extrinsics_effect[1] = -0.5 * t112;
+    extrinsics_effect[2] = -0.5 * t114;
+    extrinsics_effect[3] = -0.5 * t115;
+    extrinsics_effect[4] = -0.5 * t116;
+    extrinsics_effect[5] = -0.5 * t117;
+    extrinsics_effect[6] = -0.5 * t131;
+    extrinsics_effect[7] = -0.5 * t133;
+    extrinsics_effect[8] = -0.5 * t135;
+    extrinsics_effect[9] = -0.5 * t136;
+    extrinsics_effect[10] = -0.5 * t137;
+    extrinsics_effect[11] = -0.5 * t138;
 }

@@ -81,21 +81,21 @@ void motorcade_held_transition(const double bias[6], const double rate[3], const
         double position_accel[9], double velocity_accel[9]);
 
 /*
- * Gravity (m/s²) in the world: its size along -z turned by the plumb's rotor.
- * in plumb: 1 e23 e31 e12
+ * Gravity (m/s²) in the world: its size along -z turned by a rotor.
+ * in gravity_rotor: 1 e23 e31 e12
  * out gravity: x y z
  */
-void motorcade_gravity(const double plumb[4], double size, double gravity[3]);
+void motorcade_gravity(const double gravity_rotor[4], double size, double gravity[3]);
 
 /*
- * What a tilt of the plumb, an error on its right about its x and y, adds over dt (s) to
+ * What a tilt of gravity, an error on its right about its x and y, adds over dt (s) to
  * the error's velocity, 3x2 by rows, in the axes of the pose; dt/2 times it to position.
  * in pose: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
- * in plumb: 1 e23 e31 e12
+ * in gravity_rotor: 1 e23 e31 e12
  * out velocity_tilt: m00 m01 m10 m11 m20 m21
  */
-void motorcade_gravity_effect(const double pose[8], const double plumb[4], double size, double dt,
-        double velocity_tilt[6]);
+void motorcade_gravity_effect(const double pose[8], const double gravity_rotor[4], double size,
+        double dt, double velocity_tilt[6]);
 
 /*
  * A motor with an error (rad, m) on its right.
@@ -103,7 +103,7 @@ void motorcade_gravity_effect(const double pose[8], const double plumb[4], doubl
  * in error: turn_x turn_y turn_z shift_x shift_y shift_z
  * out out: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
  */
-void motorcade_moved(const double pose[8], const double error[6], double out[8]);
+void motorcade_retract(const double pose[8], const double error[6], double out[8]);
 
 /*
  * Pose and velocity with an error (rad, m, m/s) on the right of the extended pose.
@@ -120,29 +120,29 @@ void motorcade_corrected(const double pose[8], const double velocity[3], const d
  * The IMU's pose by a measured one of the camera, and how an error on the right of the
  * measured one turns up on its right, 6x6 by rows.
  * in measured: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
- * in mount: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * in imu_T_camera: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
  * out pose: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
  * out effect: m00 m01 m02 m03 m04 m05 m10 m11 m12 m13 m14 m15 m20 m21 m22 m23 m24 m25 m30 m31 m32 m33 m34 m35 m40 m41 m42 m43 m44 m45 m50 m51 m52 m53 m54 m55
  */
-void motorcade_start(const double measured[8], const double mount[8], double pose[8],
+void motorcade_start(const double measured[8], const double imu_T_camera[8], double pose[8],
         double effect[36]);
 
 /*
- * Twist (rad, m) to the measured pose of the camera from pose times mount.
+ * Twist (rad, m) to the measured pose of the camera from pose times extrinsics.
  * in pose: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
- * in mount: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * in imu_T_camera: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
  * in measured: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
  * out residual: turn_x turn_y turn_z shift_x shift_y shift_z
  */
-void motorcade_pose_residual(const double pose[8], const double mount[8], const double measured[8],
-        double residual[6]);
+void motorcade_pose_residual(const double pose[8], const double imu_T_camera[8],
+        const double measured[8], double residual[6]);
 
 /*
- * How an error of the pose turns up behind the mount, 6x6 by rows.
- * in mount: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * How an error of the pose turns up behind the extrinsics, 6x6 by rows.
+ * in imu_T_camera: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
  * out effect: m00 m01 m02 m03 m04 m05 m10 m11 m12 m13 m14 m15 m20 m21 m22 m23 m24 m25 m30 m31 m32 m33 m34 m35 m40 m41 m42 m43 m44 m45 m50 m51 m52 m53 m54 m55
  */
-void motorcade_pose_effect(const double mount[8], double effect[36]);
+void motorcade_pose_effect(const double imu_T_camera[8], double effect[36]);
 
 /*
  * A point (m) fixed to the IMU, in the world, and how the pose's error moves it, 3x6.
@@ -162,16 +162,16 @@ void motorcade_velocity_effect(const double pose[8], double effect[9]);
 
 /*
  * A point (m) of the world on the camera's plane z = 1, its depth (m) there, and how the
- * errors of the pose and of the mount move it, 2x6 each.
+ * errors of the pose and of the extrinsics move it, 2x6 each.
  * in pose: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
- * in mount: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
+ * in imu_T_camera: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
  * in point: x y z
  * out seen: x y
  * out pose_effect: m00 m01 m02 m03 m04 m05 m10 m11 m12 m13 m14 m15
- * out mount_effect: m00 m01 m02 m03 m04 m05 m10 m11 m12 m13 m14 m15
+ * out extrinsics_effect: m00 m01 m02 m03 m04 m05 m10 m11 m12 m13 m14 m15
  */
-void motorcade_corner(const double pose[8], const double mount[8], const double point[3],
-        double seen[2], double depth[1], double pose_effect[12], double mount_effect[12]);
+void motorcade_corner(const double pose[8], const double imu_T_camera[8], const double point[3],
+        double seen[2], double depth[1], double pose_effect[12], double extrinsics_effect[12]);
 
 #ifdef __cplusplus
 }

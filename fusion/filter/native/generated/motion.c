@@ -953,71 +953,81 @@ void motorcade_held_transition(const double bias[6], const double rate[3], const
     velocity_accel[8] = t189 + t191 - t186 - t184;
 }
 
-void motorcade_gravity(const double plumb[4], double size, double gravity[3])
+void motorcade_gravity(const double gravity_rotor[4], double size, double gravity[3])
 {
-    const double plumb0 = plumb[0], plumb1 = plumb[1], plumb2 = plumb[2], plumb3 = plumb[3];
-    const double t0 = plumb2 * size;
-    const double t1 = size * plumb1;
-    const double t2 = size * plumb0;
-    const double t3 = size * plumb3;
-    gravity[0] = t0 * plumb0 - t1 * plumb3 + plumb2 * t2 - plumb1 * t3;
-    gravity[1] = -(t0 * plumb3 + plumb0 * t1 + plumb2 * t3 + plumb1 * t2);
-    gravity[2] = plumb2 * t0 + plumb1 * t1 - plumb0 * t2 - plumb3 * t3;
+    const double gravity_rotor0 = gravity_rotor[0], gravity_rotor1 = gravity_rotor[1],
+        gravity_rotor2 = gravity_rotor[2], gravity_rotor3 = gravity_rotor[3];
+    const double t0 = gravity_rotor2 * size;
+    const double t1 = size * gravity_rotor1;
+    const double t2 = size * gravity_rotor0;
+    const double t3 = size * gravity_rotor3;
+    const double t4 = t0 * gravity_rotor0 - t1 * gravity_rotor3 + gravity_rotor2 * t2 -
+        gravity_rotor1 * t3;
+    const double t5 = t0 * gravity_rotor3 + gravity_rotor0 * t1 + gravity_rotor2 * t3 +
+        gravity_rotor1 * t2;
+    const double t6 = gravity_rotor2 * t0 + gravity_rotor1 * t1 - gravity_rotor0 * t2 -
+        gravity_rotor3 * t3;
+    gravity[0] = t4;
+    gravity[1] = -t5;
+    gravity[2] = t6;
 }
 
-void motorcade_gravity_effect(const double pose[8], const double plumb[4], double size, double dt,
-        double velocity_tilt[6])
+void motorcade_gravity_effect(const double pose[8], const double gravity_rotor[4], double size,
+        double dt, double velocity_tilt[6])
 {
     const double pose0 = pose[0], pose1 = pose[1], pose2 = pose[2], pose3 = pose[3];
-    const double plumb0 = plumb[0], plumb1 = plumb[1], plumb2 = plumb[2], plumb3 = plumb[3];
-    const double t0 = -0.5 * plumb0;
+    const double gravity_rotor0 = gravity_rotor[0], gravity_rotor1 = gravity_rotor[1],
+        gravity_rotor2 = gravity_rotor[2], gravity_rotor3 = gravity_rotor[3];
+    const double t0 = -0.5 * gravity_rotor0;
     const double t1 = size * t0;
-    const double t2 = plumb1 * size;
-    const double t3 = -0.5 * plumb3;
+    const double t2 = gravity_rotor1 * size;
+    const double t3 = -0.5 * gravity_rotor3;
     const double t4 = size * t3;
-    const double t5 = size * plumb2;
-    const double t6 = plumb1 * -0.5;
+    const double t5 = size * gravity_rotor2;
+    const double t6 = gravity_rotor1 * -0.5;
     const double t7 = size * t6;
-    const double t8 = size * plumb0;
-    const double t9 = -0.5 * plumb2;
-    const double t10 = size * t9;
-    const double t11 = size * plumb3;
-    const double t12 = plumb1 * t1 + t0 * t2 - (plumb2 * t4 + t3 * t5) + (plumb0 * t7 + t6 * t8) -
-        (plumb3 * t10 + t9 * t11);
-    const double t13 = plumb0 * t4;
-    const double t14 = t5 * t6;
-    const double t15 = t1 * plumb3;
-    const double t16 = t2 * t9;
-    const double t17 = t3 * t8;
-    const double t18 = plumb2 * t7;
-    const double t19 = plumb1 * t10;
-    const double t20 = t0 * t11;
-    const double t21 = t13 + t14 + (t15 + t16) + (t17 + t18) + (t19 + t20);
-    const double t22 = plumb3 * t4;
-    const double t23 = t5 * t9;
-    const double t24 = plumb0 * t1;
-    const double t25 = t2 * t6;
-    const double t26 = t3 * t11;
-    const double t27 = plumb2 * t10;
-    const double t28 = t0 * t8;
-    const double t29 = plumb1 * t7;
-    const double t30 = t22 - t23 - (t24 - t25) + (t26 - t27) - (t28 - t29);
-    const double t31 = pose2 * t12 - (pose0 * t21 + pose3 * t30);
-    const double t32 = pose0 * t30 - t12 * pose1 - t21 * pose3;
-    const double t33 = pose0 * t12 + pose2 * t21 + t30 * pose1;
-    const double t34 = t21 * pose1 - t12 * pose3 - pose2 * t30;
-    const double t35 = plumb1 * t4 + t2 * t3 + (t1 * plumb2 + t0 * t5) + (plumb0 * t10 + t8 * t9) +
-        (plumb3 * t7 + t6 * t11);
-    const double t36 = t22 - t25 - (t24 - t23) - (t28 - t27) + (t26 - t29);
-    const double t37 = t15 - t14 + (t13 - t16) + (t20 - t18) + (t17 - t19);
-    const double t38 = pose2 * t35 - (pose0 * t36 - pose3 * t37);
-    const double t39 = pose0 * t37 + pose1 * t35 + pose3 * t36;
-    const double t40 = pose0 * t35 + pose2 * t36 - pose1 * t37;
-    const double t41 = pose1 * t36 - pose3 * t35 + pose2 * t37;
-    velocity_tilt[0] = dt * (pose0 * t31 - pose3 * t32 + pose2 * t33 - pose1 * t34);
-    velocity_tilt[1] = dt * (pose0 * t38 + pose3 * t39 + pose2 * t40 - pose1 * t41);
-    velocity_tilt[2] = dt * (pose3 * t31 + pose0 * t32 - pose2 * t34 - pose1 * t33);
-    velocity_tilt[3] = dt * (pose3 * t38 - pose0 * t39 - pose2 * t41 - pose1 * t40);
-    velocity_tilt[4] = dt * (pose1 * t32 - pose2 * t31 + pose0 * t33 - pose3 * t34);
-    velocity_tilt[5] = dt * (pose0 * t40 - (pose1 * t39 + pose2 * t38) - pose3 * t41);
+    const double t8 = size * gravity_rotor0;
+    const double t9 = gravity_rotor1 * t1 + t0 * t2 - (gravity_rotor2 * t4 + t3 * t5) +
+        (gravity_rotor0 * t7 + t6 * t8);
+    const double t10 = -0.5 * gravity_rotor2;
+    const double t11 = size * t10;
+    const double t12 = size * gravity_rotor3;
+    const double t13 = t9 - (gravity_rotor3 * t11 + t10 * t12);
+    const double t14 = gravity_rotor0 * t4;
+    const double t15 = t5 * t6;
+    const double t16 = t1 * gravity_rotor3;
+    const double t17 = t2 * t10;
+    const double t18 = t3 * t8;
+    const double t19 = gravity_rotor2 * t7;
+    const double t20 = gravity_rotor1 * t11;
+    const double t21 = t0 * t12;
+    const double t22 = t14 + t15 + (t16 + t17) + (t18 + t19) + (t20 + t21);
+    const double t23 = gravity_rotor3 * t4;
+    const double t24 = t5 * t10;
+    const double t25 = gravity_rotor0 * t1;
+    const double t26 = t2 * t6;
+    const double t27 = t3 * t12;
+    const double t28 = gravity_rotor2 * t11;
+    const double t29 = t0 * t8;
+    const double t30 = gravity_rotor1 * t7;
+    const double t31 = t23 - t24 - (t25 - t26) + (t27 - t28) - (t29 - t30);
+    const double t32 = pose2 * t13 - (pose0 * t22 + pose3 * t31);
+    const double t33 = pose0 * t31 - t13 * pose1 - t22 * pose3;
+    const double t34 = pose0 * t13 + pose2 * t22 + t31 * pose1;
+    const double t35 = t22 * pose1 - t13 * pose3 - pose2 * t31;
+    const double t36 = gravity_rotor1 * t4 + t2 * t3 + (t1 * gravity_rotor2 + t0 * t5) +
+        (gravity_rotor0 * t11 + t8 * t10);
+    const double t37 = t36 + (gravity_rotor3 * t7 + t6 * t12);
+    const double t38 = t23 - t26 - (t25 - t24) - (t29 - t28) + (t27 - t30);
+    const double t39 = t16 - t15 + (t14 - t17) + (t21 - t19) + (t18 - t20);
+    const double t40 = pose2 * t37 - (pose0 * t38 - pose3 * t39);
+    const double t41 = pose0 * t39 + pose1 * t37 + pose3 * t38;
+    const double t42 = pose0 * t37 + pose2 * t38 - pose1 * t39;
+    const double t43 = pose1 * t38 - pose3 * t37 + pose2 * t39;
+    velocity_tilt[0] = dt * (pose0 * t32 - pose3 * t33 + pose2 * t34 - pose1 * t35);
+    velocity_tilt[1] = dt * (pose0 * t40 + pose3 * t41 + pose2 * t42 - pose1 * t43);
+    velocity_tilt[2] = dt * (pose3 * t32 + pose0 * t33 - pose2 * t35 - pose1 * t34);
+    velocity_tilt[3] = dt * (pose3 * t40 - pose0 * t41 - pose2 * t43 - pose1 * t42);
+    velocity_tilt[4] = dt * (pose1 * t33 - pose2 * t32 + pose0 * t34 - pose3 * t35);
+    velocity_tilt[5] = dt * (pose0 * t42 - (pose1 * t41 + pose2 * t40) - pose3 * t43);
 }
