@@ -103,6 +103,8 @@ class FrameSequence(Protocol):
     def intact(self, camera: Camera | None) -> tuple[FrameSequence, tuple[str, ...]]:
         """Give the sequence without damaged pictures, and what is said of each left out.
 
+        What is read whole on the way is digested, so that `content` need not read it again.
+
         Raises:
             RecordingError: a picture that is missing or of another size, or too much damage.
         """
@@ -199,12 +201,14 @@ class Recording:
     def intact(self) -> Recording:
         """Check everything, but leave damaged pictures out and name them in `damaged`.
 
+        The pictures of the recording that this gives need not be read again for its digest.
+
         Raises:
             RecordingError: a fault that leaving out single pictures does not mend.
         """
         frames, told = self.frames.intact(self.camera)
         self._check_overlap()
-        return replace(self, frames=frames, damaged=(*self.damaged, *told)) if told else self
+        return replace(self, frames=frames, damaged=(*self.damaged, *told))
 
     def _check_overlap(self) -> None:
         if self.imu is None:
@@ -219,12 +223,13 @@ class Recording:
             )
 
     def digest(self) -> str:
-        """SHA-256 (hex) of everything that a result can depend on, computed anew at each call.
+        """SHA-256 (hex) of everything that a result can depend on.
 
-        Covers the bytes of the pictures and the values of all the rest (so a comment in a
-        calibration file changes nothing), and the name, since reports show it; not the place.
+        Covers the bytes of the pictures, which are read unless `intact` has done so, the values of
+        all the rest (so a comment in a calibration file changes nothing), and the name, since
+        reports show it; not the place.
         """
-        digest = hashlib.sha256(b"motorcade recording 1\n")
+        digest = hashlib.sha256(b"motorcade recording 2\n")
         for label, value in self._facts():
             digest.update(f"{label} {len(value)}\n".encode())
             digest.update(value)

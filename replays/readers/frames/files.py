@@ -6,9 +6,10 @@ in the numbers is refused: every later stamp would be wrong.
 
 from __future__ import annotations
 
+import hashlib
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
@@ -48,6 +49,7 @@ class PictureFrames:
         depth_files: depth picture of each frame, None where it has none.
         depth_units_per_m: what a metre is in the depth pictures.
         right_files: right picture of each frame, where they are rectified pairs.
+        digests: size in bytes and SHA-256 of files that were read whole, when they were checked.
     """
 
     files: tuple[Path, ...]
@@ -56,6 +58,7 @@ class PictureFrames:
     depth_files: tuple[Path | None, ...] = ()
     depth_units_per_m: float = 1000.0
     right_files: tuple[Path, ...] = ()
+    digests: Mapping[Path, tuple[int, bytes]] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         own = np.array(self.time_ns, dtype=np.int64)
@@ -71,17 +74,17 @@ class PictureFrames:
 
     def __getitem__(self, index: int) -> Frame:
         index = range(len(self))[index]
-        path, field = self.files[index], f"frame {index}"
-        read_image = partial(pictures.read_picture, path, field, self.size)
+        path, name = self.files[index], f"frame {index}"
+        read_image = partial(pictures.read_picture, path, name, self.size)
         depth = self.depth_files[index] if self.depth_files else None
         read_depth = None
         if depth is not None:
             read_depth = partial(
-                pictures.read_depth, depth, field, self.size, self.depth_units_per_m
+                pictures.read_depth, depth, name, self.size, self.depth_units_per_m
             )
         read_right = None
         if self.right_files:
-            read_right = partial(pictures.read_gray, self.right_files[index], field, self.size)
+            read_right = partial(pictures.read_gray, self.right_files[index], name, self.size)
         return Frame(int(self.time_ns[index]), path.name, read_image, read_depth, read_right)
 
     def __iter__(self) -> Iterator[Frame]:
@@ -93,19 +96,21 @@ class PictureFrames:
         Raises:
             RecordingError: the first picture that is missing, truncated or of another size.
         """
-        for fault in self._damage(camera).values():
+        for fault in self._read_through(camera)[0].values():
             raise fault
 
     def intact(self, camera: Camera | None) -> tuple[PictureFrames, tuple[str, ...]]:
         """Leave out what is truncated or corrupt: a frame, or a frame's depth alone.
 
+        Every file is read once, and what it holds is kept as a digest.
+
         Raises:
             RecordingError: a picture that is missing or of another size, or damage in half of the
                 frames or more.
         """
-        damage = self._damage(camera)
+        damage, digests = self._read_through(camera)
         if not damage:
-            return self, ()
+            return replace(self, digests=digests), ()
         told = tuple(str(fault) for fault in damage.values())
         if 2 * len(damage) >= len(self):
             problem = f"{len(damage)} of {len(self)} frames are damaged, the first: {told[0]}"
@@ -124,29 +129,34 @@ class PictureFrames:
             right_files=tuple(self.right_files[index] for index in whole)
             if self.right_files
             else (),
+            digests=digests,
         )
         return intact, told
 
-    def _damage(self, camera: Camera | None) -> dict[Path, DamagedError]:
-        """What is wrong with each damaged file; other faults are raised."""
+    def _read_through(
+        self, camera: Camera | None
+    ) -> tuple[dict[Path, DamagedError], dict[Path, tuple[int, bytes]]]:
+        """What is wrong with each damaged file, and digests of the others; raises other faults."""
         size = self.size if camera is None else (camera.width, camera.height)
         damage: dict[Path, DamagedError] = {}
+        digests: dict[Path, tuple[int, bytes]] = {}
         depth = set(self.depth_files)
-        for path, field in self._all_files("checking pictures"):
+        for path, name in self._all_files("reading pictures"):
             advice = pictures.UNALIGNED if path in depth else pictures.ANOTHER_SIZE
             try:
-                pictures.read_picture_bytes(path, field, size, advice)
+                digests[path] = _digest(pictures.read_picture_bytes(path, name, size, advice))
             except DamagedError as fault:
                 damage[path] = fault
-        return damage
+        return damage, digests
 
     def content(self) -> Iterator[bytes]:
-        """The bytes of all pictures, each after its length."""
+        """Size and digest of every picture; files that were not checked yet are read."""
         yield f"depth units {self.depth_units_per_m!r}".encode()
-        for path, field in self._all_files("reading pictures"):
-            data = read_bounded(path, pictures.FILE_LIMIT, field)
-            yield f"{field} {path.suffix} {len(data)}\n".encode()
-            yield data
+        for path, name in self._all_files("reading pictures"):
+            known = self.digests.get(path)
+            length, digest = known or _digest(read_bounded(path, pictures.FILE_LIMIT, name))
+            yield f"{name} {path.suffix} {length}\n".encode()
+            yield digest
 
     def first_size(self) -> tuple[int, int]:
         """Width and height of the first picture, for layouts whose calibration leaves them out.
@@ -167,6 +177,10 @@ class PictureFrames:
             if path is not None
         )
         return track(named, what, sum(len(files) for _, files in kinds))
+
+
+def _digest(data: bytes) -> tuple[int, bytes]:
+    return len(data), hashlib.sha256(data).digest()
 
 
 def inside(root: Path, name: str, source: Path, line: int | None = None) -> Path:

@@ -7,9 +7,11 @@ nanosecond. A rotation in the metadata is not applied.
 
 from __future__ import annotations
 
+import hashlib
 import threading
 from collections.abc import Iterator
 from fractions import Fraction
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,7 +36,6 @@ if TYPE_CHECKING:
 __all__ = ["SUFFIXES", "VideoFrames", "read", "recognise"]
 
 SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".ts")
-_BLOCK = 2**20
 
 
 def recognise(root: Path) -> bool:
@@ -111,11 +112,14 @@ class VideoFrames(DecodedFrames):
         return self, ()
 
     def content(self) -> Iterator[bytes]:
-        """The file's bytes."""
+        """Digest of the file's bytes, which are read once."""
+        yield self._digest
+
+    @cached_property
+    def _digest(self) -> bytes:
         try:
             with self._path.open("rb") as file:
-                while block := file.read(_BLOCK):
-                    yield block
+                return hashlib.file_digest(file, "sha256").digest()
         except OSError as fault:
             raise refusal(self._path, f"cannot be read: {fault.strerror or fault}") from fault
 

@@ -6,10 +6,11 @@ types that are known here are taken apart.
 
 from __future__ import annotations
 
+import hashlib
 import threading
 import weakref
 from collections.abc import Iterator, Sequence
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -31,7 +32,6 @@ __all__ = ["IMAGE_TYPES", "Bag", "BagFrames"]
 
 _RAW, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 IMAGE_TYPES = (_RAW, _COMPRESSED)
-_BLOCK = 2**20
 _CHANNELS = {
     "mono8": 1, "8UC1": 1, "rgb8": 3, "bgr8": 3, "8UC3": 3, "rgba8": 4, "bgra8": 4,
 }  # fmt: skip
@@ -164,14 +164,18 @@ class BagFrames(DecodedFrames):
         return self, ()
 
     def content(self) -> Iterator[bytes]:
-        """The bag's bytes, and the topic."""
+        """The topic, and a digest of the bag's bytes, which are read once."""
         yield self._topic.encode()
-        root = self._path
+        yield from self._digests
+
+    @cached_property
+    def _digests(self) -> list[bytes]:
+        root, found = self._path, []
         for path in sorted(root.iterdir()) if root.is_dir() else [root]:
             if path.is_file():
                 with path.open("rb") as file:
-                    while block := file.read(_BLOCK):
-                        yield block
+                    found.append(hashlib.file_digest(file, "sha256").digest())
+        return found
 
     def _image(self, index: int) -> ImageArray:
         field = f"{one_line(self._topic)} frame {index}"

@@ -1,0 +1,68 @@
+"""A run opens each picture once to check and digest it, once to track, and once to draw into."""
+
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from motorcade.replays.pipeline import Job, run_job
+from motorcade.replays.readers.opening import open_recording
+
+_counted: list[Counter[Path]] = []
+
+
+def _count(event: str, arguments: tuple[object, ...]) -> None:
+    if event == "open" and _counted and isinstance(arguments[0], str):
+        _counted[-1][Path(arguments[0])] += 1
+
+
+sys.addaudithook(_count)  # it stays for good, and counts only within `counting`
+
+
+@contextmanager
+def counting() -> Iterator[Counter[Path]]:
+    """Within the block, how often each file is opened by Python."""
+    _counted.append(Counter())
+    try:
+        yield _counted[-1]
+    finally:
+        _counted.pop()
+
+
+def pictures(opened: Counter[Path], folder: Path) -> list[int]:
+    """How often each picture of a recording was opened, in the order of their names."""
+    files = sorted(folder.glob("**/*.png"))
+    assert files
+    return [opened[path] for path in files]
+
+
+def test_pictures_are_read_once_for_check_and_digest_together(board_recording: Path) -> None:
+    with counting() as opened:
+        recording = open_recording(board_recording).intact()
+        first, again = recording.digest(), recording.digest()
+    first_picture, *others = pictures(opened, board_recording)
+    assert set(others) == {1}
+    assert first_picture == 2  # once more for its size, which the manifest leaves out
+    assert first == again == open_recording(board_recording).digest()
+
+
+@pytest.mark.parametrize("until", ["camera_poses", "report"])
+def test_a_run_opens_each_picture_as_often_as_it_needs_it(
+    until: str, board_recording: Path, tmp_path: Path
+) -> None:
+    with counting() as opened:
+        run_job(Job(board_recording, tmp_path / "out", until=until))
+    drawn = (tmp_path / "out" / "overlay.mp4").exists()
+    usual = 3 if drawn else 2
+    counts = pictures(opened, board_recording)
+    assert sorted(counts)[: len(counts) // 2] == [usual] * (len(counts) // 2)
+    # The first is looked at for its size, and three for that of the board, which fits.
+    assert max(counts) <= usual + 2
+    assert sum(counts) <= usual * len(counts) + 4
+
+    with counting() as opened:
+        run_job(Job(board_recording, tmp_path / "out", until=until))
+    assert sum(pictures(opened, board_recording)) == len(counts) + 1
