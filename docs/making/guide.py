@@ -210,13 +210,13 @@ def _starts(results: Results) -> list[tuple[str, str]]:
     return made
 
 
-def _found(results: Results, method: str, grids_only: bool = True) -> dict[str, list[float]]:
+def _found(results: Results, method: str, searched_only: bool = True) -> dict[str, list[float]]:
     told = [one["parameter"] for one in results.told["grids"].get(method, [])]
     values: dict[str, list[float]] = {}
     for motion in results.motions:
         row = results.parameters(motion, results.degradations[0]).get((method, REFERENCE))
         for name, value in (row["parameters"] if row else {}).items():
-            if name in told or not grids_only:
+            if name in told or not searched_only:
                 values.setdefault(name, []).append(value)
     return values
 
@@ -226,7 +226,7 @@ def _example(results: Results, causal: bool) -> dict[str, str]:
     for row in results.ranking():
         method = row["method"]
         if row["representation"] == REFERENCE and (method in CAUSAL) == causal:
-            found = _found(results, method, grids_only=False)
+            found = _found(results, method, searched_only=False)
             arguments = [f"{name}={_short(statistics.median(of))}" for name, of in found.items()]
             return {
                 "method": method,

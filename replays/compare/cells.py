@@ -15,11 +15,20 @@ import numpy as np
 
 from motorcade.fusion.smoothing import smooth
 from motorcade.ga import FloatArray, Trajectory
-from motorcade.replays.compare.measure.ruler import METRICS, Ruler
+from motorcade.replays.compare.measure.evaluator import METRICS, PathEvaluator
 from motorcade.replays.compare.measure.truth import truth_of
 from motorcade.replays.compare.plan import degradation_named
 
-__all__ = ["RAW", "Cell", "Row", "Setting", "inputs_of", "measured_rows", "run_cell", "why"]
+__all__ = [
+    "RAW",
+    "ComparisonCell",
+    "MeasuredRow",
+    "Setting",
+    "inputs_of",
+    "measured_rows",
+    "run_cell",
+    "why",
+]
 
 RAW = ("raw", "none")
 """Method and representation of the row that measures the poses as they come."""
@@ -51,7 +60,7 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Row:
+class MeasuredRow:
     """What one method in one representation made of a cell.
 
     Fields:
@@ -66,7 +75,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Cell:
+class ComparisonCell:
     """What is to be smoothed and measured; rows are the raw poses' and one for each setting."""
 
     motion: str
@@ -77,18 +86,18 @@ class Cell:
     settings: tuple[Setting, ...]
 
 
-def run_cell(cell: Cell) -> tuple[Row, ...]:
+def run_cell(cell: ComparisonCell) -> tuple[MeasuredRow, ...]:
     """The rows of a cell."""
-    degraded, ruler = inputs_of(
+    degraded, evaluator = inputs_of(
         cell.motion, cell.degradation, cell.seed, cell.rate_hz, cell.duration_s
     )
-    return tuple(measured_rows(degraded, ruler, cell.settings))
+    return tuple(measured_rows(degraded, evaluator, cell.settings))
 
 
 def inputs_of(
     motion: str, degradation: str, seed: int, rate_hz: float, duration_s: float
-) -> tuple[Trajectory, Ruler]:
-    """The degraded poses of a cell, and the ruler of their stamps.
+) -> tuple[Trajectory, PathEvaluator]:
+    """The degraded poses of a cell, and the evaluator of their stamps.
 
     Draws depend on the seed and the names alone: every method sees the same poses.
     """
@@ -96,10 +105,12 @@ def inputs_of(
     drawn = np.random.default_rng([seed, _number(motion), _number(degradation)])
     clean = truth.motion.sampled(rate_hz, duration_s)
     degraded = degradation_named(degradation, truth.has_scale).apply(clean, drawn)
-    return degraded, Ruler(degraded.time_ns, truth)
+    return degraded, PathEvaluator(degraded.time_ns, truth)
 
 
-def measured_rows(degraded: Trajectory, ruler: Ruler, settings: Iterable[Setting]) -> list[Row]:
+def measured_rows(
+    degraded: Trajectory, evaluator: PathEvaluator, settings: Iterable[Setting]
+) -> list[MeasuredRow]:
     """Smooth by every setting and measure, raw poses first."""
     names, paths, failed = [RAW], [degraded], []
     for setting in settings:
@@ -107,12 +118,14 @@ def measured_rows(degraded: Trajectory, ruler: Ruler, settings: Iterable[Setting
         try:
             made = setting.smooth(degraded)
         except Exception as error:  # one failing method never ends the others; its row says why
-            failed.append(Row(*name, {}, why(error)))
+            failed.append(MeasuredRow(*name, {}, why(error)))
             continue
         names.append(name)
         paths.append(made)
-    values = ruler.measure(paths)
-    return [Row(*name, _told(row)) for name, row in zip(names, values, strict=True)] + failed
+    values = evaluator.measure(paths)
+    return [
+        MeasuredRow(*name, _told(row)) for name, row in zip(names, values, strict=True)
+    ] + failed
 
 
 def why(error: Exception) -> str:

@@ -21,7 +21,7 @@ from motorcade.ga import FloatArray, Trajectory
 from motorcade.replays.compare.cells import measured_rows
 from motorcade.replays.compare.figures.statistics import Sample
 from motorcade.replays.compare.figures.tables import Outcome, write_tables
-from motorcade.replays.compare.measure.ruler import Ruler
+from motorcade.replays.compare.measure.evaluator import PathEvaluator
 from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.measure.traits import measured_trait
 from motorcade.replays.compare.measure.truth import RecordedTruth
@@ -34,7 +34,7 @@ _FEWEST_IN_BLOCK = 50
 _MOST_BLOCKS = 40
 _DEGRADATION = "recorded"
 
-Block = tuple[Trajectory, Ruler]
+Block = tuple[Trajectory, PathEvaluator]
 
 
 def compare_recorded(
@@ -68,8 +68,8 @@ def compare_recorded(
     found = _tuned(pairs, tuning)
     settings = [found[pair].setting for pair in pairs]
     samples = [
-        Sample.named(name, _DEGRADATION, 2 * i + 1, measured_rows(path, ruler, settings))
-        for i, (path, ruler) in enumerate(track(judged, "blocks", len(judged)))
+        Sample.named(name, _DEGRADATION, 2 * i + 1, measured_rows(path, evaluator, settings))
+        for i, (path, evaluator) in enumerate(track(judged, "blocks", len(judged)))
     ]
     traits = [measured_trait(setting, judged[0][0]) for setting in settings]
     plan = {
@@ -111,12 +111,12 @@ def _blocks(path: Trajectory, truth: RecordedTruth) -> list[Block]:
     count = min(_MOST_BLOCKS, 2 * (len(path) // (2 * _FEWEST_IN_BLOCK)))
     edges = np.linspace(0, len(path), count + 1).astype(int)
     parts = [path[first:last] for first, last in pairwise(edges)]
-    return [(part, Ruler(part.time_ns, truth)) for part in parts]
+    return [(part, PathEvaluator(part.time_ns, truth)) for part in parts]
 
 
 def _tuned(pairs: Sequence[tuple[str, str]], blocks: Sequence[Block]) -> dict[Any, Tuned]:
     """What was found for every method and representation."""
-    raw: list[FloatArray] = [ruler.errors([path])[0] for path, ruler in blocks]
+    raw: list[FloatArray] = [evaluator.errors([path])[0] for path, evaluator in blocks]
     made: dict[tuple[str, str], Tuned] = {}
 
     def search(method: str, representation: str) -> Tuned:

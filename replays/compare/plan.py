@@ -30,7 +30,15 @@ from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor
 from motorcade.replays.errors import did_you_mean
 
-__all__ = ["DEGRADATIONS", "SLOW", "LeftOut", "Plan", "degradation_named", "quick", "standard"]
+__all__ = [
+    "DEGRADATIONS",
+    "SLOW",
+    "ComparisonPlan",
+    "LeftOut",
+    "degradation_named",
+    "quick",
+    "standard",
+]
 
 SLOW = ("auto", "robust_map")
 """Methods whose cells are computed apart; see `standard`."""
@@ -66,7 +74,7 @@ class LeftOut:
 
 
 @dataclass(frozen=True)
-class Plan:
+class ComparisonPlan:
     """A comparison; see the module.
 
     Args:
@@ -105,11 +113,11 @@ class Plan:
         both = sorted(set(self.test_seeds) & set(self.tuning_seeds))
         if both:
             raise ValueError(
-                f"Plan.tuning_seeds: expected other seeds than test_seeds, got {both} in both"
+                f"plan.tuning_seeds: expected other seeds than test_seeds, got {both} in both"
             )
         for name in ("rate_hz", "duration_s"):
             if not 0.0 < getattr(self, name) < np.inf:
-                raise ValueError(f"Plan.{name}: expected above 0, got {getattr(self, name)}")
+                raise ValueError(f"plan.{name}: expected above 0, got {getattr(self, name)}")
 
     def runs(self, motion: str, degradation: str, method: str, representation: str) -> bool:
         """Whether the plan runs the method so; what it does not is in `left_out`."""
@@ -149,14 +157,14 @@ def standard(
     representations: Sequence[str] = (),
     motions: Sequence[str] = (),
     degradations: Sequence[str] = (),
-) -> Plan:
+) -> ComparisonPlan:
     """The whole comparison, or the named parts of it, over so many test seeds and three for tuning.
 
     The methods of `SLOW` cost some hundred times what the others do. They run on plain noise and on
     outliers with flips, for which they are made; and not as `similarity` on rigid motions, where
     it comes within hundredths of a millimetre of `motor`. A plan of one's own leaves nothing out.
     """
-    named = Plan(
+    named = ComparisonPlan(
         motions=tuple(motions or MOTIONS),
         degradations=tuple(degradations or DEGRADATIONS),
         methods=tuple(methods or METHODS),
@@ -167,7 +175,7 @@ def standard(
     return replace(named, left_out=tuple(_left_out(named)))
 
 
-def _left_out(plan: Plan) -> Iterator[LeftOut]:
+def _left_out(plan: ComparisonPlan) -> Iterator[LeftOut]:
     others = tuple(name for name in plan.degradations if name not in _SLOW_RUN_ON)
     rigid = tuple(name for name in plan.motions if MOTIONS[name].versor is Motor)
     for method in plan.methods:
@@ -181,9 +189,9 @@ def _left_out(plan: Plan) -> Iterator[LeftOut]:
             yield LeftOut(method, ("similarity",), rigid, plan.degradations, reason)
 
 
-def quick() -> Plan:
+def quick() -> ComparisonPlan:
     """Seconds instead of minutes: three motions, two degradations, four methods, five seeds."""
-    return Plan(
+    return ComparisonPlan(
         motions=("gimbal_crossing", "walk_and_look", "zoom"),
         degradations=("gaussian", "outliers"),
         methods=("exponential", "one_euro", "rts_constant_velocity", "gaussian"),
@@ -204,13 +212,13 @@ def _rigid(degradation: Degradation) -> Degradation:
 
 def _check_names(name: str, given: tuple[str, ...], known: Mapping[str, object]) -> None:
     if not given or len(set(given)) < len(given):
-        raise ValueError(f"Plan.{name}: expected one or more different names, got {given}")
+        raise ValueError(f"plan.{name}: expected one or more different names, got {given}")
     for one in given:
         if one not in known:
             advice = did_you_mean(one, known)
-            raise ValueError(f"Plan.{name}: expected known names, got {one!r}; {advice}")
+            raise ValueError(f"plan.{name}: expected known names, got {one!r}; {advice}")
 
 
 def _check_seeds(name: str, seeds: tuple[int, ...]) -> None:
     if not seeds or len(set(seeds)) < len(seeds) or min(seeds) < 0:
-        raise ValueError(f"Plan.{name}: expected one or more different seeds >= 0, got {seeds}")
+        raise ValueError(f"plan.{name}: expected one or more different seeds >= 0, got {seeds}")

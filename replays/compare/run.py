@@ -14,22 +14,22 @@ from typing import Any, TypeVar
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor
-from motorcade.replays.compare.cells import Cell, run_cell
+from motorcade.replays.compare.cells import ComparisonCell, run_cell
 from motorcade.replays.compare.figures.statistics import Sample
 from motorcade.replays.compare.figures.tables import Outcome, write_tables
 from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.measure.traits import Trait, run_trait
-from motorcade.replays.compare.plan import SLOW, Plan
+from motorcade.replays.compare.plan import SLOW, ComparisonPlan
 from motorcade.replays.compare.tuning import BORROWS, Tuned, Tuning, borrowed, run_tuning
 from motorcade.replays.engine.jobs import job_key, run_jobs
 
 __all__ = ["compare"]
 
-Task = TypeVar("Task", Tuning, Cell, Trait)
+Task = TypeVar("Task", Tuning, ComparisonCell, Trait)
 Result = TypeVar("Result")
 
 
-def compare(plan: Plan, out: Path, executor: str = "local") -> dict[str, Any]:
+def compare(plan: ComparisonPlan, out: Path, executor: str = "local") -> dict[str, Any]:
     """Run a plan, write its tables into `out`, and return what ``results.json`` holds.
 
     Args:
@@ -66,7 +66,7 @@ def _finished(
     return run_jobs(function, places, executor, what).whole(what)
 
 
-def _batches(plan: Plan) -> list[tuple[str, ...]]:
+def _batches(plan: ComparisonPlan) -> list[tuple[str, ...]]:
     """Methods whose cells are computed together: slow ones alone, at the end."""
     fast = tuple(method for method in plan.methods if method not in SLOW)
     slow = [(method,) for method in plan.methods if method in SLOW]
@@ -74,17 +74,21 @@ def _batches(plan: Plan) -> list[tuple[str, ...]]:
 
 
 def _cells(
-    plan: Plan, methods: tuple[str, ...], found: dict[tuple[str, str, str, str], Tuned]
-) -> Iterator[Cell]:
+    plan: ComparisonPlan, methods: tuple[str, ...], found: dict[tuple[str, str, str, str], Tuned]
+) -> Iterator[ComparisonCell]:
     for motion in plan.motions:
         for degradation in plan.degradations:
             pairs = plan.pairs(motion, degradation, methods)
             settings = tuple(found[motion, degradation, *pair].setting for pair in pairs)
             for seed in plan.test_seeds if settings else ():
-                yield Cell(motion, degradation, seed, plan.rate_hz, plan.duration_s, settings)
+                yield ComparisonCell(
+                    motion, degradation, seed, plan.rate_hz, plan.duration_s, settings
+                )
 
 
-def _tuned(plan: Plan, out: Path, executor: str) -> dict[tuple[str, str, str, str], Tuned]:
+def _tuned(
+    plan: ComparisonPlan, out: Path, executor: str
+) -> dict[tuple[str, str, str, str], Tuned]:
     """What was found for (motion, degradation, method, representation)."""
     searches = []
     for motion in plan.motions:
@@ -107,7 +111,7 @@ def _tuned(plan: Plan, out: Path, executor: str) -> dict[tuple[str, str, str, st
         for degradation in plan.degradations:
             for method, representation in plan.pairs(motion, degradation):
                 lender, lent_on = BORROWS.get(method, (method, degradation))
-                own = representation in _sought(plan, motion)
+                own = representation in _searched_in(plan, motion)
                 lent = found[motion, lent_on, lender, representation if own else "motor"]
                 if not own or lender != method:
                     lent = borrowed(method, representation, lent)
@@ -115,7 +119,7 @@ def _tuned(plan: Plan, out: Path, executor: str) -> dict[tuple[str, str, str, st
     return found
 
 
-def _searched(plan: Plan) -> dict[str, tuple[str, ...]]:
+def _searched(plan: ComparisonPlan) -> dict[str, tuple[str, ...]]:
     """Methods to search parameters for, by degradation; also what others borrow from."""
     own = tuple(method for method in plan.methods if method not in BORROWS)
     wanted = dict.fromkeys(plan.degradations, own)
@@ -126,16 +130,16 @@ def _searched(plan: Plan) -> dict[str, tuple[str, ...]]:
     return wanted
 
 
-def _lent(plan: Plan, method: str, degradation: str) -> bool:
+def _lent(plan: ComparisonPlan, method: str, degradation: str) -> bool:
     """Whether others borrow what is found for a method there."""
     return any(BORROWS.get(one) == (method, degradation) for one in plan.methods)
 
 
-def _own(plan: Plan, motion: str, method: str) -> list[tuple[str, str]]:
-    return [(method, representation) for representation in _sought(plan, motion)]
+def _own(plan: ComparisonPlan, motion: str, method: str) -> list[tuple[str, str]]:
+    return [(method, representation) for representation in _searched_in(plan, motion)]
 
 
-def _sought(plan: Plan, motion: str) -> list[str]:
+def _searched_in(plan: ComparisonPlan, motion: str) -> list[str]:
     """Representations with a search of their own: on rigid motions similarities are motors."""
     same = MOTIONS[motion].versor is Motor and "motor" in plan.representations
     return [one for one in plan.representations if not (same and one == "similarity")]

@@ -1,16 +1,17 @@
 """Parameters of every method, chosen the same way for every representation.
 
-A method has grids of values in physical units. They are tried one after another, the others at
-their start or at what was found before, and the value with the lowest objective is taken (the first
-of equals); several grids are searched twice. Values, objective and number of trials are the same
-for each representation, on seeds that are not judged. The objective is the mean over those seeds of
+A method has a grid of values for each parameter, in physical units. One grid is searched at a time,
+with the other parameters at their start or at what was found before; the value with the lowest
+objective is taken, the first of equals. Where there are several grids, each is searched twice.
+Values, objective and number of trials are the same for every representation, and the seeds are not
+those that are judged. The objective is the mean over the tuning seeds of
 
     mean of (position error, rotation error, linear jitter, angular jitter), each over the raw one,
 
-and of the error of the scale where there is one: 1 is no better than the raw poses. So neither
-error nor jitter is bought at the other's price alone. Parameters are chosen for each motion and
-degradation apart, so no representation is judged with another motion's parameters. On rigid
-motions `similarity` takes what was found for `motor`, which is nearly the same there (see `ties`).
+and of the error of the scale where there is one: 1 is no better than the raw poses. So a method
+gains nothing by trading error for jitter. Parameters are chosen for each motion and degradation
+separately, so no representation is judged with another motion's parameters. On rigid motions
+`similarity` takes what was found for `motor`, which is nearly the same there (see `ties`).
 
 Methods without a grid run with their defaults, and the results say so.
 """
@@ -26,15 +27,15 @@ import numpy as np
 
 from motorcade.ga import FloatArray, Trajectory
 from motorcade.replays.compare.cells import Setting, inputs_of
-from motorcade.replays.compare.measure.ruler import Ruler
+from motorcade.replays.compare.measure.evaluator import PathEvaluator
 
 __all__ = ["GRIDS", "ParameterGrid", "Tuned", "Tuning", "borrowed", "run_tuning", "tuned"]
 
 NOISE = (("noise_m", 0.005), ("noise_rad", float(np.deg2rad(0.5))))
-"""What filters that weigh noise against motion are told of it: only the ratio counts, which their
-grids change; but `robust_map` tells outliers by it."""
+"""The noise that filters are told. Only its ratio to the process noise counts, which their grids
+change; but `robust_map` recognises outliers by it."""
 
-# Times that the grids of a method are searched, where it has more than one.
+# How often the grids of a method are searched, where it has more than one.
 _ROUNDS = 2
 
 
@@ -135,17 +136,17 @@ def run_tuning(tuning: Tuning) -> tuple[Tuned, ...]:
         inputs_of(tuning.motion, tuning.degradation, seed, tuning.rate_hz, tuning.duration_s)
         for seed in tuning.seeds
     ]
-    raw = [ruler.errors([degraded])[0] for degraded, ruler in inputs]
+    raw = [evaluator.errors([degraded])[0] for degraded, evaluator in inputs]
     return tuple(tuned(*pair, inputs, raw) for pair in tuning.pairs)
 
 
 def tuned(
     method: str,
     representation: str,
-    inputs: Sequence[tuple[Trajectory, Ruler]],
+    inputs: Sequence[tuple[Trajectory, PathEvaluator]],
     raw: Sequence[FloatArray],
 ) -> Tuned:
-    """Search a method's grids on paths, given the errors of the raw poses of each."""
+    """Climb a method's grids on paths, given the errors of the raw poses of each."""
     grids = GRIDS.get(method, ())
     chosen: dict[str, Any] = dict(FIXED.get(method, ()))
     if not grids:
@@ -178,15 +179,15 @@ def borrowed(method: str, representation: str, found: Tuned) -> Tuned:
 
 def _objectives(
     tried: Sequence[Setting],
-    inputs: Sequence[tuple[Trajectory, Ruler]],
+    inputs: Sequence[tuple[Trajectory, PathEvaluator]],
     raw: Sequence[FloatArray],
 ) -> FloatArray:
     """The objective of each setting; infinite where it is refused on one of the paths."""
     ratios = np.full((len(inputs), len(tried)), np.inf)
-    for row, ((degraded, ruler), base) in enumerate(zip(inputs, raw, strict=True)):
+    for row, ((degraded, evaluator), base) in enumerate(zip(inputs, raw, strict=True)):
         made = [(i, path) for i, one in enumerate(tried) if (path := _smoothed(one, degraded))]
         if made:
-            errors = ruler.errors([path for _, path in made])
+            errors = evaluator.errors([path for _, path in made])
             ratios[row, [i for i, _ in made]] = np.nanmean(errors / base, axis=1)
     return np.asarray(np.mean(ratios, axis=0), dtype=np.float64)
 

@@ -11,7 +11,7 @@ from motorcade.fusion.metrics.consistency import Consistency
 from motorcade.render.plots import Band, plot_bands, plot_squares
 from motorcade.render.plots.style import with_own_ids
 from motorcade.replays.consistency.experiment import PARTS, Experiment
-from motorcade.replays.consistency.run import Plan, Verdict, as_json
+from motorcade.replays.consistency.run import ConsistencyPlan, Verdict, as_json
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.pages import page_environment
 
@@ -45,7 +45,9 @@ class _Plot:
     svg: str
 
 
-def write_page(plan: Plan, verdicts: Mapping[str, Mapping[str, Verdict]], folder: Path) -> Path:
+def write_page(
+    plan: ConsistencyPlan, verdicts: Mapping[str, Mapping[str, Verdict]], folder: Path
+) -> Path:
     """Write `consistency.html` into a folder, and say where it is.
 
     Raises:

@@ -22,7 +22,15 @@ from motorcade.replays.consistency.experiment import (
 from motorcade.replays.engine.jobs import job_key, run_jobs
 from motorcade.replays.files.tables import write_csv
 
-__all__ = ["Plan", "SeedRange", "Verdict", "as_json", "as_table", "run_plan", "run_seeds"]
+__all__ = [
+    "ConsistencyPlan",
+    "SeedRange",
+    "Verdict",
+    "as_json",
+    "as_table",
+    "run_plan",
+    "run_seeds",
+]
 
 _RUNS_A_JOB = 20
 _INNOVATION_FREEDOM = 6
@@ -31,7 +39,7 @@ _SETTLED_S = 5.0
 
 
 @dataclass(frozen=True)
-class Plan:
+class ConsistencyPlan:
     """What to compare.
 
     Fields:
@@ -53,19 +61,19 @@ class Plan:
 
     def __post_init__(self) -> None:
         if not self.motions or not self.filters:
-            raise ValueError("Plan: expected one motion and one filter or more, got none")
+            raise ValueError("plan: expected one motion and one filter or more, got none")
         for name in self.filters:
             if name not in FILTERS:
                 raise ValueError(
-                    f"Plan.filters: expected some of {', '.join(FILTERS)}, got {name!r}"
+                    f"plan.filters: expected some of {', '.join(FILTERS)}, got {name!r}"
                 )
         if self.runs < 1 or self.seed < 0:
             raise ValueError(
-                f"Plan: expected runs >= 1 and seed >= 0, got {self.runs} and {self.seed}"
+                f"plan: expected runs >= 1 and seed >= 0, got {self.runs} and {self.seed}"
             )
         if not 2.0 * _SETTLED_S <= self.duration_s < np.inf:
             raise ValueError(
-                f"Plan.duration_s: expected {2.0 * _SETTLED_S:g} or more, got {self.duration_s}"
+                f"plan.duration_s: expected {2.0 * _SETTLED_S:g} or more, got {self.duration_s}"
             )
         for experiment in self.experiments():
             experiment.path()
@@ -104,7 +112,9 @@ class Verdict:
         return slice(int(np.searchsorted(self.time_s, _SETTLED_S)), None)
 
 
-def run_plan(plan: Plan, out: Path, executor: str = "local") -> dict[str, dict[str, Verdict]]:
+def run_plan(
+    plan: ConsistencyPlan, out: Path, executor: str = "local"
+) -> dict[str, dict[str, Verdict]]:
     """Verdicts by motion and filter, and the table ``consistency.csv``.
 
     What is finished is kept in ``OUT/.finished``, a folder for every twenty runs of a motion. A
@@ -132,7 +142,7 @@ def run_plan(plan: Plan, out: Path, executor: str = "local") -> dict[str, dict[s
     return verdicts
 
 
-def _jobs(plan: Plan) -> Iterator[SeedRange]:
+def _jobs(plan: ConsistencyPlan) -> Iterator[SeedRange]:
     last = plan.seed + plan.runs
     for experiment in plan.experiments():
         for first in range(plan.seed, last, _RUNS_A_JOB):
@@ -140,7 +150,7 @@ def _jobs(plan: Plan) -> Iterator[SeedRange]:
             yield SeedRange(experiment, plan.filters, first, count)
 
 
-def as_json(plan: Plan, verdicts: Mapping[str, Mapping[str, Verdict]]) -> dict[str, Any]:
+def as_json(plan: ConsistencyPlan, verdicts: Mapping[str, Mapping[str, Verdict]]) -> dict[str, Any]:
     """The figures as a JSON-ready tree: a row a motion and filter; keys carry units."""
     return {
         "runs": plan.runs,
@@ -207,7 +217,7 @@ def run_seeds(job: SeedRange) -> dict[str, Judged]:
     return {name: judge(simulated, job.experiment, name) for name in job.filters}
 
 
-def _verdicts(plan: Plan, judged: Sequence[Mapping[str, Judged]]) -> dict[str, Verdict]:
+def _verdicts(plan: ConsistencyPlan, judged: Sequence[Mapping[str, Judged]]) -> dict[str, Verdict]:
     return {name: _verdict([one[name] for one in judged]) for name in plan.filters}
 
 

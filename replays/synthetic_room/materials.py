@@ -109,9 +109,9 @@ def _courses() -> LinearImage:
     """The pavement seen from above and turned, so that its bricks lie in level courses."""
     side = 768
     square = np.array([[0, 0], [side, 0], [side, side], [0, side]], dtype=np.float32)
-    straighten = cv2.getPerspectiveTransform(np.array(PAVEMENT, dtype=np.float32), square)
+    unwarp = cv2.getPerspectiveTransform(np.array(PAVEMENT, dtype=np.float32), square)
     above = cv2.warpPerspective(
-        _photograph("brick.png"), straighten, (side, side), flags=cv2.INTER_CUBIC
+        _photograph("brick.png"), unwarp, (side, side), flags=cv2.INTER_CUBIC
     )
     return np.ascontiguousarray(np.rot90(np.clip(above, 0.0, 1.0)))
 

@@ -40,7 +40,7 @@ FINE_PIXELS_PER_M = {"board": 2600.0, "cat": 1500.0, "page": 1500.0}
 
 
 @dataclass(frozen=True)
-class Panel:
+class WallPanel:
     """A rectangle of one material.
 
     Attributes:
@@ -111,7 +111,7 @@ def developed(light: NDArray[np.floating]) -> NDArray[np.uint8]:
     return np.asarray(np.rint(255.0 * shown), dtype=np.uint8)
 
 
-def _shell() -> list[Panel]:
+def _shell() -> list[WallPanel]:
     """Walls, floor and ceiling, seen from inside."""
     (x0, x1), (y0, y1), z0, z1 = WALLS_X_M, WALLS_Y_M, FLOOR_M, CEILING_M
     long, wide, tall = x1 - x0, y1 - y0, z1 - z0
@@ -124,12 +124,12 @@ def _shell() -> list[Panel]:
         ((x0, y1, z1), (long, 0.0, 0.0), (0.0, -wide, 0.0), "ceiling"),
     ]
     return [
-        Panel(np.array(corner), np.array(across), np.array(up), name, 260.0, 12.0)
+        WallPanel(np.array(corner), np.array(across), np.array(up), name, 260.0, 12.0)
         for corner, across, up, name in plan
     ]
 
 
-def _faces(box: Box) -> list[Panel]:
+def _faces(box: Box) -> list[WallPanel]:
     """The faces of a box that can be seen; what is near is drawn and lit finer."""
     near = box.base_m[0] < 0.8
     pixels, cells = (900.0, 75.0) if near else (330.0, 20.0)
@@ -147,12 +147,12 @@ def _faces(box: Box) -> list[Panel]:
         (left - 0.5 * sy * ey + rise, sx * ex, sy * ey, box.top or box.material),
     ]
     return [
-        Panel(corner, across, up, name, FINE_PIXELS_PER_M.get(name, pixels), cells)
+        WallPanel(corner, across, up, name, FINE_PIXELS_PER_M.get(name, pixels), cells)
         for corner, across, up, name in plan
     ]
 
 
-def _light(panels: Sequence[Panel], occluders: Occluders) -> list[FloatArray]:
+def _light(panels: Sequence[WallPanel], occluders: Occluders) -> list[FloatArray]:
     """Light (rows + 1, columns + 1, 3) at the nodes of every panel, computed in one go."""
     nodes = [panel.nodes(INSET_M) for panel in panels]
     counts = [grid.size // 3 for grid in nodes]
@@ -163,7 +163,7 @@ def _light(panels: Sequence[Panel], occluders: Occluders) -> list[FloatArray]:
     return [part.reshape(grid.shape) for part, grid in zip(parts, nodes, strict=True)]
 
 
-def _textured(panel: Panel, light: FloatArray) -> Surface:
+def _textured(panel: WallPanel, light: FloatArray) -> Surface:
     """A panel with its light multiplied into its picture."""
     base = material(panel.material, panel.size_m, panel.pixels_per_m)
     height, width = base.shape[:2]
@@ -183,7 +183,7 @@ def _textured(panel: Panel, light: FloatArray) -> Surface:
     )
 
 
-def _painted(panels: Sequence[Panel], light: Sequence[FloatArray]) -> Surface:
+def _painted(panels: Sequence[WallPanel], light: Sequence[FloatArray]) -> Surface:
     """All plain panels as one mesh with the light in its vertex colours."""
     vertices, normals, triangles, colors = [], [], [], []
     begin = 0

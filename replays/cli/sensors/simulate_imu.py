@@ -42,11 +42,11 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         default=0.1,
         help="spacing of the spline's knots; it follows motion up to 1 / (4 spacing) Hz (0.1)",
     )
-    _add_mount(parser)
+    _add_extrinsics(parser)
     _add_faults(parser)
 
 
-def _add_mount(parser: argparse.ArgumentParser) -> None:
+def _add_extrinsics(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("where the sensor sits, and its clock")
     group.add_argument(
         "--imu-from-poses",
@@ -98,7 +98,7 @@ def simulate(arguments: argparse.Namespace) -> None:
         np.random.default_rng(arguments.seed),
         knot_spacing_s=arguments.knots_s,
         faults=_faults(arguments),
-        imu_T_child=_mount(arguments),
+        imu_T_child=_extrinsics(arguments),
         time_offset_s=arguments.time_offset_s,
     )
     write_imu(simulated.stream, arguments.output)
@@ -130,7 +130,7 @@ def _faults(arguments: argparse.Namespace) -> ImuFaults:
     )
 
 
-def _mount(arguments: argparse.Namespace) -> Motor | None:
+def _extrinsics(arguments: argparse.Namespace) -> Motor | None:
     from motorcade.ga import Motor, Rotor
 
     if arguments.imu_from_poses is None:

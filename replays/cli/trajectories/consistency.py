@@ -41,7 +41,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def consistency(arguments: argparse.Namespace) -> None:
     """Run, write the page, print the shares of steps within the bounds."""
     from motorcade.replays.consistency.page import write_page
-    from motorcade.replays.consistency.run import Plan, as_json, as_table, run_plan
+    from motorcade.replays.consistency.run import ConsistencyPlan, as_json, as_table, run_plan
     from motorcade.replays.engine.executors import check_executor
     from motorcade.replays.files.atomic import write_bytes
     from motorcade.replays.results import require_writable
@@ -52,7 +52,7 @@ def consistency(arguments: argparse.Namespace) -> None:
         given["filters"] = tuple(name.strip() for name in given["filters"].split(","))
     if given["motions"] is not None:
         given["motions"] = tuple(given["motions"])
-    plan = Plan(**{name: value for name, value in given.items() if value is not None})
+    plan = ConsistencyPlan(**{name: value for name, value in given.items() if value is not None})
     check_executor(arguments.executor)
     require_writable(arguments.out)
     verdicts = run_plan(plan, arguments.out, arguments.executor)

@@ -21,7 +21,7 @@ from motorcade.replays.compare.figures.statistics import (
     bootstrap,
     resampling,
 )
-from motorcade.replays.compare.measure.ruler import METRICS
+from motorcade.replays.compare.measure.evaluator import METRICS
 
 __all__ = ["RANKED", "rankings", "ratios_to_motor"]
 

@@ -23,8 +23,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.ga import FloatArray
-from motorcade.replays.compare.cells import RAW, Cell, Row
-from motorcade.replays.compare.measure.ruler import METRICS
+from motorcade.replays.compare.cells import RAW, ComparisonCell, MeasuredRow
+from motorcade.replays.compare.measure.evaluator import METRICS
 
 __all__ = [
     "FLOORS",
@@ -75,12 +75,12 @@ class Sample:
     failures: tuple[str, ...]
 
     @classmethod
-    def of(cls, cell: Cell, rows: Sequence[Row]) -> Sample:
+    def of(cls, cell: ComparisonCell, rows: Sequence[MeasuredRow]) -> Sample:
         """From a cell and its rows."""
         return cls.named(cell.motion, cell.degradation, cell.seed, rows)
 
     @classmethod
-    def named(cls, motion: str, degradation: str, seed: int, rows: Sequence[Row]) -> Sample:
+    def named(cls, motion: str, degradation: str, seed: int, rows: Sequence[MeasuredRow]) -> Sample:
         """From rows that belong to any place."""
         told = [[row.values.get(metric) for metric in METRICS] for row in rows]
         return cls(

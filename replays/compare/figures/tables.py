@@ -3,7 +3,7 @@
 Keys of ``results.json``:
 
 - ``format``, ``motorcade``, ``python``;
-- ``plan``: all of `Plan`, with ``test_seeds``, ``tuning_seeds`` and what was ``left_out`` and why;
+- ``plan``: the fields of `ComparisonPlan`;
 - ``metrics``: name to practical floor, in the unit that the name ends with;
 - ``parameters``: a row a motion, degradation, method and representation: ``parameters``, ``how``
   ("grid", "defaults", "borrowed"), ``objective``, ``trials``;
@@ -50,7 +50,7 @@ from motorcade.replays.compare.figures.statistics import (
     resampling,
     verdicts,
 )
-from motorcade.replays.compare.measure.ruler import METRICS
+from motorcade.replays.compare.measure.evaluator import METRICS
 from motorcade.replays.compare.tuning import GRIDS, Tuned
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.files.tables import write_csv

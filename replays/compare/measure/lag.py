@@ -122,10 +122,10 @@ def _top(height: FloatArray, start: float) -> float:
     x = float(start)
     for _ in range(20):
         slope = c[1] + x * (2.0 * c[2] + x * (3.0 * c[3] + x * 4.0 * c[4]))
-        bend = 2.0 * c[2] + x * (6.0 * c[3] + x * 12.0 * c[4])
-        if not bend < 0.0:
+        curvature = 2.0 * c[2] + x * (6.0 * c[3] + x * 12.0 * c[4])
+        if not curvature < 0.0:
             break
-        step = min(max(-slope / bend, -0.5), 0.5)
+        step = min(max(-slope / curvature, -0.5), 0.5)
         x = min(max(x + step, start - 1.0), start + 1.0)
         if abs(step) < 1e-12:
             break

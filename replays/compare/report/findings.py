@@ -22,14 +22,14 @@ from motorcade.replays.compare.report.results import (
     tied,
 )
 
-__all__ = ["Findings", "compared", "findings", "percent"]
+__all__ = ["ComparisonFindings", "compared", "findings", "percent"]
 
 _FRAME_BOUND = 1e-10
 _FEW = 3
 
 
 @dataclass(frozen=True)
-class Findings:
+class ComparisonFindings:
     """Sentences by what they tell of; empty where the figures say nothing."""
 
     best: tuple[str, ...]
@@ -42,10 +42,10 @@ class Findings:
     cost: tuple[str, ...]
 
 
-def findings(results: Results) -> Findings:
+def findings(results: Results) -> ComparisonFindings:
     """All that can be said."""
     several = len(results.motions) > 1
-    return Findings(
+    return ComparisonFindings(
         best=tuple(_best(results)),
         representations=tuple(_over_all(results)),
         at_their_best=tuple(_at_their_best(results)) if several else (),
@@ -90,8 +90,8 @@ def _best(results: Results) -> Iterator[str]:
     tie = f"It ties with {listed(ties)}." if ties else "No other one ties with it."
     yield (
         f"Of {len(rows)} smoothers (a method in a representation) with a result in every pair of "
-        f"motion and degradation ({places}), {_name(rows[0])} leaves least error and "
-        f"jitter: {_left(rows[0])}. {tie}"
+        f"motion and degradation ({places}), {_name(rows[0])} leaves the least residual "
+        f"error and jitter: {_left(rows[0])}. {tie}"
     )
     found = {name: results.best_ratio("all", name) for name in results.representations}
     first = sorted(

@@ -18,8 +18,8 @@ from motorcade.replays.compare.report.names import (
 from motorcade.replays.compare.report.results import REFERENCE, Ratio, Results, tied
 
 __all__ = [
-    "Cell",
     "Matrix",
+    "MatrixCell",
     "against_motor",
     "best_of_each",
     "matrices",
@@ -40,7 +40,7 @@ _ORANGE = ("n", "o1", "o2", "o3", "o4", "o5")
 
 
 @dataclass(frozen=True)
-class Cell:
+class MatrixCell:
     """A number as it is and as it is shown, its tint, whether it is the best, and its interval."""
 
     value: float
@@ -60,7 +60,7 @@ class Matrix:
     caption: str
     corner: str
     columns: Sequence[str]
-    rows: Sequence[tuple[str, Sequence[Cell]]]
+    rows: Sequence[tuple[str, Sequence[MatrixCell]]]
 
 
 def matrices(results: Results, scope: str) -> list[Matrix]:
@@ -94,11 +94,11 @@ def best_of_each(results: Results) -> Matrix:
         cells = []
         for one in best:
             if one is None or base is None:
-                cells.append(Cell(math.nan, "–", "none"))
+                cells.append(MatrixCell(math.nan, "–", "none"))
                 continue
             ratio, method = one
             tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, ratio.value / base[0].value)]
-            cells.append(Cell(ratio.value, shown(ratio.value), tint, note=method))
+            cells.append(MatrixCell(ratio.value, shown(ratio.value), tint, note=method))
         rows.append((motion, cells))
     caption = (
         "Residual error and jitter, as a share of the raw poses', by the method that serves each "
@@ -113,13 +113,13 @@ def rotation_errors(results: Results, motion: str, degradation: str) -> Matrix:
     place = (motion, degradation)
     raw = results.figures[*place, "raw", "none", "rotation_rmse_deg"].mean
 
-    def cell(method: str, representation: str) -> Cell:
+    def cell(method: str, representation: str) -> MatrixCell:
         figure = results.figures.get((*place, method, representation, "rotation_rmse_deg"))
         if figure is None or not math.isfinite(figure.mean):
-            return Cell(math.nan, "–", "none")
+            return MatrixCell(math.nan, "–", "none")
         tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_RAW, figure.mean / raw)]
         note = _note(Ratio(figure.mean, figure.low, figure.high))
-        return Cell(figure.mean, shown(figure.mean), tint, note=note)
+        return MatrixCell(figure.mean, shown(figure.mean), tint, note=note)
 
     caption = (
         f"Rotation error in degrees on {motion} with {LABELS[degradation]}, root mean square, mean "
@@ -133,12 +133,12 @@ def _to_raw(results: Results, scope: str, metric: str) -> Matrix:
     ratios.pop(("raw", "none"), None)
     least = min((ratio.value for ratio in ratios.values()), default=math.nan)
 
-    def cell(method: str, representation: str) -> Cell:
+    def cell(method: str, representation: str) -> MatrixCell:
         ratio = ratios.get((method, representation))
         if ratio is None:
-            return Cell(math.nan, "–", "none")
+            return MatrixCell(math.nan, "–", "none")
         tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_RAW, ratio.value)]
-        return Cell(ratio.value, shown(ratio.value), tint, ratio.value == least, _note(ratio))
+        return MatrixCell(ratio.value, shown(ratio.value), tint, ratio.value == least, _note(ratio))
 
     heading = METRICS[metric].heading
     caption = (
@@ -161,22 +161,24 @@ def _to_motor(results: Results, scope: str, metric: str) -> Matrix:
     )  # fmt: skip
 
 
-def _motor_cell(ratio: Ratio | None) -> Cell:
+def _motor_cell(ratio: Ratio | None) -> MatrixCell:
     if ratio is None or not math.isfinite(ratio.value):
-        return Cell(math.nan, "–", "none")
+        return MatrixCell(math.nan, "–", "none")
     tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, ratio.value)]
-    return Cell(ratio.value, shown(ratio.value), "n" if tied(ratio) else tint, note=_note(ratio))
+    return MatrixCell(
+        ratio.value, shown(ratio.value), "n" if tied(ratio) else tint, note=_note(ratio)
+    )
 
 
 def _sizes(results: Results, scope: str, metric: str) -> Matrix:
     told = METRICS[metric]
     factor = told.factor
 
-    def cell(method: str, representation: str) -> Cell:
+    def cell(method: str, representation: str) -> MatrixCell:
         value = factor * results.mean_size(scope, (method, representation), metric)
         if not math.isfinite(value):
-            return Cell(math.nan, "–", "none")
-        return Cell(value, shown(value), _ORANGE[bisect_left(_STEPS[metric], value)])
+            return MatrixCell(math.nan, "–", "none")
+        return MatrixCell(value, shown(value), _ORANGE[bisect_left(_STEPS[metric], value)])
 
     unit = f", {told.unit}" if told.unit else ""
     caption = (
@@ -188,7 +190,7 @@ def _sizes(results: Results, scope: str, metric: str) -> Matrix:
 
 def _matrix(
     results: Results, key: str, group: str, title: str, caption: str,
-    cell: Callable[[str, str], Cell],
+    cell: Callable[[str, str], MatrixCell],
 ) -> Matrix:  # fmt: skip
     rows = [
         (method, [cell(method, name) for name in results.representations])
@@ -197,7 +199,7 @@ def _matrix(
     return Matrix(key, group, title, caption, "method", results.representations, rows)
 
 
-def _known(cell: Cell) -> bool:
+def _known(cell: MatrixCell) -> bool:
     return math.isfinite(cell.value)
 
 
@@ -209,7 +211,7 @@ def _note(ratio: Ratio) -> str:
 
 def place_rows(
     results: Results, motion: str, degradation: str, metrics: Sequence[str]
-) -> list[tuple[str, str, list[Cell]]]:
+) -> list[tuple[str, str, list[MatrixCell]]]:
     """Method, representation and figures with intervals of one place; raw poses first."""
     made = []
     pairs = [("raw", "none")] + [(m, r) for m in results.methods for r in results.representations]
@@ -218,12 +220,12 @@ def place_rows(
         cells = []
         for name, figure in zip(metrics, figures, strict=True):
             if figure is None or not math.isfinite(figure.mean):
-                cells.append(Cell(math.nan, "–", "none"))
+                cells.append(MatrixCell(math.nan, "–", "none"))
                 continue
             low, high = (shown_metric(name, end) for end in (figure.low, figure.high))
             note = f"{low} to {high}" if math.isfinite(figure.low) else ""
             value = METRICS[name].factor * figure.mean
-            cells.append(Cell(value, shown_metric(name, figure.mean), "none", note=note))
+            cells.append(MatrixCell(value, shown_metric(name, figure.mean), "none", note=note))
         if any(_known(cell) for cell in cells):
             made.append((*pair, cells))
     return made

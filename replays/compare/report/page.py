@@ -19,7 +19,7 @@ from motorcade.replays.compare.report.matrix import (
     place_rows,
     rotation_errors,
 )
-from motorcade.replays.compare.report.pictures import Panel, large_panels, small_panels
+from motorcade.replays.compare.report.pictures import PosePanel, large_panels, small_panels
 from motorcade.replays.compare.report.replayed import (
     can_be_drawn,
     method_apart,
@@ -95,7 +95,7 @@ def _overview(environment: Environment, results: Results) -> str:
     plan = results.told["plan"]
     method = method_to_draw(results)
     drawable = [one for one in results.motions if can_be_drawn(results, one)]
-    panels: list[Panel] = []
+    panels: list[PosePanel] = []
     if method is not None:
         degradation = results.degradations[0]
         panels = small_panels([replay(results, one, degradation, method) for one in drawable])
@@ -147,7 +147,7 @@ def _motion_page(environment: Environment, results: Results, motion: str) -> str
     )
 
 
-def _over_time(results: Results, motion: str) -> list[tuple[str, list[Panel]]]:
+def _over_time(results: Results, motion: str) -> list[tuple[str, list[PosePanel]]]:
     """Plots of the best method, of the one that tells most, and of the best among outliers."""
     best = method_to_draw(results)
     if best is None or not can_be_drawn(results, motion):

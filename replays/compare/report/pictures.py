@@ -13,13 +13,13 @@ from motorcade.render.plots.style import with_own_ids
 from motorcade.replays.compare.report.names import LABELS
 from motorcade.replays.compare.report.replayed import Replayed
 
-__all__ = ["Panel", "large_panels", "small_panels"]
+__all__ = ["PosePanel", "large_panels", "small_panels"]
 
 _LOWEST_DEG = 1e-3
 
 
 @dataclass(frozen=True)
-class Panel:
+class PosePanel:
     """A plot with its heading and caption; `names` are the lines in it."""
 
     title: str
@@ -28,7 +28,7 @@ class Panel:
     names: tuple[str, ...]
 
 
-def small_panels(drawn: Sequence[Replayed]) -> list[Panel]:
+def small_panels(drawn: Sequence[Replayed]) -> list[PosePanel]:
     """Rotation errors over time, small enough to stand beside others, on one scale."""
     errors = [one.rotation_errors_deg() for one in drawn]
     ends = [end for one in errors for values in one.values() for end in _ends(values)]
@@ -41,7 +41,7 @@ def small_panels(drawn: Sequence[Replayed]) -> list[Panel]:
             width_in=3.6, height_in=1.9, nested=True, limits=limits,
         )  # fmt: skip
         svg = with_own_ids(svg, f"small-{one.motion}")
-        panels.append(Panel(one.motion, "", svg, tuple(values)))
+        panels.append(PosePanel(one.motion, "", svg, tuple(values)))
     return panels
 
 
@@ -50,7 +50,7 @@ def _ends(values: FloatArray) -> tuple[float, float]:
     return float(np.percentile(values, 2.0)), float(np.max(values))
 
 
-def large_panels(drawn: Replayed) -> list[Panel]:
+def large_panels(drawn: Replayed) -> list[PosePanel]:
     """Rotation error, angular rate and position error over time."""
     lines = {
         "rotation error": (drawn.time_s, drawn.rotation_errors_deg(), "degrees"),
@@ -64,7 +64,7 @@ def large_panels(drawn: Replayed) -> list[Panel]:
         svg = plot_series(series, title, unit, log_scale=True, nested=True)
         caption = f"`{drawn.method}` with {LABELS[drawn.degradation]}"
         mark = f"{drawn.degradation}-{drawn.method}-{title.split()[0]}"
-        panels.append(Panel(title, caption, with_own_ids(svg, mark), tuple(ordered)))
+        panels.append(PosePanel(title, caption, with_own_ids(svg, mark), tuple(ordered)))
     return panels
 
 

@@ -65,7 +65,7 @@ def can_be_drawn(results: Results, motion: str) -> bool:
 
 
 def method_to_draw(results: Results, causal: bool = False) -> str | None:
-    """The method that leaves least error and jitter over all, or the best that is causal."""
+    """The method with the least residual error and jitter, of all or of those that are causal."""
     for row in results.ranking():
         if row["method"] != "raw" and (row["method"] in CAUSAL or not causal):
             return str(row["method"])
@@ -92,7 +92,7 @@ def replay(results: Results, motion: str, degradation: str, method: str) -> Repl
     """Smooth the first test seed again, with the parameters that were found."""
     plan = results.told["plan"]
     seed = int(plan["test_seeds"][0])
-    degraded, ruler = inputs_of(motion, degradation, seed, plan["rate_hz"], plan["duration_s"])
+    degraded, evaluator = inputs_of(motion, degradation, seed, plan["rate_hz"], plan["duration_s"])
     rigid = MOTIONS[motion].versor is Motor and REFERENCE in results.representations
     paths = {}
     for (name, representation), row in results.parameters(motion, degradation).items():
@@ -102,7 +102,7 @@ def replay(results: Results, motion: str, degradation: str, method: str) -> Repl
             continue
         setting = Setting(method, representation, tuple(row["parameters"].items()))
         paths[representation] = _rigid(setting.smooth(degraded))
-    return Replayed(motion, degradation, method, seed, ruler.time_s, ruler.true, paths)
+    return Replayed(motion, degradation, method, seed, evaluator.time_s, evaluator.true, paths)
 
 
 def _pair(row: Mapping[str, str]) -> tuple[str, str]:

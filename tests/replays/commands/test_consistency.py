@@ -10,7 +10,7 @@ import pytest
 from motorcade.fusion.motions import MOTIONS
 from motorcade.replays.cli import main
 from motorcade.replays.consistency.experiment import FILTERS, Experiment, judge, simulate
-from motorcade.replays.consistency.run import Plan, as_json, run_plan
+from motorcade.replays.consistency.run import ConsistencyPlan, as_json, run_plan
 
 PARTS = ("nees_pose", "nees_velocity", "nees_biases", "nis")
 
@@ -48,7 +48,9 @@ def test_cameras_that_look_ahead_carry_a_level_imu():
 
 def test_motors_and_quaternions_are_consistent_where_euler_angles_are_not(tmp_path):
     """Over 30 short runs through gimbal lock: on the average, to five standard errors of it."""
-    plan = Plan(("gimbal_crossing",), ("motor", "quaternion", "euler"), runs=30, duration_s=10.0)
+    plan = ConsistencyPlan(
+        ("gimbal_crossing",), ("motor", "quaternion", "euler"), runs=30, duration_s=10.0
+    )
     rows = {row["filter"]: row for row in as_json(plan, run_plan(plan, tmp_path))["rows"]}
     for name in ("motor", "quaternion"):
         for part in PARTS:
@@ -63,7 +65,7 @@ def test_motors_and_quaternions_are_consistent_where_euler_angles_are_not(tmp_pa
 @pytest.mark.slow
 def test_the_filter_keeps_its_bounds_on_three_motions(tmp_path):
     """100 runs of 120 s each: within the 95 % bounds at 90 to 99 % of the steps, part by part."""
-    plan = Plan(filters=("motor",))
+    plan = ConsistencyPlan(filters=("motor",))
     for row in as_json(plan, run_plan(plan, tmp_path, "processes:2"))["rows"]:
         for part in PARTS:
             assert 0.90 <= row[f"{part}_share_within"] <= 0.99, (row["motion"], part)
@@ -84,7 +86,7 @@ def test_a_filter_that_believes_itself_too_much_is_found_out():
 
 def test_the_spread_of_errors_is_that_of_the_runs(tmp_path):
     """Of five runs the median is the third; the 10th and 90th percentile lie 0.4 of a step in."""
-    plan = Plan(("tumble",), ("motor",), runs=5, seed=3, duration_s=10.0)
+    plan = ConsistencyPlan(("tumble",), ("motor",), runs=5, seed=3, duration_s=10.0)
     verdict = run_plan(plan, tmp_path)["tumble"]["motor"]
     simulated = simulate(Experiment("tumble", 10.0), range(3, 8))
     judged = judge(simulated, Experiment("tumble", 10.0), "motor")
@@ -115,9 +117,12 @@ def test_the_command_writes_its_page_and_figures(tmp_path, capsys):
     ("options", "message"),
     [
         (["--motions", "zoom"], "motion: expected one of gimbal_crossing"),
-        (["--filters", "motor,kalman"], "Plan.filters: expected some of motor, quaternion"),
+        (
+            ["--filters", "motor,kalman"],
+            "plan.filters: expected some of motor, quaternion",
+        ),
         (["--runs", "0"], "expected runs >= 1"),
-        (["--duration-s", "1"], "Plan.duration_s: expected 10 or more"),
+        (["--duration-s", "1"], "plan.duration_s: expected 10 or more"),
         (["--executor", "processes:0"], "--executor: expected local, processes"),
     ],
 )

@@ -18,12 +18,18 @@ from docs.making.guide import guide
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.render.plots.style import COLOURS
-from motorcade.replays.compare.cells import Cell, Row, Setting, inputs_of, run_cell
+from motorcade.replays.compare.cells import (
+    ComparisonCell,
+    MeasuredRow,
+    Setting,
+    inputs_of,
+    run_cell,
+)
 from motorcade.replays.compare.figures.statistics import Sample
 from motorcade.replays.compare.figures.tables import Outcome, write_tables
-from motorcade.replays.compare.measure.ruler import METRICS as RULER_METRICS
+from motorcade.replays.compare.measure.evaluator import METRICS as RULER_METRICS
 from motorcade.replays.compare.measure.traits import Trait, run_trait
-from motorcade.replays.compare.plan import DEGRADATIONS, Plan
+from motorcade.replays.compare.plan import DEGRADATIONS, ComparisonPlan
 from motorcade.replays.compare.report import Results, names, write_report
 from motorcade.replays.compare.report.findings import findings
 from motorcade.replays.compare.report.grid_ends import grid_ends
@@ -31,7 +37,7 @@ from motorcade.replays.compare.report.names import METRICS, shown
 from motorcade.replays.compare.report.results import Ratio, tied
 from motorcade.replays.compare.tuning import Tuned
 
-PLAN = Plan(
+PLAN = ComparisonPlan(
     motions=("gimbal_crossing", "walk_and_look"),
     degradations=("gaussian", "outliers"),
     methods=("exponential", "gaussian"),
@@ -52,8 +58,13 @@ def written(folder: Path, rename: Callable[[str], str]) -> Results:
     for motion in PLAN.motions:
         for degradation in PLAN.degradations:
             for seed in PLAN.test_seeds:
-                cell = Cell(motion, degradation, seed, PLAN.rate_hz, PLAN.duration_s, settings)
-                rows = [Row(r.method, rename(r.representation), r.values) for r in run_cell(cell)]
+                cell = ComparisonCell(
+                    motion, degradation, seed, PLAN.rate_hz, PLAN.duration_s, settings
+                )
+                rows = [
+                    MeasuredRow(r.method, rename(r.representation), r.values)
+                    for r in run_cell(cell)
+                ]
                 samples.append(Sample.of(cell, rows))
             for one in settings:
                 place = (motion, degradation, one.method, one.representation)
@@ -295,8 +306,8 @@ def test_the_drawn_passage_is_that_of_the_first_seed(folder: Path) -> None:
     data = json.loads(found[1])
     method = re.search(r"Each\s+picture holds what <code>(\w+)</code>", text)
     assert method is not None
-    degraded, ruler = inputs_of("gimbal_crossing", "gaussian", 7, PLAN.rate_hz, PLAN.duration_s)
-    true = Rotation.from_matrix(ruler.true.as_matrix()[:, :3, :3])
+    degraded, evaluator = inputs_of("gimbal_crossing", "gaussian", 7, PLAN.rate_hz, PLAN.duration_s)
+    true = Rotation.from_matrix(evaluator.true.as_matrix()[:, :3, :3])
     assert set(data["points"]) == {"truth", *PLAN.representations}
     for name in PLAN.representations:
         smoothed = Setting(method[1], name, PARAMETERS[method[1]]).smooth(degraded)
@@ -323,7 +334,7 @@ def test_the_guide_is_written_from_the_figures(results: Results, swapped: Result
         compile(block, f"block {number}", "exec")
 
 
-def test_ends_of_grids_and_what_was_not_run_are_told(results: Results) -> None:
+def test_ends_of_ladders_and_what_was_not_run_are_told(results: Results) -> None:
     assert grid_ends(results) == []
     told = copy.deepcopy(dict(results.told))
     first = PLAN.motions[0]

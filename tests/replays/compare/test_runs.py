@@ -16,16 +16,16 @@ from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
 from motorcade.replays.compare.cells import Setting, inputs_of
-from motorcade.replays.compare.measure.ruler import METRICS
+from motorcade.replays.compare.measure.evaluator import METRICS
 from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.own_data import compare_recorded
-from motorcade.replays.compare.plan import DEGRADATIONS, SLOW, Plan, quick, standard
+from motorcade.replays.compare.plan import DEGRADATIONS, SLOW, ComparisonPlan, quick, standard
 from motorcade.replays.compare.run import compare
 from motorcade.replays.compare.tuning import BORROWS, GRIDS
 from motorcade.replays.files.trajectories import write_trajectory
 
 UNITS = ("_m", "_deg", "_s2", "_ms", "_ratio", "_turns", "log_scale_rmse")
-SMALL = Plan(
+SMALL = ComparisonPlan(
     motions=("walk_and_look", "zoom"),
     degradations=("gaussian",),
     methods=("exponential", "double_exponential"),
@@ -76,9 +76,9 @@ def test_seeds_are_disjoint_and_stand_in_the_results(small: Path) -> None:
     [
         ({"tuning_seeds": (11,)}, "expected other seeds than test_seeds, got \\[11\\]"),
         ({"methods": ("exponental",)}, "did you mean exponential"),
-        ({"motions": ()}, "Plan.motions: expected one or more"),
-        ({"test_seeds": (3, 3)}, "Plan.test_seeds"),
-        ({"duration_s": 0.0}, "Plan.duration_s: expected above 0"),
+        ({"motions": ()}, "plan.motions: expected one or more"),
+        ({"test_seeds": (3, 3)}, "plan.test_seeds"),
+        ({"duration_s": 0.0}, "plan.duration_s: expected above 0"),
     ],
 )
 def test_plans_that_make_no_sense_are_refused(change: Mapping[str, Any], message: str) -> None:
@@ -158,14 +158,14 @@ def test_the_value_that_is_taken_has_the_lowest_objective() -> None:
     from motorcade.replays.compare.cells import Setting, inputs_of
     from motorcade.replays.compare.tuning import tuned
 
-    degraded, ruler = inputs_of("handheld", "gaussian", 1, 30.0, 4.0)
-    raw = ruler.errors([degraded])[0]
-    found = tuned("gaussian", "motor", [(degraded, ruler)], [raw])
+    degraded, evaluator = inputs_of("handheld", "gaussian", 1, 30.0, 4.0)
+    raw = evaluator.errors([degraded])[0]
+    found = tuned("gaussian", "motor", [(degraded, evaluator)], [raw])
     (grid,) = GRIDS["gaussian"]
     objectives = []
     for value in grid.values:
         path = Setting("gaussian", "motor", ((grid.parameter, value),)).smooth(degraded)
-        objectives.append(np.mean(ruler.errors([path])[0, :4] / raw[:4]))
+        objectives.append(np.mean(evaluator.errors([path])[0, :4] / raw[:4]))
     assert found.objective == pytest.approx(min(objectives), rel=1e-8)
     assert dict(found.setting.parameters)["sigma_s"] == grid.values[int(np.argmin(objectives))]
 

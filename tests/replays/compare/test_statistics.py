@@ -13,7 +13,7 @@ from motorcade.replays.compare.figures.statistics import (
     resampling,
     verdicts,
 )
-from motorcade.replays.compare.measure.ruler import METRICS
+from motorcade.replays.compare.measure.evaluator import METRICS
 
 APE = METRICS.index("ape_rmse_m")
 LAG = METRICS.index("lag_ms")

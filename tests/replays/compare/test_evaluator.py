@@ -7,7 +7,7 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Trajectory
 from motorcade.replays.compare.cells import Setting, inputs_of
-from motorcade.replays.compare.measure.ruler import METRICS, Ruler
+from motorcade.replays.compare.measure.evaluator import METRICS, PathEvaluator
 from motorcade.replays.compare.measure.truth import RecordedTruth
 
 SETTINGS = (
@@ -20,9 +20,9 @@ TOLERANCE = {"lag_ms": 1e-2, "angular_rate_lag_ms": 3e-2}
 DURATION_S = 8.0
 
 
-def paths_of(motion: str, degradation: str) -> tuple[list[Trajectory], Ruler]:
-    degraded, ruler = inputs_of(motion, degradation, 7, 30.0, DURATION_S)
-    return [degraded, *(setting.smooth(degraded) for setting in SETTINGS)], ruler
+def paths_of(motion: str, degradation: str) -> tuple[list[Trajectory], PathEvaluator]:
+    degraded, evaluator = inputs_of(motion, degradation, 7, 30.0, DURATION_S)
+    return [degraded, *(setting.smooth(degraded) for setting in SETTINGS)], evaluator
 
 
 def one_by_one(path: Trajectory, truth: Trajectory) -> list[float]:
@@ -33,12 +33,12 @@ def one_by_one(path: Trajectory, truth: Trajectory) -> list[float]:
 
 @pytest.mark.parametrize("motion", ["gimbal_crossing", "stop_and_go", "fast_spin", "screw", "zoom"])
 def test_every_figure_is_the_metric_s_own(motion: str) -> None:
-    paths, ruler = paths_of(motion, "gaussian")
+    paths, evaluator = paths_of(motion, "gaussian")
     truth = MOTIONS[motion].sampled(150.0, DURATION_S + 2.0, start_ns=-(10**9), start_s=-1.0)
     expected = np.array([one_by_one(path, truth) for path in paths])
     for column, metric in enumerate(METRICS):
         np.testing.assert_allclose(
-            ruler.measure(paths)[:, column], expected[:, column], rtol=2e-4,
+            evaluator.measure(paths)[:, column], expected[:, column], rtol=2e-4,
             atol=TOLERANCE.get(metric, 2e-4), err_msg=metric,
         )  # fmt: skip
 
@@ -46,7 +46,7 @@ def test_every_figure_is_the_metric_s_own(motion: str) -> None:
 @pytest.mark.parametrize("degradation", ["dropped_frames", "latency", "stamp_jitter"])
 def test_uneven_stamps_are_measured_alike(degradation: str) -> None:
     # Errors are left out: `evaluate` pairs stamps, here the truth is known at every one.
-    paths, ruler = paths_of("walk_and_look", degradation)
+    paths, evaluator = paths_of("walk_and_look", degradation)
     truth = MOTIONS["walk_and_look"].sampled(
         150.0, DURATION_S + 2.0, start_ns=-(10**9), start_s=-1.0
     )
@@ -54,23 +54,25 @@ def test_uneven_stamps_are_measured_alike(degradation: str) -> None:
     for metric in METRICS[2:]:
         column = METRICS.index(metric)
         np.testing.assert_allclose(
-            ruler.measure(paths)[:, column], expected[:, column], rtol=2e-4,
+            evaluator.measure(paths)[:, column], expected[:, column], rtol=2e-4,
             atol=TOLERANCE.get(metric, 2e-4), err_msg=metric,
         )  # fmt: skip
 
 
 def test_a_late_copy_of_the_truth_is_exactly_so_late() -> None:
-    _, ruler = inputs_of("handheld", "gaussian", 1, 30.0, DURATION_S)
+    _, evaluator = inputs_of("handheld", "gaussian", 1, 30.0, DURATION_S)
     late = MOTIONS["handheld"].sampled(30.0, DURATION_S, start_s=-0.0437)
-    found = dict(zip(METRICS, ruler.measure([late])[0], strict=True))
+    found = dict(zip(METRICS, evaluator.measure([late])[0], strict=True))
     assert found["lag_ms"] == pytest.approx(43.7, abs=2e-3)
     assert found["angular_rate_lag_ms"] == pytest.approx(43.7, abs=2e-3)
 
 
 def test_a_recorded_truth_measures_as_the_formula_does() -> None:
-    paths, ruler = paths_of("walk_and_look", "gaussian")
+    paths, evaluator = paths_of("walk_and_look", "gaussian")
     dense = MOTIONS["walk_and_look"].sampled(
         200.0, DURATION_S + 2.0, start_ns=-(10**9), start_s=-1.0
     )
-    recorded = Ruler(paths[0].time_ns, RecordedTruth(dense))
-    np.testing.assert_allclose(recorded.measure(paths), ruler.measure(paths), rtol=1e-4, atol=2e-3)
+    recorded = PathEvaluator(paths[0].time_ns, RecordedTruth(dense))
+    np.testing.assert_allclose(
+        recorded.measure(paths), evaluator.measure(paths), rtol=1e-4, atol=2e-3
+    )

@@ -18,7 +18,7 @@ from motorcade.ga import FloatArray, IntArray, Motor, Similarity, Trajectory
 from motorcade.replays.compare.measure.lag import LagTable
 from motorcade.replays.compare.measure.truth import Truth
 
-__all__ = ["ERRORS", "METRICS", "Ruler"]
+__all__ = ["ERRORS", "METRICS", "PathEvaluator"]
 
 ERRORS = (
     "ape_rmse_m",
@@ -39,12 +39,12 @@ METRICS = (
     "peak_rate_ratio",
     "spurious_turns",
 )
-"""What `Ruler.measure` tells, in order."""
+"""What `PathEvaluator.measure` tells, in order."""
 
 _GAP_INTERVALS = 3.0
 
 
-class Ruler:
+class PathEvaluator:
     """Measures paths at given stamps against the truth there.
 
     Args:
