@@ -41,6 +41,13 @@ class PathDerivatives:
             frame; similarities have the rate of the logarithm of the scale (1/s) besides.
         body_twist_rate: its derivative, in 1/s more.
         body_twist_jerk: its second derivative.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion import differentiated
+    >>> from motorcade.fusion.motions import MOTIONS
+    >>> found = differentiated(MOTIONS["screw"].sampled(50.0, 2.0))
+    >>> found.world_velocity_m_s.shape
+    (101, 3)
     """
 
     trajectory: Trajectory

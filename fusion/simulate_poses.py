@@ -37,6 +37,17 @@ def simulate_camera_poses(
 
     Raises:
         ValueError: a rate or deviation that is not positive.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
+    >>> from motorcade.fusion.motions import gimbal_crossing
+    >>> rng = np.random.default_rng(0)
+    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+    >>> measured = simulate_camera_poses(sensor.path, 20.0, sigma_m=0.01, sigma_rad=0.01, rng=rng)
+
+    >>> measured.trajectory
+    Trajectory(world_T_imu, 61 poses, 3.000 s)
     """
     for name, value in (("rate_hz", rate_hz), ("sigma_m", sigma_m), ("sigma_rad", sigma_rad)):
         if not (np.isfinite(value) and value > 0.0):

@@ -29,6 +29,18 @@ class FilterState:
         gravity_m_s2: in the world ``(3,)``.
         imu_T_camera, time_offset_s: as estimated, or as given (the identity without a camera).
         covariance: ``(15, 15)`` or ``(24, 24)``; see `Fused.state_covariance`.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion import ADIS16448, PoseFilter
+    >>> from motorcade.ga import Motor
+    >>> live = PoseFilter(ADIS16448)
+    >>> for k in range(100):  # at rest, with a pose every tenth sample
+    ...     live.imu(10_000_000 * k, np.zeros(3), np.array([0.0, 0.0, 9.81]))
+    ...     if k % 10 == 0:
+    ...         live.pose(10_000_000 * k, Motor.identity(), 1e-4 * np.eye(6))
+
+    >>> live.state.time_ns, live.state.covariance.shape
+    (990000000, (15, 15))
     """
 
     time_ns: int
@@ -58,6 +70,18 @@ class Innovation:
             for corners behind the camera.
         freedom: its degrees of freedom.
         weight: 1 where it was believed, less where it was weighed down, 0 where it was left out.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion import ADIS16448, PoseFilter
+    >>> from motorcade.ga import Motor
+    >>> live = PoseFilter(ADIS16448)
+    >>> for k in range(100):  # at rest, with a pose every tenth sample
+    ...     live.imu(10_000_000 * k, np.zeros(3), np.array([0.0, 0.0, 9.81]))
+    ...     if k % 10 == 0:
+    ...         live.pose(10_000_000 * k, Motor.identity(), 1e-4 * np.eye(6))
+
+    >>> live.innovations[-1].kind, live.innovations[-1].weight
+    ('imu_pose', 1.0)
     """
 
     time_ns: int
@@ -86,6 +110,18 @@ class PoseFilter:
 
     Raises:
         ValueError: a history or an offset that is out of range.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion import ADIS16448, PoseFilter
+    >>> from motorcade.ga import Motor
+    >>> live = PoseFilter(ADIS16448)
+    >>> for k in range(100):  # at rest, with a pose every tenth sample
+    ...     live.imu(10_000_000 * k, np.zeros(3), np.array([0.0, 0.0, 9.81]))
+    ...     if k % 10 == 0:
+    ...         live.pose(10_000_000 * k, Motor.identity(), 1e-4 * np.eye(6))
+
+    >>> bool(np.abs(live.state.world_T_imu.translation_m).max() < 1e-9)
+    True
     """
 
     def __init__(

@@ -44,6 +44,10 @@ class RestDetection:
 
     Raises:
         ValueError: a number that is not above zero.
+
+    >>> from motorcade.fusion.filter import FilterSettings, RestDetection
+    >>> FilterSettings(rest=RestDetection(window_s=1.0)).rest.window_s
+    1.0
     """
 
     window_s: float = 0.5
@@ -87,6 +91,14 @@ class FilterSettings:
 
     Raises:
         ValueError: a number that is out of range, named by its field.
+
+    >>> from motorcade.fusion import FilterSettings
+    >>> FilterSettings(gravity_sigma_rad=0.02, extrinsics_sigma_rad=0.01).error_size
+    24
+    >>> FilterSettings(gap_s=0.0)
+    Traceback (most recent call last):
+    ...
+    ValueError: FilterSettings.gap_s: expected a number above 0, got 0.0
     """
 
     gravity_m_s2: float = 9.81

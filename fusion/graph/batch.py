@@ -14,14 +14,14 @@ from motorcade.ga import FloatArray, Motor, Trajectory
 if TYPE_CHECKING:
     import gtsam
 
-__all__ = ["Smoothed", "smooth_all"]
+__all__ = ["GraphStates", "smooth_all"]
 
 _ITERATIONS = 100
 _RELATIVE = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
-class Smoothed:
+class GraphStates:
     """States at N nodes: ``world_T_imu``, velocity, biases (gyroscope first), covariance as of
     `motorcade.fusion.filter.Fused`.
     """
@@ -32,7 +32,7 @@ class Smoothed:
     covariance: FloatArray
 
 
-def smooth_all(graph: InertialGraph) -> Smoothed:
+def smooth_all(graph: InertialGraph) -> GraphStates:
     """The most probable states, each by all the data."""
     import gtsam
 
@@ -72,7 +72,7 @@ def _start(graph: InertialGraph) -> gtsam.Values:
 
 def _read(
     graph: InertialGraph, factors: gtsam.NonlinearFactorGraph, found: gtsam.Values
-) -> Smoothed:
+) -> GraphStates:
     import gtsam
 
     marginals = gtsam.Marginals(factors, found)
@@ -89,4 +89,4 @@ def _read(
         covariance.append(np.block([[joint.at(a, b) for b in ordered] for a in ordered]))
     motors = as_motor(poses)
     spread = state_covariance(np.array(covariance), motors)
-    return Smoothed(motors, np.array(velocity), np.array(bias), spread)
+    return GraphStates(motors, np.array(velocity), np.array(bias), spread)

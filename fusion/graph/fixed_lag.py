@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from motorcade.fusion.graph.batch import Smoothed
+from motorcade.fusion.graph.batch import GraphStates
 from motorcade.fusion.graph.conversions import as_motor
 from motorcade.fusion.graph.inertial import InertialGraph, keys, state_covariance
 from motorcade.ga import FloatArray
@@ -25,7 +25,7 @@ __all__ = ["smooth_with_lag"]
 _STEPS = 3
 
 
-def smooth_with_lag(graph: InertialGraph, lag_s: float) -> Smoothed:
+def smooth_with_lag(graph: InertialGraph, lag_s: float) -> GraphStates:
     """States that each know the data up to `lag_s` later.
 
     Covariances between pose, velocity and biases are left zero: gtsam's smoother gives one variable
@@ -50,7 +50,7 @@ def smooth_with_lag(graph: InertialGraph, lag_s: float) -> Smoothed:
     poses, velocity, bias, covariance = zip(*rows, strict=True)
     motors = as_motor(poses)
     spread = state_covariance(np.array(covariance), motors)
-    return Smoothed(motors, np.array(velocity), np.array(bias), spread)
+    return GraphStates(motors, np.array(velocity), np.array(bias), spread)
 
 
 def _add(

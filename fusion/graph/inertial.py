@@ -31,14 +31,14 @@ from motorcade.tracking.measurements import PoseMeasurements
 if TYPE_CHECKING:
     import gtsam
 
-__all__ = ["InertialGraph", "Node", "keys", "state_covariance"]
+__all__ = ["InertialGraph", "NodeKeys", "keys", "state_covariance"]
 
 # An interval of a single sample has no position noise of its own, and would be singular.
 _POSITION_DENSITY = 1e-7
 
 
 @dataclass(frozen=True)
-class Node:
+class NodeKeys:
     """gtsam's keys of a node."""
 
     pose: int
@@ -46,11 +46,11 @@ class Node:
     bias: int
 
 
-def keys(index: int) -> Node:
+def keys(index: int) -> NodeKeys:
     """Keys of the node of that number."""
     import gtsam
 
-    return Node(*(gtsam.symbol(letter, index) for letter in "xvb"))
+    return NodeKeys(*(gtsam.symbol(letter, index) for letter in "xvb"))
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,6 +37,12 @@ class OdometryNoise:
 
     Raises:
         ValueError: a number that is not above zero.
+
+    >>> from motorcade.fusion.graph import OdometryNoise
+    >>> OdometryNoise(translation_m_rts=0.0)
+    Traceback (most recent call last):
+    ...
+    ValueError: OdometryNoise.translation_m_rts: expected a number above 0, got 0.0
     """
 
     rotation_rad_rts: float = 4e-3
@@ -70,6 +76,22 @@ def fuse_odometry(
 
     Raises:
         ValueError: no measurement within the odometry's span.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
+    >>> from motorcade.fusion.motions import gimbal_crossing
+    >>> rng = np.random.default_rng(0)
+    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+    >>> measured = simulate_camera_poses(sensor.path, 20.0, sigma_m=0.01, sigma_rad=0.01, rng=rng)
+
+    >>> from motorcade.fusion import evaluate, fuse_odometry
+    >>> from motorcade.ga import Motor
+    >>> joined = fuse_odometry(measured, sensor.path, odometry_T_camera=Motor.identity())
+    >>> for found in (measured.trajectory, joined.trajectory):
+    ...     print(f"{1e3 * evaluate(found, sensor.path).ape_m.rmse:.0f} mm")
+    17 mm
+    2 mm
     """
     import gtsam
 

@@ -40,6 +40,10 @@ class OrientationModel:
 
     Raises:
         ValueError: a number that is not finite or not above 0, or other readings.
+
+    >>> from motorcade.fusion import OrientationModel
+    >>> OrientationModel(readings="interval", speed_m_s=2.0).speed_m_s  # a limb that swings
+    2.0
     """
 
     noise: ImuNoise = ADIS16448

@@ -32,6 +32,12 @@ class ContinuousPath:
 
     Raises:
         ValueError: a duration that is not above 0.
+
+    >>> from motorcade.fusion import ContinuousPath
+    >>> from motorcade.fusion.motions import gimbal_crossing
+    >>> path = ContinuousPath.along(gimbal_crossing(), duration_s=3.0)
+    >>> path.twists(0.0).pose.shape
+    ()
     """
 
     start_ns: int

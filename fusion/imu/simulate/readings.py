@@ -30,6 +30,18 @@ class SimulatedImu:
         path: the true poses ``world_T_imu``, at stamps of the path's clock: those of the stream
             less its time offset.
         velocity_m_s: the true velocity in the world ``(N, 3)``.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_imu
+    >>> from motorcade.fusion.motions import gimbal_crossing
+    >>> rng = np.random.default_rng(0)
+    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+
+    >>> sensor.stream
+    ImuStream(301 samples, 100.0 Hz, 3.000 s)
+    >>> sensor.path
+    Trajectory(world_T_imu, 301 poses, 3.000 s)
     """
 
     stream: ImuStream
@@ -70,6 +82,16 @@ def simulate_imu(
         ValueError: a rate, gravity or spacing that is not positive, an offset that is not finite,
             a rate or losses that leave fewer than two samples, a single pose, or motion too fast
             for the knots.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_imu
+    >>> from motorcade.fusion.motions import gimbal_crossing
+    >>> rng = np.random.default_rng(0)
+    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+
+    >>> sensor.stream
+    ImuStream(301 samples, 100.0 Hz, 3.000 s)
     """
     _check(rate_hz, gravity_m_s2, time_offset_s)
     path = world_T_imu

@@ -16,7 +16,7 @@ from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import ImuOrigin, UsedImu
 
 log = logging.getLogger("motorcade.imu")
-_NO_MOUNT = (
+_NO_EXTRINSICS = (
     "the camera's pose on the IMU is not known; put imu_T_camera (4 by 4, from camera to IMU "
     "coordinates, as `motorcade sync` finds it) into [imu] of a manifest"
 )
@@ -55,7 +55,7 @@ def imu(
         if recording.imu is None:
             raise ValueError(f"{recording.name}: imu.source=recorded, but it has no IMU stream")
         if imu_T_camera is None:
-            raise ValueError(f"{recording.name}: imu.source=recorded, but {_NO_MOUNT}")
+            raise ValueError(f"{recording.name}: imu.source=recorded, but {_NO_EXTRINSICS}")
         made = UsedImu(None, noise, imu_T_camera, origin)
         return made if sync == "off" else _on_camera_clock(made, recording.imu, camera_poses)
     if sync != "off":
@@ -84,7 +84,7 @@ def _origin(recording: Recording) -> ImuOrigin:
     if recording.imu is None:
         return "tracked"
     if recording.imu_T_camera is None:
-        log.warning("%s: its IMU is left aside: %s", recording.name, _NO_MOUNT)
+        log.warning("%s: its IMU is left aside: %s", recording.name, _NO_EXTRINSICS)
         return "tracked"
     return "recorded"
 
