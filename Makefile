@@ -1,6 +1,6 @@
 # make demo   the whole pipeline on an embedded synthetic recording, into out/demo
 # make test   the test suite         make test-slow   its tests that take longer
-# make lint   ruff and mypy          make wheel   build and check the wheel
+# make lint   ruff, clang-format and mypy          make wheel   build and check the wheel
 # make mutation   whether the tests notice small faults in MUTATED (hours; resumes)
 # make fuzz   broken scripts, rigs and recordings by the thousand (FUZZ_INPUTS of each)
 # make bench   performance beside other libraries, into the terminal (SUITE=blend; JSON=FILE)
@@ -14,6 +14,9 @@ BIN     := $(VENV)/bin
 ROOMS   := ga tracking fusion animation render replays
 READY   := $(VENV)/.ready
 NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/generated/c/* $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) */*/native/generated/*.$(kind))))
+
+# C and C++ that people write.
+WRITTEN := $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) tests/bench/*/*.$(kind) tests/bench/*/*/*.$(kind)))
 
 .PHONY: demo test test-slow bench mutation fuzz docs lint wheel kernels names system browser clean
 .DEFAULT_GOAL := demo
@@ -46,6 +49,7 @@ fuzz: $(READY)
 lint: $(READY) names
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/clang-format --dry-run -Werror $(WRITTEN)
 	MYPYPATH=build/names $(BIN)/mypy $(addprefix -p motorcade.,$(ROOMS)) -p tests.bench
 
 # Strict: a broken link or anchor is an error. mkdocs finds the rooms by their names as mypy does.

@@ -39,8 +39,8 @@ Mesh mesh_of(Array<const double, 2> positions, Array<const double, 2> normals,
     return Mesh(positions.data(), normals.data(), joints.data(), weights.data(), count);
 }
 
-void skin(const Mesh &mesh, Skinning method, Array<const float, 2> palette, Array<float, 2> positions,
-          Array<float, 2> normals, unsigned threads) {
+void skin(const Mesh &mesh, Skinning method, Array<const float, 2> palette,
+          Array<float, 2> positions, Array<float, 2> normals, unsigned threads) {
     expect(palette.shape(1) == palette_width(method) && palette.shape(0) >= mesh.joints(),
            "palette: expected a row a joint, of 8 or 12 numbers as the method has them");
     expect(positions.shape(0) == mesh.count() && positions.shape(1) == 3 &&
@@ -68,10 +68,12 @@ std::ptrdiff_t number_of(nb::handle clip) {
 
 std::vector<Layer> layers_of(nb::handle given) {
     Layers tuples;
-    if (!nb::try_cast<Layers>(given, tuples)) refuse("(number of a clip, time_s, weight) for each layer", given);
+    if (!nb::try_cast<Layers>(given, tuples))
+        refuse("(number of a clip, time_s, weight) for each layer", given);
     std::vector<Layer> layers;
     layers.reserve(tuples.size());
-    for (const auto &[clip, time_s, weight] : tuples) layers.push_back({number_of(clip), time_s, weight});
+    for (const auto &[clip, time_s, weight] : tuples)
+        layers.push_back({number_of(clip), time_s, weight});
     return layers;
 }
 
@@ -120,23 +122,28 @@ NB_MODULE(_runtime, module) {
         .value("similarity", Skinning::similarity);
     nb::class_<Mesh>(module, "Mesh")
         .def(nb::new_(&mesh_of), "positions"_a, "normals"_a, "joints"_a, "weights"_a)
-        .def("skin", &skin, "method"_a, "palette"_a.noconvert(), "positions"_a.noconvert(), "normals"_a.noconvert(), "threads"_a);
+        .def("skin", &skin, "method"_a, "palette"_a.noconvert(), "positions"_a.noconvert(),
+             "normals"_a.noconvert(), "threads"_a);
     nb::class_<Rig>(module, "Rig")
-        .def("__init__",
-             [](Rig *self, Array<const std::int64_t, 1> parents, Array<const double, 2> inverse_rest) {
-                 expect(inverse_rest.shape(0) == parents.shape(0) && inverse_rest.shape(1) == 8,
-                        "inverse_rest: expected (J, 8)");
-                 new (self) Rig(parents.data(), inverse_rest.data(), parents.shape(0));
-             },
-             "parents"_a, "inverse_rest"_a)
-        .def("add",
-             [](Rig &rig, Array<const double, 1> time_s, Array<const double, 3> poses, bool looped) {
-                 expect(poses.shape(0) == time_s.shape(0) && poses.shape(0) > 0 &&
-                            poses.shape(1) == rig.joints() && poses.shape(2) == 8,
-                        "poses: expected (F, J, 8)");
-                 return rig.add({time_s.data(), time_s.shape(0)}, poses.data(), looped);
-             },
-             "time_s"_a, "poses"_a, "looped"_a)
+        .def(
+            "__init__",
+            [](Rig *self, Array<const std::int64_t, 1> parents,
+               Array<const double, 2> inverse_rest) {
+                expect(inverse_rest.shape(0) == parents.shape(0) && inverse_rest.shape(1) == 8,
+                       "inverse_rest: expected (J, 8)");
+                new (self) Rig(parents.data(), inverse_rest.data(), parents.shape(0));
+            },
+            "parents"_a, "inverse_rest"_a)
+        .def(
+            "add",
+            [](Rig &rig, Array<const double, 1> time_s, Array<const double, 3> poses, bool looped) {
+                expect(poses.shape(0) == time_s.shape(0) && poses.shape(0) > 0 &&
+                           poses.shape(1) == rig.joints() && poses.shape(2) == 8,
+                       "poses: expected (F, J, 8)");
+                return rig.add({time_s.data(), time_s.shape(0)}, poses.data(), looped);
+            },
+            "time_s"_a, "poses"_a, "looped"_a)
         .def("pose", &pose, "layers"_a.none(), "by_screw"_a, "kind"_a, "out"_a)
-        .def("repeat", &repeat, "layers"_a.none(), "by_screw"_a, "kind"_a, "out"_a.noconvert(), "times"_a);
+        .def("repeat", &repeat, "layers"_a.none(), "by_screw"_a, "kind"_a, "out"_a.noconvert(),
+             "times"_a);
 }

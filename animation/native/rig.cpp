@@ -41,11 +41,13 @@ Rig::Rig(const std::int64_t *parents, const double *inverse_rest, std::size_t jo
     : joints_(joints), padded_((joints + LANES - 1) / LANES * LANES),
       parents_(parents, parents + joints), inverse_motors_(MOTOR * joints),
       inverse_matrices_(MATRIX * padded_), blended_(MOTOR * padded_), total_(MOTOR * padded_),
-      fractions_(padded_), matrices_(MATRIX * padded_), rows_(MATRIX * padded_), model_(MATRIX * padded_) {
+      fractions_(padded_), matrices_(MATRIX * padded_), rows_(MATRIX * padded_),
+      model_(MATRIX * padded_) {
     Pose apart(MOTOR * padded_);
     for (std::size_t j = 0; j < joints; ++j)
         for (std::size_t k = 0; k < MOTOR; ++k)
-            apart[k * padded_ + j] = inverse_motors_[MOTOR * j + k] = stored(inverse_rest[MOTOR * j + k]);
+            apart[k * padded_ + j] = inverse_motors_[MOTOR * j + k] =
+                stored(inverse_rest[MOTOR * j + k]);
     for (std::size_t j = joints; j < padded_; ++j) apart[j] = 1.0F;
     blended_ = apart;
     run(motorcade_matrix34_f32, apart.data(), matrices_.data(), padded_);
@@ -53,7 +55,9 @@ Rig::Rig(const std::int64_t *parents, const double *inverse_rest, std::size_t jo
 }
 
 std::size_t Rig::add(std::span<const double> time_s, const double *poses, bool looped) {
-    Keys keys{{time_s.begin(), time_s.end()}, std::vector<float>(time_s.size() * MOTOR * padded_, 0.0F), looped};
+    Keys keys{{time_s.begin(), time_s.end()},
+              std::vector<float>(time_s.size() * MOTOR * padded_, 0.0F),
+              looped};
     for (std::size_t f = 0; f < time_s.size(); ++f) {
         float *key = keys.poses.data() + f * MOTOR * padded_;
         for (std::size_t j = 0; j < joints_; ++j)
@@ -96,7 +100,8 @@ void Rig::sum(std::span<const Layer> layers, float total) {
     const std::ptrdiff_t steps[4] = {step, step, step, step};
     for (std::size_t k = 0; k < layers.size(); ++k) {
         std::fill(fractions_.begin(), fractions_.end(), layers[k].weight / total);
-        const float *const inputs[4] = {total_.data(), pivot.data(), samples_[k].data(), fractions_.data()};
+        const float *const inputs[4] = {total_.data(), pivot.data(), samples_[k].data(),
+                                        fractions_.data()};
         float *out = blended_.data();
         motorcade_accumulate_f32(inputs, steps, &out, &step, padded_ / LANES);
         total_.swap(blended_);
@@ -109,11 +114,13 @@ float Rig::checked_total(std::span<const Layer> layers) const {
     for (std::size_t k = 0; k < layers.size(); ++k) {
         const auto &[clip, time_s, weight] = layers[k];
         const bool known = clip >= 0 && static_cast<std::size_t>(clip) < clips_.size();
-        if (!known || !std::isfinite(time_s) || !(weight >= 0.0F && std::isfinite(weight))) refuse(layers[k], k);
+        if (!known || !std::isfinite(time_s) || !(weight >= 0.0F && std::isfinite(weight)))
+            refuse(layers[k], k);
         total += weight;
     }
     if (!(total > 0.0F && std::isfinite(total)))
-        throw std::invalid_argument("layers: expected weights with a finite sum above 0, got " + std::to_string(total));
+        throw std::invalid_argument("layers: expected weights with a finite sum above 0, got " +
+                                    std::to_string(total));
     return total;
 }
 
@@ -122,7 +129,8 @@ void Rig::refuse(const Layer &layer, std::size_t number) const {
     std::ostringstream wrong;
     wrong << "layers: expected of layer " << number << " the ";
     if (layer.clip < 0 || static_cast<std::size_t>(layer.clip) >= clips_.size())
-        wrong << "number of a clip to be from 0 to " << std::ptrdiff_t(clips_.size()) - 1 << ", got " << layer.clip;
+        wrong << "number of a clip to be from 0 to " << std::ptrdiff_t(clips_.size()) - 1
+              << ", got " << layer.clip;
     else if (!std::isfinite(layer.time_s))
         wrong << "time_s to be finite, got " << layer.time_s;
     else
@@ -132,8 +140,9 @@ void Rig::refuse(const Layer &layer, std::size_t number) const {
 
 void Rig::blend(std::span<const Layer> layers, bool by_screw) {
     if (layers.empty() || (by_screw && layers.size() > 2))
-        throw std::invalid_argument("layers: expected one or more, of a blend by the screw two at most, got " +
-                                    std::to_string(layers.size()));
+        throw std::invalid_argument(
+            "layers: expected one or more, of a blend by the screw two at most, got " +
+            std::to_string(layers.size()));
     const float total = checked_total(layers);
     layers_.clear();
     for (const Layer &layer : layers)

@@ -23,9 +23,7 @@ inline four load(const float *from) {
     return made;
 }
 
-inline void store(float *to, four value) {
-    std::memcpy(to, &value, sizeof value);
-}
+inline void store(float *to, four value) { std::memcpy(to, &value, sizeof value); }
 
 // Weights of the second to the fourth joint, negative where the rotor of one points away from the
 // first joint's; that of the first stays.
@@ -44,8 +42,10 @@ inline four signed_weights(four weights, four a, four b, four c, four d) {
 
 // Four rows of four, row by row in and column by column out.
 inline void store_columns(const four *rows, float *to, std::size_t step) {
-    const four ab = SHUFFLED(rows[0], rows[1], 0, 4, 1, 5), cd = SHUFFLED(rows[2], rows[3], 0, 4, 1, 5);
-    const four ba = SHUFFLED(rows[0], rows[1], 2, 6, 3, 7), dc = SHUFFLED(rows[2], rows[3], 2, 6, 3, 7);
+    const four ab = SHUFFLED(rows[0], rows[1], 0, 4, 1, 5),
+               cd = SHUFFLED(rows[2], rows[3], 0, 4, 1, 5);
+    const four ba = SHUFFLED(rows[0], rows[1], 2, 6, 3, 7),
+               dc = SHUFFLED(rows[2], rows[3], 2, 6, 3, 7);
     store(to, SHUFFLED(ab, cd, 0, 1, 4, 5));
     store(to + step, SHUFFLED(ab, cd, 2, 3, 6, 7));
     store(to + 2 * step, SHUFFLED(ba, dc, 0, 1, 4, 5));
@@ -54,8 +54,8 @@ inline void store_columns(const four *rows, float *to, std::size_t step) {
 
 // Sums four vertices of `groups` times four components, and lays the components apart.
 inline void sum_four(const float *APART palette, const std::uint16_t *APART joints,
-                            const float *APART weights, std::size_t groups, bool with_signs,
-                            float *APART sums, std::size_t step) {
+                     const float *APART weights, std::size_t groups, bool with_signs,
+                     float *APART sums, std::size_t step) {
     four rows[3][4];
     for (std::size_t i = 0; i < 4; ++i) {
         const float *a = palette + 4 * groups * joints[4 * i];
@@ -72,8 +72,7 @@ inline void sum_four(const float *APART palette, const std::uint16_t *APART join
 }
 
 // Each row of the product is a sum of the second's rows; the first's translation is added.
-inline void multiply_matrix(const float *APART a, const float *APART b,
-                                     float *APART out) {
+inline void multiply_matrix(const float *APART a, const float *APART b, float *APART out) {
     const four x = load(b), y = load(b + 4), z = load(b + 8);
     for (std::size_t row = 0; row < 3; ++row) {
         const four p = load(a + 4 * row), moved = {0.0f, 0.0f, 0.0f, p[3]};
@@ -94,28 +93,28 @@ inline void multiply_motor(const float *APART a, const float *APART b, float *AP
 
 MOTORCADE_SIMD
 void sum_versors(const float *palette, const std::uint16_t *joints, const float *weights,
-                           std::size_t count, float *sums, std::size_t step) {
+                 std::size_t count, float *sums, std::size_t step) {
     for (std::size_t i = 0; i < count; i += 4)
         sum_four(palette, joints + 4 * i, weights + 4 * i, 2, true, sums + i, step);
 }
 
 MOTORCADE_SIMD
 void sum_matrices(const float *palette, const std::uint16_t *joints, const float *weights,
-                            std::size_t count, float *sums, std::size_t step) {
+                  std::size_t count, float *sums, std::size_t step) {
     for (std::size_t i = 0; i < count; i += 4)
         sum_four(palette, joints + 4 * i, weights + 4 * i, 3, false, sums + i, step);
 }
 
 MOTORCADE_SIMD
-void sum_similarities(const float *palette, const std::uint16_t *joints,
-                                const float *weights, std::size_t count, float *sums, std::size_t step) {
+void sum_similarities(const float *palette, const std::uint16_t *joints, const float *weights,
+                      std::size_t count, float *sums, std::size_t step) {
     for (std::size_t i = 0; i < count; i += 4)
         sum_four(palette, joints + 4 * i, weights + 4 * i, 3, true, sums + i, step);
 }
 
 MOTORCADE_SIMD
 void write_rows(const float *APART carried, std::size_t step, std::size_t count,
-                          float *APART positions, float *APART normals) {
+                float *APART positions, float *APART normals) {
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t k = 0; k < 3; ++k) {
             positions[3 * i + k] = carried[k * step + i];
@@ -125,18 +124,19 @@ void write_rows(const float *APART carried, std::size_t step, std::size_t count,
 
 MOTORCADE_SIMD
 void join(const float *APART apart, std::size_t step, std::size_t count, std::size_t width,
-                    float *APART rows) {
+          float *APART rows) {
     for (std::size_t i = 0; i < count; i += 4)
         for (std::size_t k = 0; k < width; k += 4) {
             const float *at = apart + k * step + i;
-            const four columns[4] = {load(at), load(at + step), load(at + 2 * step), load(at + 3 * step)};
+            const four columns[4] = {load(at), load(at + step), load(at + 2 * step),
+                                     load(at + 3 * step)};
             store_columns(columns, rows + width * i + k, width);
         }
 }
 
 MOTORCADE_SIMD
 void model_matrices(const float *local, const std::int32_t *parents, std::size_t count,
-                              float *model) {
+                    float *model) {
     for (std::size_t j = 0; j < count; ++j) {
         if (parents[j] < 0)
             std::memcpy(model + 12 * j, local + 12 * j, 12 * sizeof(float));
@@ -146,7 +146,8 @@ void model_matrices(const float *local, const std::int32_t *parents, std::size_t
 }
 
 MOTORCADE_SIMD
-void model_motors(const float *local, const std::int32_t *parents, std::size_t count, float *model) {
+void model_motors(const float *local, const std::int32_t *parents, std::size_t count,
+                  float *model) {
     for (std::size_t j = 0; j < count; ++j) {
         if (parents[j] < 0)
             std::memcpy(model + 8 * j, local + 8 * j, 8 * sizeof(float));
@@ -157,14 +158,13 @@ void model_motors(const float *local, const std::int32_t *parents, std::size_t c
 
 MOTORCADE_SIMD
 void multiply_matrices(const float *first, const float *second, std::size_t count,
-                                 float *products) {
+                       float *products) {
     for (std::size_t j = 0; j < count; ++j)
         multiply_matrix(first + 12 * j, second + 12 * j, products + 12 * j);
 }
 
 MOTORCADE_SIMD
-void multiply_motors(const float *first, const float *second, std::size_t count,
-                               float *products) {
+void multiply_motors(const float *first, const float *second, std::size_t count, float *products) {
     for (std::size_t j = 0; j < count; ++j)
         multiply_motor(first + 8 * j, second + 8 * j, products + 8 * j);
 }

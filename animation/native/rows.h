@@ -28,16 +28,16 @@ namespace motorcade::animation {
 // Weighted sums of palette rows, four joints a vertex, apart; `count` is a multiple of
 // MOTORCADE_LANES. Versors (8) are summed with the sign of the first joint's rotor.
 void sum_versors(const float *palette, const std::uint16_t *joints, const float *weights,
-                           std::size_t count, float *sums, std::size_t step);
+                 std::size_t count, float *sums, std::size_t step);
 // The same with rows of 12: matrices as they are, similarities with signs.
 void sum_matrices(const float *palette, const std::uint16_t *joints, const float *weights,
-                            std::size_t count, float *sums, std::size_t step);
-void sum_similarities(const float *palette, const std::uint16_t *joints,
-                                const float *weights, std::size_t count, float *sums, std::size_t step);
+                  std::size_t count, float *sums, std::size_t step);
+void sum_similarities(const float *palette, const std::uint16_t *joints, const float *weights,
+                      std::size_t count, float *sums, std::size_t step);
 
 // Components 0 to 2 and 3 to 5 of `carried`, apart, into rows of three.
 void write_rows(const float *carried, std::size_t step, std::size_t count, float *positions,
-                          float *normals);
+                float *normals);
 
 // Rows of `width`, a multiple of 4, from components apart; writes up to the next multiple of 4 of
 // `count` rows.
@@ -45,13 +45,10 @@ void join(const float *apart, std::size_t step, std::size_t count, std::size_t w
 
 // Poses in the character from local ones, parents first: 3x4 matrices by rows, or motors.
 void model_matrices(const float *local, const std::int32_t *parents, std::size_t count,
-                              float *model);
-void model_motors(const float *local, const std::int32_t *parents, std::size_t count,
-                            float *model);
+                    float *model);
+void model_motors(const float *local, const std::int32_t *parents, std::size_t count, float *model);
 // Products row by row, first times second.
-void multiply_matrices(const float *first, const float *second, std::size_t count,
-                                 float *products);
-void multiply_motors(const float *first, const float *second, std::size_t count,
-                               float *products);
+void multiply_matrices(const float *first, const float *second, std::size_t count, float *products);
+void multiply_motors(const float *first, const float *second, std::size_t count, float *products);
 
 }  // namespace motorcade::animation

@@ -18,7 +18,8 @@ constexpr std::size_t PER_THREAD = 4096;  // vertices that are worth a thread
 
 struct Method {
     std::size_t width;
-    void (*sum)(const float *, const std::uint16_t *, const float *, std::size_t, float *, std::size_t);
+    void (*sum)(const float *, const std::uint16_t *, const float *, std::size_t, float *,
+                std::size_t);
     void (*carry)(MOTORCADE_ARGUMENTS(float));
 };
 
@@ -68,8 +69,10 @@ void Mesh::skin_range(Skinning method, const float *palette, float *positions, f
     for (std::size_t from = start; from < end; from += TILE) {
         const std::size_t rows = std::min(TILE, end - from);
         const std::size_t blocks = (rows + LANES - 1) / LANES;
-        by.sum(palette, joints_.data() + 4 * from, weights_.data() + 4 * from, blocks * LANES, sums, TILE);
-        const float *const inputs[3] = {sums, rest_.data() + from, rest_.data() + 3 * padded_ + from};
+        by.sum(palette, joints_.data() + 4 * from, weights_.data() + 4 * from, blocks * LANES, sums,
+               TILE);
+        const float *const inputs[3] = {sums, rest_.data() + from,
+                                        rest_.data() + 3 * padded_ + from};
         by.carry(inputs, input_steps, outputs, &tile, blocks);
         write_rows(carried, TILE, rows, positions + 3 * from, normals + 3 * from);
     }
@@ -77,7 +80,8 @@ void Mesh::skin_range(Skinning method, const float *palette, float *positions, f
 
 void Mesh::skin(Skinning method, const float *palette, float *positions, float *normals,
                 unsigned threads) const {
-    const std::size_t shares = std::clamp<std::size_t>(count_ / PER_THREAD, 1, std::max(threads, 1U));
+    const std::size_t shares =
+        std::clamp<std::size_t>(count_ / PER_THREAD, 1, std::max(threads, 1U));
     const std::size_t share = (count_ / shares + TILE) / TILE * TILE;
     std::vector<std::thread> others;
     for (std::size_t start = share; start < count_; start += share)

@@ -1,9 +1,11 @@
-// What transitions and measurements make of covariances, compiled for the processors that x86 has; the loader picks.
+// What transitions and measurements make of covariances, compiled for the processors that x86 has;
+// the loader picks.
 
 #include "covariance.h"
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
-#define MOTORCADE_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#define MOTORCADE_CLONES                                                                           \
+    __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define MOTORCADE_CLONES
 #endif
@@ -15,8 +17,12 @@ namespace {
 // Four numbers of a row at once, whatever the processor makes of them.
 typedef double Quad __attribute__((vector_size(32), may_alias));
 
-MOTORCADE_INLINE Quad quad(const double *row, std::size_t q) { return *reinterpret_cast<const Quad *>(row + 4 * q); }
-MOTORCADE_INLINE void put(double *row, std::size_t q, Quad value) { *reinterpret_cast<Quad *>(row + 4 * q) = value; }
+MOTORCADE_INLINE Quad quad(const double *row, std::size_t q) {
+    return *reinterpret_cast<const Quad *>(row + 4 * q);
+}
+MOTORCADE_INLINE void put(double *row, std::size_t q, Quad value) {
+    *reinterpret_cast<Quad *>(row + 4 * q) = value;
+}
 
 // A row, or a column, of a block times three rows.
 MOTORCADE_INLINE Quad row_of(const double *block, std::size_t i, const Quad *x) {
@@ -39,11 +45,14 @@ MOTORCADE_INLINE void multiplied(const Transition &f, const double (*x)[W], doub
             by_accel[i] = quad(x[accel + i], q);
         }
         for (std::size_t i = 0; i < 3; ++i) {
-            put(made[turn + i], q, row_of(f.turn_turn, i, turned) + row_of(f.turn_gyro, i, by_gyro));
+            put(made[turn + i], q,
+                row_of(f.turn_turn, i, turned) + row_of(f.turn_gyro, i, by_gyro));
             Quad place = row_of(f.position_turn, i, turned) + row_of(f.turn_turn, i, shifted) +
-                         row_of(f.position_gyro, i, by_gyro) + row_of(f.position_accel, i, by_accel);
+                         row_of(f.position_gyro, i, by_gyro) +
+                         row_of(f.position_accel, i, by_accel);
             Quad speed = row_of(f.velocity_turn, i, turned) + row_of(f.turn_turn, i, faster) +
-                         row_of(f.velocity_gyro, i, by_gyro) + row_of(f.velocity_accel, i, by_accel);
+                         row_of(f.velocity_gyro, i, by_gyro) +
+                         row_of(f.velocity_accel, i, by_accel);
             if constexpr (tilted) {
                 const double *leaning = f.velocity_tilt + 2 * i;
                 const Quad fall = leaning[0] * quad(x[tilt], q) + leaning[1] * quad(x[tilt + 1], q);
@@ -58,7 +67,8 @@ MOTORCADE_INLINE void multiplied(const Transition &f, const double (*x)[W], doub
 
 // F' X.
 template <std::size_t N, std::size_t W>
-MOTORCADE_INLINE void multiplied_back(const Transition &f, const double (*x)[W], double (*made)[W]) {
+MOTORCADE_INLINE void multiplied_back(const Transition &f, const double (*x)[W],
+                                      double (*made)[W]) {
     for (std::size_t q = 0; q < W / 4; ++q) {
         Quad turned[3], shifted[3], faster[3];
         for (std::size_t i = 0; i < 3; ++i) {
@@ -68,14 +78,17 @@ MOTORCADE_INLINE void multiplied_back(const Transition &f, const double (*x)[W],
         }
         for (std::size_t i = 0; i < 3; ++i) {
             const Quad place = column_of(f.turn_turn, i, shifted);
-            put(made[turn + i], q, column_of(f.turn_turn, i, turned) + column_of(f.position_turn, i, shifted) +
-                                       column_of(f.velocity_turn, i, faster));
+            put(made[turn + i], q,
+                column_of(f.turn_turn, i, turned) + column_of(f.position_turn, i, shifted) +
+                    column_of(f.velocity_turn, i, faster));
             put(made[position + i], q, place);
             put(made[velocity + i], q, column_of(f.turn_turn, i, faster) + f.dt * place);
-            put(made[gyro + i], q, quad(x[gyro + i], q) + column_of(f.turn_gyro, i, turned) +
-                                       column_of(f.position_gyro, i, shifted) + column_of(f.velocity_gyro, i, faster));
-            put(made[accel + i], q, quad(x[accel + i], q) + column_of(f.position_accel, i, shifted) +
-                                        column_of(f.velocity_accel, i, faster));
+            put(made[gyro + i], q,
+                quad(x[gyro + i], q) + column_of(f.turn_gyro, i, turned) +
+                    column_of(f.position_gyro, i, shifted) + column_of(f.velocity_gyro, i, faster));
+            put(made[accel + i], q,
+                quad(x[accel + i], q) + column_of(f.position_accel, i, shifted) +
+                    column_of(f.velocity_accel, i, faster));
         }
         for (std::size_t k = 15; k < N; ++k) put(made[k], q, quad(x[k], q));
         if constexpr (N > 15)
@@ -89,7 +102,8 @@ MOTORCADE_INLINE void multiplied_back(const Transition &f, const double (*x)[W],
 }
 
 // P becomes F P F' + Q.
-template <std::size_t N> MOTORCADE_INLINE void propagated(Matrix<N> &p, const Transition &f, const Densities &q) {
+template <std::size_t N>
+MOTORCADE_INLINE void propagated(Matrix<N> &p, const Transition &f, const Densities &q) {
     constexpr std::size_t W = Matrix<N>::width, half = 12;
     constexpr bool tilted = N > 15;
     alignas(64) double top[9][W];
@@ -173,7 +187,8 @@ MOTORCADE_INLINE bool invert(std::size_t m, const double (*given)[widest], doubl
 }
 
 template <std::size_t N>
-MOTORCADE_INLINE bool weighed(const Matrix<N> &p, const Innovation<N> &given, double factor, Gain<N> &made) {
+MOTORCADE_INLINE bool weighed(const Matrix<N> &p, const Innovation<N> &given, double factor,
+                              Gain<N> &made) {
     constexpr std::size_t W = Matrix<N>::width;
     const std::size_t m = given.size;
     alignas(64) double across[N][widest] = {}, total[widest][widest];
@@ -206,7 +221,8 @@ MOTORCADE_INLINE bool weighed(const Matrix<N> &p, const Innovation<N> &given, do
 }
 
 // P - K (H P) - (P H' - K S) K', which is Joseph's form multiplied out.
-template <std::size_t N> MOTORCADE_INLINE void updated(Matrix<N> &p, const Innovation<N> &given, const Gain<N> &by) {
+template <std::size_t N>
+MOTORCADE_INLINE void updated(Matrix<N> &p, const Innovation<N> &given, const Gain<N> &by) {
     constexpr std::size_t W = Matrix<N>::width;
     const std::size_t m = given.size;
     alignas(64) double left[widest][W];
@@ -228,7 +244,8 @@ template <std::size_t N> MOTORCADE_INLINE void updated(Matrix<N> &p, const Innov
 
 // Λ - H' Z - Z' H with Z = K' Λ - ½ (K' Λ K + S⁻¹) H.
 template <std::size_t N>
-MOTORCADE_INLINE void updated_back(Matrix<N> &curvature, const Innovation<N> &given, const Gain<N> &by) {
+MOTORCADE_INLINE void updated_back(Matrix<N> &curvature, const Innovation<N> &given,
+                                   const Gain<N> &by) {
     constexpr std::size_t W = Matrix<N>::width;
     const std::size_t m = given.size;
     alignas(64) double pulled[widest][W] = {}, across[N][widest] = {};
@@ -248,7 +265,8 @@ MOTORCADE_INLINE void updated_back(Matrix<N> &curvature, const Innovation<N> &gi
     // Twice the one product: the mean with its transpose is what both make.
     for (std::size_t a = 0; a < m; ++a)
         for (std::size_t k = 0; k < N; ++k)
-            if (given.effect[a][k] != 0.0) add<W>(curvature.row[k], -2.0 * given.effect[a][k], part[a]);
+            if (given.effect[a][k] != 0.0)
+                add<W>(curvature.row[k], -2.0 * given.effect[a][k], part[a]);
     symmetrise(curvature);
 }
 
@@ -268,8 +286,12 @@ template <std::size_t N> MOTORCADE_INLINE void shrunk(Matrix<N> &p, const Matrix
 
 }  // namespace
 
-MOTORCADE_CLONES void propagate(Matrix<15> &p, const Transition &f, const Densities &q) { propagated<15>(p, f, q); }
-MOTORCADE_CLONES void propagate(Matrix<24> &p, const Transition &f, const Densities &q) { propagated<24>(p, f, q); }
+MOTORCADE_CLONES void propagate(Matrix<15> &p, const Transition &f, const Densities &q) {
+    propagated<15>(p, f, q);
+}
+MOTORCADE_CLONES void propagate(Matrix<24> &p, const Transition &f, const Densities &q) {
+    propagated<24>(p, f, q);
+}
 MOTORCADE_CLONES void transform(Matrix<15> &x, const Transition &f) { transformed(x, f); }
 MOTORCADE_CLONES void propagate_back(Matrix<15> &curvature, double *gradient, const Transition &f) {
     propagated_back<15>(curvature, gradient, f);
@@ -277,25 +299,33 @@ MOTORCADE_CLONES void propagate_back(Matrix<15> &curvature, double *gradient, co
 MOTORCADE_CLONES void propagate_back(Matrix<24> &curvature, double *gradient, const Transition &f) {
     propagated_back<24>(curvature, gradient, f);
 }
-MOTORCADE_CLONES bool weigh(const Matrix<15> &p, const Innovation<15> &given, double factor, Gain<15> &made) {
+MOTORCADE_CLONES bool weigh(const Matrix<15> &p, const Innovation<15> &given, double factor,
+                            Gain<15> &made) {
     return weighed<15>(p, given, factor, made);
 }
 MOTORCADE_CLONES void update(Matrix<15> &p, const Innovation<15> &given, const Gain<15> &by) {
     updated<15>(p, given, by);
 }
-MOTORCADE_CLONES void update_back(Matrix<15> &curvature, const Innovation<15> &given, const Gain<15> &by) {
+MOTORCADE_CLONES void update_back(Matrix<15> &curvature, const Innovation<15> &given,
+                                  const Gain<15> &by) {
     updated_back<15>(curvature, given, by);
 }
-MOTORCADE_CLONES void shrink(Matrix<15> &p, const Matrix<15> &curvature) { shrunk<15>(p, curvature); }
-MOTORCADE_CLONES bool weigh(const Matrix<24> &p, const Innovation<24> &given, double factor, Gain<24> &made) {
+MOTORCADE_CLONES void shrink(Matrix<15> &p, const Matrix<15> &curvature) {
+    shrunk<15>(p, curvature);
+}
+MOTORCADE_CLONES bool weigh(const Matrix<24> &p, const Innovation<24> &given, double factor,
+                            Gain<24> &made) {
     return weighed<24>(p, given, factor, made);
 }
 MOTORCADE_CLONES void update(Matrix<24> &p, const Innovation<24> &given, const Gain<24> &by) {
     updated<24>(p, given, by);
 }
-MOTORCADE_CLONES void update_back(Matrix<24> &curvature, const Innovation<24> &given, const Gain<24> &by) {
+MOTORCADE_CLONES void update_back(Matrix<24> &curvature, const Innovation<24> &given,
+                                  const Gain<24> &by) {
     updated_back<24>(curvature, given, by);
 }
-MOTORCADE_CLONES void shrink(Matrix<24> &p, const Matrix<24> &curvature) { shrunk<24>(p, curvature); }
+MOTORCADE_CLONES void shrink(Matrix<24> &p, const Matrix<24> &curvature) {
+    shrunk<24>(p, curvature);
+}
 
 }  // namespace motorcade::filter

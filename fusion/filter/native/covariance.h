@@ -1,7 +1,7 @@
 // Covariances of the filter's error and how they move. An error has N numbers: turn, position,
-// velocity, gyroscope bias, accelerometer bias (three each) and, where N is 24, tilt of gravity (2),
-// error of the camera's pose on the IMU (6) and time offset (1). Matrices are symmetric; only a
-// history packs them. The transition over one interval of inertial data is sparse, and only its
+// velocity, gyroscope bias, accelerometer bias (three each) and, where N is 24, tilt of gravity
+// (2), error of the camera's pose on the IMU (6) and time offset (1). Matrices are symmetric; only
+// a history packs them. The transition over one interval of inertial data is sparse, and only its
 // blocks are multiplied: two thirds of a dense product fall away.
 
 #pragma once
@@ -42,7 +42,8 @@ template <std::size_t N> struct Matrix {
     alignas(64) double row[N][width] = {};
 };
 
-template <std::size_t W> MOTORCADE_INLINE void add(double *__restrict to, double factor, const double *__restrict from) {
+template <std::size_t W>
+MOTORCADE_INLINE void add(double *__restrict to, double factor, const double *__restrict from) {
     for (std::size_t c = 0; c < W; ++c) to[c] += factor * from[c];
 }
 
@@ -57,7 +58,9 @@ void transform(Matrix<15> &x, const Transition &f);
 void propagate_back(Matrix<15> &curvature, double *gradient, const Transition &f);
 void propagate_back(Matrix<24> &curvature, double *gradient, const Transition &f);
 
-template <std::size_t N> MOTORCADE_INLINE void transpose(const double (*from)[Matrix<N>::width], double (*to)[Matrix<N>::width]) {
+template <std::size_t N>
+MOTORCADE_INLINE void transpose(const double (*from)[Matrix<N>::width],
+                                double (*to)[Matrix<N>::width]) {
     for (std::size_t i = 0; i < N; ++i)
         for (std::size_t j = 0; j < N; ++j) to[j][i] = from[i][j];
     for (std::size_t i = 0; i < N; ++i)
@@ -66,7 +69,8 @@ template <std::size_t N> MOTORCADE_INLINE void transpose(const double (*from)[Ma
 
 template <std::size_t N> MOTORCADE_INLINE void symmetrise(Matrix<N> &p) {
     for (std::size_t i = 0; i < N; ++i)
-        for (std::size_t j = 0; j < i; ++j) p.row[i][j] = p.row[j][i] = 0.5 * (p.row[i][j] + p.row[j][i]);
+        for (std::size_t j = 0; j < i; ++j)
+            p.row[i][j] = p.row[j][i] = 0.5 * (p.row[i][j] + p.row[j][i]);
 }
 
 template <std::size_t N> std::vector<double> packed(const Matrix<N> &p) {
@@ -82,7 +86,8 @@ template <std::size_t N> void unpack(const std::vector<double> &given, Matrix<N>
         for (std::size_t j = 0; j <= i; ++j) p.row[i][j] = p.row[j][i] = given[k++];
 }
 
-// What a measurement of m numbers says: measured less predicted, its derivative by the error, its noise.
+// What a measurement of m numbers says: measured less predicted, its derivative by the error, its
+// noise.
 template <std::size_t N> struct Innovation {
     std::size_t size = 0;
     double residual[widest] = {};
@@ -90,8 +95,9 @@ template <std::size_t N> struct Innovation {
     double noise[widest][widest] = {};
 };
 
-// A step of Kalman's, a row a number of the measurement: what the covariance P makes of its derivative
-// (H P), the gain, the innovation's covariance with its inverse, and the normalised square.
+// A step of Kalman's, a row a number of the measurement: what the covariance P makes of its
+// derivative (H P), the gain, the innovation's covariance with its inverse, and the normalised
+// square.
 template <std::size_t N> struct Gain {
     alignas(64) double spread[widest][Matrix<N>::width];
     alignas(64) double gain[widest][Matrix<N>::width];
@@ -100,8 +106,8 @@ template <std::size_t N> struct Gain {
     double nis = 0.0;
 };
 
-// The gain for noise that is `factor` times what the measurement states; false where the innovation's
-// covariance is not positive definite.
+// The gain for noise that is `factor` times what the measurement states; false where the
+// innovation's covariance is not positive definite.
 bool weigh(const Matrix<15> &p, const Innovation<15> &given, double factor, Gain<15> &made);
 bool weigh(const Matrix<24> &p, const Innovation<24> &given, double factor, Gain<24> &made);
 

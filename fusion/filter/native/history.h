@@ -7,7 +7,8 @@
 
 namespace motorcade::filter {
 
-// After so many times the patience it is no longer the start that is doubted, but all that is known.
+// After so many times the patience it is no longer the start that is doubted, but all that is
+// known.
 constexpr std::size_t long_patience = 4;
 
 // Does events [from, to) again, from the nearest state kept before them.
@@ -34,14 +35,15 @@ template <std::size_t N> void Timeline<N>::replay(std::size_t from, std::size_t 
     for (std::size_t k = first; k < to; ++k) process(k);
 }
 
-// So many measurements in a row denied the prediction: would they agree with each other, had it been
-// given up at the first of them? Then it is, from there on; the start itself where nothing else had
-// been believed yet. Otherwise all is done again as it was.
+// So many measurements in a row denied the prediction: would they agree with each other, had it
+// been given up at the first of them? Then it is, from there on; the start itself where nothing
+// else had been believed yet. Otherwise all is done again as it was.
 template <std::size_t N> void Timeline<N>::reopen() {
     const std::deque<std::size_t> denied = streak_;
     const std::size_t first = denied.front();
     std::size_t target = first, far = long_patience * settings_.patience;
-    while (target > 1 && far > 0 && !(events_[target - 1].measures() && events_[target - 1].factor > 0.0))
+    while (target > 1 && far > 0 &&
+           !(events_[target - 1].measures() && events_[target - 1].factor > 0.0))
         --target, --far;
     target = target == 1 && !forgotten_ ? 0 : first;
     const Event &witness = events_[first];
@@ -53,7 +55,10 @@ template <std::size_t N> void Timeline<N>::reopen() {
     given_up.doubt = std::make_unique<Doubt>();
     const std::array<double, 5> &start = settings_.start_sigma;
     const double share = far == 0 ? 1.0 : 0.01;
-    const double room[5] = {seen ? 1.0 : turned, seen ? 1.0 : fast ? 0.0 : shifted,
+    const double room[5] = {seen ? 1.0 : turned,
+                            seen   ? 1.0
+                            : fast ? 0.0
+                                   : shifted,
                             shifted + share * start[2] * start[2], share * start[3] * start[3],
                             share * start[4] * start[4]};
     std::copy_n(room, 5, given_up.doubt->added);
@@ -119,7 +124,8 @@ template <std::size_t N> void Timeline<N>::write(Event &event) {
 // Row of the sink: the state, the covariance p and what that makes of the camera's pose.
 template <std::size_t N> void Timeline<N>::put(std::size_t row, const Matrix<N> &p) const {
     if (sink.whole != nullptr)
-        for (std::size_t i = 0; i < N; ++i) std::copy_n(p.row[i], N, sink.whole + (N * row + i) * N);
+        for (std::size_t i = 0; i < N; ++i)
+            std::copy_n(p.row[i], N, sink.whole + (N * row + i) * N);
     double effect[6][N] = {}, by_pose[36], spread[6][N];
     motorcade_pose_effect(now_.imu_T_camera, by_pose);
     for (std::size_t a = 0; a < 6; ++a) {

@@ -1,5 +1,5 @@
-// What inertial samples add up to over an interval, from the identity, at rest and without gravity: the
-// filter's own step, transition and covariance, for those that look at intervals as a whole.
+// What inertial samples add up to over an interval, from the identity, at rest and without gravity:
+// the filter's own step, transition and covariance, for those that look at intervals as a whole.
 
 #pragma once
 
@@ -34,7 +34,8 @@ inline void add_white(Matrix<15> &p, const Transition &f, const Densities &noise
         for (std::size_t j = 0; j <= i; ++j) {
             double sum = 0.0;
             for (std::size_t k = 0; k < 3; ++k)
-                sum += rate * effect[i][k] * effect[j][k] + force * effect[i][3 + k] * effect[j][3 + k];
+                sum += rate * effect[i][k] * effect[j][k] +
+                       force * effect[i][3 + k] * effect[j][3 + k];
             p.row[i][j] += sum;
             if (j < i) p.row[j][i] += sum;
         }
@@ -42,7 +43,8 @@ inline void add_white(Matrix<15> &p, const Transition &f, const Densities &noise
 
 // Goes on by a step of constant readings.
 template <bool held>
-inline void extend(Increment &sum, const Reading &read, const double *bias, double dt, const Densities &noise) {
+inline void extend(Increment &sum, const Reading &read, const double *bias, double dt,
+                   const Densities &noise) {
     const double fall[3] = {};
     const Densities walks{0.0, 0.0, noise.gyro_walk, noise.accel_walk};
     std::copy_n(bias, 6, sum.state.bias);

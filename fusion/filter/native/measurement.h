@@ -1,4 +1,5 @@
-// What can happen at a moment: measurements of five kinds, and moments at which the path is asked for.
+// What can happen at a moment: measurements of five kinds, and moments at which the path is asked
+// for.
 
 #pragma once
 
@@ -12,7 +13,8 @@ namespace motorcade::filter {
 enum class Kind : int { check = 0, camera_pose, imu_pose, position, velocity, corners, output };
 
 constexpr std::size_t pose_numbers = 8 + 36, position_numbers = 3 + 3 + 9, velocity_numbers = 3 + 9;
-constexpr std::size_t corner_numbers = 3 + 2 + 3;  // world point, x/z and y/z, xx xy yy of their covariance
+constexpr std::size_t corner_numbers =
+    3 + 2 + 3;  // world point, x/z and y/z, xx xy yy of their covariance
 constexpr double nearest_depth_m = 1e-3;
 
 // What was known after a moment, its covariance packed.
@@ -21,8 +23,8 @@ struct Known {
     std::vector<double> covariance;
 };
 
-// Where a prediction was given up: variances added then (turn, position, velocity, both biases), and
-// where a start was wrong the twist to what was measured next.
+// Where a prediction was given up: variances added then (turn, position, velocity, both biases),
+// and where a start was wrong the twist to what was measured next.
 struct Doubt {
     double added[5] = {};
     double restart[6] = {};
@@ -33,17 +35,17 @@ struct Event {
     std::int64_t stamp_ns = 0;  // as given
     Kind kind = Kind::check;
     bool judged = false;
-    std::size_t number = 0;     // of the measurement, or of the output
-    double shift_s = 0.0;       // what was added to the stamp
+    std::size_t number = 0;  // of the measurement, or of the output
+    double shift_s = 0.0;    // what was added to the stamp
     std::vector<double> data;
 
     // What became of it. Long recordings have many: what can be made again is kept of few.
-    double nis = 0.0, factor = 0.0;  // a factor of 0: left out
+    double nis = 0.0, factor = 0.0;            // a factor of 0: left out
     double live_nis = 0.0, live_factor = 0.0;  // as judged first, before anything later was known
     std::unique_ptr<Doubt> doubt;
     std::unique_ptr<Known> known;
-    // Of one left out its residual (m); for a backward pass residual, effect (m, N), gain (m, N) and
-    // inverse (m, m).
+    // Of one left out its residual (m); for a backward pass residual, effect (m, N), gain (m, N)
+    // and inverse (m, m).
     std::size_t size = 0;
     std::vector<double> linear;
 
@@ -74,12 +76,22 @@ public:
     bool of(const Event &event, Innovation<N> &made) const {
         const double *data = event.data.data();
         switch (event.kind) {
-        case Kind::camera_pose: pose(event, data, made); return true;
-        case Kind::imu_pose: pose(event, data, made); return true;
-        case Kind::position: at_arm(data, made); return true;
-        case Kind::velocity: moving(data, made); return true;
-        case Kind::corners: return corners(event, data, made);
-        default: return false;
+        case Kind::camera_pose:
+            pose(event, data, made);
+            return true;
+        case Kind::imu_pose:
+            pose(event, data, made);
+            return true;
+        case Kind::position:
+            at_arm(data, made);
+            return true;
+        case Kind::velocity:
+            moving(data, made);
+            return true;
+        case Kind::corners:
+            return corners(event, data, made);
+        default:
+            return false;
         }
     }
 
@@ -103,8 +115,10 @@ private:
         const bool camera = event.kind == Kind::camera_pose;
         const double *imu_T_camera = camera ? state_.imu_T_camera : one;
         double predicted[8], effect[36];
-        if (camera) at_stamp(event, predicted);
-        else std::copy_n(state_.pose, 8, predicted);
+        if (camera)
+            at_stamp(event, predicted);
+        else
+            std::copy_n(state_.pose, 8, predicted);
         made.size = 6;
         motorcade_pose_residual(predicted, imu_T_camera, data, made.residual);
         motorcade_pose_effect(imu_T_camera, effect);
@@ -146,13 +160,15 @@ private:
         made.size = 2 * count;
         for (std::size_t c = 0; c < count; ++c) {
             const double *corner = data + c * corner_numbers;
-            motorcade_corner(pose, state_.imu_T_camera, corner, seen, depth, by_pose, by_extrinsics);
+            motorcade_corner(pose, state_.imu_T_camera, corner, seen, depth, by_pose,
+                             by_extrinsics);
             if (!(depth[0] > nearest_depth_m)) return false;
             for (std::size_t a = 0; a < 2; ++a) {
                 const std::size_t row = 2 * c + a;
                 made.residual[row] = corner[3 + a] - seen[a];
                 std::copy_n(by_pose + 6 * a, 6, made.effect[row]);
-                if constexpr (N > 15) std::copy_n(by_extrinsics + 6 * a, 6, made.effect[row] + extrinsics);
+                if constexpr (N > 15)
+                    std::copy_n(by_extrinsics + 6 * a, 6, made.effect[row] + extrinsics);
                 for (std::size_t b = 0; b < 2; ++b) made.noise[row][2 * c + b] = corner[5 + a + b];
                 delayed(made, row);
             }

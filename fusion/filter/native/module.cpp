@@ -29,8 +29,11 @@ using MadeCubes = nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu
 class Three {
 public:
     Three(nb::handle given, const char *name) {
-        if (PyObject_GetBuffer(given.ptr(), &view_, PyBUF_STRIDES | PyBUF_FORMAT) != 0) throw nb::python_error();
-        if (view_.ndim == 1 && view_.shape[0] == 3 && view_.format[0] == 'd' && view_.format[1] == '\0') return;
+        if (PyObject_GetBuffer(given.ptr(), &view_, PyBUF_STRIDES | PyBUF_FORMAT) != 0)
+            throw nb::python_error();
+        if (view_.ndim == 1 && view_.shape[0] == 3 && view_.format[0] == 'd' &&
+            view_.format[1] == '\0')
+            return;
         PyBuffer_Release(&view_);
         throw std::invalid_argument(std::string(name) + ": expected three numbers of float64");
     }
@@ -39,14 +42,16 @@ public:
     ~Three() { PyBuffer_Release(&view_); }
     void read(double *to) const {
         for (Py_ssize_t k = 0; k < 3; ++k)
-            to[k] = *reinterpret_cast<const double *>(static_cast<const char *>(view_.buf) + view_.strides[0] * k);
+            to[k] = *reinterpret_cast<const double *>(static_cast<const char *>(view_.buf) +
+                                                      view_.strides[0] * k);
     }
 
 private:
     Py_buffer view_{};
 };
 
-template <class T> nb::object array(const std::vector<T> &values, std::initializer_list<std::size_t> shape) {
+template <class T>
+nb::object array(const std::vector<T> &values, std::initializer_list<std::size_t> shape) {
     auto *memory = new T[std::max<std::size_t>(1, values.size())];
     std::copy(values.begin(), values.end(), memory);
     nb::capsule owner(memory, [](void *data) noexcept { delete[] static_cast<T *>(data); });
@@ -67,9 +72,9 @@ public:
     virtual void play() = 0;
     virtual void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data) = 0;
     virtual void schedule(int kind, const Stamps &time_ns, const Rows &data) = 0;
-    virtual void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity, const Made &bias,
-                         const MadeCubes &covariance, const Made &others, const std::optional<MadeCubes> &whole,
-                         bool final) = 0;
+    virtual void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity,
+                         const Made &bias, const MadeCubes &covariance, const Made &others,
+                         const std::optional<MadeCubes> &whole, bool final) = 0;
     virtual void smooth() = 0;
     virtual nb::object state() const = 0;
     virtual nb::object judged() const = 0;
@@ -130,23 +135,27 @@ public:
             events[k].kind = static_cast<Kind>(kind);
             events[k].stamp_ns = time_ns.data()[k];
             events[k].number = k;
-            events[k].data.assign(data.data() + k * data.shape(1), data.data() + (k + 1) * data.shape(1));
+            events[k].data.assign(data.data() + k * data.shape(1),
+                                  data.data() + (k + 1) * data.shape(1));
         }
         filter_.schedule(std::move(events));
     }
 
     void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity, const Made &bias,
-                 const MadeCubes &covariance, const Made &others, const std::optional<MadeCubes> &whole,
-                 bool final) override {
+                 const MadeCubes &covariance, const Made &others,
+                 const std::optional<MadeCubes> &whole, bool final) override {
         const std::size_t count = time_ns.shape(0);
-        expect(pose.shape(0) == count && pose.shape(1) == 8 && velocity.shape(0) == count && velocity.shape(1) == 3 &&
-                   bias.shape(0) == count && bias.shape(1) == 6 && covariance.shape(0) == count &&
-                   covariance.shape(1) == 6 && covariance.shape(2) == 6 && others.shape(0) == count &&
-                   others.shape(1) == 13 &&
-                   (!whole || (whole->shape(0) == count && whole->shape(1) == N && whole->shape(2) == N)),
+        expect(pose.shape(0) == count && pose.shape(1) == 8 && velocity.shape(0) == count &&
+                   velocity.shape(1) == 3 && bias.shape(0) == count && bias.shape(1) == 6 &&
+                   covariance.shape(0) == count && covariance.shape(1) == 6 &&
+                   covariance.shape(2) == 6 && others.shape(0) == count && others.shape(1) == 13 &&
+                   (!whole ||
+                    (whole->shape(0) == count && whole->shape(1) == N && whole->shape(2) == N)),
                "outputs: expected arrays of one row a stamp");
-        filter_.sink = {pose.data(), velocity.data(), bias.data(), covariance.data(), others.data(),
-                        whole ? whole->data() : nullptr, final};
+        filter_.sink = {pose.data(),   velocity.data(),
+                        bias.data(),   covariance.data(),
+                        others.data(), whole ? whole->data() : nullptr,
+                        final};
         std::vector<Event> events(count);
         for (std::size_t k = 0; k < count; ++k) {
             events[k].kind = Kind::output;
@@ -166,12 +175,14 @@ public:
         const State &at = filter_.state();
         std::vector<double> covariance;
         for (std::size_t i = 0; i < N; ++i)
-            covariance.insert(covariance.end(), filter_.covariance().row[i], filter_.covariance().row[i] + N);
+            covariance.insert(covariance.end(), filter_.covariance().row[i],
+                              filter_.covariance().row[i] + N);
         const auto of = [](const double *given, std::size_t n) {
             return array(std::vector<double>(given, given + n), {n});
         };
-        return nb::make_tuple(filter_.time_ns(), of(at.pose, 8), of(at.velocity, 3), of(at.bias, 6), of(at.gravity_rotor, 4),
-                              of(at.imu_T_camera, 8), at.delay_s, array(covariance, {N, N}));
+        return nb::make_tuple(filter_.time_ns(), of(at.pose, 8), of(at.velocity, 3), of(at.bias, 6),
+                              of(at.gravity_rotor, 4), of(at.imu_T_camera, 8), at.delay_s,
+                              array(covariance, {N, N}));
     }
 
     nb::object judged() const override {
@@ -180,7 +191,8 @@ public:
         for (const Event &event : filter_.events()) {
             if (!event.measures() || !event.judged) continue;
             whole.insert(whole.end(), {event.stamp_ns, static_cast<std::int64_t>(event.number),
-                                       static_cast<std::int64_t>(event.kind), static_cast<std::int64_t>(event.size)});
+                                       static_cast<std::int64_t>(event.kind),
+                                       static_cast<std::int64_t>(event.size)});
             real.insert(real.end(), {event.nis, event.factor, event.live_nis, event.live_factor});
         }
         const std::size_t count = whole.size() / 4;
@@ -188,7 +200,8 @@ public:
     }
 
     nb::tuple held() const override {
-        return nb::make_tuple(filter_.samples().size(), filter_.events().size(), filter_.reopened());
+        return nb::make_tuple(filter_.samples().size(), filter_.events().size(),
+                              filter_.reopened());
     }
 
 private:
@@ -222,11 +235,12 @@ private:
     Rows held_rate_, held_force_;
 };
 
-std::unique_ptr<Engine> engine(const std::array<double, 5> &model, const std::array<double, 6> &start,
-                               const std::array<double, 4> &known, const std::array<double, widest + 1> &gate,
-                               double outlier_threshold, std::size_t patience, const std::array<double, 3> &gap, double history_s,
-                               std::size_t check_every, const std::array<double, 8> &imu_T_camera, double delay_s,
-                               const std::array<double, 5> &rest) {
+std::unique_ptr<Engine>
+engine(const std::array<double, 5> &model, const std::array<double, 6> &start,
+       const std::array<double, 4> &known, const std::array<double, widest + 1> &gate,
+       double outlier_threshold, std::size_t patience, const std::array<double, 3> &gap,
+       double history_s, std::size_t check_every, const std::array<double, 8> &imu_T_camera,
+       double delay_s, const std::array<double, 5> &rest) {
     const auto square = [](double x) { return x * x; };
     Settings made;
     made.gravity_m_s2 = model[0];
@@ -250,20 +264,22 @@ std::unique_ptr<Engine> engine(const std::array<double, 5> &model, const std::ar
     return std::make_unique<EngineOf<15>>(made, first, Rest(rest));
 }
 
-using Squares = std::array<double, 4>;  // of the densities of rate and force and of their biases' walks
+using Squares =
+    std::array<double, 4>;  // of the densities of rate and force and of their biases' walks
 
 // Sums of steps that follow each other within intervals; `first` has the first step of each.
 template <bool held>
-void increments(const Stamps &first, const Flat &dt_s, const Rows &rate, const Rows &force, const Rows &bias,
-                const Squares &squares, const Made &pose, const Made &velocity, const MadeCubes &transition,
-                const MadeCubes &covariance) {
+void increments(const Stamps &first, const Flat &dt_s, const Rows &rate, const Rows &force,
+                const Rows &bias, const Squares &squares, const Made &pose, const Made &velocity,
+                const MadeCubes &transition, const MadeCubes &covariance) {
     const std::size_t steps = dt_s.shape(0), count = first.shape(0);
     const auto wide = [&](const auto &given, std::size_t rows, std::size_t width) {
         return given.shape(0) == rows && given.shape(1) == width;
     };
-    expect(wide(rate, steps, 3) && wide(force, steps, 3) && wide(bias, steps, 6) && wide(pose, count, 8) &&
-               wide(velocity, count, 3) && wide(transition, count, 15) && transition.shape(2) == 15 &&
-               wide(covariance, count, 15) && covariance.shape(2) == 15,
+    expect(wide(rate, steps, 3) && wide(force, steps, 3) && wide(bias, steps, 6) &&
+               wide(pose, count, 8) && wide(velocity, count, 3) && wide(transition, count, 15) &&
+               transition.shape(2) == 15 && wide(covariance, count, 15) &&
+               covariance.shape(2) == 15,
            "increments: expected arrays of one row a step, and of one row an interval");
     const Densities noise{squares[0], squares[1], squares[2], squares[3]};
     nb::gil_scoped_release unlocked;
@@ -290,7 +306,8 @@ void noises(const Flat &dt_s, const Squares &squares, const MadeCubes &made) {
     expect(made.shape(0) == dt_s.shape(0) && made.shape(1) == 15 && made.shape(2) == 15,
            "process_noise: expected a matrix (15, 15) an interval");
     const Densities noise{squares[0], squares[1], squares[2], squares[3]};
-    for (std::size_t k = 0; k < dt_s.shape(0); ++k) process_noise(noise, dt_s.data()[k], made.data() + 225 * k);
+    for (std::size_t k = 0; k < dt_s.shape(0); ++k)
+        process_noise(noise, dt_s.data()[k], made.data() + 225 * k);
 }
 
 }  // namespace
@@ -304,17 +321,18 @@ NB_MODULE(_filter, module) {
         .def("play", &Engine::play)
         .def("add", &Engine::add, "kind"_a, "time_ns"_a, "number"_a, "data"_a)
         .def("schedule", &Engine::schedule, "kind"_a, "time_ns"_a, "data"_a)
-        .def("outputs", &Engine::outputs, "time_ns"_a, "pose"_a, "velocity"_a, "bias"_a, "covariance"_a, "others"_a,
-             "whole"_a.none(), "final"_a)
+        .def("outputs", &Engine::outputs, "time_ns"_a, "pose"_a, "velocity"_a, "bias"_a,
+             "covariance"_a, "others"_a, "whole"_a.none(), "final"_a)
         .def("smooth", &Engine::smooth)
         .def("state", &Engine::state)
         .def("judged", &Engine::judged)
         .def("held", &Engine::held);
-    module.def("engine", &engine, "model"_a, "start"_a, "known"_a, "gate"_a, "outlier_threshold"_a, "patience"_a, "gap"_a,
-               "history_s"_a, "check_every"_a, "imu_T_camera"_a, "delay_s"_a, "rest"_a);
-    module.def("increments", &increments<false>, "first"_a, "dt_s"_a, "rate"_a, "force"_a, "bias"_a, "squares"_a,
-               "pose"_a, "velocity"_a, "transition"_a, "covariance"_a);
-    module.def("held_increments", &increments<true>, "first"_a, "dt_s"_a, "rate"_a, "force"_a, "bias"_a, "squares"_a,
-               "pose"_a, "velocity"_a, "transition"_a, "covariance"_a);
+    module.def("engine", &engine, "model"_a, "start"_a, "known"_a, "gate"_a, "outlier_threshold"_a,
+               "patience"_a, "gap"_a, "history_s"_a, "check_every"_a, "imu_T_camera"_a, "delay_s"_a,
+               "rest"_a);
+    module.def("increments", &increments<false>, "first"_a, "dt_s"_a, "rate"_a, "force"_a, "bias"_a,
+               "squares"_a, "pose"_a, "velocity"_a, "transition"_a, "covariance"_a);
+    module.def("held_increments", &increments<true>, "first"_a, "dt_s"_a, "rate"_a, "force"_a,
+               "bias"_a, "squares"_a, "pose"_a, "velocity"_a, "transition"_a, "covariance"_a);
     module.def("process_noise", &noises, "dt_s"_a, "squares"_a, "made"_a);
 }

@@ -1,5 +1,6 @@
-// Rest, told from inertial data: over a window nothing turns beyond the gyroscope's bias, the force is
-// that of gravity, and both stay as they are. What rests has no velocity, which is a measurement.
+// Rest, told from inertial data: over a window nothing turns beyond the gyroscope's bias, the force
+// is that of gravity, and both stay as they are. What rests has no velocity, which is a
+// measurement.
 
 #pragma once
 
@@ -12,12 +13,14 @@ namespace motorcade::filter {
 
 class Rest {
 public:
-    static constexpr std::size_t number = static_cast<std::size_t>(-1);  // of measurements made here
+    static constexpr std::size_t number =
+        static_cast<std::size_t>(-1);  // of measurements made here
 
-    // Window (s; 0: never), limits of rate (rad/s) and force (m/s²), deviation of the velocity (m/s)
-    // and the least time between two measurements (s).
+    // Window (s; 0: never), limits of rate (rad/s) and force (m/s²), deviation of the velocity
+    // (m/s) and the least time between two measurements (s).
     explicit Rest(const std::array<double, 5> &given)
-        : window_ns_(ns(given[0])), rate_(given[1]), force_(given[2]), sigma_(given[3]), period_ns_(ns(given[4])) {}
+        : window_ns_(ns(given[0])), rate_(given[1]), force_(given[2]), sigma_(given[3]),
+          period_ns_(ns(given[4])) {}
 
     bool wanted() const { return window_ns_ > 0; }
 
@@ -29,8 +32,11 @@ public:
     // Takes a sample; whether the sensor rests and it is time to say so.
     bool found(const Sample &sample, const State &state, double gravity_m_s2) {
         held_.push_back(sample);
-        while (held_.size() > 2 && held_[1].time_ns <= sample.time_ns - window_ns_) held_.pop_front();
-        if (sample.time_ns - held_.front().time_ns < window_ns_ || sample.time_ns - last_ns_ < period_ns_) return false;
+        while (held_.size() > 2 && held_[1].time_ns <= sample.time_ns - window_ns_)
+            held_.pop_front();
+        if (sample.time_ns - held_.front().time_ns < window_ns_ ||
+            sample.time_ns - last_ns_ < period_ns_)
+            return false;
         double rate[3] = {}, force[3] = {};
         for (const Sample &one : held_)
             for (int i = 0; i < 3; ++i) {
@@ -45,7 +51,8 @@ public:
         if (std::abs(std::sqrt(size) - gravity_m_s2) > force_) return false;
         for (const Sample &one : held_)
             for (int i = 0; i < 3; ++i)
-                if (std::abs(one.read.rate[i] - rate[i]) > rate_ || std::abs(one.read.force[i] - force[i]) > force_)
+                if (std::abs(one.read.rate[i] - rate[i]) > rate_ ||
+                    std::abs(one.read.force[i] - force[i]) > force_)
                     return false;
         last_ns_ = sample.time_ns;
         return true;

@@ -1,5 +1,6 @@
-// Inertial data in the order of time: live ones are kept here and forgotten in their turn, those of a
-// whole recording stay where the caller holds them, for they are the most that a filter has to hold.
+// Inertial data in the order of time: live ones are kept here and forgotten in their turn, those of
+// a whole recording stay where the caller holds them, for they are the most that a filter has to
+// hold.
 
 #pragma once
 
@@ -18,7 +19,8 @@ struct Sample {
 class Samples {
 public:
     // Takes columns of `count` samples, which must outlive this; none is seen before `show`.
-    void hold(const std::int64_t *time_ns, const double *rate, const double *force, std::size_t count) {
+    void hold(const std::int64_t *time_ns, const double *rate, const double *force,
+              std::size_t count) {
         time_ns_ = time_ns, rate_ = rate, force_ = force, held_ = count;
     }
 
@@ -51,9 +53,12 @@ public:
         std::size_t low = 0, high = size();
         while (low < high) {
             const std::size_t middle = low + (high - low) / 2;
-            const std::int64_t there = time_ns_ == nullptr ? own_[middle].time_ns : time_ns_[middle];
-            if (time_ns < there) high = middle;
-            else low = middle + 1;
+            const std::int64_t there =
+                time_ns_ == nullptr ? own_[middle].time_ns : time_ns_[middle];
+            if (time_ns < there)
+                high = middle;
+            else
+                low = middle + 1;
         }
         return low;
     }

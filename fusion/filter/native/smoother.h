@@ -15,8 +15,8 @@ template <std::size_t N> class Filter final : public Timeline<N> {
 public:
     using Timeline<N>::Timeline;
 
-    // Rewrites what the sink holds for the moments passed so far. Between states that were kept all is
-    // made again first. The state ends where it started.
+    // Rewrites what the sink holds for the moments passed so far. Between states that were kept all
+    // is made again first. The state ends where it started.
     void smooth() {
         Matrix<N> curvature;
         double gradient[N] = {};
@@ -29,7 +29,8 @@ public:
             for (std::size_t i = end; i-- > first;) {
                 Event &event = this->events_[i];
                 if (event.kind == Kind::output) rewrite(event, gradient, curvature);
-                if (event.measures() && event.factor > 0.0 && i > 0) take_in(event, gradient, curvature);
+                if (event.measures() && event.factor > 0.0 && i > 0)
+                    take_in(event, gradient, curvature);
                 if (i > 0) step_back(this->events_[i - 1], event.time_ns, gradient, curvature);
                 event.known.reset();
                 event.linear = std::vector<double>();
@@ -44,15 +45,16 @@ private:
         this->now_ = from.known->after;
         this->seek(from.time_ns);
         this->advance(to, [this](const Transition &f, const Densities &) { steps_.push_back(f); });
-        for (std::size_t k = steps_.size(); k-- > 0;) propagate_back(curvature, gradient, steps_[k]);
+        for (std::size_t k = steps_.size(); k-- > 0;)
+            propagate_back(curvature, gradient, steps_[k]);
         symmetrise(curvature);
     }
 
     // λ becomes (1 - K H)' λ - H' S⁻¹ y, and Λ likewise with H' S⁻¹ H added.
     void take_in(const Event &event, double *gradient, Matrix<N> &curvature) {
         const std::size_t m = event.size;
-        const double *residual = event.linear.data(), *effect = residual + m, *gain = effect + m * N,
-                     *inverse = gain + m * N;
+        const double *residual = event.linear.data(), *effect = residual + m,
+                     *gain = effect + m * N, *inverse = gain + m * N;
         Innovation<N> seen;
         Gain<N> by;
         seen.size = m;

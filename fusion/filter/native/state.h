@@ -11,12 +11,12 @@
 namespace motorcade::filter {
 
 struct State {
-    double pose[8] = {1.0};  // world_T_imu
-    double velocity[3] = {}; // in the world
-    double bias[6] = {};     // gyroscope, accelerometer
-    double gravity_rotor[4] = {1.0}; // turns -z of the world to where gravity points
-    double imu_T_camera[8] = {1.0}; // imu_T_camera
-    double delay_s = 0.0;    // a camera's stamp plus this is the IMU's time
+    double pose[8] = {1.0};           // world_T_imu
+    double velocity[3] = {};          // in the world
+    double bias[6] = {};              // gyroscope, accelerometer
+    double gravity_rotor[4] = {1.0};  // turns -z of the world to where gravity points
+    double imu_T_camera[8] = {1.0};   // imu_T_camera
+    double delay_s = 0.0;             // a camera's stamp plus this is the IMU's time
 };
 
 struct Reading {
@@ -32,7 +32,8 @@ template <std::size_t N> inline void correct(State &state, const double *error) 
     for (std::size_t i = 0; i < 6; ++i) next.bias[i] += error[gyro + i];
     if constexpr (N > 15) {
         const double leaning[6] = {error[tilt], error[tilt + 1], 0.0, 0.0, 0.0, 0.0};
-        const double upright[8] = {state.gravity_rotor[0], state.gravity_rotor[1], state.gravity_rotor[2], state.gravity_rotor[3]};
+        const double upright[8] = {state.gravity_rotor[0], state.gravity_rotor[1],
+                                   state.gravity_rotor[2], state.gravity_rotor[3]};
         double turned[8];
         motorcade_retract(upright, leaning, turned);
         std::copy_n(turned, 4, next.gravity_rotor);
@@ -47,29 +48,37 @@ class Motion {
 public:
     explicit Motion(double gravity_m_s2) : size_(gravity_m_s2) {}
 
-    void gravity(const State &state, double *made) const { motorcade_gravity(state.gravity_rotor, size_, made); }
+    void gravity(const State &state, double *made) const {
+        motorcade_gravity(state.gravity_rotor, size_, made);
+    }
 
     // How many equal parts an interval must have for the generated model to hold.
     static int parts(const State &state, const Reading &read, double dt, int most = most_parts) {
         double square = 0.0;
-        for (int i = 0; i < 3; ++i) square += (read.rate[i] - state.bias[i]) * (read.rate[i] - state.bias[i]);
+        for (int i = 0; i < 3; ++i)
+            square += (read.rate[i] - state.bias[i]) * (read.rate[i] - state.bias[i]);
         const double parts = std::floor(std::sqrt(square) * dt / largest_turn_rad) + 1.0;
         return parts < most ? static_cast<int>(parts) : most;
     }
 
     // `held`: the force keeps the axes that it had at the interval's start.
     template <std::size_t N, bool held = false>
-    void step(State &state, const Reading &read, double dt, const double *fall, Transition &made) const {
+    void step(State &state, const Reading &read, double dt, const double *fall,
+              Transition &made) const {
         constexpr auto transition = held ? motorcade_held_transition : motorcade_transition;
         constexpr auto step_of = held ? motorcade_held_step : motorcade_step;
         double pose[8], faster[3];
-        transition(state.bias, read.rate, read.force, dt, made.turn_turn, made.position_turn, made.velocity_turn,
-                   made.turn_gyro, made.position_gyro, made.velocity_gyro, made.position_accel, made.velocity_accel);
+        transition(state.bias, read.rate, read.force, dt, made.turn_turn, made.position_turn,
+                   made.velocity_turn, made.turn_gyro, made.position_gyro, made.velocity_gyro,
+                   made.position_accel, made.velocity_accel);
         made.dt = dt;
-        step_of(state.pose, state.velocity, state.bias, read.rate, read.force, dt, fall, pose, faster);
+        step_of(state.pose, state.velocity, state.bias, read.rate, read.force, dt, fall, pose,
+                faster);
         std::copy_n(pose, 8, state.pose);
         std::copy_n(faster, 3, state.velocity);
-        if constexpr (N > 15) motorcade_gravity_effect(state.pose, state.gravity_rotor, size_, dt, made.velocity_tilt);
+        if constexpr (N > 15)
+            motorcade_gravity_effect(state.pose, state.gravity_rotor, size_, dt,
+                                     made.velocity_tilt);
     }
 
 private:

@@ -1,7 +1,7 @@
-// Inertial samples and events in the order of time, and the state that is propagated along them. Live
-// streams and whole recordings go through the same code: samples are added one after another, events
-// wait until the samples reach them, and one that comes late is put where it belongs, after which
-// everything since is done again from the nearest state that was kept.
+// Inertial samples and events in the order of time, and the state that is propagated along them.
+// Live streams and whole recordings go through the same code: samples are added one after another,
+// events wait until the samples reach them, and one that comes late is put where it belongs, after
+// which everything since is done again from the nearest state that was kept.
 
 #pragma once
 
@@ -19,16 +19,16 @@ namespace motorcade::filter {
 struct Settings {
     double gravity_m_s2;
     Densities noise;
-    std::array<double, 5> start_sigma;             // turn, position, velocity, both biases, at the start
-    double start_tilt_rad;                         // how wrong the start is made on purpose
-    std::array<double, 4> known_sigma;             // tilt, extrinsics' turn and shift, time offset
-    std::array<double, widest + 1> gate;           // of χ², by degrees of freedom
-    double outlier_threshold;                                  // beyond so many gates a measurement is left out
-    std::size_t patience;                          // measurements left out in a row before doubt
-    std::int64_t gap_ns;                          // longer intervals between samples lack data
-    double gap_rate, gap_force;                  // deviations of what was not felt in them
-    std::int64_t history_ns;                       // how late an event may come
-    std::size_t check_every;                       // samples between kept states; 0: at events only
+    std::array<double, 5> start_sigma;    // turn, position, velocity, both biases, at the start
+    double start_tilt_rad;                // how wrong the start is made on purpose
+    std::array<double, 4> known_sigma;    // tilt, extrinsics' turn and shift, time offset
+    std::array<double, widest + 1> gate;  // of χ², by degrees of freedom
+    double outlier_threshold;             // beyond so many gates a measurement is left out
+    std::size_t patience;                 // measurements left out in a row before doubt
+    std::int64_t gap_ns;                  // longer intervals between samples lack data
+    double gap_rate, gap_force;           // deviations of what was not felt in them
+    std::int64_t history_ns;              // how late an event may come
+    std::size_t check_every;              // samples between kept states; 0: at events only
 };
 
 // In a whole recording the state is kept at every so many events, and made again between them.
@@ -37,7 +37,8 @@ constexpr std::size_t stride = 64;
 // Where the path is written as it passes the moments asked for; rows by the events' numbers. Of the
 // covariance, that of the camera's pose (6, 6), and where it is asked for that of the error (N, N).
 struct Sink {
-    double *pose = nullptr, *velocity = nullptr, *bias = nullptr, *covariance = nullptr, *others = nullptr;
+    double *pose = nullptr, *velocity = nullptr, *bias = nullptr, *covariance = nullptr,
+           *others = nullptr;
     double *whole = nullptr;
     bool final = false;  // also when things are done again
 };
@@ -51,8 +52,8 @@ public:
     // Adds a sample and moves everything on to it.
     void imu(const Sample &sample) {
         if (!samples_.empty() && sample.time_ns <= samples_.back().time_ns)
-            refuse("imu: expected a stamp after " + std::to_string(samples_.back().time_ns) + ", got " +
-                   std::to_string(sample.time_ns));
+            refuse("imu: expected a stamp after " + std::to_string(samples_.back().time_ns) +
+                   ", got " + std::to_string(sample.time_ns));
         double total = 0.0;
         for (int i = 0; i < 3; ++i) total += 0.0 * sample.read.rate[i] + 0.0 * sample.read.force[i];
         if (total != 0.0) refuse("imu: expected finite numbers, got others");
@@ -62,8 +63,10 @@ public:
     }
 
     // Takes the samples of a whole recording, rising and finite, where the caller holds them.
-    void hold(const std::int64_t *time_ns, const double *rate, const double *force, std::size_t count) {
-        if (settings_.check_every != 0 || !samples_.empty()) refuse("hold: expected a filter of a whole recording");
+    void hold(const std::int64_t *time_ns, const double *rate, const double *force,
+              std::size_t count) {
+        if (settings_.check_every != 0 || !samples_.empty())
+            refuse("hold: expected a filter of a whole recording");
         samples_.hold(time_ns, rate, force, count);
         samples_.show();
     }
@@ -91,10 +94,12 @@ public:
         const auto known = static_cast<std::ptrdiff_t>(events_.size());
         for (Event &event : rising) {
             place_in_time(event);
-            if (started_ && event.time_ns < time_ns_) refuse("schedule: expected stamps still ahead");
+            if (started_ && event.time_ns < time_ns_)
+                refuse("schedule: expected stamps still ahead");
             events_.push_back(std::move(event));
         }
-        std::inplace_merge(events_.begin() + static_cast<std::ptrdiff_t>(next_), events_.begin() + known, events_.end(), earlier);
+        std::inplace_merge(events_.begin() + static_cast<std::ptrdiff_t>(next_),
+                           events_.begin() + known, events_.end(), earlier);
         catch_up();
     }
 
@@ -116,7 +121,8 @@ protected:
         while (time_ns_ < to && sample_ + 1 < samples_.size()) {
             const Sample one = samples_[sample_], next = samples_[sample_ + 1];
             const std::int64_t end = std::min(to, next.time_ns);
-            const Reading here = reading(time_ns_), there = end == next.time_ns ? next.read : reading(end);
+            const Reading here = reading(time_ns_),
+                          there = end == next.time_ns ? next.read : reading(end);
             Reading mean;
             for (int i = 0; i < 3; ++i) {
                 mean.rate[i] = 0.5 * (here.rate[i] + there.rate[i]);
@@ -165,7 +171,8 @@ private:
         const Sample one = samples_[sample_];
         if (t == one.time_ns) return one.read;
         const Sample next = samples_[sample_ + 1];
-        const double part = static_cast<double>(t - one.time_ns) / static_cast<double>(next.time_ns - one.time_ns);
+        const double part =
+            static_cast<double>(t - one.time_ns) / static_cast<double>(next.time_ns - one.time_ns);
         Reading made;
         for (int i = 0; i < 3; ++i) {
             made.rate[i] = one.read.rate[i] + part * (next.read.rate[i] - one.read.rate[i]);
@@ -199,7 +206,8 @@ private:
     void check_time(const Event &event) const {
         if (samples_.empty())
             refuse("time_ns: expected inertial data before measurements, got none so far");
-        const std::int64_t first = events_.empty() ? samples_.front().time_ns : events_.front().time_ns;
+        const std::int64_t first =
+            events_.empty() ? samples_.front().time_ns : events_.front().time_ns;
         if (event.time_ns < first) {
             const std::string named = std::to_string(first) + " on";
             refuse("time_ns: expected a stamp from " +
@@ -264,7 +272,8 @@ private:
             for (std::size_t j = 0; j < 6; ++j)
                 for (std::size_t a = 0; a < 6; ++a)
                     for (std::size_t b = 0; b < 6; ++b)
-                        p_.row[i][j] += spread[6 * i + a] * event.data[8 + 6 * a + b] * spread[6 * j + b];
+                        p_.row[i][j] +=
+                            spread[6 * i + a] * event.data[8 + 6 * a + b] * spread[6 * j + b];
         symmetrise(p_);
         for (std::size_t k = 0; k < N; ++k) {
             const double sigma = start_sigma(k);
@@ -279,7 +288,10 @@ private:
 
     double start_sigma(std::size_t k) const {
         if (k < tilt) return settings_.start_sigma[k / 3];
-        return settings_.known_sigma[k < extrinsics ? 0 : k < extrinsics + 3 ? 1 : k < delay ? 2 : 3];
+        return settings_.known_sigma[k < extrinsics       ? 0
+                                     : k < extrinsics + 3 ? 1
+                                     : k < delay          ? 2
+                                                          : 3];
     }
 
     // A start that is wrong on purpose: turned about the world's x, with room for that in its tilt.
@@ -310,9 +322,10 @@ private:
             event.factor = judged(gain.nis, innovation.size);
         }
         event.size = innovation.size;
-        event.linear = event.factor == 0.0 || thorough_
-                           ? std::vector<double>(innovation.residual, innovation.residual + innovation.size)
-                           : std::vector<double>();
+        event.linear =
+            event.factor == 0.0 || thorough_
+                ? std::vector<double>(innovation.residual, innovation.residual + innovation.size)
+                : std::vector<double>();
         if (event.factor == 0.0) {
             streak_.push_back(index);
             if (streak_.size() > settings_.patience) streak_.pop_front();
@@ -326,7 +339,8 @@ private:
     void apply(Event &event, const Innovation<N> &innovation, const Gain<N> &gain) {
         const std::size_t m = innovation.size;
         double error[N] = {};
-        for (std::size_t a = 0; a < m; ++a) filter::add<N>(error, innovation.residual[a], gain.gain[a]);
+        for (std::size_t a = 0; a < m; ++a)
+            filter::add<N>(error, innovation.residual[a], gain.gain[a]);
         update(p_, innovation, gain);
         correct<N>(now_, error);
         if (thorough_) keep_linear(event, innovation, gain);

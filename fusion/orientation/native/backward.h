@@ -1,7 +1,7 @@
 // The pass backwards over the intervals of an orientation filter: the corrections that every
 // instant would have had from all later measurements. Modified Bryson-Frazier form, which needs no
-// inverse: G. J. Bierman, "Fixed interval smoothing with discrete measurements", Int. J. Control 18,
-// 1973.
+// inverse: G. J. Bierman, "Fixed interval smoothing with discrete measurements", Int. J. Control
+// 18, 1973.
 
 #pragma once
 

@@ -29,12 +29,12 @@ using Rows = std::array<Three, 3>;
 
 struct Settings {
     double gyro_density, gyro_walk, accel_density;  // rad/s/√Hz, rad/s²/√Hz, m/s²/√Hz
-    double gyro_scale, gyro_wander;                 // deviation of the scale; error per turned √(rad rad/s)
-    double first_bias, first_tilt;                  // deviations, rad/s and rad
-    double speed, speed_time;                       // deviation (m/s) and T (s) of the velocity
-    double gravity, interval;                       // m/s²; s from correction to correction
-    double rest_rate, rest_force, rest_after;       // rad/s, m/s², s
-    bool averaged;                                  // readings are means over the interval before them
+    double gyro_scale, gyro_wander;  // deviation of the scale; error per turned √(rad rad/s)
+    double first_bias, first_tilt;   // deviations, rad/s and rad
+    double speed, speed_time;        // deviation (m/s) and T (s) of the velocity
+    double gravity, interval;        // m/s²; s from correction to correction
+    double rest_rate, rest_force, rest_after;  // rad/s, m/s², s
+    bool averaged;                             // readings are means over the interval before them
 };
 
 // Samples farther apart leave a gap: nothing tells how the sensor moved within it.
@@ -72,16 +72,21 @@ struct Node {
     std::size_t count = 0;
     std::array<Measured, 5> measured{};
     State added{};
-    std::array<double, ERRORS *(ERRORS + 1) / 2> covariance{};  // lower triangle, after the correction
+    std::array<double, ERRORS *(ERRORS + 1) / 2>
+        covariance{};  // lower triangle, after the correction
 };
 
 class Filter {
 public:
     explicit Filter(const Settings &settings) : set_(settings) {
-        for (std::size_t i = 0; i < 2; ++i) covariance_[TURN + i][TURN + i] = square(set_.first_tilt);
-        for (std::size_t i = 0; i < 2; ++i) covariance_[VELOCITY + i][VELOCITY + i] = square(set_.speed);
-        for (std::size_t i = 0; i < 3; ++i) covariance_[BIAS + i][BIAS + i] = square(set_.first_bias);
-        for (std::size_t i = 0; i < 3; ++i) covariance_[SCALE + i][SCALE + i] = square(set_.gyro_scale);
+        for (std::size_t i = 0; i < 2; ++i)
+            covariance_[TURN + i][TURN + i] = square(set_.first_tilt);
+        for (std::size_t i = 0; i < 2; ++i)
+            covariance_[VELOCITY + i][VELOCITY + i] = square(set_.speed);
+        for (std::size_t i = 0; i < 3; ++i)
+            covariance_[BIAS + i][BIAS + i] = square(set_.first_bias);
+        for (std::size_t i = 0; i < 3; ++i)
+            covariance_[SCALE + i][SCALE + i] = square(set_.gyro_scale);
     }
 
     const Settings &settings() const { return set_; }
@@ -103,8 +108,8 @@ public:
     // Whether a sample dt after the last must find the interval closed.
     bool leaves_gap(double dt) const { return dt > GAP_S && gathered(); }
 
-    // Propagates the rotor over dt, with the mean of the readings at both ends or, where they are means
-    // themselves, with the last; true where the interval is full and wants correction.
+    // Propagates the rotor over dt, with the mean of the readings at both ends or, where they are
+    // means themselves, with the last; true where the interval is full and wants correction.
     bool propagate(const Three &rate, const Three &force, double dt) {
         const double past = set_.averaged ? 0.0 : 0.5;
         Three half, felt, net;
@@ -211,17 +216,21 @@ private:
             rates += square(rate - mean_rate_[i]);
             forces += square(force - mean_force_[i]);
             // By differences of neighbours, in which a turn that begins counts once.
-            scatter_[i] = blend == 1.0 ? 0.0 : scatter_[i] + blend * (0.5 * square(rate - before_rate_[i]) - scatter_[i]);
+            scatter_[i] =
+                blend == 1.0
+                    ? 0.0
+                    : scatter_[i] + blend * (0.5 * square(rate - before_rate_[i]) - scatter_[i]);
             before_rate_[i] = rate;
             const double spread = covariance_[BIAS + i][BIAS + i] + square(REST_RATE) + scatter_[i];
             beyond = std::max(beyond, square(mean_rate_[i] - bias_[i]) / spread);
         }
-        const bool quiet = !gap_ && rates < square(set_.rest_rate) && forces < square(set_.rest_force) &&
-                           beyond < square(REST_GATE);
+        const bool quiet = !gap_ && rates < square(set_.rest_rate) &&
+                           forces < square(set_.rest_force) && beyond < square(REST_GATE);
         still_ = quiet ? still_ + elapsed_ : 0.0;
     }
 
-    // Covariance over the interval: velocity by the tilt before it, then the turn by bias and scale.
+    // Covariance over the interval: velocity by the tilt before it, then the turn by bias and
+    // scale.
     void predict() {
         Square &p = covariance_;
         const double lean = set_.gravity * before_;
@@ -247,7 +256,8 @@ private:
                           w[0] * row[SCALE] + w[1] * row[SCALE + 1] + w[2] * row[SCALE + 2];
             }
         }
-        const double turn = square(set_.gyro_density) * elapsed_ + square(set_.gyro_wander) * wandered_ + lost_;
+        const double turn =
+            square(set_.gyro_density) * elapsed_ + square(set_.gyro_wander) * wandered_ + lost_;
         for (std::size_t i = 0; i < 3; ++i) {
             p[TURN + i][TURN + i] += turn;
             p[BIAS + i][BIAS + i] += square(set_.gyro_walk) * elapsed_;
@@ -259,9 +269,11 @@ private:
 
     void measure_motion(State &added, Node *node) {
         const double kept = std::exp(-elapsed_ / set_.speed_time);
-        const double noise = square(set_.accel_density) * elapsed_ + square(set_.speed) * (1.0 - kept * kept);
+        const double noise =
+            square(set_.accel_density) * elapsed_ + square(set_.speed) * (1.0 - kept * kept);
         for (std::uint8_t axis = 0; axis < 2; ++axis)
-            measure(Kind::acceleration, axis, -((1.0 - kept) * velocity_[axis] + impulse_[axis]), noise, added, node);
+            measure(Kind::acceleration, axis, -((1.0 - kept) * velocity_[axis] + impulse_[axis]),
+                    noise, added, node);
     }
 
     void measure_rest(State &added, Node *node) {
@@ -269,11 +281,13 @@ private:
             measure(Kind::velocity, axis, -velocity_[axis], square(REST_SPEED), added, node);
         const double noise = square(set_.gyro_density) / elapsed_ + square(REST_RATE);
         for (std::uint8_t axis = 0; axis < 3; ++axis)
-            measure(Kind::bias, axis, swept_[axis] / elapsed_ - bias_[axis], noise + scatter_[axis], added, node);
+            measure(Kind::bias, axis, swept_[axis] / elapsed_ - bias_[axis], noise + scatter_[axis],
+                    added, node);
     }
 
     // One number at a time: residual = slope · error + noise; earlier ones of the instant count.
-    void measure(Kind kind, std::uint8_t axis, double residual, double noise, State &added, Node *node) {
+    void measure(Kind kind, std::uint8_t axis, double residual, double noise, State &added,
+                 Node *node) {
         const State h = slope(kind, axis, elapsed_, set_);
         State spread{};
         double variance = noise, innovation = residual;

@@ -32,7 +32,8 @@ Three finite(const Triple &given, const char *name) {
     Three made;
     for (std::size_t i = 0; i < 3; ++i) {
         made[i] = given(i);
-        if (!std::isfinite(made[i])) throw std::invalid_argument(std::string(name) + ": expected finite numbers");
+        if (!std::isfinite(made[i]))
+            throw std::invalid_argument(std::string(name) + ": expected finite numbers");
     }
     return made;
 }
@@ -42,14 +43,17 @@ class Stream {
 public:
     explicit Stream(const Settings &settings) : filter_(settings) {}
 
-    void update(std::int64_t time_ns, const Triple &rate, const Triple &force, const MadeRotor &out) {
-        const Three turned = finite(rate, "angular_rate_rad_s"), felt = finite(force, "specific_force_m_s2");
+    void update(std::int64_t time_ns, const Triple &rate, const Triple &force,
+                const MadeRotor &out) {
+        const Three turned = finite(rate, "angular_rate_rad_s"),
+                    felt = finite(force, "specific_force_m_s2");
         if (!begun_) {
             filter_.begin(turned, felt);
             begun_ = true;
         } else {
             if (time_ns <= last_ns_)
-                throw std::invalid_argument("time_ns: expected a stamp after " + std::to_string(last_ns_) + ", got " +
+                throw std::invalid_argument("time_ns: expected a stamp after " +
+                                            std::to_string(last_ns_) + ", got " +
                                             std::to_string(time_ns));
             const double dt = 1e-9 * static_cast<double>(time_ns - last_ns_);
             if (filter_.leaves_gap(dt)) filter_.correct(nullptr);
@@ -81,8 +85,8 @@ struct Made {
 
 // A whole stream forwards. With nodes it keeps them for the pass backwards, and what it puts out is
 // then each sample before the correction that it may bring.
-void forward(Filter &filter, const Three *rates, const Three *forces, const std::int64_t *time_ns, std::size_t count,
-             const Made &made, std::vector<Node> *nodes) {
+void forward(Filter &filter, const Three *rates, const Three *forces, const std::int64_t *time_ns,
+             std::size_t count, const Made &made, std::vector<Node> *nodes) {
     const auto correct = [&](std::size_t end) {
         if (nodes) nodes->emplace_back().end = end;
         filter.correct(nodes ? &nodes->back() : nullptr);
@@ -102,13 +106,15 @@ void forward(Filter &filter, const Three *rates, const Three *forces, const std:
 }
 
 // Adds to every sample what all later measurements say, along a line from node to node.
-void add_corrections(const Made &made, const std::vector<Node> &nodes, const std::vector<State> &later) {
+void add_corrections(const Made &made, const std::vector<Node> &nodes,
+                     const std::vector<State> &later) {
     std::size_t k = 0;
     for (std::size_t m = 0; m < nodes.size(); ++m) {
         const Node &node = nodes[m];
         const std::size_t first = k;
         for (; k <= node.end; ++k) {
-            const double place = static_cast<double>(k + 1 - first) / static_cast<double>(node.end + 1 - first);
+            const double place =
+                static_cast<double>(k + 1 - first) / static_cast<double>(node.end + 1 - first);
             State error;
             for (std::size_t i = 0; i < ERRORS; ++i) {
                 const double end = node.added[i] + later[m][i];
@@ -123,11 +129,14 @@ void add_corrections(const Made &made, const std::vector<Node> &nodes, const std
     }
 }
 
-void run(const Settings &settings, const Vectors &rates, const Vectors &forces, const Stamps &time_ns, bool backward,
-         const MadeRotors &rotors, const MadeVectors &biases, const MadeFlags &rest) {
+void run(const Settings &settings, const Vectors &rates, const Vectors &forces,
+         const Stamps &time_ns, bool backward, const MadeRotors &rotors, const MadeVectors &biases,
+         const MadeFlags &rest) {
     const std::size_t count = time_ns.shape(0);
-    for (const std::size_t rows : {rates.shape(0), forces.shape(0), rotors.shape(0), biases.shape(0), rest.shape(0)})
-        if (rows != count || count == 0) throw std::invalid_argument("run: expected arrays of equal length");
+    for (const std::size_t rows :
+         {rates.shape(0), forces.shape(0), rotors.shape(0), biases.shape(0), rest.shape(0)})
+        if (rows != count || count == 0)
+            throw std::invalid_argument("run: expected arrays of equal length");
     const Made made{rotors.data(), biases.data(), rest.data()};
     const auto *turned = reinterpret_cast<const Three *>(rates.data());
     const auto *felt = reinterpret_cast<const Three *>(forces.data());
@@ -141,26 +150,29 @@ void run(const Settings &settings, const Vectors &rates, const Vectors &forces, 
 }  // namespace
 
 NB_MODULE(_orientation, module) {
-    module.doc() = "Orientation from gyroscope and accelerometer; see motorcade.fusion.orientation.";
+    module.doc() =
+        "Orientation from gyroscope and accelerometer; see motorcade.fusion.orientation.";
     nb::class_<Settings>(module, "Settings")
-        .def("__init__",
-             [](Settings *made, double gyro_density, double gyro_walk, double accel_density, double gyro_scale,
-                double gyro_wander, double first_bias, double first_tilt, double speed, double speed_time,
-                double gravity, double interval, double rest_rate, double rest_force, double rest_after,
-                bool averaged) {
-                 new (made) Settings{gyro_density, gyro_walk,  accel_density, gyro_scale, gyro_wander,
-                                     first_bias,   first_tilt, speed,         speed_time, gravity,
-                                     interval,     rest_rate,  rest_force,    rest_after, averaged};
-             },
-             nb::kw_only(), "gyro_density"_a, "gyro_walk"_a, "accel_density"_a, "gyro_scale"_a, "gyro_wander"_a,
-             "first_bias"_a, "first_tilt"_a, "speed"_a, "speed_time"_a, "gravity"_a, "interval"_a, "rest_rate"_a,
-             "rest_force"_a, "rest_after"_a, "averaged"_a);
+        .def(
+            "__init__",
+            [](Settings *made, double gyro_density, double gyro_walk, double accel_density,
+               double gyro_scale, double gyro_wander, double first_bias, double first_tilt,
+               double speed, double speed_time, double gravity, double interval, double rest_rate,
+               double rest_force, double rest_after, bool averaged) {
+                new (made)
+                    Settings{gyro_density, gyro_walk,  accel_density, gyro_scale, gyro_wander,
+                             first_bias,   first_tilt, speed,         speed_time, gravity,
+                             interval,     rest_rate,  rest_force,    rest_after, averaged};
+            },
+            nb::kw_only(), "gyro_density"_a, "gyro_walk"_a, "accel_density"_a, "gyro_scale"_a,
+            "gyro_wander"_a, "first_bias"_a, "first_tilt"_a, "speed"_a, "speed_time"_a, "gravity"_a,
+            "interval"_a, "rest_rate"_a, "rest_force"_a, "rest_after"_a, "averaged"_a);
     nb::class_<Stream>(module, "Stream")
         .def(nb::init<const Settings &>(), "settings"_a)
         .def("update", &Stream::update, "time_ns"_a, "rate"_a, "force"_a, "out"_a)
         .def_prop_ro("bias", &Stream::bias)
         .def_prop_ro("at_rest", &Stream::at_rest)
         .def_prop_ro("tilt_deviation", &Stream::tilt_deviation);
-    module.def("run", &run, "settings"_a, "rates"_a, "forces"_a, "time_ns"_a, "backward"_a, "rotors"_a, "biases"_a,
-               "rest"_a);
+    module.def("run", &run, "settings"_a, "rates"_a, "forces"_a, "time_ns"_a, "backward"_a,
+               "rotors"_a, "biases"_a, "rest"_a);
 }

@@ -21,8 +21,8 @@ template <std::size_t N> Square<N> product(const Square<N> &a, const Square<N> &
     return made;
 }
 
-// The upper factor U of a symmetric positive definite matrix Uᵀ U, its diagonal inverted; row by row, so
-// that all inner loops run along rows.
+// The upper factor U of a symmetric positive definite matrix Uᵀ U, its diagonal inverted; row by
+// row, so that all inner loops run along rows.
 template <std::size_t N> struct Cholesky {
     Square<N> upper;
     double determinant = 1.0;
@@ -74,7 +74,8 @@ template <std::size_t S> Square<S> diffusion(double dt) {
     for (std::size_t i = 0; i < S; ++i)
         for (std::size_t j = 0; j < S; ++j) {
             const std::size_t a = S - 1 - i, b = S - 1 - j;
-            q[i][j] = power[a + b + 1] / (static_cast<double>(a + b + 1) * factorial[a] * factorial[b]);
+            q[i][j] =
+                power[a + b + 1] / (static_cast<double>(a + b + 1) * factorial[a] * factorial[b]);
         }
     return q;
 }
@@ -82,15 +83,14 @@ template <std::size_t S> Square<S> diffusion(double dt) {
 template <std::size_t N, std::size_t S> struct Covariance;
 
 // Nothing couples.
-template <std::size_t S> struct Covariance<0, S> {
-    Square<0> p{};
-};
+template <std::size_t S> struct Covariance<0, S> { Square<0> p{}; };
 
 template <std::size_t N, std::size_t S> struct Covariance {
     static constexpr std::size_t ALL = N * S;
     Square<ALL> p{};
 
-    // F p Fᵀ with F = turn · drift · turn: the pose part is turned, all is drifted by dt, turned again.
+    // F p Fᵀ with F = turn · drift · turn: the pose part is turned, all is drifted by dt, turned
+    // again.
     [[gnu::noinline]] void propagate(const Square<N> &turn, double dt) {
         turned(turn);
         drifted(dt);
@@ -105,8 +105,8 @@ template <std::size_t N, std::size_t S> struct Covariance {
                     p[i * N + c][j * N + c] += densities[c] * densities[c] * q[i][j];
     }
 
-    // Conditions on a measurement of the pose with such variances. Returns the gain, transposed, and
-    // the factor of the innovation's covariance. What a wide prior would cancel is multiplied.
+    // Conditions on a measurement of the pose with such variances. Returns the gain, transposed,
+    // and the factor of the innovation's covariance. What a wide prior would cancel is multiplied.
     struct Gain {
         std::array<std::array<double, ALL>, N> rows;
         Cholesky<N> factor;
@@ -146,7 +146,8 @@ template <std::size_t N, std::size_t S> struct Covariance {
     }
 
     // The same times a residual.
-    [[gnu::noinline]] Vector<ALL> noise_share(const Vector<N> &densities, double dt, const Vector<ALL> &of) const {
+    [[gnu::noinline]] Vector<ALL> noise_share(const Vector<N> &densities, double dt,
+                                              const Vector<ALL> &of) const {
         const auto weighed = Cholesky<ALL>(p).solved(of);
         std::array<std::array<double, 1>, ALL> rows;
         for (std::size_t i = 0; i < ALL; ++i) rows[i][0] = weighed[i];
@@ -156,9 +157,10 @@ template <std::size_t N, std::size_t S> struct Covariance {
         return made;
     }
 
-    // p Fᵀ predicted⁻¹ times a residual: what the filtered state gains from one behind its prediction.
-    [[gnu::noinline]] Vector<ALL> gained(const Covariance &predicted, const Square<N> &turn, double dt,
-                                         const Vector<ALL> &residual) const {
+    // p Fᵀ predicted⁻¹ times a residual: what the filtered state gains from one behind its
+    // prediction.
+    [[gnu::noinline]] Vector<ALL> gained(const Covariance &predicted, const Square<N> &turn,
+                                         double dt, const Vector<ALL> &residual) const {
         auto way = Cholesky<ALL>(predicted.p).solved(residual);
         const auto turn_back = [&] {
             Vector<N> first{};
@@ -168,7 +170,8 @@ template <std::size_t N, std::size_t S> struct Covariance {
         };
         turn_back();
         for (std::size_t i = ALL; i-- > N;)
-            way[i] += dt * way[i - N] + (i >= 2 * N ? 0.5 * dt * dt * way[(i + ALL - 2 * N) % ALL] : 0.0);
+            way[i] +=
+                dt * way[i - N] + (i >= 2 * N ? 0.5 * dt * dt * way[(i + ALL - 2 * N) % ALL] : 0.0);
         turn_back();
         Vector<ALL> made{};
         for (std::size_t i = 0; i < ALL; ++i)
@@ -176,10 +179,10 @@ template <std::size_t N, std::size_t S> struct Covariance {
         return made;
     }
 
-    // The covariance before a prediction from the smoothed one behind it: with K = 1 - share, p becomes
-    // F⁻¹ (K p Kᵀ + K Q) F⁻ᵀ, with the inverse step's `turn`.
+    // The covariance before a prediction from the smoothed one behind it: with K = 1 - share, p
+    // becomes F⁻¹ (K p Kᵀ + K Q) F⁻ᵀ, with the inverse step's `turn`.
     [[gnu::noinline]] void rts_step(const Square<ALL> &share, const Vector<N> &densities,
-                                        const Square<N> &turn, double dt) {
+                                    const Square<N> &turn, double dt) {
         Square<ALL> known, flipped;
         for (std::size_t i = 0; i < ALL; ++i)
             for (std::size_t j = 0; j < ALL; ++j) {
@@ -203,7 +206,8 @@ private:
             for (std::size_t c = 0; c < N; ++c)
                 for (std::size_t j = 0; j < S; ++j) {
                     const double factor = densities[c] * densities[c] * q[i][j];
-                    for (std::size_t k = 0; k < M; ++k) made[i * N + c][k] += factor * rows[j * N + c][k];
+                    for (std::size_t k = 0; k < M; ++k)
+                        made[i * N + c][k] += factor * rows[j * N + c][k];
                 }
         return made;
     }
@@ -229,7 +233,8 @@ private:
         const double half = 0.5 * dt * dt;
         for (std::size_t i = 0; i + N < ALL; ++i)
             for (std::size_t j = 0; j < ALL; ++j)
-                p[i][j] += dt * p[i + N][j] + (i + 2 * N < ALL ? half * p[(i + 2 * N) % ALL][j] : 0.0);
+                p[i][j] +=
+                    dt * p[i + N][j] + (i + 2 * N < ALL ? half * p[(i + 2 * N) % ALL][j] : 0.0);
         for (auto &row : p)
             for (std::size_t j = 0; j + N < ALL; ++j)
                 row[j] += dt * row[j + N] + (j + 2 * N < ALL ? half * row[(j + 2 * N) % ALL] : 0.0);

@@ -1,6 +1,6 @@
 // Causal filters of one pose after another, written once over a representation. Each holds its
-// state, is started by a first pose and stepped by the next ones; `dt` is in seconds. Rates are kept
-// in the base's own frame, so that they go with the pose they belong to.
+// state, is started by a first pose and stepped by the next ones; `dt` is in seconds. Rates are
+// kept in the base's own frame, so that they go with the pose they belong to.
 
 #pragma once
 
@@ -14,7 +14,9 @@ namespace motorcade::smooth {
 inline constexpr double TWO_PI = 6.283185307179586;
 
 // Share of a step that a first-order low-pass takes in dt: exact for a constant input.
-inline double decay_share(double cutoff_hz, double dt) { return -std::expm1(-TWO_PI * cutoff_hz * dt); }
+inline double decay_share(double cutoff_hz, double dt) {
+    return -std::expm1(-TWO_PI * cutoff_hz * dt);
+}
 
 // The same by backward differences, as the 1€ filter has it.
 inline double backward_share(double cutoff_hz, double dt) {
@@ -93,7 +95,8 @@ public:
             double square = 0.0;
             for (; k < R::ends[block]; ++k) square += rate_[k] * rate_[k];
             const double speed = std::sqrt(square) / R::units[block];
-            const double step = backward_share(cutoffs_.least_hz + cutoffs_.slopes[block] * speed, dt);
+            const double step =
+                backward_share(cutoffs_.least_hz + cutoffs_.slopes[block] * speed, dt);
             for (std::size_t c = first; c < k; ++c) towards[c] *= step;
         }
         pose_ = R::retract(pose_, towards);

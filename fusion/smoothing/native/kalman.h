@@ -4,10 +4,10 @@
 // Errors are differences at the estimate. Where poses compose, an error is propagated by the
 // step's own motion, X exp(u), which turns its pose part by Ad(exp(-u)) and lets a rate's error act
 // through the right Jacobian; half of the turn before a straight drift and half behind it is both,
-// but for a factor 1 - |u|²/24 across the axis. What so couples is one dense covariance; the rest is
-// a small matrix a block, over pose, velocity and acceleration. Means are moved exactly;
-// quaternions and dual quaternions are filtered as the linear components that they are taken for, and
-// projected when a pose is asked for.
+// but for a factor 1 - |u|²/24 across the axis. What so couples is one dense covariance; the rest
+// is a small matrix a block, over pose, velocity and acceleration. Means are moved exactly;
+// quaternions and dual quaternions are filtered as the linear components that they are taken for,
+// and projected when a pose is asked for.
 
 #pragma once
 
@@ -61,24 +61,28 @@ public:
         state_.pose = z;
         steps_ = 0;
         log_likelihood_ = 0.0;
-        each_group(state_, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first, std::size_t) {
+        each_group(state_, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first,
+                                              std::size_t) {
             const auto variances = measurement<N>(first);
             for (std::size_t c = 0; c < N; ++c) covariance.p[c][c] = variances[c];
         });
     }
 
-    // Gives the rates of the first state their wide prior, from what the second pose shows, before it
-    // is stepped to. Doing it twice changes nothing.
+    // Gives the rates of the first state their wide prior, from what the second pose shows, before
+    // it is stepped to. Doing it twice changes nothing.
     void open_rates(const X &z, double dt) {
         const V first_step = R::local(z, state_.pose);
         std::array<double, BLOCKS> squares{};
-        for (std::size_t k = 0; k < R::freedom; ++k) squares[block_of(k)] += first_step[k] * first_step[k];
-        each_group(state_, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first, std::size_t) {
+        for (std::size_t k = 0; k < R::freedom; ++k)
+            squares[block_of(k)] += first_step[k] * first_step[k];
+        each_group(state_, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first,
+                                              std::size_t) {
             const auto variances = measurement<N>(first);
             for (std::size_t c = 0; c < N; ++c) {
                 double prior = PRIOR_OF_NOISE * PRIOR_OF_NOISE * variances[c] +
                                PRIOR_OF_STEP * PRIOR_OF_STEP * squares[block_of(first + c)];
-                for (std::size_t at = N + c; at < N * S; at += N) covariance.p[at][at] = prior /= dt * dt;
+                for (std::size_t at = N + c; at < N * S; at += N)
+                    covariance.p[at][at] = prior /= dt * dt;
             }
         });
     }
@@ -92,7 +96,8 @@ public:
         // The first innovations only tell the rates, whose prior says nothing of the noise.
         const bool counts = ++steps_ > Order;
         V correction{};
-        each_group(state_, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first, std::size_t end) {
+        each_group(state_, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first,
+                                              std::size_t end) {
             covariance.propagate(turn<N>(way, 0.5), dt);
             covariance.add_noise(process<N>(first), dt);
             const auto gain = covariance.measured(measurement<N>(first));
@@ -105,7 +110,8 @@ public:
                 }
                 if (!counts) continue;
                 const auto weighed = gain.factor.solved(part);
-                double square = static_cast<double>(N) * std::log(TAU) + std::log(gain.factor.determinant);
+                double square =
+                    static_cast<double>(N) * std::log(TAU) + std::log(gain.factor.determinant);
                 for (std::size_t c = 0; c < N; ++c) square += weighed[c] * part[c];
                 log_likelihood_ -= 0.5 * square;
             }
@@ -114,20 +120,24 @@ public:
     }
 
     // The smoothed state at `filtered` from the one `dt` later: that is freed of what the noise in
-    // between may explain, and then taken back along its own motion (the RTS step). Its covariance only on demand.
-    template <bool WITH_COVARIANCE> State smoothed(const State &filtered, const State &later, double dt) const {
+    // between may explain, and then taken back along its own motion (the RTS step). Its covariance
+    // only on demand.
+    template <bool WITH_COVARIANCE>
+    State smoothed(const State &filtered, const State &later, double dt) const {
         const V way = travel(filtered, dt);
         const X predicted = unprojected<R>(filtered.pose, way);
         auto made = filtered;
         made.rates = drifted(filtered.rates, dt);
         std::array<V, S> residual{R::local(later.pose, predicted)};
-        for (std::size_t i = 0; i < Order; ++i) residual[i + 1] = sum(later.rates[i], scaled(-1.0, made.rates[i]));
+        for (std::size_t i = 0; i < Order; ++i)
+            residual[i + 1] = sum(later.rates[i], scaled(-1.0, made.rates[i]));
         auto correction = residual;
         // Over a long way the path back is no more linear in what is corrected at its end; what is
         // known of the filtered state then bounds how far it goes.
         const bool far = COUPLED > 0 && (turned(way) > FARTHEST || turned(residual[0]) > FARTHEST);
         std::array<V, S> bounded{};
-        each_group(made, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first, std::size_t end) {
+        each_group(made, [&]<std::size_t N>(Covariance<N, S> &covariance, std::size_t first,
+                                            std::size_t end) {
             const auto noise = process<N>(first);
             const auto half = turn<N>(way, 0.5);
             covariance.propagate(half, dt);
@@ -153,12 +163,15 @@ public:
         });
         if (far) {
             made.pose = R::retract(filtered.pose, bounded[0]);
-            for (std::size_t i = 0; i < Order; ++i) made.rates[i] = sum(filtered.rates[i], bounded[i + 1]);
+            for (std::size_t i = 0; i < Order; ++i)
+                made.rates[i] = sum(filtered.rates[i], bounded[i + 1]);
             return made;
         }
-        for (std::size_t i = 0; i < Order; ++i) made.rates[i] = sum(made.rates[i], correction[i + 1]);
+        for (std::size_t i = 0; i < Order; ++i)
+            made.rates[i] = sum(made.rates[i], correction[i + 1]);
         made.rates = drifted(made.rates, -dt);
-        made.pose = unprojected<R>(unprojected<R>(predicted, correction[0]), scaled(-1.0, travel(made, dt)));
+        made.pose = unprojected<R>(unprojected<R>(predicted, correction[0]),
+                                   scaled(-1.0, travel(made, dt)));
         return made;
     }
 
@@ -173,15 +186,16 @@ private:
     static constexpr double FARTHEST = 1.0;
     static constexpr double TAU = 6.283185307179586;
 
-    // Calls `action<N>(covariance, first component, end)`: once for what couples, and for each block
-    // that does not, whose components share their covariance.
+    // Calls `action<N>(covariance, first component, end)`: once for what couples, and for each
+    // block that does not, whose components share their covariance.
     template <class Action> static void each_group(State &state, Action &&action) {
         if constexpr (COUPLED > 0) action.template operator()<COUPLED>(state.coupled, 0, COUPLED);
         for (std::size_t b = 0, first = 0; b < BLOCKS; first = R::ends[b++])
             if (first >= COUPLED) action.template operator()<1>(state.apart[b], first, R::ends[b]);
     }
 
-    template <std::size_t N> static const Covariance<N, S> &group(const State &state, std::size_t first) {
+    template <std::size_t N>
+    static const Covariance<N, S> &group(const State &state, std::size_t first) {
         if constexpr (N == COUPLED)
             return state.coupled;
         else
@@ -203,21 +217,25 @@ private:
 
     template <std::size_t N> Vector<N> process(std::size_t first) const {
         Vector<N> made;
-        for (std::size_t c = 0; c < N; ++c) made[c] = densities_[block_of(first + c)] * R::units[block_of(first + c)];
+        for (std::size_t c = 0; c < N; ++c)
+            made[c] = densities_[block_of(first + c)] * R::units[block_of(first + c)];
         return made;
     }
 
     template <std::size_t N> Vector<N> measurement(std::size_t first) const {
         Vector<N> made;
         for (std::size_t c = 0; c < N; ++c) {
-            const double deviation = deviations_[block_of(first + c)] * R::units[block_of(first + c)];
+            const double deviation =
+                deviations_[block_of(first + c)] * R::units[block_of(first + c)];
             made[c] = deviation * deviation;
         }
         return made;
     }
 
     // Radians of a way, where poses compose.
-    static double turned(const V &way) { return std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]); }
+    static double turned(const V &way) {
+        return std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+    }
 
     static V travel(const State &state, double dt) {
         auto made = scaled(dt, state.rates[0]);

@@ -1,5 +1,6 @@
-// Binds the scans to Python. Arrays come checked and C-ordered; see motorcade.fusion.smoothing.causal.
-// The interpreter lock is released for whole paths, not for single poses.
+// Binds the scans to Python. Arrays come checked and C-ordered; see
+// motorcade.fusion.smoothing.causal. The interpreter lock is released for whole paths, not for
+// single poses.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -32,14 +33,16 @@ public:
             throw nb::python_error();
         if (view_.ndim == 1 && view_.shape[0] == static_cast<Py_ssize_t>(size)) return;
         PyBuffer_Release(&view_);
-        throw std::invalid_argument("pose: expected one pose of " + std::to_string(size) + " coefficients");
+        throw std::invalid_argument("pose: expected one pose of " + std::to_string(size) +
+                                    " coefficients");
     }
     Row(const Row &) = delete;
     Row &operator=(const Row &) = delete;
     ~Row() { PyBuffer_Release(&view_); }
 
     template <class T> T *at(std::size_t k) const {
-        return reinterpret_cast<T *>(static_cast<char *>(view_.buf) + view_.strides[0] * static_cast<Py_ssize_t>(k));
+        return reinterpret_cast<T *>(static_cast<char *>(view_.buf) +
+                                     view_.strides[0] * static_cast<Py_ssize_t>(k));
     }
     bool holds(char type) const { return view_.format[0] == type && view_.format[1] == '\0'; }
 
@@ -65,7 +68,8 @@ void update(Scan &scan, nb::handle pose, nb::handle time_ns, nb::handle out) {
     if (!made.holds('d') || !(given.holds('d') || given.holds('f')))
         throw std::invalid_argument("pose: expected float64 or float32");
     std::array<double, 12> read;
-    for (std::size_t k = 0; k < size; ++k) read[k] = given.holds('d') ? *given.at<double>(k) : *given.at<float>(k);
+    for (std::size_t k = 0; k < size; ++k)
+        read[k] = given.holds('d') ? *given.at<double>(k) : *given.at<float>(k);
     scan.update(read.data(), stamp(time_ns), made.at<double>(0));
 }
 
@@ -80,9 +84,11 @@ NoiseRows noise_rows(const Rows &noise, std::size_t count) {
 }
 
 // Feeds a whole path; without rows of noise the filter keeps its own.
-void run(Scan &scan, const Rows &poses, const Stamps &time_ns, const Made &out, const std::optional<Rows> &noise) {
+void run(Scan &scan, const Rows &poses, const Stamps &time_ns, const Made &out,
+         const std::optional<Rows> &noise) {
     const std::size_t count = poses.shape(0), size = scan.pose_size();
-    expect(poses.shape(1) == size && time_ns.shape(0) == count && out.shape(0) == count && out.shape(1) == size,
+    expect(poses.shape(1) == size && time_ns.shape(0) == count && out.shape(0) == count &&
+               out.shape(1) == size,
            "scan: expected poses, stamps and output of equal length");
     const NoiseRows rows = noise ? noise_rows(*noise, count) : NoiseRows{};
     nb::gil_scoped_release unlocked;
@@ -98,7 +104,8 @@ Owner exponential(const std::string &name, bool scale, double cutoff_hz) {
     });
 }
 
-Owner double_exponential(const std::string &name, bool scale, double cutoff_hz, double trend_cutoff_hz) {
+Owner double_exponential(const std::string &name, bool scale, double cutoff_hz,
+                         double trend_cutoff_hz) {
     return with_representation(name, scale, [&]<class R>() -> Owner {
         using Method = DoubleExponential<R>;
         return std::make_unique<StreamOf<R, Method>>(Method(cutoff_hz, trend_cutoff_hz));
@@ -109,7 +116,8 @@ Owner one_euro(const std::string &name, bool scale, double min_cutoff_hz, const 
                double derivative_cutoff_hz) {
     return with_representation(name, scale, [&]<class R>() -> Owner {
         using Method = OneEuro<R>;
-        return std::make_unique<StreamOf<R, Method>>(Method({min_cutoff_hz, slopes, derivative_cutoff_hz}));
+        return std::make_unique<StreamOf<R, Method>>(
+            Method({min_cutoff_hz, slopes, derivative_cutoff_hz}));
     });
 }
 
@@ -117,7 +125,8 @@ Owner kalman(const std::string &name, bool scale, int order, const BlockValues &
              const BlockValues &deviations) {
     expect(order == 1 || order == 2, "order: expected 1 or 2");
     return with_representation(name, scale, [&]<class R>() -> Owner {
-        if (order == 1) return std::make_unique<StreamOf<R, Kalman<R, 1>>>(Kalman<R, 1>(densities, deviations));
+        if (order == 1)
+            return std::make_unique<StreamOf<R, Kalman<R, 1>>>(Kalman<R, 1>(densities, deviations));
         return std::make_unique<StreamOf<R, Kalman<R, 2>>>(Kalman<R, 2>(densities, deviations));
     });
 }
@@ -135,7 +144,8 @@ double rts(const std::string &name, bool scale, int order, const Rows &poses, co
         if (states) {
             const auto &[rates, deviations] = *states;
             const auto derivatives = static_cast<std::size_t>(order);
-            expect(rates.shape(0) == count && rates.shape(1) == derivatives && rates.shape(2) == R::freedom,
+            expect(rates.shape(0) == count && rates.shape(1) == derivatives &&
+                       rates.shape(2) == R::freedom,
                    "states: expected rates (N, order, d)");
             expect(deviations.shape(0) == count && deviations.shape(1) == R::ends.size() &&
                        deviations.shape(2) == derivatives + 1,
@@ -145,14 +155,16 @@ double rts(const std::string &name, bool scale, int order, const Rows &poses, co
         }
         const NoiseRows rows = noise_rows(noise, count);
         nb::gil_scoped_release unlocked;
-        return order == 1 ? smooth<R, 1>(poses.data(), time_ns.data(), count, rows, densities, made)
-                          : smooth<R, 2>(poses.data(), time_ns.data(), count, rows, densities, made);
+        return order == 1
+                   ? smooth<R, 1>(poses.data(), time_ns.data(), count, rows, densities, made)
+                   : smooth<R, 2>(poses.data(), time_ns.data(), count, rows, densities, made);
     });
 }
 
 // Where the blocks of a local vector end, their units, and how many components are coupled.
 nb::tuple layout(const std::string &name, bool scale) {
-    return with_representation(name, scale, []<class R>() { return nb::make_tuple(R::ends, R::units, R::coupled); });
+    return with_representation(
+        name, scale, []<class R>() { return nb::make_tuple(R::ends, R::units, R::coupled); });
 }
 
 // The verbs of a representation, row by row: what the scans are made of.
@@ -186,8 +198,8 @@ nb::object coordinates(const std::string &name, bool scale, const Rows &poses) {
 
 nb::object poses(const std::string &name, bool scale, const Rows &given) {
     return with_representation(name, scale, [&]<class R>() {
-        return array_of<R::pose_size>(given.shape(0),
-                                      [&](std::size_t k) { return R::write(row_of<R::size>(given, k)); });
+        return array_of<R::pose_size>(
+            given.shape(0), [&](std::size_t k) { return R::write(row_of<R::size>(given, k)); });
     });
 }
 
@@ -219,13 +231,14 @@ NB_MODULE(_scans, module) {
         .def("measured_with", &Scan::measured_with, "deviations"_a)
         .def_prop_ro("log_likelihood", &Scan::log_likelihood);
     module.def("exponential", &exponential, "representation"_a, "scale"_a, "cutoff_hz"_a);
-    module.def("double_exponential", &double_exponential, "representation"_a, "scale"_a, "cutoff_hz"_a,
-               "trend_cutoff_hz"_a);
+    module.def("double_exponential", &double_exponential, "representation"_a, "scale"_a,
+               "cutoff_hz"_a, "trend_cutoff_hz"_a);
     module.def("one_euro", &one_euro, "representation"_a, "scale"_a, "min_cutoff_hz"_a, "slopes"_a,
                "derivative_cutoff_hz"_a);
-    module.def("kalman", &kalman, "representation"_a, "scale"_a, "order"_a, "densities"_a, "deviations"_a);
-    module.def("rts", &rts, "representation"_a, "scale"_a, "order"_a, "poses"_a, "time_ns"_a, "noise"_a,
-               "densities"_a, "out"_a, "states"_a = nb::none());
+    module.def("kalman", &kalman, "representation"_a, "scale"_a, "order"_a, "densities"_a,
+               "deviations"_a);
+    module.def("rts", &rts, "representation"_a, "scale"_a, "order"_a, "poses"_a, "time_ns"_a,
+               "noise"_a, "densities"_a, "out"_a, "states"_a = nb::none());
     module.def("layout", &layout, "representation"_a, "scale"_a);
     module.def("coordinates", &coordinates, "representation"_a, "scale"_a, "poses"_a);
     module.def("poses", &poses, "representation"_a, "scale"_a, "coordinates"_a);

@@ -1,9 +1,9 @@
-// The representations of motorcade.fusion.smoothing.representations, one pose at a time. Each reads a
-// pose into coordinates, writes it back, and offers the two verbs that scans are made of:
-// `local` and its mirror `retract`. Components of a local vector lie in blocks: rotation,
-// translation and, where poses have one, scale; `units` are components for a radian, a metre, and
-// a unit of scale. Errors of the first `coupled` components mix as they are propagated along a motion
-// exp(v): by `adjoint_of_inverse(v)`, the matrix of Ad(exp(-v)).
+// The representations of motorcade.fusion.smoothing.representations, one pose at a time. Each reads
+// a pose into coordinates, writes it back, and offers the two verbs that scans are made of: `local`
+// and its mirror `retract`. Components of a local vector lie in blocks: rotation, translation and,
+// where poses have one, scale; `units` are components for a radian, a metre, and a unit of scale.
+// Errors of the first `coupled` components mix as they are propagated along a motion exp(v): by
+// `adjoint_of_inverse(v)`, the matrix of Ad(exp(-v)).
 
 #pragma once
 
@@ -21,7 +21,8 @@
 namespace motorcade::smooth {
 
 template <class R>
-concept Representation = requires(Vector<R::pose_size> pose, Vector<R::size> x, Vector<R::freedom> v) {
+concept Representation = requires(Vector<R::pose_size> pose, Vector<R::size> x,
+                                  Vector<R::freedom> v) {
     { R::name } -> std::convertible_to<const char *>;
     { R::ends.size() } -> std::convertible_to<std::size_t>;
     { R::units.size() } -> std::convertible_to<std::size_t>;
@@ -45,7 +46,8 @@ template <std::size_t N> Square<N> rows_of(const Vector<N * N> &numbers) {
 // A similarity's rigid motion and its scale.
 inline std::pair<Motor, double> parts_of(const Similarity &s) {
     const Vector<8> parts = versors::rotor_translation_scale(s);
-    return {versors::motor_of(Four{parts[0], parts[1], parts[2], parts[3]}, Three{parts[4], parts[5], parts[6]}),
+    return {versors::motor_of(Four{parts[0], parts[1], parts[2], parts[3]},
+                              Three{parts[4], parts[5], parts[6]}),
             parts[7]};
 }
 
@@ -88,8 +90,10 @@ struct Rotors {
         return {turn[0], turn[1], turn[2], x[4] - base[4], x[5] - base[5], x[6] - base[6]};
     }
     static X retract(const X &base, const Vector<6> &v) {
-        const Four turned = versors::renormalize(versors::retract(rotor(base), Three{v[0], v[1], v[2]}));
-        return {turned[0], turned[1], turned[2], turned[3], base[4] + v[3], base[5] + v[4], base[6] + v[5]};
+        const Four turned =
+            versors::renormalize(versors::retract(rotor(base), Three{v[0], v[1], v[2]}));
+        return {turned[0],      turned[1],      turned[2],     turned[3],
+                base[4] + v[3], base[5] + v[4], base[6] + v[5]};
     }
     static X continued(const X &x, const X &) { return x; }
     static Square<3> adjoint_of_inverse(const Vector<6> &v) {
@@ -109,7 +113,8 @@ template <std::size_t N> struct Linear {
 inline double checked_length(const Four &q, const char *name) {
     const double length = std::sqrt(dot(q, q));
     if (!(length > 0.0))
-        throw std::invalid_argument(std::string(name) + ": expected averages of non-zero length, got 0");
+        throw std::invalid_argument(std::string(name) +
+                                    ": expected averages of non-zero length, got 0");
     return length;
 }
 
@@ -136,7 +141,8 @@ struct Quaternions : Linear<7> {
     }
     static X continued(const X &x, const X &previous) {
         X made = x;
-        if (dot(Four{x[0], x[1], x[2], x[3]}, {previous[0], previous[1], previous[2], previous[3]}) < 0.0)
+        if (dot(Four{x[0], x[1], x[2], x[3]},
+                {previous[0], previous[1], previous[2], previous[3]}) < 0.0)
             for (std::size_t k = 0; k < 4; ++k) made[k] = -x[k];
         return made;
     }
@@ -149,9 +155,13 @@ struct DualQuaternions : Linear<8> {
     static constexpr std::array<std::size_t, 2> ends{4, 8};
     static constexpr std::array<double, 2> units{0.5, 0.5};
 
-    static X from(const Motor &m) { return {m[0], -m[1], -m[2], -m[3], -m[7], -m[4], -m[5], -m[6]}; }
+    static X from(const Motor &m) {
+        return {m[0], -m[1], -m[2], -m[3], -m[7], -m[4], -m[5], -m[6]};
+    }
     static X read(const Motor &pose) { return from(versors::normalize(pose)); }
-    static Motor write(const X &x) { return {x[0], -x[1], -x[2], -x[3], -x[5], -x[6], -x[7], -x[4]}; }
+    static Motor write(const X &x) {
+        return {x[0], -x[1], -x[2], -x[3], -x[5], -x[6], -x[7], -x[4]};
+    }
     static X retract(const X &base, const X &v) {
         const X x = sum(base, v);
         checked_length({x[0], x[1], x[2], x[3]}, name);
@@ -180,7 +190,8 @@ struct EulerAngles : Linear<6> {
         // At gimbal lock the first angle is noise and set to 0, as in motorcade.ga.
         const double first = lever > 4e-15 ? std::atan2(-row1[2], row2[2]) : 0.0;
         const double cosine = std::cos(first), sine = std::sin(first);
-        const double third = std::atan2(cosine * row1[0] + sine * row2[0], cosine * row1[1] + sine * row2[1]);
+        const double third =
+            std::atan2(cosine * row1[0] + sine * row2[0], cosine * row1[1] + sine * row2[1]);
         const Three t = versors::translation(pose);
         return {first, std::atan2(2 * (x * z + w * y), lever), third, t[0], t[1], t[2]};
     }
@@ -201,7 +212,8 @@ struct UnwrappedEulerAngles : EulerAngles {
     static X continued(const X &x, const X &previous) {
         constexpr double turn = 6.283185307179586;
         X made = x;
-        for (std::size_t k = 0; k < 3; ++k) made[k] += turn * std::nearbyint((previous[k] - x[k]) / turn);
+        for (std::size_t k = 0; k < 3; ++k)
+            made[k] += turn * std::nearbyint((previous[k] - x[k]) / turn);
         return made;
     }
 };
@@ -255,7 +267,8 @@ template <Representation R> struct WithScale {
     }
     static Similarity write(const X &x) {
         if (!(x.back() > 0.0))
-            throw std::invalid_argument("scale: expected a positive number, got " + std::to_string(x.back()));
+            throw std::invalid_argument("scale: expected a positive number, got " +
+                                        std::to_string(x.back()));
         return versors::similarity_of(R::write(rigid(x)), x.back());
     }
     static V local(const X &x, const X &base) {
@@ -264,15 +277,17 @@ template <Representation R> struct WithScale {
     static X retract(const X &base, const V &v) {
         return with(R::retract(rigid(base), first<R::freedom>(v)), base.back() + v.back());
     }
-    static X unprojected(const X &base, const V &v)
-        requires requires(Vector<R::size> x, Vector<R::freedom> u) { R::unprojected(x, u); }
-    {
-        return with(R::unprojected(rigid(base), first<R::freedom>(v)), base.back() + v.back());
+    static X unprojected(const X &base, const V &v) requires
+        requires(Vector<R::size> x, Vector<R::freedom> u) {
+        R::unprojected(x, u);
     }
+    { return with(R::unprojected(rigid(base), first<R::freedom>(v)), base.back() + v.back()); }
     static X continued(const X &x, const X &previous) {
         return with(R::continued(rigid(x), rigid(previous)), x.back());
     }
-    static Square<coupled> adjoint_of_inverse(const V &v) { return R::adjoint_of_inverse(first<R::freedom>(v)); }
+    static Square<coupled> adjoint_of_inverse(const V &v) {
+        return R::adjoint_of_inverse(first<R::freedom>(v));
+    }
 
 private:
     template <std::size_t N, std::size_t M> static Vector<N> first(const Vector<M> &from) {
@@ -288,8 +303,8 @@ private:
     }
 };
 
-// Where the state of a linear filter goes. Components that are no pose until they are projected stay
-// as the filter has them: projected at every step, they would no longer fit its rates.
+// Where the state of a linear filter goes. Components that are no pose until they are projected
+// stay as the filter has them: projected at every step, they would no longer fit its rates.
 template <Representation R>
 Vector<R::size> unprojected(const Vector<R::size> &base, const Vector<R::freedom> &v) {
     if constexpr (requires { R::unprojected(base, v); })
@@ -312,21 +327,27 @@ template <class Action> auto with_rigid_or_scaled(bool scale, Action &&action, a
     return scale ? action.template operator()<WithScale<R>>() : action.template operator()<R>();
 }
 
-template <class Action> auto with_representation(const std::string &name, bool scale, Action &&action) {
+template <class Action>
+auto with_representation(const std::string &name, bool scale, Action &&action) {
     if (name == Similarities::name)
         return scale ? action.template operator()<Similarities>()
                      : action.template operator()<RigidSimilarities>();
-    if (name == Motors::name) return with_rigid_or_scaled(scale, action, std::type_identity<Motors>{});
-    if (name == Rotors::name) return with_rigid_or_scaled(scale, action, std::type_identity<Rotors>{});
+    if (name == Motors::name)
+        return with_rigid_or_scaled(scale, action, std::type_identity<Motors>{});
+    if (name == Rotors::name)
+        return with_rigid_or_scaled(scale, action, std::type_identity<Rotors>{});
     if (name == Quaternions::name)
         return with_rigid_or_scaled(scale, action, std::type_identity<Quaternions>{});
     if (name == DualQuaternions::name)
         return with_rigid_or_scaled(scale, action, std::type_identity<DualQuaternions>{});
-    if (name == EulerAngles::name) return with_rigid_or_scaled(scale, action, std::type_identity<EulerAngles>{});
+    if (name == EulerAngles::name)
+        return with_rigid_or_scaled(scale, action, std::type_identity<EulerAngles>{});
     if (name == UnwrappedEulerAngles::name)
         return with_rigid_or_scaled(scale, action, std::type_identity<UnwrappedEulerAngles>{});
-    throw std::invalid_argument("representation: expected one of motor, similarity, rotor, dual_quaternion, "
-                                "quaternion, euler_unwrapped, euler, got '" + name + "'");
+    throw std::invalid_argument(
+        "representation: expected one of motor, similarity, rotor, dual_quaternion, "
+        "quaternion, euler_unwrapped, euler, got '" +
+        name + "'");
 }
 
 }  // namespace motorcade::smooth

@@ -1,7 +1,7 @@
-// Scans: a causal filter fed with stamped poses, one at a time or a whole path; and the smoother that
-// runs a Kalman filter forward and the Rauch-Tung-Striebel recursion back. Poses are rows of versor
-// coefficients, 8 of motors or 12 of similarities; stamps are nanoseconds. Both ways of feeding go
-// through the same function, so that they agree to the last bit.
+// Scans: a causal filter fed with stamped poses, one at a time or a whole path; and the smoother
+// that runs a Kalman filter forward and the Rauch-Tung-Striebel recursion back. Poses are rows of
+// versor coefficients, 8 of motors or 12 of similarities; stamps are nanoseconds. Both ways of
+// feeding go through the same function, so that they agree to the last bit.
 
 #pragma once
 
@@ -40,12 +40,15 @@ struct NoiseRows {
 };
 
 template <class T>
-concept WeighsNoise = requires(T method, BlockValues values) { method.measured_with(values); };
+concept WeighsNoise = requires(T method, BlockValues values) {
+    method.measured_with(values);
+};
 
 template <std::size_t N> void check_finite(const Vector<N> &pose) {
     double total = 0.0;
     for (const double one : pose) total += one * 0.0;
-    if (total != 0.0) throw std::invalid_argument("pose: expected a finite result, got one beyond float64");
+    if (total != 0.0)
+        throw std::invalid_argument("pose: expected a finite result, got one beyond float64");
 }
 
 template <Representation R, class Method> class StreamOf final : public Scan {
@@ -56,7 +59,8 @@ public:
 
     void update(const double *pose, std::int64_t time_ns, double *out) override {
         if (started_ && time_ns <= last_ns_)
-            throw std::invalid_argument("time_ns: expected a stamp after " + std::to_string(last_ns_) + ", got " +
+            throw std::invalid_argument("time_ns: expected a stamp after " +
+                                        std::to_string(last_ns_) + ", got " +
                                         std::to_string(time_ns));
         Vector<R::pose_size> given;
         std::copy_n(pose, R::pose_size, given.begin());
@@ -100,7 +104,8 @@ struct Smoothed {
 };
 
 template <Representation R, std::size_t Order>
-void write_state(const typename Kalman<R, Order>::State &state, std::size_t k, const Smoothed &out) {
+void write_state(const typename Kalman<R, Order>::State &state, std::size_t k,
+                 const Smoothed &out) {
     const auto pose = R::write(projected<R>(state.pose));
     check_finite(pose);
     std::copy(pose.begin(), pose.end(), out.poses + k * R::pose_size);
@@ -119,14 +124,14 @@ void write_state(const typename Kalman<R, Order>::State &state, std::size_t k, c
 }
 
 // Runs a Kalman filter over a path, and back over it with the smoother. Filtered states are kept a
-// stretch at a time and filtered again from the one before the stretch, so that memory does not grow
-// with them. `write` is called for each pose from the last to the first.
+// stretch at a time and filtered again from the one before the stretch, so that memory does not
+// grow with them. `write` is called for each pose from the last to the first.
 template <Representation R, std::size_t Order> class Smoother {
 public:
-    Smoother(const double *poses, const std::int64_t *time_ns, std::size_t count, const NoiseRows &noise,
-             const BlockValues &densities)
-        : poses_(poses), time_ns_(time_ns), count_(count), noise_(noise),
-          now_{Kalman<R, Order>(densities, noise.row(0)), {}} {}
+    Smoother(const double *poses, const std::int64_t *time_ns, std::size_t count,
+             const NoiseRows &noise, const BlockValues &densities)
+        : poses_(poses), time_ns_(time_ns), count_(count),
+          noise_(noise), now_{Kalman<R, Order>(densities, noise.row(0)), {}} {}
 
     // Returns the logarithm of the likelihood of the innovations.
     template <bool WITH_COVARIANCE, class Write> double run(Write &&write) {
@@ -147,7 +152,8 @@ public:
                 states[k - first] = now_.filter.state();
             }
             for (std::size_t k = last; k-- > first;) {
-                later = now_.filter.template smoothed<WITH_COVARIANCE>(states[k - first], later, interval(k));
+                later = now_.filter.template smoothed<WITH_COVARIANCE>(states[k - first], later,
+                                                                       interval(k));
                 write(later, k);
             }
         }
@@ -162,7 +168,9 @@ private:
         Vector<R::size> measured;
     };
 
-    double interval(std::size_t k) const { return 1e-9 * static_cast<double>(time_ns_[k + 1] - time_ns_[k]); }
+    double interval(std::size_t k) const {
+        return 1e-9 * static_cast<double>(time_ns_[k + 1] - time_ns_[k]);
+    }
 
     Vector<R::size> read(std::size_t k) const {
         Vector<R::pose_size> given;
@@ -192,11 +200,14 @@ private:
 };
 
 template <Representation R, std::size_t Order>
-double smooth(const double *poses, const std::int64_t *time_ns, std::size_t count, const NoiseRows &noise,
-              const BlockValues &densities, const Smoothed &out) {
+double smooth(const double *poses, const std::int64_t *time_ns, std::size_t count,
+              const NoiseRows &noise, const BlockValues &densities, const Smoothed &out) {
     Smoother<R, Order> smoother(poses, time_ns, count, noise, densities);
-    const auto write = [&](const auto &state, std::size_t k) { write_state<R, Order>(state, k, out); };
-    return out.rates == nullptr ? smoother.template run<false>(write) : smoother.template run<true>(write);
+    const auto write = [&](const auto &state, std::size_t k) {
+        write_state<R, Order>(state, k, out);
+    };
+    return out.rates == nullptr ? smoother.template run<false>(write)
+                                : smoother.template run<true>(write);
 }
 
 }  // namespace motorcade::smooth

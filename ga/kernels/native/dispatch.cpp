@@ -16,19 +16,11 @@ constexpr std::size_t LANES = MOTORCADE_LANES;
 constexpr std::size_t BUFFER = 4608;       // numbers; no more than the first-level cache holds
 constexpr std::size_t PER_THREAD = 32768;  // rows that are worth a thread
 
-template <typename Real>
-using Entry = void (*)(MOTORCADE_ARGUMENTS(Real));
+template <typename Real> using Entry = void (*)(MOTORCADE_ARGUMENTS(Real));
 
-template <typename Real>
-Entry<Real> entry(const motorcade_kernel &kernel);
-template <>
-Entry<float> entry<float>(const motorcade_kernel &kernel) {
-    return kernel.single;
-}
-template <>
-Entry<double> entry<double>(const motorcade_kernel &kernel) {
-    return kernel.real;
-}
+template <typename Real> Entry<Real> entry(const motorcade_kernel &kernel);
+template <> Entry<float> entry<float>(const motorcade_kernel &kernel) { return kernel.single; }
+template <> Entry<double> entry<double>(const motorcade_kernel &kernel) { return kernel.real; }
 
 template <typename Real>
 void gather(const Rows &from, std::size_t start, std::size_t count, std::size_t width, Real *to,
@@ -55,8 +47,7 @@ void scatter(const Real *from, std::size_t step, const Rows &to, std::size_t sta
 }
 
 // One stretch of rows, of which all operands marked direct are used in place.
-template <typename Real>
-struct Stretch {
+template <typename Real> struct Stretch {
     const motorcade_kernel &kernel;
     const Rows *operands;
     bool direct[MOTORCADE_OPERANDS];
@@ -90,9 +81,9 @@ struct Stretch {
     void repeat(int k, Real *to, std::size_t tile) const {
         for (std::size_t j = 0; j < width(k); ++j)
             std::fill_n(to + j * tile, tile,
-                        *reinterpret_cast<const Real *>(
-                            operands[k].first +
-                            static_cast<std::ptrdiff_t>(j) * operands[k].component_stride));
+                        *reinterpret_cast<const Real *>(operands[k].first +
+                                                        static_cast<std::ptrdiff_t>(j) *
+                                                            operands[k].component_stride));
     }
 
     void one_tile(std::size_t from, std::size_t count, std::size_t tile, Real **at,

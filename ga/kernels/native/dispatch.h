@@ -15,8 +15,8 @@ struct Rows {
     std::size_t readable;  // rows that may be read and written, count and padding
 };
 
-// Applies a kernel to inputs of as many rows as the output, or of one. `operands` lists inputs, then
-// outputs; with `single` they are float, otherwise double. Large batches are shared among
+// Applies a kernel to inputs of as many rows as the output, or of one. `operands` lists inputs,
+// then outputs; with `single` they are float, otherwise double. Large batches are shared among
 // `threads` threads.
 void run(const motorcade_kernel &kernel, const Rows *operands, bool single, unsigned threads);
 

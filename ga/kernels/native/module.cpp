@@ -41,9 +41,11 @@ public:
     Block(std::size_t width, std::size_t count, bool single)
         : width_(width), count_(count), size_(single ? sizeof(float) : sizeof(double)) {
         if (width == 0 || width > 64 || count > (std::size_t{1} << 40))
-            throw std::invalid_argument("Block: expected a width from 1 to 64 and a count that fits in memory");
+            throw std::invalid_argument(
+                "Block: expected a width from 1 to 64 and a count that fits in memory");
         // An odd number of cache lines keeps the components apart in the cache.
-        std::size_t lines = std::max<std::size_t>(1, (count + LANES - 1) / LANES) * LANES * size_ / LINE;
+        std::size_t lines =
+            std::max<std::size_t>(1, (count + LANES - 1) / LANES) * LANES * size_ / LINE;
         if (count > 1024) lines |= 1;
         padded_ = lines * LINE / size_;
         memory_.reset(std::aligned_alloc(LINE, width * padded_ * size_));
@@ -105,7 +107,8 @@ public:
     void settle(bool as_single) {
         if (!any) return;
         small_ = static_cast<float>(number_);
-        rows.first = as_single ? reinterpret_cast<char *>(&small_) : reinterpret_cast<char *>(&number_);
+        rows.first =
+            as_single ? reinterpret_cast<char *>(&small_) : reinterpret_cast<char *>(&number_);
     }
 
     motorcade::Rows rows{};
@@ -162,13 +165,15 @@ bool check_alike(const Operand *operands, int inputs, int all, bool &single) {
         }
         const std::size_t count = operands[k].rows.count;
         if (count != out.rows.count && (k >= inputs || count != 1)) {
-            PyErr_Format(PyExc_ValueError,
-                         "expected inputs with one row or as many rows as the output (%zu), got %zu",
-                         out.rows.count, count);
+            PyErr_Format(
+                PyExc_ValueError,
+                "expected inputs with one row or as many rows as the output (%zu), got %zu",
+                out.rows.count, count);
             return false;
         }
         if (k < inputs && operands[k].rows.first == out.rows.first && out.rows.count > 0) {
-            PyErr_SetString(PyExc_ValueError, "expected an output apart from the inputs: they overlap");
+            PyErr_SetString(PyExc_ValueError,
+                            "expected an output apart from the inputs: they overlap");
             return false;
         }
     }
@@ -189,7 +194,8 @@ struct Call {
             return false;
         }
         for (int k = 0; k < all; ++k)
-            if (!operands[k].take(given[k], static_cast<std::size_t>(kernel.widths[k]), k >= kernel.inputs))
+            if (!operands[k].take(given[k], static_cast<std::size_t>(kernel.widths[k]),
+                                  k >= kernel.inputs))
                 return false;
         if (!check_alike(operands, kernel.inputs, all, single)) return false;
         for (int k = 0; k < all; ++k) {
@@ -201,7 +207,8 @@ struct Call {
 };
 
 PyObject *call(PyObject *self, PyObject *const *given, Py_ssize_t count) {
-    const auto &kernel = *static_cast<const motorcade_kernel *>(PyCapsule_GetPointer(self, nullptr));
+    const auto &kernel =
+        *static_cast<const motorcade_kernel *>(PyCapsule_GetPointer(self, nullptr));
     Call one;
     if (!one.take(kernel, given, count)) return nullptr;
     if (one.rows[kernel.inputs].count < HOLD_LOCK_BELOW) {
@@ -216,8 +223,10 @@ PyObject *call(PyObject *self, PyObject *const *given, Py_ssize_t count) {
 // Seconds that `times` calls take without Python's share, for measurements.
 double repeat(const std::string &name, std::size_t times, nb::args given) {
     const auto end = motorcade_kernels + motorcade_kernel_count;
-    const auto kernel = std::find_if(motorcade_kernels, end, [&](const auto &k) { return name == k.name; });
-    if (kernel == end) throw std::invalid_argument("repeat: expected the name of a kernel, got " + name);
+    const auto kernel =
+        std::find_if(motorcade_kernels, end, [&](const auto &k) { return name == k.name; });
+    if (kernel == end)
+        throw std::invalid_argument("repeat: expected the name of a kernel, got " + name);
     std::vector<PyObject *> operands;
     for (nb::handle one : given) operands.push_back(one.ptr());
     Call all;
@@ -244,27 +253,32 @@ NB_MODULE(_compiled, module) {
     module.doc() = "The generated kernels; see motorcade.ga.kernels.";
     block_type = reinterpret_cast<PyTypeObject *>(
         nb::class_<Block>(module, "Block")
-            .def("__init__",
-                 [](Block *self, std::size_t width, std::size_t count, const std::string &dtype) {
-                     if (dtype != "float32" && dtype != "float64")
-                         throw std::invalid_argument("Block: expected dtype 'float32' or 'float64', got '" + dtype + "'");
-                     new (self) Block(width, count, dtype == "float32");
-                 },
-                 "width"_a, "count"_a, "dtype"_a = "float64")
+            .def(
+                "__init__",
+                [](Block *self, std::size_t width, std::size_t count, const std::string &dtype) {
+                    if (dtype != "float32" && dtype != "float64")
+                        throw std::invalid_argument(
+                            "Block: expected dtype 'float32' or 'float64', got '" + dtype + "'");
+                    new (self) Block(width, count, dtype == "float32");
+                },
+                "width"_a, "count"_a, "dtype"_a = "float64")
             .def("__len__", &Block::count)
             .def_prop_ro("width", &Block::width)
             .def_prop_ro("array", &array_of)
             .release()
             .ptr());
-    module.def("set_threads", [](unsigned threads) { thread_count = std::max(1U, threads); }, "threads"_a);
+    module.def(
+        "set_threads", [](unsigned threads) { thread_count = std::max(1U, threads); }, "threads"_a);
     module.def("repeat", &repeat);
     module.def("threads", [] { return thread_count.load(); });
     static std::vector<PyMethodDef> methods(motorcade_kernel_count);
     for (std::size_t k = 0; k < motorcade_kernel_count; ++k) {
         const motorcade_kernel &kernel = motorcade_kernels[k];
-        methods[k] = {kernel.name, reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(call)),
+        methods[k] = {kernel.name,
+                      reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(call)),
                       METH_FASTCALL, nullptr};
-        nb::object self = nb::steal(PyCapsule_New(const_cast<motorcade_kernel *>(&kernel), nullptr, nullptr));
+        nb::object self =
+            nb::steal(PyCapsule_New(const_cast<motorcade_kernel *>(&kernel), nullptr, nullptr));
         module.attr(kernel.name) = nb::steal(PyCFunction_NewEx(&methods[k], self.ptr(), nullptr));
     }
 }

@@ -46,8 +46,7 @@ extern "C" {
  * AVX2 lacks for double: a whole number that is added to 1.5 * 2^52 stands in the lowest bits. */
 
 /* 2^n of a whole n; 0 and infinity where that is no normal number. */
-static inline double exp2_of_integer(double n)
-{
+static inline double exp2_of_integer(double n) {
     const double shifted = smaller(larger(n, -1023.0), 1024.0) + (0x1.8p52 + 1023.0);
     uint64_t bits;
     memcpy(&bits, &shifted, sizeof bits);
@@ -57,8 +56,7 @@ static inline double exp2_of_integer(double n)
     return power;
 }
 
-static inline float exp2_of_integerf(float n)
-{
+static inline float exp2_of_integerf(float n) {
     const float shifted = smaller(larger(n, -127.0f), 128.0f) + (0x1.8p23f + 127.0f);
     uint32_t bits;
     memcpy(&bits, &shifted, sizeof bits);
@@ -69,8 +67,7 @@ static inline float exp2_of_integerf(float n)
 }
 
 /* The greatest n with 2^n <= x, of a positive normal x. */
-static inline double exponent(double x)
-{
+static inline double exponent(double x) {
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
     bits = (bits >> 52) | UINT64_C(0x4330000000000000);
@@ -79,8 +76,7 @@ static inline double exponent(double x)
     return biased - (0x1p52 + 1023.0);
 }
 
-static inline float exponentf(float x)
-{
+static inline float exponentf(float x) {
     uint32_t bits;
     memcpy(&bits, &x, sizeof bits);
     bits = (bits >> 23) | UINT32_C(0x4B000000);
@@ -90,8 +86,8 @@ static inline float exponentf(float x)
 }
 #endif
 
-#define MOTORCADE_ARGUMENTS(real)                                                           \
-    const real *const *inputs, const ptrdiff_t *input_steps, real *const *outputs,          \
+#define MOTORCADE_ARGUMENTS(real)                                                                  \
+    const real *const *inputs, const ptrdiff_t *input_steps, real *const *outputs,                 \
         const ptrdiff_t *output_steps, size_t blocks
 
 struct motorcade_kernel {

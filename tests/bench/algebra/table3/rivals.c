@@ -20,8 +20,7 @@ typedef REAL real;
 typedef void blend(const real *a, const real *b, real f, real *out, size_t joints);
 
 /* Slerp with the short way round, as GLM does it. */
-static inline void slerp(const real *a, const real *b, real f, real *q)
-{
+static inline void slerp(const real *a, const real *b, real f, real *q) {
     const real dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
     const real sign = dot < 0 ? (real)-1 : (real)1, cosine = sign * dot;
     real u = 1 - f, v = sign * f;
@@ -33,8 +32,7 @@ static inline void slerp(const real *a, const real *b, real f, real *q)
     for (int k = 0; k < 4; ++k) q[k] = u * a[k] + v * b[k];
 }
 
-void quaternion(const real *a, const real *b, real f, real *out, size_t joints)
-{
+void quaternion(const real *a, const real *b, real f, real *out, size_t joints) {
     for (size_t i = 0; i < joints; ++i, a += 7, b += 7, out += 16) {
         real q[4];
         slerp(a, b, f, q);
@@ -56,8 +54,7 @@ void quaternion(const real *a, const real *b, real f, real *out, size_t joints)
 
 /* Linear blend the short way round. The matrix needs the square of the norm and no root: rotation
  * and translation are both products of two numbers of the blend. */
-static inline void blended(const real *a, const real *b, real f, real *m)
-{
+static inline void blended(const real *a, const real *b, real f, real *m) {
     const real dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
     const real u = 1 - f, v = dot < 0 ? -f : f;
     real q[8];
@@ -80,8 +77,7 @@ static inline void blended(const real *a, const real *b, real f, real *m)
     m[11] = s2 * (w * dz + x * dy - y * dx - z * dw);
 }
 
-void dual_quaternion(const real *a, const real *b, real f, real *out, size_t joints)
-{
+void dual_quaternion(const real *a, const real *b, real f, real *out, size_t joints) {
     for (size_t i = 0; i < joints; ++i, a += 8, b += 8, out += 16) {
         real m[12];
         blended(a, b, f, m);
@@ -95,8 +91,8 @@ void dual_quaternion(const real *a, const real *b, real f, real *out, size_t joi
 /* Every joint has its fraction, as all numbers of a script in arrays do. The loops over components
  * are unrolled first, so that the one over joints becomes SIMD code. */
 static inline void blended_arrays(const real *restrict a, const real *restrict b,
-                                  const real *restrict fractions, real *restrict out, size_t joints)
-{
+                                  const real *restrict fractions, real *restrict out,
+                                  size_t joints) {
 #pragma GCC ivdep
     for (size_t i = 0; i < joints; ++i) {
         real p[8], q[8], m[12];
@@ -108,8 +104,7 @@ static inline void blended_arrays(const real *restrict a, const real *restrict b
     }
 }
 
-void dual_quaternion_arrays(const real *a, const real *b, real f, real *out, size_t joints)
-{
+void dual_quaternion_arrays(const real *a, const real *b, real f, real *out, size_t joints) {
     real fractions[joints];
     for (size_t i = 0; i < joints; ++i) fractions[i] = f;
     blended_arrays(a, b, fractions, out, joints);
@@ -117,8 +112,7 @@ void dual_quaternion_arrays(const real *a, const real *b, real f, real *out, siz
 
 /* Seconds of this thread that `times` calls take: other programs on the core do not count. */
 double seconds(blend *call, const real *a, const real *b, real f, real *out, size_t joints,
-               size_t times)
-{
+               size_t times) {
     struct timespec start, end;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &start);
     for (size_t i = 0; i < times; ++i) call(a, b, f, out, joints);
