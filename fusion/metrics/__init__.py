@@ -1,6 +1,11 @@
 """Metrics of trajectories: errors by evo's and KITTI's definitions, smoothness, lag, artifacts.
 
-`evaluate` puts those that need no more than an estimate and its truth into one value.
+Estimate and ground truth are trajectories of the same moving frame in worlds that agree or are
+aligned first. Errors are in metres and radians (`evaluate` states degrees and milliseconds, as its
+keys say), jitter in m/s² and rad/s²; positive lag is late.
+
+`evaluate` puts all that needs no more than an estimate and its ground truth into one value. What
+the trajectories cannot tell raises `NotObservableError`.
 """
 
 from __future__ import annotations

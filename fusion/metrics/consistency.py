@@ -23,6 +23,11 @@ def normalised_squared(errors: FloatArray, covariances: FloatArray) -> FloatArra
 
     Raises:
         ValueError: shapes that do not agree, NaN or infinity, or a singular covariance.
+
+    Examples:
+        >>> from motorcade.fusion.metrics import normalised_squared
+        >>> round(float(normalised_squared([0.2, 0.1], [[0.01, 0.0], [0.0, 0.01]])), 6)
+        5.0
     """
     error = checked_floats(errors, "errors", (np.shape(errors)[-1],))
     size = error.shape[-1]
@@ -48,6 +53,12 @@ def chi2_bounds(freedom: int, runs: int, probability: float = 0.95) -> tuple[flo
 
     Raises:
         ValueError: a number out of its range.
+
+    Examples:
+        >>> from motorcade.fusion.metrics import chi2_bounds
+        >>> low, high = chi2_bounds(freedom=6, runs=50)
+        >>> round(low, 2), round(high, 2)
+        (5.08, 7.0)
     """
     from scipy.special import gammaincinv
 
@@ -71,6 +82,14 @@ class Consistency:
         runs: how many were averaged.
         average: ``(N,)`` over the runs.
         low, high: bounds of the average at each step.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import Consistency
+        >>> values = np.random.default_rng(0).chisquare(6, (50, 200))  # of 50 runs, 200 steps
+        >>> found = Consistency.of(values, freedom=6)
+        >>> round(found.ratio, 2), round(found.share_within, 2)
+        (1.01, 0.95)
     """
 
     freedom: int

@@ -20,6 +20,14 @@ def seconds_per_pose(
 
     Raises:
         ValueError: fewer than one run.
+
+    Examples:
+        >>> from motorcade.fusion import smooth
+        >>> from motorcade.fusion.metrics import seconds_per_pose
+        >>> from motorcade.fusion.motions import screw
+        >>> path = screw().sampled(30.0, 2.0)
+        >>> seconds_per_pose(lambda given: smooth(given, "gaussian"), path) > 0.0
+        True
     """
     if repeats < 1:
         raise ValueError(f"repeats: expected 1 or more, got {repeats}")

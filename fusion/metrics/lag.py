@@ -40,6 +40,16 @@ def position_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float = 0
         NotObservableError: trajectories that overlap too little, that do not move, or whose
             correlation still rises at the edge of ``±max_lag_s`` or has a peak too flat to place:
             a standard error above half the estimate's median interval.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import position_lag_s
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.ga import Trajectory
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=100.0, duration_s=10.0)
+        >>> late = Trajectory(true.time_ns + 20_000_000, true.poses)
+        >>> round(position_lag_s(late, true), 4)
+        0.02
     """
     path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)
@@ -53,6 +63,16 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
 
     Raises:
         NotObservableError: as `position_lag_s`, or steps longer than 0.25 s.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import angular_rate_lag_s
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.ga import Trajectory
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=100.0, duration_s=10.0)
+        >>> late = Trajectory(true.time_ns + 20_000_000, true.poses)
+        >>> round(angular_rate_lag_s(late, true), 4)
+        0.02
     """
     path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)

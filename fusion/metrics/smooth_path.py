@@ -22,7 +22,19 @@ GAP_INTERVALS = 3.0
 
 
 class NotObservableError(ValueError):
-    """The trajectories are sound but too short, too sparse or too still to tell the figure."""
+    """The trajectories are sound but too short, too sparse or too still to tell the figure.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import NotObservableError, position_lag_s
+        >>> from motorcade.ga import Motor, Trajectory
+        >>> still = Trajectory(np.arange(100) * 10_000_000, Motor.identity((100,)))
+        >>> try:
+        ...     position_lag_s(still, still)
+        ... except NotObservableError as reason:
+        ...     print(reason)
+        lag: expected trajectories that move, got one that stands still or turns evenly
+    """
 
 
 class SmoothPath:

@@ -1,4 +1,9 @@
-"""Motions: analytic trajectories with exact derivatives, and what measuring does to them."""
+"""Motions: analytic trajectories with exact derivatives, and what measuring does to them.
+
+A motion is ``world_T_camera`` over time in seconds, worlds with z up, cameras looking along z;
+twists stand in the moving frame, angular rate (rad/s) before velocity (m/s). `MOTIONS` names those
+of the comparison; `motorcade.fusion.motions.degradations` adds noise, outliers and gaps.
+"""
 
 from __future__ import annotations
 

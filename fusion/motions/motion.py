@@ -41,6 +41,13 @@ class Factor:
         twist: ``(6,)`` rotation (rad) and translational part (m) for a signal of 1, or ``(7,)``
             with the logarithm of the scale behind them.
         signal: how far, over time.
+
+    Examples:
+        >>> from motorcade.fusion.motions import Factor, Motion, Polynomial
+        >>> from motorcade.ga import Motor
+        >>> turning = Factor([0, 0, 1, 0, 0, 0], Polynomial((0.0, 0.5)))  # 0.5 rad/s about z
+        >>> Motion((turning,), Motor).at(2.0).pose.rotor.as_rotation_vector()
+        array([-0.,  0.,  1.])
     """
 
     twist: FloatArray
@@ -65,6 +72,18 @@ class Motion(Generic[V]):
 
     Raises:
         ValueError: no factors, or twists of a size that does not fit the versor.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import Factor, Motion, Polynomial
+        >>> from motorcade.ga import Motor
+        >>> ahead = Factor([0, 0, 0, 1, 0, 0], Polynomial((0.0, 2.0)))  # 2 m/s along x
+        >>> turning = Factor([0, 0, 1, 0, 0, 0], Polynomial((0.0, np.pi)))
+        >>> motion = Motion((ahead, turning), Motor)  # world_T_camera
+        >>> motion.at(0.5).body_twist.round(6)  # x of the camera points along y of the world by now
+        array([ 0.      ,  0.      ,  3.141593,  0.      , -2.      ,  0.      ])
+        >>> motion.sampled(rate_hz=30.0, duration_s=2.0)
+        Trajectory(world_T_camera, 61 poses, 2.000 s)
     """
 
     factors: tuple[Factor, ...]
@@ -139,6 +158,11 @@ def even_stamps(rate_hz: float, duration_s: float) -> IntArray:
 
     Raises:
         ValueError: a rate or duration that is not positive and finite.
+
+    Examples:
+        >>> from motorcade.fusion.motions import even_stamps
+        >>> even_stamps(rate_hz=30.0, duration_s=0.1)
+        array([        0,  33333333,  66666667, 100000000])
     """
     for name, value in (("rate_hz", rate_hz), ("duration_s", duration_s)):
         if not 0.0 < value < np.inf:

@@ -21,7 +21,15 @@ _STEP = np.polynomial.Polynomial((0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0))
 
 
 class Signal(ABC):
-    """A scalar function of time."""
+    """A scalar function of time.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import Polynomial, Signal, Sines
+        >>> signals = Polynomial((0.0, 1.0)), Sines.single(0.1, 0.5)
+        >>> [isinstance(one, Signal) for one in signals], signals[0].derivatives(np.zeros(5)).shape
+        ([True, True], (4, 5))
+    """
 
     @abstractmethod
     def derivatives(self, time_s: FloatArray) -> FloatArray:
@@ -30,7 +38,15 @@ class Signal(ABC):
 
 @dataclass(frozen=True)
 class Polynomial(Signal):
-    """``c0 + c1 t + c2 t² + …``, lowest power first; one number is a constant."""
+    """``c0 + c1 t + c2 t² + …``, lowest power first; one number is a constant.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import Polynomial
+        >>> value, slope, _, _ = Polynomial((1.0, 2.0)).derivatives(np.array([0.0, 3.0]))
+        >>> value, slope
+        (array([1., 7.]), array([2., 2.]))
+    """
 
     coefficients: tuple[float, ...]
 
@@ -51,6 +67,13 @@ class Sines(Signal):
         amplitudes: in the unit of the signal.
         frequencies_hz: above zero.
         phases_rad: at time zero.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import Sines
+        >>> value, slope, _, _ = Sines.single(0.1, frequency_hz=0.5).derivatives(np.array([0.5]))
+        >>> value
+        array([0.1])
     """
 
     amplitudes: tuple[float, ...]
@@ -120,6 +143,12 @@ class Stops(Signal):
     Args:
         levels: two or more, in the unit of the signal; after the last comes the first again.
         move_s, rest_s: durations, above zero.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import Stops
+        >>> Stops((0.0, 1.0), move_s=1.0, rest_s=0.5).derivatives(np.array([0.5, 1.25]))[0]
+        array([0.5, 1. ])
     """
 
     levels: tuple[float, ...]

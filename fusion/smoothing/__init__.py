@@ -1,4 +1,12 @@
-"""Smoothing of trajectories: every method, run on any representation of the poses."""
+"""Smoothing of trajectories: every method, run on any representation of the poses.
+
+Poses are ``world_T_camera`` at integer nanoseconds, evenly spaced or not; results have the same
+stamps and frames. Parameters are physical: metres, radians, seconds, hertz. Deviations and
+densities are those of one axis. Rotation errors and rates stand in the moving frame.
+
+`smooth` runs a method of `METHODS` on a whole path, by default the one that `choose` picks; filters
+such as `OneEuro` take poses one after another. `Representation` says what is averaged.
+"""
 
 from __future__ import annotations
 

@@ -53,6 +53,20 @@ class SmootherChoice:
         representation: a name of `REPRESENTATIONS`.
         parameters: of the method, in its own units.
         noise: as estimated.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.motions.degradations import Gaussian
+        >>> from motorcade.fusion.smoothing import SmootherChoice, choose
+        >>> rng = np.random.default_rng(0)
+        >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> chosen = choose(noisy)
+        >>> isinstance(chosen, SmootherChoice), chosen.method, chosen.representation
+        (True, 'rts_constant_velocity', 'motor')
+        >>> chosen.smooth(noisy)
+        Trajectory(world_T_camera, 121 poses, 4.000 s)
     """
 
     method: str
@@ -84,6 +98,17 @@ def choose(trajectory: Trajectory, representation: str = "motor") -> SmootherCho
 
     Raises:
         ValueError: fewer poses, or an unknown representation.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.motions.degradations import Gaussian
+        >>> from motorcade.fusion.smoothing import choose
+        >>> rng = np.random.default_rng(0)
+        >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> choose(noisy).method
+        'rts_constant_velocity'
     """
     representation_named(representation)
     interval_s = float(np.median(np.diff(trajectory.time_s))) if len(trajectory) > 1 else 0.0

@@ -65,6 +65,19 @@ def smooth(
     Raises:
         ValueError: an unknown method, representation or parameter (the message lists those there
             are), a parameter out of its range, or fewer poses than the method needs.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.motions.degradations import Gaussian
+        >>> from motorcade.fusion import evaluate, smooth
+        >>> rng = np.random.default_rng(0)
+        >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> for path in (noisy, smooth(noisy, "rts_constant_velocity", acceleration_m_s2=2.0)):
+        ...     print(f"{1e3 * evaluate(path, true).ape_m.rmse:.1f} mm")
+        17.5 mm
+        11.9 mm
     """
     function = method_named(method)
     known = method_parameters(method)
@@ -88,7 +101,13 @@ def method_named(name: str) -> Method:
 
 
 def method_parameters(name: str) -> dict[str, Any]:
-    """Parameters of a method with their defaults, in the order of its signature."""
+    """Parameters of a method with their defaults, in the order of its signature.
+
+    Examples:
+        >>> from motorcade.fusion.smoothing import method_parameters
+        >>> method_parameters("gaussian")
+        {'sigma_s': 0.1, 'truncate': 4.0, 'order': 1}
+    """
     signature = inspect.signature(method_named(name))
     return {
         parameter.name: parameter.default

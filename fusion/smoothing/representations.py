@@ -65,10 +65,10 @@ class Representation(ABC):
         >>> import numpy as np
         >>> from motorcade.fusion.smoothing import REPRESENTATIONS
         >>> from motorcade.ga import Motor
-        >>> turned = Motor.from_euler_translation([0.0, 0.0, [0.0, 0.5]], np.zeros((2, 3)))
+        >>> turned = Motor.from_euler_translation([[0, 0, 0], [0, 0, 0.5]], np.zeros((2, 3)))
         >>> motors = REPRESENTATIONS["motor"]
         >>> x = motors.coordinates(turned)
-        >>> motors.local(x[1], x[0])
+        >>> motors.local(x[1], x[0]).round(6) + 0.0
         array([0. , 0. , 0.5, 0. , 0. , 0. ])
     """
 

@@ -39,7 +39,13 @@ _MEAN_STEPS = 100
 def dual_quaternion_from_quaternion_translation(
     wxyz: ArrayLike, translation_m: ArrayLike
 ) -> FloatArray:
-    """Dual quaternions ``(*, 8)`` from unit quaternions ``(*, 4)`` and translations ``(*, 3)``."""
+    """Dual quaternions ``(*, 8)`` from unit quaternions ``(*, 4)`` and translations ``(*, 3)``.
+
+    Examples:
+        >>> from motorcade.ga.classical import dual_quaternion_from_quaternion_translation
+        >>> dual_quaternion_from_quaternion_translation([1, 0, 0, 0], [2, 0, 0])  # 2 m along x
+        array([1., 0., 0., 0., 0., 1., 0., 0.])
+    """
     real = checked_floats(wxyz, "wxyz", (4,))
     t = checked_floats(translation_m, "translation_m", (3,))
     pure = np.concatenate([np.zeros((*t.shape[:-1], 1)), t], axis=-1)
@@ -48,7 +54,14 @@ def dual_quaternion_from_quaternion_translation(
 
 
 def dual_quaternion_as_quaternion_translation(q: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Unit quaternions ``(*, 4)`` and translations ``(*, 3)`` in metres."""
+    """Unit quaternions ``(*, 4)`` and translations ``(*, 3)`` in metres.
+
+    Examples:
+        >>> from motorcade.ga.classical import dual_quaternion_as_quaternion_translation
+        >>> world_T_camera = [1, 0, 0, 0, 0, 1, 0, 0]
+        >>> dual_quaternion_as_quaternion_translation(world_T_camera)
+        (array([1., 0., 0., 0.]), array([2., 0., 0.]))
+    """
     given = checked_floats(q, "q", (8,))
     translation = 2.0 * quaternion_multiply(given[..., 4:], quaternion_conjugate(given[..., :4]))
     return given[..., :4].copy(), translation[..., 1:]
@@ -59,6 +72,12 @@ def dual_quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
 
     Raises:
         ValueError: wrong last dimension, NaN or infinity.
+
+    Examples:
+        >>> from motorcade.ga.classical import dual_quaternion_multiply
+        >>> ahead = [1, 0, 0, 0, 0, 0.5, 0, 0]  # 1 m along x
+        >>> dual_quaternion_multiply(ahead, ahead)
+        array([1., 0., 0., 0., 0., 1., 0., 0.])
     """
     first, second = checked_floats(a, "a", (8,)), checked_floats(b, "b", (8,))
     real = quaternion_multiply(first[..., :4], second[..., :4])
@@ -69,7 +88,13 @@ def dual_quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
 
 
 def dual_quaternion_conjugate(q: ArrayLike) -> FloatArray:
-    """Both parts conjugated, ``(*, 8)``: the inverse of a unit dual quaternion."""
+    """Both parts conjugated, ``(*, 8)``: the inverse of a unit dual quaternion.
+
+    Examples:
+        >>> from motorcade.ga.classical import dual_quaternion_conjugate
+        >>> dual_quaternion_conjugate([1, 0, 0, 0, 0, 0.5, 0, 0])
+        array([ 1. , -0. , -0. , -0. ,  0. , -0.5, -0. , -0. ])
+    """
     given = checked_floats(q, "q", (8,))
     return np.concatenate(
         [quaternion_conjugate(given[..., :4]), quaternion_conjugate(given[..., 4:])], axis=-1
@@ -81,6 +106,11 @@ def dual_quaternion_normalize(q: ArrayLike) -> FloatArray:
 
     Raises:
         ValueError: wrong last dimension, NaN or infinity, or a zero real part.
+
+    Examples:
+        >>> from motorcade.ga.classical import dual_quaternion_normalize
+        >>> dual_quaternion_normalize([2, 0, 0, 0, 1, 1, 0, 0])
+        array([1. , 0. , 0. , 0. , 0. , 0.5, 0. , 0. ])
     """
     given = checked_floats(q, "q", (8,))
     norm = np.linalg.norm(given[..., :4], axis=-1, keepdims=True)
@@ -92,7 +122,17 @@ def dual_quaternion_normalize(q: ArrayLike) -> FloatArray:
 
 
 def dual_quaternion_apply(q: ArrayLike, points: ArrayLike) -> FloatArray:
-    """Move points ``(*, 3)`` in metres."""
+    """Move points ``(*, 3)`` in metres.
+
+    Examples:
+        >>> from motorcade.ga.classical import (
+        ...     dual_quaternion_apply,
+        ...     dual_quaternion_from_quaternion_translation,
+        ... )
+        >>> world_T_camera = dual_quaternion_from_quaternion_translation([0, 0, 0, 1], [1, 0, 0])
+        >>> dual_quaternion_apply(world_T_camera, [2, 0, 0])
+        array([-1.,  0.,  0.])
+    """
     rotation, translation = dual_quaternion_as_quaternion_translation(q)
     return quaternion_apply(rotation, points) + translation
 
@@ -105,6 +145,17 @@ def dual_quaternion_blend(q: ArrayLike, weights: ArrayLike) -> FloatArray:
 
     Raises:
         ValueError: wrong dimensions, NaN or infinity, or weights that cancel to zero.
+
+    Examples:
+        >>> from motorcade.ga.classical import (
+        ...     dual_quaternion_blend,
+        ...     dual_quaternion_from_quaternion_translation,
+        ... )
+        >>> wxyz = [[1, 0, 0, 0], [0, 0, 0, 1]]
+        >>> ends = dual_quaternion_from_quaternion_translation(wxyz, [2, 0, 0])
+        >>> dual_quaternion_blend(ends, [0.5, 0.5]).round(4)
+        array([ 0.7071,  0.    ,  0.    ,  0.7071,  0.    ,  0.7071, -0.7071,
+                0.    ])
     """
     given = checked_floats(q, "q", (8,))
     share = checked_floats(weights, "weights", ())
@@ -121,6 +172,11 @@ def dual_quaternion_exp(log: ArrayLike) -> FloatArray:
 
     The real part is half the angle times the screw's axis ``l``; the dual part is half the slide
     times ``l`` and half the angle times the moment. Half-angles below 1e-12 count as none.
+
+    Examples:
+        >>> from motorcade.ga.classical import dual_quaternion_exp
+        >>> dual_quaternion_exp([0, 0, 0, 1, 0, 0])  # 2 m along x
+        array([ 1.,  0.,  0.,  0., -0.,  1.,  0.,  0.])
     """
     given = checked_floats(log, "log", (6,))
     real, dual = given[..., :3], given[..., 3:]
@@ -142,6 +198,11 @@ def dual_quaternion_log(q: ArrayLike) -> FloatArray:
     """Pure dual quaternions ``(*, 6)`` of unit ones, the mirror of `dual_quaternion_exp`.
 
     The sign that turns by at most π is taken.
+
+    Examples:
+        >>> from motorcade.ga.classical import dual_quaternion_log
+        >>> dual_quaternion_log([1, 0, 0, 0, 0, 1, 0, 0])
+        array([0., 0., 0., 1., 0., 0.])
     """
     given = checked_floats(q, "q", (8,))
     return _log(np.where(given[..., :1] < 0.0, -given, given))
@@ -166,6 +227,16 @@ def dual_quaternion_screw(
     """Screw interpolation (ScLERP), ``(*, 8)``: ``a (a* b)^fraction``; ``fraction (*)`` broadcasts.
 
     A motion that turns by less than 2e-12 rad is treated as a translation.
+
+    Examples:
+        >>> from motorcade.ga.classical import (
+        ...     dual_quaternion_from_quaternion_translation,
+        ...     dual_quaternion_screw,
+        ... )
+        >>> start = dual_quaternion_from_quaternion_translation([1, 0, 0, 0], [0, 0, 0])
+        >>> end = dual_quaternion_from_quaternion_translation([0, 0, 0, 1], [0, 0, 3])
+        >>> dual_quaternion_screw(start, end, 1 / 3).round(4)  # 60° about z, 1 m along it
+        array([ 0.866,  0.   ,  0.   ,  0.5  , -0.25 ,  0.   ,  0.   ,  0.433])
     """
     steps = checked_floats(fraction, "fraction", ())[..., None]
     between = dual_quaternion_multiply(dual_quaternion_conjugate(a), b)
@@ -183,6 +254,16 @@ def dual_quaternion_mean(q: ArrayLike, weights: ArrayLike) -> FloatArray:
     Raises:
         ValueError: as `dual_quaternion_blend`, or rotations so far apart that the steps do not
             settle within 100.
+
+    Examples:
+        >>> from motorcade.ga.classical import (
+        ...     dual_quaternion_from_quaternion_translation,
+        ...     dual_quaternion_mean,
+        ... )
+        >>> wxyz, translation_m = [[1, 0, 0, 0], [0, 0, 0, 1]], [[0, 0, 0], [0, 0, 3]]
+        >>> ends = dual_quaternion_from_quaternion_translation(wxyz, translation_m)
+        >>> dual_quaternion_mean(ends, [2 / 3, 1 / 3]).round(4)
+        array([ 0.866,  0.   ,  0.   ,  0.5  , -0.25 ,  0.   ,  0.   ,  0.433])
     """
     given, share = checked_floats(q, "q", (8,)), checked_floats(weights, "weights", ())
     if given.shape[-2:-1] == (2,):

@@ -39,7 +39,15 @@ __all__ = ["DualQuaternion"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DualQuaternion(Pose):
-    """``coefficients (*, 8)``: real part w, x, y, z of unit length, dual part at right angles."""
+    """``coefficients (*, 8)``: real part w, x, y, z of unit length, dual part at right angles.
+
+    Examples:
+        >>> from motorcade.ga.classical import DualQuaternion
+        >>> start = DualQuaternion.identity()
+        >>> end = DualQuaternion.from_quaternion_translation([0, 0, 0, 1], [0, 0, 2])
+        >>> start.interpolate(end, 0.5).apply([1, 0, 0]).round(6)  # a quarter turn about z, 1 m up
+        array([0., 1., 1.])
+    """
 
     _size: ClassVar[int] = 8
 

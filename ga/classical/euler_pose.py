@@ -29,6 +29,16 @@ class EulerPose(Pose):
 
     Raises:
         ValueError: wrong last dimension, NaN or infinity, an unknown sequence.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga.classical import EulerPose
+        >>> almost = EulerPose(np.deg2rad([0, 0, 179, 0, 0, 0]))
+        >>> beyond = EulerPose(np.deg2rad([0, 0, -179, 0, 0, 0]))
+        >>> np.rad2deg(almost.interpolate(beyond, 0.5).angles_rad).round(6)  # back through 0
+        array([0., 0., 0.])
+        >>> np.rad2deg(almost.interpolate(beyond, 0.5, short_way=True).angles_rad).round(6)
+        array([  0.,   0., 180.])
     """
 
     sequence: str = "xyz"

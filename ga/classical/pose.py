@@ -35,6 +35,12 @@ class Pose(ABC):
 
     Raises:
         ValueError: wrong last dimension, NaN or infinity, or not normalised.
+
+    Examples:
+        >>> from motorcade.ga.classical import EulerPose, Pose, QuaternionPose
+        >>> world_T_camera = QuaternionPose.identity((3,))
+        >>> isinstance(world_T_camera, Pose), len(world_T_camera), world_T_camera[0].shape
+        (True, 3, ())
     """
 
     coefficients: FloatArray

@@ -37,6 +37,11 @@ def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
 
     Raises:
         ValueError: wrong last dimension, NaN or infinity.
+
+    Examples:
+        >>> from motorcade.ga.classical import quaternion_multiply
+        >>> quaternion_multiply([0, 1, 0, 0], [0, 0, 1, 0])  # i j = k
+        array([0., 0., 0., 1.])
     """
     aw, ax, ay, az = np.moveaxis(checked_floats(a, "a", (4,)), -1, 0)
     bw, bx, by, bz = np.moveaxis(checked_floats(b, "b", (4,)), -1, 0)
@@ -68,7 +73,13 @@ def nearest_sign(components: ArrayLike, reference: ArrayLike) -> FloatArray:
 
 
 def quaternion_conjugate(q: ArrayLike) -> FloatArray:
-    """The rotation undone, ``(*, 4)``."""
+    """The rotation undone, ``(*, 4)``.
+
+    Examples:
+        >>> from motorcade.ga.classical import quaternion_conjugate
+        >>> quaternion_conjugate([0.5, 0.5, 0.5, 0.5])
+        array([ 0.5, -0.5, -0.5, -0.5])
+    """
     given = checked_floats(q, "q", (4,))
     return np.concatenate([given[..., :1], -given[..., 1:]], axis=-1)
 
@@ -78,6 +89,11 @@ def quaternion_normalize(q: ArrayLike) -> FloatArray:
 
     Raises:
         ValueError: wrong last dimension, NaN or infinity, or a zero quaternion.
+
+    Examples:
+        >>> from motorcade.ga.classical import quaternion_normalize
+        >>> quaternion_normalize([3, 0, 0, 4])
+        array([0.6, 0. , 0. , 0.8])
     """
     given = checked_floats(q, "q", (4,))
     norm = np.linalg.norm(given, axis=-1, keepdims=True)
@@ -88,21 +104,40 @@ def quaternion_normalize(q: ArrayLike) -> FloatArray:
 
 
 def quaternion_apply(q: ArrayLike, points: ArrayLike) -> FloatArray:
-    """Rotate points ``(*, 3)`` by ``q x q*``."""
+    """Rotate points ``(*, 3)`` by ``q x q*``.
+
+    Examples:
+        >>> from motorcade.ga.classical import quaternion_apply
+        >>> quaternion_apply([0, 0, 0, 1], [1, 2, 3])  # half a turn about z
+        array([-1., -2.,  3.])
+    """
     x = checked_floats(points, "points", (3,))
     pure = np.concatenate([np.zeros((*x.shape[:-1], 1)), x], axis=-1)
     return quaternion_multiply(quaternion_multiply(q, pure), quaternion_conjugate(q))[..., 1:]
 
 
 def quaternion_from_rotation_vector(vector_rad: ArrayLike) -> FloatArray:
-    """Quaternions ``(*, 4)`` from axis times angle ``(*, 3)`` in radians."""
+    """Quaternions ``(*, 4)`` from axis times angle ``(*, 3)`` in radians.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga.classical import quaternion_from_rotation_vector
+        >>> quaternion_from_rotation_vector([0, 0, np.pi]).round(6)
+        array([0., 0., 0., 1.])
+    """
     vector = checked_floats(vector_rad, "vector_rad", (3,))
     angle = np.linalg.norm(vector, axis=-1, keepdims=True)
     return np.concatenate([np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * vector], axis=-1)
 
 
 def quaternion_as_rotation_vector(q: ArrayLike) -> FloatArray:
-    """Axis times angle ``(*, 3)`` in radians, of length at most π."""
+    """Axis times angle ``(*, 3)`` in radians, of length at most π.
+
+    Examples:
+        >>> from motorcade.ga.classical import quaternion_as_rotation_vector
+        >>> quaternion_as_rotation_vector([0, 0, 0, 1])
+        array([0.        , 0.        , 3.14159265])
+    """
     given = checked_floats(q, "q", (4,))
     given = np.where(given[..., :1] < 0.0, -given, given)
     sine = np.linalg.norm(given[..., 1:], axis=-1, keepdims=True)
@@ -111,7 +146,15 @@ def quaternion_as_rotation_vector(q: ArrayLike) -> FloatArray:
 
 
 def quaternion_as_matrix(q: ArrayLike) -> FloatArray:
-    """Rotation matrices ``(*, 3, 3)`` that act on columns."""
+    """Rotation matrices ``(*, 3, 3)`` that act on columns.
+
+    Examples:
+        >>> from motorcade.ga.classical import quaternion_as_matrix
+        >>> quaternion_as_matrix([0, 0, 0, 1])
+        array([[-1.,  0.,  0.],
+               [ 0., -1.,  0.],
+               [ 0.,  0.,  1.]])
+    """
     w, x, y, z = np.moveaxis(checked_floats(q, "q", (4,)), -1, 0)
     entries = [
         w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y),
@@ -125,6 +168,12 @@ def quaternion_from_matrix(matrix: ArrayLike) -> FloatArray:
     """Quaternions ``(*, 4)`` of rotation matrices ``(*, 3, 3)``, by Shepperd's four cases.
 
     The sign is that of the largest component: positive. The matrix is taken for a rotation.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga.classical import quaternion_from_matrix
+        >>> quaternion_from_matrix(np.diag([-1, -1, 1]))
+        array([0., 0., 0., 1.])
     """
     m = checked_floats(matrix, "matrix", (3, 3))
     d = np.diagonal(m, axis1=-2, axis2=-1)
@@ -145,6 +194,11 @@ def quaternion_slerp(
 
     With ``short_way`` the second quaternion is negated where the dot product is negative. Between
     opposite quaternions (the long way round from a rotation to itself) the path is undefined.
+
+    Examples:
+        >>> from motorcade.ga.classical import quaternion_slerp
+        >>> quaternion_slerp([1, 0, 0, 0], [0, 0, 0, 1], 1 / 3).round(4)  # 60° about z
+        array([0.866, 0.   , 0.   , 0.5  ])
     """
     first, second, steps = _pair(a, b, fraction, short_way)
     angle = 2.0 * np.arctan2(
@@ -161,7 +215,13 @@ def quaternion_slerp(
 def quaternion_nlerp(
     a: ArrayLike, b: ArrayLike, fraction: ArrayLike, short_way: bool = True
 ) -> FloatArray:
-    """Linear interpolation and division by the norm, ``(*, 4)``: same path, uneven speed."""
+    """Linear interpolation and division by the norm, ``(*, 4)``: same path, uneven speed.
+
+    Examples:
+        >>> from motorcade.ga.classical import quaternion_nlerp
+        >>> quaternion_nlerp([1, 0, 0, 0], [0, 0, 0, 1], 1 / 3).round(4)  # 53° about z
+        array([0.8944, 0.    , 0.    , 0.4472])
+    """
     first, second, steps = _pair(a, b, fraction, short_way)
     return quaternion_normalize((1.0 - steps) * first + steps * second)
 
@@ -175,6 +235,11 @@ def quaternion_mean(q: ArrayLike, weights: ArrayLike) -> FloatArray:
     Raises:
         ValueError: wrong dimensions, NaN or infinity, or rotations so far apart that the steps do
             not settle within 100.
+
+    Examples:
+        >>> from motorcade.ga.classical import quaternion_mean
+        >>> quaternion_mean([[1, 0, 0, 0], [0, 0, 0, 1]], [0.75, 0.25]).round(4)  # 45° about z
+        array([0.9239, 0.    , 0.    , 0.3827])
     """
     given, share = checked_floats(q, "q", (4,)), checked_floats(weights, "weights", ())
     if given.shape[-2:-1] == (2,):

@@ -37,7 +37,15 @@ __all__ = ["QuaternionPose"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class QuaternionPose(Pose):
-    """``coefficients (*, 7)``: unit quaternion w, x, y, z and translation x, y, z in metres."""
+    """``coefficients (*, 7)``: unit quaternion w, x, y, z and translation x, y, z in metres.
+
+    Examples:
+        >>> from motorcade.ga.classical import QuaternionPose
+        >>> world_T_camera = QuaternionPose.from_quaternion_translation([0, 0, 0, 1], [1, 0, 0])
+        >>> camera_T_imu = QuaternionPose.from_quaternion_translation([1, 0, 0, 0], [0, 0.1, 0])
+        >>> (world_T_camera @ camera_T_imu).translation_m
+        array([ 1. , -0.1,  0. ])
+    """
 
     _size: ClassVar[int] = 7
 

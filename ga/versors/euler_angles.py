@@ -85,7 +85,7 @@ def euler_from_matrix(
         >>> import numpy as np
         >>> from motorcade.ga.versors.euler_angles import euler_from_matrix, matrix_from_euler
         >>> np.round(euler_from_matrix(matrix_from_euler([0.3, -0.2, 0.1]), "zyx"), 4)
-        array([ 0.1577, -0.1695,  0.3203])
+        array([ 0.0379, -0.2201,  0.2858])
     """
     if extrinsic:
         _axes(sequence)

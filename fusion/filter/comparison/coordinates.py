@@ -36,6 +36,16 @@ class RunStates:
         rotor: ``(R)``.
         position_m, velocity_m_s: ``(R, 3)``.
         bias: ``(R, 6)``, rad/s and m/s².
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.filter.comparison import RunStates
+        >>> from motorcade.ga import Rotor
+        >>> zero = np.zeros((1, 3))
+        >>> ahead = RunStates(Rotor.identity((1,)), zero + 1.0, zero, np.zeros((1, 6)))
+        >>> turned = RunStates(Rotor.from_euler([[0.0, 0.0, 0.5]]), zero, zero, np.zeros((1, 6)))
+        >>> RunStates.stacked([ahead, turned]).position_m.shape
+        (2, 1, 3)
     """
 
     rotor: Rotor
@@ -55,7 +65,20 @@ class RunStates:
 
 
 class ErrorCoordinates(ABC):
-    """One way to write the error of a state."""
+    """One way to write the error of a state.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.filter.comparison import EulerErrors, RunStates
+        >>> from motorcade.ga import Rotor
+        >>> zero = np.zeros((1, 3))
+        >>> ahead = RunStates(Rotor.identity((1,)), zero + 1.0, zero, np.zeros((1, 6)))
+        >>> turned = RunStates(Rotor.from_euler([[0.0, 0.0, 0.5]]), zero, zero, np.zeros((1, 6)))
+        >>> errors = EulerErrors()
+        >>> back = errors.retract(turned, errors.local(turned, ahead))
+        >>> back.position_m
+        array([[1., 1., 1.]])
+    """
 
     @abstractmethod
     def rotation_local(self, rotor: Rotor, other: Rotor) -> FloatArray:
@@ -114,6 +137,16 @@ class QuaternionTranslationErrors(ErrorCoordinates):
 
     Source: J. Solà, Quaternion kinematics for the error-state Kalman filter, arXiv:1711.02508,
     2017 (section 5, local angular errors), also known as the multiplicative filter.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.filter.comparison import QuaternionTranslationErrors, RunStates
+        >>> from motorcade.ga import Rotor
+        >>> zero = np.zeros((1, 3))
+        >>> ahead = RunStates(Rotor.identity((1,)), zero + 1.0, zero, np.zeros((1, 6)))
+        >>> turned = RunStates(Rotor.from_euler([[0.0, 0.0, 0.5]]), zero, zero, np.zeros((1, 6)))
+        >>> QuaternionTranslationErrors().local(turned, ahead)[:, :6].round(3)  # rad, m
+        array([[-0. , -0. , -0.5,  1. ,  1. ,  1. ]])
     """
 
     def rotation_local(self, rotor: Rotor, other: Rotor) -> FloatArray:
@@ -133,6 +166,16 @@ class ExtendedPoseErrors(QuaternionTranslationErrors):
     """The filter's own: on the right of the pair of motors, position and velocity turning along.
 
     Orientations err as in the multiplicative filter.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.filter.comparison import ExtendedPoseErrors, RunStates
+        >>> from motorcade.ga import Rotor
+        >>> zero = np.zeros((1, 3))
+        >>> ahead = RunStates(Rotor.identity((1,)), zero + 1.0, zero, np.zeros((1, 6)))
+        >>> turned = RunStates(Rotor.from_euler([[0.0, 0.0, 0.5]]), zero, zero, np.zeros((1, 6)))
+        >>> ExtendedPoseErrors().local(turned, ahead)[:, :6].round(3)  # rad, m
+        array([[-0.   , -0.   , -0.5  ,  1.229,  0.729,  1.   ]])
     """
 
     def local(self, state: RunStates, other: RunStates) -> FloatArray:
@@ -162,6 +205,16 @@ class ExactEulerErrors(ErrorCoordinates):
     Differences are wrapped to [-π, π]. Motion is composed as rotations, and the noise of a measured
     orientation is converted to that of angles where the estimate stands. Breaks down at gimbal
     lock, where a middle angle of ±π/2 divides by zero.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.filter.comparison import ExactEulerErrors, RunStates
+        >>> from motorcade.ga import Rotor
+        >>> zero = np.zeros((1, 3))
+        >>> ahead = RunStates(Rotor.identity((1,)), zero + 1.0, zero, np.zeros((1, 6)))
+        >>> turned = RunStates(Rotor.from_euler([[0.0, 0.0, 0.5]]), zero, zero, np.zeros((1, 6)))
+        >>> ExactEulerErrors().local(turned, ahead)[:, :6].round(3)  # rad, m
+        array([[ 0. ,  0. , -0.5,  1. ,  1. ,  1. ]])
     """
 
     def rotation_local(self, rotor: Rotor, other: Rotor) -> FloatArray:
@@ -182,6 +235,16 @@ class EulerErrors(ExactEulerErrors):
 
     Angles are integrated by their rates, one Euler step a sample, and a measured orientation is
     three angles with the noise that its covariance states, taken as that of the angles.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.filter.comparison import EulerErrors, RunStates
+        >>> from motorcade.ga import Rotor
+        >>> zero = np.zeros((1, 3))
+        >>> ahead = RunStates(Rotor.identity((1,)), zero + 1.0, zero, np.zeros((1, 6)))
+        >>> turned = RunStates(Rotor.from_euler([[0.0, 0.0, 0.5]]), zero, zero, np.zeros((1, 6)))
+        >>> EulerErrors().local(turned, ahead)[:, :6].round(3)  # rad, m
+        array([[ 0. ,  0. , -0.5,  1. ,  1. ,  1. ]])
     """
 
     def turned(self, rotor: Rotor, turn_rad: FloatArray) -> Rotor:

@@ -19,7 +19,19 @@ __all__ = ["FrameChangeDefect", "frame_change_defect"]
 
 @dataclass(frozen=True)
 class FrameChangeDefect:
-    """Largest difference over all poses; left is the world's frame, right the sensor's."""
+    """Largest difference over all poses; left is the world's frame, right the sensor's.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import frame_change_defect
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.ga import Motor
+        >>> path, rng = screw().sampled(30.0, 2.0), np.random.default_rng(0)
+        >>> map_T_world, camera_T_imu = Motor.random(rng, (2,))
+        >>> found = frame_change_defect(lambda given: given, path, map_T_world, camera_T_imu)
+        >>> bool(found.left_m < 1e-12)
+        True
+    """
 
     left_m: float
     left_rad: float
@@ -44,6 +56,22 @@ def frame_change_defect(
 
     Raises:
         ValueError: a smoother whose stamps depend on the frame.
+
+    Examples:
+        >>> from functools import partial
+        >>> import numpy as np
+        >>> from motorcade.fusion import smooth
+        >>> from motorcade.fusion.metrics import frame_change_defect
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.ga import Motor
+        >>> path, rng = screw().sampled(30.0, 2.0), np.random.default_rng(0)
+        >>> map_T_world, camera_T_imu = Motor.random(rng, (2,))
+        >>> for representation in ("motor", "euler"):
+        ...     smoother = partial(smooth, method="gaussian", representation=representation)
+        ...     found = frame_change_defect(smoother, path, map_T_world, camera_T_imu)
+        ...     print(f"{representation} {found.left_rad:.2f} rad")
+        motor 0.00 rad
+        euler 0.03 rad
     """
     smoothed = smoother(trajectory)
     left_m, left_rad = _apart(

@@ -38,6 +38,16 @@ class GimbalIndex:
         spurious_turns: full revolutions that the estimate makes and the truth does not: how often
             the error, followed continuously, left the truth and came back to within 90° of it after
             going all the way round. Noise of less than half a turn makes none.
+
+    Examples:
+        >>> from motorcade.fusion import smooth
+        >>> from motorcade.fusion.metrics import gimbal_index
+        >>> from motorcade.fusion.motions import tumble
+        >>> true = tumble().sampled(100.0, 4.0)
+        >>> blurred = smooth(true, "gaussian", "euler", sigma_s=0.2)  # angles leap at ±180°
+        >>> found = gimbal_index(blurred, true)
+        >>> found.peak_rate_ratio > 2.0, found.spurious_turns > 0
+        (True, True)
     """
 
     path_ratio: float
@@ -52,6 +62,14 @@ def gimbal_index(estimate: Trajectory, truth: Trajectory) -> GimbalIndex:
 
     Raises:
         NotObservableError: fewer than two stamps within the truth, or a truth that does not turn.
+
+    Examples:
+        >>> from motorcade.fusion.metrics import gimbal_index
+        >>> from motorcade.fusion.motions import tumble
+        >>> true = tumble().sampled(100.0, 4.0)
+        >>> found = gimbal_index(true, true)
+        >>> round(found.path_ratio, 3), round(found.peak_rate_ratio, 3), found.spurious_turns
+        (1.0, 1.0, 0)
     """
     path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)
@@ -74,7 +92,15 @@ def gimbal_index(estimate: Trajectory, truth: Trajectory) -> GimbalIndex:
 
 
 def rotation_path_rad(rotors: Rotor) -> float:
-    """Length of a path of orientations ``(N,)``: the sum of the angles between neighbours."""
+    """Length of a path of orientations ``(N,)``: the sum of the angles between neighbours.
+
+    Examples:
+        >>> from motorcade.fusion.metrics import rotation_path_rad
+        >>> from motorcade.ga import Rotor
+        >>> rotors = Rotor.from_euler([[0.0, 0.0, 0.0], [0.0, 0.0, 0.9], [0.0, 0.0, 0.6]])
+        >>> round(rotation_path_rad(rotors), 6)
+        1.2
+    """
     return float(np.sum(_steps_rad(rotors)))
 
 
@@ -83,6 +109,13 @@ def path_over_geodesic(rotors: Rotor) -> float:
 
     Raises:
         NotObservableError: ends of the same orientation.
+
+    Examples:
+        >>> from motorcade.fusion.metrics import path_over_geodesic
+        >>> from motorcade.ga import Rotor
+        >>> rotors = Rotor.from_euler([[0.0, 0.0, 0.0], [0.0, 0.0, 0.9], [0.0, 0.0, 0.6]])
+        >>> round(path_over_geodesic(rotors), 6)
+        2.0
     """
     geodesic = float((rotors[0].inverse() @ rotors[-1]).angle())
     if geodesic <= _STILL_RAD:

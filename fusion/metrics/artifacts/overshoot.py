@@ -38,6 +38,17 @@ def position_overshoot_m(estimate: Trajectory, truth: Trajectory) -> float:
     Raises:
         NotObservableError: fewer than five stamps within the truth, or a truth that neither stops
             nor turns back on its way.
+
+    Examples:
+        >>> from motorcade.fusion import smooth
+        >>> from motorcade.fusion.metrics import position_overshoot_m
+        >>> from motorcade.fusion.motions import stop_and_go
+        >>> true = stop_and_go().sampled(50.0, 8.0)
+        >>> late = smooth(true, "double_exponential", cutoff_hz=1.0)
+        >>> for path in (late, true):
+        ...     print(f"{position_overshoot_m(path, true):.2f} m")
+        0.13 m
+        0.00 m
     """
     return _overshoot(estimate, truth, lambda at, poses: poses.translation_m - at.translation_m)
 
@@ -49,6 +60,15 @@ def rotation_overshoot_rad(estimate: Trajectory, truth: Trajectory) -> float:
 
     Raises:
         NotObservableError: as `position_overshoot_m`.
+
+    Examples:
+        >>> from motorcade.fusion import smooth
+        >>> from motorcade.fusion.metrics import rotation_overshoot_rad
+        >>> from motorcade.fusion.motions import stop_and_go
+        >>> true = stop_and_go().sampled(50.0, 8.0)
+        >>> late = smooth(true, "double_exponential", cutoff_hz=1.0)
+        >>> print(f"{rotation_overshoot_rad(late, true):.2f} rad")
+        0.13 rad
     """
     return _overshoot(
         estimate,

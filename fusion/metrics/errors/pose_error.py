@@ -38,7 +38,14 @@ _STRAIGHT = 1e-14
 
 @dataclass(frozen=True)
 class Statistics:
-    """Summary of one error over all pairs, in the unit of the error."""
+    """Summary of one error over all pairs, in the unit of the error.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import Statistics
+        >>> Statistics.of(np.array([0.0, 3.0, 4.0])).median
+        3.0
+    """
 
     rmse: float
     mean: float
@@ -75,6 +82,15 @@ class Pairs:
         time_ns: stamps of the estimate ``(P,)``; they repeat where one pose serves two stamps.
         estimate, reference: Motors ``(P,)``.
         estimate_index, reference_index: where the poses stand in their trajectories ``(P,)``.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.metrics import associate
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=2.0)
+        >>> pairs = associate(true[::2], true)
+        >>> len(pairs), pairs.reference_index[:3]
+        (31, array([0, 2, 4]))
     """
 
     time_ns: IntArray
@@ -89,7 +105,20 @@ class Pairs:
 
 @dataclass(frozen=True, eq=False)
 class Alignment:
-    """``x_reference = scale * rotor(x_estimate) + translation_m``."""
+    """``x_reference = scale * rotor(x_estimate) + translation_m``.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.metrics import Alignment, alignment_of, associate
+        >>> from motorcade.ga import Motor
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=2.0)
+        >>> map_T_world = Motor.from_euler_translation([0.0, 0.0, 0.5], [1.0, 2.0, 0.0])
+        >>> pairs = associate(true.transformed_by(map_T_world), true)
+        >>> found = alignment_of(pairs, "se3")
+        >>> isinstance(found, Alignment), found.rotor.as_rotation_vector().round(6) + 0.0
+        (True, array([ 0. ,  0. , -0.5]))
+    """
 
     rotor: Rotor
     translation_m: FloatArray
@@ -121,6 +150,14 @@ def associate(estimate: Trajectory, reference: Trajectory, max_difference_s: flo
 
     Raises:
         ValueError: `max_difference_s` negative or not finite, or no two stamps near enough.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.metrics import associate
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=2.0)
+        >>> len(associate(true[5:40], true))
+        35
     """
     if not (np.isfinite(max_difference_s) and max_difference_s >= 0.0):
         raise ValueError(f"max_difference_s: expected 0 or more, got {max_difference_s}")
@@ -148,6 +185,18 @@ def align(pairs: Pairs, with_scale: bool) -> Alignment:
 
     Raises:
         ValueError: fewer than three pairs, or positions on one line, which leave a turn free.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.metrics import absolute_translation_m, align, associate
+        >>> from motorcade.ga import Motor
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=2.0)
+        >>> map_T_world = Motor.from_euler_translation([0.0, 0.0, 0.5], [1.0, 2.0, 0.0])
+        >>> pairs = associate(true.transformed_by(map_T_world), true)
+        >>> found = align(pairs, with_scale=False)
+        >>> bool(absolute_translation_m(found.apply(pairs.estimate), pairs.reference).max() < 1e-9)
+        True
     """
     if len(pairs) < 3:
         raise ValueError(f"alignment: expected 3 or more pairs, got {len(pairs)}")
@@ -175,6 +224,18 @@ def alignment_of(pairs: Pairs, how: Align) -> Alignment:
 
     Raises:
         ValueError: another name, or pairs that cannot be aligned.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.metrics import absolute_translation_m, alignment_of, associate
+        >>> from motorcade.ga import Motor
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=2.0)
+        >>> map_T_world = Motor.from_euler_translation([0.0, 0.0, 0.5], [1.0, 2.0, 0.0])
+        >>> pairs = associate(true.transformed_by(map_T_world), true)
+        >>> found = alignment_of(pairs, "se3")
+        >>> bool(absolute_translation_m(found.apply(pairs.estimate), pairs.reference).max() < 1e-9)
+        True
     """
     if how not in get_args(Align):
         raise ValueError(f"align: expected one of {', '.join(get_args(Align))}, got {how!r}")
@@ -182,13 +243,29 @@ def alignment_of(pairs: Pairs, how: Align) -> Alignment:
 
 
 def absolute_translation_m(estimate: Motor, reference: Motor) -> FloatArray:
-    """Distances ``(P,)`` between paired positions (evo: APE, translation part)."""
+    """Distances ``(P,)`` between paired positions (evo: APE, translation part).
+
+    Examples:
+        >>> from motorcade.fusion.metrics import absolute_translation_m
+        >>> from motorcade.ga import Motor
+        >>> off = Motor.from_translation([3.0, 4.0, 0.0])
+        >>> float(absolute_translation_m(off, Motor.identity()))
+        5.0
+    """
     distance: FloatArray = np.linalg.norm(estimate.translation_m - reference.translation_m, axis=-1)
     return distance
 
 
 def rotation_rad(estimate: Motor, reference: Motor) -> FloatArray:
-    """Angles ``(P,)`` between paired orientations, in [0, π] (evo: APE, rotation angle)."""
+    """Angles ``(P,)`` between paired orientations, in [0, π] (evo: APE, rotation angle).
+
+    Examples:
+        >>> from motorcade.fusion.metrics import rotation_rad
+        >>> from motorcade.ga import Motor
+        >>> turned = Motor.from_euler_translation([0.0, 0.0, 0.25], [0.0, 0.0, 0.0])
+        >>> round(float(rotation_rad(turned, Motor.identity())), 6)
+        0.25
+    """
     return (reference.rotor.inverse() @ estimate.rotor).angle()
 
 
@@ -199,6 +276,15 @@ def relative_errors(estimate: Motor, reference: Motor) -> tuple[FloatArray, Floa
 
     Raises:
         ValueError: fewer than two pairs.
+
+    Examples:
+        >>> from motorcade.fusion.metrics import relative_errors
+        >>> from motorcade.ga import Motor
+        >>> true = Motor.from_translation([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+        >>> drifting = Motor.from_translation([[5.0, 0.0, 0.0], [6.1, 0.0, 0.0], [7.2, 0.0, 0.0]])
+        >>> metres, radians = relative_errors(drifting, true)
+        >>> metres.round(6)
+        array([0.1, 0.1])
     """
     if len(estimate) < 2:
         raise ValueError(f"relative error: expected 2 or more pairs, got {len(estimate)}")
@@ -212,6 +298,13 @@ def tilt_rad(estimate: Motor, reference: Motor) -> FloatArray:
     """Angles ``(P,)`` between the two directions of "up" that paired poses give the moving frame.
 
     Unlike the rotation error it does not see a turn about the vertical (the worlds' z axis).
+
+    Examples:
+        >>> from motorcade.fusion.metrics import tilt_rad
+        >>> from motorcade.ga import Motor
+        >>> turned = Motor.from_euler_translation([[0, 0, 0.25], [0.25, 0, 0]], [0, 0, 0])
+        >>> tilt_rad(turned, Motor.identity((2,))).round(6)  # a turn about the vertical is no tilt
+        array([0.  , 0.25])
     """
     up = np.array([0.0, 0.0, 1.0])
     ours, theirs = estimate.rotor.inverse().apply(up), reference.rotor.inverse().apply(up)

@@ -26,6 +26,16 @@ class Drift:
         translation: metres of error a metre of path; times 100 the per cent of KITTI's table.
         rotation_rad_m: radians of error a metre of path.
         count: how many sub-sequences there were.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import drift_by_length
+        >>> from motorcade.ga import Motor
+        >>> true = Motor.from_translation(np.linspace(0.0, 10.0, 101)[:, None] * [1.0, 0.0, 0.0])
+        >>> longer = Motor.from_translation(1.02 * true.translation_m)  # 2 % too long
+        >>> (found,) = drift_by_length(longer, true, lengths_m=(5.0,))
+        >>> found.length_m, round(found.translation, 4)
+        (5.0, 0.0204)
     """
 
     length_m: float
@@ -51,6 +61,16 @@ def relative_errors_by_length(
     Raises:
         ValueError: a length that is not positive.
         NotObservableError: a reference whose path is shorter.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import relative_errors_by_length
+        >>> from motorcade.ga import Motor
+        >>> true = Motor.from_translation(np.linspace(0.0, 10.0, 101)[:, None] * [1.0, 0.0, 0.0])
+        >>> longer = Motor.from_translation(1.02 * true.translation_m)  # 2 % too long
+        >>> metres, radians = relative_errors_by_length(longer, true, length_m=2.0)
+        >>> metres.round(3)
+        array([0.04, 0.04, 0.04, 0.04, 0.04])
     """
     _check_length(length_m)
     ends = [0]
@@ -91,6 +111,16 @@ def drift_by_length(
     Raises:
         ValueError: a length or step that is not positive.
         NotObservableError: a path shorter than all lengths.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import drift_by_length
+        >>> from motorcade.ga import Motor
+        >>> true = Motor.from_translation(np.linspace(0.0, 10.0, 101)[:, None] * [1.0, 0.0, 0.0])
+        >>> longer = Motor.from_translation(1.02 * true.translation_m)  # 2 % too long
+        >>> found = drift_by_length(longer, true, lengths_m=(2.0, 5.0))
+        >>> [round(one.translation, 4) for one in found]
+        [0.021, 0.0204]
     """
     if every < 1:
         raise ValueError(f"every: expected 1 or more, got {every}")

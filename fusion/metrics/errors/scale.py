@@ -10,7 +10,14 @@ __all__ = ["log_scales", "without_scale"]
 
 
 def without_scale(trajectory: Trajectory) -> Trajectory:
-    """The same orientations and positions as rigid poses; the metrics take no others."""
+    """The same orientations and positions as rigid poses; the metrics take no others.
+
+    Examples:
+        >>> from motorcade.fusion.metrics import without_scale
+        >>> from motorcade.fusion.motions import zoom
+        >>> without_scale(zoom().sampled(30.0, 1.0)).motors.shape
+        (31,)
+    """
     if isinstance(trajectory.poses, Motor):
         return trajectory
     motors, _ = trajectory.poses.as_motor_scale()
@@ -18,7 +25,14 @@ def without_scale(trajectory: Trajectory) -> Trajectory:
 
 
 def log_scales(poses: Motor | Similarity) -> FloatArray:
-    """Logarithms of the scales ``(*)``; zero for rigid poses."""
+    """Logarithms of the scales ``(*)``; zero for rigid poses.
+
+    Examples:
+        >>> from motorcade.fusion.metrics import log_scales
+        >>> from motorcade.ga import Motor, Similarity
+        >>> log_scales(Similarity.from_motor_scale(Motor.identity((2,)), [1.0, 2.0])).round(6)
+        array([0.      , 0.693147])
+    """
     if isinstance(poses, Motor):
         return np.zeros(poses.shape)
     logarithms: FloatArray = np.log(poses.scale)

@@ -24,7 +24,17 @@ _SHORTEST_SPECTRUM = 16
 
 @dataclass(frozen=True)
 class Jitter:
-    """RMS of the acceleration's length: `linear_m_s2` and `angular_rad_s2`."""
+    """RMS of the acceleration's length: `linear_m_s2` and `angular_rad_s2`.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import jitter
+        >>> from motorcade.fusion.motions import handheld
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=4.0)
+        >>> found = jitter(true, true)
+        >>> bool(found.linear_m_s2 < 1e-9)
+        True
+    """
 
     linear_m_s2: float
     angular_rad_s2: float
@@ -36,6 +46,16 @@ def accelerations(time_s: FloatArray, poses: Motor) -> tuple[FloatArray, FloatAr
     Returns:
         Linear acceleration in the world ``(N-2, 3)`` in m/s², and angular acceleration in the
         moving frame ``(N-2, 3)`` in rad/s² (steps must turn by less than π).
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import accelerations
+        >>> from motorcade.ga import Motor
+        >>> time_s = np.array([0.0, 0.1, 0.2, 0.4])
+        >>> falling = Motor.from_translation(-0.5 * 9.81 * time_s[:, None] ** 2 * [0.0, 0.0, 1.0])
+        >>> linear, angular = accelerations(time_s, falling)
+        >>> linear[:, 2].round(6)
+        array([-9.81, -9.81])
     """
     steps = np.diff(time_s)[:, None]
     velocity = np.diff(poses.translation_m, axis=0) / steps
@@ -53,6 +73,18 @@ def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
 
     Raises:
         NotObservableError: no three consecutive stamps of the estimate that the truth covers.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import jitter
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.motions.degradations import Gaussian
+        >>> rng = np.random.default_rng(0)
+        >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> found = jitter(noisy, true)
+        >>> round(found.linear_m_s2), round(found.angular_rad_s2)
+        (36, 71)
     """
     path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)
@@ -84,6 +116,19 @@ def jitter_above(trajectory: Trajectory, frequency_hz: float) -> Jitter:
     Raises:
         ValueError: a frequency that is not positive or not below half the sampling rate.
         NotObservableError: no stretch of 16 poses without a gap.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import jitter_above
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.motions.degradations import Gaussian
+        >>> rng = np.random.default_rng(0)
+        >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> round(jitter_above(noisy, frequency_hz=5.0).linear_m_s2)
+        37
+        >>> round(jitter_above(true, frequency_hz=5.0).linear_m_s2)
+        0
     """
     time_s = trajectory.time_s
     interval = float(np.median(np.diff(time_s))) if time_s.size > 1 else np.inf

@@ -20,6 +20,12 @@ _ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
 class Smoothness:
     """Log dimensionless jerk, nearer to zero is smoother; None where a
     speed, or its change, is no more than rounding.
+
+    Examples:
+        >>> from motorcade.fusion.metrics import log_dimensionless_jerk
+        >>> from motorcade.fusion.motions import stop_and_go
+        >>> round(log_dimensionless_jerk(stop_and_go().sampled(100.0, 1.2)).linear, 2)  # one move
+        -5.47
     """
 
     linear: float | None
@@ -41,6 +47,17 @@ def log_dimensionless_jerk(trajectory: Trajectory) -> Smoothness:
 
     Raises:
         NotObservableError: fewer than five poses.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import log_dimensionless_jerk
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.motions.degradations import Gaussian
+        >>> rng = np.random.default_rng(0)
+        >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> [round(log_dimensionless_jerk(path).linear, 1) for path in (true, noisy)]
+        [-11.9, -19.4]
     """
     if len(trajectory) < 5:
         raise NotObservableError(

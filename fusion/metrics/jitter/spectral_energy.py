@@ -18,6 +18,15 @@ class EnergyExcess:
     """Mean square acceleration above a frequency, the estimate's less the truth's.
 
     Zero for a perfect estimate, below zero where smoothing took away true motion.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import energy_excess_above
+        >>> from motorcade.fusion.motions import handheld
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=4.0)
+        >>> found = energy_excess_above(true, true, frequency_hz=5.0)
+        >>> bool(abs(found.linear_m2_s4) < 1e-9)
+        True
     """
 
     linear_m2_s4: float
@@ -38,6 +47,17 @@ def energy_excess_above(
     Raises:
         ValueError: a frequency that is not positive or not below half the sampling rate.
         NotObservableError: no stretch of 16 poses without a gap within the truth.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import energy_excess_above
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.motions.degradations import Gaussian
+        >>> rng = np.random.default_rng(0)
+        >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> round(energy_excess_above(noisy, true, frequency_hz=5.0).linear_m2_s4)
+        1350
     """
     path = SmoothPath.through(truth)
     time_s = path.seconds(estimate.time_ns)

@@ -14,7 +14,17 @@ __all__ = ["Degradation", "InTurn", "check_number", "check_runs", "runs"]
 
 
 class Degradation(ABC):
-    """A way in which measuring degrades a trajectory; sizes are in metres, radians and seconds."""
+    """A way in which measuring degrades a trajectory; sizes are in metres, radians and seconds.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.motions.degradations import Degradation, Gaussian
+        >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
+        >>> noise = Gaussian(sigma_m=0.01, sigma_rad=0.02)
+        >>> isinstance(noise, Degradation), noise.apply(true, rng)
+        (True, Trajectory(world_T_camera, 301 poses, 10.000 s))
+    """
 
     @abstractmethod
     def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
@@ -23,7 +33,17 @@ class Degradation(ABC):
 
 @dataclass(frozen=True)
 class InTurn(Degradation):
-    """Several degradations, the first one applied first."""
+    """Several degradations, the first one applied first.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.motions.degradations import Blackouts, Gaussian, InTurn
+        >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
+        >>> both = InTurn((Gaussian(0.01, 0.02), Blackouts(length_s=1.0, every_s=4.0)))
+        >>> len(true), len(both.apply(true, rng))
+        (301, 241)
+    """
 
     steps: tuple[Degradation, ...]
 

@@ -30,6 +30,15 @@ class Gaussian(Degradation):
         sigma_m: deviation of the position an axis.
         sigma_rad: deviation of the rotation vector an axis.
         sigma_log_scale: deviation of the logarithm of the scale; trajectories of similarities only.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.motions.degradations import Gaussian
+        >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> float((noisy.motors.translation_m - true.motors.translation_m).std().round(3))
+        0.01
     """
 
     sigma_m: float
@@ -74,6 +83,16 @@ class Outliers(Degradation):
         scale_m: scale of the position's error an axis.
         scale_rad: scale of the rotation vector's error an axis; turns beyond π come round.
         degrees_of_freedom: above zero.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.motions.degradations import Outliers
+        >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
+        >>> wild = Outliers(share=0.1, scale_m=0.3, scale_rad=0.5).apply(true, rng)
+        >>> off_m = np.linalg.norm(wild.motors.translation_m - true.motors.translation_m, axis=1)
+        >>> int(np.count_nonzero(off_m > 0.01)), len(true)
+        (32, 301)
     """
 
     share: float
@@ -115,6 +134,16 @@ class PlanarFlips(Degradation):
         mean_run: mean length of a run in poses, 1 or more; lengths are geometric.
         distance_m: from the camera to the marker, above zero.
         tilt_rad: 0 to below π/2.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.motions.degradations import PlanarFlips
+        >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
+        >>> flipped = PlanarFlips(share=0.1, mean_run=5.0).apply(true, rng)
+        >>> turned = (true.motors.inverse() @ flipped.motors).rotor.angle() > 0.1
+        >>> int(np.count_nonzero(turned)), len(true)
+        (26, 301)
     """
 
     share: float
@@ -157,6 +186,14 @@ class Quantised(Degradation):
         step_m: of each coordinate; 0 leaves positions as they are.
         step_rad: turns come in steps of about this size: quaternion components are rounded to
             multiples of half of it and renormalised; below 0.5, and 0 leaves rotations.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.motions.degradations import Quantised
+        >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
+        >>> Quantised(step_m=0.05, step_rad=0.0).apply(true, rng).motors.translation_m[10]
+        array([ 0.25, -0.65,  0.05])
     """
 
     step_m: float
@@ -200,6 +237,16 @@ def wrong_planar_pose(
 
     Raises:
         ValueError: a normal of another length, or a marker at the camera's centre.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions.degradations import wrong_planar_pose
+        >>> from motorcade.ga import Motor
+        >>> world_T_camera = Motor.identity()
+        >>> normal = [0.0, np.sin(0.3), -np.cos(0.3)]  # of a marker 2 m ahead, tilted by 0.3 rad
+        >>> wrong = wrong_planar_pose(world_T_camera, [0.0, 0.0, 2.0], normal)
+        >>> wrong.rotor.as_rotation_vector().round(6) + 0.0  # twice the tilt
+        array([0.6, 0. , 0. ])
     """
     centre = world_T_camera.inverse().apply(checked_floats(marker_m, "marker_m", (3,)))
     normal = checked_floats(marker_normal, "marker_normal", (3,))

@@ -30,6 +30,15 @@ class StampJitter(Degradation):
 
     So that the order stays, no stamp moves by more than 0.49 of the gap to its neighbour: from a
     deviation of a fifth of the interval on, the errors are smaller than asked for.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.motions.degradations import StampJitter
+        >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
+        >>> moved = StampJitter(sigma_s=0.002).apply(true, rng)
+        >>> print(f"{1e-6 * (moved.time_ns - true.time_ns).std():.1f} ms")
+        2.0 ms
     """
 
     sigma_s: float
@@ -53,6 +62,14 @@ class DroppedFrames(Degradation):
     Args:
         share: of the poses, 0 to below 1.
         mean_run: mean length of a burst in poses, geometric; None drops each pose for itself.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.motions.degradations import DroppedFrames
+        >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
+        >>> len(true), len(DroppedFrames(share=0.2, mean_run=3.0).apply(true, rng))
+        (301, 244)
     """
 
     share: float
@@ -81,6 +98,18 @@ class Blackouts(Degradation):
     Args:
         length_s: of each blackout, above zero and below `every_s`.
         every_s: from the start of one to the start of the next.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.motions.degradations import Blackouts
+        >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
+        >>> dark = Blackouts(length_s=1.0, every_s=4.0)
+        >>> dark.spans_s(10.0)
+        array([[4., 5.],
+               [8., 9.]])
+        >>> len(true), len(dark.apply(true, rng))
+        (301, 241)
     """
 
     length_s: float
@@ -127,6 +156,15 @@ class Latency(Degradation):
         delay_s: mean delay, above zero.
         spread_s: deviation of the delay from pose to pose; 0 is a constant delay.
         known: whether the mean is taken off.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.motions.degradations import Latency
+        >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
+        >>> late = Latency(delay_s=0.03).apply(true, rng)
+        >>> (late.time_ns - true.time_ns)[:3]
+        array([30000000, 30000000, 30000000])
     """
 
     delay_s: float

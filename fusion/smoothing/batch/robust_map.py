@@ -66,6 +66,13 @@ class RobustPath:
         mirrored: ``(N,)`` poses that were read as a flat marker's other candidate, see `mirrored`;
             weight and residual are of the poses as they were measured.
         velocity: ``(N, d)`` in the representation's vectors; on motors the body twist.
+
+    Examples:
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.smoothing import RobustPath, estimate_path
+        >>> found = estimate_path(screw().sampled(30.0, 2.0))
+        >>> isinstance(found, RobustPath), bool(found.rejected.any())
+        (True, False)
     """
 
     trajectory: Trajectory
@@ -136,7 +143,21 @@ def estimate_path(
     loss: str = "cauchy",
     width: float = 3.5,
 ) -> RobustPath:
-    """The most probable path with the weights of the measured poses; parameters of `robust_map`."""
+    """The most probable path with the weights of the measured poses; parameters of `robust_map`.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.motions.degradations import Gaussian, Outliers
+        >>> from motorcade.fusion.smoothing import estimate_path
+        >>> rng = np.random.default_rng(0)
+        >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> wild = Outliers(share=0.05, scale_m=0.3, scale_rad=0.5).apply(noisy, rng)
+        >>> found = estimate_path(wild, noise_m=0.01, noise_rad=0.02)
+        >>> print(int(found.rejected.sum()), "of", len(wild), "poses rejected")
+        4 of 121 poses rejected
+    """
     chosen = representation_named(representation)
     checked_length(trajectory, 2, "robust_map")
     if loss not in LOSSES:

@@ -28,6 +28,17 @@ class DoubleExponential(CausalFilter):
 
     Raises:
         ValueError: a cut-off that is not positive, or an unknown representation.
+
+    Examples:
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.smoothing import DoubleExponential
+        >>> world_T_camera = screw().sampled(rate_hz=30.0, duration_s=2.0)
+        >>> live = DoubleExponential(cutoff_hz=2.0)
+        >>> for pose, time_ns in zip(world_T_camera.motors, world_T_camera.time_ns, strict=True):
+        ...     smoothed = live.update(pose, int(time_ns))
+        >>> behind = smoothed.inverse() @ world_T_camera.motors[-1]
+        >>> print(f"{100.0 * abs(behind.translation_m).max():.1f} cm behind")
+        0.0 cm behind
     """
 
     _cutoffs_hz = ("cutoff_hz", "trend_cutoff_hz")

@@ -196,6 +196,17 @@ class ConstantVelocityFilter(KalmanFilter):
 
     Raises:
         ValueError: a number that is not positive, or an unknown representation.
+
+    Examples:
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.smoothing import ConstantVelocityFilter
+        >>> world_T_camera = screw().sampled(rate_hz=30.0, duration_s=2.0)
+        >>> live = ConstantVelocityFilter(noise_m=0.01, noise_rad=0.02)
+        >>> for pose, time_ns in zip(world_T_camera.motors, world_T_camera.time_ns, strict=True):
+        ...     smoothed = live.update(pose, int(time_ns))
+        >>> behind = smoothed.inverse() @ world_T_camera.motors[-1]
+        >>> print(f"{100.0 * abs(behind.translation_m).max():.1f} cm behind")
+        0.0 cm behind
     """
 
     order = 1
@@ -235,6 +246,17 @@ class ConstantAccelerationFilter(KalmanFilter):
 
     Raises:
         ValueError: a number that is not positive, or an unknown representation.
+
+    Examples:
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.smoothing import ConstantAccelerationFilter
+        >>> world_T_camera = screw().sampled(rate_hz=30.0, duration_s=2.0)
+        >>> live = ConstantAccelerationFilter(noise_m=0.01, noise_rad=0.02)
+        >>> for pose, time_ns in zip(world_T_camera.motors, world_T_camera.time_ns, strict=True):
+        ...     smoothed = live.update(pose, int(time_ns))
+        >>> behind = smoothed.inverse() @ world_T_camera.motors[-1]
+        >>> print(f"{100.0 * abs(behind.translation_m).max():.1f} cm behind")
+        0.0 cm behind
     """
 
     order = 2

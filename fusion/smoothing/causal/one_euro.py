@@ -41,6 +41,17 @@ class OneEuro(CausalFilter):
     Raises:
         ValueError: a cut-off that is not positive, a beta that is negative, or an unknown
             representation.
+
+    Examples:
+        >>> from motorcade.fusion.motions import screw
+        >>> from motorcade.fusion.smoothing import OneEuro
+        >>> world_T_camera = screw().sampled(rate_hz=30.0, duration_s=2.0)
+        >>> live = OneEuro(min_cutoff_hz=1.0)
+        >>> for pose, time_ns in zip(world_T_camera.motors, world_T_camera.time_ns, strict=True):
+        ...     smoothed = live.update(pose, int(time_ns))
+        >>> behind = smoothed.inverse() @ world_T_camera.motors[-1]
+        >>> print(f"{100.0 * abs(behind.translation_m).max():.1f} cm behind")
+        1.0 cm behind
     """
 
     _cutoffs_hz = ("min_cutoff_hz", "derivative_cutoff_hz")

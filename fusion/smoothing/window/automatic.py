@@ -32,6 +32,19 @@ def automatic_window_s(
 
     Raises:
         ValueError: covariances that do not fit the trajectory, or as `local_polynomial`.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.motions.degradations import Gaussian
+        >>> from motorcade.fusion.smoothing import automatic_window_s
+        >>> rng = np.random.default_rng(0)
+        >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> covariance = np.diag([0.02**2] * 3 + [0.01**2] * 3)  # rotation first
+        >>> window_s = automatic_window_s(noisy, np.tile(covariance, (len(noisy), 1, 1)))
+        >>> print(f"{window_s:.2f} s")
+        0.70 s
     """
     if covariance.shape != (len(trajectory), 6, 6):
         raise ValueError(f"covariance: expected {(len(trajectory), 6, 6)}, got {covariance.shape}")
