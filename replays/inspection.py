@@ -87,12 +87,18 @@ def describe_character(path: Path, pose: str | None = None) -> dict[str, Any]:
         "joints": _joints(skeleton, skeleton.rest_world.translation_m, "rest_position_m"),
         "clip_count": len(clips),
         "clips": [
-            {"name": clip.name, "seconds": clip.duration_s, "start_s": float(clip.time_s[0]),
-             "keys": clip.key_count, "samples": len(clip.time_s), "looped": clip.looped}
+            {
+                "name": clip.name,
+                "seconds": clip.duration_s,
+                "start_s": float(clip.time_s[0]),
+                "keys": clip.key_count,
+                "samples": len(clip.time_s),
+                "looped": clip.looped,
+            }
             for clip in clips
         ],
         "notices": list(notices),
-    }  # fmt: skip
+    }
     if pose is not None:
         about["pose"] = _posed(skeleton, clips, pose)
     return about

@@ -157,8 +157,9 @@ def _gesture(figure: Character) -> ImageArray:
     rows = []
     start = Similarity.from_motor_scale(Motor.identity())
     writings: tuple[ObjectPose, ...] = (
-        VersorObjectPose(start), EulerObjectPose(np.zeros(3), np.zeros(3))
-    )  # fmt: skip
+        VersorObjectPose(start),
+        EulerObjectPose(np.zeros(3), np.zeros(3)),
+    )
     for pose in writings:
         states = [pose.as_similarity()]
         for axis, angle in drags:

@@ -32,8 +32,13 @@ from motorcade.replays.compare.report.traits_tables import exact_ties
 __all__ = ["guide", "main"]
 
 _TEMPLATE = Path(__file__).with_name("guide.md.jinja")
-_COLUMNS = ("score", "ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2",
-            "angular_jitter_rad_s2")  # fmt: skip
+_COLUMNS = (
+    "score",
+    "ape_rmse_m",
+    "rotation_rmse_deg",
+    "linear_jitter_m_s2",
+    "angular_jitter_rad_s2",
+)
 
 
 def guide(results: Results) -> str:
@@ -102,14 +107,16 @@ def _choices(results: Results) -> list[dict[str, str]]:
             for other in results.ranking(scope)
             if other["method"] == row["method"] and _near(other, row) and other is not row
         ]
-        made.append({
-            "need": need,
-            "method": row["method"],
-            "representation": row["representation"],
-            "left": percent(row["ratio_to_raw"]),
-            "motors": percent(motors.value) if motors is not None else "–",
-            "ties": ", ".join(ties) or "–",
-        })  # fmt: skip
+        made.append(
+            {
+                "need": need,
+                "method": row["method"],
+                "representation": row["representation"],
+                "left": percent(row["ratio_to_raw"]),
+                "motors": percent(motors.value) if motors is not None else "–",
+                "ties": ", ".join(ties) or "–",
+            }
+        )
     return made
 
 
@@ -133,8 +140,7 @@ def _method_rows(results: Results) -> list[tuple[str, list[str]]]:
         for row in results.told["traits"]
         if row["representation"] == REFERENCE and not row["failure"]
     }
-    ranked = [row["method"] for row in results.ranking(scope)
-              if row["representation"] == REFERENCE]  # fmt: skip
+    ranked = [row["method"] for row in results.ranking(scope) if row["representation"] == REFERENCE]
     made = []
     for method in ranked:
         pair = (method, REFERENCE)
@@ -150,15 +156,34 @@ def _whole(value: float) -> str:
 
 # Why a representation leaves more or less than motors on a motion, for where the figures say so.
 _REASONS = (
-    ("rotor", "screw", 1, "a constant screw is one constant twist, which motors follow without "
-     "error, while the position beside a turn runs along an arc"),
-    ("rotor", "fast_spin", -1, "a body that spins while it drifts is no screw: its position goes "
-     "nearly straight in the world, but round and round in the body, where motors keep it"),
-    ("dual_quaternion", "fast_spin", 1, "components are averaged along the chords of large turns, "
-     "not along the turns"),
-    ("euler_unwrapped", "gimbal_crossing", 1, "near gimbal lock angles turn many times as fast as "
-     "the camera, and smoothing cuts their corners"),
-)  # fmt: skip
+    (
+        "rotor",
+        "screw",
+        1,
+        "a constant screw is one constant twist, which motors follow without "
+        "error, while the position beside a turn runs along an arc",
+    ),
+    (
+        "rotor",
+        "fast_spin",
+        -1,
+        "a body that spins while it drifts is no screw: its position goes "
+        "nearly straight in the world, but round and round in the body, where motors keep it",
+    ),
+    (
+        "dual_quaternion",
+        "fast_spin",
+        1,
+        "components are averaged along the chords of large turns, not along the turns",
+    ),
+    (
+        "euler_unwrapped",
+        "gimbal_crossing",
+        1,
+        "near gimbal lock angles turn many times as fast as "
+        "the camera, and smoothing cuts their corners",
+    ),
+)
 
 
 def _reasons(results: Results) -> list[str]:

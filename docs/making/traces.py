@@ -131,5 +131,6 @@ def _color(name: str) -> tuple[int, int, int]:
 
 
 def _write(picture: ImageArray, text: str, at: Sequence[int], color: Sequence[int]) -> None:
-    cv2.putText(picture, text, tuple(at), cv2.FONT_HERSHEY_SIMPLEX, 0.42, tuple(color), 1,
-                cv2.LINE_AA)  # fmt: skip
+    cv2.putText(
+        picture, text, tuple(at), cv2.FONT_HERSHEY_SIMPLEX, 0.42, tuple(color), 1, cv2.LINE_AA
+    )

@@ -42,9 +42,10 @@ class Authored:
             for name, (degrees, metres) in self.apart.items()
         }
         return {
-            "gestures": self.gestures, "scene": self.scene.as_json(),
+            "gestures": self.gestures,
+            "scene": self.scene.as_json(),
             "rotors_against_euler": differences,
-        }  # fmt: skip
+        }
 
 
 def author(

@@ -74,9 +74,16 @@ def character_with(path: Path, motions: Sequence[Path] = ()) -> Character:
         notices += [f"{file.name}: {notice}" for notice in motion.notices]
         clips += [retarget(clip, motion.skeleton, character.skeleton) for clip in motion.clips]
     return Character(
-        character.skeleton, character.vertices, character.normals, character.triangles,
-        character.colors, character.joints, character.weights, tuple(clips), tuple(notices),
-    )  # fmt: skip
+        character.skeleton,
+        character.vertices,
+        character.normals,
+        character.triangles,
+        character.colors,
+        character.joints,
+        character.weights,
+        tuple(clips),
+        tuple(notices),
+    )
 
 
 def blend_character(

@@ -82,11 +82,15 @@ def compare_recorded(
         "align": align,
         "left_out": [],
         "blocks": [
-            {"seed": i, "first_ns": int(path.time_ns[0]), "last_ns": int(path.time_ns[-1]),
-             "poses": len(path)}
+            {
+                "seed": i,
+                "first_ns": int(path.time_ns[0]),
+                "last_ns": int(path.time_ns[-1]),
+                "poses": len(path),
+            }
             for i, (path, _) in enumerate(blocks)
         ],
-    }  # fmt: skip
+    }
     places = {(name, _DEGRADATION, *pair): one for pair, one in found.items()}
     outcome = Outcome(plan, tuple(samples), places, tuple(traits), exact_ties())
     return write_tables(outcome, out)

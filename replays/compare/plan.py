@@ -47,16 +47,18 @@ _SLOW_RUN_ON = ("gaussian", "outliers_and_flips")
 _MODERATE = Gaussian(0.005, float(np.deg2rad(0.5)), 0.005)
 _OUTLIERS = Outliers(0.05, 0.1, 0.2)
 
-DEGRADATIONS: Mapping[str, Degradation] = MappingProxyType({
-    "gaussian": _MODERATE,
-    "gaussian_strong": Gaussian(0.02, float(np.deg2rad(2.0)), 0.02),
-    "outliers": InTurn((_MODERATE, _OUTLIERS)),
-    "outliers_and_flips": InTurn((PlanarFlips(0.02, 10.0), _MODERATE, _OUTLIERS)),
-    "quantised": Quantised(0.01, float(np.deg2rad(1.0))),
-    "stamp_jitter": InTurn((_MODERATE, StampJitter(0.005))),
-    "dropped_frames": InTurn((_MODERATE, DroppedFrames(0.2, 3.0))),
-    "latency": InTurn((_MODERATE, Latency(0.05, 0.003))),
-})  # fmt: skip
+DEGRADATIONS: Mapping[str, Degradation] = MappingProxyType(
+    {
+        "gaussian": _MODERATE,
+        "gaussian_strong": Gaussian(0.02, float(np.deg2rad(2.0)), 0.02),
+        "outliers": InTurn((_MODERATE, _OUTLIERS)),
+        "outliers_and_flips": InTurn((PlanarFlips(0.02, 10.0), _MODERATE, _OUTLIERS)),
+        "quantised": Quantised(0.01, float(np.deg2rad(1.0))),
+        "stamp_jitter": InTurn((_MODERATE, StampJitter(0.005))),
+        "dropped_frames": InTurn((_MODERATE, DroppedFrames(0.2, 3.0))),
+        "latency": InTurn((_MODERATE, Latency(0.05, 0.003))),
+    }
+)
 """The standard degradations. Noise of the scale strikes similarities only; see `degradation_named`.
 The delay's spread is a tenth of an interval: poses that overtake each other would be stamped a
 nanosecond apart, where second differences, and so jitter, mean nothing."""

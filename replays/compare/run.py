@@ -48,10 +48,16 @@ def compare(plan: ComparisonPlan, out: Path, executor: str = "local") -> dict[st
     measured = _finished(run_cell, cells, out, executor, "cells")
     samples = tuple(Sample.of(cell, rows) for cell, rows in measured.items())
     traits = [
-        Trait(plan.motions[0], plan.degradations[0], plan.tuning_seeds[0], plan.rate_hz,
-              plan.duration_s, found[plan.motions[0], plan.degradations[0], *pair].setting)
+        Trait(
+            plan.motions[0],
+            plan.degradations[0],
+            plan.tuning_seeds[0],
+            plan.rate_hz,
+            plan.duration_s,
+            found[plan.motions[0], plan.degradations[0], *pair].setting,
+        )
         for pair in plan.pairs(plan.motions[0], plan.degradations[0])
-    ]  # fmt: skip
+    ]
     # Alone, one after another: they are timed.
     told = _finished(run_trait, traits, out, "local", "times")
     outcome = Outcome(plan.as_dict(), samples, found, tuple(told.values()), exact_ties())

@@ -84,18 +84,22 @@ GRIDS: Mapping[str, tuple[ParameterGrid, ...]] = MappingProxyType({
 })  # fmt: skip
 """What is tried, in order. Cut-offs end below half the rate of the standard plan, 15 Hz."""
 
-FIXED: Mapping[str, tuple[tuple[str, Any], ...]] = MappingProxyType({
-    "constant_velocity": NOISE,
-    "constant_acceleration": NOISE,
-    "rts_constant_velocity": NOISE,
-    "rts_constant_acceleration": NOISE,
-    "robust_map": NOISE,
-})  # fmt: skip
+FIXED: Mapping[str, tuple[tuple[str, Any], ...]] = MappingProxyType(
+    {
+        "constant_velocity": NOISE,
+        "constant_acceleration": NOISE,
+        "rts_constant_velocity": NOISE,
+        "rts_constant_acceleration": NOISE,
+        "robust_map": NOISE,
+    }
+)
 """Parameters that are told and not tuned."""
 
-BORROWS: Mapping[str, tuple[str, str]] = MappingProxyType({
-    "robust_map": ("rts_constant_velocity", "gaussian"),
-})  # fmt: skip
+BORROWS: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "robust_map": ("rts_constant_velocity", "gaussian"),
+    }
+)
 """Methods too slow for a search take what was found for another one with the same parameters, on
 the same motion under this degradation."""
 

@@ -37,9 +37,13 @@ from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["FILTERS", "PARTS", "Experiment", "Judged", "Simulated", "judge", "simulate"]
 
-PARTS: Mapping[str, slice] = MappingProxyType({
-    "pose": slice(0, 6), "velocity": slice(6, 9), "biases": slice(9, 15),
-})  # fmt: skip
+PARTS: Mapping[str, slice] = MappingProxyType(
+    {
+        "pose": slice(0, 6),
+        "velocity": slice(6, 9),
+        "biases": slice(9, 15),
+    }
+)
 """What is judged apart: places in the error of 15 numbers."""
 
 # Deviations of the true biases, those of the filter's prior.
@@ -181,18 +185,24 @@ def _on_motors(simulated: Simulated, experiment: Experiment) -> Estimates:
     """The filter itself, run by run."""
     each = [
         fuse(
-            measured, imu, experiment.noise, Motor.identity(),
-            settings=experiment.settings(), smoothed=False,
+            measured,
+            imu,
+            experiment.noise,
+            Motor.identity(),
+            settings=experiment.settings(),
+            smoothed=False,
         )
         for measured, imu in simulated.recorded
-    ]  # fmt: skip
+    ]
     states = [
         RunStates(
-            one.trajectory.motors.rotor, one.trajectory.motors.translation_m, one.velocity_m_s,
+            one.trajectory.motors.rotor,
+            one.trajectory.motors.translation_m,
+            one.velocity_m_s,
             np.concatenate([one.gyro_bias_rad_s, one.accel_bias_m_s2], axis=-1),
         )
         for one in each
-    ]  # fmt: skip
+    ]
     return Estimates(
         RunStates.stacked(states),
         np.stack([one.state_covariance for one in each]),
@@ -211,10 +221,12 @@ def _in(coordinates: ErrorCoordinates) -> Filtering:
 
 
 Filtering = Callable[[Simulated, Experiment], Estimates]
-FILTERS: Mapping[str, tuple[Filtering, ErrorCoordinates]] = MappingProxyType({
-    "motor": (_on_motors, ExtendedPoseErrors()),
-    "quaternion": (_in(QuaternionTranslationErrors()), QuaternionTranslationErrors()),
-    "euler": (_in(EulerErrors()), EulerErrors()),
-    "euler_exact": (_in(ExactEulerErrors()), ExactEulerErrors()),
-})  # fmt: skip
+FILTERS: Mapping[str, tuple[Filtering, ErrorCoordinates]] = MappingProxyType(
+    {
+        "motor": (_on_motors, ExtendedPoseErrors()),
+        "quaternion": (_in(QuaternionTranslationErrors()), QuaternionTranslationErrors()),
+        "euler": (_in(EulerErrors()), EulerErrors()),
+        "euler_exact": (_in(ExactEulerErrors()), ExactEulerErrors()),
+    }
+)
 """Every filter by name: what runs it, and the coordinates of its errors."""

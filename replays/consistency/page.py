@@ -111,9 +111,13 @@ def _plots(motion: str, verdicts: Mapping[str, Verdict]) -> list[_Plot]:
 
 
 def _squares(
-    motion: str, name: str, title: str, judged: Mapping[str, Consistency],
-    verdicts: Mapping[str, Verdict], skipped: int,
-) -> _Plot:  # fmt: skip
+    motion: str,
+    name: str,
+    title: str,
+    judged: Mapping[str, Consistency],
+    verdicts: Mapping[str, Verdict],
+    skipped: int,
+) -> _Plot:
     one = next(iter(judged.values()))
     series = {of: (verdicts[of].time_s[skipped:], found.average) for of, found in judged.items()}
     unit = "average over the runs"

@@ -18,8 +18,11 @@ from motorcade.ga import Motor
 
 GAITS = ("walk", "jog", "run")
 FIGURES = ("arnaud", "makehuman", "sinbad", "mannequin")
-FILES = {"arnaud": "arnaud/arnaud_fbx.glb", "makehuman": "makehuman/mh_male_ge53_27k.glb",
-         "sinbad": "sinbad/sinbad.glb"}  # fmt: skip
+FILES = {
+    "arnaud": "arnaud/arnaud_fbx.glb",
+    "makehuman": "makehuman/mh_male_ge53_27k.glb",
+    "sinbad": "sinbad/sinbad.glb",
+}
 # A vertex stands that is this low for as many frames.
 TOUCH_M, STAND_FRAMES = 0.002, 6
 # A vertex touches that is this low for as many frames, whatever its foot does; toe-off and landing
@@ -44,8 +47,11 @@ def motions(data_dir: Path):
 def _limbs(skeleton, poses: Motor) -> np.ndarray:
     """Unit directions of both arms and legs, ``(F, 8, 3)``."""
     body, at = body_of(skeleton), skeleton.world(poses).translation_m
-    bones = [at[:, body[f"{side}_{b}"]] - at[:, body[f"{side}_{a}"]]
-             for side in ("left", "right") for a, b in LIMBS]  # fmt: skip
+    bones = [
+        at[:, body[f"{side}_{b}"]] - at[:, body[f"{side}_{a}"]]
+        for side in ("left", "right")
+        for a, b in LIMBS
+    ]
     made = np.stack(bones, axis=1)
     return made / np.linalg.norm(made, axis=-1, keepdims=True)
 
@@ -63,11 +69,14 @@ def test_arms_and_legs_point_where_the_actors_did(figures, motions, figure, gait
     assert np.degrees(angle).max() < 1.0
     # Hips go as far as the legs' lengths say, and stand as high over the feet.
     hips, others = body_of(skeleton)["hips"], body_of(motion.skeleton)["hips"]
-    way, other = (s.world(c.poses).translation_m[[0, -1], j] for s, c, j in
-                  ((skeleton, made, hips), (motion.skeleton, clip, others)))  # fmt: skip
+    way, other = (
+        s.world(c.poses).translation_m[[0, -1], j]
+        for s, c, j in ((skeleton, made, hips), (motion.skeleton, clip, others))
+    )
     legs = [_leg_m(s) for s in (skeleton, motion.skeleton)]
-    np.testing.assert_allclose((way[1] - way[0]) / legs[0], (other[1] - other[0]) / legs[1],
-                               atol=0.02)  # fmt: skip
+    np.testing.assert_allclose(
+        (way[1] - way[0]) / legs[0], (other[1] - other[0]) / legs[1], atol=0.02
+    )
 
 
 def _leg_m(skeleton) -> float:
@@ -97,8 +106,10 @@ def test_the_same_rig_copies_rotations(figures, motions):
     motion, target = motions["walk"], figures["arnaud"].skeleton
     made = retarget(motion.clips[0], motion.skeleton, target)
     for name in ("LeftArm", "RightLeg", "Head", "Spine2"):
-        one, other = (s.world(c.poses)[:, s.index(name)].rotor for s, c in
-                      ((target, made), (motion.skeleton, motion.clips[0])))  # fmt: skip
+        one, other = (
+            s.world(c.poses)[:, s.index(name)].rotor
+            for s, c in ((target, made), (motion.skeleton, motion.clips[0]))
+        )
         assert float((one.inverse() @ other).angle().max()) < 1e-6
 
 
@@ -159,8 +170,12 @@ def _contact(
             here, low = at[:, vertex], at[:, vertex, 2] < TOUCH_M
             grazing = low & _swings(standing, time_s)
             grazing[1:-1] |= grazing[:-2] | grazing[2:]
-            row = (_gone_m(here, standing & low, STAND_FRAMES), ball_m,
-                   _gone_m(here, low, TOUCH_FRAMES), _gone_m(here, grazing, 1))  # fmt: skip
+            row = (
+                _gone_m(here, standing & low, STAND_FRAMES),
+                ball_m,
+                _gone_m(here, low, TOUCH_FRAMES),
+                _gone_m(here, grazing, 1),
+            )
             made = np.concatenate([made, [row]])
     return (*made.max(axis=0), float(at[..., 2].min()), over_m)
 
@@ -184,8 +199,7 @@ def test_feet_of_a_retargeted_gait_neither_slide_nor_sink(figures, motions, figu
     planted = plant_feet(who.skeleton, clip.time_s, clip.poses, legs_of(who.skeleton))
     after = _contact(who, planted, stay, stances, clip.time_s)
     before = _contact(who, clip.poses, stay, stances, clip.time_s)
-    print(figure, gait, TOLD, *_told(*after),
-          "before:", *_told(*before))  # fmt: skip
+    print(figure, gait, TOLD, *_told(*after), "before:", *_told(*before))
     assert after[0] < 0.01
     assert after[1] < 0.001
     assert after[2] < ANY_M
@@ -267,8 +281,13 @@ def test_a_walker_starts_and_stops_on_feet_that_stay(gait, far_m):
     world = made.plane_T_character.reshape(-1, 1) @ who.skeleton.world(made.poses)
     knees = world[:, [who.skeleton.index(leg.knee) for leg in legs]].translation_m
     jolt = np.linalg.norm(np.diff(knees, 2, axis=0), axis=-1).max() * 60.0**2
-    print(gait, far_m, "any skin, depth in mm; knees in m/s²:", *_told(gone_m, at[..., 2].min()),
-          round(float(jolt)))  # fmt: skip
+    print(
+        gait,
+        far_m,
+        "any skin, depth in mm; knees in m/s²:",
+        *_told(gone_m, at[..., 2].min()),
+        round(float(jolt)),
+    )
     # On the shortest ways, strides much shorter than the cycle's drag their toes a little.
     assert gone_m < (0.01 if far_m > 1.0 else 0.025)
     assert at[..., 2].min() > -0.01
@@ -299,9 +318,12 @@ def test_methods_differ_on_walk_to_run_by_what_theory_lets_them(figures, motions
     found = {pair: 1e3 * apart for pair, apart in differences_m(*clips, skeleton).items()}
     assert {name for pair in found for name in pair} == set(BLEND_METHODS)
     ties = (
-        ("motor", "similarity"), ("motor", "dual_quaternion"), ("rotor", "quaternion"),
-        ("motor_linear", "dual_quaternion_linear"), ("rotor_linear", "quaternion_linear"),
-    )  # fmt: skip
+        ("motor", "similarity"),
+        ("motor", "dual_quaternion"),
+        ("rotor", "quaternion"),
+        ("motor_linear", "dual_quaternion_linear"),
+        ("rotor_linear", "quaternion_linear"),
+    )
     for pair in ties:
         assert _of(found, pair) < 1e-6
     # Bones do not grow under any, so that methods differ by the speed of turns and the hips' way.

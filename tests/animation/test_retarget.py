@@ -12,8 +12,17 @@ from motorcade.ga import Motor, Rotor
 NAMES = ("Hips", "Spine", "LeftArm", "LeftForeArm", "LeftHand", "LeftUpLeg", "LeftLeg")
 PARENTS = np.array([-1, 0, 1, 2, 3, 0, 5])
 # T pose: the arm along +y.
-POSITIONS = np.array([[0, 0, 1.0], [0, 0, 1.3], [0, 0.2, 1.5], [0, 0.5, 1.5], [0, 0.75, 1.5],
-                      [0, 0.1, 0.95], [0, 0.1, 0.5]])  # fmt: skip
+POSITIONS = np.array(
+    [
+        [0, 0, 1.0],
+        [0, 0, 1.3],
+        [0, 0.2, 1.5],
+        [0, 0.5, 1.5],
+        [0, 0.75, 1.5],
+        [0, 0.1, 0.95],
+        [0, 0.1, 0.5],
+    ]
+)
 
 
 def _skeleton(positions: np.ndarray, rotors: Rotor, names=NAMES) -> Skeleton:

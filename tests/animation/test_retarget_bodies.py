@@ -72,9 +72,12 @@ def test_a_trunk_turns_from_its_rest_as_the_actors_did(rigs, bound, motions, rig
         (by_rests, 0.1, 0.1, 0.1),
     ):
         for role, most_deg in (
-            ("hips", 0.1), ("neck", neck_deg), ("head", head_deg),
-            ("left_clavicle", clavicle_deg), ("right_clavicle", clavicle_deg),
-        ):  # fmt: skip
+            ("hips", 0.1),
+            ("neck", neck_deg),
+            ("head", head_deg),
+            ("left_clavicle", clavicle_deg),
+            ("right_clavicle", clavicle_deg),
+        ):
             found = _turned(target, made.poses, ours[role])
             assert _off_deg(wanted[role], found) < most_deg, role
         for joint, share in zip(*_spine(target), strict=True):
@@ -104,8 +107,10 @@ def test_fingers_bend_about_their_own_hinges(rigs, bound, motions, rig, most_deg
     motion, target = motions[gait], rigs[rig].skeleton
     copied = retarget(motion.clips[0], motion.skeleton, bound)
     count, ours, theirs = len(copied.time_s), body_of(target), body_of(bound)
-    for made in (retarget(motion.clips[0], motion.skeleton, target),
-                 retarget(copied, bound, target)):  # fmt: skip
+    for made in (
+        retarget(motion.clips[0], motion.skeleton, target),
+        retarget(copied, bound, target),
+    ):
         turned, actors = target.world(made.poses).rotor, bound.world(copied.poses).rotor
         off = []
         for role, hinge in _hinges(rig, rigs[rig]).items():

@@ -217,8 +217,9 @@ def test_skinning_bears_antipodal_joints_and_refuses_missing_ones(skeleton, rng,
 @pytest.mark.parametrize("size", [1, 100])
 def test_joints_without_weight_do_not_matter(skeleton, rng, method, size):
     """Wherever they stand in the list, and even where the others are opposite as seen from them."""
-    vertices = np.repeat(_character(skeleton, np.tile([0.0, 0.5, 0.5, 0.0], (3, 1))).vertices,
-                         size, axis=0)  # fmt: skip
+    vertices = np.repeat(
+        _character(skeleton, np.tile([0.0, 0.5, 0.5, 0.0], (3, 1))).vertices, size, axis=0
+    )
     count = len(vertices)
     figure = Character(
         skeleton, vertices, np.tile([1.0, 0, 0], (count, 1)), np.array([[0, 1, 2]]),
@@ -232,8 +233,9 @@ def test_joints_without_weight_do_not_matter(skeleton, rng, method, size):
         moved = np.array(world.coefficients)
         moved[0] = wild.coefficients
         placed = Motor(moved)
-        local = Motor.stack([placed[0], placed[0].inverse() @ placed[1],
-                             placed[1].inverse() @ placed[2]])  # fmt: skip
+        local = Motor.stack(
+            [placed[0], placed[0].inverse() @ placed[1], placed[1].inverse() @ placed[2]]
+        )
         found.append((*skin(figure, local, method), *Skinner(figure, method).skin(local)))
     for one, two, tolerance in zip(*found, (1e-12, 1e-12, 2e-5, 2e-5), strict=True):
         np.testing.assert_allclose(one, two, atol=tolerance)
@@ -263,9 +265,14 @@ def test_thousands_of_joints_stand_where_products_of_matrices_put_them(rng, shap
     weights, joints = np.zeros((count, 4)), np.zeros((count, 4), dtype=np.int64)
     weights[:, 0], joints[:, 0] = 1.0, np.arange(count)
     figure = Character(
-        many, vertices, np.tile([1.0, 0, 0], (count, 1)), np.array([[0, 1, 2]]),
-        np.full((count, 3), 0.5), joints, weights,
-    )  # fmt: skip
+        many,
+        vertices,
+        np.tile([1.0, 0, 0], (count, 1)),
+        np.array([[0, 1, 2]]),
+        np.full((count, 3), 0.5),
+        joints,
+        weights,
+    )
     moved = np.einsum("vij,vj->vi", expected[:, :3, :3], vertices) + expected[:, :3, 3]
     for method in SKIN_METHODS:
         np.testing.assert_allclose(skin(figure, local, method)[0], moved, atol=1e-9)
@@ -291,8 +298,15 @@ def test_the_runtime_refuses_what_it_cannot_play(skeleton, rng, method):
     time_s = np.array([0.0, 1.0])
     still = Clip("still", time_s, Motor.stack([skeleton.rest] * 2))
     runtime = PoseRuntime(skeleton, [still], method)
-    for layers in ([], [(1, 0.0, 1.0)], [(0, np.nan, 1.0)], [(0, 0.0, -1.0)],
-                   [(0, 0.0, 0.0)], [(0, 0.0, np.nan)], [(0, np.inf, 1.0)]):  # fmt: skip
+    for layers in (
+        [],
+        [(1, 0.0, 1.0)],
+        [(0, np.nan, 1.0)],
+        [(0, 0.0, -1.0)],
+        [(0, 0.0, 0.0)],
+        [(0, 0.0, np.nan)],
+        [(0, np.inf, 1.0)],
+    ):
         with pytest.raises(ValueError, match=r"layer|time|weight|clip"):
             runtime.palette(layers)
     with pytest.raises(ValueError, match="from 0 to 0, got -1"):
@@ -301,5 +315,6 @@ def test_the_runtime_refuses_what_it_cannot_play(skeleton, rng, method):
         PoseRuntime(skeleton, [Clip("few", time_s, Motor.random(rng, (2, 2)))], method)
     flipped = Motor(still.poses.coefficients * [[[1.0]], [[-1.0]]])
     moved = PoseRuntime(skeleton, [Clip("flipped", time_s, flipped)], method)
-    np.testing.assert_allclose(moved.palette([(0, 0.5, 1.0)]), runtime.palette([(0, 0.5, 1.0)]),
-                               atol=1e-6)  # fmt: skip
+    np.testing.assert_allclose(
+        moved.palette([(0, 0.5, 1.0)]), runtime.palette([(0, 0.5, 1.0)]), atol=1e-6
+    )

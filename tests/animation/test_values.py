@@ -243,9 +243,14 @@ def test_a_character_without_vertices_is_refused() -> None:
     none = np.zeros((0, 3))
     with pytest.raises(ValueError, match="expected one vertex or more, got none"):
         Character(
-            chain(), none, none, np.zeros((0, 3), dtype=np.int64), none,
-            np.zeros((0, 4), dtype=np.int64), np.zeros((0, 4)),
-        )  # fmt: skip
+            chain(),
+            none,
+            none,
+            np.zeros((0, 3), dtype=np.int64),
+            none,
+            np.zeros((0, 4), dtype=np.int64),
+            np.zeros((0, 4)),
+        )
 
 
 def test_the_heaviest_influence_of_each_vertex_stands_first() -> None:

@@ -177,8 +177,9 @@ def _solving(title: str, character: Character) -> list[AnimationRow]:
     hip, knee, ankle = (at[character.skeleton.index(name)] for name in limb)
     reach = float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee))
     aside = rng.standard_normal((count, 3))
-    aside *= reach * rng.uniform(0.3, 0.95, (count, 1)) / np.linalg.norm(
-        aside, axis=1, keepdims=True)  # fmt: skip
+    aside *= (
+        reach * rng.uniform(0.3, 0.95, (count, 1)) / np.linalg.norm(aside, axis=1, keepdims=True)
+    )
     goals = hip + aside
     seconds = median_seconds(lambda: bend_limb(character.skeleton, rest, limb, goals), 0.3)
     job = f"legs of two bones brought to targets, {count} at once"

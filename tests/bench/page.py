@@ -112,8 +112,11 @@ def _blend(found: Mapping[str, Any]) -> Iterator[Headline]:
             if mine is not None and theirs is not None:
                 yield Headline(
                     f"two poses blended, {ours}, {scalar}, {JOINTS} joints",
-                    f"{mine:.1f} ns a joint", f"{theirs:.1f} ({other})", theirs / mine, "blend",
-                )  # fmt: skip
+                    f"{mine:.1f} ns a joint",
+                    f"{theirs:.1f} ({other})",
+                    theirs / mine,
+                    "blend",
+                )
 
 
 def _smooth(found: Mapping[str, Any]) -> Iterator[Headline]:
@@ -124,9 +127,12 @@ def _smooth(found: Mapping[str, Any]) -> Iterator[Headline]:
         else:
             mine = ours[row["job"]]
             yield Headline(
-                row["job"], _seconds(mine), f"{_seconds(row['seconds'])} ({row['way']})",
-                row["over_ours"], "smooth",
-            )  # fmt: skip
+                row["job"],
+                _seconds(mine),
+                f"{_seconds(row['seconds'])} ({row['way']})",
+                row["over_ours"],
+                "smooth",
+            )
 
 
 def _markers(found: Mapping[str, Any]) -> Iterator[Headline]:
@@ -137,8 +143,9 @@ def _markers(found: Mapping[str, Any]) -> Iterator[Headline]:
                 f"markers in {row['count']} pictures of `{row['pictures']}`",
                 f"{counts['motorcade']} found, {ms['motorcade']:.0f} ms",
                 f"{counts[other]} found, {ms[other]:.0f} ms ({other})",
-                ms[other] / ms["motorcade"], "tracking",
-            )  # fmt: skip
+                ms[other] / ms["motorcade"],
+                "tracking",
+            )
 
 
 def _flights(found: Mapping[str, Any]) -> Iterator[Headline]:
@@ -148,9 +155,12 @@ def _flights(found: Mapping[str, Any]) -> Iterator[Headline]:
         if by == "filter" and other is not None:
             mine, theirs = (1e3 * one["outside_mean_rmse_m"] for one in (row, other))
             yield Headline(
-                f"{flight}, camera poses and IMU fused, position", f"{mine:.2f} mm",
-                f"{theirs:.2f} mm (gtsam's graph)", theirs / mine, "fusion",
-            )  # fmt: skip
+                f"{flight}, camera poses and IMU fused, position",
+                f"{mine:.2f} mm",
+                f"{theirs:.2f} mm (gtsam's graph)",
+                theirs / mine,
+                "fusion",
+            )
 
 
 def _render(found: Mapping[str, Any]) -> Iterator[Headline]:
@@ -162,8 +172,11 @@ def _render(found: Mapping[str, Any]) -> Iterator[Headline]:
         if mine is not None and theirs is not None:
             yield Headline(
                 f"a frame of {triangles:,} triangles with shadow, time of the processor",
-                f"{mine:.0f} ms", f"{theirs:.0f} ms (pyrender)", theirs / mine, "render",
-            )  # fmt: skip
+                f"{mine:.0f} ms",
+                f"{theirs:.0f} ms (pyrender)",
+                theirs / mine,
+                "render",
+            )
 
 
 def _accuracy(found: Mapping[str, Mapping[str, float]]) -> Iterator[Headline]:

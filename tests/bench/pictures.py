@@ -10,11 +10,13 @@ from tests.bench.timing_bars import Timing, plot_timings
 
 __all__ = ["OZZ_NS", "animation_picture"]
 
-OZZ_NS: Mapping[str, float] = MappingProxyType({
-    "two samples, blend": 25.3,
-    "two layers": 2.7,
-    "skinning, position and normal, linear, one core": 4.4,
-})  # fmt: skip
+OZZ_NS: Mapping[str, float] = MappingProxyType(
+    {
+        "two samples, blend": 25.3,
+        "two layers": 2.7,
+        "skinning, position and normal, linear, one core": 4.4,
+    }
+)
 """Nanoseconds a joint or vertex, by how jobs of ours begin: 67 joints on one core of a machine of
 the same class, `-march=native`; of its two times for skinning the lower."""
 

@@ -11,12 +11,22 @@ from tests.bench.page import MACHINE, headlines, machine, page
 from tests.bench.tables import SUITES
 
 BLEND = [
-    {"method": method, "scalar": "float32", "joints": joints, "ns": ns,
-     "over_slerp_mix": 8.0 / ns, "over_nlerp_mix": 6.0 / ns}
+    {
+        "method": method,
+        "scalar": "float32",
+        "joints": joints,
+        "ns": ns,
+        "over_slerp_mix": 8.0 / ns,
+        "over_nlerp_mix": 6.0 / ns,
+    }
     for joints in (64, 1000, 100_000)
-    for method, ns in (("motor linear", 2.0), ("motor screw", 4.0), ("GLM slerp + mix", 8.0),
-                       ("GLM nlerp + mix", 6.0))
-]  # fmt: skip
+    for method, ns in (
+        ("motor linear", 2.0),
+        ("motor screw", 4.0),
+        ("GLM slerp + mix", 8.0),
+        ("GLM nlerp + mix", 6.0),
+    )
+]
 FIGURES: dict[str, Any] = {
     MACHINE: {"processor": "a small one", "cores": "2"},
     "accuracy": {"float32": {"log": 2e-7, "exp": 3e-7}, "float64": {"log": 5e-16, "exp": 4e-16}},

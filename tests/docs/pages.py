@@ -109,8 +109,11 @@ def answer(line: str) -> str:
     done = subprocess.run(
         ["bash", "-ec", line],
         env={**os.environ, "PATH": path},
-        input=said.getvalue(), capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        input=said.getvalue(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if done.returncode != 0:
         raise RuntimeError(f"{line}: exit status {done.returncode}\n{done.stderr}")
     return done.stdout

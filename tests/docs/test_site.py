@@ -56,8 +56,11 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, Page]:
     subprocess.run(["make", "names"], cwd=REPOSITORY, check=True, capture_output=True)
     done = subprocess.run(
         [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)],
-        cwd=REPOSITORY, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        cwd=REPOSITORY,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     return {path: Page(path.read_text(encoding="utf-8")) for path in folder.rglob("*.html")}
 

@@ -121,8 +121,11 @@ def test_without_opengl_all_but_the_video_is_there(board_recording: Path, tmp_pa
     ]
     done = subprocess.run(
         [*program, "run", str(board_recording), "--out", str(tmp_path)],
-        env=environment, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     assert "PYOPENGL_PLATFORM" in done.stderr
     assert not (tmp_path / "overlay.mp4").exists()
@@ -150,8 +153,11 @@ def test_results_of_an_earlier_run_do_not_stay_beside_new_ones(
     assert left == {"run.json", "trajectories"}
     kept = {path.name for path in (tmp_path / "trajectories").iterdir()}
     assert kept == {
-        "camera_poses_motor.tum", "fused_motor.tum", "smoothed_motor.tum", "mine.tum",
-    }  # fmt: skip
+        "camera_poses_motor.tum",
+        "fused_motor.tum",
+        "smoothed_motor.tum",
+        "mine.tum",
+    }
 
 
 def test_the_demo_never_touches_a_folder_that_it_did_not_make(
@@ -261,9 +267,12 @@ def test_an_empty_folder_is_called_empty(
     ],
 )
 def test_bad_settings_are_named(
-    setting: str, named: str, board_recording: Path, tmp_path: Path,
+    setting: str,
+    named: str,
+    board_recording: Path,
+    tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+) -> None:
     assert named in refused(capsys, "run", board_recording, "--out", tmp_path, "--set", setting)
 
 

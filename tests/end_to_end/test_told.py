@@ -17,8 +17,10 @@ STAGES = ["board_poses", "camera_poses", "imu", "fused", "smoothed"]
 def told(*arguments: object) -> subprocess.CompletedProcess[str]:
     done = subprocess.run(
         [sys.executable, "-c", RUN, "run", *map(str, arguments)],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     return done
 

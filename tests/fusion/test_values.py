@@ -49,12 +49,19 @@ def test_what_the_metrics_give_is_a_key_and_cannot_be_changed():
     path = MOTIONS["stop_and_go"].sampled(30.0, 4.0)
     pairs, found = associate(path, path), evaluate(path, path)
     values: list[Any] = [
-        pairs, associate(path, path), found, found.ape_m, found.jitter, found.energy_excess,
-        found.log_jerk, found.gimbal, alignment_of(pairs, "se3"),
+        pairs,
+        associate(path, path),
+        found,
+        found.ape_m,
+        found.jitter,
+        found.energy_excess,
+        found.log_jerk,
+        found.gimbal,
+        alignment_of(pairs, "se3"),
         Consistency.of(np.ones((2, 3)), 1),
         frame_change_defect(lambda one: one, path, Motor.identity(), Motor.identity()),
         *drift_by_length(path.motors, path.motors, (0.1,)),
-    ]  # fmt: skip
+    ]
     assert len(set(values)) == len(values)
     assert values[0] != values[1]
     for value in values:

@@ -221,9 +221,7 @@ def test_listing_a4_swaps_axes_and_loses_signs() -> None:
     swapped = scipy_turn(-AXIS[::-1], 0.9)
     slanted = rotor_of(OTHER, 0.9)
     close(a4_as_printed(rotor).as_matrix(), swapped.as_matrix(), atol=1e-14)
-    assert distance(
-        a4_as_printed(slanted).as_matrix(), scipy_turn(OTHER, 0.9).as_matrix()
-    ) > 0.5  # fmt: skip
+    assert distance(a4_as_printed(slanted).as_matrix(), scipy_turn(OTHER, 0.9).as_matrix()) > 0.5
 
     w, x, y, z = rotor_coefficients(rotor) * [1.0, -1.0, -1.0, -1.0]
     close(Rotation.from_quat([x, y, z, w]).as_matrix(), right.as_matrix(), atol=1e-14)
@@ -251,11 +249,18 @@ def test_listing_a5_turns_about_another_axis() -> None:
 def test_listing_a6_uses_names_it_does_not_have() -> None:
     # What each line of the listing sets and what it reads, in the listing's order.
     lines = [
-        ("srcQ", ["srcQ"]), ("angleSrc", ["srcQ"]), ("axisSrc", ["srcQ"]),
-        ("destQ", ["destQ"]), ("angleDest", ["destQ"]), ("axisDest", ["destQ"]),
-        ("rotor", ["angleSrc", "uC"]), ("uC", ["axisSrc"]), ("t", ["translation"]),
-        ("TC", ["t"]), ("TRC", ["TC", "rotor"]),
-    ]  # fmt: skip
+        ("srcQ", ["srcQ"]),
+        ("angleSrc", ["srcQ"]),
+        ("axisSrc", ["srcQ"]),
+        ("destQ", ["destQ"]),
+        ("angleDest", ["destQ"]),
+        ("axisDest", ["destQ"]),
+        ("rotor", ["angleSrc", "uC"]),
+        ("uC", ["axisSrc"]),
+        ("t", ["translation"]),
+        ("TC", ["t"]),
+        ("TRC", ["TC", "rotor"]),
+    ]
     known, missing = {"translation", "quaternion"}, []
     for sets, reads in lines:
         missing += [name for name in reads if name not in known]

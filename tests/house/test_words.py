@@ -134,8 +134,12 @@ def test_names_are_found_where_they_stand() -> None:
     )
     names = {name for _, name in names_of_python(text)}
     assert {name for name in names if comes_back(name)} == {
-        "calm", "mount", "ruler", "hole", "--diary",
-    }  # fmt: skip
+        "calm",
+        "mount",
+        "ruler",
+        "hole",
+        "--diary",
+    }
 
 
 if __name__ == "__main__":

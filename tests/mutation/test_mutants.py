@@ -31,12 +31,19 @@ def changes(source: str) -> set[tuple[str, str]]:
 def test_every_change_is_one_that_a_fault_may_be() -> None:
     raised = 'raise ValueError(f"f(x): {x + 1}, not above {3}")'
     assert changes(SOURCE) == {
-        ("1.5", "2.5"), ("x is None or not x < 2", "(x is None and (not x < 2))"),
+        ("1.5", "2.5"),
+        ("x is None or not x < 2", "(x is None and (not x < 2))"),
         ("x is None or not x < 2", "(not (x is None or not x < 2))"),
-        ("x is None", "(x is not None)"), ("not x < 2", "(x < 2)"), ("x < 2", "(x <= 2)"),
-        ("2", "3"), (raised, "pass"), ("return [-k @ y for k in x if k]", "return None"),
-        ("-k @ y", "(y @ -k)"), ("-k", "(k)"), ("k", "(not k)"),
-    }  # fmt: skip
+        ("x is None", "(x is not None)"),
+        ("not x < 2", "(x < 2)"),
+        ("x < 2", "(x <= 2)"),
+        ("2", "3"),
+        (raised, "pass"),
+        ("return [-k @ y for k in x if k]", "return None"),
+        ("-k @ y", "(y @ -k)"),
+        ("-k", "(k)"),
+        ("k", "(not k)"),
+    }
 
 
 def test_a_mutant_changes_its_own_place_and_nothing_else() -> None:

@@ -134,9 +134,12 @@ def test_flat_textures_come_out_as_they_went_in(name: str) -> None:
     with new_renderer(name, CAMERA.width, CAMERA.height) as renderer:
         # this square's front looks along -z: towards the camera, whose y points down
         front = Surface(
-            surface.vertices, surface.normals, surface.triangles[:, ::-1],
-            texture=texture, texture_coordinates=surface.texture_coordinates,
-        )  # fmt: skip
+            surface.vertices,
+            surface.normals,
+            surface.triangles[:, ::-1],
+            texture=texture,
+            texture_coordinates=surface.texture_coordinates,
+        )
         renderer.show([surface, front], None)
         rgba = renderer.render(CAMERA, pose).rgba
     corners = CAMERA.project(

@@ -212,10 +212,14 @@ def test_overlay_draws_the_character_where_the_camera_sees_it(
     trajectory = path(2)
     drawn = list(
         render_overlay(
-            [(0, frame), (33_333_333, frame)], CAMERA, trajectory, figure,
-            figure.clip("idle"), placement,
+            [(0, frame), (33_333_333, frame)],
+            CAMERA,
+            trajectory,
+            figure,
+            figure.clip("idle"),
+            placement,
         )
-    )  # fmt: skip
+    )
     assert [picture.shape for picture in drawn] == [(150, 200, 3)] * 2
     changed = np.argwhere(np.any(drawn[0] > 110, axis=-1))
     corners = placement.apply(figure.vertices)
@@ -247,12 +251,16 @@ def test_the_same_overlay_has_the_same_bytes(figure: Character, placement: Place
     runs = [
         list(
             render_overlay(
-                ((k * 33_333_333, frame) for k in range(4)), CAMERA, path(4), figure,
-                figure.clip("walk"), placement,
+                ((k * 33_333_333, frame) for k in range(4)),
+                CAMERA,
+                path(4),
+                figure,
+                figure.clip("walk"),
+                placement,
             )
         )
         for _ in range(2)
-    ]  # fmt: skip
+    ]
     for one, two in zip(*runs, strict=True):
         np.testing.assert_array_equal(one, two)
 
@@ -328,12 +336,17 @@ def test_a_bent_overlay_is_drawn_where_the_lens_shows_it(
     straight, curved = (
         next(
             render_overlay(
-                [(0, frame)], camera, path(2), figure, figure.clip("idle"), placement,
+                [(0, frame)],
+                camera,
+                path(2),
+                figure,
+                figure.clip("idle"),
+                placement,
                 look=ShadowLook(strength=0.0, contact=0.0),
             )
         )
         for camera in (CAMERA, bent)
-    )  # fmt: skip
+    )
     straightened = bent.undistort_image(curved)
     inner = np.s_[20:130, 20:180]
     apart = np.abs(straightened[inner].astype(int) - straight[inner]).mean(axis=2)
@@ -348,14 +361,25 @@ def test_light_given_twice_is_refused(figure: Character, placement: Placement) -
     with pytest.raises(ValueError, match="got both"):
         next(
             render_overlay(
-                [], CAMERA, path(2), figure, figure.clip("idle"), placement,
-                light_direction=(0, 0, -1), lighting=light,
+                [],
+                CAMERA,
+                path(2),
+                figure,
+                figure.clip("idle"),
+                placement,
+                light_direction=(0, 0, -1),
+                lighting=light,
             )
-        )  # fmt: skip
+        )
     with pytest.raises(ValueError, match="got zeros"):
         next(
             render_overlay(
-                [], CAMERA, path(2), figure, figure.clip("idle"), placement,
+                [],
+                CAMERA,
+                path(2),
+                figure,
+                figure.clip("idle"),
+                placement,
                 light_direction=(0, 0, 0),
             )
-        )  # fmt: skip
+        )

@@ -79,9 +79,14 @@ def errors(
 ) -> tuple[float, float]:
     """Of the figure's mean colour and of its pixels, bytes, means over channels and frames."""
     made = render_overlay(
-        zip(TIME_NS.tolist(), empty, strict=True), CAMERA, shots.poses, FIGURE, CLIP,
-        shots.placement, lighting=light,
-    )  # fmt: skip
+        zip(TIME_NS.tolist(), empty, strict=True),
+        CAMERA,
+        shots.poses,
+        FIGURE,
+        CLIP,
+        shots.placement,
+        lighting=light,
+    )
     apart = [
         (one[there].astype(float) - other[there])
         for one, other, there in zip(made, true, shots.there, strict=True)
@@ -100,9 +105,7 @@ def test_paper_and_even_a_grey_world_come_nearer_than_the_fixed_light(
     )
     frames = [(int(stamp), one, None) for stamp, one in zip(TIME_NS, empty, strict=True)]
     corners = BOARD.points_m[:, :2]
-    board = Prints(
-        world_T_board().reshape(1), corners.min(axis=0)[None], corners.max(axis=0)[None]
-    )  # fmt: skip
+    board = Prints(world_T_board().reshape(1), corners.min(axis=0)[None], corners.max(axis=0)[None])
     fixed, by_paper, by_grey = (
         errors(shots, empty, true, light)
         for light in (

@@ -69,9 +69,7 @@ def test_the_light_lights_the_paper_as_the_picture_shows(
 ) -> None:
     """Also where the lens adds light of its own, which black ink tells."""
     shown = board(0.9 * np.array(light), veil)
-    made, told = lighting_without_depth(
-        frames(shown), CAMERA, path, placement, HEIGHT_M, prints()
-    )  # fmt: skip
+    made, told = lighting_without_depth(frames(shown), CAMERA, path, placement, HEIGHT_M, prints())
     np.testing.assert_allclose(on_ground(made), 0.9 * np.array(light), rtol=0.04)
     assert "printed paper" in told
     assert "direction assumed" in told
@@ -109,10 +107,12 @@ def test_where_no_print_is_seen_half_of_a_grey_world_is_believed(
     tint = np.array([1.2, 1.0, 0.7])
     shown = np.broadcast_to(bytes_of(0.18 * 0.5 * tint), (CAMERA.height, CAMERA.width, 3))
     away = Prints(
-        Motor.from_rotor_translation(Rotor.from_rotation_vector([np.pi, 0, 0]), [0, 0, 0])
-        .reshape(1),
-        prints().low_m, prints().high_m,
-    )  # fmt: skip
+        Motor.from_rotor_translation(Rotor.from_rotation_vector([np.pi, 0, 0]), [0, 0, 0]).reshape(
+            1
+        ),
+        prints().low_m,
+        prints().high_m,
+    )
     cameras = path.motors
     usual = on_ground(
         character_lighting(placement, cameras, HEIGHT_M, sunlight_direction(placement, cameras))

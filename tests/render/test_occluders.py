@@ -98,10 +98,16 @@ def drawn(figure: Character, placement: Placement, prints: Prints | None) -> Ima
     frame = np.full((CAMERA.height, CAMERA.width, 3), 120, dtype=np.uint8)
     return next(
         render_overlay(
-            [(0, frame)], CAMERA, from_the_front(), figure, figure.clip("idle"), placement,
-            look=ShadowLook(strength=0.0, contact=0.0), prints=prints,
+            [(0, frame)],
+            CAMERA,
+            from_the_front(),
+            figure,
+            figure.clip("idle"),
+            placement,
+            look=ShadowLook(strength=0.0, contact=0.0),
+            prints=prints,
         )
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.usefixtures("opengl")
@@ -141,10 +147,15 @@ def test_what_sinks_into_the_ground_is_hidden_by_it(figure: Character) -> None:
     frame = np.full((CAMERA.height, CAMERA.width, 3), 120, dtype=np.uint8)
     seen = next(
         render_overlay(
-            [(0, frame)], CAMERA, from_the_front(), figure, lower, standing_at(figure),
+            [(0, frame)],
+            CAMERA,
+            from_the_front(),
+            figure,
+            lower,
+            standing_at(figure),
             look=ShadowLook(strength=0.0, contact=0.0),
         )
-    )  # fmt: skip
+    )
     rows = np.flatnonzero(np.any(seen != 120, axis=(1, 2)))
     assert np.any(whole != 120, axis=(1, 2))[int(feet) - 4]
     assert rows.max() <= feet + 4.0
@@ -176,15 +187,27 @@ def test_light_and_shadow_go_with_a_figure_that_travels(figure: Character, rende
     stamps = (0, 1_000_000_000)
     went = list(
         render_overlay(
-            ((t, frame) for t in stamps), CAMERA, moved, figure, travels, here,
-            lighting=light, renderer=renderer,
+            ((t, frame) for t in stamps),
+            CAMERA,
+            moved,
+            figure,
+            travels,
+            here,
+            lighting=light,
+            renderer=renderer,
         )
-    )[1]  # fmt: skip
+    )[1]
     stood = next(
         render_overlay(
-            [(0, frame)], CAMERA, moved, figure, stands,
-            there, lighting=light_there, renderer=renderer,
+            [(0, frame)],
+            CAMERA,
+            moved,
+            figure,
+            stands,
+            there,
+            lighting=light_there,
+            renderer=renderer,
         )
-    )  # fmt: skip
+    )
     assert np.abs(went.astype(int) - stood).mean() < 0.05
     assert np.mean(np.any(stood < 100, axis=-1)) > 0.01  # a shadow is there

@@ -51,10 +51,16 @@ def drawn(
     frames = [(0, FRAME)] + [(int(TIME_NS[k]), FRAME) for k in rows if k]
     made = list(
         render_overlay(
-            frames, CAMERA, cameras(), FIGURE, FIGURE.clip("idle"), placement,
-            lighting=light, ground_motion=ground_motion,
+            frames,
+            CAMERA,
+            cameras(),
+            FIGURE,
+            FIGURE.clip("idle"),
+            placement,
+            lighting=light,
+            ground_motion=ground_motion,
         )
-    )  # fmt: skip
+    )
     return made if only is None else made[-1:]
 
 

@@ -45,10 +45,21 @@ def test_ffprobe_finds_h264_of_the_right_length(tmp_path: Path) -> None:
     file = tmp_path / "v.mp4"
     write_video(file, pictures(6), UNEVEN_NS)
     told = subprocess.run(
-        ["ffprobe", "-v", "error", "-of", "json", "-show_streams", "-show_format", "-count_frames",
-         str(file)],
-        check=True, capture_output=True, text=True,
-    )  # fmt: skip
+        [
+            "ffprobe",
+            "-v",
+            "error",
+            "-of",
+            "json",
+            "-show_streams",
+            "-show_format",
+            "-count_frames",
+            str(file),
+        ],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
     report = json.loads(told.stdout)
     stream = report["streams"][0]
     assert (stream["codec_name"], stream["pix_fmt"]) == ("h264", "yuv420p")

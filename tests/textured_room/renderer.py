@@ -185,9 +185,12 @@ class Renderer:
         to_texels = np.diag([texture.shape[1], texture.shape[0], 1.0])
         to_texels[:2, 2] = -0.5
         warped = cv2.warpPerspective(
-            texture, to_texels @ inverse, tuple(map(int, high - low)),
-            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE,
-        )  # fmt: skip
+            texture,
+            to_texels @ inverse,
+            tuple(map(int, high - low)),
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
         np.copyto(picture[window], warped, where=inside)
         np.copyto(nearness[window], inverse_depth, where=inside)
 
@@ -239,8 +242,13 @@ def _coverage(inverse: FloatArray, size: tuple[int, ...]) -> tuple[Depth, NDArra
     """Inverse depth of the tile's plane in a window, and which of its pixels the tile covers."""
     first, second, nearness = inverse
     reach = _OVERLAP * nearness
-    forms = (nearness, first + reach, second + reach, nearness + reach - first,
-             nearness + reach - second)  # fmt: skip
+    forms = (
+        nearness,
+        first + reach,
+        second + reach,
+        nearness + reach - first,
+        nearness + reach - second,
+    )
     x, y = np.arange(size[0]), np.arange(size[1])
     planes = [
         (form[1] * y + form[2]).astype(np.float32)[:, None] + (form[0] * x).astype(np.float32)

@@ -56,9 +56,12 @@ def test_depth_is_undistorted_as_pictures_are() -> None:
 
 def stream(**changes: Any) -> CornerStream:
     given = {
-        "camera": CAMERA, "time_ns": np.array([10, 20]), "frame": np.array([0, 0, 1]),
-        "marker_ids": np.array([3, 5, 3]), "corners_px": np.stack([CORNERS] * 3),
-    }  # fmt: skip
+        "camera": CAMERA,
+        "time_ns": np.array([10, 20]),
+        "frame": np.array([0, 0, 1]),
+        "marker_ids": np.array([3, 5, 3]),
+        "corners_px": np.stack([CORNERS] * 3),
+    }
     return CornerStream(**(given | changes))
 
 
@@ -87,9 +90,11 @@ def test_streams_of_corners_refuse(changes: dict[str, Any], message: str) -> Non
 
 def marker_map(**changes: Any) -> MarkerMap:
     given = {
-        "marker_ids": np.array([2, 7]), "side_m": np.array([0.1, 0.2]),
-        "world_R_marker": Rotor.identity((2,)), "origin_m": np.zeros((2, 3)),
-    }  # fmt: skip
+        "marker_ids": np.array([2, 7]),
+        "side_m": np.array([0.1, 0.2]),
+        "world_R_marker": Rotor.identity((2,)),
+        "origin_m": np.zeros((2, 3)),
+    }
     return MarkerMap(**(given | changes))
 
 

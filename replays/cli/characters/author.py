@@ -80,5 +80,6 @@ def author_scene(arguments: argparse.Namespace) -> None:
     print(f"{made.gestures} gestures; each object, and how far Euler angles end from rotors")
     for name, (degrees, metres) in made.apart.items():
         at = made.scene.world_T_object(name).translation_m
-        print(f"  {name}: at {at[0]:z.3f} {at[1]:z.3f} {at[2]:z.3f} m; "
-              f"{degrees:.3f}°, {metres:.4f} m")  # fmt: skip
+        print(
+            f"  {name}: at {at[0]:z.3f} {at[1]:z.3f} {at[2]:z.3f} m; {degrees:.3f}°, {metres:.4f} m"
+        )

@@ -51,9 +51,12 @@ def blend(arguments: argparse.Namespace) -> None:
         raise ValueError(f"--clips {arguments.clips}: expected two names with a comma between")
     character = character_with(arguments.character, arguments.motion)
     made = blend_character(
-        character, (names[0], names[1]), arguments.weight, arguments.method,
+        character,
+        (names[0], names[1]),
+        arguments.weight,
+        arguments.method,
         rate_hz=arguments.rate_hz,
-    )  # fmt: skip
+    )
     if arguments.out is not None:
         write_blend(made, arguments.out)
     if arguments.json:

@@ -70,9 +70,11 @@ def calibrate(arguments: argparse.Namespace) -> None:
 
 def _print(found: dict[str, Any]) -> None:
     camera, deviation = found["camera"], found["standard_deviation"]
-    print(f"{found['board']}: found in {found['pictures_with_board']} of "
-          f"{found['pictures_searched']} pictures; {found['views_used']} views used, "
-          f"{found['views_left_out']} left out")  # fmt: skip
+    print(
+        f"{found['board']}: found in {found['pictures_with_board']} of "
+        f"{found['pictures_searched']} pictures; {found['views_used']} views used, "
+        f"{found['views_left_out']} left out"
+    )
     for key in ("fx_px", "fy_px", "cx_px", "cy_px"):
         print(f"  {key[:2]}  {camera[key]:10.3f} +- {deviation[key]:.3f} px")
     for index, (value, spread) in enumerate(
@@ -80,6 +82,8 @@ def _print(found: dict[str, Any]) -> None:
     ):
         name = ("k1", "k2", "p1", "p2") if camera["model"] == "radtan" else ("k1", "k2", "k3", "k4")
         print(f"  {name[index]}  {value:10.5f} +- {spread:.5f}")
-    print(f"  reprojection {found['reprojection_rmse_px']:.4f} px RMS, worst view "
-          f"{found['worst_view_rmse_px']:.4f}; {found['coverage']:.0%} of the picture's cells "
-          f"covered; board turned by up to {found['largest_turn_deg']:.0f} degrees")  # fmt: skip
+    print(
+        f"  reprojection {found['reprojection_rmse_px']:.4f} px RMS, worst view "
+        f"{found['worst_view_rmse_px']:.4f}; {found['coverage']:.0%} of the picture's cells "
+        f"covered; board turned by up to {found['largest_turn_deg']:.0f} degrees"
+    )

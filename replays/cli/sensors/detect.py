@@ -39,10 +39,12 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.add_argument("images", type=Path, nargs="+", metavar="IMAGE")
     parser.add_argument(
-        "--family", required=True, metavar="F",
+        "--family",
+        required=True,
+        metavar="F",
         help="tag16h5, tag25h9, tag36h10, tag36h11, aruco_NxN_COUNT (N 4 to 7; COUNT 50, 100, 250, "
         "1000), aruco_original, aruco_mip_36h12",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--size-m", type=float, metavar="S", help="side of the black square, for poses"
     )

@@ -32,8 +32,12 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "--input", type=Path, metavar="FILE", help="an estimated trajectory instead, with --truth"
     )
     parser.add_argument("--truth", type=Path, metavar="FILE", help="its reference")
-    parser.add_argument("--align", choices=("none", "se3", "sim3"), default="se3",
-                        help="of --input with --truth (se3)")  # fmt: skip
+    parser.add_argument(
+        "--align",
+        choices=("none", "se3", "sim3"),
+        default="se3",
+        help="of --input with --truth (se3)",
+    )
     parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
     add_executor(parser, "processes")
     parser.add_argument("--quick", action="store_true", help="a small comparison, in seconds")
@@ -106,6 +110,11 @@ def _recorded(arguments: argparse.Namespace) -> dict[str, object]:
         for path in (arguments.input, arguments.truth)
     )
     return compare_recorded(
-        estimate, truth, arguments.out, arguments.input.stem, arguments.methods,
-        arguments.representations, arguments.align,
-    )  # fmt: skip
+        estimate,
+        truth,
+        arguments.out,
+        arguments.input.stem,
+        arguments.methods,
+        arguments.representations,
+        arguments.align,
+    )

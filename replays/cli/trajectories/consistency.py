@@ -20,10 +20,15 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "angles",
         example="motorcade consistency --motions gimbal_crossing --runs 100 --out out/consistency",
     )
-    parser.add_argument("--motions", nargs="+", metavar="NAME",
-                        help="rigid ones (gimbal_crossing, handheld, walk_and_look)")  # fmt: skip
-    parser.add_argument("--filters", metavar="NAMES",
-                        help="motor, quaternion, euler, euler_exact (the first three)")  # fmt: skip
+    parser.add_argument(
+        "--motions",
+        nargs="+",
+        metavar="NAME",
+        help="rigid ones (gimbal_crossing, handheld, walk_and_look)",
+    )
+    parser.add_argument(
+        "--filters", metavar="NAMES", help="motor, quaternion, euler, euler_exact (the first three)"
+    )
     parser.add_argument("--runs", type=int, metavar="N", help="of each motion (100)")
     parser.add_argument("--seed", type=int, metavar="N", help="of the first run (0)")
     parser.add_argument("--duration-s", type=float, metavar="S", help="of each run (120 s)")

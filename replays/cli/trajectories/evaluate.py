@@ -8,13 +8,23 @@ from pathlib import Path
 
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
-_FIRST = frozenset({
-    "align", "pairs", "scale",
-    "ape_rmse_m", "ape_max_m", "rotation_rmse_deg", "rotation_max_deg",
-    "rpe_trans_rmse_m", "rpe_rot_rmse_deg",
-    "linear_jitter_m_s2", "angular_jitter_rad_s2",
-    "lag_ms", "angular_rate_lag_ms",
-})  # fmt: skip
+_FIRST = frozenset(
+    {
+        "align",
+        "pairs",
+        "scale",
+        "ape_rmse_m",
+        "ape_max_m",
+        "rotation_rmse_deg",
+        "rotation_max_deg",
+        "rpe_trans_rmse_m",
+        "rpe_rot_rmse_deg",
+        "linear_jitter_m_s2",
+        "angular_jitter_rad_s2",
+        "lag_ms",
+        "angular_rate_lag_ms",
+    }
+)
 """Figures that are printed, where there are any, if not all are asked for."""
 
 

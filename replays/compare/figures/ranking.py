@@ -51,10 +51,14 @@ def rankings(groups: Sequence[Group]) -> list[dict[str, Any]]:
         counts = resampling(len(chosen[0].seeds))
         for k, metric in enumerate(RANKED):
             rows = _ranked(names, scores[:, :, k], counts)
-            made.append({
-                "scope": scope, "metric": metric, "rows": rows,
-                "unranked": [list(name) for name in unranked],
-            })  # fmt: skip
+            made.append(
+                {
+                    "scope": scope,
+                    "metric": metric,
+                    "rows": rows,
+                    "unranked": [list(name) for name in unranked],
+                }
+            )
     return made
 
 

@@ -84,11 +84,13 @@ class Sample:
         """From rows that belong to any place."""
         told = [[row.values.get(metric) for metric in METRICS] for row in rows]
         return cls(
-            motion, degradation, seed,
+            motion,
+            degradation,
+            seed,
             tuple((row.method, row.representation) for row in rows),
             np.array(told, dtype=np.float64),
             tuple(row.failure for row in rows),
-        )  # fmt: skip
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,9 +131,11 @@ def grouped(samples: Iterable[Sample]) -> list[Group]:
 
 
 def _group(motion: str, degradation: str, seeds: dict[int, list[Sample]]) -> Group:
-    names = tuple(dict.fromkeys(
-        [RAW, *(name for parts in seeds.values() for part in parts for name in part.names)]
-    ))  # fmt: skip
+    names = tuple(
+        dict.fromkeys(
+            [RAW, *(name for parts in seeds.values() for part in parts for name in part.names)]
+        )
+    )
     column = {name: i for i, name in enumerate(names)}
     values = np.full((len(seeds), len(names), len(METRICS)), np.nan)
     failures: list[tuple[int, str]] = [(0, "") for _ in names]
@@ -143,9 +147,13 @@ def _group(motion: str, degradation: str, seeds: dict[int, list[Sample]]) -> Gro
                     count, first = failures[column[name]]
                     failures[column[name]] = (count + 1, first or failure)
     return Group(
-        motion, degradation, names, tuple(seeds), values,
+        motion,
+        degradation,
+        names,
+        tuple(seeds),
+        values,
         tuple(failures),
-    )  # fmt: skip
+    )
 
 
 def cost(values: FloatArray) -> FloatArray:

@@ -39,9 +39,10 @@ def _ranking(results: Mapping[str, Any]) -> list[str]:
 def _representations(results: Mapping[str, Any]) -> list[str]:
     metrics = ("ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitter_rad_s2")
     rows = [
-        one for one in results["ratios_to_motor"] if one["method"] == "all"
-        and one["scope"] == "all" and one["representation"] != "motor"
-    ]  # fmt: skip
+        one
+        for one in results["ratios_to_motor"]
+        if one["method"] == "all" and one["scope"] == "all" and one["representation"] != "motor"
+    ]
     lines = [f"{'times what motors leave, all methods':<38}" + "".join(f"{m:<24}" for m in metrics)]
     for name in dict.fromkeys(row["representation"] for row in rows):
         of = {row["metric"]: row for row in rows if row["representation"] == name}

@@ -59,13 +59,33 @@ __all__ = ["FORMAT", "Outcome", "write_tables"]
 
 FORMAT = "motorcade comparison 1"
 _PLACE = ("motion", "degradation", "method", "representation")
-_CELLS = ("motion", "degradation", "seed", "method", "representation", *METRICS,
-          "linear_jitter_ratio", "angular_jitter_ratio", "failure")  # fmt: skip
+_CELLS = (
+    "motion",
+    "degradation",
+    "seed",
+    "method",
+    "representation",
+    *METRICS,
+    "linear_jitter_ratio",
+    "angular_jitter_ratio",
+    "failure",
+)
 _GROUPS = (
-    *_PLACE, "metric", "seeds", "mean", "low", "high", "ratio_to_raw",
-    "versus_motor", "versus_motor_low", "versus_motor_high", "verdict",
-    "versus_best", "versus_best_low", "versus_best_high",
-)  # fmt: skip
+    *_PLACE,
+    "metric",
+    "seeds",
+    "mean",
+    "low",
+    "high",
+    "ratio_to_raw",
+    "versus_motor",
+    "versus_motor_low",
+    "versus_motor_high",
+    "verdict",
+    "versus_best",
+    "versus_best_low",
+    "versus_best_high",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,16 +155,25 @@ def _group_rows(group: Group) -> Iterable[list[Any]]:
         for k, metric in enumerate(METRICS):
             known = int(np.count_nonzero(np.isfinite(group.values[:, i, k])))
             raw = means.mean[at[RAW], k]
-            figures = [means.mean[i, k], means.low[i, k], means.high[i, k],
-                       means.mean[i, k] / raw if raw else np.nan]  # fmt: skip
+            figures = [
+                means.mean[i, k],
+                means.low[i, k],
+                means.high[i, k],
+                means.mean[i, k] / raw if raw else np.nan,
+            ]
             versus = [part[i, k] for part in (from_motor.mean, from_motor.low, from_motor.high)]
             against = [part[i, k] for part in (from_best.mean, from_best.low, from_best.high)]
             yield [
-                group.motion, group.degradation, *name, metric, known,
-                *(_number(v, 6) for v in figures), *(_number(v, 6) for v in versus),
+                group.motion,
+                group.degradation,
+                *name,
+                metric,
+                known,
+                *(_number(v, 6) for v in figures),
+                *(_number(v, 6) for v in versus),
                 said[k] if name[1] not in ("motor", "none") else "",
                 *(_number(v, 6) for v in against),
-            ]  # fmt: skip
+            ]
 
 
 def _at(found: Intervals, i: int) -> Intervals:

@@ -43,14 +43,19 @@ _ALL = (
 def exact_ties() -> list[dict[str, Any]]:
     """Every tie with what theory says and what was measured on a noisy path of 300 poses."""
     path = _noisy("walk_and_look")
-    made = [_told(
-        "the linear blend of rigid motors is the dual quaternion linear blend",
-        "motor coefficients and dual quaternions are the same eight numbers up to order and sign, "
-        "and both are projected to the nearest unit one",
-        "gaussian of order 0", ("motors blended", "dual_quaternion"),
-        _apart(_blended(path, 0.1), smooth(path, "gaussian", "dual_quaternion", sigma_s=0.1,
-                                           order=0)),
-    )]  # fmt: skip
+    made = [
+        _told(
+            "the linear blend of rigid motors is the dual quaternion linear blend",
+            "motor coefficients and dual quaternions are the same eight numbers up to order and "
+            "sign, and both are projected to the nearest unit one",
+            "gaussian of order 0",
+            ("motors blended", "dual_quaternion"),
+            _apart(
+                _blended(path, 0.1),
+                smooth(path, "gaussian", "dual_quaternion", sigma_s=0.1, order=0),
+            ),
+        )
+    ]
     for method in _ALL:
         smoothed = _cached(path, method)
         for theory, reason, first, second, which, methods in _LAWS:
@@ -74,24 +79,36 @@ _LAWS = (
     (
         "similarity equals motor on rigid paths",
         "with scale 1 a similarity's logarithm is the motor's twist and a zero",
-        "similarity", "motor", "both", _TWISTS,
+        "similarity",
+        "motor",
+        "both",
+        _TWISTS,
     ),
     (
         "motor and rotor give the same orientations",
         "the turning part of twists composes without regard to translations",
-        "motor", "rotor", "rotation", _ONE_BY_ONE,
+        "motor",
+        "rotor",
+        "rotation",
+        _ONE_BY_ONE,
     ),
     (
         "rotor and quaternion give the same positions",
         "both carry translations beside the rotation, in the world",
-        "rotor", "quaternion", "position", _ALL,
+        "rotor",
+        "quaternion",
+        "position",
+        _ALL,
     ),
     (
         "quaternion and Euler angles give the same positions",
         "both carry translations beside the rotation, in the world",
-        "quaternion", "euler", "position", _ALL,
+        "quaternion",
+        "euler",
+        "position",
+        _ALL,
     ),
-)  # fmt: skip
+)
 
 
 def _noisy(motion: str) -> Trajectory:

@@ -20,10 +20,16 @@ __all__ = ["Crossing", "crossing"]
 _SHOWN = ("euler", "euler_unwrapped", "quaternion", "motor")
 _SIZE = 100.0
 # Corners of the picture clockwise from the top left, the mark above it, and where it looks.
-_CAMERA = np.array([
-    [-0.52, -0.38, 0.88], [0.52, -0.38, 0.88], [0.52, 0.38, 0.88], [-0.52, 0.38, 0.88],
-    [0.0, -0.66, 0.88], [0.0, 0.0, 1.15],
-])  # fmt: skip
+_CAMERA = np.array(
+    [
+        [-0.52, -0.38, 0.88],
+        [0.52, -0.38, 0.88],
+        [0.52, 0.38, 0.88],
+        [-0.52, 0.38, 0.88],
+        [0.0, -0.66, 0.88],
+        [0.0, 0.0, 1.15],
+    ]
+)
 _EYE = np.array([1.25, -1.6, 0.8])
 _UP = np.array([0.0, 0.0, 1.0])
 _LOCK = np.array([1.15, 0.0, 0.0])
@@ -93,7 +99,7 @@ def crossing(replayed: Replayed) -> Crossing:
         },
         ticks=[(f"{deg:g}°", _height(np.array(deg)).item()) for deg in (0.1, 1.0, 10.0, 100.0)],
         worst_deg={name: float(np.max(one)) for name, one in errors.items() if name != "truth"},
-    )  # fmt: skip
+    )
 
 
 def _drawn(path: Motor) -> FloatArray:

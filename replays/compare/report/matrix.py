@@ -80,9 +80,7 @@ def against_motor(results: Results, kind: str, names: Iterable[str], caption: st
         ratios = results.ratio_to_motor(f"{kind}:{name}", "score")
         cells = [_motor_cell(ratios.get(("all", one))) for one in results.representations]
         rows.append((name, cells))
-    return Matrix(
-        f"by-{kind}", "", f"By {kind}", caption, kind, results.representations, rows
-    )  # fmt: skip
+    return Matrix(f"by-{kind}", "", f"By {kind}", caption, kind, results.representations, rows)
 
 
 def best_of_each(results: Results) -> Matrix:
@@ -156,9 +154,13 @@ def _to_motor(results: Results, scope: str, metric: str) -> Matrix:
         "less than motors, orange more; no tint is a tie: an interval around 1, or within 1 %."
     )
     return _matrix(
-        results, f"motor-{metric}", "times what motors leave", heading, caption,
+        results,
+        f"motor-{metric}",
+        "times what motors leave",
+        heading,
+        caption,
         lambda method, representation: _motor_cell(ratios.get((method, representation))),
-    )  # fmt: skip
+    )
 
 
 def _motor_cell(ratio: Ratio | None) -> MatrixCell:
@@ -189,9 +191,13 @@ def _sizes(results: Results, scope: str, metric: str) -> Matrix:
 
 
 def _matrix(
-    results: Results, key: str, group: str, title: str, caption: str,
+    results: Results,
+    key: str,
+    group: str,
+    title: str,
+    caption: str,
     cell: Callable[[str, str], MatrixCell],
-) -> Matrix:  # fmt: skip
+) -> Matrix:
     rows = [
         (method, [cell(method, name) for name in results.representations])
         for method in results.methods

@@ -34,45 +34,61 @@ class Metric(NamedTuple):
 
 METRICS = {
     "score": Metric(
-        "residual error and jitter", "", 1.0,
+        "residual error and jitter",
+        "",
+        1.0,
         "mean of four ratios to the raw poses: APE, rotation, linear and angular jitter; geometric "
         "mean over motions and degradations. Parameters are tuned by it",
         "defined here",
     ),
     "ape_rmse_m": Metric(
-        "APE", "mm", 1e3,
+        "APE",
+        "mm",
+        1e3,
         "root mean square distance between smoothed and true positions, without alignment",
         "J. Sturm et al., A benchmark for the evaluation of RGB-D SLAM systems, 2012; as evo's",
     ),
     "rotation_rmse_deg": Metric(
-        "rotation error", "°", 1.0,
+        "rotation error",
+        "°",
+        1.0,
         "root mean square angle between smoothed and true orientations, along the geodesic",
         "D. Q. Huynh, Metrics for 3D rotations, 2009",
     ),
     "linear_jitter_m_s2": Metric(
-        "linear jitter", "m/s²", 1.0,
+        "linear jitter",
+        "m/s²",
+        1.0,
         "root mean square of (acceleration − true acceleration), by second differences at the "
         "same stamps",
         "defined here",
     ),
     "angular_jitter_rad_s2": Metric(
-        "angular jitter", "rad/s²", 1.0,
+        "angular jitter",
+        "rad/s²",
+        1.0,
         "the same of angular acceleration in the moving frame",
         "defined here",
     ),
     "lag_ms": Metric(
-        "lag", "ms", 1.0,
+        "lag",
+        "ms",
+        1.0,
         "where the cross-correlation of positions with the truth peaks, to a fraction of a sample; "
         "positive is late",
         "C. H. Knapp, G. C. Carter, The generalized correlation method, 1976",
     ),
     "angular_rate_lag_ms": Metric(
-        "lag of rotation", "ms", 1.0,
+        "lag of rotation",
+        "ms",
+        1.0,
         "the same of angular rates",
         "as above",
     ),
     "overshoot_m": Metric(
-        "overshoot", "mm", 1e3,
+        "overshoot",
+        "mm",
+        1e3,
         "how far positions run on where the truth stops or turns back; noise has some too",
         "K. Ogata, Modern control engineering: maximum overshoot",
     ),
@@ -80,26 +96,34 @@ METRICS = {
         "rotation overshoot", "°", 1.0, "the same of orientations", "as above"
     ),
     "rotation_path_ratio": Metric(
-        "rotation path", "× true", 1.0,
+        "rotation path",
+        "× true",
+        1.0,
         "length of the path of orientations over the true one's; 1 is right",
         "gimbal index, defined here",
     ),
     "peak_rate_ratio": Metric(
-        "peak rate", "× true", 1.0,
+        "peak rate",
+        "× true",
+        1.0,
         "largest angular rate from stamp to stamp over the largest true one; 1 is right",
         "gimbal index, defined here",
     ),
     "spurious_turns": Metric(
-        "spurious turns", "", 1.0,
+        "spurious turns",
+        "",
+        1.0,
         "full revolutions that the path makes and the truth does not",
         "gimbal index, defined here",
     ),
     "log_scale_rmse": Metric(
-        "scale error", "%", 1e2,
+        "scale error",
+        "%",
+        1e2,
         "root mean square of the logarithm of (scale / true scale); similarities only",
         "defined here",
     ),
-}  # fmt: skip
+}
 RATIOS = ("score", "ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitter_rad_s2")
 """Shown as what is left of the raw poses' figure."""
 SIZES = ("lag_ms", "angular_rate_lag_ms", "peak_rate_ratio", "spurious_turns")
@@ -142,8 +166,12 @@ LABELS = {
 }
 """Degradations in sentences."""
 CAUSAL = (
-    "exponential", "double_exponential", "one_euro", "constant_velocity", "constant_acceleration",
-)  # fmt: skip
+    "exponential",
+    "double_exponential",
+    "one_euro",
+    "constant_velocity",
+    "constant_acceleration",
+)
 """Methods that need no pose that is still to come."""
 MOTIONS = {
     "gimbal_crossing_slow": "swings through gimbal lock and back at 0.5 rad/s, missing it by 1°",

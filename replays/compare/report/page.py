@@ -42,13 +42,23 @@ __all__ = ["motion_file", "write_report"]
 
 _TEMPLATES = Path(__file__).with_name("templates")
 _CROSSINGS = (
-    "gimbal_crossing", "gimbal_crossing_fast", "gimbal_crossing_slow", "gimbal_hover",
-)  # fmt: skip
+    "gimbal_crossing",
+    "gimbal_crossing_fast",
+    "gimbal_crossing_slow",
+    "gimbal_hover",
+)
 _TOP = 12
 _DETAILS = (
-    "ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitter_rad_s2", "lag_ms",
-    "angular_rate_lag_ms", "rotation_path_ratio", "peak_rate_ratio", "spurious_turns",
-)  # fmt: skip
+    "ape_rmse_m",
+    "rotation_rmse_deg",
+    "linear_jitter_m_s2",
+    "angular_jitter_rad_s2",
+    "lag_ms",
+    "angular_rate_lag_ms",
+    "rotation_path_ratio",
+    "peak_rate_ratio",
+    "spurious_turns",
+)
 
 
 def write_report(results: Results, folder: Path) -> Path:
@@ -100,13 +110,17 @@ def _overview(environment: Environment, results: Results) -> str:
         degradation = results.degradations[0]
         panels = small_panels([replay(results, one, degradation, method) for one in drawable])
     motions = against_motor(
-        results, "motion", results.motions,
+        results,
+        "motion",
+        results.motions,
         "Residual error and jitter, times what motors leave, over all methods and degradations.",
-    )  # fmt: skip
+    )
     degradations = against_motor(
-        results, "degradation", results.degradations,
+        results,
+        "degradation",
+        results.degradations,
         "The same by degradation, over all methods and motions.",
-    )  # fmt: skip
+    )
     shown = _crossing(results)
     return environment.get_template("report.html").render(
         results=results,
@@ -168,12 +182,14 @@ def _facts(results: Results) -> list[tuple[str, str]]:
     seeds = len(results.told["plan"]["test_seeds"])
     places = len(results.places())
     return [
-        ("smoothers: methods × representations",
-         f"{len(results.methods)} × {len(results.representations)}"),
+        (
+            "smoothers: methods × representations",
+            f"{len(results.methods)} × {len(results.representations)}",
+        ),
         ("motions × degradations", f"{len(results.motions)} × {len(results.degradations)}"),
         (f"test {results.drawn_from} a place", str(seeds)),
         ("paths to smooth", f"{places * seeds:,}"),
-    ]  # fmt: skip
+    ]
 
 
 def _crossing(results: Results) -> Crossing | None:

@@ -37,9 +37,15 @@ def small_panels(drawn: Sequence[Replayed]) -> list[PosePanel]:
     for one, values in zip(drawn, errors, strict=True):
         series = {name: (one.time_s, value) for name, value in values.items()}
         svg = plot_series(
-            series, f"rotation error, {one.motion}", "rotation error (°)", log_scale=True,
-            width_in=3.6, height_in=1.9, nested=True, limits=limits,
-        )  # fmt: skip
+            series,
+            f"rotation error, {one.motion}",
+            "rotation error (°)",
+            log_scale=True,
+            width_in=3.6,
+            height_in=1.9,
+            nested=True,
+            limits=limits,
+        )
         svg = with_own_ids(svg, f"small-{one.motion}")
         panels.append(PosePanel(one.motion, "", svg, tuple(values)))
     return panels

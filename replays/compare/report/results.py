@@ -192,16 +192,17 @@ class Results:
 
 
 def _key(row: Mapping[str, str]) -> Key:
-    return (
-        row["motion"], row["degradation"], row["method"], row["representation"], row["metric"]
-    )  # fmt: skip
+    return (row["motion"], row["degradation"], row["method"], row["representation"], row["metric"])
 
 
 def _figure(row: Mapping[str, str]) -> Figure:
     return Figure(
-        _number(row["mean"]), _number(row["low"]), _number(row["high"]),
-        _number(row["versus_motor"]), row["verdict"],
-    )  # fmt: skip
+        _number(row["mean"]),
+        _number(row["low"]),
+        _number(row["high"]),
+        _number(row["versus_motor"]),
+        row["verdict"],
+    )
 
 
 def _number(text: str) -> float:

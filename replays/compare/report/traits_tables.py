@@ -32,13 +32,14 @@ def trait_matrices(results: Results) -> list[Matrix]:
     poses = next(iter(rows.values()))["poses"]
     tables = (
         (
-            "left", "world's frame",
+            "left",
+            "world's frame",
             "Largest difference between smoothing and then changing the world's frame, and the "
             "other way round. Blue is none but rounding (at most 1e-10).",
         ),
         ("right", "sensor's frame", "The same for the frame of the sensor: another mount."),
         ("time", "time a pose", f"Microseconds a pose over {poses} poses, called from Python."),
-    )  # fmt: skip
+    )
     made = []
     for key, title, caption in tables:
         body = [
@@ -76,18 +77,20 @@ def exact_ties(results: Results) -> list[dict[str, Any]]:
             unit: max((one[f"largest_difference_{unit}"] or 0.0 for one in of), default=0.0)
             for unit in ("m", "rad")
         }
-        made.append({
-            "theory": theory,
-            "reason": of[0]["reason"],
-            "methods": [one["method"] for one in of],
-            "fails": [one["method"] for one in of if not one["holds"]],
-            "holds": all(one["holds"] for one in of),
-            "m": largest["m"],
-            "rad": largest["rad"],
-            "shown": " and ".join(
-                f"{value:.0e} {unit}" for unit, value in largest.items() if value > 0.0
-            ),
-        })  # fmt: skip
+        made.append(
+            {
+                "theory": theory,
+                "reason": of[0]["reason"],
+                "methods": [one["method"] for one in of],
+                "fails": [one["method"] for one in of if not one["holds"]],
+                "holds": all(one["holds"] for one in of),
+                "m": largest["m"],
+                "rad": largest["rad"],
+                "shown": " and ".join(
+                    f"{value:.0e} {unit}" for unit, value in largest.items() if value > 0.0
+                ),
+            }
+        )
     return made
 
 

@@ -110,9 +110,9 @@ def test_ten_thousand_small_drags_end_where_arithmetic_says(scene):
 
 
 def test_turns_by_euler_angles_are_right_about_one_axis_and_wrong_about_two(scene):
-    flat = Scene(scene.parents, {
-        name: VersorObjectPose(Similarity.identity()) for name in scene.poses
-    })  # fmt: skip
+    flat = Scene(
+        scene.parents, {name: VersorObjectPose(Similarity.identity()) for name in scene.poses}
+    )
     rotors, angles = SceneEditor(flat), SceneEditor(flat.on_euler_angles())
     for editor in (rotors, angles):
         editor.apply(Drag("cup", "rotate", (0, 0, 1), "local"), 0.9)
@@ -127,16 +127,19 @@ def test_turns_by_euler_angles_are_right_about_one_axis_and_wrong_about_two(scen
 
 
 def test_at_ninety_degrees_two_rings_turn_alike_and_rotors_do_not(scene):
-    flat = Scene(scene.parents, {
-        name: VersorObjectPose(Similarity.identity()) for name in scene.poses
-    })  # fmt: skip
+    flat = Scene(
+        scene.parents, {name: VersorObjectPose(Similarity.identity()) for name in scene.poses}
+    )
     rotated = SceneEditor(flat).apply(Drag("cup", "rotate", (0, 1, 0)), np.pi / 2)
     held = rotated.on_euler_angles()
-    x, z = (SceneEditor(held).apply(Drag("cup", "rotate", axis), 0.4)
-            for axis in ((1, 0, 0), (0, 0, 1)))  # fmt: skip
+    x, z = (
+        SceneEditor(held).apply(Drag("cup", "rotate", axis), 0.4) for axis in ((1, 0, 0), (0, 0, 1))
+    )
     np.testing.assert_allclose(_matrix(x), _matrix(z), atol=1e-7)
-    x, z = (SceneEditor(rotated).apply(Drag("cup", "rotate", axis), 0.4)
-            for axis in ((1, 0, 0), (0, 0, 1)))  # fmt: skip
+    x, z = (
+        SceneEditor(rotated).apply(Drag("cup", "rotate", axis), 0.4)
+        for axis in ((1, 0, 0), (0, 0, 1))
+    )
     assert np.abs(_matrix(x) - _matrix(z)).max() > 0.3
 
 
@@ -146,13 +149,17 @@ def test_the_gimbal_table(start, end, ratio):
     angles = SceneEditor(Scene({"cup": None}, {"cup": poses[0]}))
     rotors = SceneEditor(Scene({"cup": None}, {"cup": VersorObjectPose(Similarity.identity())}))
     versors = [VersorObjectPose(pose.as_similarity()) for pose in poses]
-    geodesic = float((versors[0].as_similarity().rotor.inverse()
-                      @ versors[1].as_similarity().rotor).angle())  # fmt: skip
+    geodesic = float(
+        (versors[0].as_similarity().rotor.inverse() @ versors[1].as_similarity().rotor).angle()
+    )
     for editor, ends, expected in ((angles, poses, ratio), (rotors, versors, 1.0)):
         path = editor.path("cup", *ends, steps=1000).rotor
         length = float(np.sum((path[:-1].inverse() @ path[1:]).angle()))
-        digits = 1e-6 if expected == 1.0 and editor is rotors else 0.5 * 10 ** (
-            -1 if expected > 2 else -2)  # fmt: skip
+        digits = (
+            1e-6
+            if expected == 1.0 and editor is rotors
+            else 0.5 * 10 ** (-1 if expected > 2 else -2)
+        )
         assert length / geodesic == pytest.approx(expected, abs=digits)
 
 

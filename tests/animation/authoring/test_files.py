@@ -9,10 +9,12 @@ import pytest
 
 from motorcade.animation.authoring import SceneEditor, read_gestures, read_scene, replay
 
-SCENE = {"objects": [
-    {"name": "table", "position_m": [0, 0, 0.7], "euler_deg": [0, 0, 90]},
-    {"name": "cup", "parent": "table", "position_m": [0.1, 0, 0], "scale": 0.5},
-]}  # fmt: skip
+SCENE = {
+    "objects": [
+        {"name": "table", "position_m": [0, 0, 0.7], "euler_deg": [0, 0, 90]},
+        {"name": "cup", "parent": "table", "position_m": [0.1, 0, 0], "scale": 0.5},
+    ]
+}
 
 
 @pytest.fixture
@@ -38,19 +40,25 @@ def test_a_scene_is_read_as_written(scene_file, tmp_path):
     for name in ("table", "cup"):
         np.testing.assert_allclose(
             read_scene(again).world_T_object(name).as_matrix(),
-            scene.world_T_object(name).as_matrix(), atol=1e-15,
-        )  # fmt: skip
+            scene.world_T_object(name).as_matrix(),
+            atol=1e-15,
+        )
 
 
 def test_gestures_are_replayed(scene_file, tmp_path):
     path = _gestures(
         tmp_path,
-        {"object": "cup", "do": "translate", "axis": [1, 0, 0], "frame": "global",
-         "amounts_m": [0.1, 0.2, 0.3]},
+        {
+            "object": "cup",
+            "do": "translate",
+            "axis": [1, 0, 0],
+            "frame": "global",
+            "amounts_m": [0.1, 0.2, 0.3],
+        },
         {"object": "table", "do": "rotate", "frame": "parent", "amounts_rad": [np.pi / 2]},
         {"object": "cup", "do": "scale", "factors": [1.5, 2.0]},
         {"do": "undo"},
-    )  # fmt: skip
+    )
     final = replay(SceneEditor(read_scene(scene_file)), read_gestures(path))
     # The cup stood at (0, 0.1), went to (0.3, 0.1), and turned with the table to (-0.1, 0.3).
     at = final.world_T_object("cup")

@@ -42,9 +42,13 @@ def test_by_the_clock_each_runs_at_its_own_speed(cycle):
 
 def test_ties_of_theory_are_ties_on_a_body(cycle, skeleton):
     apart = differences_m(cycle("walk", 1.2), cycle("run", 0.8, 0.1, 0.5), skeleton, (0.4,))
-    for a, b in (("motor", "dual_quaternion"), ("motor", "similarity"),
-                 ("motor_linear", "dual_quaternion_linear"), ("rotor", "quaternion"),
-                 ("rotor_linear", "quaternion_linear")):  # fmt: skip
+    for a, b in (
+        ("motor", "dual_quaternion"),
+        ("motor", "similarity"),
+        ("motor_linear", "dual_quaternion_linear"),
+        ("rotor", "quaternion"),
+        ("rotor_linear", "quaternion_linear"),
+    ):
         assert apart[a, b] < 1e-12
 
 
@@ -95,8 +99,10 @@ def test_points_of_a_body_lie_apart_by_the_turn_times_their_distance(skeleton, r
 
 def test_a_clip_that_grows_is_compared_by_its_turns_and_places(cycle, skeleton):
     walk, run = cycle("walk", 1.2), cycle("run", 0.8)
-    grown = [Clip(one.name, one.time_s, Similarity.from_motor_scale(one.poses, 1.0), True)
-             for one in (walk, run)]  # fmt: skip
+    grown = [
+        Clip(one.name, one.time_s, Similarity.from_motor_scale(one.poses, 1.0), True)
+        for one in (walk, run)
+    ]
     pair = ("motor", "rotor_linear")
     found = differences_m(*grown, skeleton, (0.5,), methods=pair)
     wanted = differences_m(walk, run, skeleton, (0.5,), methods=pair)

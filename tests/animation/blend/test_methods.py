@@ -110,8 +110,10 @@ def test_the_other_sign_of_a_motor_changes_nothing(method, rng):
     flipped = np.array(poses.coefficients)
     flipped[:, 1] *= -1.0
     weights = [0.3, 0.7]
-    assert _apart(blend_poses(poses, weights, method),
-                  blend_poses(Motor(flipped), weights, method)) < 1e-12  # fmt: skip
+    assert (
+        _apart(blend_poses(poses, weights, method), blend_poses(Motor(flipped), weights, method))
+        < 1e-12
+    )
 
 
 @pytest.mark.parametrize("method", BLEND_METHODS)

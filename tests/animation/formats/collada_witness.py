@@ -104,8 +104,11 @@ class ColladaWitness:
 
     def _curve(self, source: str) -> Curve:
         sampler = self._by_id[source.removeprefix("#")]
-        given = {one.get("semantic"): self._numbers(one.attrib["source"]) for one in sampler
-                 if one.get("semantic") != "INTERPOLATION"}  # fmt: skip
+        given = {
+            one.get("semantic"): self._numbers(one.attrib["source"])
+            for one in sampler
+            if one.get("semantic") != "INTERPOLATION"
+        }
         keys = given["INPUT"]
         into, out = (given[f"{side}_TANGENT"].reshape(len(keys), -1, 2) for side in ("IN", "OUT"))
         return Curve(keys, given["OUTPUT"].reshape(len(keys), -1), into, out)

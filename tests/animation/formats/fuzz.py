@@ -34,14 +34,59 @@ from tests.animation.formats import samples
 
 SLOWEST_S = 10.0
 MEMORY_BYTES = 3 << 30
-WORDS = [b"-1", b"0", b"1e308", b"nan", b"inf", b"99999999", b"2147483648", b"", b"{", b"}",
-         b"4294967295", b"-0.0", b"1e-320", b"x" * 300, b"\xff\xfe", b"<", b"]]>", b"&lt;",
-         b"#"]  # fmt: skip
-VALUES: list[Any] = [None, -1, 0, 1, 2**31, 2**63, 1e308, -1e-320, "", "x" * 300, [], {}, True,
-                     [1, 2], {"a": 1}, "../secret", "/etc/passwd", 5, 3, 5126, 5121,
-                     "VEC4"]  # fmt: skip
-REAL = ["astroboy/astro_maya_dae.glb", "md5/Bob.md5mesh", "md5/Bob.md5anim",
-        "arnaud/run_fbx.glb", "bvh/jumping_jacks.bvh", "astroboy/astro_maya.dae"]  # fmt: skip
+WORDS = [
+    b"-1",
+    b"0",
+    b"1e308",
+    b"nan",
+    b"inf",
+    b"99999999",
+    b"2147483648",
+    b"",
+    b"{",
+    b"}",
+    b"4294967295",
+    b"-0.0",
+    b"1e-320",
+    b"x" * 300,
+    b"\xff\xfe",
+    b"<",
+    b"]]>",
+    b"&lt;",
+    b"#",
+]
+VALUES: list[Any] = [
+    None,
+    -1,
+    0,
+    1,
+    2**31,
+    2**63,
+    1e308,
+    -1e-320,
+    "",
+    "x" * 300,
+    [],
+    {},
+    True,
+    [1, 2],
+    {"a": 1},
+    "../secret",
+    "/etc/passwd",
+    5,
+    3,
+    5126,
+    5121,
+    "VEC4",
+]
+REAL = [
+    "astroboy/astro_maya_dae.glb",
+    "md5/Bob.md5mesh",
+    "md5/Bob.md5anim",
+    "arnaud/run_fbx.glb",
+    "bvh/jumping_jacks.bvh",
+    "astroboy/astro_maya.dae",
+]
 REAL_SHARE = 0.01
 
 Mutator = Callable[[bytes, np.random.Generator], bytes]

@@ -23,8 +23,14 @@ CORNERS = np.array([(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)])
 """Of the tower's square, counter-clockwise."""
 LEVELS = (0.0, 1.0, 2.0)
 QUARTER = float(np.sqrt(0.5))
-KINDS = {"float32": 5126, "uint8": 5121, "int8": 5120, "uint16": 5123, "int16": 5122,
-         "uint32": 5125}  # fmt: skip
+KINDS = {
+    "float32": 5126,
+    "uint8": 5121,
+    "int8": 5120,
+    "uint16": 5123,
+    "int16": 5122,
+    "uint32": 5125,
+}
 TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 
 
@@ -49,8 +55,10 @@ class Gltf:
     def __init__(self) -> None:
         self.data = bytearray()
         self.document: dict[str, Any] = {
-            "asset": {"version": "2.0"}, "accessors": [], "bufferViews": [],
-        }  # fmt: skip
+            "asset": {"version": "2.0"},
+            "accessors": [],
+            "bufferViews": [],
+        }
 
     def view(self, array: Array, **more: Any) -> int:
         """A buffer view over an array."""
@@ -66,9 +74,14 @@ class Gltf:
         width = 1 if array.ndim == 1 else array.shape[1]
         accessors = self.document["accessors"]
         accessors.append(
-            {"bufferView": self.view(array), "componentType": KINDS[kind], "count": len(array),
-             "type": TYPES[width]} | more
-        )  # fmt: skip
+            {
+                "bufferView": self.view(array),
+                "componentType": KINDS[kind],
+                "count": len(array),
+                "type": TYPES[width],
+            }
+            | more
+        )
         return len(accessors) - 1
 
     def gltf(self) -> bytes:
@@ -90,9 +103,11 @@ def packed(text: bytes, data: bytes) -> bytes:
     data += b"\0" * (-len(data) % 4)
     return (
         struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(data))
-        + struct.pack("<I4s", len(text), b"JSON") + text
-        + struct.pack("<I4s", len(data), b"BIN\0") + data
-    )  # fmt: skip
+        + struct.pack("<I4s", len(text), b"JSON")
+        + text
+        + struct.pack("<I4s", len(data), b"BIN\0")
+        + data
+    )
 
 
 def gltf_tower(scale: float = 1.0) -> Gltf:
@@ -135,16 +150,19 @@ def animate(
     made: Gltf, name: str, keys: int, outputs: dict[tuple[int, str], int], kind: str = "LINEAR"
 ) -> None:
     """Add an animation whose channels share their keys."""
-    made.document.setdefault("animations", []).append({
-        "name": name,
-        "samplers": [
-            {"input": keys, "output": output, "interpolation": kind} for output in outputs.values()
-        ],
-        "channels": [
-            {"sampler": i, "target": {"node": node, "path": path}}
-            for i, (node, path) in enumerate(outputs)
-        ],
-    })  # fmt: skip
+    made.document.setdefault("animations", []).append(
+        {
+            "name": name,
+            "samplers": [
+                {"input": keys, "output": output, "interpolation": kind}
+                for output in outputs.values()
+            ],
+            "channels": [
+                {"sampler": i, "target": {"node": node, "path": path}}
+                for i, (node, path) in enumerate(outputs)
+            ],
+        }
+    )
 
 
 def rich_gltf() -> Gltf:
@@ -227,10 +245,15 @@ def collada_tower(kind: str = "LINEAR") -> bytes:
     vertices, _, _ = tower()
     positions = vertices[:, [0, 2, 1]] * (1.0, -1.0, 1.0)
     quads = [
-        [4 * level + side, 4 * level + (side + 1) % 4, 4 * level + 4 + (side + 1) % 4,
-         4 * level + 4 + side]
-        for level in range(2) for side in range(4)
-    ] + [[8, 9, 10, 11], [3, 2, 1, 0]]  # fmt: skip
+        [
+            4 * level + side,
+            4 * level + (side + 1) % 4,
+            4 * level + 4 + (side + 1) % 4,
+            4 * level + 4 + side,
+        ]
+        for level in range(2)
+        for side in range(4)
+    ] + [[8, 9, 10, 11], [3, 2, 1, 0]]
     weights = ["0 0"] * 4 + ["0 1 1 1"] * 4 + ["1 0"] * 4
     return COLLADA.format(
         positions=" ".join(f"{value:g}" for value in positions.reshape(-1)),
@@ -272,10 +295,14 @@ def md5_mesh_tower() -> bytes:
     return (
         'MD5Version 10\ncommandline ""\nnumJoints 2\nnumMeshes 1\n'
         f"joints {{\n{joints}\n}}\n"
-        f'mesh {{\nshader "tower"\nnumverts {len(rows)}\n' + "\n".join(rows)
-        + f"\nnumtris {len(faces)}\n" + "\n".join(faces)
-        + f"\nnumweights {len(weights)}\n" + "\n".join(weights) + "\n}\n"
-    ).encode()  # fmt: skip
+        f'mesh {{\nshader "tower"\nnumverts {len(rows)}\n'
+        + "\n".join(rows)
+        + f"\nnumtris {len(faces)}\n"
+        + "\n".join(faces)
+        + f"\nnumweights {len(weights)}\n"
+        + "\n".join(weights)
+        + "\n}\n"
+    ).encode()
 
 
 def md5_motion_tower() -> bytes:

@@ -111,8 +111,10 @@ def test_empty_meshes_of_md5_are_passed_over(write: Write) -> None:
 def test_roots_of_md5_stand_in_the_world(write: Write) -> None:
     """Two joints without parents lie where a joint and its child would."""
     data = mesh(('"top" 0 ( 0 0 1 )', '"top" -1 ( 0 0 1 )'))
-    apart, below = (read_character(write(name, one)) for name, one in
-                    (("roots.md5mesh", data), ("chain.md5mesh", mesh())))  # fmt: skip
+    apart, below = (
+        read_character(write(name, one))
+        for name, one in (("roots.md5mesh", data), ("chain.md5mesh", mesh()))
+    )
     assert apart.skeleton.parents.tolist() == [-1, -1]
     np.testing.assert_allclose(
         apart.skeleton.rest_world.as_matrix(), below.skeleton.rest_world.as_matrix(), atol=1e-12
@@ -141,14 +143,16 @@ def test_a_picture_beside_paints_the_mesh_of_md5(write: Write, tmp_path: Path) -
         (("CHANNELS 3", "CHANNELS 7"), "CHANNELS: expected 0 to 6, got 7"),
         (("OFFSET 0 5 0", "OFFSET 0 up 0"), "expected a number, got up"),
         (("OFFSET 0 5 0", "OFFSET 0 inf 0"), "a finite number up to 1e9, got inf"),
-        (("End Site\n    {\n      OFFSET 0 1", "End Site\n    {\n      LENGTH 0 1"),
-         "End Site: expected OFFSET, got LENGTH"),
+        (
+            ("End Site\n    {\n      OFFSET 0 1", "End Site\n    {\n      LENGTH 0 1"),
+            "End Site: expected OFFSET, got LENGTH",
+        ),
         (("OFFSET 0 1 0\n    }", "OFFSET 0 1 0\n    JOINT"), "a closing brace, got JOINT"),
         (("Frames: 3", "Frames: 0"), "a count of frames"),
         (("Frames: 3", "Frames: 2.5"), "a count of frames"),
         (("Frame Time: 0.5", "Frame Time: 0"), "a time of 1e-6 s or more"),
     ],
-)  # fmt: skip
+)
 def test_files_of_bvh_that_are_not_consistent_are_refused(
     write: Write, change: tuple[str, str], message: str
 ) -> None:
@@ -194,9 +198,14 @@ def test_bvh_knows_names_of_many_words_and_joints_that_do_not_turn(write: Write)
     ],
 )
 def test_files_beyond_the_limits_are_refused(
-    write: Write, monkeypatch: pytest.MonkeyPatch, module: str, name: str, limit: int,
-    suffix: str, message: str,
-) -> None:  # fmt: skip
+    write: Write,
+    monkeypatch: pytest.MonkeyPatch,
+    module: str,
+    name: str,
+    limit: int,
+    suffix: str,
+    message: str,
+) -> None:
     """Limits are lowered for the test rather than files made that large."""
     monkeypatch.setattr(f"motorcade.animation.formats.{module}.{name}", limit)
     data = {".bvh": bvh(), ".md5anim": motion(), ".md5mesh": mesh()}[suffix]

@@ -157,9 +157,17 @@ def test_antipodal_keys_turn_the_short_way(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    "uri", ["../secret.bin", "/etc/passwd", "file:///etc/passwd", "a/../../b", "%2e%2e/x",
-            "..\\x", "http://example.org/x"],
-)  # fmt: skip
+    "uri",
+    [
+        "../secret.bin",
+        "/etc/passwd",
+        "file:///etc/passwd",
+        "a/../../b",
+        "%2e%2e/x",
+        "..\\x",
+        "http://example.org/x",
+    ],
+)
 def test_no_file_outside_the_folder_is_opened(write: Write, tmp_path: Path, uri: str) -> None:
     (tmp_path.parent / "secret.bin").write_bytes(bytes(4096))
     made = samples.gltf_tower()

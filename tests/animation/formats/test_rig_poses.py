@@ -52,13 +52,19 @@ def test_joints_of_other_skins_stay_where_they_were_on_the_joint_above(write: Wr
     document["scenes"][0]["nodes"].append(5)
     hat = samples.tower()[0] * 0.1
     document["skins"].append({"joints": [4]})
-    document["meshes"].append({"primitives": [{
-        "attributes": {
-            "POSITION": made.add(hat),
-            "JOINTS_0": made.add(np.zeros((12, 4)), "uint8"),
-            "WEIGHTS_0": made.add(np.tile([1.0, 0.0, 0.0, 0.0], (12, 1))),
+    document["meshes"].append(
+        {
+            "primitives": [
+                {
+                    "attributes": {
+                        "POSITION": made.add(hat),
+                        "JOINTS_0": made.add(np.zeros((12, 4)), "uint8"),
+                        "WEIGHTS_0": made.add(np.tile([1.0, 0.0, 0.0, 0.0], (12, 1))),
+                    }
+                }
+            ]
         }
-    }]})  # fmt: skip
+    )
     found = read_character(write("hat.glb", made.glb()))
     rest = found.skeleton.rest_world
     top, tip = (found.skeleton.index(name) for name in ("top", "tip"))
@@ -126,9 +132,13 @@ def test_toes_tell_the_facing_where_they_point_elsewhere(
 
 @pytest.mark.parametrize(
     ("step", "toe"),
-    [((0.2, 0, 0.2), "LeftToe"), ((0, -0.1, 0), "LeftToe"), ((0.2, 0, 0), "LeftToeRoll"),
-     ((0.2, 0, 0), "Control LeftToe")],
-)  # fmt: skip
+    [
+        ((0.2, 0, 0.2), "LeftToe"),
+        ((0, -0.1, 0), "LeftToe"),
+        ((0.2, 0, 0), "LeftToeRoll"),
+        ((0.2, 0, 0), "Control LeftToe"),
+    ],
+)
 def test_toes_between_axes_and_controls_tell_nothing(
     write: Write, step: tuple[float, float, float], toe: str
 ) -> None:
@@ -138,9 +148,13 @@ def test_toes_between_axes_and_controls_tell_nothing(
 
 @pytest.mark.parametrize(
     ("head", "foot", "wanted"),
-    [("Head", "LeftFoot", "+y by head and feet"), ("Top", "LeftFoot", "+y by habit"),
-     ("Head", "Low", "+y by head and feet"), ("Top", "Low", "+y by habit")],
-)  # fmt: skip
+    [
+        ("Head", "LeftFoot", "+y by head and feet"),
+        ("Top", "LeftFoot", "+y by habit"),
+        ("Head", "Low", "+y by head and feet"),
+        ("Top", "Low", "+y by habit"),
+    ],
+)
 def test_head_and_feet_tell_up_and_else_habit(
     write: Write, head: str, foot: str, wanted: str
 ) -> None:
@@ -153,8 +167,11 @@ def test_head_and_feet_tell_up_and_else_habit(
 def test_a_figure_that_lies_is_stood_up_by_its_head(write: Write) -> None:
     """The same figure with its z up: read, its head is above its foot by as much."""
     turned = samples.BVH.decode()
-    for old, new in (("0 5 0\n    CH", "0 0 5\n    CH"), ("0.5 -5 0", "0.5 0 -5"),
-                     ("0 -0.1 1", "0 -1 -0.1")):  # fmt: skip
+    for old, new in (
+        ("0 5 0\n    CH", "0 0 5\n    CH"),
+        ("0.5 -5 0", "0.5 0 -5"),
+        ("0 -0.1 1", "0 -1 -0.1"),
+    ):
         assert old in turned
         turned = turned.replace(old, new)
     found = read_motion(write("lying.bvh", turned.encode()), unit_m=1.0)

@@ -61,15 +61,21 @@ def test_a_figure_faces_x_with_its_left_at_y(rigs: Path, name: str) -> None:
     made = read_character(rigs / name)
     places = made.skeleton.rest_world.translation_m
     names = [joint.lower() for joint in made.skeleton.names]
-    toes = [i for i, joint in enumerate(names)
-            if ("toe" in joint or "ball" in joint or "footthumb" in joint) and "ik" not in joint
-            and "control" not in joint]  # fmt: skip
+    toes = [
+        i
+        for i, joint in enumerate(names)
+        if ("toe" in joint or "ball" in joint or "footthumb" in joint)
+        and "ik" not in joint
+        and "control" not in joint
+    ]
     ahead = [places[i] - places[made.skeleton.parents[i]] for i in toes]
     assert len(toes) >= 2
     assert all(step[0] > 0.5 * np.linalg.norm(step[:2]) for step in ahead)
-    sides = [places[i, 1] for i, joint in enumerate(names)
-             if joint.endswith((".l", "_l")) or "left" in joint
-             or "_l_" in f"_{joint}"]  # fmt: skip
+    sides = [
+        places[i, 1]
+        for i, joint in enumerate(names)
+        if joint.endswith((".l", "_l")) or "left" in joint or "_l_" in f"_{joint}"
+    ]
     sign = -1.0 if "Bob" in name else 1.0
     weaponless = np.median(sign * np.array(sides))
     assert weaponless > 0.0
@@ -99,9 +105,11 @@ def test_joints_lie_where_the_witness_puts_them(
         times = keys[np.linspace(0, len(keys) - 1, 20).astype(int)]
     ours = made.skeleton.world(clip.at(times)).translation_m
     theirs = np.array(
-        [[at[prefix + joint][:3, 3] for joint in made.skeleton.names]
-         for at in (other.world(float(time_s)) for time_s in times)]
-    )  # fmt: skip
+        [
+            [at[prefix + joint][:3, 3] for joint in made.skeleton.names]
+            for at in (other.world(float(time_s)) for time_s in times)
+        ]
+    )
     scale, turn, shift = fitted(theirs.reshape(-1, 3), ours.reshape(-1, 3))
     np.testing.assert_allclose(turn, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=1e-4)
     assert scale == pytest.approx(0.0254 if "Bob" in name else 1.0, rel=1e-4)

@@ -92,8 +92,9 @@ def test_scale_above_the_joints_ends_in_the_mesh(write: Write, scale: float) -> 
     np.testing.assert_allclose(
         made.skeleton.world(made.clips[0].poses).translation_m,
         scale * plain.skeleton.world(plain.clips[0].poses).translation_m,
-        rtol=1e-6, atol=1e-9,
-    )  # fmt: skip
+        rtol=1e-6,
+        atol=1e-9,
+    )
 
 
 def test_scale_that_changes_makes_a_clip_of_similarities(write: Write) -> None:
@@ -166,8 +167,11 @@ def test_sparse_and_normalised_accessors_are_unpacked(write: Write) -> None:
         made.vertices[[1, 3]], 0.01 * np.array([[0.2, 0.3, 0.0], [0.2, -0.3, 0.0]]), atol=1e-8
     )
     linear = np.array([0.5, 128 / 255, 0.0])
-    np.testing.assert_allclose(made.colors[0], 1.055 * linear ** (1 / 2.4) * [1, 1, 0]
-                               - 0.055 * np.array([1, 1, 0]), atol=1e-6)  # fmt: skip
+    np.testing.assert_allclose(
+        made.colors[0],
+        1.055 * linear ** (1 / 2.4) * [1, 1, 0] - 0.055 * np.array([1, 1, 0]),
+        atol=1e-6,
+    )
     assert any("morph" in notice for notice in made.notices)
 
 
@@ -181,10 +185,12 @@ def test_two_skins_make_one_mesh(write: Write) -> None:
     binds = np.stack([away, away])
     binds[1, 1, 3] -= 1.0
     document = made.document
-    document["skins"].append({
-        "joints": [1, 2],
-        "inverseBindMatrices": made.add(binds.swapaxes(1, 2).reshape(-1, 16)),
-    })  # fmt: skip
+    document["skins"].append(
+        {
+            "joints": [1, 2],
+            "inverseBindMatrices": made.add(binds.swapaxes(1, 2).reshape(-1, 16)),
+        }
+    )
     first = document["meshes"][0]["primitives"][0]
     second = json.loads(json.dumps(first))
     second["attributes"]["POSITION"] = made.add(apart)
@@ -198,8 +204,10 @@ def test_two_skins_make_one_mesh(write: Write) -> None:
 def test_meshes_that_hang_on_joints_follow_them(write: Write) -> None:
     made = samples.gltf_tower()
     vertices, triangles, _ = samples.tower()
-    part = {"attributes": {"POSITION": made.add(vertices)},
-            "indices": made.add(triangles.reshape(-1), "uint16")}  # fmt: skip
+    part = {
+        "attributes": {"POSITION": made.add(vertices)},
+        "indices": made.add(triangles.reshape(-1), "uint16"),
+    }
     made.document["meshes"].append({"primitives": [part]})
     made.document["nodes"][2]["children"] = [4]
     made.document["nodes"].append({"name": "hat", "mesh": 1, "translation": [0.0, 1.5, 0.0]})
@@ -288,14 +296,17 @@ def test_keys_of_a_joint_replace_its_fbx_helpers_and_keys_of_helpers_do_not(
     made = samples.gltf_tower()
     nodes = made.document["nodes"]
     nodes[1]["children"] = [4]
-    nodes.append({"name": "top_$AssimpFbx$_Translation", "translation": [0.0, 1.0, 0.0],
-                  "children": [2]})  # fmt: skip
+    nodes.append(
+        {"name": "top_$AssimpFbx$_Translation", "translation": [0.0, 1.0, 0.0], "children": [2]}
+    )
     nodes[2]["translation"] = [0.0, 0.0, 0.0]
     node, place = (2, [0.0, 1.5, 0.0]) if moved == "joint" else (4, [0.0, 1.5, 0.0])
     samples.animate(
-        made, "lift", made.add([0.0, 1.0]),
+        made,
+        "lift",
+        made.add([0.0, 1.0]),
         {(node, "translation"): made.add([[0.0, 1.0, 0.0], place])},
-    )  # fmt: skip
+    )
     character = read_character(write("helpers.glb", made.glb()))
     world = character.skeleton.world(character.clip("lift").at([0.0, 1.0]))
     np.testing.assert_allclose(world.translation_m[:, 1, 2], [1.0, 1.5], atol=1e-6)

@@ -93,8 +93,9 @@ def test_a_path_carries_the_character_and_the_camera(
     back = Motor.from_rotor_translation(Rotor.identity((40,)), rng.standard_normal((40, 3)))
     camera = CameraPath(Trajectory(stamps, back), 0.8, 4.0 / 3.0)
     path = tmp_path / "path.glb"
-    write_gltf(path, figure, [figure.clip("walk")], world_T_character=world_T_character,
-               camera=camera)  # fmt: skip
+    write_gltf(
+        path, figure, [figure.clip("walk")], world_T_character=world_T_character, camera=camera
+    )
     witness = Witness(path)
     assert witness.span()[1] >= 3.9
     axes = np.array([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
@@ -164,9 +165,14 @@ def test_many_joints_are_numbered_by_two_bytes(tmp_path: Path) -> None:
     weights[:, 0], joints[:, 0] = 1.0, np.arange(count)
     vertices = np.stack([np.arange(count) % 2, np.arange(count) % 3, np.arange(count)], axis=1)
     long = Character(
-        skeleton, 0.1 * vertices, np.tile([1.0, 0, 0], (count, 1)), np.array([[0, 1, 2]]),
-        np.full((count, 3), 0.5), joints, weights,
-    )  # fmt: skip
+        skeleton,
+        0.1 * vertices,
+        np.tile([1.0, 0, 0], (count, 1)),
+        np.array([[0, 1, 2]]),
+        np.full((count, 3), 0.5),
+        joints,
+        weights,
+    )
     write_gltf(tmp_path / "long.glb", long)
     found = read_character(tmp_path / "long.glb", unit_m=1.0)
     np.testing.assert_array_equal(found.joints, joints)

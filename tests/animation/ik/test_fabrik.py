@@ -38,9 +38,13 @@ def _check(points: np.ndarray, start: np.ndarray, limit: float) -> None:
 
 @pytest.mark.parametrize(
     ("chain", "count"),
-    [(ARM, 2_000), (LEG, 2_000), (LONG, 300), *(pytest.param(chain, 10_000, marks=pytest.mark.slow)
-                                                for chain in (ARM, LEG, LONG))],
-)  # fmt: skip
+    [
+        (ARM, 2_000),
+        (LEG, 2_000),
+        (LONG, 300),
+        *(pytest.param(chain, 10_000, marks=pytest.mark.slow) for chain in (ARM, LEG, LONG)),
+    ],
+)
 def test_random_targets_within_reach_are_reached_within_limits(chain, count, rng):
     bones, limit = chain
     start = _chains(rng, count, bones, 0.3 * limit)
@@ -83,8 +87,13 @@ def test_bones_of_no_length_stay_so_and_targets_at_the_base_are_reached():
 def test_the_first_bone_keeps_to_the_direction_of_the_base(rng):
     start = _chains(rng, 200, 4, 0.5)
     swing = np.radians(40.0)
-    found = fabrik(start, rng.standard_normal((200, 3)) * 0.3, 1.2, base_direction=[0, 0, 1.0],
-                   max_swing_rad=swing)  # fmt: skip
+    found = fabrik(
+        start,
+        rng.standard_normal((200, 3)) * 0.3,
+        1.2,
+        base_direction=[0, 0, 1.0],
+        max_swing_rad=swing,
+    )
     first = found.points[:, 1] - found.points[:, 0]
     cosine = first[:, 2] / np.linalg.norm(first, axis=-1)
     assert np.arccos(np.clip(cosine, -1, 1)).max() <= swing + 1e-7

@@ -18,8 +18,16 @@ LIMB = ("thigh", "calf", "foot")
 @pytest.fixture
 def skeleton(rng) -> Skeleton:
     """A leg of 0.9 m below the hips, joints turned anyhow."""
-    at = np.array([[0, 0, 1.0], [0, 0.1, 0.95], [0.03, 0.1, 0.5], [0, 0.1, 0.08], [0.15, 0.1, 0.0],
-                   [0, 0, 1.5]])  # fmt: skip
+    at = np.array(
+        [
+            [0, 0, 1.0],
+            [0, 0.1, 0.95],
+            [0.03, 0.1, 0.5],
+            [0, 0.1, 0.08],
+            [0.15, 0.1, 0.0],
+            [0, 0, 1.5],
+        ]
+    )
     world = Motor.from_rotor_translation(Rotor.random(rng, (6,)), at)
     rest = [world[0], *(world[int(p)].inverse() @ world[k + 1] for k, p in enumerate(PARENTS[1:]))]
     return Skeleton(NAMES, PARENTS, Motor.stack(rest))
@@ -33,7 +41,8 @@ def test_a_limb_reaches_what_is_within_reach_and_bends_to_its_pole(skeleton, rng
     hip = skeleton.rest_world[1].translation_m
     away = rng.standard_normal((500, 3))
     targets = hip + away / np.linalg.norm(away, axis=1, keepdims=True) * rng.uniform(
-        0.1, 0.85, (500, 1))  # fmt: skip
+        0.1, 0.85, (500, 1)
+    )
     poles = hip + rng.standard_normal((500, 3))
     made = bend_limb(skeleton, skeleton.rest, LIMB, targets, poles)
     assert made.shape == (500, 6)
@@ -45,9 +54,12 @@ def test_a_limb_reaches_what_is_within_reach_and_bends_to_its_pole(skeleton, rng
     side = np.cross(normal, ahead)
     assert np.all(np.sum(knee * side, axis=1) > 0.0)
     # Bones keep their lengths, the foot its orientation, the rest its pose.
-    lengths = [np.linalg.norm(_at(skeleton, made, b).translation_m
-                              - _at(skeleton, made, a).translation_m, axis=1)
-               for a, b in (("thigh", "calf"), ("calf", "foot"))]  # fmt: skip
+    lengths = [
+        np.linalg.norm(
+            _at(skeleton, made, b).translation_m - _at(skeleton, made, a).translation_m, axis=1
+        )
+        for a, b in (("thigh", "calf"), ("calf", "foot"))
+    ]
     rest = skeleton.rest_world.translation_m
     np.testing.assert_allclose(lengths[0], np.linalg.norm(rest[2] - rest[1]), atol=1e-12)
     np.testing.assert_allclose(lengths[1], np.linalg.norm(rest[3] - rest[2]), atol=1e-12)
@@ -98,8 +110,11 @@ def _swinging(skeleton, time_s: np.ndarray, slide: float) -> Motor:
     """The foot stands for half a cycle of 1 s, sliding a little, and swings for the other."""
     phase = time_s % 1.0
     stance = phase < 0.5
-    x = np.where(stance, slide * phase, 0.5 * slide + 0.4 * (0.5 - 0.5 * np.cos(
-        2 * np.pi * (phase - 0.5))) - (phase - 0.5) * slide)  # fmt: skip
+    x = np.where(
+        stance,
+        slide * phase,
+        0.5 * slide + 0.4 * (0.5 - 0.5 * np.cos(2 * np.pi * (phase - 0.5))) - (phase - 0.5) * slide,
+    )
     z = np.where(stance, 0.08, 0.08 + 0.15 * np.sin(2 * np.pi * (phase - 0.5)))
     targets = np.stack([x, np.full_like(x, 0.1), z], axis=1)
     return bend_limb(skeleton, skeleton.rest, LIMB, targets)
@@ -168,8 +183,12 @@ def test_a_foot_that_goes_high_or_nowhere_is_not_lifted(skeleton):
     sway[:, 3] = 0.004 * np.sin(2.0 * np.pi * time_s)
     moved[:, 0] = (Motor.from_twist(sway) @ still[:, 0]).coefficients
     made = plant_feet(
-        skeleton, time_s, Motor(moved), legs, stances=[(time_s % 1.0) < 0.5],
-    )  # fmt: skip
+        skeleton,
+        time_s,
+        Motor(moved),
+        legs,
+        stances=[(time_s % 1.0) < 0.5],
+    )
     assert _at(skeleton, made, "toes").translation_m[:, 2].max() < 5e-4
 
 
@@ -183,13 +202,17 @@ def test_a_standing_foot_keeps_its_heading_while_the_ankle_goes_over_the_ball(sk
     turned = Motor.from_rotor_translation(turn @ rest[foot].rotor, place)
     poses[:, foot] = (rest[foot - 1].inverse() @ turned).coefficients
     plain = Motor(poses)
-    along = np.diff([_at(skeleton, plain, name).translation_m[:, 0] for name in ("foot", "toes")],
-                    axis=0)  # fmt: skip
+    along = np.diff(
+        [_at(skeleton, plain, name).translation_m[:, 0] for name in ("foot", "toes")], axis=0
+    )
     assert along.min() < -0.01 < 0.01 < along.max()
     made = plant_feet(
-        skeleton, np.arange(31) / 60.0, plain, [Leg("thigh", "calf", "foot", "toes")],
+        skeleton,
+        np.arange(31) / 60.0,
+        plain,
+        [Leg("thigh", "calf", "foot", "toes")],
         stances=[np.ones(31, dtype=bool)],
-    )  # fmt: skip
+    )
     for name in ("foot", "toes"):
         across = rest[skeleton.index(name)].rotor.inverse().apply(np.array([0.0, 1.0, 0.0]))
         side = _at(skeleton, made, name).rotor.apply(across)
@@ -205,9 +228,12 @@ def test_a_knee_stays_ahead_where_the_leg_is_laid_beyond_it(skeleton):
     low[0] = (Motor.from_twist([0, 0, 0, 0, 0, -0.15]) @ skeleton.rest[0]).coefficients
     poses = bend_limb(skeleton, Motor(low), LIMB, targets, [9.0, 0.1, 0.5])
     made = plant_feet(
-        skeleton, time_s, poses, [Leg("thigh", "calf", "foot", "toes")],
+        skeleton,
+        time_s,
+        poses,
+        [Leg("thigh", "calf", "foot", "toes")],
         stances=[np.ones(60, dtype=bool)],
-    )  # fmt: skip
+    )
     for one in (poses, made):
         hip, knee, foot = (_at(skeleton, one, name).translation_m for name in LIMB)
         along = foot - hip
@@ -220,9 +246,13 @@ def test_hips_come_down_where_a_leg_would_not_reach(skeleton):
     pit = GroundHeights(lambda at: np.full(at.shape[:-1], -0.2))
     time_s = np.array([0.0, 0.5, 1.0])
     made = plant_feet(
-        skeleton, time_s, poses, [Leg("thigh", "calf", "foot")], ground=pit,
+        skeleton,
+        time_s,
+        poses,
+        [Leg("thigh", "calf", "foot")],
+        ground=pit,
         stances=[np.ones(3, dtype=bool)],
-    )  # fmt: skip
+    )
     foot = _at(skeleton, made, "foot").translation_m
     np.testing.assert_allclose(foot[:, 2], skeleton.rest_world[3].translation_m[2] - 0.2, atol=1e-6)
     assert _at(skeleton, made, "hips").translation_m[0, 2] < 0.95

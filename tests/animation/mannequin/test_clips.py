@@ -120,9 +120,9 @@ def test_feet_stand_for_the_share_of_the_cycle_that_their_source_gives(
     soles: dict[str, Character], name: str
 ) -> None:
     phases = np.linspace(0.0, 1.0, 241)[:-1]
-    low = np.stack([
-        over_ground(part, part.clip(name), phases)[..., 2].min(axis=1) for part in soles.values()
-    ])  # fmt: skip
+    low = np.stack(
+        [over_ground(part, part.clip(name), phases)[..., 2].min(axis=1) for part in soles.values()]
+    )
     touching = low < TOUCH_M
     assert touching.mean(axis=1) == pytest.approx(GAITS[name].stance, abs=0.05)
     in_the_air = np.mean(~touching.any(axis=0))
@@ -151,8 +151,9 @@ def test_knees_bend_backwards_only_and_never_snap_straight(figure: Character, na
     knee = clip.poses[:, figure.skeleton.index("left_calf")].rotor.as_rotation_vector()
     np.testing.assert_allclose(knee[:, [0, 2]], 0.0, atol=1e-9)
     assert np.rad2deg(knee[:, 1].min()) > 5.0
-    assert np.rad2deg(knee[:, 1].max()) == pytest.approx({"walk": 62, "jog": 95, "run": 113}[name],
-                                                         abs=8.0)  # fmt: skip
+    assert np.rad2deg(knee[:, 1].max()) == pytest.approx(
+        {"walk": 62, "jog": 95, "run": 113}[name], abs=8.0
+    )
 
 
 def test_right_is_left_half_a_cycle_later(figure: Character) -> None:

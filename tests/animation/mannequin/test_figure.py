@@ -49,8 +49,12 @@ def test_it_has_the_joints_of_a_body_with_fingers(figure: Character) -> None:
     names = figure.skeleton.names
     assert len(names) == 52
     fingers = ("thumb", "index", "middle", "ring", "little")
-    wanted = {f"{side}_{finger}_{k}" for side in ("left", "right") for finger in fingers
-              for k in (1, 2, 3)}  # fmt: skip
+    wanted = {
+        f"{side}_{finger}_{k}"
+        for side in ("left", "right")
+        for finger in fingers
+        for k in (1, 2, 3)
+    }
     assert wanted | {"hips", "spine", "chest", "neck", "head", "left_upper_arm"} <= set(names)
 
 
@@ -148,9 +152,10 @@ def test_every_height_is_the_same_figure() -> None:
     one, two = mannequin(1.0), mannequin(2.0)
     np.testing.assert_allclose(2.0 * one.vertices, two.vertices, atol=1e-12)
     np.testing.assert_allclose(
-        2.0 * one.clip("walk").at(0.3).translation_m, two.clip("walk").at(0.3).translation_m,
+        2.0 * one.clip("walk").at(0.3).translation_m,
+        two.clip("walk").at(0.3).translation_m,
         atol=1e-12,
-    )  # fmt: skip
+    )
 
 
 def test_it_is_made_the_same_every_time(coarse: SymmetricMesh) -> None:

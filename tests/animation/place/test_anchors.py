@@ -91,7 +91,8 @@ def test_a_plane_anchor_stands_up_from_its_plane(rng):
     assert abs(x @ unit) < 1e-12
     assert x @ ahead > 0.0
     assert np.cross(unit, x) @ np.cross(unit, ahead) == pytest.approx(
-        np.linalg.norm(np.cross(unit, ahead)))  # fmt: skip
+        np.linalg.norm(np.cross(unit, ahead))
+    )
     np.testing.assert_allclose(anchor.apply(np.zeros(3)), point, atol=1e-12)
 
 

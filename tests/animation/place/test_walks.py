@@ -38,8 +38,11 @@ def walk(skeleton) -> Clip:
         phase = (time_s / PERIOD_S + side) % 1.0
         swing = np.clip((phase - 0.6) / 0.4, 0.0, 1.0)
         reach = 0.3 * SPEED_M_S * PERIOD_S
-        x = np.where(phase < 0.6, reach - SPEED_M_S * PERIOD_S * phase,
-                     -reach + 2 * reach * swing * swing * (3 - 2 * swing))  # fmt: skip
+        x = np.where(
+            phase < 0.6,
+            reach - SPEED_M_S * PERIOD_S * phase,
+            -reach + 2 * reach * swing * swing * (3 - 2 * swing),
+        )
         z = 0.04 + 0.12 * np.sin(np.pi * swing)
         target = np.stack([x, np.full_like(x, y), z], axis=1)
         ahead = [9.0, y, 0.5]

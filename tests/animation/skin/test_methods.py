@@ -24,9 +24,9 @@ def tube() -> Character:
     joints = np.tile([0, 1, 0, 0], (len(vertices), 1))
     i = np.arange(around * (rings - 1))
     after = i // around * around + (i + 1) % around
-    triangles = np.concatenate([
-        np.stack([i, i + around, after], 1), np.stack([after, i + around, after + around], 1)
-    ])  # fmt: skip
+    triangles = np.concatenate(
+        [np.stack([i, i + around, after], 1), np.stack([after, i + around, after + around], 1)]
+    )
     rest = Motor.from_twist([[0.0] * 6, [0.0, 0.0, 0.0, 1.0, 0.0, 0.0]])
     skeleton = Skeleton(("upper", "lower"), np.array([-1, 0]), rest)
     colors = np.full(vertices.shape, 0.5)
@@ -35,9 +35,11 @@ def tube() -> Character:
 
 def _bent(tube: Character, *turn: float) -> Motor:
     turned = Motor.from_twist([*turn, 0.0, 0.0, 0.0])
-    return Motor(np.stack([
-        tube.skeleton.rest[0].coefficients, (tube.skeleton.rest[1] @ turned).coefficients
-    ]))  # fmt: skip
+    return Motor(
+        np.stack(
+            [tube.skeleton.rest[0].coefficients, (tube.skeleton.rest[1] @ turned).coefficients]
+        )
+    )
 
 
 def _radius(vertices: np.ndarray) -> np.ndarray:

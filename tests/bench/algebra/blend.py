@@ -103,17 +103,25 @@ def _one_size(
     found |= {GLM[name]: ns for name, ns in glm.items()}
     rows = [
         BlendRow(
-            method, scalar, joints, ns,
-            glm["slerp_mix"] / ns if glm else None, glm["nlerp_mix"] / ns if glm else None,
+            method,
+            scalar,
+            joints,
+            ns,
+            glm["slerp_mix"] / ns if glm else None,
+            glm["nlerp_mix"] / ns if glm else None,
         )
         for method, ns in found.items()
-    ]  # fmt: skip
-    floor = {
-        "scalar": scalar,
-        "joints": joints,
-        "memory_ns": median(one.memory_floor_ns for one in theirs),
-        "gflops": median(one.gflops for one in theirs),
-    } if theirs else None  # fmt: skip
+    ]
+    floor = (
+        {
+            "scalar": scalar,
+            "joints": joints,
+            "memory_ns": median(one.memory_floor_ns for one in theirs),
+            "gflops": median(one.gflops for one in theirs),
+        }
+        if theirs
+        else None
+    )
     return rows, [floor] if floor else []
 
 

@@ -58,10 +58,16 @@ def compile_glm(folder: Path) -> Path:
 def measure_glm(program: Path, poses: FloatArray, scalar: Scalar, seconds: float) -> GlmFigures:
     """Blend `poses` (N, 2, 7), two a joint as wxyz and metres, for about `seconds` a method."""
     done = subprocess.run(
-        [str(program), scalar.replace("float32", "float").replace("float64", "double"),
-         str(len(poses)), str(seconds)],
-        input=poses.tobytes(), capture_output=True, check=True,
-    )  # fmt: skip
+        [
+            str(program),
+            scalar.replace("float32", "float").replace("float64", "double"),
+            str(len(poses)),
+            str(seconds),
+        ],
+        input=poses.tobytes(),
+        capture_output=True,
+        check=True,
+    )
     found = json.loads(done.stdout)
     methods = ("slerp_mix", "nlerp_mix", "dual_quaternion")
     return GlmFigures(

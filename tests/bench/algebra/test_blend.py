@@ -58,10 +58,17 @@ def test_one_core_and_one_thread_only_inside_the_block() -> None:
 
 def test_the_table_tells_what_was_left_out() -> None:
     rows = [
-        {"method": "motor linear", "scalar": scalar, "joints": joints, "ns": 1.5,
-         "over_slerp_mix": None, "over_nlerp_mix": None}
-        for scalar in ("float32", "float64") for joints in blend.SIZES
-    ]  # fmt: skip
+        {
+            "method": "motor linear",
+            "scalar": scalar,
+            "joints": joints,
+            "ns": 1.5,
+            "over_slerp_mix": None,
+            "over_nlerp_mix": None,
+        }
+        for scalar in ("float32", "float64")
+        for joints in blend.SIZES
+    ]
     found = {"rows": rows, "floors": [], "python": {"scipy": 345.0}, "left_out": ["GLM: none"]}
     table = blend.blend_table(found)
     assert "left out: GLM: none" in table

@@ -56,11 +56,16 @@ def bench_flights() -> dict[str, Any]:
 def _by_filter(one: Flight, poses: PoseMeasurements) -> tuple[Fused, Fused | None]:
     smoothed, online = (
         fuse(
-            poses, one.imu, NOISE, Motor.identity(), one.truth.time_ns,
-            settings=SETTINGS, smoothed=ahead,
+            poses,
+            one.imu,
+            NOISE,
+            Motor.identity(),
+            one.truth.time_ns,
+            settings=SETTINGS,
+            smoothed=ahead,
         )
         for ahead in (True, False)
-    )  # fmt: skip
+    )
     return smoothed, online
 
 

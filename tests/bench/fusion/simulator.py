@@ -44,9 +44,12 @@ def bench_simulator() -> dict[str, Any]:
         rate, force = against_differences(path)
         turned, moved = halved_steps(path)
         row = {
-            "motion": name, "rate_rad_s": rate, "force_m_s2": force,
-            "halved_rotation": turned, "halved_position": moved,
-        }  # fmt: skip
+            "motion": name,
+            "rate_rad_s": rate,
+            "force_m_s2": force,
+            "halved_rotation": turned,
+            "halved_position": moved,
+        }
         try:
             row["gtsam"] = against_gtsam(path)
         except ModuleNotFoundError:
@@ -107,8 +110,9 @@ def against_gtsam(path: ContinuousPath) -> float:
     moved, gained = own.translation_m
     parts = (
         own[0].rotor.as_matrix() - other.deltaRij().matrix(),
-        moved - other.deltaPij(), gained - other.deltaVij(),
-    )  # fmt: skip
+        moved - other.deltaPij(),
+        gained - other.deltaVij(),
+    )
     return max(float(np.max(np.abs(part))) for part in parts)
 
 

@@ -77,14 +77,16 @@ def bench_tag_odometry(folder: Path | None = None) -> list[dict[str, Any]]:
     rows = []
     for name, path in paths.items():
         judged = evaluate(path, reference, align="se3")
-        rows.append({
-            "case": name,
-            "frames": judged.pairs,
-            "ape_rmse_m": judged.ape_m.rmse,
-            "rotation_rmse_deg": judged.rotation_deg.rmse,
-            **_steps(path, reference, frames),
-            "seconds": seconds,
-        })  # fmt: skip
+        rows.append(
+            {
+                "case": name,
+                "frames": judged.pairs,
+                "ape_rmse_m": judged.ape_m.rmse,
+                "rotation_rmse_deg": judged.rotation_deg.rmse,
+                **_steps(path, reference, frames),
+                "seconds": seconds,
+            }
+        )
     return rows
 
 
@@ -121,9 +123,13 @@ def tag_odometry_table(rows: list[Mapping[str, Any]]) -> str:
     lines = [f"{title:<30}" + "".join(f"{head:>11}" for head in heads)]
     for row in rows:
         values = (
-            1e3 * row["ape_rmse_m"], row["rotation_rmse_deg"], 1e3 * row["step_error_rms_m"],
-            row["step_error_rms_deg"], 1e3 * row["step_change_rms_m"], row["step_change_rms_deg"],
-        )  # fmt: skip
+            1e3 * row["ape_rmse_m"],
+            row["rotation_rmse_deg"],
+            1e3 * row["step_error_rms_m"],
+            row["step_error_rms_deg"],
+            1e3 * row["step_change_rms_m"],
+            row["step_change_rms_deg"],
+        )
         shown = "".join(f"{value:>11.3f}" for value in values)
         lines.append(f"{row['case']:<30}{row['frames']:>11}{shown}")
     return "\n".join(lines)

@@ -146,11 +146,17 @@ def test_covariances_stay_sound_over_an_hour():
 
 
 def test_the_table_of_speeds_names_its_rivals():
-    text = speed_table({
-        "samples": 1000, "batch_samples_per_s": {"1 Hz": 1.5e6}, "streaming_us": 1.25,
-        "streaming_with_poses_us": 3.5, "gtsam_preintegration_us": None,
-        "covariance_asymmetry": 0.0, "covariance_least_eigenvalue": 7e-3,
-    })  # fmt: skip
+    text = speed_table(
+        {
+            "samples": 1000,
+            "batch_samples_per_s": {"1 Hz": 1.5e6},
+            "streaming_us": 1.25,
+            "streaming_with_poses_us": 3.5,
+            "gtsam_preintegration_us": None,
+            "covariance_asymmetry": 0.0,
+            "covariance_least_eigenvalue": 7e-3,
+        }
+    )
     assert "1,500,000 samples/s" in text
     assert "1.25 µs" in text
     assert "gtsam" not in text

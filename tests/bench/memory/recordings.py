@@ -80,8 +80,10 @@ def write_long_stream(folder: Path, duration_s: float) -> None:
     folder.mkdir(parents=True)
     made = simulate_imu(
         ContinuousPath.along(gimbal_crossing(), duration_s),
-        IMU_HZ, ADIS16448, np.random.default_rng(0),
-    )  # fmt: skip
+        IMU_HZ,
+        ADIS16448,
+        np.random.default_rng(0),
+    )
     write_imu(made.stream, folder / "imu.csv")
     write_trajectory(made.path[:: round(IMU_HZ / TRUTH_HZ)], folder / "truth.tum")
     cv2.imwrite(str(folder / "0.png"), np.zeros((CAMERA.height, CAMERA.width), np.uint8))

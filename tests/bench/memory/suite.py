@@ -50,11 +50,18 @@ def bench_memory(frames: int = FRAMES, stream_s: float = STREAM_S) -> dict[str, 
             rows.append(
                 {"job": job, "limit_mib": STREAM_LIMIT_MIB}
                 | measured(
-                    "run", str(stream), "--out", str(folder / f"out_{rate_hz:g}"),
-                    "--until", "smoothed", "--set", "tracked.by=simulated",
-                    "--set", f"simulated_poses.rate_hz={rate_hz}",
+                    "run",
+                    str(stream),
+                    "--out",
+                    str(folder / f"out_{rate_hz:g}"),
+                    "--until",
+                    "smoothed",
+                    "--set",
+                    "tracked.by=simulated",
+                    "--set",
+                    f"simulated_poses.rate_hz={rate_hz}",
                 )
-            )  # fmt: skip
+            )
     return {"frames": frames, "stream_s": stream_s, "jobs": rows}
 
 
@@ -71,8 +78,10 @@ def measured(*arguments: str, film: bool = True) -> dict[str, float]:
     done = subprocess.run(
         [sys.executable, "-m", _CHILD, *arguments],
         env=dict(os.environ) if film else os.environ | {"PYOPENGL_PLATFORM": "none"},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if done.returncode != 0:
         said = " ".join((done.stderr or done.stdout).split())[-300:]
         raise RuntimeError(f"bench memory: {arguments[0]} ended with {done.returncode}: {said}")

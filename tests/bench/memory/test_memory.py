@@ -17,8 +17,13 @@ print(child.peak_bytes())
 
 
 def test_the_table_shows_peaks_beside_their_limits() -> None:
-    job = {"job": "two hours", "limit_mib": 300, "peak_mib": 268.6, "imports_mib": 73.2,
-           "seconds": 40.2}  # fmt: skip
+    job = {
+        "job": "two hours",
+        "limit_mib": 300,
+        "peak_mib": 268.6,
+        "imports_mib": 73.2,
+        "seconds": 40.2,
+    }
     head, line = memory_table({"jobs": [job]}).splitlines()
     assert line.split() == ["two", "hours", "269", "73", "300", "40"]
     assert len(head) == len(line)

@@ -114,9 +114,12 @@ def rts_row(name: str) -> RtsRow:
     for raw in test.measured:
         made = _smoothed(raw, jerk, angular)
         before, after = (jitter(rigid(one), test.rigid_truth) for one in (raw, made))
-        cuts.append([
-            before.linear_m_s2 / after.linear_m_s2, before.angular_rad_s2 / after.angular_rad_s2,
-        ])  # fmt: skip
+        cuts.append(
+            [
+                before.linear_m_s2 / after.linear_m_s2,
+                before.angular_rad_s2 / after.angular_rad_s2,
+            ]
+        )
         errors = zip(test.errors(made), test.errors(raw), strict=True)
         shares.append([rms(ours) / rms(theirs) for ours, theirs in errors])
         lags.append([_lag_ms(kind, rigid(made), test.rigid_truth) for kind in QUANTITIES])
@@ -130,15 +133,22 @@ def rts_row(name: str) -> RtsRow:
 def _smoothed(raw: Trajectory, jerk: float, angular: float) -> Trajectory:
     name = "similarity" if isinstance(raw.poses, Similarity) else "motor"
     return smooth(
-        raw, "rts_constant_acceleration", name, jerk_m_s3=jerk, angular_jerk_rad_s3=angular,
-        noise_m=SIGMA_M, noise_rad=SIGMA_RAD,
-    )  # fmt: skip
+        raw,
+        "rts_constant_acceleration",
+        name,
+        jerk_m_s3=jerk,
+        angular_jerk_rad_s3=angular,
+        noise_m=SIGMA_M,
+        noise_rad=SIGMA_RAD,
+    )
 
 
 def _error(case: Case, quantity: int, jerk: float, angular: float) -> float:
-    return float(np.mean([
-        rms(case.errors(_smoothed(raw, jerk, angular))[quantity]) for raw in case.measured
-    ]))  # fmt: skip
+    return float(
+        np.mean(
+            [rms(case.errors(_smoothed(raw, jerk, angular))[quantity]) for raw in case.measured]
+        )
+    )
 
 
 def _lag_ms(quantity: str, estimate: Trajectory, truth: Trajectory) -> float | None:
@@ -193,16 +203,26 @@ def one_euro_row(name: str, quantity: str, cutoff_hz: float | None = None) -> On
     filters = (Exponential(cutoff_hz), _one_euro(parameters, which))
     figures = [_figures(test, chosen, which) for chosen in filters]
     lags = [
-        float(np.mean([
-            _known(_lag_ms(quantity, chosen.smooth(raw), test.truth)) for raw in test.measured
-        ]))
+        float(
+            np.mean(
+                [_known(_lag_ms(quantity, chosen.smooth(raw), test.truth)) for raw in test.measured]
+            )
+        )
         for chosen in filters
-    ]  # fmt: skip
+    ]
     raw = float(np.mean([rms(test.excess(one)[which]) for one in test.measured]))
     return OneEuroRow(
-        name, quantity, float(cutoff_hz), parameters, raw, figures[0][0], figures[1][0],
-        lags[0], lags[1], lags[1] / lags[0],
-    )  # fmt: skip
+        name,
+        quantity,
+        float(cutoff_hz),
+        parameters,
+        raw,
+        figures[0][0],
+        figures[1][0],
+        lags[0],
+        lags[1],
+        lags[1] / lags[0],
+    )
 
 
 def _known(lag_ms: float | None) -> float:

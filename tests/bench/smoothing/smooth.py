@@ -120,30 +120,41 @@ def _rts(rounds: int) -> list[SmoothRow]:
     q, t = _motors(part).as_quaternion_translation()
     densities = np.array([2.0, 1.0])
     scale = RTS_POSES / RTS_NUMPY_POSES
-    return _rows(f"RTS over {RTS_POSES:,} poses", rounds, {
-        "motors": (lambda: smooth(path, "rts_constant_velocity", "motor"), 1.0),
-        "rotors": (lambda: smooth(path, "rts_constant_velocity", "rotor"), 1.0),
-        "quaternions, compiled too": (
-            lambda: smooth(path, "rts_constant_velocity", "quaternion"), 1.0,
-        ),
-        "NumPy on quaternions (1,000, scaled)": (
-            lambda: numpy_rts(part.time_s, q, t, densities), scale,
-        ),
-    })  # fmt: skip
+    return _rows(
+        f"RTS over {RTS_POSES:,} poses",
+        rounds,
+        {
+            "motors": (lambda: smooth(path, "rts_constant_velocity", "motor"), 1.0),
+            "rotors": (lambda: smooth(path, "rts_constant_velocity", "rotor"), 1.0),
+            "quaternions, compiled too": (
+                lambda: smooth(path, "rts_constant_velocity", "quaternion"),
+                1.0,
+            ),
+            "NumPy on quaternions (1,000, scaled)": (
+                lambda: numpy_rts(part.time_s, q, t, densities),
+                scale,
+            ),
+        },
+    )
 
 
 def _gaussian(rounds: int) -> list[SmoothRow]:
     path = noisy_path(GAUSSIAN_POSES)
     q, t = _motors(path).as_quaternion_translation()
     sigma_s = SIGMA_INTERVALS / RATE_HZ
-    return _rows(f"Gaussian window of 31 over {GAUSSIAN_POSES:,} poses", rounds, {
-        "motors": (lambda: smooth(path, "gaussian", "motor", sigma_s=sigma_s), 1.0),
-        "quaternions, by time too": (
-            lambda: smooth(path, "gaussian", "quaternion", sigma_s=sigma_s), 1.0,
-        ),
-        "scipy on quaternions, by index": (lambda: scipy_gaussian(q, t, SIGMA_INTERVALS), 1.0),
-        "NumPy on quaternions, by index": (lambda: numpy_gaussian(q, t, SIGMA_INTERVALS), 1.0),
-    })  # fmt: skip
+    return _rows(
+        f"Gaussian window of 31 over {GAUSSIAN_POSES:,} poses",
+        rounds,
+        {
+            "motors": (lambda: smooth(path, "gaussian", "motor", sigma_s=sigma_s), 1.0),
+            "quaternions, by time too": (
+                lambda: smooth(path, "gaussian", "quaternion", sigma_s=sigma_s),
+                1.0,
+            ),
+            "scipy on quaternions, by index": (lambda: scipy_gaussian(q, t, SIGMA_INTERVALS), 1.0),
+            "NumPy on quaternions, by index": (lambda: numpy_gaussian(q, t, SIGMA_INTERVALS), 1.0),
+        },
+    )
 
 
 def _stream(rounds: int) -> list[SmoothRow]:
@@ -163,11 +174,15 @@ def _stream(rounds: int) -> list[SmoothRow]:
             update(q, t, at)
 
     each = 1.0 / STREAM_POSES
-    return _rows("one update of a 1€ filter from Python", rounds, {
-        "motors": (ours, each),
-        "NumPy on quaternions": (lambda: rival(NumpyOneEuro), each),
-        "scipy's rotations": (lambda: rival(ScipyOneEuro), each),
-    })  # fmt: skip
+    return _rows(
+        "one update of a 1€ filter from Python",
+        rounds,
+        {
+            "motors": (ours, each),
+            "NumPy on quaternions": (lambda: rival(NumpyOneEuro), each),
+            "scipy's rotations": (lambda: rival(ScipyOneEuro), each),
+        },
+    )
 
 
 def _robust() -> list[SmoothRow]:
@@ -179,10 +194,14 @@ def _robust() -> list[SmoothRow]:
     def estimated(given: Trajectory) -> Trajectory:
         return smooth(given, "robust_map", "motor", noise_m=0.005, noise_rad=rad)
 
-    return _rows(f"robust estimate over {ROBUST_POSES:,} poses, motors", 1, {
-        "no wrong poses": (lambda: estimated(path), 1.0),
-        "5 % outliers, 2 % flips in runs": (lambda: estimated(degraded), 1.0),
-    })  # fmt: skip
+    return _rows(
+        f"robust estimate over {ROBUST_POSES:,} poses, motors",
+        1,
+        {
+            "no wrong poses": (lambda: estimated(path), 1.0),
+            "5 % outliers, 2 % flips in runs": (lambda: estimated(degraded), 1.0),
+        },
+    )
 
 
 def _bytes_a_pose(job: str, sizes: tuple[int, int] = MEMORY_POSES) -> float | None:

@@ -87,12 +87,19 @@ def _run(recording: Recording, name: str, kind: str, switch: str) -> dict[str, A
     start = perf_counter()
     result = slam.finish()
     row: dict[str, Any] = {
-        "recording": name, "kind": kind, "switch": switch, "frames": len(spent),
-        "states": dict(Counter(result.states)), "keyframes": len(result.map.time_ns),
-        "loops": result.loops, "frame_mean_ms": float(np.mean(spent)),
-        "frame_median_ms": float(np.median(spent)), "frame_worst_ms": float(np.max(spent)),
-        "frame_p95_ms": float(np.quantile(spent, 0.95)), "finish_s": perf_counter() - start,
-    }  # fmt: skip
+        "recording": name,
+        "kind": kind,
+        "switch": switch,
+        "frames": len(spent),
+        "states": dict(Counter(result.states)),
+        "keyframes": len(result.map.time_ns),
+        "loops": result.loops,
+        "frame_mean_ms": float(np.mean(spent)),
+        "frame_median_ms": float(np.median(spent)),
+        "frame_worst_ms": float(np.max(spent)),
+        "frame_p95_ms": float(np.quantile(spent, 0.95)),
+        "finish_s": perf_counter() - start,
+    }
     for which, path in (("final", result.trajectory), ("online", result.online)):
         row[which] = None
         if path is not None and len(path) >= 3:

@@ -85,10 +85,14 @@ def _sequence(distance_m: float) -> tuple[TagScene, Motor, dict[str, _Way]]:
         _CAMERA, stamps, np.concatenate(frames), np.concatenate(ids), np.concatenate(corners)
     )
     plain = pose_stream(stream, dict.fromkeys(range(6), SIDE_M))
-    return scene, path, {
-        "corners": _Way(stream, plain, 0.0),
-        "photometric": _Way(*joined_frames(_CAMERA, stamps, refined), seconds),
-    }  # fmt: skip
+    return (
+        scene,
+        path,
+        {
+            "corners": _Way(stream, plain, 0.0),
+            "photometric": _Way(*joined_frames(_CAMERA, stamps, refined), seconds),
+        },
+    )
 
 
 def _row(scene: TagScene, path: Motor, distance_m: float, name: str, way: _Way) -> dict[str, Any]:

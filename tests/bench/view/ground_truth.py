@@ -43,9 +43,20 @@ from motorcade.replays.synthetic_room.scene import room
 from motorcade.tracking import track_board
 
 __all__ = [
-    "Alike", "Shots", "alike", "drawn_silhouettes", "found_light", "found_lighting", "overlap",
-    "room_light", "set_into", "sheet", "take_shots", "tracked_path", "true_light",
-]  # fmt: skip
+    "Alike",
+    "Shots",
+    "alike",
+    "drawn_silhouettes",
+    "found_light",
+    "found_lighting",
+    "overlap",
+    "room_light",
+    "set_into",
+    "sheet",
+    "take_shots",
+    "tracked_path",
+    "true_light",
+]
 
 HEIGHT_M = 0.23
 TO_SUN = np.array([-0.45, 0.68, 0.80]) / np.linalg.norm([-0.45, 0.68, 0.80])
@@ -117,10 +128,16 @@ def set_into(shots: Shots, poses: Trajectory, lighting: Lighting) -> list[ImageA
     figure = _figure()
     return list(
         render_overlay(
-            frames, CAMERA, poses, figure, figure.clip("walk"), shots.placement,
-            lighting=lighting, look=look,
+            frames,
+            CAMERA,
+            poses,
+            figure,
+            figure.clip("walk"),
+            shots.placement,
+            lighting=lighting,
+            look=look,
         )
-    )  # fmt: skip
+    )
 
 
 def drawn_silhouettes(shots: Shots, poses: Trajectory) -> list[NDArray[np.bool_]]:
@@ -237,9 +254,12 @@ def _standing(placement: Placement, k: int) -> Surface:
     vertices, normals = skin(figure, figure.clip("walk").at(1e-9 * (TIME_NS[k] - TIME_NS[0])))
     turn = placement.world_T_character.rotor
     return Surface(
-        placement.apply(vertices), turn.apply(normals), figure.triangles, figure.colors,
+        placement.apply(vertices),
+        turn.apply(normals),
+        figure.triangles,
+        figure.colors,
         roughness=0.42,
-    )  # fmt: skip
+    )
 
 
 def main(path: str) -> None:

@@ -40,7 +40,7 @@ __all__ = [
     "registration_lines",
     "straightened",
     "vamr_board",
-]  # fmt: skip
+]
 
 PIXELS_PER_M = 4000.0
 INK, PAPER = np.array([32, 44, 96]), np.array([244, 240, 228])
@@ -157,9 +157,11 @@ def vamr_board() -> tuple[Recording, Checkerboard, Camera, BoardTrack]:
         raise ValueError(f"{recording.name}: expected a camera and a checkerboard, got none")
     pictures = ((frame.time_ns, frame.gray()) for frame in recording.frames)
     return (
-        recording, recording.board, recording.camera,
+        recording,
+        recording.board,
+        recording.camera,
         track_board(pictures, recording.camera, recording.board),
-    )  # fmt: skip
+    )
 
 
 def straightened(track: BoardTrack, camera: Camera) -> BoardTrack:
@@ -190,11 +192,16 @@ def bench_registration() -> dict[str, Any]:
             ("undistorted", straight, camera.undistorted(), straightened(track, camera)),
         ):
             found = drawn_corner_distances_px(frames, lens, path, seen, board, Motor.identity())
-            corners.append({
-                "path": name, "frames_are": kind, "corner_rms_px": found.rms_px,
-                "corner_max_px": float(found.distance_px.max()),
-                "found": found.found, "frames": found.frames,
-            })  # fmt: skip
+            corners.append(
+                {
+                    "path": name,
+                    "frames_are": kind,
+                    "corner_rms_px": found.rms_px,
+                    "corner_max_px": float(found.distance_px.max()),
+                    "found": found.found,
+                    "frames": found.frames,
+                }
+            )
     if recording.truth is not None:
         paths["reference"] = recording.truth
     jitters = {name: jitter_px(path, camera, np.array(ABOVE_M)) for name, path in paths.items()}

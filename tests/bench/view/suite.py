@@ -68,9 +68,10 @@ def _ground_truth() -> dict[str, Any]:
     by = {
         "true pose and light": (shots.poses, truth.true_light()),
         "tracked pose, estimated light": (
-            truth.tracked_path(shots), truth.found_lighting(shots, light),
+            truth.tracked_path(shots),
+            truth.found_lighting(shots, light),
         ),
-    }  # fmt: skip
+    }
     rows = {}
     for name, (poses, lighting) in by.items():
         rows[name] = _compared(shots, poses, lighting)
@@ -84,11 +85,13 @@ def _compared(shots: truth.Shots, poses: Trajectory, lighting: Lighting) -> list
     made, drawn = truth.set_into(shots, poses, lighting), truth.drawn_silhouettes(shots, poses)
     for k, picture in enumerate(made):
         found = truth.alike(shots.direct[k], picture, shots.empty[k])
-        rows.append({
-            "mean_of_255": found.mean_of_255,
-            "similarity": found.similarity,
-            "overlap": truth.overlap(shots.silhouette[k], drawn[k]),
-        })  # fmt: skip
+        rows.append(
+            {
+                "mean_of_255": found.mean_of_255,
+                "similarity": found.similarity,
+                "overlap": truth.overlap(shots.silhouette[k], drawn[k]),
+            }
+        )
     return rows
 
 

@@ -16,10 +16,17 @@ import pytest
 
 PATIENCE_S = 60.0
 FLAGS = (
-    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--mute-audio",
-    "--no-first-run", "--disable-extensions", "--disable-background-networking",
-    "--disable-component-update", "--remote-debugging-pipe",
-)  # fmt: skip
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--mute-audio",
+    "--no-first-run",
+    "--disable-extensions",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--remote-debugging-pipe",
+)
 
 
 class Browser:
@@ -107,8 +114,11 @@ class Page:
             self.ask(f"{domain}.enable")
         self.ask(
             "Emulation.setDeviceMetricsOverride",
-            width=width, height=800, deviceScaleFactor=1, mobile=width < 600,
-        )  # fmt: skip
+            width=width,
+            height=800,
+            deviceScaleFactor=1,
+            mobile=width < 600,
+        )
         features = [{"name": "prefers-color-scheme", "value": scheme}]
         self.ask("Emulation.setEmulatedMedia", features=features)
         answer = self.ask("Page.navigate", url=self.address)
@@ -134,8 +144,12 @@ class Page:
         for kind in ("keyDown", "keyUp"):
             self.ask(
                 "Input.dispatchKeyEvent",
-                type=kind, key=key, code=key, text=text, windowsVirtualKeyCode=code,
-            )  # fmt: skip
+                type=kind,
+                key=key,
+                code=key,
+                text=text,
+                windowsVirtualKeyCode=code,
+            )
 
     def complaints(self) -> list[str]:
         """Errors and warnings of the console, exceptions, and requests for anything else."""

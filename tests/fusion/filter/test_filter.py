@@ -21,10 +21,14 @@ def state_errors(run, fused: Fused) -> FloatArray:
     ours = extended_pose(found.rotor, found.translation_m, fused.velocity_m_s)
     theirs = extended_pose(true.rotor, true.translation_m, run.velocity_m_s[k])
     twists = (ours.inverse() @ theirs).as_twist()
-    return np.hstack([
-        twists[:, 0], twists[:, 1, 3:],
-        run.gyro_bias[k] - fused.gyro_bias_rad_s, run.accel_bias[k] - fused.accel_bias_m_s2,
-    ])  # fmt: skip
+    return np.hstack(
+        [
+            twists[:, 0],
+            twists[:, 1, 3:],
+            run.gyro_bias[k] - fused.gyro_bias_rad_s,
+            run.accel_bias[k] - fused.accel_bias_m_s2,
+        ]
+    )
 
 
 def some_intervals(rng, count=40, dt_s=0.005) -> Intervals:
@@ -179,10 +183,9 @@ def test_smoothed_covariances_are_symmetric_positive_and_smaller(record, rng, mo
 
 
 def test_innovations_are_white_with_six_degrees_of_freedom(record):
-    nis = np.concatenate([
-        record(np.random.default_rng(seed), 5.0).fuse(smoothed=False).nis[5:]
-        for seed in range(6)
-    ])  # fmt: skip
+    nis = np.concatenate(
+        [record(np.random.default_rng(seed), 5.0).fuse(smoothed=False).nis[5:] for seed in range(6)]
+    )
     low, high = chi2.ppf([0.001, 0.999], 6 * nis.size) / nis.size
     assert low < np.mean(nis) < high
 
@@ -206,9 +209,10 @@ def test_the_backward_pass_is_gtsams_batch_optimum(record, rng):
 def gtsam_batch(gtsam, run) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
     """Poses (4, 4), velocities and biases (accelerometer first) at the measured stamps."""
     noise, graph, values = run.noise, gtsam.NonlinearFactorGraph(), gtsam.Values()
-    sigmas, x, v, b = gtsam.noiseModel.Diagonal.Sigmas, *(
-        lambda i, letter=letter: gtsam.symbol(letter, i) for letter in "xvb"
-    )  # fmt: skip
+    sigmas, x, v, b = (
+        gtsam.noiseModel.Diagonal.Sigmas,
+        *(lambda i, letter=letter: gtsam.symbol(letter, i) for letter in "xvb"),
+    )
     stamps, poses = run.measurements.trajectory.time_ns, run.measurements.trajectory.poses
     bodies = poses @ run.imu_T_camera.inverse()
     adjoint = gtsam.Pose3(run.imu_T_camera.as_matrix()).AdjointMap()

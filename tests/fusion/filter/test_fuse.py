@@ -241,11 +241,15 @@ def test_refusals(record, rng):
     with pytest.raises(ValueError, match=r"FilterSettings.gravity_m_s2: expected a number above 0"):
         FilterSettings(gravity_m_s2=float("nan"))
     for name, value in (
-        ("outlier_threshold", 0.5), ("patience", 1), ("gap_s", 0.0), ("gap_rate_rad_s", -1.0),
-        ("gravity_sigma_rad", float("inf")), ("extrinsics_sigma_m", -0.1),
+        ("outlier_threshold", 0.5),
+        ("patience", 1),
+        ("gap_s", 0.0),
+        ("gap_rate_rad_s", -1.0),
+        ("gravity_sigma_rad", float("inf")),
+        ("extrinsics_sigma_m", -0.1),
         ("time_offset_sigma_s", -1.0),
         ("initial_tilt_error_rad", float("nan")),
-    ):  # fmt: skip
+    ):
         with pytest.raises(ValueError, match=rf"FilterSettings.{name}: expected"):
             FilterSettings(**{name: value})
     with pytest.raises(ValueError, match=r"RestDetection.window_s: expected a number above 0"):

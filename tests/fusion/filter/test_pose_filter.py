@@ -24,9 +24,11 @@ def fed(run, arrivals, **options) -> PoseFilter:
     stream = PoseFilter(run.noise, run.imu_T_camera, **options)
     path, waiting = run.measurements.trajectory, sorted(arrivals)
     for time_ns, rate, force in zip(
-        run.imu.time_ns.tolist(), run.imu.angular_rate_rad_s, run.imu.specific_force_m_s2,
+        run.imu.time_ns.tolist(),
+        run.imu.angular_rate_rad_s,
+        run.imu.specific_force_m_s2,
         strict=True,
-    ):  # fmt: skip
+    ):
         stream.imu(time_ns, rate, force)
         while waiting and waiting[0][0] <= time_ns:
             k = waiting.pop(0)[1]
@@ -277,9 +279,9 @@ def test_a_wrong_start_is_given_up(record, rng):
     """The first pose is an outlier: live five more are left out, looking back only the first."""
     run = record(rng, 4.0)
     poses = run.measurements.trajectory.poses.coefficients.copy()
-    poses[0] = (run.measurements.trajectory.motors[0] @ Motor.from_twist(
-        [0.5, 0.0, 0.3, 1.0, 0.0, -0.8]
-    )).coefficients  # fmt: skip
+    poses[0] = (
+        run.measurements.trajectory.motors[0] @ Motor.from_twist([0.5, 0.0, 0.3, 1.0, 0.0, -0.8])
+    ).coefficients
     path = replace(run.measurements.trajectory, poses=Motor(poses))
     fused = fuse(
         PoseMeasurements(path, run.measurements.covariance), run.imu, run.noise, run.imu_T_camera

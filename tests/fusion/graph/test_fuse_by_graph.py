@@ -64,9 +64,12 @@ def test_the_batch_is_what_filter_and_backward_pass_come_to(record: Record, rng)
     assert np.max(np.abs(both - np.eye(15))) < 0.1
     sigma = np.sqrt(np.einsum("kii->ki", by_filter.state_covariance))
     biases = np.concatenate(
-        [batch.gyro_bias_rad_s - by_filter.gyro_bias_rad_s,
-         batch.accel_bias_m_s2 - by_filter.accel_bias_m_s2], axis=-1,
-    )  # fmt: skip
+        [
+            batch.gyro_bias_rad_s - by_filter.gyro_bias_rad_s,
+            batch.accel_bias_m_s2 - by_filter.accel_bias_m_s2,
+        ],
+        axis=-1,
+    )
     assert np.max(np.abs(biases) / sigma[:, 9:]) < 1.0
     assert np.max(np.abs(batch.velocity_m_s - by_filter.velocity_m_s)) < np.max(sigma[:, 6:9])
 

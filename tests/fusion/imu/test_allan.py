@@ -68,9 +68,11 @@ def test_four_hours_give_the_simulated_densities_back():
     simulated = simulate_imu(path, 40.0, ADIS16448, np.random.default_rng(0))
     found = estimate_noise(simulated.stream)
     for name in (
-        "gyro_density_rad_s_rthz", "gyro_walk_rad_s2_rthz",
-        "accel_density_m_s2_rthz", "accel_walk_m_s3_rthz",
-    ):  # fmt: skip
+        "gyro_density_rad_s_rthz",
+        "gyro_walk_rad_s2_rthz",
+        "accel_density_m_s2_rthz",
+        "accel_walk_m_s3_rthz",
+    ):
         assert getattr(found.noise, name) == pytest.approx(getattr(ADIS16448, name), rel=0.1)
     # and each axis alone, by its own deviation
     for axis in found.gyro:

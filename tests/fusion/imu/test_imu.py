@@ -88,11 +88,13 @@ def test_simulated_readings_integrate_back_to_the_path(handheld, rng):
         q_rate = 0.5 * np.append(state[3] * rate + np.cross(state[:3], rate), -state[:3] @ rate)
         return np.concatenate([q_rate, turn.apply(force) - [0.0, 0.0, 9.81], state[4:7]])
 
-    start = np.concatenate([
-        Rotation.from_matrix(path.poses[0].rotor.as_matrix()).as_quat(),
-        simulated.velocity_m_s[0],
-        path.poses[0].translation_m,
-    ])  # fmt: skip
+    start = np.concatenate(
+        [
+            Rotation.from_matrix(path.poses[0].rotor.as_matrix()).as_quat(),
+            simulated.velocity_m_s[0],
+            path.poses[0].translation_m,
+        ]
+    )
     end = solve_ivp(slope, (0.0, seconds[-1]), start, rtol=1e-9, atol=1e-11).y[:, -1]
     np.testing.assert_allclose(end[7:], path.poses[-1].translation_m, atol=1e-5)
     np.testing.assert_allclose(end[4:7], simulated.velocity_m_s[-1], atol=1e-5)

@@ -55,10 +55,16 @@ def test_two_seconds_say_nothing_of_the_unit_of_the_rate():
     with pytest.raises(ValueError, match="angular_rate_rad_s: expected radians a second"):
         screen_imu(degrees)
     short = slice(0, 500)
-    assert screen_imu(ImuStream(
-        degrees.time_ns[short], degrees.angular_rate_rad_s[short],
-        degrees.specific_force_m_s2[short],
-    )) == ()  # fmt: skip
+    assert (
+        screen_imu(
+            ImuStream(
+                degrees.time_ns[short],
+                degrees.angular_rate_rad_s[short],
+                degrees.specific_force_m_s2[short],
+            )
+        )
+        == ()
+    )
 
 
 @pytest.mark.parametrize(
@@ -90,8 +96,10 @@ def test_saturation_is_told_of_the_axis_that_has_it():
     limited = ridden("gimbal_crossing", ImuFaults(gyro_range_rad_s=0.8 * peak))
     told = screen_imu(limited)
     assert len(told) == 2
-    assert all(f"angular rate y reads exactly {sign}{0.8 * peak:.6g}" in line
-               for sign, line in zip(("", "-"), told, strict=True))  # fmt: skip
+    assert all(
+        f"angular rate y reads exactly {sign}{0.8 * peak:.6g}" in line
+        for sign, line in zip(("", "-"), told, strict=True)
+    )
     coarse = ImuFaults(gyro_step_rad_s=7e-4, accel_step_m_s2=8e-3)
     assert screen_imu(ridden("stop_and_go", coarse)) == ()
 

@@ -78,10 +78,12 @@ def integrated(simulated: SimulatedImu) -> tuple[FloatArray, FloatArray]:
 def test_integrating_the_samples_errs_by_the_square_of_the_step(name, rng):
     """Halving the step must take at least 3.5-fold off the error, of both turn and place."""
     path = ContinuousPath.through(MOTIONS[name].sampled(50.0, 4.0), 0.1)
-    errors = np.array([
-        integrated(simulate_imu(path, rate_hz, None, rng))
-        for rate_hz in (50.0, 100.0, 200.0, 400.0)
-    ])  # fmt: skip
+    errors = np.array(
+        [
+            integrated(simulate_imu(path, rate_hz, None, rng))
+            for rate_hz in (50.0, 100.0, 200.0, 400.0)
+        ]
+    )
     assert np.all(errors[:-1] / errors[1:] >= 3.5)
     assert np.all(errors[-1] < 3e-4)
 
@@ -115,9 +117,12 @@ def test_a_late_clock_stamps_the_same_samples_later(rng):
 
 def test_scale_misalignment_and_bias_are_kalibrs_matrix(rng):
     faults = ImuFaults(
-        gyro_scale=[1.01, 0.99, 1.02], gyro_misalignment_rad=[0.01, -0.02, 0.03],
-        accel_scale=0.98, gyro_bias_rad_s=[0.1, 0.2, 0.3], accel_bias_m_s2=-0.5,
-    )  # fmt: skip
+        gyro_scale=[1.01, 0.99, 1.02],
+        gyro_misalignment_rad=[0.01, -0.02, 0.03],
+        accel_scale=0.98,
+        gyro_bias_rad_s=[0.1, 0.2, 0.3],
+        accel_bias_m_s2=-0.5,
+    )
     path = ContinuousPath.along(MOTIONS["tumble"], 2.0)
     right = simulate_imu(path, 100.0, None, rng).stream
     wrong = simulate_imu(path, 100.0, None, rng, faults=faults)

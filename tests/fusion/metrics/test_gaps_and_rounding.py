@@ -24,9 +24,12 @@ def along(stamps_ms, way_m) -> Trajectory:
     """Shift by these metres along z, and turn by as many radians about x."""
     stamps = np.round(np.asarray(stamps_ms) * MS).astype(np.int64)
     way = np.asarray(way_m)[:, None]
-    return Trajectory(stamps, Motor.from_rotor_translation(
-        Rotor.from_rotation_vector(way * [1.0, 0.0, 0.0]), way * [0.0, 0.0, 1.0]
-    ))  # fmt: skip
+    return Trajectory(
+        stamps,
+        Motor.from_rotor_translation(
+            Rotor.from_rotation_vector(way * [1.0, 0.0, 0.0]), way * [0.0, 0.0, 1.0]
+        ),
+    )
 
 
 def still(stamps_ms) -> Trajectory:
@@ -213,13 +216,19 @@ def test_no_score_is_made_of_rounding(size, told):
     """A tremor of so many metres on a path a metre from the origin."""
     stamps = np.arange(50) * 10
     tremor = size * np.sin(np.arange(50.0))
-    moved = Trajectory(stamps * MS, Motor.from_rotor_translation(
-        Rotor.identity((50,)), np.ones(50)[:, None] + tremor[:, None] * [1.0, 0.0, 0.0]
-    ))  # fmt: skip
+    moved = Trajectory(
+        stamps * MS,
+        Motor.from_rotor_translation(
+            Rotor.identity((50,)), np.ones(50)[:, None] + tremor[:, None] * [1.0, 0.0, 0.0]
+        ),
+    )
     assert (log_dimensionless_jerk(moved).linear is not None) is told
-    turned = Trajectory(stamps * MS, Motor.from_rotor_translation(
-        Rotor.from_rotation_vector(tremor[:, None] * [1.0, 0.0, 0.0]), np.zeros((50, 3))
-    ))  # fmt: skip
+    turned = Trajectory(
+        stamps * MS,
+        Motor.from_rotor_translation(
+            Rotor.from_rotation_vector(tremor[:, None] * [1.0, 0.0, 0.0]), np.zeros((50, 3))
+        ),
+    )
     assert (log_dimensionless_jerk(turned).angular is not None) is told
 
 

@@ -43,9 +43,9 @@ def test_the_path_of_euler_angles_over_the_geodesic(start, end, ratio):
     assert path_over_geodesic(euler) == pytest.approx(scipys, rel=1e-9)
 
 
-@pytest.mark.parametrize(("start", "end", "turns"), [(*row[:2], n) for row, n in zip(
-    TABLE, (1, 1, 0, 0), strict=True
-)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("start", "end", "turns"), [(*row[:2], n) for row, n in zip(TABLE, (1, 1, 0, 0), strict=True)]
+)
 def test_the_long_detours_are_whole_turns(start, end, turns):
     euler, rotors, _ = ways(start, end)
     stamps = np.arange(STEPS + 1, dtype=np.int64) * 10_000_000
@@ -58,9 +58,7 @@ def test_the_long_detours_are_whole_turns(start, end, turns):
     assert gimbal_index(truth, truth).spurious_turns == 0
 
 
-@pytest.mark.parametrize(
-    ("pitch_deg", "ratio"), [(80.0, "5.8"), (89.0, "57.3"), (89.9, "573")]
-)  # fmt: skip
+@pytest.mark.parametrize(("pitch_deg", "ratio"), [(80.0, "5.8"), (89.0, "57.3"), (89.9, "573")])
 def test_the_peak_rate_of_euler_angles_over_the_true_rate(pitch_deg, ratio):
     """Swinging past the pole at a pitch of that many degrees, as 1 / cos(pitch)."""
     motion = gimbal_crossing(1.0, np.deg2rad(90.0 - pitch_deg))

@@ -124,9 +124,10 @@ def test_what_stands_still_or_turns_evenly_has_no_lag(handheld):
 
 
 def opposite(trajectory: Trajectory) -> Trajectory:
-    return Trajectory(trajectory.time_ns, Motor.from_rotor_translation(
-        trajectory.motors.rotor, -trajectory.motors.translation_m
-    ))  # fmt: skip
+    return Trajectory(
+        trajectory.time_ns,
+        Motor.from_rotor_translation(trajectory.motors.rotor, -trajectory.motors.translation_m),
+    )
 
 
 @pytest.mark.parametrize(
@@ -146,9 +147,13 @@ def test_motion_the_other_way_fits_at_no_lag(handheld, tremor, said):
 @pytest.mark.parametrize(("size", "away"), [(0.2, 1.0), (1.0, 1e5), (30.0, 1.0)])
 def test_lag_does_not_depend_on_the_units_nor_on_where_the_origin_is(handheld, size, away):
     truth, late = handheld.trajectory(100.0, 24.0), late_by(handheld, 8.0)
-    scaled = Trajectory(late.time_ns, Motor.from_rotor_translation(
-        late.motors.rotor, size * late.motors.translation_m + away * np.array([100.0, -50.0, 3.0])
-    ))  # fmt: skip
+    scaled = Trajectory(
+        late.time_ns,
+        Motor.from_rotor_translation(
+            late.motors.rotor,
+            size * late.motors.translation_m + away * np.array([100.0, -50.0, 3.0]),
+        ),
+    )
     assert 1e3 * position_lag_s(scaled, truth) == pytest.approx(8.0, abs=0.01)
 
 

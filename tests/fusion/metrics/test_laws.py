@@ -50,8 +50,15 @@ ALONE = {
     "angular_log_jerk": lambda e, t: log_dimensionless_jerk(e).angular,
 }
 # Of the origin of the moving frame, so another origin gives another figure.
-OF_THE_ORIGIN = {"ape", "rpe_by_length", "drift", "linear_jitter", "linear_energy", "overshoot",
-                 "linear_log_jerk"}  # fmt: skip
+OF_THE_ORIGIN = {
+    "ape",
+    "rpe_by_length",
+    "drift",
+    "linear_jitter",
+    "linear_energy",
+    "overshoot",
+    "linear_log_jerk",
+}
 RIGID = [name for name in MOTIONS if name != "zoom"]
 
 

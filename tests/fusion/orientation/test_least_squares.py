@@ -16,9 +16,15 @@ from motorcade.ga import FloatArray
 STEP_S, GAP_S, COUNT, GRAVITY = 0.01, 0.5, 50, 9.81
 NOISE = ImuNoise(3e-3, 2e-3, 5e-2, 1e-3)
 MODEL = OrientationModel(
-    noise=NOISE, gyro_wander_sqrt_rad=1e-9, gyro_scale_deviation=1e-9, first_tilt_rad=0.05,
-    interval_s=0.9 * STEP_S, rest_after_s=1e9, speed_m_s=0.05, readings="interval",
-)  # fmt: skip
+    noise=NOISE,
+    gyro_wander_sqrt_rad=1e-9,
+    gyro_scale_deviation=1e-9,
+    first_tilt_rad=0.05,
+    interval_s=0.9 * STEP_S,
+    rest_after_s=1e9,
+    speed_m_s=0.05,
+    readings="interval",
+)
 LEAN = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])  # a small turn's horizontal share of "up"
 
 

@@ -82,8 +82,9 @@ def test_the_covariance_by_gtsams_rule_is_gtsams(name):
     # gtsam puts the accelerometer first and counts biases as taken off.
     order, sign = np.r_[:9, 12:15, 9:12], np.repeat([1.0, -1.0], [9, 6])
     theirs = sign[:, None] * theirs[np.ix_(order, order)] * sign
-    np.testing.assert_allclose(own / np.outer(sigma, sigma), theirs / np.outer(sigma, sigma),
-                               atol=1e-9)  # fmt: skip
+    np.testing.assert_allclose(
+        own / np.outer(sigma, sigma), theirs / np.outer(sigma, sigma), atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -100,9 +101,12 @@ def test_halved_steps_shrink_the_error_by_the_rules_order(name, rule, falls):
         pose, velocity = own.propagate(exact.pose[:1], exact.world_velocity_m_s[:1], GRAVITY)
         apart = (pose.inverse() @ exact.pose[-1:]).as_twist()
         errors.append(
-            [np.linalg.norm(apart[0, :3]), np.linalg.norm(apart[0, 3:]),
-             np.linalg.norm(velocity[0] - exact.world_velocity_m_s[-1])]
-        )  # fmt: skip
+            [
+                np.linalg.norm(apart[0, :3]),
+                np.linalg.norm(apart[0, 3:]),
+                np.linalg.norm(velocity[0] - exact.world_velocity_m_s[-1]),
+            ]
+        )
     for coarse, fine in pairwise(np.array(errors)):
         assert np.all(coarse / fine > falls)
 

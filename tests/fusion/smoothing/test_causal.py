@@ -22,8 +22,12 @@ from motorcade.fusion.smoothing.causal import CausalFilter
 from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Similarity, Trajectory
 
 FILTERS: tuple[type[CausalFilter], ...] = (
-    Exponential, DoubleExponential, OneEuro, ConstantVelocityFilter, ConstantAccelerationFilter,
-)  # fmt: skip
+    Exponential,
+    DoubleExponential,
+    OneEuro,
+    ConstantVelocityFilter,
+    ConstantAccelerationFilter,
+)
 
 
 def noisy(name: str, rng: np.random.Generator) -> Trajectory:

@@ -70,9 +70,12 @@ class Line:
         smoothed, variances, _, _ = kf.rts_smoother(x, p, f, q)
         by_axis = (len(z), 3, size)
         return (
-            x[..., 0].reshape(by_axis), smoothed[..., 0].reshape(by_axis),
-            np.diagonal(variances, axis1=1, axis2=2).reshape(by_axis), z, likelihood,
-        )  # fmt: skip
+            x[..., 0].reshape(by_axis),
+            smoothed[..., 0].reshape(by_axis),
+            np.diagonal(variances, axis1=1, axis2=2).reshape(by_axis),
+            z,
+            likelihood,
+        )
 
 
 def transition(size: int, dt: float) -> FloatArray:
@@ -176,11 +179,15 @@ def test_errors_are_as_large_as_the_smoother_says(
         error = (truth.poses.inverse() @ states.trajectory.poses).as_twist()[:, None]
         errors = np.concatenate([error, states.rates - rates], axis=1)[inner]
         blocks = range(states.deviations.shape[1])
-        squares.append([
-            np.mean((errors[..., 3 * b : 3 * b + 3] / states.deviations[inner, b, :, None]) ** 2,
-                    axis=(0, 2))
-            for b in blocks
-        ])  # fmt: skip
+        squares.append(
+            [
+                np.mean(
+                    (errors[..., 3 * b : 3 * b + 3] / states.deviations[inner, b, :, None]) ** 2,
+                    axis=(0, 2),
+                )
+                for b in blocks
+            ]
+        )
     found = np.mean(squares, axis=0)
     assert np.all((found > 0.7) & (found < 1.3)), found
 
@@ -293,9 +300,14 @@ def test_long_gaps_do_not_make_the_smoother_run_away(
     poses = Motor.from_twist(twists) @ Motor.from_twist(noise)
     path = Trajectory(np.round(1e9 * time_s).astype(np.int64), poses)
     found = smooth(
-        path, "rts_constant_acceleration", representation,
-        jerk_m_s3=3.0, angular_jerk_rad_s3=3.0, noise_m=0.002, noise_rad=0.002,
-    )  # fmt: skip
+        path,
+        "rts_constant_acceleration",
+        representation,
+        jerk_m_s3=3.0,
+        angular_jerk_rad_s3=3.0,
+        noise_m=0.002,
+        noise_rad=0.002,
+    )
     apart = (path.poses.inverse() @ found.poses).as_twist()
     assert np.abs(apart).max() < 0.02
 

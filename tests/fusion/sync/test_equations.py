@@ -26,12 +26,18 @@ def test_an_interval_between_states_that_fit_leaves_nothing(rng):
     place = start.translation_m + velocity * seconds + 0.5 * GRAVITY * seconds**2
     end = Motor.from_rotor_translation(start.rotor @ turn, place + start.rotor.apply(shift))
     later = velocity + GRAVITY * seconds + start.rotor.apply(gain)
-    pair = np.stack([Motor.from_rotor_translation(turn, one).coefficients for one in (shift, gain)],
-                    axis=1)  # fmt: skip
+    pair = np.stack(
+        [Motor.from_rotor_translation(turn, one).coefficients for one in (shift, gain)], axis=1
+    )
     residual, _ = interval_residuals(
-        (start.coefficients, end.coefficients), (velocity, later), np.zeros((5, 6)), GRAVITY,
-        pair.reshape(5, 16), np.zeros((5, 9, 6)), dt,
-    )  # fmt: skip
+        (start.coefficients, end.coefficients),
+        (velocity, later),
+        np.zeros((5, 6)),
+        GRAVITY,
+        pair.reshape(5, 16),
+        np.zeros((5, 9, 6)),
+        dt,
+    )
     np.testing.assert_allclose(residual, 0.0, atol=1e-12)
 
 
@@ -60,9 +66,13 @@ def test_derivatives_of_an_interval_are_differences(rng):
         own = [moved(one, twist) for one, twist in zip(pair, twists, strict=True)]
         return interval_residuals(
             (moved(start, step[:6]), moved(end, step[15:21])),
-            (v0 + step[6:9], v1 + step[21:24]), biases + step[24:30] - step[9:15],
-            GRAVITY + step[30:], np.concatenate(own, axis=-1), jacobian, dt,
-        )[0][0]  # fmt: skip
+            (v0 + step[6:9], v1 + step[21:24]),
+            biases + step[24:30] - step[9:15],
+            GRAVITY + step[30:],
+            np.concatenate(own, axis=-1),
+            jacobian,
+            dt,
+        )[0][0]
 
     _, slope = interval_residuals((start, end), (v0, v1), biases, GRAVITY, motion, jacobian, dt)
     numeric = np.stack(

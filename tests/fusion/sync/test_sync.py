@@ -85,10 +85,14 @@ def test_offset_and_mount_are_found_within_their_stated_uncertainty(rng, name, o
 @pytest.mark.slow
 def test_over_many_runs_errors_are_as_large_as_stated():
     squares = [
-        np.sum(errors_in_deviations(synchronise(*recorded(np.random.default_rng(seed)),
-                                                ADIS16448, search_s=0.2), 0.02) ** 2)
+        np.sum(
+            errors_in_deviations(
+                synchronise(*recorded(np.random.default_rng(seed)), ADIS16448, search_s=0.2), 0.02
+            )
+            ** 2
+        )
         for seed in range(16)
-    ]  # fmt: skip
+    ]
     low, high = chi2.ppf([0.001, 0.999], 7 * len(squares))
     assert low < np.sum(squares) < high
 
@@ -193,9 +197,12 @@ def test_on_a_real_flight_an_injected_offset_is_found_to_a_millisecond(data_dir:
     imu = read_imu(data_dir / "imu" / "V102_imu.txt")
     truth = read_trajectory(data_dir / "imu" / "V1_02_medium.csv")
     camera = simulate_camera_poses(
-        truth.transformed_by(right=IMU_T_CAMERA), 20.0, SIGMA_M, SIGMA_RAD,
+        truth.transformed_by(right=IMU_T_CAMERA),
+        20.0,
+        SIGMA_M,
+        SIGMA_RAD,
         np.random.default_rng(offset_ms),
-    ).trajectory  # fmt: skip
+    ).trajectory
     found = synchronise(later(camera, -1e-3 * offset_ms), imu, ADIS16448)
     assert 1e3 * found.offset_s == pytest.approx(offset_ms, abs=1.0)
     assert found.offset_sigma_s < 1e-3

@@ -66,14 +66,17 @@ def test_the_scale_is_found_to_one_per_cent_from_noisy_poses(rng, name):
     speed = np.linalg.norm(simulated.velocity_m_s[rows], axis=-1)
     assert np.max(np.abs(np.linalg.norm(start.velocity_m_s, axis=-1) - speed)) < 0.05
     metric = start.in_metres(in_units(truth))
-    lengths = [np.linalg.norm(np.diff(p.motors.translation_m, axis=0), axis=-1).sum()
-               for p in (metric, truth)]  # fmt: skip
+    lengths = [
+        np.linalg.norm(np.diff(p.motors.translation_m, axis=0), axis=-1).sum()
+        for p in (metric, truth)
+    ]
     assert lengths[0] == pytest.approx(lengths[1], rel=0.01)
     apart = metric.motors[0].inverse() @ metric.motors[-1]
     np.testing.assert_allclose(
-        apart.rotor.as_matrix(), (truth.motors[0].inverse() @ truth.motors[-1]).rotor.as_matrix(),
+        apart.rotor.as_matrix(),
+        (truth.motors[0].inverse() @ truth.motors[-1]).rotor.as_matrix(),
         atol=1e-9,
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.slow

@@ -41,9 +41,15 @@ class Scene:
 
     def adjusted(self, keyframes: Trajectory, landmarks_m: FloatArray) -> VisualInertial:
         return adjust_visual_inertial(
-            keyframes, landmarks_m, self.observations, CAMERA, self.imu, ADIS16448, IMU_T_CAMERA,
+            keyframes,
+            landmarks_m,
+            self.observations,
+            CAMERA,
+            self.imu,
+            ADIS16448,
+            IMU_T_CAMERA,
             sigma_px=SIGMA_PX,
-        )  # fmt: skip
+        )
 
 
 @pytest.fixture(scope="module")
@@ -86,8 +92,9 @@ def test_a_monocular_start_becomes_metric(scene: Scene):
         rng.standard_normal((len(scene.keyframes), 6)) * np.repeat([0.003, 0.01], 3)
     )
     poses = scene.keyframes.motors @ noise
-    turned = Motor.from_rotor_translation(visual.rotor @ poses.rotor,
-                                          visual.apply(poses.translation_m))  # fmt: skip
+    turned = Motor.from_rotor_translation(
+        visual.rotor @ poses.rotor, visual.apply(poses.translation_m)
+    )
     path = Trajectory(scene.keyframes.time_ns, turned, "visual")
     points = visual.apply(scene.landmarks_m + 0.03 * rng.standard_normal(scene.landmarks_m.shape))
     spread = np.diag(np.repeat([0.003, 0.01 * 0.27], 3) ** 2)
@@ -158,9 +165,15 @@ def test_bad_input_is_refused(scene: Scene):
         scene.adjusted(later, scene.landmarks_m)
     with pytest.raises(ValueError, match="sigma_px"):
         adjust_visual_inertial(
-            scene.keyframes, scene.landmarks_m, seen, CAMERA, scene.imu, ADIS16448, IMU_T_CAMERA,
+            scene.keyframes,
+            scene.landmarks_m,
+            seen,
+            CAMERA,
+            scene.imu,
+            ADIS16448,
+            IMU_T_CAMERA,
             sigma_px=0.0,
-        )  # fmt: skip
+        )
 
 
 def test_a_run_of_slam_becomes_a_metric_path_through_darkness(scene: Scene):
@@ -182,15 +195,28 @@ def test_a_run_of_slam_becomes_a_metric_path_through_darkness(scene: Scene):
     straight = CAMERA.undistort(observed.px)
     count = len(scene.landmarks_m)
     snapshot = MapSnapshot(
-        keyframes.time_ns, keyframes.motors, visual.apply(scene.landmarks_m),
-        np.zeros((count, 32), np.uint8), observed.keyframe, observed.landmark, straight,
-        np.full(len(observed), np.nan), False,
-    )  # fmt: skip
+        keyframes.time_ns,
+        keyframes.motors,
+        visual.apply(scene.landmarks_m),
+        np.zeros((count, 32), np.uint8),
+        observed.keyframe,
+        observed.landmark,
+        straight,
+        np.full(len(observed), np.nan),
+        False,
+    )
     spread = np.diag(np.repeat([0.001, 0.003 * 0.27], 3) ** 2)
     result = SlamResult(
-        frames, np.tile(spread, (len(frames), 1, 1)), truth.time_ns,
-        tuple("tracking" if one else "lost" for one in seen), None, snapshot, False, 0, {},
-    )  # fmt: skip
+        frames,
+        np.tile(spread, (len(frames), 1, 1)),
+        truth.time_ns,
+        tuple("tracking" if one else "lost" for one in seen),
+        None,
+        snapshot,
+        False,
+        0,
+        {},
+    )
     found = fuse_map(result, CAMERA, scene.imu, ADIS16448, IMU_T_CAMERA)
     np.testing.assert_array_equal(found.fused.trajectory.time_ns, truth.time_ns)
     judged = evaluate(found.fused.trajectory, truth, align="se3")

@@ -52,9 +52,21 @@ def test_blades_that_are_zero_or_several() -> None:
 
 @pytest.mark.parametrize(
     "value",
-    [np.nan, np.inf, np.array([1.0, np.nan]), "1", None, True, 1j, np.array([1j]), [1.0],
-     np.array(["a"]), np.array([True]), EGA3.blade("e1")],
-)  # fmt: skip
+    [
+        np.nan,
+        np.inf,
+        np.array([1.0, np.nan]),
+        "1",
+        None,
+        True,
+        1j,
+        np.array([1j]),
+        [1.0],
+        np.array(["a"]),
+        np.array([True]),
+        EGA3.blade("e1"),
+    ],
+)
 def test_coefficients_that_are_no_real_numbers(value: Any) -> None:
     refused(lambda: EGA3.multivector({"e1": value}), "coefficient of e1: expected")
 
@@ -62,10 +74,17 @@ def test_coefficients_that_are_no_real_numbers(value: Any) -> None:
 def test_mixed_algebras() -> None:
     a, b = EGA3.blade("e1"), PGA3.blade("e1")
     for call in (
-        lambda: a * b, lambda: a + b, lambda: a - b, lambda: a ^ b, lambda: a | b, lambda: a & b,
-        lambda: a.sandwich(b), lambda: a.commutator(b), lambda: a / b,
+        lambda: a * b,
+        lambda: a + b,
+        lambda: a - b,
+        lambda: a ^ b,
+        lambda: a | b,
+        lambda: a & b,
+        lambda: a.sandwich(b),
+        lambda: a.commutator(b),
+        lambda: a / b,
         lambda: a.from_orthogonal(CGA3),
-    ):  # fmt: skip
+    ):
         refused(call, "of one algebra|expected a multivector of")
 
 

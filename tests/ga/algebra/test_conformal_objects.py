@@ -225,9 +225,12 @@ def test_motors_move_every_object_as_a_body(spots: np.ndarray, rng: np.random.Ge
     motor = Motor.random(rng, (20,))
     versor, moved = cga.of_versor(motor), [motor.apply(x) for x in spots]
     for build, count in (
-        (cga.point_pair, 2), (cga.line_through, 2), (cga.circle_through, 3),
-        (cga.plane_through, 3), (cga.sphere_through, 4),
-    ):  # fmt: skip
+        (cga.point_pair, 2),
+        (cga.line_through, 2),
+        (cga.circle_through, 3),
+        (cga.plane_through, 3),
+        (cga.sphere_through, 4),
+    ):
         carried, expected = versor.sandwich(build(*spots[:count])), build(*moved[:count])
         assert carried.grades == expected.grades
         assert largest(carried - expected) < 1e-9 * max(1.0, largest(expected))

@@ -61,9 +61,12 @@ def conformal() -> Witness:
     blades = layout.blades
     ep, em = blades["e4"], blades["e5"]
     vectors = {
-        "e1": blades["e1"], "e2": blades["e2"], "e3": blades["e3"],
-        "e0": 0.5 * (em - ep), "einf": ep + em,
-    }  # fmt: skip
+        "e1": blades["e1"],
+        "e2": blades["e2"],
+        "e3": blades["e3"],
+        "e0": 0.5 * (em - ep),
+        "einf": ep + em,
+    }
     return Witness(CGA3, layout, vectors)
 
 

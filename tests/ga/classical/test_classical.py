@@ -53,8 +53,9 @@ def test_rotation_vectors_become_scipys_quaternions(rng: np.random.Generator) ->
     np.testing.assert_allclose(
         quaternion_from_rotation_vector(vectors),
         Rotation.from_rotvec(vectors).as_quat(scalar_first=True, canonical=False),
-        rtol=0, atol=1e-15,
-    )  # fmt: skip
+        rtol=0,
+        atol=1e-15,
+    )
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-8, 3e-8, 1e-3, 1.0, np.pi - 1e-6])

@@ -105,9 +105,9 @@ def pair(classical: str, rng: np.random.Generator) -> tuple[Motor, Motor, AnyPos
     return a, b, CLASSICAL[classical](a), CLASSICAL[classical](b)
 
 
-@pytest.mark.parametrize(("name", "holds"), [
-    ("quaternion", True), ("dual quaternion", True), ("euler xyz", False)
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "holds"), [("quaternion", True), ("dual quaternion", True), ("euler xyz", False)]
+)
 def test_left_invariance(name: str, holds: bool, rng: np.random.Generator) -> None:
     a, b, one, two = pair(name, rng)
     moved = Motor.random(rng)
@@ -116,9 +116,9 @@ def test_left_invariance(name: str, holds: bool, rng: np.random.Generator) -> No
     assert off(path, again) < ANGLES_OFF if holds else off(path, again) > 0.1
 
 
-@pytest.mark.parametrize(("name", "holds"), [
-    ("quaternion", False), ("dual quaternion", True), ("euler xyz", False)
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "holds"), [("quaternion", False), ("dual quaternion", True), ("euler xyz", False)]
+)
 def test_right_invariance(name: str, holds: bool, rng: np.random.Generator) -> None:
     a, b, one, two = pair(name, rng)
     mount = Motor.random(rng)
@@ -279,9 +279,13 @@ def test_unknown_methods_are_refused(rng: np.random.Generator) -> None:
 def test_batches_broadcast_or_are_refused(classical: Callable[[Motor], AnyPose],
                                           rng: np.random.Generator) -> None:  # fmt: skip
     three, four = classical(Motor.random(rng, (3,))), classical(Motor.random(rng, (4,)))
-    for act in (lambda: three @ four, lambda: three.interpolate(four, 0.5),
-                lambda: three.apply(np.zeros((4, 3))), lambda: three.interpolate(three, [0, 1]),
-                lambda: three.blend(np.ones(5))):  # fmt: skip
+    for act in (
+        lambda: three @ four,
+        lambda: three.interpolate(four, 0.5),
+        lambda: three.apply(np.zeros((4, 3))),
+        lambda: three.interpolate(three, [0, 1]),
+        lambda: three.blend(np.ones(5)),
+    ):
         with pytest.raises(ValueError, match="expected"):
             act()
     assert (three.reshape(3, 1) @ four).shape == (3, 4)
@@ -309,8 +313,16 @@ def test_values_are_frozen_and_batches_behave_as_arrays(
     np.testing.assert_array_equal(make.stack(rows).coefficients, batch.coefficients)
     joined = make.concatenate(rows)
     np.testing.assert_array_equal(joined.coefficients, batch.reshape(12).coefficients)
-    for one in (batch, batch @ batch, batch[1], joined, batch.inverse(), copy.deepcopy(batch),
-                pickle.loads(pickle.dumps(batch)), batch.interpolate(batch, 0.5)):  # fmt: skip
+    for one in (
+        batch,
+        batch @ batch,
+        batch[1],
+        joined,
+        batch.inverse(),
+        copy.deepcopy(batch),
+        pickle.loads(pickle.dumps(batch)),
+        batch.interpolate(batch, 0.5),
+    ):
         assert vars(one).keys() == vars(batch).keys()
         with pytest.raises(ValueError, match="read-only"):
             one.coefficients[..., 0] = 2.0
@@ -336,10 +348,14 @@ def test_euler_poses_are_intrinsic_xyz_unless_said(rng: np.random.Generator) -> 
     wxyz, t = Rotor.random(rng, (3,)).as_quaternion(), rng.standard_normal((3, 3))
     given = EulerPose.from_quaternion_translation(wxyz, t)
     made = [
-        given, EulerPose.identity((3,)), EulerPose.random(rng, (3,)),
-        EulerPose.normalize(given.coefficients), EulerPose.exp(given.log()),
-        EulerPose.from_matrix(given.as_matrix()), EulerPose(given.coefficients),
-    ]  # fmt: skip
+        given,
+        EulerPose.identity((3,)),
+        EulerPose.random(rng, (3,)),
+        EulerPose.normalize(given.coefficients),
+        EulerPose.exp(given.log()),
+        EulerPose.from_matrix(given.as_matrix()),
+        EulerPose(given.coefficients),
+    ]
     assert {(pose.sequence, pose.extrinsic) for pose in made} == {("xyz", False)}
     witness = Rotation.from_euler("XYZ", given.angles_rad).as_matrix()
     np.testing.assert_allclose(given.as_matrix()[:, :3, :3], witness, rtol=0, atol=1e-13)

@@ -41,8 +41,10 @@ def test_means_are_those_of_rotors_and_motors(count: int, rng: np.random.Generat
     points = rng.standard_normal((4, 3))
     np.testing.assert_allclose(
         dual_quaternion_apply(dual_quaternion_mean(duals, weights), points),
-        mean(motions, weights).apply(points), rtol=0, atol=1e-11,
-    )  # fmt: skip
+        mean(motions, weights).apply(points),
+        rtol=0,
+        atol=1e-11,
+    )
 
 
 def test_the_mean_leaves_rotation_vectors_that_cancel(rng: np.random.Generator) -> None:

@@ -10,11 +10,20 @@ from motorcade.ga.codegen.tape import Node, Operand, Tape
 _VARIABLES = ("a", "b", "c", "d")
 _BLADES = ("e1", "e2", "e3", "einf", "e0", "e1^e2", "e2^e3", "e3^e1")
 _WRAPPED = (
-    "abs({x})", "(~{x})", "(-{x})", "({x}*{x})", "({x}/abs({x}*~{x} + 7 + {v}*{v}))",
-    "({x}*invert(3 + {v}*e1^e2))", "(sin({v}*2)*{x})", "(cos({v})*{x})", "({x}/({v}*{v}*{w}))",
-    "(sqrt({v}*{v} + 1)*{x}/sqrt({v}*{v} + 1))", "(atan({v}/{w})*{x})", "(exp(-{v}*{v})*{x})",
+    "abs({x})",
+    "(~{x})",
+    "(-{x})",
+    "({x}*{x})",
+    "({x}/abs({x}*~{x} + 7 + {v}*{v}))",
+    "({x}*invert(3 + {v}*e1^e2))",
+    "(sin({v}*2)*{x})",
+    "(cos({v})*{x})",
+    "({x}/({v}*{v}*{w}))",
+    "(sqrt({v}*{v} + 1)*{x}/sqrt({v}*{v} + 1))",
+    "(atan({v}/{w})*{x})",
+    "(exp(-{v}*{v})*{x})",
     "(floor(3*{v})*{x})",
-)  # fmt: skip
+)
 
 
 @pytest.fixture

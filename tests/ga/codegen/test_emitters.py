@@ -36,10 +36,14 @@ def everything(precision: Precision, x: Any, y: Any) -> Sequence[Sequence[Any]]:
     chosen = ca.if_else(ca.logic_and(a < b, ca.logic_not(c <= t)), -a * b, 2.0)
     either = ca.if_else(ca.logic_or(a == b, b != c), ca.fmin(a, c), -1.5)
     root = ca.sqrt(ca.fabs(a * b)) / (1 + ca.fmax(b, t) ** 2)
-    return [[
-        chosen - (a * b + c * t + a * b + c * t), either / root + c / root,
-        ca.floor(a * 3 + 0.5) - (b - (c - t)), -(-1 * a) - a + 1 / (c * c + 1) + precision.epsilon,
-    ]]  # fmt: skip
+    return [
+        [
+            chosen - (a * b + c * t + a * b + c * t),
+            either / root + c / root,
+            ca.floor(a * 3 + 0.5) - (b - (c - t)),
+            -(-1 * a) - a + 1 / (c * c + 1) + precision.epsilon,
+        ]
+    ]
 
 
 KERNEL = Kernel("everything", "tests", "All operations at once", (X, Y), (OUT,), everything)
@@ -83,9 +87,12 @@ def test_c_code_compiles_without_warnings_and_computes_what_casadi_computes(
     out = np.zeros((4, 64), precision.numpy)
     pointers, steps = ctypes.c_void_p * 2, ctypes.c_ssize_t * 2
     entry(
-        pointers(x.ctypes.data, y.ctypes.data), steps(64, 0),
-        pointers(out.ctypes.data), steps(64), ctypes.c_size_t(4),
-    )  # fmt: skip
+        pointers(x.ctypes.data, y.ctypes.data),
+        steps(64, 0),
+        pointers(out.ctypes.data),
+        steps(64),
+        ctypes.c_size_t(4),
+    )
     expected = witness(x.T, y, precision)
     np.testing.assert_allclose(
         out.T, expected, rtol=64 * precision.epsilon, atol=64 * precision.epsilon

@@ -71,9 +71,15 @@ def test_elements_with_an_imaginary_part_are_no_fractions() -> None:
 
 @pytest.mark.parametrize(
     "value",
-    [Fraction(LARGEST, LARGEST - 1), Fraction(-LARGEST, LARGEST - 1), Fraction(1, LARGEST),
-     Fraction(-1), Fraction(LARGEST), Fraction(0)],
-)  # fmt: skip
+    [
+        Fraction(LARGEST, LARGEST - 1),
+        Fraction(-LARGEST, LARGEST - 1),
+        Fraction(1, LARGEST),
+        Fraction(-1),
+        Fraction(LARGEST),
+        Fraction(0),
+    ],
+)
 def test_fractions_up_to_the_largest_come_back(value: Fraction) -> None:
     assert field.rational(field.fraction(value), LARGEST) == value
 

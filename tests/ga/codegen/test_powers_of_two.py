@@ -45,8 +45,9 @@ def shrunk(precision: Precision, x: Any) -> Sequence[Sequence[Any]]:
     return [[*inverse_hyperbolic(precision, cosh, sinh), 0.0]]
 
 
-KERNELS = {f.__name__: Kernel(f.__name__, "tests", "-", (X,), (OUT,), f)
-           for f in (bits, growth, shrunk)}  # fmt: skip
+KERNELS = {
+    f.__name__: Kernel(f.__name__, "tests", "-", (X,), (OUT,), f) for f in (bits, growth, shrunk)
+}
 
 
 @pytest.fixture(params=["numpy", pytest.param("c", marks=needs_gcc)])
@@ -67,8 +68,13 @@ def run(request: pytest.FixtureRequest, tmp_path: Path) -> Any:
         padded = np.resize(x, -(-len(x) // 16) * 16)
         out = np.zeros((3, len(padded)), x.dtype)
         pointer, step = ctypes.c_void_p * 1, ctypes.c_ssize_t * 1
-        entry(pointer(padded.ctypes.data), step(0), pointer(out.ctypes.data),
-              step(len(padded)), ctypes.c_size_t(len(padded) // 16))  # fmt: skip
+        entry(
+            pointer(padded.ctypes.data),
+            step(0),
+            pointer(out.ctypes.data),
+            step(len(padded)),
+            ctypes.c_size_t(len(padded) // 16),
+        )
         return out[:, : len(x)].T
 
     return in_numpy if request.param == "numpy" else in_c
@@ -76,8 +82,17 @@ def run(request: pytest.FixtureRequest, tmp_path: Path) -> Any:
 
 def compiled(*arguments: str) -> str:
     assert COMPILER is not None
-    command = [COMPILER, "-std=c11", "-Wall", "-Wextra", "-Werror", "-fno-math-errno",
-               "-fno-trapping-math", f"-I{GENERATED.parent / 'native'}", *arguments]  # fmt: skip
+    command = [
+        COMPILER,
+        "-std=c11",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-fno-math-errno",
+        "-fno-trapping-math",
+        f"-I{GENERATED.parent / 'native'}",
+        *arguments,
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stderr
@@ -159,8 +174,12 @@ def test_only_kernels_and_whole_exponents_get_them() -> None:
 @pytest.mark.parametrize("path", sorted(GENERATED.glob("c/similarity_*.c")), ids=lambda p: p.stem)
 def test_loops_over_similarities_become_simd_code(path: Path, tmp_path: Path) -> None:
     flags = ["-O3", "-march=x86-64-v3", "-U__gnu_linux__", "-fopt-info-vec-optimized"]
-    if subprocess.run([COMPILER or "gcc", "-dumpmachine"], capture_output=True, text=True,
-                      check=True).stdout.split("-")[0] != "x86_64":  # fmt: skip
+    if (
+        subprocess.run(
+            [COMPILER or "gcc", "-dumpmachine"], capture_output=True, text=True, check=True
+        ).stdout.split("-")[0]
+        != "x86_64"
+    ):
         pytest.skip("another processor's flags")
     told = compiled(*flags, "-c", str(path), "-o", str(tmp_path / "kernel.o"))
     kernels = path.read_text().count("\nMOTORCADE_SIMD\n")

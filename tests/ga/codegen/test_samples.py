@@ -25,9 +25,12 @@ def test_errors_pass_by_the_derivative(function: str, nodes: MakeNodes) -> None:
     there = np.isfinite(values[found])
     assert np.count_nonzero(there) >= POINTS // 4
     for u, before, value, error in zip(
-        values[inner][there], errors[inner][there], values[found][there], errors[found][there],
+        values[inner][there],
+        errors[inner][there],
+        values[found][there],
+        errors[found][there],
         strict=True,
-    ):  # fmt: skip
+    ):
         slope = abs(float(mpmath.diff(getattr(mpmath, function), mpmath.mpf(float(u)))))
         least = slope * before + EPSILON * abs(value)
         most = least if function not in ("sin", "cos") else before + EPSILON * abs(value)
@@ -44,10 +47,12 @@ def test_sums_products_and_quotients_bound_their_errors(nodes: MakeNodes) -> Non
     left, right = values[a], values[b]
     rounded = abs(left) + abs(right)
     bounds = [
-        rounded + abs(left + right), rounded + abs(left - right), 3 * abs(left * right),
+        rounded + abs(left + right),
+        rounded + abs(left - right),
+        3 * abs(left * right),
         3 * abs(left / right),
         2 * abs(left * right) / (left**2 + right**2) + abs(np.arctan2(left, right)),
-    ]  # fmt: skip
+    ]
     for k, bound in zip(made, bounds, strict=True):
         np.testing.assert_allclose(errors[k], EPSILON * bound, rtol=1e-9)
     np.testing.assert_allclose(errors[chosen], 2 * EPSILON * abs(np.minimum(left, right)))
@@ -72,18 +77,42 @@ def test_what_is_never_negative_is_known(nodes: MakeNodes) -> None:
     square = op("mul", x, x)
     condition = op("lt", x, y)
     never_negative = [
-        zero, two, square, op("mul", op("mul", two, x), x), op("mul", y, op("mul", y, two)),
-        op("add", square, two), op("div", square, two), op("max", x, zero), op("max", two, y),
-        op("min", square, two), op("select", condition, square, two), op("abs", x),
-        op("sqrt", square), op("exp", x), op("acos", x), condition, op("floor", square),
-        op("ceil", square), op("mul", two, op("abs", y)),
-    ]  # fmt: skip
+        zero,
+        two,
+        square,
+        op("mul", op("mul", two, x), x),
+        op("mul", y, op("mul", y, two)),
+        op("add", square, two),
+        op("div", square, two),
+        op("max", x, zero),
+        op("max", two, y),
+        op("min", square, two),
+        op("select", condition, square, two),
+        op("abs", x),
+        op("sqrt", square),
+        op("exp", x),
+        op("acos", x),
+        condition,
+        op("floor", square),
+        op("ceil", square),
+        op("mul", two, op("abs", y)),
+    ]
     unknown = [
-        x, minus, op("mul", x, y), op("mul", op("mul", minus, x), x), op("sub", square, two),
-        op("min", square, x), op("max", minus, x), op("select", condition, x, two),
-        op("select", condition, two, x), op("sin", x), op("neg", square), op("add", square, minus),
-        op("mul", op("mul", two, x), y), op("log", two),
-    ]  # fmt: skip
+        x,
+        minus,
+        op("mul", x, y),
+        op("mul", op("mul", minus, x), x),
+        op("sub", square, two),
+        op("min", square, x),
+        op("max", minus, x),
+        op("select", condition, x, two),
+        op("select", condition, two, x),
+        op("sin", x),
+        op("neg", square),
+        op("add", square, minus),
+        op("mul", op("mul", two, x), y),
+        op("log", two),
+    ]
     known = nonnegative_nodes(op.tape())
     assert [op.nodes[k] for k in never_negative if not known[k]] == []
     assert [op.nodes[k] for k in unknown if known[k]] == []

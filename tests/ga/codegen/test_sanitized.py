@@ -64,22 +64,37 @@ def test_kernels_run_clean_under_sanitizers(tmp_path: Path) -> None:
     module = tmp_path / "_compiled.so"
     include = Path(nanobind.include_dir())
     subprocess.run(
-        [gxx, *SANITIZE, "-std=c++17", "-shared", "-fvisibility=hidden", "-fno-strict-aliasing",
-         f"-I{SOURCES}", f"-I{include}", f"-I{sysconfig.get_path('include')}",
-         f"-I{include.parent / 'ext' / 'robin_map' / 'include'}",
-         str(SOURCES / "module.cpp"), str(SOURCES / "dispatch.cpp"),
-         str(include.parent / "src" / "nb_combined.cpp"), *map(str, objects),
-         "-lpthread", "-o", str(module)],
+        [
+            gxx,
+            *SANITIZE,
+            "-std=c++17",
+            "-shared",
+            "-fvisibility=hidden",
+            "-fno-strict-aliasing",
+            f"-I{SOURCES}",
+            f"-I{include}",
+            f"-I{sysconfig.get_path('include')}",
+            f"-I{include.parent / 'ext' / 'robin_map' / 'include'}",
+            str(SOURCES / "module.cpp"),
+            str(SOURCES / "dispatch.cpp"),
+            str(include.parent / "src" / "nb_combined.cpp"),
+            *map(str, objects),
+            "-lpthread",
+            "-o",
+            str(module),
+        ],
         check=True,
-    )  # fmt: skip
+    )
     from motorcade.ga.kernels.generated.python import KERNELS
 
     preload = " ".join(runtime(gcc, name) for name in ("libasan.so", "libubsan.so"))
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM, str(module), json.dumps(KERNELS)],
         env={**os.environ, "LD_PRELOAD": preload, "ASAN_OPTIONS": "detect_leaks=0"},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr[-4000:]
     assert done.stdout.strip() == "clean"
 

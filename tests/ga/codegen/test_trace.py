@@ -37,8 +37,12 @@ def test_other_powers_go_through_logarithms(exponent: float) -> None:
 
 
 def test_powers_of_two_variables_are_those_of_casadi() -> None:
-    tape = trace("made", [Operand("x", ("1", "e1"))], [Operand("y", ("1",))],
-                 lambda x: [[ca.power(x[0], x[1])]])  # fmt: skip
+    tape = trace(
+        "made",
+        [Operand("x", ("1", "e1"))],
+        [Operand("y", ("1",))],
+        lambda x: [[ca.power(x[0], x[1])]],
+    )
     x = np.array([0.4, 1.9]), np.array([-1.2, 3.1])
     made = run_tape(tape, {("x", 0): x[0], ("x", 1): x[1]})[0][0]
     np.testing.assert_allclose(made, x[0] ** x[1], rtol=1e-14)

@@ -79,12 +79,14 @@ def largest_errors(dtype: str, seed: int = 0) -> dict[str, float]:
             "interpolate": (interpolate(a, b, fractions), [[*map(_row, both)] for both in arcs]),
             "screw_blend": (screw_blend(a, b, fractions), [[*map(_row, both)] for both in arcs]),
             "screw_blend_matrix": (
-                screw_blend_matrix(a, b, fractions), [[*map(_matrix, both)] for both in arcs]
+                screw_blend_matrix(a, b, fractions),
+                [[*map(_matrix, both)] for both in arcs],
             ),
             "blend_matrix": (
-                blend_matrix(a, b, fractions), [[*map(_matrix, both)] for both in lines]
+                blend_matrix(a, b, fractions),
+                [[*map(_matrix, both)] for both in lines],
             ),
-        }  # fmt: skip
+        }
         return {name: worst_error(ours, reference) for name, (ours, reference) in compared.items()}
 
 

@@ -84,14 +84,15 @@ def similarity_errors(dtype: str, seed: int = 0) -> dict[str, float]:
             "interpolate": (similarity_interpolate(a, b, fractions), both(_between)),
             "blend": (similarity_blend(a, b, fractions), both(_mixed)),
             "normalize": (
-                similarity_normalize(elements)[0], [[_row(_similarity(row))] for row in elements]
+                similarity_normalize(elements)[0],
+                [[_row(_similarity(row))] for row in elements],
             ),
             "apply": (
                 similarity_apply(a, points),
                 [[_moved(_matrix(x), _digits(p))] for x, p in zip(first, points, strict=True)],
             ),
             "matrix34": (similarity_matrix34(a), [[_matrix(x)] for x in first]),
-        }  # fmt: skip
+        }
         return {f"similarity_{name}": worst_error(*pair) for name, pair in compared.items()}
 
 
@@ -140,8 +141,9 @@ def _projected(m: Triple) -> Triple:
     nu = mp.sqrt(s**2 + dot(g, g))
     size = nu * mp.sqrt(2 * (s + nu))
     left = [s + nu, *(-v for v in g)], [s + nu, *g], _scaled(-1, moved)
-    return _times((_scaled(1 / size, left[0]), _scaled(1 / size, left[1]),
-                   _scaled(1 / size, left[2])), m)  # fmt: skip
+    return _times(
+        (_scaled(1 / size, left[0]), _scaled(1 / size, left[1]), _scaled(1 / size, left[2])), m
+    )
 
 
 def _across(axis: Numbers, vector: Numbers, along: Any, factor: Any) -> list[Any]:

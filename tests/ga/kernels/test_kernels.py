@@ -157,13 +157,24 @@ def test_blocks_hold_operands_without_copies(
 
 @pytest.mark.parametrize(
     ("first", "second", "steps"),
-    [((), (), ()), ((5,), (), ()), ((), (5,), (5,)), ((3, 1), (4,), ()), ((1, 2), (3, 1), (2,)),
-     ((2, 3, 4), (2, 3, 4), (4,)), ((), (), (7,)), ((0,), (1,), ()), ((40, 3), (3,), (40, 1))],
-)  # fmt: skip
+    [
+        ((), (), ()),
+        ((5,), (), ()),
+        ((), (5,), (5,)),
+        ((3, 1), (4,), ()),
+        ((1, 2), (3, 1), (2,)),
+        ((2, 3, 4), (2, 3, 4), (4,)),
+        ((), (), (7,)),
+        ((0,), (1,), ()),
+        ((40, 3), (3,), (40, 1)),
+    ],
+)
 def test_batches_broadcast_as_arrays_do(
-    first: tuple[int, ...], second: tuple[int, ...], steps: tuple[int, ...],
+    first: tuple[int, ...],
+    second: tuple[int, ...],
+    steps: tuple[int, ...],
     rng: np.random.Generator,
-) -> None:  # fmt: skip
+) -> None:
     a, b = Motor.random(rng, first).coefficients, Motor.random(rng, second).coefficients
     fraction = rng.uniform(size=steps)
     shape = np.broadcast_shapes(first, second, steps)
@@ -250,9 +261,12 @@ def test_the_binding_refuses_arrays_that_do_not_fit(compiled: Callable[..., Any]
 
 def run_python(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False,
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
         env={**os.environ, **environment},
-    )  # fmt: skip
+    )
 
 
 def test_numpy_kernels_can_be_forced() -> None:

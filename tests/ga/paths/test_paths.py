@@ -183,8 +183,10 @@ def test_ends_are_met_where_rounding_leads_past_them(screws: ScrewPath, spline: 
         np.testing.assert_array_equal(past, exact)
     np.testing.assert_allclose(
         screws.twists(screws.duration_s).pose.as_matrix(),
-        screws.trajectory.poses[-1].as_matrix(), rtol=0, atol=1e-14,
-    )  # fmt: skip
+        screws.trajectory.poses[-1].as_matrix(),
+        rtol=0,
+        atol=1e-14,
+    )
 
 
 def test_the_screw_path_refuses_what_lies_outside(screws: ScrewPath) -> None:

@@ -33,9 +33,13 @@ def test_the_place_of_the_bad_stamp_is_named() -> None:
 
 @pytest.mark.parametrize(
     "stamps",
-    [np.array([0.0, 1.0]), np.array([False, True]), np.array(["a", "b"]),
-     np.array([1, 2], dtype=np.uint64)],
-)  # fmt: skip
+    [
+        np.array([0.0, 1.0]),
+        np.array([False, True]),
+        np.array(["a", "b"]),
+        np.array([1, 2], dtype=np.uint64),
+    ],
+)
 def test_stamps_that_are_no_signed_integers_are_refused(stamps: np.ndarray) -> None:
     with pytest.raises(ValueError, match="time_ns: expected integer nanoseconds, got dtype"):
         Trajectory(stamps, Motor.identity((2,)))
@@ -103,10 +107,17 @@ def test_resampling_at_the_own_stamps_changes_nothing(
     assert distance(again.poses, trajectory.poses) < 1e-14
 
 
-@pytest.mark.parametrize(("rate_hz", "offsets"), [
-    (2.0, [0, 500, 1000]), (3.0, [0, 333, 667, 1000]), (0.4, [0]), (1.0, [0, 1000]), (0.8, [0]),
-    (1e3 / 999, [0, 999]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("rate_hz", "offsets"),
+    [
+        (2.0, [0, 500, 1000]),
+        (3.0, [0, 333, 667, 1000]),
+        (0.4, [0]),
+        (1.0, [0, 1000]),
+        (0.8, [0]),
+        (1e3 / 999, [0, 999]),
+    ],
+)
 def test_even_stamps_start_at_the_first_and_stay_inside(rate_hz: float, offsets: list[int]) -> None:
     path = Trajectory(START_NS + np.array([0, 1_000_000_000]), Motor.identity((2,)), "map", "imu")
     even = path.at_rate(rate_hz)
@@ -172,16 +183,20 @@ def test_what_wants_rigid_poses_refuses_similarities(trajectory: Trajectory) -> 
         assert isinstance(trajectory.motors_at(stamp), Motor)
         return
     for rigid in (
-        lambda: trajectory.motors, lambda: trajectory.motors_at(stamp),
+        lambda: trajectory.motors,
+        lambda: trajectory.motors_at(stamp),
         lambda: ScrewPath(trajectory).twists(0.0),
-    ):  # fmt: skip
+    ):
         with pytest.raises(ValueError, match="expected rigid poses, got similarities"):
             rigid()
 
 
 def test_parts_keep_stamps_and_names(trajectory: Trajectory) -> None:
-    for part in (trajectory[3:20:2], trajectory[np.arange(3, 20, 2)],
-                 trajectory[np.isin(np.arange(40), np.arange(3, 20, 2))]):  # fmt: skip
+    for part in (
+        trajectory[3:20:2],
+        trajectory[np.arange(3, 20, 2)],
+        trajectory[np.isin(np.arange(40), np.arange(3, 20, 2))],
+    ):
         np.testing.assert_array_equal(part.time_ns, trajectory.time_ns[3:20:2])
         assert part.child == "imu"
     with pytest.raises(ValueError, match="strictly increasing"):

@@ -129,9 +129,22 @@ def deep_nesting(rng: Generator) -> str:
 def huge_text(rng: Generator) -> str:
     count = int(10 ** rng.uniform(2, 5))
     pieces = [
-        "1 + ", "x*", "x = x*x;", "x = exp(x);", "f = { 1 }", "?x = e1;", ";", "/**/", "a", "9",
-        "x = x*(1 + e1)*(2 + e2)*(3 + e3);", "x = 1/x;", "//#pragma return x\n", "y, ", "\n",
-    ]  # fmt: skip
+        "1 + ",
+        "x*",
+        "x = x*x;",
+        "x = exp(x);",
+        "f = { 1 }",
+        "?x = e1;",
+        ";",
+        "/**/",
+        "a",
+        "9",
+        "x = x*(1 + e1)*(2 + e2)*(3 + e3);",
+        "x = 1/x;",
+        "//#pragma return x\n",
+        "y, ",
+        "\n",
+    ]
     piece = chosen(rng, pieces, 1)[0]
     return "x = 0.3 + e2^e1;" + chosen(rng, ["?z = ", "", "f("], 1)[0] + piece * count + "1;?x;"
 

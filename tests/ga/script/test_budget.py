@@ -104,10 +104,14 @@ def test_sums_cost_the_blades_that_they_read() -> None:
 
 @pytest.mark.parametrize(
     ("left", "right"),
-    [(counted(9), counted(2, first=1)), (counted(2), counted(5, first=1)),
-     (counted(32), counted(3, first=1)), (counted(4), counted(20))],
+    [
+        (counted(9), counted(2, first=1)),
+        (counted(2), counted(5, first=1)),
+        (counted(32), counted(3, first=1)),
+        (counted(4), counted(20)),
+    ],
     ids=["blade", "mixed", "few", "many"],
-)  # fmt: skip
+)
 def test_divisions_and_inverses_cost_no_less_than_they_multiply(
     left: Multivector, right: Multivector
 ) -> None:

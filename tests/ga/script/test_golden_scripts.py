@@ -204,11 +204,17 @@ def test_what_clucalc_writes_for_the_screen_changes_nothing() -> None:
 @pytest.mark.parametrize(
     ("written", "value"),
     [
-        ("sign(0 - 2)", -1), ("sign(0)", 0), ("sign(3)", 1),
-        ("step(0 - 2)", 0), ("step(0)", 1), ("step(3)", 1),
-        ("min(2, 1)", 1), ("max(2, 1)", 2), ("atan2(1, 0 - 1)", 0.75 * np.pi),
+        ("sign(0 - 2)", -1),
+        ("sign(0)", 0),
+        ("sign(3)", 1),
+        ("step(0 - 2)", 0),
+        ("step(0)", 1),
+        ("step(3)", 1),
+        ("min(2, 1)", 1),
+        ("max(2, 1)", 2),
+        ("atan2(1, 0 - 1)", 0.75 * np.pi),
     ],
-)  # fmt: skip
+)
 def test_values_are_chosen_without_branches(written: str, value: float) -> None:
     ca = pytest.importorskip("casadi")
     assert evaluate(parse(f"?x = {written};"))["x"].scalar_part() == pytest.approx(value)

@@ -31,9 +31,15 @@ def test_every_function_macro_and_algebra_is_on_the_page() -> None:
 
 def test_the_limits_are_those_of_the_page() -> None:
     limits = [
-        MAX_SCRIPT_CHARACTERS, MAX_TOKENS, MAX_OPERATIONS, MAX_NESTING, MAX_ARGUMENTS,
-        MAX_MACRO_DEPTH, MAX_STEPS, MAX_TERMS,
-    ]  # fmt: skip
+        MAX_SCRIPT_CHARACTERS,
+        MAX_TOKENS,
+        MAX_OPERATIONS,
+        MAX_NESTING,
+        MAX_ARGUMENTS,
+        MAX_MACRO_DEPTH,
+        MAX_STEPS,
+        MAX_TERMS,
+    ]
     rows = [row.split("|")[2] for row in section("Errors").split("\n") if row.startswith("| ")]
     written = [int(n.replace(",", "")) for row in rows for n in re.findall(r"[\d,]*\d", row)]
     assert written == limits

@@ -305,9 +305,17 @@ def test_what_is_beside_a_tiny_scalar_is_no_rounding() -> None:
 
 @pytest.mark.parametrize(
     ("name", "signature"),
-    [("ega2", (2, 0, 0)), ("ega3", (3, 0, 0)), ("pga2", (2, 0, 1)), ("pga3", (3, 0, 1)),
-     ("cga2", (3, 1, 0)), ("cga3", (4, 1, 0)), ("2 1 0", (2, 1, 0)), ("0  3 1", (0, 3, 1))],
-)  # fmt: skip
+    [
+        ("ega2", (2, 0, 0)),
+        ("ega3", (3, 0, 0)),
+        ("pga2", (2, 0, 1)),
+        ("pga3", (3, 0, 1)),
+        ("cga2", (3, 1, 0)),
+        ("cga3", (4, 1, 0)),
+        ("2 1 0", (2, 1, 0)),
+        ("0  3 1", (0, 3, 1)),
+    ],
+)
 def test_algebras_are_named_as_in_pragmas(name: str, signature: tuple[int, int, int]) -> None:
     found = algebra_named(name)
     assert found.signature == signature

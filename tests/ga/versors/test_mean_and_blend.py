@@ -37,9 +37,12 @@ def test_mean_makes_the_weighted_logarithms_cancel(scattered: Versor, weights: n
 
 @pytest.mark.parametrize("combine", [mean, blend])
 def test_moving_all_moves_the_middle(
-    combine: Callable[..., Versor], scattered: Versor, weights: np.ndarray,
-    rng: np.random.Generator, distance: Distance,
-) -> None:  # fmt: skip
+    combine: Callable[..., Versor],
+    scattered: Versor,
+    weights: np.ndarray,
+    rng: np.random.Generator,
+    distance: Distance,
+) -> None:
     left, right = (type(scattered).random(rng) for _ in range(2))
     moved = left @ combine(scattered, weights) @ right
     assert distance(combine(left @ scattered @ right, weights), moved) < ROUNDING
@@ -55,9 +58,12 @@ def test_inverting_all_inverts_the_middle(
 
 @pytest.mark.parametrize("combine", [mean, blend])
 def test_signs_and_the_sum_of_weights_do_not_matter(
-    combine: Callable[..., Versor], scattered: Versor, weights: np.ndarray,
-    rng: np.random.Generator, distance: Distance,
-) -> None:  # fmt: skip
+    combine: Callable[..., Versor],
+    scattered: Versor,
+    weights: np.ndarray,
+    rng: np.random.Generator,
+    distance: Distance,
+) -> None:
     signs = rng.choice([-1.0, 1.0], (6, 5, 1))
     flipped = type(scattered)(signs * scattered.coefficients)
     assert distance(combine(flipped, 7.0 * weights), combine(scattered, weights)) < ROUNDING

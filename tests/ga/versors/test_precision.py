@@ -18,12 +18,20 @@ def single(versor: Versor) -> Versor:
 def test_every_verb_keeps_float32(kind: type[Versor], rng: np.random.Generator) -> None:
     m = kind.random(rng, (20,)).astype(np.float32)
     results = [
-        m.coefficients, (m @ m).coefficients, m.inverse().coefficients, m.log(),
-        kind.exp(m.log()).coefficients, m.interpolate(m.inverse(), 0.3).coefficients,
-        m.interpolate(m, np.linspace(0, 1, 20)).coefficients, m.apply(np.ones(3)),
-        kind.normalize(m.coefficients).coefficients, kind.stack([m, m]).coefficients,
-        m[3].coefficients, m.reshape(4, 5).coefficients, pickle.loads(pickle.dumps(m)).coefficients,
-    ]  # fmt: skip
+        m.coefficients,
+        (m @ m).coefficients,
+        m.inverse().coefficients,
+        m.log(),
+        kind.exp(m.log()).coefficients,
+        m.interpolate(m.inverse(), 0.3).coefficients,
+        m.interpolate(m, np.linspace(0, 1, 20)).coefficients,
+        m.apply(np.ones(3)),
+        kind.normalize(m.coefficients).coefficients,
+        kind.stack([m, m]).coefficients,
+        m[3].coefficients,
+        m.reshape(4, 5).coefficients,
+        pickle.loads(pickle.dumps(m)).coefficients,
+    ]
     assert isinstance(m, Rotor | Motor | Similarity)
     assert {array.dtype for array in [*results, m.as_matrix()]} == {np.dtype(np.float32)}
 
@@ -66,9 +74,11 @@ def test_versors_of_different_precision_do_not_mix(
     double = kind.random(rng, (3,))
     half = double.astype("float32")
     for mixed in (
-        lambda: double @ half, lambda: half.interpolate(double, 0.5),
-        lambda: kind.stack([half, double]), lambda: kind.concatenate([double, half]),
-    ):  # fmt: skip
+        lambda: double @ half,
+        lambda: half.interpolate(double, 0.5),
+        lambda: kind.stack([half, double]),
+        lambda: kind.concatenate([double, half]),
+    ):
         with pytest.raises(TypeError, match=r"one precision, got float32 and float64; astype"):
             mixed()
     with pytest.raises(ValueError, match="expected float32 or float64, got float16"):

@@ -171,9 +171,17 @@ def test_a_single_versor_has_no_batch(kind: type[Versor]) -> None:
 
 def test_values_are_frozen(kind: type[Versor], rng: np.random.Generator) -> None:
     versor = kind.random(rng, (3,))
-    made = (versor, versor @ versor, versor[1], versor.reshape(3, 1), versor.inverse(),
-            kind.stack(list(versor)), kind(versor.coefficients),
-            pickle.loads(pickle.dumps(versor)), copy.deepcopy(versor))  # fmt: skip
+    made = (
+        versor,
+        versor @ versor,
+        versor[1],
+        versor.reshape(3, 1),
+        versor.inverse(),
+        kind.stack(list(versor)),
+        kind(versor.coefficients),
+        pickle.loads(pickle.dumps(versor)),
+        copy.deepcopy(versor),
+    )
     for one in made:
         with pytest.raises(ValueError, match="read-only"):
             one.coefficients[..., 0] = 2.0

@@ -107,9 +107,9 @@ def test_logarithms_exponentiate_back_in_cl41(
     log_scale: float, angle: float, rng: np.random.Generator, conformal: Conformal
 ) -> None:
     axis = rng.standard_normal(3)
-    log = np.concatenate([
-        0.5 * angle * axis / np.linalg.norm(axis), [0.5 * log_scale], rng.standard_normal(3)
-    ])  # fmt: skip
+    log = np.concatenate(
+        [0.5 * angle * axis / np.linalg.norm(axis), [0.5 * log_scale], rng.standard_normal(3)]
+    )
     versor = conformal.exp(conformal.bivector(log))
     found = Similarity.normalize(conformal.coefficients(versor)).log()
     np.testing.assert_allclose(found, log, rtol=0, atol=1e-12)
@@ -246,9 +246,10 @@ def exact_product(a: Iterable[Any], b: Iterable[Any]) -> list[Any]:
     (p1, n1, d1), (p2, n2, d2) = blocks(a), blocks(b)
     left, right = quaternion_product(p1, d2), quaternion_product(d1, n2)
     return joined(
-        quaternion_product(p1, p2), quaternion_product(n1, n2),
+        quaternion_product(p1, p2),
+        quaternion_product(n1, n2),
         [x + y for x, y in zip(left, right, strict=True)],
-    )  # fmt: skip
+    )
 
 
 def exact_projection(element: Iterable[Any]) -> list[Any]:
@@ -264,9 +265,10 @@ def exact_projection(element: Iterable[Any]) -> list[Any]:
     skew = 2 * sum(x * y for x, y in zip(p, d, strict=True)) / size
     moved = quaternion_product(minus, d)
     return joined(
-        quaternion_product(minus, p), quaternion_product(plus, n),
+        quaternion_product(minus, p),
+        quaternion_product(plus, n),
         [x - skew * y for x, y in zip(moved, n, strict=True)],
-    )  # fmt: skip
+    )
 
 
 def exact_interpolation(a: np.ndarray, b: np.ndarray, fraction: float) -> list[Any]:

@@ -196,9 +196,11 @@ def test_jacobians_keep_all_digits_near_zero(kind: type[Versor]) -> None:
         first = np.array(bracket(twist).tolist(), dtype=float)
         off = ~np.eye(size, dtype=bool)
         for jacobian, share in (
-            (kind.left_jacobian, 0.5), (kind.right_jacobian, -0.5),
-            (kind.left_jacobian_inverse, -0.5), (kind.right_jacobian_inverse, 0.5),
-        ):  # fmt: skip
+            (kind.left_jacobian, 0.5),
+            (kind.right_jacobian, -0.5),
+            (kind.left_jacobian_inverse, -0.5),
+            (kind.right_jacobian_inverse, 0.5),
+        ):
             made = jacobian(twist)[off]
             np.testing.assert_allclose(made, share * first[off], rtol=2e-9, atol=scale**2)
 
@@ -242,10 +244,13 @@ def test_precision_is_the_versors_own(kind: type[Versor], rng: np.random.Generat
     one = kind.random(rng, (20,)).astype(np.float32)
     twist = rng.standard_normal((20, kind.identity().log().size))
     results = [
-        one.retract(twist).coefficients, one.local(one), one.adjoint(), one.transform_twist(twist),
+        one.retract(twist).coefficients,
+        one.local(one),
+        one.adjoint(),
+        one.transform_twist(twist),
         kind.left_jacobian(twist.astype(np.float32)),
         kind.right_jacobian_inverse(twist.astype(np.float32)),
-    ]  # fmt: skip
+    ]
     assert {array.dtype for array in results} == {np.dtype(np.float32)}
 
 

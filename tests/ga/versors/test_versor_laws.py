@@ -102,8 +102,12 @@ def test_matrix_of_the_product_is_the_product_of_matrices(versors: Versor, other
 def test_matrices_come_back(versors: Versor, distance: Distance) -> None:
     again = type(versors).from_matrix(versors.as_matrix())
     assert distance(again, versors) < ROUNDING
-    same = np.minimum(*(np.max(np.abs(again.coefficients - sign * versors.coefficients), axis=-1)
-                        for sign in (1, -1)))  # fmt: skip
+    same = np.minimum(
+        *(
+            np.max(np.abs(again.coefficients - sign * versors.coefficients), axis=-1)
+            for sign in (1, -1)
+        )
+    )
     assert np.all(same < ROUNDING * max(1.0, float(np.max(np.abs(versors.coefficients)))))
 
 
@@ -136,8 +140,9 @@ def test_normalize_does_not_depend_on_scale(versors: Versor) -> None:
         np.testing.assert_allclose(
             scaled.coefficients,
             type(versors).normalize(versors.coefficients).coefficients,
-            rtol=1e-14, atol=1e-14,
-        )  # fmt: skip
+            rtol=1e-14,
+            atol=1e-14,
+        )
 
 
 def test_normalize_makes_any_even_element_a_motion(rng: np.random.Generator) -> None:

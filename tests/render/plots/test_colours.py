@@ -30,9 +30,15 @@ SEEN_BY = {
 }  # fmt: skip
 REPORT = ("measured", "fused", "motor", "quaternion", "euler_unwrapped", "euler", "truth")
 COMPARISON = (
-    "truth", "motor", "similarity", "rotor", "dual_quaternion", "quaternion", "euler",
+    "truth",
+    "motor",
+    "similarity",
+    "rotor",
+    "dual_quaternion",
+    "quaternion",
+    "euler",
     "euler_unwrapped",
-)  # fmt: skip
+)
 CONSISTENCY = ("motor", "quaternion", "euler", "euler_exact")
 GROUNDS = ("light", "dark")
 

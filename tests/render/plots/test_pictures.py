@@ -209,9 +209,10 @@ def test_turns_of_more_than_half_go_on():
     turns = Rotation.from_quat(one.motors.rotor.as_quaternion(), scalar_first=True)
     since = (turns[0].inv() * turns).as_rotvec()
     np.testing.assert_allclose(
-        np.exp(1j * np.linalg.norm(found, axis=-1)).real, np.cos(np.linalg.norm(since, axis=-1)),
+        np.exp(1j * np.linalg.norm(found, axis=-1)).real,
+        np.cos(np.linalg.norm(since, axis=-1)),
         atol=1e-9,
-    )  # fmt: skip
+    )
     assert np.abs(np.diff(found, axis=0)).max() < 0.2
     assert found[-1, 0] > 4.5
     np.testing.assert_allclose(
@@ -236,9 +237,10 @@ def test_the_twist_carries_each_pose_to_the_next():
         (line,) = strokes(axes, "--line-vermilion")
         drawn = Axis.read(axes, 1).value(line[:, 1])
         np.testing.assert_allclose(
-            drawn, np.interp(across.value(line[:, 0]) - 1.0, at_s, values[:, 0]),
+            drawn,
+            np.interp(across.value(line[:, 0]) - 1.0, at_s, values[:, 0]),
             atol=8e-3 * np.ptp(values),
-        )  # fmt: skip
+        )
 
 
 def test_the_path_in_space_is_the_path_seen_from_one_side():

@@ -98,11 +98,25 @@ def test_the_spread_of_errors_is_that_of_the_runs(tmp_path):
 
 
 def test_the_command_writes_its_page_and_figures(tmp_path, capsys):
-    status = main([
-        "consistency", "--motions", "gimbal_crossing", "--filters", "quaternion,euler",
-        "--runs", "1", "--duration-s", "10", "--executor", "local",
-        "--out", str(tmp_path / "out"), "--json", str(tmp_path / "figures.json"),
-    ])  # fmt: skip
+    status = main(
+        [
+            "consistency",
+            "--motions",
+            "gimbal_crossing",
+            "--filters",
+            "quaternion,euler",
+            "--runs",
+            "1",
+            "--duration-s",
+            "10",
+            "--executor",
+            "local",
+            "--out",
+            str(tmp_path / "out"),
+            "--json",
+            str(tmp_path / "figures.json"),
+        ]
+    )
     assert status == 0
     assert "steps within the 95 % bounds of 1 runs" in capsys.readouterr().out
     figures = json.loads((tmp_path / "figures.json").read_text())

@@ -87,9 +87,15 @@ def test_poses_come_with_a_camera_and_a_size(tmp_path: Path, capsys) -> None:
     cv2.imwrite(str(tmp_path / "tag.png"), cv2.GaussianBlur(seen, (0, 0), 0.8))
     (tmp_path / "camera.toml").write_text(camera_toml(CAMERA))
     status, found, _ = run_json(
-        capsys, tmp_path / "tag.png", "--size-m", 0.065, "--camera", tmp_path / "camera.toml",
-        "--draw", tmp_path / "drawn",
-    )  # fmt: skip
+        capsys,
+        tmp_path / "tag.png",
+        "--size-m",
+        0.065,
+        "--camera",
+        tmp_path / "camera.toml",
+        "--draw",
+        tmp_path / "drawn",
+    )
     assert status == 0
     (row,) = found["pictures"][0]["markers"]
     first, second = row["candidates"]

@@ -97,14 +97,16 @@ def test_an_error_of_the_script_is_shown_at_its_place(
     [
         (["--precision", "float32", "--target", "casadi"], "expected precision float64"),
         (["--precision", "float64", "--target", "glsl"], "expected precision float32"),
-        (["--strategy", "table", "--target", "numpy"],
-         "target numpy: expected the strategy program, got table"),
+        (
+            ["--strategy", "table", "--target", "numpy"],
+            "target numpy: expected the strategy program, got table",
+        ),
         (["--algebra", "cga9"], "pga3, cga2, cga3 or a signature P Q R, got 'cga9'"),
         (["--algebra", "9 9 0"], "got 18"),
         (["-o", "code.h"], "-o code.h: expected a name that ends in .c"),
         (["-o", "."], "-o .: expected a name that ends in .c"),
     ],
-)  # fmt: skip
+)
 def test_what_a_target_lacks_is_refused(
     arguments: list[str], message: str, script: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

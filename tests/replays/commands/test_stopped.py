@@ -24,12 +24,18 @@ CONSISTENCY = "consistency --motions tumble --filters quaternion --duration-s 10
 JOBS = {
     "sweep": ("motorcade.replays.sweep.run", "run_job", "runs/*/outcome", ("sweep.csv",)),
     "compare": (
-        "motorcade.replays.compare.run", "run_cell", ".finished/*", ("cells.csv", "groups.csv"),
+        "motorcade.replays.compare.run",
+        "run_cell",
+        ".finished/*",
+        ("cells.csv", "groups.csv"),
     ),
     "consistency": (
-        "motorcade.replays.consistency.run", "run_seeds", ".finished/*", ("consistency.csv",),
+        "motorcade.replays.consistency.run",
+        "run_seeds",
+        ".finished/*",
+        ("consistency.csv",),
     ),
-}  # fmt: skip
+}
 """Of each command: the module and function of a job, where results are kept, and its tables."""
 
 
@@ -165,9 +171,12 @@ def test_processes_end_at_once_and_quietly(
     out = tmp_path / "out"
     process = subprocess.Popen(
         [sys.executable, "-c", MAIN, *given[command], "--out", str(out)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
         preexec_fn=heeding_interrupts,
-    )  # fmt: skip
+    )
     until = time.monotonic() + 240.0
     while not kept(command, out) and time.monotonic() < until:
         time.sleep(0.05)

@@ -38,9 +38,12 @@ def test_every_figure_is_the_metric_s_own(motion: str) -> None:
     expected = np.array([one_by_one(path, truth) for path in paths])
     for column, metric in enumerate(METRICS):
         np.testing.assert_allclose(
-            evaluator.measure(paths)[:, column], expected[:, column], rtol=2e-4,
-            atol=TOLERANCE.get(metric, 2e-4), err_msg=metric,
-        )  # fmt: skip
+            evaluator.measure(paths)[:, column],
+            expected[:, column],
+            rtol=2e-4,
+            atol=TOLERANCE.get(metric, 2e-4),
+            err_msg=metric,
+        )
 
 
 @pytest.mark.parametrize("degradation", ["dropped_frames", "latency", "stamp_jitter"])
@@ -54,9 +57,12 @@ def test_uneven_stamps_are_measured_alike(degradation: str) -> None:
     for metric in METRICS[2:]:
         column = METRICS.index(metric)
         np.testing.assert_allclose(
-            evaluator.measure(paths)[:, column], expected[:, column], rtol=2e-4,
-            atol=TOLERANCE.get(metric, 2e-4), err_msg=metric,
-        )  # fmt: skip
+            evaluator.measure(paths)[:, column],
+            expected[:, column],
+            rtol=2e-4,
+            atol=TOLERANCE.get(metric, 2e-4),
+            err_msg=metric,
+        )
 
 
 def test_a_late_copy_of_the_truth_is_exactly_so_late() -> None:

@@ -80,12 +80,18 @@ def written(folder: Path, rename: Callable[[str], str]) -> Results:
 
 TIES: list[dict[str, Any]] = [
     {
-        "theory": "one is the other", "reason": "they are equal", "method": method,
-        "first": "motor", "second": "quaternion", "largest_difference_m": size,
-        "largest_difference_rad": None, "bound": 1e-9, "holds": size < 1e-9,
+        "theory": "one is the other",
+        "reason": "they are equal",
+        "method": method,
+        "first": "motor",
+        "second": "quaternion",
+        "largest_difference_m": size,
+        "largest_difference_rad": None,
+        "bound": 1e-9,
+        "holds": size < 1e-9,
     }
     for method, size in (("exponential", 3e-15), ("gaussian", 2e-3))
-]  # fmt: skip
+]
 
 
 @pytest.fixture(scope="module")
@@ -234,11 +240,17 @@ def test_every_figure_of_a_motion_is_the_mean_of_its_cells(folder: Path, motion:
         assert len(shown_rows) == 1 + len(PAIRS)
         for (method, _), (name, _), *cells in shown_rows:
             for metric, (text, value) in zip(metrics, cells, strict=False):
-                mean = np.mean([
-                    float(row[metric]) for row in rows
-                    if (row["degradation"], row["method"], row["representation"])
-                    == (degradation, method, name)
-                ]) * METRICS[metric].factor  # fmt: skip
+                mean = (
+                    np.mean(
+                        [
+                            float(row[metric])
+                            for row in rows
+                            if (row["degradation"], row["method"], row["representation"])
+                            == (degradation, method, name)
+                        ]
+                    )
+                    * METRICS[metric].factor
+                )
                 assert value == pytest.approx(mean, rel=1e-5)
                 assert agrees(text, mean)
 
@@ -281,9 +293,17 @@ def test_over_all_sentences_give_the_ratio_of_the_cells(results: Results, folder
     logs: dict[str, list[float]] = {}
     for raw, cell in by_cell(rows):
         for row in cell:
-            left = np.mean([float(row[key]) / float(raw[key]) for key in (
-                "ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitter_rad_s2"
-            )])  # fmt: skip
+            left = np.mean(
+                [
+                    float(row[key]) / float(raw[key])
+                    for key in (
+                        "ape_rmse_m",
+                        "rotation_rmse_deg",
+                        "linear_jitter_m_s2",
+                        "angular_jitter_rad_s2",
+                    )
+                ]
+            )
             logs.setdefault(row["representation"], []).append(math.log(left))
     expected = math.exp(np.mean(logs["euler"]) - np.mean(logs["motor"]))
     (sentence,) = [one for one in findings(results).representations if "`euler`" in one]
@@ -343,9 +363,14 @@ def test_ends_of_ladders_and_what_was_not_run_are_told(results: Results) -> None
             name = next(iter(row["parameters"]))
             row["parameters"][name] = told["grids"][row["method"]][0]["values"][-1]
     told["plan"]["left_out"] = [
-        {"method": "gaussian", "representations": ["euler"], "motions": list(PLAN.motions),
-         "degradations": list(PLAN.degradations), "reason": "for a reason"}
-    ]  # fmt: skip
+        {
+            "method": "gaussian",
+            "representations": ["euler"],
+            "motions": list(PLAN.motions),
+            "degradations": list(PLAN.degradations),
+            "reason": "for a reason",
+        }
+    ]
     changed = Results(told, results.figures)
     # The last value of a cut-off smooths least, that of a width most.
     assert grid_ends(changed) == [

@@ -136,8 +136,11 @@ def test_keys_carry_units(small: Path) -> None:
     told = json.loads((small / "results.json").read_text())
     for key in told["traits"][0]:
         assert key.endswith(("_m", "_rad", "_us_per_pose")) or key in {
-            "method", "representation", "poses", "failure",
-        }  # fmt: skip
+            "method",
+            "representation",
+            "poses",
+            "failure",
+        }
     for one in told["parameters"]:
         units = ("_hz", "_s", "_m", "_rad", "_s2", "_s3", "_per_m", "_per_rad")
         assert all(name.endswith(units) for name in one["parameters"])
@@ -234,9 +237,19 @@ def test_own_files_are_compared_from_the_command_line(
     )
     write_trajectory(noisy, tmp_path / "noisy.tum")
     write_trajectory(truth, tmp_path / "truth.tum")
-    words = ["compare", "--input", str(tmp_path / "noisy.tum"), "--truth",
-             str(tmp_path / "truth.tum"), "--methods", "gaussian", "--representations", "motor",
-             "--out", str(tmp_path / "out")]  # fmt: skip
+    words = [
+        "compare",
+        "--input",
+        str(tmp_path / "noisy.tum"),
+        "--truth",
+        str(tmp_path / "truth.tum"),
+        "--methods",
+        "gaussian",
+        "--representations",
+        "motor",
+        "--out",
+        str(tmp_path / "out"),
+    ]
     assert main(words) == 0
     assert "gaussian" in capsys.readouterr().out
     assert json.loads((tmp_path / "out" / "results.json").read_text())["plan"]["align"] == "se3"

@@ -127,8 +127,11 @@ def test_what_is_not_complete_is_not_ranked(rng: np.random.Generator) -> None:
 
 def test_ratios_to_motor_are_paired_and_averaged_over_methods(rng: np.random.Generator) -> None:
     factors = {
-        ("a", "motor"): 0.5, ("a", "euler"): 1.0, ("b", "motor"): 0.2, ("b", "euler"): 0.1,
-    }  # fmt: skip
+        ("a", "motor"): 0.5,
+        ("a", "euler"): 1.0,
+        ("b", "motor"): 0.2,
+        ("b", "euler"): 0.1,
+    }
     found = {
         (one["method"], one["representation"]): one
         for one in ratios_to_motor([group(factors, rng)])
@@ -144,8 +147,11 @@ def test_ratios_to_motor_are_paired_and_averaged_over_methods(rng: np.random.Gen
 
 def test_ratios_over_all_methods_are_over_the_same_ones(rng: np.random.Generator) -> None:
     factors = {
-        ("a", "motor"): 0.5, ("a", "euler"): 1.0, ("b", "motor"): 0.2, ("b", "euler"): 0.1,
-    }  # fmt: skip
+        ("a", "motor"): 0.5,
+        ("a", "euler"): 1.0,
+        ("b", "motor"): 0.2,
+        ("b", "euler"): 0.1,
+    }
     one = group(factors, rng)
     one.values[7, one.names.index(("b", "motor"))] = np.nan
     found = [row for row in ratios_to_motor([one]) if row["method"] == "all"]

@@ -32,9 +32,14 @@ from motorcade.replays.engine.graph import Graph
 
 REFUSALS = [errno.ENOSPC, errno.EROFS, errno.EACCES, errno.EDQUOT, errno.EIO]
 WRITES = [
-    (Path, "mkdir"), (Path, "write_text"), (Path, "rename"), (os, "fsync"), (np, "savez"),
-    (shutil, "move"), (tempfile, "mkdtemp"),
-]  # fmt: skip
+    (Path, "mkdir"),
+    (Path, "write_text"),
+    (Path, "rename"),
+    (os, "fsync"),
+    (np, "savez"),
+    (shutil, "move"),
+    (tempfile, "mkdtemp"),
+]
 
 
 @dataclass(frozen=True)
@@ -85,9 +90,12 @@ def facts(outputs: Any) -> Any:
     """All that a run gave, in comparable form."""
     one = outputs["drawn"]
     return (
-        outputs["counted"], outputs["joined"], one.parts, one.heights.tolist(),
+        outputs["counted"],
+        outputs["joined"],
+        one.parts,
+        one.heights.tolist(),
         one.film.read_bytes(),
-    )  # fmt: skip
+    )
 
 
 def run(cache: Path, words: str, only: str | None, factor: float) -> Any:
@@ -287,9 +295,12 @@ for limit in (0, 1, 60, 130, 300, 700, 1500, 10**6):
 def started(script: str, *arguments: object) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, "-c", script, *map(str, arguments)],
-        cwd=Path(__file__).parents[3], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        cwd=Path(__file__).parents[3],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
         env=dict(os.environ, PYTHONDONTWRITEBYTECODE="1"),
-    )  # fmt: skip
+    )
 
 
 def test_runs_at_the_same_time_share_a_cache_that_was_damaged(tmp_path: Path) -> None:

@@ -190,8 +190,12 @@ def test_a_killed_run_resumes_and_new_code_recomputes(tmp_path: Path) -> None:
         environment = dict(os.environ, PYTHONPATH=str(tmp_path), PYTHONDONTWRITEBYTECODE="1")
         return subprocess.run(
             [sys.executable, "-c", KILLED],
-            cwd=tmp_path, env=environment, capture_output=True, text=True, check=False,
-        )  # fmt: skip
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
 
     assert run().returncode == -9
     (tmp_path / "die").unlink()

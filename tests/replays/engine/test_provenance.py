@@ -50,7 +50,7 @@ SOURCES = {
         "from importlib import import_module\n\n\ndef any_of(name):\n"
         f'    return import_module(f"{PACKAGE}.eager.{{name}}")\n'
     ),
-}  # fmt: skip
+}
 
 
 @pytest.fixture

@@ -49,9 +49,23 @@ LONGEST = 700
 SECRET = "secret.png"
 TRUTH = "state_groundtruth_estimate0/data.csv"
 PATHS = [
-    f"../{SECRET}", f"images/../../{SECRET}", "/etc/passwd", "..", ".", "", "/dev/zero", "a\0b",
-    "\\\\host\\share", "x" * 5000, "*", "**/*", "**/**", "[", "~", f"./././../{SECRET}",
-]  # fmt: skip
+    f"../{SECRET}",
+    f"images/../../{SECRET}",
+    "/etc/passwd",
+    "..",
+    ".",
+    "",
+    "/dev/zero",
+    "a\0b",
+    "\\\\host\\share",
+    "x" * 5000,
+    "*",
+    "**/*",
+    "**/**",
+    "[",
+    "~",
+    f"./././../{SECRET}",
+]
 MANIFEST = """
 name = "all of it"
 settings = ["fused.gate=0.99"]
@@ -218,9 +232,10 @@ def _new(folder: Path) -> Path:
 
 def _tagslam(folder: Path) -> Path:
     for name, text in (
-        ("cameras.yaml", test_tagslam.CAMERAS), ("camera_poses.yaml", test_tagslam.POSES),
+        ("cameras.yaml", test_tagslam.CAMERAS),
+        ("camera_poses.yaml", test_tagslam.POSES),
         ("tagslam.yaml", test_tagslam.BODIES),
-    ):  # fmt: skip
+    ):
         (folder / name).write_text(text)
     bag = test_tagslam.packed_bag([(2, [10, 1]), (1, [2]), (3, [])])
     (folder / "tag_detections.bag.bz2").write_bytes(bag)

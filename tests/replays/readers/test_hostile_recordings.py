@@ -116,12 +116,17 @@ def test_a_message_is_short_and_printable_whatever_it_quotes() -> None:
 
 
 FILES = {
-    "euroc": ["mav0/cam0/data.csv", "mav0/cam0/sensor.yaml", "mav0/imu0/data.csv",
-              "mav0/imu0/sensor.yaml", "mav0/state_groundtruth_estimate0/data.csv"],
+    "euroc": [
+        "mav0/cam0/data.csv",
+        "mav0/cam0/sensor.yaml",
+        "mav0/imu0/data.csv",
+        "mav0/imu0/sensor.yaml",
+        "mav0/state_groundtruth_estimate0/data.csv",
+    ],
     "seven_scenes": ["frame-000001.pose.txt", "frame-000001.color.png", "frame-000001.depth.png"],
     "tum_rgbd": ["rgb.txt", "depth.txt", "groundtruth.txt"],
     "kitti": ["calib.txt", "poses.txt", "times.txt"],
-}  # fmt: skip
+}
 
 
 def garble(data: bytes, rng: np.random.Generator) -> bytes:

@@ -312,8 +312,11 @@ class TestKitti:
         made = make("kitti")
         (made.root / "times.txt").unlink()
         assert open_recording(made.root).frames.time_ns.tolist() == [
-            0, 100_000_000, 200_000_000, 300_000_000,
-        ]  # fmt: skip
+            0,
+            100_000_000,
+            200_000_000,
+            300_000_000,
+        ]
 
     @pytest.mark.parametrize(
         ("file", "line", "text", "message"),

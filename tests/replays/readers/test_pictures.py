@@ -72,8 +72,14 @@ def test_garbage_is_refused(start: bytes, rest: bytes) -> None:
 
 def test_a_size_that_fills_the_memory_is_refused_before_decoding() -> None:
     with pytest.raises(ValueError, match="expected at most 100000000 pixels"):
-        picture_size(b"BM" + (70).to_bytes(4, "little") + bytes(8) + (40).to_bytes(4, "little")
-                     + (10**6).to_bytes(4, "little") * 2 + bytes(60))  # fmt: skip
+        picture_size(
+            b"BM"
+            + (70).to_bytes(4, "little")
+            + bytes(8)
+            + (40).to_bytes(4, "little")
+            + (10**6).to_bytes(4, "little") * 2
+            + bytes(60)
+        )
 
 
 def test_pixels_are_rgb_or_grey_as_stored(tmp_path: Path) -> None:

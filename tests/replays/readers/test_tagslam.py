@@ -75,12 +75,16 @@ def packed_bag(messages, corners=CORNERS) -> bytes:
                 point = types["geometry_msgs/msg/Point"]
                 tags = [
                     types["apriltag_msgs/msg/Apriltag"](
-                        id=one, family="", hamming=0, border=1, bits=6,
+                        id=one,
+                        family="",
+                        hamming=0,
+                        border=1,
+                        bits=6,
                         center=point(x=0.0, y=0.0, z=0.0),
                         corners=[point(x=x, y=y, z=0.0) for x, y in corners],
                     )
                     for one in ids
-                ]  # fmt: skip
+                ]
                 message = types[TAGS](header=header, apriltags=tags)
                 bag.write(link, second * 10**9, store.serialize_ros1(message, TAGS))
         return bz2.compress(path.read_bytes())
@@ -126,8 +130,12 @@ def test_sizes_of_boards_and_of_unlisted_tags(folder: Path) -> None:
         ("tagslam.yaml", "size: 0.2", "size: -1", "metres above 0"),
         ("tagslam.yaml", "size: 0.2", "size: .nan", "size"),
         ("tagslam.yaml", "tag_rows: 3", "tag_rows: 1.5", "whole number"),
-        ("tagslam.yaml", "tag_rows: 2, tag_columns: 2", "tag_rows: 99999, tag_columns: 99999",
-         "at most 100000 tags"),
+        (
+            "tagslam.yaml",
+            "tag_rows: 2, tag_columns: 2",
+            "tag_rows: 99999, tag_columns: 99999",
+            "at most 100000 tags",
+        ),
         ("tagslam.yaml", "default_body: lab", "default_body: moon", "name of a body"),
         ("tagslam.yaml", "bodies:", "bodies: 3\nothers:", "a list"),
         ("cameras.yaml", "radtan", "fisheye", "radtan"),
@@ -135,7 +143,7 @@ def test_sizes_of_boards_and_of_unlisted_tags(folder: Path) -> None:
         ("cameras.yaml", "/tags", "/other", "expected messages on"),
         ("camera_poses.yaml", "x: 0.1", "x: here", "position"),
     ],
-)  # fmt: skip
+)
 def test_calibrations_that_do_not_fit_are_refused(folder: Path, name, old, new, said) -> None:
     text = (folder / name).read_text()
     assert old in text
@@ -191,9 +199,12 @@ def test_flips_are_counted_as_defined() -> None:
     camera = Camera(640, 480, 400.0, 400.0, 320.0, 240.0)
     time_ns = np.array([0, 1, 2, 9]) * 150_000_000
     stream = CornerStream(
-        camera, time_ns, np.array([0, 0, 1, 1, 2, 3]), np.array([1, 2, 1, 2, 1, 1]),
+        camera,
+        time_ns,
+        np.array([0, 0, 1, 1, 2, 3]),
+        np.array([1, 2, 1, 2, 1, 1]),
         np.zeros((6, 4, 2)),
-    )  # fmt: skip
+    )
     truth = Rotor.from_rotation_vector([[0.0, 0.1 * row, 0.0] for row in range(6)])
     reference = truth.coefficients.copy()
     normals = truth.apply([0.0, 0.0, 1.0])
@@ -228,8 +239,11 @@ def test_what_the_recordings_hold(tagslam_dir: Path) -> None:
     rig = tagslam.read(tagslam_dir / "test_21")
     counts = {name: (len(s.time_ns), len(s)) for name, s in rig.streams.items()}
     assert counts == {
-        "cam0": (431, 1274), "cam1": (431, 1353), "cam2": (431, 275), "cam3": (431, 177)
-    }  # fmt: skip
+        "cam0": (431, 1274),
+        "cam1": (431, 1353),
+        "cam2": (431, 275),
+        "cam3": (431, 177),
+    }
     assert list(rig.rig_T_camera) == ["cam0"]
     assert rig.side_m[2] == 0.16
     assert rig.side_m[101] == 0.1

@@ -47,8 +47,12 @@ def write_lines(path: Path, *lines: str) -> Path:
 )
 def test_what_is_written_is_read_back(
     tmp_path_factory: pytest.TempPathFactory,
-    fmt: str, seed: int, count: int, extent_m: float, start_ns: int,
-) -> None:  # fmt: skip
+    fmt: str,
+    seed: int,
+    count: int,
+    extent_m: float,
+    start_ns: int,
+) -> None:
     made = some_trajectory(seed, count, extent_m, start_ns)
     path = tmp_path_factory.mktemp("round") / f"path.{fmt}"
     write_trajectory(made, path, fmt)

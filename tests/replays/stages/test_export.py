@@ -110,9 +110,11 @@ def test_points_of_a_map_are_in_the_gltf(shown: Shown, tmp_path: Path) -> None:
 
 
 def test_without_rerun_one_line_says_what_brings_it(
-    finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    finished: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+) -> None:
     monkeypatch.setitem(sys.modules, "rerun", None)
     assert main(["export", str(finished), "--rrd", str(tmp_path / "run.rrd")]) == 1
     assert "motorcade[viewer]" in capsys.readouterr().err

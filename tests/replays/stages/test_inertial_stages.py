@@ -208,9 +208,16 @@ def mapped(truth: Trajectory) -> SlamResult:
     own = keyframes.motors[rows].inverse().apply(points[names])
     ahead = own[:, 2] > 1.0
     snapshot = MapSnapshot(
-        keyframes.time_ns, keyframes.motors, points, np.zeros((60, 32), np.uint8), rows[ahead],
-        names[ahead], CAMERA.project(own[ahead]), np.full(np.count_nonzero(ahead), np.nan), False,
-    )  # fmt: skip
+        keyframes.time_ns,
+        keyframes.motors,
+        points,
+        np.zeros((60, 32), np.uint8),
+        rows[ahead],
+        names[ahead],
+        CAMERA.project(own[ahead]),
+        np.full(np.count_nonzero(ahead), np.nan),
+        False,
+    )
     spread = np.tile(np.diag(np.repeat([1e-3, 4e-3], 3) ** 2), (len(frames), 1, 1))
     states = ("tracking",) * len(frames)
     return SlamResult(frames, spread, frames.time_ns, states, None, snapshot, False, 0, {})
@@ -229,8 +236,10 @@ def test_an_imu_tells_metres_where_it_was_carried_and_says_why_not(stream: ImuSt
         in_metres(replace(one, imu_T_camera=None), mapped(path()))
     still = Trajectory(path().time_ns, Motor.stack([path().motors[0]] * len(path())))
     at_rest = simulate_imu(
-        still.transformed_by(right=MOUNT.inverse(), child="imu"), 200.0, ADIS16448,
+        still.transformed_by(right=MOUNT.inverse(), child="imu"),
+        200.0,
+        ADIS16448,
         np.random.default_rng(1),
-    ).stream  # fmt: skip
+    ).stream
     with pytest.raises(NoMetres, match="tell"):
         in_metres(replace(one, imu=at_rest), mapped(still))

@@ -89,9 +89,15 @@ def recorded(
     """Pictures of one marker by a camera whose path is known."""
     pictures = drawn(where, hidden)
     recording = Recording(
-        "drawn", Path("drawn"), "images", Pictures(pictures), CAMERA, board=board,
-        world_T_board=where(0), markers=LooseMarkers("tag36h11", SIDE_M),
-    )  # fmt: skip
+        "drawn",
+        Path("drawn"),
+        "images",
+        Pictures(pictures),
+        CAMERA,
+        board=board,
+        world_T_board=where(0),
+        markers=LooseMarkers("tag36h11", SIDE_M),
+    )
     path = Trajectory(TIME_NS, handheld_path(FRAMES, 0.7))
     measured = PoseMeasurements(path, np.tile(np.eye(6) * 1e-6, (FRAMES, 1, 1)))
     nothing = np.full(FRAMES, np.nan)
@@ -199,8 +205,9 @@ def test_a_marker_that_stands_still_is_the_board_that_it_is(board: Board) -> Non
     assert made.stands_on == "marker 7"
     np.testing.assert_allclose(
         made.placement.world_T_character.as_matrix(),
-        usual.placement.world_T_character.as_matrix(), atol=1e-9,
-    )  # fmt: skip
+        usual.placement.world_T_character.as_matrix(),
+        atol=1e-9,
+    )
     assert made.placement.scale == pytest.approx(usual.placement.scale)
 
 

@@ -43,6 +43,4 @@ def test_a_lone_pose_has_no_velocity_to_go_on_at(rng: np.random.Generator) -> No
     whole = steady(rng)
     assert len(extrapolated(whole[:1], whole)) == 1
     two = extrapolated(whole[:2], whole)
-    np.testing.assert_allclose(
-        two.motors.as_matrix(), whole.motors[:4].as_matrix(), atol=1e-12
-    )  # fmt: skip
+    np.testing.assert_allclose(two.motors.as_matrix(), whole.motors[:4].as_matrix(), atol=1e-12)

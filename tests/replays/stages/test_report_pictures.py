@@ -38,18 +38,24 @@ def findings(**changed: Any) -> Any:
     made: dict[str, Any] = {
         "recording": SimpleNamespace(truth=truth),
         "camera_poses": SimpleNamespace(
-            measurements=SimpleNamespace(trajectory=path), frame_times_ns=stamps, origin="board",
+            measurements=SimpleNamespace(trajectory=path),
+            frame_times_ns=stamps,
+            origin="board",
             reprojection_px=np.full(COUNT, 0.2),
         ),
         "imu": SimpleNamespace(origin="recorded"),
         "fused": SimpleNamespace(
-            trajectory=path, covariance=sigma[..., None] ** 2 * np.eye(6), nis=nis, by="imu",
+            trajectory=path,
+            covariance=sigma[..., None] ** 2 * np.eye(6),
+            nis=nis,
+            by="imu",
             accepted=np.arange(COUNT) % 10 != 3,
         ),
         "errors": SimpleNamespace(align="none"),
         "convergence": SimpleNamespace(time_s=np.zeros(0)),
-        "off": off, "sigma": sigma,
-    }  # fmt: skip
+        "off": off,
+        "sigma": sigma,
+    }
     return SimpleNamespace(**(made | changed))
 
 
@@ -126,8 +132,9 @@ def test_what_lasts_is_told_apart_from_what_does_not() -> None:
 def test_an_imu_along_the_tracked_path_says_nothing_of_the_noise() -> None:
     told = findings(imu=SimpleNamespace(origin="tracked"))
     assert [one.title for one in filter_pictures(told)] == [
-        "Rotation within ±σ", "Position within ±σ",
-    ]  # fmt: skip
+        "Rotation within ±σ",
+        "Position within ±σ",
+    ]
     nis = Findings.nis_per_dimension.fget
     assert nis is not None
     assert nis(told) is None

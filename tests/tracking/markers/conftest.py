@@ -37,9 +37,13 @@ def path(frames: int, rng: np.random.Generator, around_m: float = 2.0) -> Motor:
     phase = np.linspace(0.0, 0.25 * frames, frames)
     offset = rng.uniform(0.0, 2.0 * np.pi, 3)
     centre = np.stack(
-        [0.8 * np.sin(phase + offset[0]), 0.5 * np.sin(1.3 * phase + offset[1]),
-         around_m + 0.3 * np.sin(0.7 * phase + offset[2])], axis=-1,
-    )  # fmt: skip
+        [
+            0.8 * np.sin(phase + offset[0]),
+            0.5 * np.sin(1.3 * phase + offset[1]),
+            around_m + 0.3 * np.sin(0.7 * phase + offset[2]),
+        ],
+        axis=-1,
+    )
     forward = np.array([0.0, 0.0, 0.0]) - centre
     forward /= np.linalg.norm(forward, axis=-1, keepdims=True)
     right = np.cross(forward, [0.0, 1.0, 0.0])

@@ -204,10 +204,13 @@ def test_frames_without_markers_count_as_frames(make_scene) -> None:
     sightings = pose_stream(scene.stream, scene.side_m)
     kept = (sightings.frame < 3) | (sightings.frame > 5)
     thinned = Sightings(
-        sightings.time_ns, sightings.frame[kept], sightings.marker_ids[kept],
-        sightings.camera_T_marker[kept], sightings.error_px[kept],
+        sightings.time_ns,
+        sightings.frame[kept],
+        sightings.marker_ids[kept],
+        sightings.camera_T_marker[kept],
+        sightings.error_px[kept],
         sightings.rotation_covariance[kept],
-    )  # fmt: skip
+    )
     for answer in (resolve(thinned), resolve_online(thinned, 0), resolve_online(thinned, 2)):
         assert len(answer.choice) == np.count_nonzero(kept)
         assert np.all(answer.frame_ambiguity[3:6] == 0.0)
@@ -248,6 +251,10 @@ def test_bad_input_is_refused_by_name(make_scene) -> None:
         resolver.update(sightings.of_frames(np.array([0])))
     with pytest.raises(ValueError, match="each id once"):
         Sightings(
-            sightings.time_ns[:1], np.zeros(2, int), np.zeros(2, int), Motor.identity((2, 2)),
-            np.zeros((2, 2)), np.zeros((2, 2, 3, 3)),
-        )  # fmt: skip
+            sightings.time_ns[:1],
+            np.zeros(2, int),
+            np.zeros(2, int),
+            Motor.identity((2, 2)),
+            np.zeros((2, 2)),
+            np.zeros((2, 2, 3, 3)),
+        )

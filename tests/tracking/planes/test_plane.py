@@ -181,9 +181,12 @@ def test_points_on_a_line_within_their_noise_are_refused(rng: np.random.Generato
 )
 def test_planes_that_cannot_be_are_refused(change: dict[str, object], message: str) -> None:
     good = {
-        "world_T_plane": Motor.identity(), "outline": SQUARE, "support": 4, "rms_m": 0.0,
+        "world_T_plane": Motor.identity(),
+        "outline": SQUARE,
+        "support": 4,
+        "rms_m": 0.0,
         "covariance": np.zeros((3, 3)),
-    }  # fmt: skip
+    }
     with pytest.raises(ValueError, match=message):
         Plane(**(good | change))
 

@@ -31,8 +31,10 @@ INPUT = '<input semantic="VERTEX" source="#v" offset="0"/>'
         ([('id="pa" count="36">', 'id="pa">x ')], "expected numbers"),
         ([('source="#p"/>', 'source="#nothing"/>')], "expected the id of a <source>, got #nothing"),
         ([(">b t</Name_array>", ">b b</Name_array>")], "expected different joints, got one twice"),
-        ([("<Name_array id=\"ja\"", "<x id=\"ja\""), ("b t</Name_array>", "b t</x>")],
-         "expected a <Name_array> or <IDREF_array>, got none"),
+        (
+            [('<Name_array id="ja"', '<x id="ja"'), ("b t</Name_array>", "b t</x>")],
+            "expected a <Name_array> or <IDREF_array>, got none",
+        ),
         ([('count="2" stride="16"', 'count="1" stride="16"')], "expected 2 bind matrices, got 1"),
         ([('semantic="INV_BIND_MATRIX"', 'semantic="X"')], "JOINT and INV_BIND_MATRIX"),
         ([('semantic="WEIGHT"', 'semantic="X"')], "expected JOINT and WEIGHT"),
@@ -43,9 +45,11 @@ INPUT = '<input semantic="VERTEX" source="#v" offset="0"/>'
         ([("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</bind", "1 0 0</bind")], "expected 16 numbers, got 3"),
         ([('id="wa" count="2">1', 'id="wa" count="2">-1')], "expected a sum above zero, got -4"),
         ([('count="2">1 0.5', 'count="2">1 -0.5')], "finite shares of 0 or more"),
-        ([("<float_array id=\"wa\"", "<x id=\"wa\""), ("1 0.5</float_array>", "1 0.5</x>")],
-         "expected a <float_array>, got none"),
-        ([("#skin\"", "#tower\"")], "expected the id of a <controller>, got #tower"),
+        (
+            [('<float_array id="wa"', '<x id="wa"'), ("1 0.5</float_array>", "1 0.5</x>")],
+            "expected a <float_array>, got none",
+        ),
+        ([('#skin"', '#tower"')], "expected the id of a <controller>, got #tower"),
         ([("Z_UP", "W_UP")], "up_axis: expected X_UP"),
         ([('meter="0.5"', 'meter="-1"')], "unit: expected metres"),
         ([(">b t<", ">b x<")], "joints that are nodes of the scene, got x"),
@@ -57,11 +61,13 @@ INPUT = '<input semantic="VERTEX" source="#v" offset="0"/>'
         ([(">0 90<", ">0 45 90<")], "sampler 's': expected 2 keys, got 3"),
         ([(">0 1</float", ">1 0</float")], "sampler 's': expected increasing seconds up to 1e6"),
         ([('id="ka" count="2">LINEAR', 'id="ka" count="2">')], "expected 2 kinds, got 1"),
-        ([('<node id="base"', '<node><lookat>0</lookat></node><node id="base"')],
-         "rotate or scale, got lookat"),
+        (
+            [('<node id="base"', '<node><lookat>0</lookat></node><node id="base"')],
+            "rotate or scale, got lookat",
+        ),
         ([("COLLADA xmlns", "COLLADO xmlns"), ("</COLLADA>", "</COLLADO>")], "expected COLLADA"),
     ],
-)  # fmt: skip
+)
 def test_documents_that_are_not_consistent_are_refused_by_name(
     write: Write, changes: list[tuple[str, str]], message: str
 ) -> None:
@@ -93,8 +99,9 @@ def test_a_scene_without_nodes_is_refused(write: Write) -> None:
 
 
 def test_weights_of_fewer_vertices_than_the_mesh_has_are_refused(write: Write) -> None:
-    data = collada_with(("<vcount>1 1 1 1 2 2 2 2 1 1 1 1", "<vcount>1 1 1 1 2 2 2 2 1 1 1"),
-                    ("1 0</v>", "</v>"))  # fmt: skip
+    data = collada_with(
+        ("<vcount>1 1 1 1 2 2 2 2 1 1 1 1", "<vcount>1 1 1 1 2 2 2 2 1 1 1"), ("1 0</v>", "</v>")
+    )
     with pytest.raises(FormatError, match="expected weights of every vertex, got 11"):
         read_character(write("few.dae", data))
 

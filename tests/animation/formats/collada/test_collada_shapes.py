@@ -64,13 +64,21 @@ def test_a_skin_without_a_bind_shape_is_bound_as_it_stands(write: Write) -> None
 
 
 def test_colours_of_vertices_count_before_materials(write: Write) -> None:
-    source = ('<source id="c"><float_array id="ca" count="36">' + "0.25 0.5 2 " * 12
-              + '</float_array><technique_common><accessor source="#ca" count="12" stride="3"/>'
-              "</technique_common></source><vertices")  # fmt: skip
+    source = (
+        '<source id="c"><float_array id="ca" count="36">'
+        + "0.25 0.5 2 " * 12
+        + '</float_array><technique_common><accessor source="#ca" count="12" stride="3"/>'
+        "</technique_common></source><vertices"
+    )
     colored = '<input semantic="POSITION" source="#p"/><input semantic="COLOR" source="#c"/>'
-    found = read_character(write("c.dae", collada_with(
-        ("<vertices", source), ('<input semantic="POSITION" source="#p"/>', colored)
-    )))  # fmt: skip
+    found = read_character(
+        write(
+            "c.dae",
+            collada_with(
+                ("<vertices", source), ('<input semantic="POSITION" source="#p"/>', colored)
+            ),
+        )
+    )
     np.testing.assert_allclose(found.colors, np.tile([0.25, 0.5, 1.0], (12, 1)))
 
 
@@ -81,18 +89,25 @@ TEXTURE = """<newparam sid="surface"><surface type="2D"><init_from>image</init_f
 
 def _textured(picture: str, named: str = "sampler") -> bytes:
     """The tower painted by a picture; its right half is green, its upper left corner red."""
-    uv = ('<source id="t2"><float_array id="ta" count="24">' + "0.75 0.25 " * 11 + "0.25 0.75"
-          '</float_array><technique_common><accessor source="#ta" count="12" stride="2"/>'
-          "</technique_common></source><vertices")  # fmt: skip
+    uv = (
+        '<source id="t2"><float_array id="ta" count="24">' + "0.75 0.25 " * 11 + "0.25 0.75"
+        '</float_array><technique_common><accessor source="#ta" count="12" stride="2"/>'
+        "</technique_common></source><vertices"
+    )
     return collada_with(
         ("<vertices", uv),
-        ('<input semantic="POSITION" source="#p"/>',
-         '<input semantic="POSITION" source="#p"/><input semantic="TEXCOORD" source="#t2"/>'),
+        (
+            '<input semantic="POSITION" source="#p"/>',
+            '<input semantic="POSITION" source="#p"/><input semantic="TEXCOORD" source="#t2"/>',
+        ),
         ("<technique", TEXTURE),
         ("<color>0.8 0.2 0.1 1</color>", f'<texture texture="{named}" texcoord="x"/>'),
-        ("<library_effects>", f'<library_images><image id="image"><init_from>{picture}</init_from>'
-         "</image></library_images><library_effects>"),
-    )  # fmt: skip
+        (
+            "<library_effects>",
+            f'<library_images><image id="image"><init_from>{picture}</init_from>'
+            "</image></library_images><library_effects>",
+        ),
+    )
 
 
 @pytest.mark.parametrize("named", ["sampler", "image"])
@@ -123,9 +138,12 @@ def test_pictures_that_cannot_be_had_leave_a_plain_grey(
 
 def test_a_mesh_that_hangs_on_a_joint_follows_it(write: Write) -> None:
     """Beside the skinned one, which shares its polygons."""
-    data = collada_with(('<rotate sid="turn">0 0 1 0</rotate>',
-                     '<rotate sid="turn">0 0 1 0</rotate><instance_geometry url="#tower"/>',
-                     ))  # fmt: skip
+    data = collada_with(
+        (
+            '<rotate sid="turn">0 0 1 0</rotate>',
+            '<rotate sid="turn">0 0 1 0</rotate><instance_geometry url="#tower"/>',
+        )
+    )
     found = read_character(write("hat.dae", data))
     assert len(found.vertices) == 24
     hat, tower = found.vertices[:12], found.vertices[12:]
@@ -136,14 +154,19 @@ def test_a_mesh_that_hangs_on_a_joint_follows_it(write: Write) -> None:
 @pytest.mark.parametrize("kind", ["geometry", "controller"])
 def test_splines_and_morphs_are_left_out_and_told(write: Write, kind: str) -> None:
     more = {
-        "geometry": ('<library_geometries>', '<library_geometries><geometry id="line"><spline/>'
-                     "</geometry>", '<node id="mesh"><instance_geometry url="#line"/>',
-                     "'line' is no mesh: left out"),
-        "controller": ("<library_controllers>", '<library_controllers><controller id="face">'
-                       "<morph/></controller>",
-                       '<node id="mesh"><instance_controller url="#face"/>',
-                       "'face' morphs a mesh: left out"),
-    }[kind]  # fmt: skip
+        "geometry": (
+            "<library_geometries>",
+            '<library_geometries><geometry id="line"><spline/></geometry>',
+            '<node id="mesh"><instance_geometry url="#line"/>',
+            "'line' is no mesh: left out",
+        ),
+        "controller": (
+            "<library_controllers>",
+            '<library_controllers><controller id="face"><morph/></controller>',
+            '<node id="mesh"><instance_controller url="#face"/>',
+            "'face' morphs a mesh: left out",
+        ),
+    }[kind]
     data = collada_with((more[0], more[1]), ('<node id="mesh">', more[2]))
     found = read_character(write("more.dae", data))
     assert len(found.vertices) == 12
@@ -158,10 +181,13 @@ def _moving(sid: str, target: str, values: str, count: int) -> bytes:
         ('<sampler id="s">', '<technique_common/><sampler id="s">'),
         ('target="top/turn.ANGLE"', f'target="top/{target}"'),
         ('id="oa"', 'id="oa" '),
-        ('</float_array></source>\n<source id="k">',
-         f'</float_array><technique_common><accessor source="#oa" count="2" stride="{count // 2}"/>'
-         '</technique_common></source>\n<source id="k">'),
-    )  # fmt: skip
+        (
+            '</float_array></source>\n<source id="k">',
+            "</float_array><technique_common>"
+            f'<accessor source="#oa" count="2" stride="{count // 2}"/>'
+            '</technique_common></source>\n<source id="k">',
+        ),
+    )
 
 
 @pytest.mark.parametrize(
@@ -171,10 +197,14 @@ def _moving(sid: str, target: str, values: str, count: int) -> bytes:
         ('<translate sid="at2">0 0 0</translate>', "at2.Z", "0 2", 2),
         ('<translate sid="at2">0 0 0</translate>', "at2(2)", "0 2", 2),
         ('<matrix sid="m">1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>', "m(3)(2)", "0 2", 2),
-        ('<matrix sid="m">1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>', "m",
-         "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 1 0 0 0 0 1 0 0 0 0 1 2 0 0 0 1", 32),
+        (
+            '<matrix sid="m">1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>',
+            "m",
+            "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 1 0 0 0 0 1 0 0 0 0 1 2 0 0 0 1",
+            32,
+        ),
     ],
-)  # fmt: skip
+)
 def test_channels_move_all_or_one_number_of_a_transform(
     write: Write, sid: str, target: str, values: str, count: int
 ) -> None:
@@ -206,8 +236,10 @@ def test_channels_of_uneven_scale_are_told(write: Write) -> None:
 )
 def test_channels_that_move_no_number_are_left_out_and_told(write: Write, target: str) -> None:
     """All but a whole rotation, of four numbers."""
-    sid = ('<translate sid="at2">0 0 0</translate>'
-           '<matrix sid="m">1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>')  # fmt: skip
+    sid = (
+        '<translate sid="at2">0 0 0</translate>'
+        '<matrix sid="m">1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>'
+    )
     if target == "turn":
         data = _moving(sid, target, "0 0 1 0 0 0 1 90", 8)
         assert len(read_motion(write("moving.dae", data)).clips) == 1
@@ -230,8 +262,10 @@ def test_handles_of_another_kind_leave_straight_lines(write: Write) -> None:
     """Tangents without times, as some programs write them, are no handles."""
     bare = collada_with((">-0.3 0 0.7 90<", ">0 90<"), (">0.3 0 1.3 90<", ">0 90<"), kind="BEZIER")
     bare = bare.replace(b'count="4"', b'count="2"')
-    found, straight = (read_motion(write(name, data)) for name, data in
-                       (("bare.dae", bare), ("line.dae", collada_with())))  # fmt: skip
+    found, straight = (
+        read_motion(write(name, data))
+        for name, data in (("bare.dae", bare), ("line.dae", collada_with()))
+    )
     times = [0.1, 0.25, 0.8]
     np.testing.assert_allclose(
         found.clips[0].at(times).as_matrix(), straight.clips[0].at(times).as_matrix(), atol=1e-9
@@ -239,8 +273,9 @@ def test_handles_of_another_kind_leave_straight_lines(write: Write) -> None:
 
 
 def test_a_key_alone_holds(write: Write) -> None:
-    data = collada_with((">0 1</float", ">0.5</float"), (">0 90<", ">90<"), (">LINEAR LINEAR<",
-                                                                       ">LINEAR<"))  # fmt: skip
+    data = collada_with(
+        (">0 1</float", ">0.5</float"), (">0 90<", ">90<"), (">LINEAR LINEAR<", ">LINEAR<")
+    )
     (clip,) = read_motion(write("one.dae", data)).clips
     assert len(clip.time_s) == 1
     np.testing.assert_allclose(np.degrees(clip.at(7.0).rotor.angle()[1]), 90.0, atol=1e-9)
@@ -251,5 +286,6 @@ def test_a_file_without_an_asset_is_in_metres_with_y_up(write: Write) -> None:
     start, end = text.index("<asset>"), text.index("</asset>") + len("</asset>")
     found = read_motion(write("bare.dae", (text[:start] + text[end:]).encode()))
     # The top lies one unit along the file's z, which is ahead where y is up.
-    np.testing.assert_allclose(found.skeleton.rest_world.translation_m[1], [1.0, 0.0, 0.0],
-                               atol=1e-9)  # fmt: skip
+    np.testing.assert_allclose(
+        found.skeleton.rest_world.translation_m[1], [1.0, 0.0, 0.0], atol=1e-9
+    )

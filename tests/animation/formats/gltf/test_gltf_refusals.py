@@ -158,10 +158,12 @@ def test_sparse_rows_that_are_none_are_refused(
     number = made.document["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
     made.document["accessors"][number]["sparse"] = {
         "count": 2,
-        "indices": {"bufferView": made.view(np.array(rows, kind)),
-                    "componentType": samples.KINDS[kind]},
+        "indices": {
+            "bufferView": made.view(np.array(rows, kind)),
+            "componentType": samples.KINDS[kind],
+        },
         "values": {"bufferView": made.view(np.zeros((2, 3), np.float32))},
-    }  # fmt: skip
+    }
     with pytest.raises(FormatError, match=message):
         read_character(write("bad.glb", made.glb()))
 

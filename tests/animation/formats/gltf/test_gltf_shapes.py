@@ -94,10 +94,12 @@ def test_an_accessor_without_a_view_holds_zeros(write: Write) -> None:
     accessor.pop("bufferView")
     accessor["sparse"] = {
         "count": 11,
-        "indices": {"bufferView": made.view(np.arange(1, 12, dtype=np.uint8)),
-                    "componentType": 5121},
+        "indices": {
+            "bufferView": made.view(np.arange(1, 12, dtype=np.uint8)),
+            "componentType": 5121,
+        },
         "values": {"bufferView": made.view(vertices[1:].astype(np.float32))},
-    }  # fmt: skip
+    }
     found = read_character(write("sparse.glb", made.glb()))
     np.testing.assert_allclose(found.vertices[0], 0.0, atol=1e-9)
     np.testing.assert_allclose(found.vertices[5], [0.2, 0.2, 1.0], atol=1e-6)
@@ -212,15 +214,27 @@ def test_one_picture_for_many_meshes_is_told_once(write: Write) -> None:
 @pytest.mark.parametrize(
     ("material", "linear"),
     [
-        ({"extensions": {"KHR_materials_pbrSpecularGlossiness": {
-            "diffuseFactor": [0.2, 0.4, 0.6, 1.0]}}}, [0.2, 0.4, 0.6]),
-        ({"pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.1, 0.9, 1.0]},
-          "extensions": {"KHR_materials_pbrSpecularGlossiness": {
-              "diffuseFactor": [0.2, 0.4, 0.6, 1.0]}}}, [0.1, 0.1, 0.9]),
+        (
+            {
+                "extensions": {
+                    "KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.2, 0.4, 0.6, 1.0]}
+                }
+            },
+            [0.2, 0.4, 0.6],
+        ),
+        (
+            {
+                "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.1, 0.9, 1.0]},
+                "extensions": {
+                    "KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.2, 0.4, 0.6, 1.0]}
+                },
+            },
+            [0.1, 0.1, 0.9],
+        ),
         ({}, [1.0, 1.0, 1.0]),
         ({"pbrMetallicRoughness": {"baseColorTexture": {"index": 1}}}, [1.0, 1.0, 1.0]),
     ],
-)  # fmt: skip
+)
 def test_colours_come_from_whichever_way_the_material_states_them(
     write: Write, material: dict[str, Any], linear: list[float]
 ) -> None:

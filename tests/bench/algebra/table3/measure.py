@@ -81,11 +81,13 @@ def bench_table3(seconds: float = 0.002, rounds: int = 41) -> dict[str, Any]:
     shown = characters(data_folder())
     crowd = random_character(ARRAY_JOINTS)
     found: dict[str, Any] = {
-        "rows": [], "array_rows": [], "left_out": [],
+        "rows": [],
+        "array_rows": [],
+        "left_out": [],
         "characters": [
             {"character": one.name, "joints": one.joints, "poses": one.source} for one in shown
         ],
-    }  # fmt: skip
+    }
     with tempfile.TemporaryDirectory() as folder, on_one_core():
         glm = _glm(Path(folder), found["left_out"])
         for scalar in SCALARS:
@@ -112,11 +114,17 @@ def _rows(
     lower, middle, upper = np.quantile(ns, (0.25, 0.5, 0.75), axis=0).tolist()
     made = [
         Row(
-            method if isinstance(method, str) else method.label, blends.scalar, one.name,
-            one.joints, 1e-6 * middle[k] * one.joints, middle[k], lower[k], upper[k],
+            method if isinstance(method, str) else method.label,
+            blends.scalar,
+            one.name,
+            one.joints,
+            1e-6 * middle[k] * one.joints,
+            middle[k],
+            lower[k],
+            upper[k],
         )
         for k, (method, one, _) in enumerate(timed)
-    ]  # fmt: skip
+    ]
     return [asdict(row) for row in made]
 
 

@@ -148,9 +148,14 @@ class Call:
         return float(
             self._timed(
                 ctypes.cast(self._function, ctypes.c_void_p),
-                places[0], places[1], self._fraction, places[2], self.joints, times,
+                places[0],
+                places[1],
+                self._fraction,
+                places[2],
+                self.joints,
+                times,
             )
-        )  # fmt: skip
+        )
 
     def matrices(self) -> FloatArray:
         """The matrices of the last call, ``(joints, 3, 4)``."""
@@ -252,8 +257,9 @@ def _array_loop(method: Method, program: Program, real: str, text: str) -> str:
     inputs = [_place(o.name, "{0} + {1} * joints", "fractions") for o in program.tape.inputs]
     outputs = [
         f"out + {4 * row + _COLUMNS[o.name] // 4} * joints"
-        for o in program.tape.outputs for row in range(len(o.components))
-    ]  # fmt: skip
+        for o in program.tape.outputs
+        for row in range(len(o.components))
+    ]
     types = ", ".join(["size_t"] + [f"const {real} *"] * len(inputs) + [f"{real} *"] * len(outputs))
     return (
         f"#include <stddef.h>\n"

@@ -111,8 +111,13 @@ def test_characters_have_the_joints_and_rest_poses_of_their_rigs(data_dir: Path)
 
 
 def test_the_papers_figures_are_those_that_its_ratios_were_told_from() -> None:
-    told = {"Dual-Quaternions": 5.6, "CGA Gaalop": 7.9, "Quaternions": 10.2, "CGA Versor": 19.8,
-            "CGA Gaigen": 42.3}  # fmt: skip
+    told = {
+        "Dual-Quaternions": 5.6,
+        "CGA Gaalop": 7.9,
+        "Quaternions": 10.2,
+        "CGA Versor": 19.8,
+        "CGA Gaigen": 42.3,
+    }
     assert {row: round(paper_ns(row), 1) for row in told} == told
     second, third = overheads_ms()
     assert (round(second.least_ms, 4), round(second.most_ms, 4)) == (0.0011, 0.0014)
@@ -123,26 +128,47 @@ def test_the_papers_figures_are_those_that_its_ratios_were_told_from() -> None:
 def rows(**ns: float) -> list[dict[str, Any]]:
     """Rows of a run by the names of their methods; those not named take 50 ns."""
     return [
-        {"method": m.label, "scalar": "float32", "character": name, "joints": joints,
-         "ns_a_joint": ns.get(m.name, 50.0)}
-        for m in methods.METHODS for name, joints, _ in RIGS
-    ]  # fmt: skip
+        {
+            "method": m.label,
+            "scalar": "float32",
+            "character": name,
+            "joints": joints,
+            "ns_a_joint": ns.get(m.name, 50.0),
+        }
+        for m in methods.METHODS
+        for name, joints, _ in RIGS
+    ]
 
 
 def test_the_verdict_says_what_the_figures_say() -> None:
     usual = {
-        "dual_quaternion": 6.0, "motor_table": 3000.0, "motor_product": 97.0, "motor_program": 90.0,
-        "motor_linear_table": 2000.0, "motor_linear_product": 9.0, "motor_linear_program": 6.3,
-        "rotor_table": 700.0, "rotor_program": 70.0,
-    }  # fmt: skip
+        "dual_quaternion": 6.0,
+        "motor_table": 3000.0,
+        "motor_product": 97.0,
+        "motor_program": 90.0,
+        "motor_linear_table": 2000.0,
+        "motor_linear_product": 9.0,
+        "motor_linear_program": 6.3,
+        "rotor_table": 700.0,
+        "rotor_program": 70.0,
+    }
     words = verdict(rows(**usual))
     assert "agrees: linear and `program` takes 1.05 times" in words
     assert "program holds for both" in words
     assert "`program` is 10.0 times faster than `table`" in words
     assert "apart is the path" in words
-    turned = verdict(rows(**(usual | {
-        "motor_linear_program": 60.0, "rotor_table": 35.0, "motor_linear_product": 95.0,
-    })))  # fmt: skip
+    turned = verdict(
+        rows(
+            **(
+                usual
+                | {
+                    "motor_linear_program": 60.0,
+                    "rotor_table": 35.0,
+                    "motor_linear_product": 95.0,
+                }
+            )
+        )
+    )
     assert "does not agree: linear and `program` takes 10.00 times" in turned
     assert "`program` is 2.0 times slower than `table`" in turned
     assert "apart is the generator" in turned

@@ -129,8 +129,11 @@ def test_no_macro_of_the_compiler_or_of_math_h_can_be_a_variable(
 ) -> None:
     macros = subprocess.run(
         ["gcc", "-std=gnu17", "-E", "-dM", "-include", "math.h", "-include", "stddef.h", "-"],
-        input="", capture_output=True, text=True, check=True,
-    ).stdout  # fmt: skip
+        input="",
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
     found = re.findall(r"^#define ([A-Za-z]\w*) ", macros, re.MULTILINE)
     assert "M_PI" in found
     variables = [name for name in (*found, *library_functions()) if not C_NAMES.keeps(name)]
@@ -142,8 +145,11 @@ def library_functions() -> list[str]:
     headers = "".join(f"#include <{name}.h>\n" for name in ("math", "stdlib", "string", "stdio"))
     told = subprocess.run(
         ["gcc", "-std=gnu17", "-E", "-P", "-"],
-        input=headers, capture_output=True, text=True, check=True,
-    ).stdout  # fmt: skip
+        input=headers,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
     declared = set(re.findall(r"\b([a-z]\w*) ?\(", told))
     return sorted(declared - {"__attribute__", "__asm__"})
 
@@ -163,6 +169,12 @@ def test_no_text_of_a_script_gets_into_the_code(target: str) -> None:
 
 
 def test_file_names_become_identifiers() -> None:
-    names = {"scene": "scene", "scene_": "scene_", "my-scene.v2": "my_scene_v2", "2d": "script_2d",
-             "--": "script", "größe": "gr_e"}  # fmt: skip
+    names = {
+        "scene": "scene",
+        "scene_": "scene_",
+        "my-scene.v2": "my_scene_v2",
+        "2d": "script_2d",
+        "--": "script",
+        "größe": "gr_e",
+    }
     assert {name: file_identifier(name) for name in names} == names
