@@ -8,14 +8,15 @@ outside the span nothing is invented.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
-from zipfile import BadZipFile
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from motorcade.ga.archives import load_arrays, save_arrays
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.similarity import Similarity
@@ -191,16 +192,13 @@ class Trajectory:
             ValueError: a file name that does not end in ``.npz``.
             OSError: a file that cannot be written.
         """
-        if path.suffix != ".npz":
-            raise ValueError(f"Trajectory.save(path): expected a name ending in .npz, got {path}")
-        np.savez(
-            path,
-            format=np.array(_FORMAT),
-            time_ns=self.time_ns,
-            coefficients=self.poses.coefficients,
-            parent=np.array(self.parent),
-            child=np.array(self.child),
-        )
+        arrays = {
+            "time_ns": self.time_ns,
+            "coefficients": self.poses.coefficients,
+            "parent": np.array(self.parent),
+            "child": np.array(self.child),
+        }
+        save_arrays(path, "Trajectory", _FORMAT, arrays)
 
     @classmethod
     def load(cls, path: Path) -> Trajectory:
@@ -210,16 +208,14 @@ class Trajectory:
             ValueError: a file that is no trajectory, or holds values that are refused.
             OSError: a file that cannot be read.
         """
-        try:
-            with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-                if str(stored["format"]) != _FORMAT:
-                    raise ValueError(f"expected the format '{_FORMAT}', got '{stored['format']}'")
-                coefficients = stored["coefficients"]
-                kind = Similarity if coefficients.shape[-1:] == (12,) else Motor
-                frames = str(stored["parent"]), str(stored["child"])
-                return cls(stored["time_ns"], kind(coefficients), *frames)
-        except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as fault:
-            raise ValueError(f"{path}: not a saved trajectory: {fault}") from fault
+
+        def make(stored: Mapping[str, NDArray[Any]]) -> Trajectory:
+            coefficients = stored["coefficients"]
+            kind = Similarity if coefficients.shape[-1:] == (12,) else Motor
+            frames = str(stored["parent"]), str(stored["child"])
+            return cls(stored["time_ns"], kind(coefficients), *frames)
+
+        return load_arrays(path, "a saved trajectory", _FORMAT, make)
 
 
 def _checked_stamps(value: ArrayLike, name: str) -> IntArray:

@@ -43,6 +43,16 @@ def track_corners(
         guess: ``(n, 2)`` about where in `after`.
         return_px: how far from its start the flow back may end.
         border_px: nothing is found nearer to the edge of the picture.
+
+    >>> import cv2, numpy as np
+    >>> from motorcade.tracking.corner_flow import track_corners
+    >>> noise = np.random.default_rng(0).integers(0, 255, (100, 120)).astype(np.uint8)
+    >>> picture = cv2.GaussianBlur(noise, (0, 0), 3.0)
+    >>> corners = np.array([[40.0, 50.0], [70.0, 60.0]])
+    >>> there, found = track_corners(picture, np.roll(picture, 2, axis=1), corners, corners)
+    >>> (there - corners).round(1) + 0.0, found
+    (array([[2., 0.],
+           [2., 0.]]), array([ True,  True]))
     """
     if not len(px):
         return np.zeros((0, 2)), np.zeros(0, dtype=np.bool_)

@@ -6,13 +6,16 @@ Poses are ``world_T_camera``. A covariance belongs to the right (camera-frame) p
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from zipfile import BadZipFile
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory, checked_floats, frozen
+from motorcade.ga.archives import load_arrays, save_arrays
 
 __all__ = ["MarkerObservation", "PoseMeasurements"]
 
@@ -71,6 +74,14 @@ class PoseMeasurements:
     Raises:
         ValueError: another shape, NaN or infinity, or matrices that are not symmetric and
             positive definite.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Trajectory
+    >>> from motorcade.tracking import PoseMeasurements
+    >>> world_T_camera = Trajectory([0, 50_000_000], Motor.identity((2,)))
+    >>> sigma = np.repeat([0.01, 0.002], 3)  # rad, m, in the camera's frame
+    >>> len(PoseMeasurements(world_T_camera, np.tile(np.diag(sigma**2), (2, 1, 1))))
+    2
     """
 
     trajectory: Trajectory
@@ -101,18 +112,13 @@ class PoseMeasurements:
             ValueError: a file name that does not end in ``.npz``.
             OSError: a file that cannot be written.
         """
-        if path.suffix != ".npz":
-            raise ValueError(
-                f"PoseMeasurements.save(path): expected a name ending in .npz, got {path}"
-            )
-        np.savez(
-            path,
-            format=np.array(_FORMAT),
-            time_ns=self.trajectory.time_ns,
-            coefficients=self.trajectory.motors.coefficients,
-            frames=np.array([self.trajectory.parent, self.trajectory.child]),
-            covariance=self.covariance,
-        )
+        arrays = {
+            "time_ns": self.trajectory.time_ns,
+            "coefficients": self.trajectory.motors.coefficients,
+            "frames": np.array([self.trajectory.parent, self.trajectory.child]),
+            "covariance": self.covariance,
+        }
+        save_arrays(path, "PoseMeasurements", _FORMAT, arrays)
 
     @classmethod
     def load(cls, path: Path) -> PoseMeasurements:
@@ -122,12 +128,10 @@ class PoseMeasurements:
             ValueError: a file that holds no pose measurements, or values that are refused.
             OSError: a file that cannot be read.
         """
-        try:
-            with np.load(path, allow_pickle=False) as stored:
-                if str(stored["format"]) != _FORMAT:
-                    raise ValueError(f"expected the format '{_FORMAT}', got '{stored['format']}'")
-                poses, frames = Motor(stored["coefficients"]), stored["frames"]
-                trajectory = Trajectory(stored["time_ns"], poses, str(frames[0]), str(frames[1]))
-                return cls(trajectory, stored["covariance"])
-        except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as fault:
-            raise ValueError(f"{path}: not saved pose measurements: {fault}") from fault
+
+        def make(stored: Mapping[str, NDArray[Any]]) -> PoseMeasurements:
+            poses, frames = Motor(stored["coefficients"]), stored["frames"]
+            trajectory = Trajectory(stored["time_ns"], poses, str(frames[0]), str(frames[1]))
+            return cls(trajectory, stored["covariance"])
+
+        return load_arrays(path, "saved pose measurements", _FORMAT, make)

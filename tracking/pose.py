@@ -42,7 +42,15 @@ _NUDGES = (1e-9, 1e-8, 1e-7)
 
 
 class TrackingError(ValueError):
-    """Corners from which no pose follows, or a recording in which the board is never seen."""
+    """Corners from which no pose follows, or a recording in which the board is never seen.
+
+    >>> from motorcade.tracking import Camera, Checkerboard, TrackingError, track_board
+    >>> try:
+    ...     track_board([], Camera(64, 48, 50.0, 50.0, 32.0, 24.0), Checkerboard(3, 3, 0.05))
+    ... except TrackingError as error:
+    ...     print(error)
+    frames: expected some that show checkerboard_3x3_50mm, got it in none of 0
+    """
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,17 @@ def registration_px(
 
     Returns:
         ``(M,)`` pixels, M at most N; corners that fall behind the camera make a frame NaN.
+
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking import Camera, SingleMarker, registration_px, track_board
+    >>> board = SingleMarker("tag36h11", 7, side_m=0.1)
+    >>> picture, _ = board.draw(pixels_per_m=1000.0)
+    >>> camera = Camera(picture.shape[1], picture.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> track = track_board([(0, picture), (33_000_000, picture)], camera, board)
+    >>> path = track.measurements.trajectory  # the board's frame is the world
+    >>> errors_px = registration_px(path, track, board, camera, world_T_board=Motor.identity())
+    >>> bool(errors_px.max() < 0.2)
+    True
     """
     found = []
     for seen in board_track.observations:

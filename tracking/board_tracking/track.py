@@ -5,16 +5,16 @@ The board frame is called ``world``; poses are ``world_T_camera``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor, Trajectory, checked_floats, frozen
+from motorcade.ga.archives import load_arrays, save_arrays
 from motorcade.tracking.board_tracking.tracker import BoardFrame, BoardTracker
 from motorcade.tracking.boards import Board, GrayImage
 from motorcade.tracking.cameras.camera import Camera
@@ -90,24 +90,21 @@ class BoardTrack:
             ValueError: a file name that does not end in ``.npz``.
             OSError: a file that cannot be written.
         """
-        if path.suffix != ".npz":
-            raise ValueError(f"BoardTrack.save(path): expected a name ending in .npz, got {path}")
         trajectory = self.measurements.trajectory
-        np.savez(
-            path,
-            format=np.array(_FORMAT),
-            time_ns=self.time_ns,
-            states=self.states,
-            corner_counts=np.array([len(one.ids) for one in self.observations]),
-            ids=np.concatenate([one.ids for one in self.observations]),
-            corners_px=np.concatenate([one.corners_px for one in self.observations]),
-            candidates=np.stack([one.candidates.coefficients for one in self.observations]),
-            candidate_error_px=np.stack([one.candidate_error_px for one in self.observations]),
-            poses=trajectory.motors.coefficients,
-            frames=np.array([trajectory.parent, trajectory.child]),
-            covariance=self.measurements.covariance,
-            error_px=self.error_px,
-        )
+        arrays = {
+            "time_ns": self.time_ns,
+            "states": self.states,
+            "corner_counts": np.array([len(one.ids) for one in self.observations]),
+            "ids": np.concatenate([one.ids for one in self.observations]),
+            "corners_px": np.concatenate([one.corners_px for one in self.observations]),
+            "candidates": np.stack([one.candidates.coefficients for one in self.observations]),
+            "candidate_error_px": np.stack([one.candidate_error_px for one in self.observations]),
+            "poses": trajectory.motors.coefficients,
+            "frames": np.array([trajectory.parent, trajectory.child]),
+            "covariance": self.measurements.covariance,
+            "error_px": self.error_px,
+        }
+        save_arrays(path, "BoardTrack", _FORMAT, arrays)
 
     @classmethod
     def load(cls, path: Path) -> BoardTrack:
@@ -117,17 +114,10 @@ class BoardTrack:
             ValueError: a file that is no board track, or holds values that are refused.
             OSError: a file that cannot be read.
         """
-        try:
-            with np.load(path, allow_pickle=False) as stored:
-                arrays = {name: stored[name] for name in stored.files}
-            if str(arrays["format"]) != _FORMAT:
-                raise ValueError(f"expected the format '{_FORMAT}', got '{arrays['format']}'")
-            return cls._from_arrays(arrays)
-        except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as fault:
-            raise ValueError(f"{path}: not a saved board track: {fault}") from fault
+        return load_arrays(path, "a saved board track", _FORMAT, cls._from_arrays)
 
     @classmethod
-    def _from_arrays(cls, arrays: dict[str, NDArray[Any]]) -> BoardTrack:
+    def _from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> BoardTrack:
         seen = arrays["time_ns"][arrays["states"] != "lost"]
         ends = np.cumsum(arrays["corner_counts"])[:-1]
         observations = tuple(
@@ -174,6 +164,15 @@ def track_board(
     Raises:
         TrackingError: no frames, or none in which the board is seen.
         ValueError: pictures or stamps that `BoardTracker.update` refuses.
+
+    >>> from motorcade.tracking import Camera, SingleMarker, track_board
+    >>> board = SingleMarker("tag36h11", 7, side_m=0.1)
+    >>> picture, _ = board.draw(pixels_per_m=1000.0)
+    >>> camera = Camera(picture.shape[1], picture.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> frames = [(0, picture), (33_000_000, picture * 0 + 255), (66_000_000, picture)]
+    >>> track = track_board(frames, camera, board)
+    >>> track.states.tolist(), len(track.measurements)
+    (['detected', 'lost', 'detected'], 2)
     """
     tracker = BoardTracker(camera, board)
     stamps: list[int] = []

@@ -80,6 +80,18 @@ class BoardTracker:
 
     Raises:
         ValueError: a `redetect_every` below 1.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking import BoardTracker, Camera, SingleMarker
+    >>> board = SingleMarker("tag36h11", 7, side_m=0.1)
+    >>> picture, _ = board.draw(pixels_per_m=1000.0)
+    >>> camera = Camera(picture.shape[1], picture.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> tracker = BoardTracker(camera, board)
+    >>> frames = [tracker.update(picture, time_ns) for time_ns in (0, 33_000_000)]
+    >>> [frame.state for frame in frames]
+    ['detected', 'tracked']
+    >>> frames[1].world_T_camera.translation_m[2].round(2)  # before the printed face
+    np.float64(0.2)
     """
 
     def __init__(self, camera: Camera, board: Board, *, redetect_every: int = 30) -> None:

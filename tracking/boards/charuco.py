@@ -8,16 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import cast
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga import FloatArray
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.boards.picture import Pattern, draw
-from motorcade.tracking.boards.saddles import refine_saddles
+from motorcade.tracking.boards.picture import Pattern
+from motorcade.tracking.boards.squares import SquaresBoard
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray
 from motorcade.tracking.markers.families import dictionary, family_size, marker_cells
@@ -26,7 +24,7 @@ __all__ = ["CharucoBoard"]
 
 
 @dataclass(frozen=True)
-class CharucoBoard:
+class CharucoBoard(SquaresBoard):
     """A ChArUco board of `columns` by `rows` squares.
 
     Args:
@@ -38,6 +36,12 @@ class CharucoBoard:
     Raises:
         ValueError: an unknown family or one with too few markers, fewer than 3 squares either
             way, lengths not above zero, markers that do not fit into the squares.
+
+    >>> from motorcade.tracking import CharucoBoard
+    >>> board = CharucoBoard("aruco_5x5_100", columns=5, rows=4, square_m=0.04, marker_m=0.03)
+    >>> picture, origin_px = board.draw(pixels_per_m=2000.0)
+    >>> len(board.detect(picture)), board.name
+    (12, 'charuco_aruco_5x5_100_5x4_40mm_30mm')
     """
 
     family: str
@@ -71,18 +75,12 @@ class CharucoBoard:
         )
 
     @property
-    def size_m(self) -> tuple[float, float]:
-        """Width and height of all squares, metres."""
-        return self.columns * self.square_m, self.rows * self.square_m
+    def _inner(self) -> tuple[int, int]:
+        return self.columns - 1, self.rows - 1
 
-    @cached_property
-    def points_m(self) -> FloatArray:
-        """Inner corners ``((columns - 1) * (rows - 1), 3)``, row by row as printed."""
-        across = self.columns - 1
-        row, column = np.divmod(np.arange(across * (self.rows - 1)), across)
-        points = np.stack([column, -row, np.zeros_like(row)], axis=-1) * self.square_m
-        points.setflags(write=False)
-        return points
+    @property
+    def _clear_m(self) -> float:
+        return min(0.45 * self.square_m, 0.5 * (self.square_m - self.marker_m))
 
     @cached_property
     def pattern(self) -> Pattern:
@@ -122,29 +120,9 @@ class CharucoBoard:
         sharp = self.refine_corners(image, found)
         return sharp if sharp.spanning else None
 
-    def refine_corners(
-        self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
-    ) -> BoardCorners:
-        """Move corners onto the saddles near them; those that do not look like one are left out.
-
-        Needs four corners that span the board. `camera` is not needed.
-        """
-        places, good = refine_saddles(
-            image,
-            corners.points_m[:, :2],
-            corners.corners_px,
-            self._black_up_left(corners.ids),
-            min(0.45 * self.square_m, 0.5 * (self.square_m - self.marker_m)),
-        )
-        return corners.at(places).keep(good)
-
     def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
         """The corners as they are: they are numbered by the markers around them."""
         return corners
-
-    def draw(self, pixels_per_m: float) -> tuple[GrayImage, tuple[float, float]]:
-        """The printed picture with its quiet zone, and the pixel of the first inner corner."""
-        return draw(self.pattern, pixels_per_m)
 
     def _edges(self, count: int) -> FloatArray:
         side = len(marker_cells(self.family, 0))
@@ -153,10 +131,6 @@ class CharucoBoard:
         starts = (np.arange(count)[:, None] - 1) * self.square_m
         edges = (starts + np.concatenate([[0.0], inner])).ravel()
         return np.append(edges, (count - 1) * self.square_m)
-
-    def _black_up_left(self, ids: IntArray) -> NDArray[np.bool_]:
-        row, column = np.divmod(ids, self.columns - 1)
-        return cast("NDArray[np.bool_]", (row + column) % 2 == 0)
 
 
 @cache

@@ -12,16 +12,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import cast
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.boards.picture import Pattern, draw
-from motorcade.tracking.boards.saddles import contrast, refine_saddles
+from motorcade.tracking.boards.picture import Pattern
+from motorcade.tracking.boards.saddles import contrast
+from motorcade.tracking.boards.squares import SquaresBoard
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray
 
@@ -32,11 +31,21 @@ _CLEAR_SHARE = 0.45
 
 
 @dataclass(frozen=True)
-class Checkerboard:
+class Checkerboard(SquaresBoard):
     """A checkerboard of `columns` by `rows` inner corners with squares of `square_m`.
 
     Raises:
         ValueError: fewer than 3 columns or rows, or a square that is not above zero.
+
+    >>> from motorcade.tracking import Checkerboard
+    >>> board = Checkerboard(columns=9, rows=6, square_m=0.03)
+    >>> board.points_m[[0, 8, 53]]  # first, last of the first row, last of all: y is up as printed
+    array([[ 0.  ,  0.  ,  0.  ],
+           [ 0.24,  0.  ,  0.  ],
+           [ 0.24, -0.15,  0.  ]])
+    >>> picture, origin_px = board.draw(pixels_per_m=1000.0)
+    >>> len(board.detect(picture))
+    54
     """
 
     columns: int
@@ -54,17 +63,12 @@ class Checkerboard:
         return f"checkerboard_{self.columns}x{self.rows}_{self.square_m * 1e3:g}mm"
 
     @property
-    def size_m(self) -> tuple[float, float]:
-        """Width and height of all squares, metres."""
-        return (self.columns + 1) * self.square_m, (self.rows + 1) * self.square_m
+    def _inner(self) -> tuple[int, int]:
+        return self.columns, self.rows
 
-    @cached_property
-    def points_m(self) -> FloatArray:
-        """Inner corners ``(columns * rows, 3)``, row by row as printed."""
-        row, column = np.divmod(np.arange(self.columns * self.rows), self.columns)
-        points = np.stack([column, -row, np.zeros_like(row)], axis=-1) * self.square_m
-        points.setflags(write=False)
-        return points
+    @property
+    def _clear_m(self) -> float:
+        return _CLEAR_SHARE * self.square_m
 
     @cached_property
     def pattern(self) -> Pattern:
@@ -93,22 +97,6 @@ class Checkerboard:
         numbered = self._numbered(image, grid)
         return None if numbered is None else self.refine_corners(image, numbered)
 
-    def refine_corners(
-        self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
-    ) -> BoardCorners:
-        """Move corners onto the saddles near them; those that do not look like one are left out.
-
-        Needs four corners that span the board. `camera` is not needed.
-        """
-        places, good = refine_saddles(
-            image,
-            corners.points_m[:, :2],
-            corners.corners_px,
-            self._black_up_left(corners.ids),
-            _CLEAR_SHARE * self.square_m,
-        )
-        return corners.at(places).keep(good)
-
     def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
         """Of the numberings that the colours allow, the one nearest to the expected pixels."""
         distances = [
@@ -120,10 +108,6 @@ class Checkerboard:
         ids = turned[order]
         return BoardCorners(ids, corners.corners_px[order], self.points_m[ids])
 
-    def draw(self, pixels_per_m: float) -> tuple[GrayImage, tuple[float, float]]:
-        """The printed picture with its quiet zone, and the pixel of the first inner corner."""
-        return draw(self.pattern, pixels_per_m)
-
     @cached_property
     def _turns(self) -> list[IntArray]:
         """Renumberings ``new_id = turn[old_id]`` under which the print looks the same."""
@@ -132,10 +116,6 @@ class Checkerboard:
         quarter = self.columns == self.rows and self.columns % 2 == 0
         quarters = [0, 1, 2, 3] if quarter else [0, 2] if even_sum else [0]
         return [np.rot90(grid, k).ravel() for k in quarters]
-
-    def _black_up_left(self, ids: IntArray) -> NDArray[np.bool_]:
-        row, column = np.divmod(ids, self.columns)
-        return cast("NDArray[np.bool_]", (row + column) % 2 == 0)
 
     def _numbered(self, image: GrayImage, grid: FloatArray) -> BoardCorners | None:
         """Number a raw grid ``(rows, columns, 2)`` so that it is unmirrored, coloured as printed,

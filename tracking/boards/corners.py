@@ -35,6 +35,14 @@ class BoardCorners:
 
     Raises:
         ValueError: shapes that do not agree, numbers that are not finite, ids that do not rise.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking import Checkerboard
+    >>> from motorcade.tracking.boards import BoardCorners
+    >>> points_m = Checkerboard(3, 3, 0.05).points_m
+    >>> corners = BoardCorners(np.arange(9), 100.0 + 400.0 * points_m[:, :2], points_m)
+    >>> corners.spanning, corners.keep(corners.ids < 3).spanning  # a row alone is on one line
+    (True, False)
     """
 
     ids: IntArray
@@ -81,7 +89,13 @@ class BoardCorners:
 
 
 class Board(Protocol):
-    """A printed, flat pattern whose corners can be found, refined and drawn."""
+    """A printed, flat pattern whose corners can be found, refined and drawn.
+
+    >>> from motorcade.tracking import Board, board_named
+    >>> board: Board = board_named("checkerboard_9x6_40mm")
+    >>> len(board.points_m)
+    54
+    """
 
     @property
     def name(self) -> str:

@@ -124,6 +124,12 @@ class MarkerGrid(_MarkerBoard):
     Raises:
         ValueError: an unknown family, counts below 1, lengths not above zero, or more markers
             than the family has.
+
+    >>> from motorcade.tracking import MarkerGrid
+    >>> board = MarkerGrid("tag36h11", columns=3, rows=2, marker_m=0.03, gap_m=0.009)
+    >>> picture, origin_px = board.draw(pixels_per_m=2000.0)
+    >>> board.detect(picture).ids.tolist() == list(range(24))  # four corners of each of six markers
+    True
     """
 
     family: str
@@ -210,6 +216,10 @@ class SingleMarker(_MarkerBoard):
 
     Raises:
         ValueError: an unknown family, an id it does not have, or a side that is not above zero.
+
+    >>> from motorcade.tracking import SingleMarker
+    >>> SingleMarker("tag36h11", marker_id=7, side_m=0.1).points_m[1]  # its top-right corner
+    array([0.1, 0. , 0. ])
     """
 
     family: str

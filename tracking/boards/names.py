@@ -29,6 +29,10 @@ def board_named(name: str) -> Board:
 
     Raises:
         ValueError: no board's name, or numbers that the board refuses.
+
+    >>> from motorcade.tracking import board_named
+    >>> board_named("tag36h11_id_7_65mm")
+    SingleMarker(family='tag36h11', marker_id=7, side_m=0.065)
     """
     if found := re.fullmatch(f"checkerboard_{_GRID}_{_MM}", name):
         columns, rows, square = found.groups()

@@ -25,6 +25,11 @@ class Pattern:
         white: ``(rows, columns)`` bool, True where the paper stays white.
         x_edges_m, y_edges_m: ``(columns + 1,)`` and ``(rows + 1,)`` edges, metres from the origin.
         quiet_m: width of the white zone that the pattern needs around it, metres.
+
+    >>> from motorcade.tracking import SingleMarker
+    >>> pattern = SingleMarker("aruco_4x4_50", 0, side_m=0.06).pattern
+    >>> pattern.white.shape, pattern.x_edges_m[-1].item()  # 4 x 4 bits in a black border
+    ((6, 6), 0.06)
     """
 
     white: NDArray[np.bool_]

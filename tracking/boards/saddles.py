@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.grey_levels import grey_levels
 
 __all__ = ["contrast", "refine_saddles"]
 
@@ -88,7 +89,7 @@ def contrast(
         return np.zeros(len(corners_px))
     around = points_m[:, None] + offset_m * _DIAGONALS
     probes = corners_px[:, None] + _map(homography, around) - _map(homography, points_m)[:, None]
-    levels = _sample(image, probes)
+    levels = grey_levels(image, probes)
     first, second = levels[:, 0::2], levels[:, 1::2]
     whites = np.where(black_up_left[:, None], second, first)
     blacks = np.where(black_up_left[:, None], first, second)
@@ -125,9 +126,3 @@ def _inside(image: GrayImage, places: FloatArray, margin: int) -> NDArray[np.boo
     height, width = image.shape
     limit = np.array([width - 1 - margin, height - 1 - margin])
     return cast("NDArray[np.bool_]", ((places >= margin) & (places <= limit)).all(axis=-1))
-
-
-def _sample(image: GrayImage, places: FloatArray) -> FloatArray:
-    grid = places.astype(np.float32)
-    levels = cv2.remap(image, grid, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return cast("FloatArray", levels.astype(np.float64))

@@ -35,7 +35,15 @@ _COVERAGE_CELLS = (8, 6)
 
 
 class CalibrationError(ValueError):
-    """Views from which no camera follows; the message says what they lack."""
+    """Views from which no camera follows; the message says what they lack.
+
+    >>> from motorcade.tracking import CalibrationError, calibrate
+    >>> try:
+    ...     calibrate([], (640, 480))
+    ... except CalibrationError as error:
+    ...     print(error)
+    views: expected at least 3 that show the board, got 0
+    """
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +106,22 @@ def calibrate(
         CalibrationError: fewer than three views, views that do not fit together, or views from
             which the focal length does not follow (the board always at one angle).
         ValueError: an unknown model, or a view without four corners that span the board.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Rotor
+    >>> from motorcade.tracking import Camera, Checkerboard, calibrate
+    >>> from motorcade.tracking.boards import BoardCorners
+    >>> camera, board = Camera(640, 480, 500.0, 500.0, 315.0, 236.0), Checkerboard(6, 5, 0.04)
+    >>> face_down = Rotor.from_rotation_vector([np.pi, 0.0, 0.0])  # printed face to the camera
+    >>> views = []
+    >>> for tilt in ([0.4, 0.0, 0.0], [-0.4, 0.0, 0.0], [0.0, 0.4, 0.0], [0.0, -0.4, 0.2]):
+    ...     turn = Rotor.from_rotation_vector(tilt) @ face_down
+    ...     camera_T_board = Motor.from_rotor_translation(turn, [-0.1, -0.08, 0.4])
+    ...     px = camera.project(camera_T_board.apply(board.points_m))
+    ...     views.append(BoardCorners(np.arange(30), px, board.points_m))
+    >>> found = calibrate(views, (640, 480), "pinhole")
+    >>> round(found.camera.fx, 3), round(found.camera.cx, 3), int(found.used.sum())
+    (500.0, 315.0, 4)
     """
     if model not in _COEFFICIENTS:
         raise ValueError(f"model: expected {', '.join(_COEFFICIENTS)}, got {model!r}")

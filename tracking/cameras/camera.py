@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Literal, cast
+from typing import Any, Literal, cast
 
 import cv2
 import numpy as np
@@ -50,6 +50,15 @@ class Camera:
     Raises:
         ValueError: a size or focal length that is not positive, a number that is not finite, an
             unknown model, a count of coefficients that the model does not have.
+
+    >>> from motorcade.ga import Motor, Rotor
+    >>> from motorcade.tracking import Camera
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5, "radtan", (-0.2, 0.05, 0.0, 0.0))
+    >>> world_T_camera = Motor.from_rotor_translation(Rotor.identity(), [0.0, 0.0, -2.0])
+    >>> camera.project(world_T_camera.inverse().apply([0.2, 0.1, 0.0])).round(2)  # of the world
+    array([369.38, 264.44])
+    >>> camera.unproject([319.5, 239.5])  # the ray along the optical axis
+    array([0., 0., 1.])
     """
 
     width: int
@@ -204,10 +213,12 @@ class Camera:
             )
         if self.model == "pinhole":
             return depth_m.copy()
-        resampled = cv2.remap(
-            depth_m, _undistortion_source(self), None, cv2.INTER_NEAREST,
-            borderMode=cv2.BORDER_CONSTANT, borderValue=(float("nan"),),
-        )  # fmt: skip
+        outside: dict[str, Any] = {
+            "borderMode": cv2.BORDER_CONSTANT,
+            "borderValue": (float("nan"),),
+        }
+        source = _undistortion_source(self)
+        resampled = cv2.remap(depth_m, source, None, cv2.INTER_NEAREST, **outside)
         return cast("NDArray[np.float32]", resampled)
 
     @cached_property

@@ -44,6 +44,15 @@ class Detection:
 
     Raises:
         ValueError: corners of another shape or not finite.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking import SingleMarker, detect_markers
+    >>> picture, _ = SingleMarker("tag36h11", 7, side_m=0.1).draw(pixels_per_m=1000.0)
+    >>> [found] = detect_markers(picture, "tag36h11")
+    >>> found.marker_id, found.wrong_cells, found.sharp
+    (7, 0, True)
+    >>> np.ptp(found.corners_px, axis=0).round(1)  # pixels
+    array([100., 100.])
     """
 
     family: str

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from typing import cast
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.grey_levels import grey_levels
 
 __all__ = ["refine_quads"]
 
@@ -80,7 +80,7 @@ def _side_points(
     base = quads[:, :, None] + sides[:, :, None] * _ALONG[:, None]
     offsets = reach[:, None, None, None] * _ACROSS
     places = base[..., None, :] + outward[:, :, None, None] * offsets[..., None]
-    levels = _sample(image, places)
+    levels = grey_levels(image, places.reshape(*places.shape[:2], -1, 2)).reshape(places.shape[:-1])
     steps = np.maximum(levels[..., 1:] - levels[..., :-1], 0.0)
     sharpness = steps * steps
     total = sharpness.sum(axis=-1)
@@ -146,11 +146,3 @@ def _inside(image: GrayImage, quads: FloatArray, reach: FloatArray) -> NDArray[n
     high = quads.max(axis=1) + reach[:, None]
     inside = (low >= 0.0) & (high <= (width - 1.0, height - 1.0)).all(axis=1)
     return cast("NDArray[np.bool_]", inside)
-
-
-def _sample(image: GrayImage, places: FloatArray) -> FloatArray:
-    """Bilinear grey levels at ``(m, 4, k, s, 2)`` pixels."""
-    markers, sides, along, across, _ = places.shape
-    grid = places.astype(np.float32).reshape(markers * sides, along * across, 2)
-    levels = cv2.remap(image, grid, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return cast("FloatArray", levels.astype(np.float64).reshape(places.shape[:-1]))

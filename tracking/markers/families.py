@@ -12,7 +12,7 @@ from typing import cast
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from motorcade.ga import FloatArray
 
@@ -99,9 +99,18 @@ def border_share(family: str) -> float:
     return 1.0 / side_cells(family)
 
 
-def marker_points_m(side_m: float) -> FloatArray:
-    """Corners ``(4, 3)`` of a marker in its own frame, clockwise from the printed top left."""
-    return side_m * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0], [0.0, -1.0, 0.0]])
+_UNIT = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0], [0.0, -1.0, 0.0]])
+
+
+def marker_points_m(side_m: ArrayLike) -> FloatArray:
+    """Corners ``(*, 4, 3)`` of markers in their own frames, clockwise from the printed top left.
+
+    >>> from motorcade.tracking.markers.families import marker_points_m
+    >>> marker_points_m(0.1)[2]  # bottom right: x to the right, y up
+    array([ 0.1, -0.1,  0. ])
+    """
+    points: FloatArray = np.asarray(side_m)[..., None, None] * _UNIT
+    return points
 
 
 @cache

@@ -39,6 +39,17 @@ class MarkerMap:
     Raises:
         ValueError: shapes that do not agree, ids that do not rise, sides that are not above zero,
             numbers that are not finite.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Rotor
+    >>> from motorcade.tracking import MarkerMap
+    >>> turns = Rotor.from_rotation_vector([[0.0, 0.0, 0.0], [0.0, np.pi / 2, 0.0]])
+    >>> room = MarkerMap([4, 9], [0.1, 0.1], turns, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    >>> world_T_marker = room.world_T_marker[1]
+    >>> world_T_marker.apply([0.1, 0.0, 0.0]).round(3)  # its top-right corner in the world
+    array([ 1. ,  0. , -0.1])
+    >>> room.points_m.shape
+    (8, 3)
     """
 
     marker_ids: IntArray
@@ -78,8 +89,7 @@ class MarkerMap:
     @property
     def points_m(self) -> FloatArray:
         """Corners ``(4 M, 3)`` in the world, four a marker, clockwise from its printed top left."""
-        own = self.side_m[:, None, None] * marker_points_m(1.0)
-        return self.world_T_marker[:, None].apply(own).reshape(-1, 3)
+        return self.world_T_marker[:, None].apply(marker_points_m(self.side_m)).reshape(-1, 3)
 
     @property
     def sides(self) -> dict[int, float]:

@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import cast
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.grey_levels import grey_levels
 from motorcade.tracking.markers.families import marker_cells, side_cells
 
 __all__ = ["Reading", "read_markers"]
@@ -87,10 +86,9 @@ def _places(side: int) -> FloatArray:
 def _cell_levels(image: GrayImage, corners_px: FloatArray, side: int) -> FloatArray:
     """Mean brightness ``(m, side * side)`` of the inner part of each cell."""
     places = _places(side)
-    mapped = _map_squares(corners_px, places.reshape(-1, 2)).astype(np.float32)
-    levels = cv2.remap(image, mapped, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    samples = levels.reshape(len(corners_px), *places.shape[:2])
-    return cast("FloatArray", samples.mean(axis=-1, dtype=np.float64))
+    levels = grey_levels(image, _map_squares(corners_px, places.reshape(-1, 2)))
+    mean: FloatArray = levels.reshape(len(corners_px), *places.shape[:2]).mean(axis=-1)
+    return mean
 
 
 def _map_squares(corners_px: FloatArray, places: FloatArray) -> FloatArray:

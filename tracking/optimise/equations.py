@@ -26,6 +26,15 @@ class NormalEquations:
     Args:
         information: ``(p, p)``, ``J^T J``.
         gradient: ``(p,)``, ``J^T r``.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking.optimise import NormalEquations
+    >>> equations = NormalEquations.of(np.array([[2.0, 0.0], [0.0, 1.0]]), np.array([4.0, -3.0]))
+    >>> equations.step(damping=0.0).round(6)
+    array([-2.,  3.])
+    >>> equations.covariance(sigma=0.1)
+    array([[0.0025, 0.    ],
+           [0.    , 0.01  ]])
     """
 
     information: FloatArray

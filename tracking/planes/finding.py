@@ -105,6 +105,16 @@ def find_planes(
     Raises:
         ValueError: too few points, NaN, points on one line, noise that is not above zero, counts
             or shares out of range.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking import find_planes
+    >>> rng = np.random.default_rng(0)
+    >>> floor = rng.uniform([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0], (200, 3))
+    >>> wall = rng.uniform([1.0, -1.0, 0.0], [1.0, 1.0, 1.0], (100, 3))
+    >>> points = np.concatenate([floor, wall]) + rng.normal(0.0, 0.002, (300, 3))
+    >>> found = find_planes(points, 0.002, rng, seen_from_m=[0.0, 0.0, 1.0])
+    >>> [(plane.normal.round(1) + 0.0).tolist() for plane in found.planes]
+    [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]
     """
     points = checked_points(points_m, "find_planes(points_m)", FEWEST)
     sigma = checked_sigma(sigma_m, len(points), "find_planes(sigma_m)")

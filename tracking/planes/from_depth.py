@@ -37,6 +37,14 @@ def find_planes_in_depth(
 
     Raises:
         ValueError: not of the camera's size, or hardly any depth known.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking import Camera, find_planes_in_depth
+    >>> camera = Camera(160, 120, 130.0, 130.0, 79.5, 59.5)
+    >>> wall = np.full((120, 160), 1.5, np.float32)  # 1.5 m before the camera
+    >>> [plane] = find_planes_in_depth(wall, camera, np.random.default_rng(0)).planes
+    >>> plane.normal.round(3) + 0.0, round(plane.distance_m, 3)  # it faces the camera
+    (array([ 0.,  0., -1.]), -1.5)
     """
     if depth_m.shape != (camera.height, camera.width):
         raise ValueError(

@@ -28,6 +28,17 @@ class Rays:
 
     Raises:
         ValueError: wrong shapes, an origin that is not finite, directions of another length.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking import Camera
+    >>> from motorcade.tracking.planes import Rays, fit_plane, hit_test
+    >>> corners = np.array([[-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0]])
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    >>> ray = Rays.through_pixels(camera, Motor.identity(), [419.5, 239.5])
+    >>> [hit] = hit_test([fit_plane(corners)], ray)
+    >>> hit.point_m.round(6) + 0.0, hit.inside
+    (array([0.4, 0. , 2. ]), True)
     """
 
     origin_m: FloatArray

@@ -125,6 +125,18 @@ def refine_pose(
 
     Points behind the camera count as outliers. With fewer than six inliers, or points that do not
     fix the pose, the covariance is infinite.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking import Camera
+    >>> from motorcade.tracking.slam.geometry import refine_pose
+    >>> camera, rng = Camera(640, 480, 500.0, 500.0, 319.5, 239.5), np.random.default_rng(0)
+    >>> points = rng.uniform([-1.0, -1.0, 2.0], [1.0, 1.0, 4.0], (50, 3))
+    >>> world_T_camera = Motor.from_twist([0.02, -0.01, 0.0, 0.1, 0.0, 0.05])
+    >>> px = camera.project(world_T_camera.inverse().apply(points))
+    >>> fit = refine_pose(Motor.identity(), points, px, camera)
+    >>> bool(np.abs(fit.world_T_camera.local(world_T_camera)).max() < 1e-6)
+    True
     """
     found = minimise(
         world_T_camera, partial(_Reprojection, points, px, camera), Motor.retract, _STOP

@@ -29,6 +29,10 @@ class SlamSettings:
 
     Raises:
         ValueError: a count or length that is not above zero.
+
+    >>> from motorcade.tracking import SlamSettings
+    >>> SlamSettings(baseline_m=0.12).for_size(1280, 960).features  # as dense as in 640 x 480
+    2000
     """
 
     features: int = 500

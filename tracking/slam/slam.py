@@ -48,6 +48,22 @@ class VisualSlam:
         settings: see `SlamSettings`.
         known: a map to go on in. The camera is lost until it is found there; then it is tracked.
         extend: whether keyframes are inserted into a known map; if not, it is left as it is.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking import Camera, VisualSlam
+    >>> noise = np.random.default_rng(0).integers(0, 255, (60, 80)).astype(np.uint8)
+    >>> wall = np.kron(noise, np.ones((6, 6), np.uint8))  # 2 m away; the camera moves to the right
+    >>> slam = VisualSlam(Camera(320, 240, 250.0, 250.0, 159.5, 119.5))
+    >>> for step in range(3):
+    ...     picture = wall[50:290, 50 + 5 * step : 370 + 5 * step]  # 5 px = 0.04 m
+    ...     frame = slam.track(step * 33_000_000, picture, np.full((240, 320), 2.0, np.float32))
+    >>> frame.state, bool(abs(frame.world_T_camera.translation_m[0] - 0.08) < 0.01)
+    ('tracking', True)
+    >>> result = slam.finish()
+    >>> result.trajectory
+    Trajectory(world_T_camera, 3 poses, 0.066 s)
+    >>> result.metric, len(result.map.points) > 100
+    (True, True)
     """
 
     def __init__(

@@ -15,7 +15,7 @@ from motorcade.tracking.markers.photometric import (
     refine_photometric,
 )
 from motorcade.tracking.markers.photometric.prints import blurred, grid_extent, prints
-from motorcade.tracking.markers.photometric.warp import grid_points, rectified, twist_motion
+from motorcade.tracking.markers.photometric.warp import grid_points, rectified
 from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 
 torch = pytest.importorskip("torch", reason="photometric refinement needs torch and kornia")
@@ -106,6 +106,19 @@ def test_pixels_move_with_twists_as_the_camera_says(seen) -> None:
             for sign in (1.0, -1.0)
         )
         np.testing.assert_allclose(ours[..., axis], (ahead - behind) / 2e-5, rtol=2e-3, atol=0.05)
+
+
+def twist_motion(delta):
+    """Matrices ``(b, 4, 4)`` of small twists ``(b, 6)``, to first order."""
+    turn, shift = delta[:, :3], delta[:, 3:]
+    motion = torch.eye(4, device=delta.device).repeat(len(delta), 1, 1)
+    cross = torch.zeros(len(delta), 3, 3, device=delta.device)
+    for row, column, axis in ((2, 1, 0), (0, 2, 1), (1, 0, 2)):
+        cross[:, row, column] = turn[:, axis]
+        cross[:, column, row] = -turn[:, axis]
+    motion[:, :3, :3] = motion[:, :3, :3] + cross
+    motion[:, :3, 3] = shift
+    return motion
 
 
 def test_the_rectified_picture_is_differentiable_by_the_twist() -> None:

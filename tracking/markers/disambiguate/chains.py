@@ -20,6 +20,13 @@ def most_probable(first: FloatArray, unary: FloatArray, steps: FloatArray) -> In
 
     Raises:
         ValueError: shapes that do not agree.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking.markers.disambiguate import most_probable
+    >>> against = np.array([[0.0, 3.0], [1.0, 0.5], [0.0, 3.0]])  # three steps, two states
+    >>> change = np.array([[0.0, 2.0], [2.0, 0.0]])
+    >>> most_probable(np.zeros(2), against, np.stack([change, change]))
+    array([0, 0, 0])
     """
     count = _checked(first, unary, steps)
     cost = first + unary[..., 0, :]

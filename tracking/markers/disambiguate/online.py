@@ -36,6 +36,23 @@ class FixedLagResolver:
 
     Raises:
         ValueError: a lag below 0, or a noise that is not above zero.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Rotor
+    >>> from motorcade.tracking import Camera
+    >>> from motorcade.tracking.markers.corner_stream import CornerStream
+    >>> from motorcade.tracking.markers.disambiguate import FixedLagResolver, pose_stream
+    >>> from motorcade.tracking.markers.families import marker_points_m
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    >>> turn = Rotor.from_rotation_vector([np.pi - 0.5, 0.0, 0.0])
+    >>> camera_T_marker = Motor.from_rotor_translation(turn, [[0.0, 0.0, 0.6], [0.05, 0.0, 0.6]])
+    >>> corners_px = camera.project(camera_T_marker[:, None].apply(marker_points_m(0.1)))
+    >>> stream = CornerStream(camera, [0, 33_000_000], [0, 1], [7, 7], corners_px)
+    >>> sightings, resolver = pose_stream(stream, {7: 0.1}), FixedLagResolver(lag_frames=1)
+    >>> resolver.update(sightings.of_frames(np.array([0]))) is None  # not due yet
+    True
+    >>> resolver.update(sightings.of_frames(np.array([1]))).choice  # of the first frame
+    array([0])
     """
 
     def __init__(self, lag_frames: int, sigma_px: float | None = None) -> None:

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import FloatArray, IntArray, Rotor
 from motorcade.tracking.markers.disambiguate.window import MODES, Memory, Window, influence, misfit
 
-__all__ = ["SLACK", "Orientations", "seeded", "settle", "weighed"]
+__all__ = ["Orientations", "seeded", "settle", "updated", "weighed"]
 
 # Keeps what no sighting says anything about where it is.
-SLACK = 1e-6
+_SLACK = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,7 @@ def _turned_cameras(
     np.add.at(
         pull, window.frame, np.einsum("nhc,ncij,nhcj->ni", weight, window.information, vector)
     )
-    step = np.linalg.solve(total + SLACK * np.eye(3), pull[..., None])[..., 0]
+    step = np.linalg.solve(total + _SLACK * np.eye(3), pull[..., None])[..., 0]
     return cameras @ Rotor.from_rotation_vector(step)
 
 
@@ -123,10 +123,35 @@ def _turned_markers(
     axes = cameras.as_matrix()[window.frame]
     seen = axes[:, None] @ window.information @ axes[:, None].swapaxes(-1, -2)
     turned = np.einsum("nij,nhcj->nhci", axes, vector)
-    known = (markers @ begin.world_R_marker.inverse()).as_rotation_vector()
-    total = begin.information.copy()
-    pull = np.einsum("khij,khj->khi", begin.information, known)
-    np.add.at(total, window.marker, np.einsum("nhc,ncij->nhij", weight, seen))
-    np.add.at(pull, window.marker, np.einsum("nhc,ncij,nhcj->nhi", weight, seen, turned))
-    step = -np.linalg.solve(total + SLACK * np.eye(3), pull[..., None])[..., 0]
+    return updated(
+        markers, begin.world_R_marker, begin.information, window.marker, weight, seen, turned
+    )
+
+
+def updated(
+    markers: Rotor,
+    known: Rotor,
+    information: FloatArray,
+    owner: IntArray,
+    weight: FloatArray,
+    seen: FloatArray,
+    vector: FloatArray,
+) -> tuple[Rotor, FloatArray]:
+    """Orientations at the mean of what was known and of what sightings add, and the information.
+
+    Args:
+        markers: Rotor ``(k, H)``, near the mean.
+        known: Rotor ``(k, H)`` as they were known.
+        information: ``(k, H, 3, 3)`` of that, world axes.
+        owner: ``(n,)`` row of `markers` that each sighting belongs to.
+        weight: ``(n, H, 2)`` how much each candidate counts.
+        seen: ``(n, 2, 3, 3)`` information of the candidates, world axes.
+        vector: ``(n, H, 2, 3)`` turns from the candidates to the markers, world axes.
+    """
+    total = information.copy()
+    apart = (markers @ known.inverse()).as_rotation_vector()
+    pull = np.einsum("khij,khj->khi", information, apart)
+    np.add.at(total, owner, np.einsum("nhc,ncij->nhij", weight, seen))
+    np.add.at(pull, owner, np.einsum("nhc,ncij,nhcj->nhi", weight, seen, vector))
+    step = -np.linalg.solve(total + _SLACK * np.eye(3), pull[..., None])[..., 0]
     return Rotor.from_rotation_vector(step) @ markers, total

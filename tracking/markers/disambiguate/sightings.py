@@ -12,15 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor, checked_floats, frozen
-from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.cameras.reprojection import reproject
 from motorcade.tracking.markers.corner_stream import (
     CornerStream,
     checked_numbers,
     checked_stamps,
 )
 from motorcade.tracking.markers.families import marker_points_m
-from motorcade.tracking.pose import TrackingError, planar_candidates
+from motorcade.tracking.markers.poses import planar_poses
 
 __all__ = ["Sightings", "pose_stream"]
 
@@ -70,10 +70,8 @@ class Sightings:
                 f"Sightings.error_px, rotation_covariance: expected {(count, 2)} and "
                 f"{(count, 2, 3, 3)}, got {errors.shape} and {covariance.shape}"
             )
-        for name, value in (
-            ("time_ns", stamps), ("frame", frame), ("marker_ids", ids),
-            ("error_px", errors), ("rotation_covariance", covariance),
-        ):  # fmt: skip
+        values = {"time_ns": stamps, "frame": frame, "marker_ids": ids, "error_px": errors}
+        for name, value in (values | {"rotation_covariance": covariance}).items():
             object.__setattr__(self, name, value)
 
     def __len__(self) -> int:
@@ -127,32 +125,35 @@ def pose_stream(stream: CornerStream, side_m: Mapping[int, float]) -> Sightings:
 
     Raises:
         ValueError: a marker whose size is not given.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Rotor
+    >>> from motorcade.tracking import Camera
+    >>> from motorcade.tracking.markers.corner_stream import CornerStream
+    >>> from motorcade.tracking.markers.disambiguate import best_single, pose_stream, resolve
+    >>> from motorcade.tracking.markers.families import marker_points_m
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    >>> tilted = Rotor.from_rotation_vector([np.pi - 0.5, 0.0, 0.0])
+    >>> camera_T_marker = Motor.from_rotor_translation(tilted, [[0.0, 0.0, 0.6], [0.05, 0.0, 0.6]])
+    >>> corners_px = camera.project(camera_T_marker[:, None].apply(marker_points_m(0.1)))
+    >>> stream = CornerStream(camera, [0, 33_000_000], [0, 1], [7, 7], corners_px)
+    >>> sightings = pose_stream(stream, {7: 0.1})
+    >>> resolve(sightings).choice, best_single(sightings).choice
+    (array([0, 0]), array([0, 0]))
     """
     missing = sorted(set(stream.marker_ids.tolist()) - set(side_m))
     if missing:
         raise ValueError(f"side_m: expected the size of marker {missing[0]}, got none")
-    kept, poses, errors = [], [], []
-    sides = np.array([side_m[int(marker)] for marker in stream.marker_ids])
-    points = _points_m(sides)
-    for row, corners in enumerate(stream.corners_px):
-        try:
-            found = planar_candidates(
-                BoardCorners(np.arange(4), corners, points[row]), stream.camera
-            )
-        except TrackingError:
-            continue  # stands in the docstring: such a detection has no pose to choose
-        kept.append(row)
-        poses.append(found.world_T_camera.inverse())
-        errors.append(found.error_px)
-    chosen = np.array(kept, np.int64)
-    camera_T_marker = Motor.stack(poses) if poses else Motor.identity((0, 2))
+    sides = np.array([side_m[int(marker)] for marker in stream.marker_ids], np.float64)
+    rows, camera_T_marker, errors = planar_poses(stream.camera, stream.corners_px, sides)
+    points = marker_points_m(sides[rows])
     return Sightings(
         stream.time_ns,
-        stream.frame[chosen],
-        stream.marker_ids[chosen],
+        stream.frame[rows],
+        stream.marker_ids[rows],
         camera_T_marker,
-        np.array(errors).reshape(-1, 2),
-        rotation_covariance(stream.camera, camera_T_marker, points[chosen][:, None]),
+        errors,
+        rotation_covariance(stream.camera, camera_T_marker, points[:, None]),
     )
 
 
@@ -167,20 +168,10 @@ def rotation_covariance(camera: Camera, camera_T_marker: Motor, points_m: FloatA
     Returns:
         ``(*, 3, 3)`` rad², camera axes.
     """
-    rotation = camera_T_marker.rotor.as_matrix()
-    seen = points_m @ rotation.swapaxes(-1, -2) + camera_T_marker.translation_m[..., None, :]
-    _, by_point = camera.project_jacobian(seen)
-    arms = seen - seen.mean(axis=-2, keepdims=True)
-    by_turn = np.cross(arms[..., None, :], by_point)
-    jacobian = np.concatenate([by_turn, by_point], axis=-1)
-    jacobian = jacobian.reshape(*seen.shape[:-2], 8, 6)
+    _, by_twist, _ = reproject(camera, camera_T_marker[..., None].apply(points_m))
+    jacobian = by_twist.reshape(*camera_T_marker.shape, 8, 6)
     jacobian = np.nan_to_num(jacobian)  # a corner without an image tells nothing
     information = jacobian.swapaxes(-1, -2) @ jacobian
     slack = np.diag([1.0] * 3 + [1e-3] * 3) * _LEAST_INFORMATION
-    covariance: FloatArray = np.linalg.inv(information + slack)[..., :3, :3]
+    covariance = np.asarray(np.linalg.inv(information + slack)[..., :3, :3], np.float64)
     return 0.5 * (covariance + covariance.swapaxes(-1, -2))
-
-
-def _points_m(sides: FloatArray) -> FloatArray:
-    points: FloatArray = sides[:, None, None] * marker_points_m(1.0)
-    return points

@@ -14,10 +14,10 @@ from motorcade.tracking.markers.disambiguate.chains import (
     most_probable,
 )
 from motorcade.tracking.markers.disambiguate.orientations import (
-    SLACK,
     Orientations,
     seeded,
     settle,
+    updated,
     weighed,
 )
 from motorcade.tracking.markers.disambiguate.states import Chains, chains_of
@@ -103,11 +103,14 @@ def remembered(solution: Solution, memory: Memory) -> Memory:
     camera = solution.orientations.world_R_camera[:1]
     axes = camera.as_matrix()[:, None]
     fresh = Memory(
-        window.marker_ids[marker], markers, information, message,
+        window.marker_ids[marker],
+        markers,
+        information,
+        message,
         np.full(len(rows), window.sightings.time_ns[0]),
         camera[:, None] @ window.camera_R_marker[rows],
         axes @ window.covariance[rows] @ axes.swapaxes(-1, -2),
-    )  # fmt: skip
+    )
     return _merged(memory, fresh)
 
 
@@ -123,12 +126,8 @@ def _marker_of_first_frame(solution: Solution, rows: IntArray) -> tuple[Rotor, F
     axes = orientations.world_R_camera[:1].as_matrix()[0]
     seen = axes @ window.information[rows] @ axes.T
     weight, _ = weighed(half, window.evidence[rows])
-    total = prior + np.einsum("nhc,ncij->nhij", weight, seen)
-    pull = np.einsum("nhc,ncij,nhcj->nhi", weight, seen, vector @ axes.T)
-    apart = (settled @ known.inverse()).as_rotation_vector()
-    pull = pull + np.einsum("nhij,nhj->nhi", prior, apart)
-    step = -np.linalg.solve(total + SLACK * np.eye(3), pull[..., None])[..., 0]
-    return Rotor.from_rotation_vector(step) @ settled, total
+    each = np.arange(len(rows))
+    return updated(settled, known, prior, each, weight, seen, vector @ axes.T)
 
 
 def _merged(old: Memory, fresh: Memory) -> Memory:

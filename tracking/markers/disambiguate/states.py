@@ -59,11 +59,9 @@ def chains_of(window: Window, orientations: Orientations, memory: Memory) -> Cha
 
 def empty_memory() -> Memory:
     """Nothing seen so far."""
-    return Memory(
-        np.zeros(0, np.int64), Rotor.identity((0, MODES)), np.zeros((0, MODES, 3, 3)),
-        np.zeros((0, STATES)), np.zeros(0, np.int64), Rotor.identity((0, 2)),
-        np.zeros((0, 2, 3, 3)),
-    )  # fmt: skip
+    none = np.zeros(0, np.int64)
+    known = Rotor.identity((0, MODES)), np.zeros((0, MODES, 3, 3)), np.zeros((0, STATES))
+    return Memory(none, *known, none, Rotor.identity((0, 2)), np.zeros((0, 2, 3, 3)))
 
 
 def _places(window: Window) -> IntArray:

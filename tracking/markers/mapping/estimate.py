@@ -78,6 +78,26 @@ def map_markers(
     Raises:
         ValueError: no streams, no camera with a known place, a marker without a size.
         TrackingError: nothing seen, or a camera that never sees a marker together with others.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Rotor
+    >>> from motorcade.tracking import Camera, map_markers, track_rig
+    >>> from motorcade.tracking.markers.corner_stream import CornerStream
+    >>> from motorcade.tracking.markers.families import marker_points_m
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    >>> turn = Rotor.from_rotation_vector([[np.pi - 0.4, 0.0, 0.0], [np.pi, 0.4, 0.0]])
+    >>> camera_T_world = Motor.from_rotor_translation(turn, [[-0.1, 0.0, 0.6], [-0.2, 0.0, 0.5]])
+    >>> marker = Motor.from_rotor_translation(Rotor.identity(), [[0.0, 0.0, 0.0], [0.2, 0.0, 0.0]])
+    >>> frame, which = [0, 0, 1, 1], [0, 1, 0, 1]  # two markers in both of two pictures
+    >>> points = (camera_T_world[frame] @ marker[which])[:, None].apply(marker_points_m(0.1))
+    >>> stamps, ids = [0, 100_000_000], [3, 8, 3, 8]
+    >>> stream = CornerStream(camera, stamps, frame, ids, camera.project(points))
+    >>> found = map_markers({"camera": stream}, side_m={3: 0.1, 8: 0.1})
+    >>> world_T_marker = found.marker_map.world_T_marker  # the world is the first marker
+    >>> world_T_marker[1].translation_m.round(3) + 0.0
+    array([0.2, 0. , 0. ])
+    >>> len(track_rig(found.marker_map, {"camera": stream}).trajectory)
+    2
     """
     if not streams:
         raise ValueError("streams: expected at least one camera, got none")

@@ -68,8 +68,7 @@ class RigSightings:
     @property
     def points_m(self) -> FloatArray:
         """``(N, 4, 3)`` corners in the marker's own frame."""
-        points: FloatArray = self.side_m[self.marker][:, None, None] * marker_points_m(1.0)
-        return points
+        return marker_points_m(self.side_m[self.marker])
 
     def only(self, rows: IntArray) -> RigSightings:
         """Some sightings ``(n,)`` of the same rig, frames and markers."""

@@ -114,18 +114,30 @@ def refine_photometric(
     straight = camera.undistort_image(checked_gray(image))
     with one_thread():
         return _Batch.of(
-            straight, camera, family, np.asarray(marker_ids), np.asarray(side_m, np.float64),
-            camera_T_marker, device or best_device(),
-        ).refined()  # fmt: skip
+            straight,
+            camera,
+            family,
+            np.asarray(marker_ids),
+            np.asarray(side_m, np.float64),
+            camera_T_marker,
+            device or best_device(),
+        ).refined()
 
 
 class _Batch:
     """All candidates of all markers of one picture: 2 m rows, the candidates of one together."""
 
     def __init__(
-        self, cuts: Tensor, matrix: Tensor, prints_: Tensor, extent_m: Tensor, side_m: Tensor,
-        start: Motor, sizes_px: FloatArray, cells: float,
-    ) -> None:  # fmt: skip
+        self,
+        cuts: Tensor,
+        matrix: Tensor,
+        prints_: Tensor,
+        extent_m: Tensor,
+        side_m: Tensor,
+        start: Motor,
+        sizes_px: FloatArray,
+        cells: float,
+    ) -> None:
         self.cuts, self.matrix, self.prints = cuts, matrix, prints_
         self.extent_m, self.side_m = extent_m, side_m
         self.start, self.sizes_px, self.cells = start, sizes_px, cells
@@ -136,15 +148,19 @@ class _Batch:
 
     @classmethod
     def of(
-        cls, straight: GrayImage, camera: Camera, family: str, ids: IntArray, side_m: FloatArray,
-        camera_T_marker: Motor, device: str,
-    ) -> _Batch:  # fmt: skip
+        cls,
+        straight: GrayImage,
+        camera: Camera,
+        family: str,
+        ids: IntArray,
+        side_m: FloatArray,
+        camera_T_marker: Motor,
+        device: str,
+    ) -> _Batch:
         torch = require()
         start = Motor(camera_T_marker.coefficients.reshape(-1, 8))
         sides = np.repeat(side_m, 2)
-        corners = camera.undistorted().project(
-            start[:, None].apply(sides[:, None, None] * marker_points_m(1.0))
-        )
+        corners = camera.undistorted().project(start[:, None].apply(marker_points_m(sides)))
         sizes = np.ptp(corners, axis=1).max(axis=-1)
         cuts, matrix = _cut(straight, camera, corners)
         samples = int(np.clip(np.ceil(1.2 * np.nanmax(sizes)), _FEWEST, _MOST))
@@ -153,10 +169,15 @@ class _Batch:
             return torch.as_tensor(np.asarray(array), dtype=torch.float32, device=device)
 
         return cls(
-            tensor(cuts), tensor(matrix), tensor(np.repeat(prints(family, ids, samples), 2, 0)),
-            tensor(sides * grid_extent(family)), tensor(sides), start, sizes,
+            tensor(cuts),
+            tensor(matrix),
+            tensor(np.repeat(prints(family, ids, samples), 2, 0)),
+            tensor(sides * grid_extent(family)),
+            tensor(sides),
+            start,
+            sizes,
             side_cells(family),
-        )  # fmt: skip
+        )
 
     def refined(self) -> PhotometricPoses:
         """Choose the blur, step, choose it again, and step until nothing falls any more."""
@@ -185,7 +206,7 @@ class _Batch:
 
     def _result(self, poses: Motor, score: Tensor) -> PhotometricPoses:
         matrix = self.matrix.double().cpu().numpy()
-        corners = self.side_m.double().cpu().numpy()[:, None, None] * marker_points_m(1.0)
+        corners = marker_points_m(self.side_m.double().cpu().numpy())
         apart = np.linalg.norm(
             _pixels(matrix, poses, corners) - _pixels(matrix, self.start, corners), axis=-1
         ).max(axis=-1)
@@ -257,16 +278,17 @@ class _Batch:
         )
         depth = in_camera[..., 2]
         fx, fy = self.matrix[:, 0, 0, None], self.matrix[:, 1, 1, None]
-        by_point = torch.stack([
-            torch.stack([fx / depth, zero, -fx * in_camera[..., 0] / depth**2], -1),
-            torch.stack([zero, fy / depth, -fy * in_camera[..., 1] / depth**2], -1),
-        ], -2)  # fmt: skip
+        by_point = torch.stack(
+            [
+                torch.stack([fx / depth, zero, -fx * in_camera[..., 0] / depth**2], -1),
+                torch.stack([zero, fy / depth, -fy * in_camera[..., 1] / depth**2], -1),
+            ],
+            -2,
+        )
         by_own = by_point @ pose[:, None, :3, :3]
-        # dX = w x X + v with X = (x, y, 0)
-        by_turn = torch.stack([
-            by_own[..., 2] * y[..., None], -by_own[..., 2] * x[..., None],
-            by_own[..., 1] * x[..., None] - by_own[..., 0] * y[..., None],
-        ], -1)  # fmt: skip
+        a, b, c = by_own.unbind(-1)
+        x, y = x[..., None], y[..., None]
+        by_turn = torch.stack([c * y, -c * x, b * x - a * y], -1)  # dX = w x X + v, X = (x, y, 0)
         return torch.cat([by_turn, by_own], -1)
 
     def _choose_blur(self, view: Tensor, poses: Motor) -> None:

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor
-from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate.sightings import Sightings, rotation_covariance
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.photometric.refine import refine_photometric
-from motorcade.tracking.pose import SIGMA_FLOOR_PX, TrackingError, planar_candidates
+from motorcade.tracking.markers.poses import planar_poses
+from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
 __all__ = ["RefinedFrame", "joined_frames", "refine_frame"]
 
@@ -68,18 +68,7 @@ def refine_frame(
     Raises:
         ValueError, PhotometricUnavailable: as `refine_photometric`.
     """
-    kept, starts, errors = [], [], []
-    for row, corners in enumerate(corners_px):
-        points = marker_points_m(float(side_m[row]))
-        try:
-            found = planar_candidates(BoardCorners(np.arange(4), corners, points), camera)
-        except TrackingError:
-            continue  # stands in the docstring
-        kept.append(row)
-        starts.append(found.world_T_camera.inverse())
-        errors.append(found.error_px)
-    rows = np.array(kept, np.int64)
-    start = Motor.stack(starts) if starts else Motor.identity((0, 2))
+    rows, start, errors = planar_poses(camera, corners_px, side_m)
     ids, sides = marker_ids[rows], side_m[rows]
     refined = refine_photometric(image, camera, family, ids, sides, start, device)
     every, better = np.arange(len(ids))[:, None], np.argmin(refined.mismatch, axis=-1)
@@ -95,11 +84,11 @@ def refine_frame(
         sides,
         np.where(
             sure[:, None, None],
-            camera.project(poses[:, 0][:, None].apply(_points(sides))),
+            camera.project(poses[:, 0][:, None].apply(marker_points_m(sides))),
             corners_px[rows],
         ),
         poses,
-        np.where(sure[:, None], by_print, np.array(errors).reshape(-1, 2)),
+        np.where(sure[:, None], by_print, errors),
     )
 
 
@@ -117,15 +106,8 @@ def joined_frames(
     ids = np.concatenate([one.marker_ids for one in frames])
     corners = np.concatenate([one.corners_px for one in frames])
     poses = Motor.concatenate([one.camera_T_marker for one in frames])
-    points = _points(np.concatenate([one.side_m for one in frames]))
-    sightings = Sightings(
-        time_ns, frame, ids, poses,
-        np.concatenate([one.error_px for one in frames]),
-        rotation_covariance(camera, poses, points[:, None]),
-    )  # fmt: skip
+    points = marker_points_m(np.concatenate([one.side_m for one in frames]))
+    errors = np.concatenate([one.error_px for one in frames])
+    covariance = rotation_covariance(camera, poses, points[:, None])
+    sightings = Sightings(time_ns, frame, ids, poses, errors, covariance)
     return CornerStream(camera, time_ns, frame, ids, corners), sightings
-
-
-def _points(sides: FloatArray) -> FloatArray:
-    points: FloatArray = sides[:, None, None] * marker_points_m(1.0)
-    return points

@@ -1,8 +1,4 @@
-"""Pictures of markers straightened by their poses, and how they change with the poses.
-
-A pose is perturbed on the right, ``camera_T_marker @ Motor.from_twist(delta)``: rotation (rad),
-then translation (m), in the marker's own frame.
-"""
+"""Pictures of markers undistorted and rectified by their poses."""
 
 from __future__ import annotations
 
@@ -11,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from torch import Tensor
 
-__all__ = ["grid_points", "rectified", "twist_motion"]
+__all__ = ["grid_points", "rectified"]
 
 
 def grid_points(samples: int, extent_m: Tensor, side_m: Tensor) -> Tensor:
@@ -24,23 +20,6 @@ def grid_points(samples: int, extent_m: Tensor, side_m: Tensor) -> Tensor:
     places = torch.stack([x, y], dim=-1).reshape(1, -1, 2)
     centre = side_m[:, None, None] * torch.tensor([0.5, -0.5], device=side_m.device)
     return centre + 0.5 * extent_m[:, None, None] * places
-
-
-def twist_motion(delta: Tensor) -> Tensor:
-    """Matrices ``(b, 4, 4)`` of small twists ``(b, 6)``, to first order."""
-    import torch
-
-    turn, shift = delta[:, :3], delta[:, 3:]
-    motion = torch.eye(4, device=delta.device).repeat(len(delta), 1, 1)
-    cross = torch.zeros(len(delta), 3, 3, device=delta.device)
-    for row, column, axis, sign in (
-        (0, 1, 2, -1.0), (0, 2, 1, 1.0), (1, 0, 2, 1.0),
-        (1, 2, 0, -1.0), (2, 0, 1, -1.0), (2, 1, 0, 1.0),
-    ):  # fmt: skip
-        cross[:, row, column] = sign * turn[:, axis]
-    motion[:, :3, :3] = motion[:, :3, :3] + cross
-    motion[:, :3, 3] = shift
-    return motion
 
 
 def rectified(

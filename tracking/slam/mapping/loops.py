@@ -22,7 +22,7 @@ from motorcade.tracking.cameras.reprojection import to_frame
 from motorcade.tracking.slam.features import Corners, find_corners
 from motorcade.tracking.slam.geometry import BoolArray, refine_pose
 from motorcade.tracking.slam.mapping.map import SlamMap
-from motorcade.tracking.slam.mapping.matching import alike_where_expected, in_view
+from motorcade.tracking.slam.mapping.matching import alike_where_expected, any_in_view
 from motorcade.tracking.slam.mapping.relocalise import RecognisedKeyframe, candidates, verified
 from motorcade.tracking.slam.tracker import is_reliable
 
@@ -105,15 +105,8 @@ def _around(
     slam_map: SlamMap, row: int, world_T_camera: Motor, camera: Camera
 ) -> tuple[IntArray, FloatArray]:
     """Points seen by a keyframe or its neighbours that a pose has in view, and where."""
-    taken = np.zeros(len(slam_map.alive), dtype=np.bool_)
-    ids, px = [], []
-    for keyframe in slam_map.keyframes[max(row - _AROUND, 0) : row + _AROUND + 1]:
-        usable, expected = in_view(slam_map, keyframe, keyframe.ids, world_T_camera, camera)
-        usable &= ~taken[keyframe.ids]
-        ids.append(keyframe.ids[usable])
-        px.append(expected[usable])
-        taken[ids[-1]] = True
-    return np.concatenate(ids), np.concatenate(px)
+    rows = range(max(row - _AROUND, 0), min(row + _AROUND + 1, len(slam_map.keyframes)))
+    return any_in_view(slam_map, rows, np.zeros(0, np.int64), world_T_camera, camera)
 
 
 def close_loop(slam_map: SlamMap, loop: LoopClosure, camera: Camera) -> None:

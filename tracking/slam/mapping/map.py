@@ -6,13 +6,16 @@ yet is NaN. `SlamMap.snapshot` gives frozen arrays, which are what is saved and 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
-from zipfile import BadZipFile
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga.archives import load_arrays, save_arrays
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.slam.features import Descriptors
 from motorcade.tracking.slam.geometry import BoolArray
@@ -62,6 +65,24 @@ class MapSnapshot:
 
     Raises:
         ValueError: lengths that do not agree, or observations of what is not there.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking import MapSnapshot
+    >>> one_point = MapSnapshot(
+    ...     time_ns=[0, 500_000_000],
+    ...     world_T_camera=Motor.from_twist([[0.0] * 6, [0.0, 0.0, 0.0, 0.1, 0.0, 0.0]]),
+    ...     points=[[0.0, 0.0, 2.0]],
+    ...     descriptors=np.zeros((1, 32), np.uint8),
+    ...     keyframe_of=[0, 1],
+    ...     point_of=[0, 0],
+    ...     px=[[319.5, 239.5], [294.5, 239.5]],
+    ...     depth=[2.0, 2.0],
+    ...     metric=True,
+    ... )
+    >>> camera_T_world = one_point.world_T_camera[1].inverse()
+    >>> camera_T_world.apply(one_point.points)  # as the second keyframe sees it
+    array([[-0.1,  0. ,  2. ]])
     """
 
     time_ns: IntArray
@@ -76,10 +97,10 @@ class MapSnapshot:
 
     def __post_init__(self) -> None:
         k, p, n = len(self.time_ns), len(self.points), len(self.keyframe_of)
-        shapes = {
-            "time_ns": (k,), "points": (p, 3), "descriptors": (p, 32), "keyframe_of": (n,),
-            "point_of": (n,), "px": (n, 2), "depth": (n,),
-        }  # fmt: skip
+        shapes: dict[str, tuple[int, ...]] = dict.fromkeys(
+            ("keyframe_of", "point_of", "depth"), (n,)
+        )
+        shapes |= {"time_ns": (k,), "points": (p, 3), "descriptors": (p, 32), "px": (n, 2)}
         for name, shape in shapes.items():
             own = np.array(getattr(self, name))
             if own.shape != shape:
@@ -102,14 +123,9 @@ class MapSnapshot:
             ValueError: a file name that does not end in ``.npz``.
             OSError: a file that cannot be written.
         """
-        if path.suffix != ".npz":
-            raise ValueError(f"MapSnapshot.save(path): expected a name ending in .npz, got {path}")
-        np.savez(
-            path, format=np.array(_FORMAT), time_ns=self.time_ns,
-            world_T_camera=self.world_T_camera.coefficients, points=self.points,
-            descriptors=self.descriptors, keyframe_of=self.keyframe_of, point_of=self.point_of,
-            px=self.px, depth=self.depth, metric=np.array(self.metric),
-        )  # fmt: skip
+        arrays = {name: getattr(self, name) for name in _ARRAYS}
+        arrays["world_T_camera"] = self.world_T_camera.coefficients
+        save_arrays(path, "MapSnapshot", _FORMAT, arrays)
 
     @classmethod
     def load(cls, path: Path) -> MapSnapshot:
@@ -119,17 +135,16 @@ class MapSnapshot:
             ValueError: a file that holds no map, or values that are refused.
             OSError: a file that cannot be read.
         """
-        try:
-            with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-                if str(stored["format"]) != _FORMAT:
-                    raise ValueError(f"expected the format '{_FORMAT}', got '{stored['format']}'")
-                return cls(
-                    stored["time_ns"], Motor(stored["world_T_camera"]), stored["points"],
-                    stored["descriptors"], stored["keyframe_of"], stored["point_of"],
-                    stored["px"], stored["depth"], bool(stored["metric"]),
-                )  # fmt: skip
-        except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as fault:
-            raise ValueError(f"{path}: not a saved map: {fault}") from fault
+
+        def make(stored: Mapping[str, NDArray[Any]]) -> MapSnapshot:
+            values: dict[str, Any] = {name: stored[name] for name in _ARRAYS}
+            values["world_T_camera"] = Motor(stored["world_T_camera"])
+            return cls(**values | {"metric": bool(stored["metric"])})
+
+        return load_arrays(path, "a saved map", _FORMAT, make)
+
+
+_ARRAYS = tuple(field.name for field in fields(MapSnapshot))
 
 
 class SlamMap:
@@ -230,11 +245,7 @@ class SlamMap:
         rows = np.arange(len(self.keyframes))
         row_of = np.full(self._count, -1)
         if not len(rows):
-            nobody = np.zeros(0, dtype=np.int64)
-            return MapSnapshot(
-                nobody, Motor.identity((0,)), np.zeros((0, 3)), self.descriptors[:0], nobody,
-                nobody, np.zeros((0, 2)), np.zeros(0), metric,
-            )  # fmt: skip
+            return _nothing_mapped(metric)
         owner, ids, px, depth = self.observations(rows)
         seen = self.located[ids]
         owner, ids, px, depth = owner[seen], ids[seen], px[seen], depth[seen]
@@ -243,8 +254,20 @@ class SlamMap:
         return MapSnapshot(
             np.array([one.time_ns for one in self.keyframes], dtype=np.int64),
             Motor.stack([one.world_T_camera for one in self.keyframes]),
-            self.points[used], self.descriptors[used], owner, row_of[ids], px, depth, metric,
-        )  # fmt: skip
+            self.points[used],
+            self.descriptors[used],
+            owner,
+            row_of[ids],
+            px,
+            depth,
+            metric,
+        )
+
+
+def _nothing_mapped(metric: bool) -> MapSnapshot:
+    none, rows = np.zeros(0, dtype=np.int64), np.zeros((0, 32), dtype=np.uint8)
+    poses, points = Motor.identity((0,)), np.zeros((0, 3))
+    return MapSnapshot(none, poses, points, rows, none, none, points[:, :2], np.zeros(0), metric)
 
 
 def _longer(table: np.ndarray, room: int, fill: float | bool) -> np.ndarray:

@@ -25,7 +25,7 @@ from motorcade.tracking.slam.geometry import OUTLIER_PX, parallax_rad, triangula
 from motorcade.tracking.slam.mapping.adjustment import AdjustedBundle, Bundle, adjust
 from motorcade.tracking.slam.mapping.loops import close_loop, find_loop
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
-from motorcade.tracking.slam.mapping.matching import alike_where_expected, in_view
+from motorcade.tracking.slam.mapping.matching import alike_where_expected, any_in_view, in_view
 from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.tracker import TrackedPoints
 
@@ -191,19 +191,10 @@ class Mapper:
         shared = self.map.shared(ids)[:old]
         near = np.flatnonzero(shared >= _FEWEST_HIDDEN)
         around = np.unique(near[:, None] + np.arange(-_AROUND, _AROUND + 1))
-        taken = np.zeros(len(self.map.alive), dtype=np.bool_)
-        taken[ids] = True
-        found, expected = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 2))]
-        for row in around[(around >= 0) & (around < old)]:
-            keyframe = self.map.keyframes[row]
-            usable, px = in_view(self.map, keyframe, keyframe.ids, pose, self.camera)
-            usable &= ~taken[keyframe.ids]
-            found.append(keyframe.ids[usable])
-            expected.append(px[usable])
-            taken[found[-1]] = True
-        known = np.concatenate(found)
+        around = around[(around >= 0) & (around < old)]
+        known, expected = any_in_view(self.map, around.tolist(), ids, pose, self.camera)
         points, rows = alike_where_expected(
-            np.concatenate(expected), self.map.descriptors[known], corners, _ALIKE_PX
+            expected, self.map.descriptors[known], corners, _ALIKE_PX
         )
         return known[points], rows
 

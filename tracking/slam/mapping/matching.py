@@ -5,6 +5,8 @@ Likeness is the number of bits in which ORB's descriptors differ (Rublee et al. 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from motorcade.ga import FloatArray, IntArray, Motor
@@ -14,7 +16,7 @@ from motorcade.tracking.slam.features import Corners, Descriptors
 from motorcade.tracking.slam.geometry import BoolArray
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 
-__all__ = ["alike_where_expected", "in_view"]
+__all__ = ["alike_where_expected", "any_in_view", "in_view"]
 
 _MOST_BITS = 64
 _SCALE_CHANGE = 1.5
@@ -42,6 +44,23 @@ def in_view(
         inside = np.all((expected >= _BORDER_PX) & (expected <= limit), axis=1)
     usable: BoolArray = slam_map.located[ids] & near & inside
     return usable, expected
+
+
+def any_in_view(
+    slam_map: SlamMap, rows: Iterable[int], taken: IntArray, world_T_camera: Motor, camera: Camera
+) -> tuple[IntArray, FloatArray]:
+    """Points ``(n,)`` of some keyframes, but for those `taken`, that a pose sees; and where."""
+    free = np.ones(len(slam_map.alive), dtype=np.bool_)
+    free[taken] = False
+    ids, px = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 2))]
+    for row in rows:
+        keyframe = slam_map.keyframes[row]
+        usable, expected = in_view(slam_map, keyframe, keyframe.ids, world_T_camera, camera)
+        usable &= free[keyframe.ids]
+        ids.append(keyframe.ids[usable])
+        px.append(expected[usable])
+        free[ids[-1]] = False
+    return np.concatenate(ids), np.concatenate(px)
 
 
 def alike_where_expected(
