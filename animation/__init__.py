@@ -1,8 +1,29 @@
-"""Animation room: characters read, blended, posed, skinned and placed, on top of `ga` alone.
+"""Characters: read, blended, posed by inverse kinematics, retargeted, skinned and placed.
 
-Characters are in metres, z up, facing +x, soles at z = 0; poses of joints are local,
-`parent_T_joint`, with joints in the last batch dimension. Nothing heavy comes with this import:
-the mannequin's surface (scikit-image) and image files of textures bring theirs when they are used.
+Frames: ``character_T_joint`` maps a joint's coordinates to character space, which has z up, faces
++x and has its soles at z = 0; ``parent_T_joint`` are local poses, with joints in the last batch
+dimension ``(*, J)``. Clips hold local poses, blends make them and skins take them; `Skeleton.world`
+chains them. A `Placement` stands a character in the world: ``world_T_character`` after a scale.
+
+Units: metres, radians, seconds. Colours are sRGB from 0 to 1.
+
+A leg of two bones, bent until its ankle is 0.8 m below its hip:
+
+>>> import numpy as np
+>>> from motorcade.animation import Skeleton, bend_limb
+>>> from motorcade.ga import Motor
+>>> parent_T_joint = Motor.from_translation([[0, 0, 1.0], [0, 0, -0.5], [0, 0, -0.5]])
+>>> leg = Skeleton(("hip", "knee", "ankle"), np.array([-1, 0, 1]), parent_T_joint)
+>>> pose = bend_limb(leg, leg.rest, leg.names, [0, 0, 0.2], pole_m=[1.0, 0, 0.6])
+>>> character_T_joint = leg.world(pose)
+>>> character_T_joint.translation_m.round(3) + 0.0  # the knee goes ahead
+array([[0. , 0. , 1. ],
+       [0.3, 0. , 0.6],
+       [0. , 0. , 0.2]])
+
+`mannequin` makes a whole figure with clips, `read_character` reads one from a file. What is here is
+used most; the packages below hold the rest. Nothing heavy comes with this import: the mannequin's
+surface (scikit-image) and textures (Pillow) bring theirs when they are used.
 """
 
 from motorcade.animation.blend import (
@@ -17,29 +38,13 @@ from motorcade.animation.blend import (
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.formats import read_character, read_motion, write_gltf
-from motorcade.animation.ik import (
-    Chain,
-    Leg,
-    aim,
-    bend_limb,
-    fitted_legs,
-    plant_feet,
-    reach_with,
-)
+from motorcade.animation.ik import Chain, Leg, aim, bend_limb, plant_feet, reach_with
 from motorcade.animation.mannequin import mannequin
-from motorcade.animation.place import (
-    Anchor,
-    GroundPath,
-    Placement,
-    on_the_spot,
-    place_on_plane,
-    plane_anchor,
-    walk_along,
-)
+from motorcade.animation.place import Anchor, GroundPath, Placement, place_on_plane, walk_along
 from motorcade.animation.retarget import legs_of, retarget
 from motorcade.animation.runtime import PoseRuntime
 from motorcade.animation.skeleton import Skeleton
-from motorcade.animation.skin import PoseField, Skinner, skin
+from motorcade.animation.skin import Skinner, skin
 
 __all__ = [
     "Anchor",
@@ -52,7 +57,6 @@ __all__ = [
     "Inertialized",
     "Leg",
     "Placement",
-    "PoseField",
     "PoseLayer",
     "PoseRuntime",
     "Skeleton",
@@ -62,12 +66,9 @@ __all__ = [
     "blend_clips",
     "blend_layers",
     "blend_poses",
-    "fitted_legs",
     "legs_of",
     "mannequin",
-    "on_the_spot",
     "place_on_plane",
-    "plane_anchor",
     "plant_feet",
     "reach_with",
     "read_character",

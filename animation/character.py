@@ -34,6 +34,22 @@ class Character:
 
     Raises:
         ValueError: a shape, an index or a weight out of range, or a clip for another skeleton.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Character, Skeleton
+    >>> from motorcade.ga import Motor
+    >>> flag = Character(
+    ...     Skeleton(("pole",), np.array([-1]), Motor.identity((1,))),
+    ...     vertices=np.array([[0, 0, 0], [1, 0, 0], [0, 0, 2.0]]),
+    ...     normals=np.tile([0.0, -1.0, 0.0], (3, 1)),
+    ...     triangles=np.array([[0, 1, 2]]),
+    ...     colors=np.full((3, 3), 0.5),
+    ...     joints=np.zeros((3, 4), int),
+    ...     weights=np.tile([1.0, 0, 0, 0], (3, 1)),
+    ... )
+
+    >>> flag.height_m
+    2.0
     """
 
     skeleton: Skeleton

@@ -36,6 +36,16 @@ class Clip:
         ValueError: an empty name, times that do not increase, shapes that do not fit, a count of
             keys outside 1 to F, or a loop whose ends differ by more than 1e-6 m, rad or in the
             logarithm of scale.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Clip
+    >>> from motorcade.ga import Motor
+    >>> # two samples of one joint
+    >>> parent_T_joint = Motor.from_translation([[[0, 0, 1.0]], [[0, 0, 2.0]]])
+    >>> rise = Clip("rise", np.array([0.0, 0.5]), parent_T_joint)
+    >>> rise.at([0.25, 9.0]).translation_m[:, 0] + 0.0
+    array([[0. , 0. , 1.5],
+           [0. , 0. , 2. ]])
     """
 
     name: str

@@ -35,6 +35,18 @@ class PoseRuntime:
 
     Raises:
         ValueError: an unknown method, a clip of another skeleton or with joints that grow.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Clip, PoseRuntime, Skeleton
+    >>> from motorcade.ga import Motor
+    >>> one = Skeleton(("root",), np.array([-1]), Motor.identity((1,)))
+    >>> low, high = (
+    ...     Clip(name, np.zeros(1), Motor.from_translation([[[0, 0, z]]]))
+    ...     for name, z in (("low", 1.0), ("high", 3.0))
+    ... )
+    >>> runtime = PoseRuntime(one, [low, high])
+    >>> runtime.local([(0, 0.0, 1.0), (1, 0.0, 1.0)]).translation_m + 0.0  # both, half each
+    array([[0., 0., 2.]], dtype=float32)
     """
 
     def __init__(

@@ -30,6 +30,19 @@ class Skeleton:
 
     Raises:
         ValueError: names that repeat, lengths that differ, or a parent that comes after its child.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Skeleton
+    >>> from motorcade.ga import Motor
+    >>> parent_T_joint = Motor.from_translation([[0, 0, 1.0], [0, 0, -0.5], [0, 0, -0.5]])
+    >>> leg = Skeleton(("hip", "knee", "ankle"), np.array([-1, 0, 1]), parent_T_joint)
+
+    >>> leg.world(leg.rest).translation_m + 0.0  # character_T_joint
+    array([[0. , 0. , 1. ],
+           [0. , 0. , 0.5],
+           [0. , 0. , 0. ]])
+    >>> leg.names[leg.root], leg.index("ankle")
+    ('hip', 2)
     """
 
     names: tuple[str, ...]

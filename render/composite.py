@@ -47,6 +47,13 @@ def over(frame: ImageArray, layer: Layer, depth_m: DepthArray | None = None) -> 
 
     Raises:
         ValueError: sizes that differ.
+
+    >>> import numpy as np
+    >>> from motorcade.render import Layer, over
+    >>> drawn = Layer(np.full((1, 1, 4), 255, np.uint8), np.full((1, 1), 2.0, np.float32))
+    >>> photograph = np.zeros((1, 1, 3), np.uint8)
+    >>> [int(over(photograph, drawn, np.full((1, 1), m, np.float32))[0, 0, 0]) for m in (3.0, 1.0)]
+    [255, 0]
     """
     if layer.rgba.shape[:2] != frame.shape[:2]:
         raise ValueError(

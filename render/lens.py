@@ -32,6 +32,12 @@ class LensWarp:
     Raises:
         ValueError: a lens so wide that a pinhole picture would be more than `WIDEST` times as
             large, or that gives some pixels no ray.
+
+    >>> from motorcade.render import LensWarp
+    >>> from motorcade.tracking.cameras.camera import Camera
+    >>> camera = Camera(64, 48, 50.0, 50.0, 31.5, 23.5)
+    >>> LensWarp(camera).pinhole is camera
+    True
     """
 
     def __init__(self, camera: Camera) -> None:

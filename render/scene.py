@@ -32,6 +32,13 @@ class Surface:
 
     Raises:
         ValueError: shapes that do not fit, or a texture without coordinates.
+
+    >>> import numpy as np
+    >>> from motorcade.render import Surface
+    >>> corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1.0, 0]])
+    >>> tile = Surface(corners, np.tile([0, 0, 1.0], (4, 1)), np.array([[0, 1, 2], [0, 2, 3]]))
+    >>> tile.roughness, tile.colors is None
+    (0.6, True)
     """
 
     vertices: FloatArray
@@ -101,6 +108,13 @@ class Lighting:
         lamps: lights that cast none.
         shadow_center_m: (3,) middle of what can throw shadows.
         shadow_radius_m: radius of the ball around it that holds everything that throws them.
+
+    >>> import numpy as np
+    >>> from motorcade.render import Lamp, Lighting, Sun
+    >>> sun, lamp = Sun((0, 0, -1.0), 3.0), Lamp((1.0, 0, 2.0), 4.0)
+    >>> noon = Lighting((0.3, 0.3, 0.3), sun, (lamp,), (0, 0, 0), shadow_radius_m=2.0)
+    >>> noon.translated_by(np.array([5.0, 0, 0])).lamps[0].position_m
+    (6.0, 0.0, 2.0)
     """
 
     ambient: Triple
@@ -141,6 +155,14 @@ class Layer:
     Attributes:
         rgba: (h, w, 4) uint8, colour premultiplied by alpha; empty pixels are all zero.
         depth_m: (h, w) float32 along the optical axis, metres; 0 where nothing was drawn.
+
+    >>> import numpy as np
+    >>> from motorcade.render import Layer, over
+    >>> rgba, depth_m = np.zeros((1, 2, 4), np.uint8), np.zeros((1, 2), np.float32)
+    >>> rgba[0, 1], depth_m[0, 1] = (200, 0, 0, 255), 2.0  # one pixel is drawn, two metres away
+    >>> over(np.full((1, 2, 3), 50, np.uint8), Layer(rgba, depth_m))[0]
+    array([[ 50,  50,  50],
+           [200,   0,   0]], dtype=uint8)
     """
 
     rgba: ImageArray

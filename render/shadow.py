@@ -70,6 +70,15 @@ def ground_shade(
 
     Raises:
         ValueError: light that does not come from above.
+
+    >>> import numpy as np
+    >>> from motorcade.render import ShadowLook
+    >>> from motorcade.render.shadow import ground_shade
+    >>> roof = np.array([[-0.5, -0.5, 0.1], [0.5, -0.5, 0.1], [0.5, 0.5, 0.1], [-0.5, 0.5, 0.1]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]])
+    >>> shade = ground_shade(roof, faces, np.array([0, 0, -1.0]), 2.0, ShadowLook(contact=0.0), 0.8)
+    >>> bool(shade.max() <= 0.8), float(shade[0, 0])
+    (True, 0.0)
     """
     if not light_direction[2] < 0.0:
         raise ValueError(

@@ -97,6 +97,18 @@ class SceneEditor:
     Args:
         scene: what is edited; it is not changed.
         snapping: steps for the amounts of drags.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.authoring import Drag, Scene, SceneEditor, Snapping
+    >>> from motorcade.animation.authoring import VersorObjectPose
+    >>> from motorcade.ga import Similarity
+    >>> table = Scene({"cup": None}, {"cup": VersorObjectPose(Similarity.identity())})
+    >>> editor = SceneEditor(table, Snapping(distance_m=0.1))
+    >>> moved = editor.apply(Drag("cup", "translate", axis=[1.0, 0, 0]), 0.27)
+    >>> moved.world_T_object("cup").translation_m.round(6) + 0.0
+    array([0.3, 0. , 0. ])
+    >>> editor.undo().world_T_object("cup").translation_m + 0.0
+    array([0., 0., 0.])
     """
 
     def __init__(self, scene: Scene, snapping: Snapping | None = None) -> None:

@@ -118,6 +118,14 @@ class EulerObjectPose(ObjectPose):
 
     Raises:
         ValueError: wrong shapes, NaN or infinity, a scale that is not positive.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.authoring import EulerObjectPose
+    >>> from motorcade.ga import Similarity
+    >>> upright = EulerObjectPose(np.zeros(3), np.zeros(3))
+    >>> turned = upright.rotated(np.array([0, 0, 1.0]), np.pi / 2, "local", Similarity.identity())
+    >>> turned.as_similarity().apply([1.0, 0, 0]).round(6) + 0.0
+    array([0., 1., 0.])
     """
 
     angles_rad: FloatArray

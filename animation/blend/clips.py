@@ -47,6 +47,20 @@ def blend_clips(
     Raises:
         ValueError: another number of joints, a weight outside 0 to 1, a rate that is not
             positive, more than 100,000 samples, or clips of no length.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Clip, blend_clips
+    >>> from motorcade.ga import Motor
+    >>> def swinging(name, reach_m, period_s):
+    ...     time_s = np.linspace(0.0, period_s, 9)
+    ...     x = reach_m * np.sin(2.0 * np.pi * time_s / period_s)
+    ...     poses = Motor.from_translation(x[:, None, None] * [1.0, 0.0, 0.0])
+    ...     return Clip(name, time_s, poses, looped=True)
+    >>> walk, run = swinging("walk", 1.0, 1.2), swinging("run", 2.0, 0.8)
+
+    >>> jog = blend_clips(walk, run, 0.5)
+    >>> round(jog.duration_s, 3), jog.looped
+    (1.0, True)
     """
     if first.poses.shape[1] != second.poses.shape[1]:
         raise ValueError(

@@ -30,6 +30,15 @@ class PoseLayer:
     Raises:
         ValueError: a weight that is negative or not finite, a mask out of range or of another
             number of joints.
+
+    >>> from motorcade.animation import PoseLayer, blend_layers
+    >>> from motorcade.ga import Motor
+    >>> rest = Motor.identity((2,))
+    >>> lifted = Motor.from_translation([[0, 0, 1.0], [0, 0, 1.0]])
+    >>> arm_alone = PoseLayer(lifted, mask=[0.0, 1.0])
+    >>> blend_layers([arm_alone], rest).translation_m + 0.0
+    array([[0., 0., 0.],
+           [0., 0., 1.]])
     """
 
     pose: Poses

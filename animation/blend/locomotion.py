@@ -34,6 +34,22 @@ class BlendSpace:
     Raises:
         ValueError: positions that do not rise or are no match for the clips, a clip that is not
             looped or of another skeleton.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Clip, BlendSpace
+    >>> from motorcade.ga import Motor
+    >>> def swinging(name, reach_m, period_s):
+    ...     time_s = np.linspace(0.0, period_s, 9)
+    ...     x = reach_m * np.sin(2.0 * np.pi * time_s / period_s)
+    ...     poses = Motor.from_translation(x[:, None, None] * [1.0, 0.0, 0.0])
+    ...     return Clip(name, time_s, poses, looped=True)
+    >>> walk, run = swinging("walk", 1.0, 1.2), swinging("run", 2.0, 0.8)
+
+    >>> gaits = BlendSpace(np.array([1.2, 3.6]), (walk, run))  # by speed, m/s
+    >>> gaits.weights(1.8)
+    array([0.75, 0.25])
+    >>> gaits.pose(1.8, phase=0.25).translation_m + 0.0
+    array([[1.25, 0.  , 0.  ]])
     """
 
     positions: FloatArray

@@ -92,6 +92,13 @@ def blend_poses(poses: Poses, weights: ArrayLike, method: BlendMethod = "motor")
         ValueError: an unknown method, shapes that do not fit, weights that are negative, not
             finite or all zero, or poses that cancel (rotations half a turn apart under a
             linear method).
+
+    >>> import numpy as np
+    >>> from motorcade.animation import blend_poses
+    >>> from motorcade.ga import Motor
+    >>> heights = Motor.from_translation([[[0, 0, 1.0]], [[0, 0, 3.0]]])  # (K, J) = (2, 1)
+    >>> blend_poses(heights, [0.25, 0.75]).translation_m + 0.0
+    array([[0. , 0. , 2.5]])
     """
     if method not in BLEND_METHODS:
         raise ValueError(

@@ -83,6 +83,17 @@ def split_root_motion(
 
     Raises:
         ValueError: no such joint, one that is no root, or a clip of a single pose.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Clip, Skeleton
+    >>> from motorcade.animation.blend import split_root_motion
+    >>> from motorcade.ga import Motor
+    >>> one = Skeleton(("root",), np.array([-1]), Motor.identity((1,)))
+    >>> parent_T_joint = Motor.from_translation([[[0, 0, 1.0]], [[2.0, 0, 1.0]]])
+    >>> ahead = Clip("walk", np.array([0.0, 1.0]), parent_T_joint)
+    >>> in_place, way = split_root_motion(ahead, one)
+    >>> in_place.at(1.0).translation_m + 0.0, way.speed_m_s
+    (array([[0., 0., 1.]]), 2.0)
     """
     number = skeleton.index(joint) if joint else skeleton.root
     if skeleton.parents[number] >= 0 or len(clip.time_s) < 2:

@@ -65,6 +65,20 @@ class CrossFade:
 
     Raises:
         ValueError: a start that is not finite, a duration that is not positive.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Clip, CrossFade
+    >>> from motorcade.ga import Motor
+    >>> def swinging(name, reach_m, period_s):
+    ...     time_s = np.linspace(0.0, period_s, 9)
+    ...     x = reach_m * np.sin(2.0 * np.pi * time_s / period_s)
+    ...     poses = Motor.from_translation(x[:, None, None] * [1.0, 0.0, 0.0])
+    ...     return Clip(name, time_s, poses, looped=True)
+    >>> walk, run = swinging("walk", 1.0, 1.2), swinging("run", 2.0, 0.8)
+
+    >>> start = CrossFade(walk, run, start_s=0.0, duration_s=0.4)
+    >>> bool(np.all(start.at(0.6).coefficients == run.at(0.6).coefficients))
+    True
     """
 
     first: PoseSource
@@ -95,6 +109,22 @@ class Inertialized:
 
     Raises:
         ValueError: a start that is not finite, a duration that is not positive.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Clip, Inertialized
+    >>> from motorcade.ga import Motor
+    >>> def swinging(name, reach_m, period_s):
+    ...     time_s = np.linspace(0.0, period_s, 9)
+    ...     x = reach_m * np.sin(2.0 * np.pi * time_s / period_s)
+    ...     poses = Motor.from_translation(x[:, None, None] * [1.0, 0.0, 0.0])
+    ...     return Clip(name, time_s, poses, looped=True)
+    >>> walk, run = swinging("walk", 1.0, 1.2), swinging("run", 2.0, 0.8)
+
+    >>> switch = Inertialized(walk, run, start_s=0.3)
+    >>> bool(np.allclose(switch.at(0.3).translation_m, walk.at(0.3).translation_m))  # nothing jumps
+    True
+    >>> bool(np.allclose(switch.at(0.7).translation_m, run.at(0.7).translation_m))
+    True
     """
 
     first: PoseSource

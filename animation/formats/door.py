@@ -44,6 +44,11 @@ def read_character(path: Path | str, *, unit_m: float | None = None) -> Characte
         FormatError: a file that cannot be read, breaks its format or a limit of size, names a
             file outside its folder, or has no mesh that joints carry.
         NoMeshError: a FormatError too: the file holds a motion alone.
+
+    >>> from motorcade.animation import read_character
+    >>> read_character("figure.docx")
+    Traceback (most recent call last):
+    motorcade.animation.formats.errors.FormatError: figure.docx: suffix: expected one of .glb, ...
     """
     given = Path(path)
     try:

@@ -69,6 +69,18 @@ def reach_with(
 
     Raises:
         ValueError: a chain that is none of the skeleton, shapes that do not fit.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Chain, Skeleton, reach_with
+    >>> from motorcade.ga import Motor
+    >>> parent_T_joint = Motor.from_translation([[0, 0, 1.0], [0, 0, -0.5], [0, 0, -0.5]])
+    >>> leg = Skeleton(("hip", "knee", "ankle"), np.array([-1, 0, 1]), parent_T_joint)
+
+    >>> made, error_m = reach_with(leg, leg.rest, Chain(("hip", "knee", "ankle")), [0.4, 0, 0.4])
+    >>> bool(error_m < 1e-4)
+    True
+    >>> leg.world(made).translation_m[2].round(3) + 0.0
+    array([0.4, 0. , 0.4])
     """
     numbers = chain.numbers(skeleton)
     goal = checked_floats(target_m, "reach_with(target_m)", (3,))

@@ -70,6 +70,11 @@ def fabrik(
     Raises:
         ValueError: shapes that do not fit, NaN or infinity, a chain of no length, limits outside
             0 to π.
+
+    >>> from motorcade.animation.ik import fabrik
+    >>> reached = fabrik([[0, 0, 0], [1.0, 0, 0], [2.0, 0, 0]], [0, 1.0, 0])
+    >>> reached.points[-1].round(3), bool(reached.error_m < 1e-4)
+    (array([0., 1., 0.]), True)
     """
     start, goal = checked_floats(points, "points", (3,)), checked_floats(target, "target", (3,))
     if start.ndim < 2 or start.shape[-2] < 2:

@@ -44,6 +44,10 @@ class Leg:
         heel: how far behind the ankle the sole begins, as a share of the way from ankle to ball.
         tip: how far before the ball it ends, likewise. Both by default as of a human foot in a
             shoe; `fitted_legs` measures them on a mesh.
+
+    >>> from motorcade.animation import Leg
+    >>> Leg("left_thigh", "left_calf", "left_foot", ball="left_toes").limb
+    ('left_thigh', 'left_calf', 'left_foot')
     """
 
     hip: str
@@ -84,6 +88,14 @@ def find_stances(positions_m: FloatArray, time_s: FloatArray) -> NDArray[np.bool
     Args:
         positions_m: ``(F, 3)`` of the ball in the world.
         time_s: ``(F,)`` rising.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.ik import find_stances
+    >>> time_s = 0.1 * np.arange(7)
+    >>> x_m = np.array([0.0, 0.0, 0.0, 0.3, 0.6, 0.6, 0.6])
+    >>> z_m = np.array([0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0])
+    >>> find_stances(np.stack([x_m, 0.0 * x_m, z_m], axis=-1), time_s)
+    array([ True,  True, False, False, False,  True,  True])
     """
     height = positions_m[:, 2]
     speed = np.linalg.norm(np.gradient(positions_m, time_s, axis=0), axis=1)

@@ -48,6 +48,19 @@ def bend_limb(
 
     Raises:
         ValueError: joints that are no limb, shapes that do not fit, bones of no length.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Skeleton, bend_limb
+    >>> from motorcade.ga import Motor
+    >>> parent_T_joint = Motor.from_translation([[0, 0, 1.0], [0, 0, -0.5], [0, 0, -0.5]])
+    >>> leg = Skeleton(("hip", "knee", "ankle"), np.array([-1, 0, 1]), parent_T_joint)
+
+    >>> limb = ("hip", "knee", "ankle")
+    >>> crouched = bend_limb(leg, leg.rest, limb, [0.0, 0, 0.2], pole_m=[1.0, 0, 0.5])
+    >>> leg.world(crouched).translation_m.round(3) + 0.0  # the knee goes ahead
+    array([[0. , 0. , 1. ],
+           [0.3, 0. , 0.6],
+           [0. , 0. , 0.2]])
     """
     numbers = Chain(joints).numbers(skeleton)
     goal = checked_floats(target_m, "bend_limb(target_m)", (3,))
@@ -109,6 +122,16 @@ def aim(
 
     Raises:
         ValueError: no such joint, an axis without direction, a share outside 0 to 1.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Skeleton, aim
+    >>> from motorcade.ga import Motor
+    >>> parent_T_joint = Motor.from_translation([[0, 0, 1.0], [0, 0, -0.5], [0, 0, -0.5]])
+    >>> leg = Skeleton(("hip", "knee", "ankle"), np.array([-1, 0, 1]), parent_T_joint)
+
+    >>> looking = aim(leg, leg.rest, "hip", [0.0, 3.0, 1.0], axis=[1.0, 0, 0])
+    >>> looking.rotor.apply([1.0, 0, 0])[0].round(6) + 0.0
+    array([0., 1., 0.])
     """
     number = skeleton.index(joint)
     own = checked_floats(axis, "aim(axis)", (3,))

@@ -59,6 +59,10 @@ def ground_speed_m_s(clip: str, height_m: float = REFERENCE_HEIGHT_M) -> float:
     Args:
         clip: its name.
         height_m: of the mannequin; speeds grow with it.
+
+    >>> from motorcade.animation.mannequin import ground_speed_m_s
+    >>> ground_speed_m_s("walk"), ground_speed_m_s("idle")
+    (1.25, 0.0)
     """
     speed = GAITS[clip].speed_m_s if clip in GAITS else 0.0
     return speed * height_m / REFERENCE_HEIGHT_M

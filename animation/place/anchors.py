@@ -33,6 +33,17 @@ class Anchor:
 
     Raises:
         ValueError: a batch, a time that is not finite, a settling time that is negative.
+
+    >>> from motorcade.animation import Anchor
+    >>> from motorcade.ga import Motor, Similarity
+    >>> def world_T_anchor(x_m):
+    ...     return Similarity.from_motor_scale(Motor.from_translation([x_m, 0, 0]))
+    >>> anchor = Anchor(world_T_anchor(0.0), settle_s=0.25).corrected(world_T_anchor(1.0), 10.0)
+    >>> for time_s in (10.0, 10.25, 12.0):
+    ...     print(anchor.at(time_s).translation_m.round(3) + 0.0)
+    [0. 0. 0.]
+    [0.632 0.    0.   ]
+    [1. 0. 0.]
     """
 
     target: Similarity
@@ -150,6 +161,13 @@ def plane_anchor(
 
     Raises:
         ValueError: a normal of no length, or `ahead` along it.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.place import plane_anchor
+    >>> wall = plane_anchor(np.array([0, 1.0, 0]), np.array([0, 2.0, 0]), np.array([0, 0, 1.0]))
+    >>> wall.apply([[1.0, 0, 0], [0, 0, 1.0]]).round(6) + 0.0  # its x points up, its z off the wall
+    array([[0., 2., 1.],
+           [0., 3., 0.]])
     """
     up, x = unit(np.asarray(normal, dtype=np.float64)), np.asarray(ahead, dtype=np.float64)
     if not np.any(up):

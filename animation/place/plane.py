@@ -25,6 +25,12 @@ class Placement:
 
     Raises:
         ValueError: a batch of poses, or a scale that is not positive and finite.
+
+    >>> from motorcade.animation import Placement
+    >>> from motorcade.ga import Motor
+    >>> half_size = Placement(Motor.from_translation([1.0, 0, 0]), scale=0.5)
+    >>> half_size.apply([0.0, 0, 1.8])  # the crown of a character 1.8 m tall
+    array([1. , 0. , 0.9])
     """
 
     world_T_character: Motor
@@ -68,6 +74,23 @@ def place_on_plane(
     Raises:
         ValueError: a position that is not two finite numbers, a heading that is not finite, a
             height that is not positive, or a batch of planes.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Character, Skeleton, place_on_plane
+    >>> from motorcade.ga import Motor
+    >>> flag = Character(
+    ...     Skeleton(("pole",), np.array([-1]), Motor.identity((1,))),
+    ...     vertices=np.array([[0, 0, 0], [1, 0, 0], [0, 0, 2.0]]),
+    ...     normals=np.tile([0.0, -1.0, 0.0], (3, 1)),
+    ...     triangles=np.array([[0, 1, 2]]),
+    ...     colors=np.full((3, 3), 0.5),
+    ...     joints=np.zeros((3, 4), int),
+    ...     weights=np.tile([1.0, 0, 0, 0], (3, 1)),
+    ... )
+
+    >>> stands = place_on_plane(flag, (0.3, 0.1), heading_rad=np.pi / 2, height_m=1.0)
+    >>> stands.scale, stands.apply([1.0, 0, 0]).round(3)  # its x points along the plane's y
+    (0.5, array([0.3, 0.6, 0. ]))
     """
     position = checked_floats(position_m, "place_on_plane(position_m)", (2,))
     heading = checked_floats(heading_rad, "place_on_plane(heading_rad)", ())

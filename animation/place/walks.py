@@ -44,6 +44,14 @@ class GroundPath:
 
     Raises:
         ValueError: another shape, NaN or infinity, or neighbours at one place.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import GroundPath
+    >>> path = GroundPath(np.array([[0, 0], [1.0, 0], [1.0, 1.0]]))
+    >>> position, heading_rad = path.at([0.0, path.length_m])
+    >>> position.round(6) + 0.0
+    array([[0., 0.],
+           [1., 1.]])
     """
 
     points_m: FloatArray

@@ -58,7 +58,15 @@ def body_of(skeleton: Skeleton) -> dict[str, int]:
 
 
 def legs_of(skeleton: Skeleton) -> list[Leg]:
-    """The legs, left first, whose thigh, calf and foot are told by names and joined."""
+    """The legs, left first, whose thigh, calf and foot are told by names and joined.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Skeleton, legs_of
+    >>> from motorcade.ga import Motor
+    >>> names = ("mixamorig:LeftUpLeg", "mixamorig:LeftLeg", "mixamorig:LeftFoot")
+    >>> legs_of(Skeleton(names, np.array([-1, 0, 1]), Motor.identity((3,))))[0].knee
+    'mixamorig:LeftLeg'
+    """
     body, legs = body_of(skeleton), []
     for side in SIDES:
         joints = [body.get(f"{side}_{part}", -1) for part in ("thigh", "calf", "foot")]

@@ -55,6 +55,21 @@ def retarget(
 
     Raises:
         ValueError: joints that one of the skeletons does not have, or no pair at all.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Clip, Skeleton, retarget
+    >>> from motorcade.ga import Motor
+    >>> def leg(*names, bone_m):
+    ...     bones_m = bone_m * np.array([[0, 0, 2.0], [0, 0, -1.0], [0, 0, -1.0]])
+    ...     return Skeleton(names, np.array([-1, 0, 1]), Motor.from_translation(bones_m))
+    >>> actor = leg("LeftUpLeg", "LeftLeg", "LeftFoot", bone_m=0.5)
+    >>> puppet = leg("thigh_l", "calf_l", "foot_l", bone_m=0.25)
+    >>> step = Motor.from_translation([[1.0, 0, 1.0], [0, 0, -0.5], [0, 0, -0.5]]).reshape(1, 3)
+    >>> clip = retarget(Clip("step", np.zeros(1), step), actor, puppet)
+    >>> clip.poses.translation_m[0].round(3) + 0.0
+    array([[ 0.5 ,  0.  ,  0.5 ],
+           [ 0.  ,  0.  , -0.25],
+           [ 0.  ,  0.  , -0.25]])
     """
     pairs = dict(joints_alike(target, source) if joints is None else joints)
     numbers = {target.index(name): source.index(other) for name, other in pairs.items()}

@@ -32,6 +32,14 @@ class PoseField:
 
     Raises:
         ValueError: shapes that do not fit, points at one place, a sharpness that is not positive.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.skin import PoseField
+    >>> from motorcade.ga import Motor
+    >>> ends = np.array([[0, 0, 0], [1.0, 0, 0]])
+    >>> lift = PoseField(ends, Motor.from_translation([[0, 0, 0], [0, 0, 1.0]]))
+    >>> lift.at([0.5, 0, 0]).translation_m + 0.0
+    array([0. , 0. , 0.5])
     """
 
     points_m: FloatArray

@@ -34,6 +34,23 @@ class Skinner:
 
     Raises:
         ValueError: an unknown method, or more than 65536 joints.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Character, Skeleton, Skinner
+    >>> from motorcade.ga import Motor
+    >>> flag = Character(
+    ...     Skeleton(("pole",), np.array([-1]), Motor.identity((1,))),
+    ...     vertices=np.array([[0, 0, 0], [1, 0, 0], [0, 0, 2.0]]),
+    ...     normals=np.tile([0.0, -1.0, 0.0], (3, 1)),
+    ...     triangles=np.array([[0, 1, 2]]),
+    ...     colors=np.full((3, 3), 0.5),
+    ...     joints=np.zeros((3, 4), int),
+    ...     weights=np.tile([1.0, 0, 0, 0], (3, 1)),
+    ... )
+
+    >>> vertices, normals = Skinner(flag, "motor").skin(Motor.from_translation([[0, 0, 0.5]]))
+    >>> vertices.dtype, vertices[2]
+    (dtype('float32'), array([0. , 0. , 2.5], dtype=float32))
     """
 
     def __init__(self, character: Character, method: SkinMethod = "motor") -> None:

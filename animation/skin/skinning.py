@@ -46,6 +46,26 @@ def skin(
 
     Raises:
         ValueError: an unknown method, or a last dimension other than the number of joints.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Character, Skeleton, skin
+    >>> from motorcade.ga import Motor
+    >>> flag = Character(
+    ...     Skeleton(("pole",), np.array([-1]), Motor.identity((1,))),
+    ...     vertices=np.array([[0, 0, 0], [1, 0, 0], [0, 0, 2.0]]),
+    ...     normals=np.tile([0.0, -1.0, 0.0], (3, 1)),
+    ...     triangles=np.array([[0, 1, 2]]),
+    ...     colors=np.full((3, 3), 0.5),
+    ...     joints=np.zeros((3, 4), int),
+    ...     weights=np.tile([1.0, 0, 0, 0], (3, 1)),
+    ... )
+
+    >>> raised = Motor.from_translation([[0, 0, 0.5]])  # parent_T_joint
+    >>> vertices, normals = skin(flag, raised)
+    >>> vertices
+    array([[0. , 0. , 0.5],
+           [1. , 0. , 0.5],
+           [0. , 0. , 2.5]])
     """
     entries, scale = palette(character.skeleton, local_pose, method)
     sums = _sums(character, entries, with_signs=method != "linear")

@@ -22,13 +22,13 @@ from motorcade.animation import (
     Skeleton,
     legs_of,
     mannequin,
-    on_the_spot,
     reach_with,
     skin,
     walk_along,
 )
 from motorcade.animation.authoring import EulerObjectPose, ObjectPose, VersorObjectPose
 from motorcade.animation.blend import BlendMethod, blend_clips, differences_m
+from motorcade.animation.place import on_the_spot
 from motorcade.animation.skin import SKIN_METHODS
 from motorcade.ga import FloatArray, Motor, Rotor, Similarity
 from motorcade.render.scene import ImageArray

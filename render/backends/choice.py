@@ -25,6 +25,11 @@ def new_renderer(name: str, width: int, height: int) -> Renderer:
     Raises:
         ValueError: another name, or a size that is not positive.
         RenderUnavailable: this machine has no OpenGL.
+
+    >>> from motorcade.render import new_renderer
+    >>> new_renderer("paper", 640, 480)
+    Traceback (most recent call last):
+    ValueError: renderer: expected one of fast, pyrender, got 'paper'
     """
     if name == "fast":
         return FastRenderer(width, height)

@@ -46,6 +46,12 @@ class ShadedPoints:
 
     Raises:
         ValueError: shapes that differ.
+
+    >>> import numpy as np
+    >>> from motorcade.render.light import ShadedPoints
+    >>> wall = ShadedPoints(np.zeros((2, 3)), np.tile([0, 0, 1.0], (2, 1)), np.full((2, 3), 0.5))
+    >>> len(ShadedPoints.joined([wall, wall]).points_m)
+    4
     """
 
     points_m: FloatArray
@@ -75,6 +81,12 @@ class LightEstimate:
         irradiance: (9,) spherical harmonics of E in the world, mean of the channels; 1 lights white
             paper to white.
         color: (3,) linear RGB of the light, mean 1.
+
+    >>> import numpy as np
+    >>> from motorcade.render.light import LightEstimate
+    >>> from_above = LightEstimate(np.array([1.0, 0, 0.4, 0, 0, 0, 0, 0, 0]), np.ones(3))
+    >>> from_above.towards_light, round(from_above.contrast, 3)
+    (array([0., 0., 1.]), 0.693)
     """
 
     irradiance: FloatArray

@@ -41,6 +41,10 @@ def harmonics(directions: ArrayLike, band: int) -> FloatArray:
 
     Raises:
         ValueError: a band out of range, or directions whose length is not 1 within 1e-6.
+
+    >>> from motorcade.render.light import harmonics
+    >>> harmonics([0.0, 0.0, 1.0], 1).round(3)  # 1, y, z, x
+    array([0.282, 0.   , 0.489, 0.   ])
     """
     _check_band(band)
     x, y, z = np.moveaxis(checked_floats(directions, "directions", (3,)), -1, 0)
@@ -83,6 +87,14 @@ def rotate_harmonics(coefficients: ArrayLike, rotor: Rotor) -> FloatArray:
     Raises:
         ValueError: a count of coefficients that is no square, a band above `MOST_BANDS`, or values
             that are not finite.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Rotor
+    >>> from motorcade.render.light import rotate_harmonics
+    >>> upward = [0.0, 0.0, 1.0, 0.0]
+    >>> about_y = Rotor.from_rotation_vector([0.0, np.pi / 2, 0.0])  # takes z to x
+    >>> rotate_harmonics(upward, about_y).round(6) + 0.0
+    array([0., 0., 0., 1.])
     """
     given = np.asarray(coefficients, dtype=np.float64)
     band = band_of(given)

@@ -141,6 +141,13 @@ def sun_share(lighting: Lighting, point_m: FloatArray, normal: FloatArray) -> fl
 
     Returns:
         0 to 1, of linear light; intensities are in pyrender's units, where a sun of π gives 1.
+
+    >>> import numpy as np
+    >>> from motorcade.render import Lighting, Sun
+    >>> from motorcade.render.light import sun_share
+    >>> noon = Lighting((0.5, 0.5, 0.5), Sun((0, 0, -1.0), np.pi), (), (0, 0, 0), 1.0)
+    >>> round(sun_share(noon, np.zeros(3), np.array([0, 0, 1.0])), 3)
+    0.667
     """
     direct, other = (float(np.mean(part)) for part in light_on(lighting, point_m, normal))
     return direct / (direct + other) if direct > 0.0 else 0.0

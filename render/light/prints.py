@@ -49,6 +49,13 @@ class Prints:
 
     Raises:
         ValueError: shapes that differ, or a print of no size.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.render.light import Prints
+    >>> sheets = Prints(Motor.identity((1,)), np.array([[0.0, 0.0]]), np.array([[0.2, 0.3]]))
+    >>> len(sheets), sheets.normals
+    (1, array([[0., 0., 1.]]))
     """
 
     world_T_print: Motor

@@ -55,6 +55,12 @@ def plot_series(
     `shaded_s` (start, end in seconds) are tinted: blackouts, lost frames. `nested` draws each line
     thinner than the one before it and on top, so that lines that coincide are all seen. `limits`
     are the ends of the axis of values.
+
+    >>> import numpy as np
+    >>> from motorcade.render.plots import plot_series
+    >>> time_s = np.linspace(0.0, 1.0, 20)
+    >>> plot_series({"motor": (time_s, np.sin(time_s))}, "a sine", "m").startswith("<svg")
+    True
     """
     with house_style():
         figure, (axes,) = new_figure(width_in, height_in)

@@ -39,6 +39,15 @@ def twists(path: Trajectory) -> tuple[FloatArray, FloatArray]:
 
     Rotation (rad/s) first, then translation (m/s), in the moving frame: the motor from each pose to
     the next, its logarithm over the time between.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Trajectory
+    >>> from motorcade.render.plots.motion import twists
+    >>> stamps = np.array([0, 500_000_000])
+    >>> world_T_camera = Motor.from_translation([[0, 0, 0], [1.0, 0, 0]])
+    >>> path = Trajectory(stamps, world_T_camera, "world", "camera")
+    >>> twists(path)[1] + 0.0  # rad/s, then m/s
+    array([[0., 0., 0., 2., 0., 0.]])
     """
     poses, time_s = path.motors, path.time_s
     steps = (poses[:-1].inverse() @ poses[1:]).as_twist()

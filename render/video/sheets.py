@@ -31,6 +31,11 @@ def contact_sheet(
 
     Raises:
         ValueError: no frames, sizes that differ, labels that do not fit, or a count below 1.
+
+    >>> import numpy as np
+    >>> from motorcade.render.video import contact_sheet
+    >>> contact_sheet(np.zeros((3, 48, 64, 3), np.uint8), columns=2, width=32).shape
+    (66, 82, 3)
     """
     given = list(frames)
     if not given or any(one.shape != given[0].shape for one in given) or 0 in given[0].shape:

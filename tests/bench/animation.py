@@ -30,13 +30,12 @@ from motorcade.animation import (
     blend_poses,
     legs_of,
     mannequin,
-    on_the_spot,
     reach_with,
     skin,
     walk_along,
 )
 from motorcade.animation.ik import fabrik, find_stances
-from motorcade.animation.place import Walk
+from motorcade.animation.place import Walk, on_the_spot
 from motorcade.animation.skin import SKIN_METHODS, palette
 from motorcade.ga import Motor, kernels
 from tests.bench.data import data_folder

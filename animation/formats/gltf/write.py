@@ -41,6 +41,13 @@ class CameraPath:
 
     Raises:
         ValueError: an angle outside 0 to π, or an aspect that is not positive.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.formats import CameraPath
+    >>> from motorcade.ga import Motor, Trajectory
+    >>> path = Trajectory(np.array([0, 1_000_000_000]), Motor.identity((2,)), "world", "camera")
+    >>> CameraPath(path, vertical_field_rad=0.7, aspect=4 / 3).world_T_camera
+    Trajectory(world_T_camera, 2 poses, 1.000 s)
     """
 
     world_T_camera: Trajectory

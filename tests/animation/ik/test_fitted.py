@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.animation import GroundPath, mannequin, on_the_spot, retarget, skin, walk_along
+from motorcade.animation import GroundPath, mannequin, retarget, skin, walk_along
 from motorcade.animation.formats import read_character
 from motorcade.animation.ik import Leg, fitted_legs
+from motorcade.animation.place import on_the_spot
 from motorcade.animation.retarget import legs_of
 
 BOOTS = {"knight": "kaykit/Knight.glb", "bob": "md5/Bob.md5mesh"}
