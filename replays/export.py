@@ -18,7 +18,7 @@ from motorcade.animation.formats import CameraPath, write_gltf
 from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
 from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.engine.knobs import parse_knobs
-from motorcade.replays.pipeline import pipeline
+from motorcade.replays.pipeline import pipeline_graph
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
 from motorcade.replays.results import trajectories
@@ -88,7 +88,7 @@ def open_run(folder: Path) -> Shown:
         raise ValueError(f"{folder}: its recording has changed since; run it again")
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
-    graph = pipeline()
+    graph = pipeline_graph()
     run = graph.run(
         "placed", {"recording": recording}, folder / ".cache", parse_knobs(told["settings"], graph)
     )

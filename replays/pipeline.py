@@ -38,7 +38,7 @@ from motorcade.replays.stages.view.overlay import overlay
 from motorcade.replays.stages.view.placed import placed
 from motorcade.tracking import TrackingError
 
-__all__ = ["STAGES", "Job", "pipeline", "run_job"]
+__all__ = ["STAGES", "Job", "pipeline_graph", "run_job"]
 
 log = logging.getLogger("motorcade.pipeline")
 
@@ -76,7 +76,7 @@ class Job:
     settings: tuple[str, ...] = ()
 
 
-def pipeline() -> Graph:
+def pipeline_graph() -> Graph:
     """The stage graph of every run."""
     return Graph(STAGES, {"recording": Recording})
 
@@ -87,7 +87,7 @@ def run_job(job: Job) -> dict[str, Any]:
     Everything is checked before anything is computed, and earlier results stay as they are until
     the new ones are complete. Raises ValueError or OSError with one line that says what is wrong.
     """
-    graph = pipeline()
+    graph = pipeline_graph()
     recording = open_recording(job.recording, job.manifest)
     knobs = parse_knobs((*recording.settings, *job.settings), graph)
     if "placed" in graph.needed(job.until):

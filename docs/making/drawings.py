@@ -16,7 +16,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from motorcade.replays.engine import drawing
-from motorcade.replays.pipeline import pipeline
+from motorcade.replays.pipeline import pipeline_graph
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
@@ -24,7 +24,7 @@ ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 
 def drawings() -> dict[str, str]:
     """The pictures by name, as they ought to be now."""
-    graph = pipeline()
+    graph = pipeline_graph()
     stages = {name: set(stage.inputs) for name, stage in graph.stages.items()}
     rooms = {room: imported(room) for room in ROOMS}
     return {

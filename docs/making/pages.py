@@ -77,7 +77,7 @@ def commands() -> dict[str, argparse.ArgumentParser]:
 def stages_page() -> str:
     """Every stage of the pipeline: what it does, takes and gives, and its knobs."""
     from motorcade.replays.engine.knobs import described_knobs
-    from motorcade.replays.pipeline import pipeline
+    from motorcade.replays.pipeline import pipeline_graph
 
     parts = [
         "# Stages",
@@ -85,7 +85,7 @@ def stages_page() -> str:
         "`replays/stages` tell. A knob is set by `--set stage.knob=value`, or by `settings` in a "
         "manifest; units end its name.",
     ]
-    for stage in (pipeline().stages[name] for name in pipeline().order):
+    for stage in (pipeline_graph().stages[name] for name in pipeline_graph().order):
         takes = ", ".join(
             f"`{name}`{' (optional)' if name in stage.optional else ''}" for name in stage.inputs
         )

@@ -23,13 +23,13 @@ from motorcade.replays.compare.plan import SLOW, ComparisonPlan
 from motorcade.replays.compare.tuning import BORROWS, Tuned, Tuning, borrowed, run_tuning
 from motorcade.replays.engine.jobs import job_key, run_jobs
 
-__all__ = ["compare"]
+__all__ = ["run_comparison"]
 
 Task = TypeVar("Task", Tuning, ComparisonCell, Trait)
 Result = TypeVar("Result")
 
 
-def compare(plan: ComparisonPlan, out: Path, executor: str = "local") -> dict[str, Any]:
+def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> dict[str, Any]:
     """Run a plan, write its tables into `out`, and return what ``results.json`` holds.
 
     Args:

@@ -24,7 +24,7 @@ from motorcade.replays.sweep.plan import PlannedRun, Sweep
 from motorcade.replays.sweep.report import report_page
 from motorcade.replays.sweep.table import FIGURES, PathFigures, Row, rows_of, write_parquet
 
-__all__ = ["Summary", "sweep"]
+__all__ = ["Summary", "run_sweep"]
 
 log = logging.getLogger("motorcade.sweep")
 
@@ -55,7 +55,7 @@ class _Task:
     cache: Path
 
 
-def sweep(plan: Sweep, out: Path, executor: str) -> Summary:
+def run_sweep(plan: Sweep, out: Path, executor: str) -> Summary:
     """Run what of a sweep is not done yet, and gather all of it.
 
     Leaves `sweep.csv`, `sweep.parquet` (where pyarrow is installed), `sweep.html` and

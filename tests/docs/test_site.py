@@ -138,5 +138,5 @@ def test_every_public_name_is_in_the_reference(site: dict[Path, Page]) -> None:
 
 def test_every_room_exports_what_the_reference_tells() -> None:
     told = "\n".join(page.read_text() for page in (DOCS / "reference").glob("*.md"))
-    for room in ("ga", "tracking", "fusion", "animation", "render"):
+    for room in ("ga", "tracking", "fusion", "animation", "render", "replays"):
         assert f"::: motorcade.{room}" in told

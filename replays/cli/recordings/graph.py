@@ -34,9 +34,9 @@ def draw(arguments: argparse.Namespace) -> None:
     from motorcade.replays.engine import drawing
     from motorcade.replays.engine.knobs import described_knobs
     from motorcade.replays.files.atomic import write_bytes
-    from motorcade.replays.pipeline import pipeline
+    from motorcade.replays.pipeline import pipeline_graph
 
-    graph = pipeline()
+    graph = pipeline_graph()
     if arguments.svg is not None:
         write_bytes(arguments.svg, drawing.svg(graph).encode())
     elif arguments.knobs:

@@ -25,7 +25,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser = new_command(
         commands,
         shared,
-        run_sweep,
+        sweep_recordings,
         name="sweep",
         summary="run every combination of recordings, knobs and seeds; leave one table and a "
         "comparative report; what is finished is not run again",
@@ -40,14 +40,14 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print the table as JSON")
 
 
-def run_sweep(arguments: argparse.Namespace) -> None:
+def sweep_recordings(arguments: argparse.Namespace) -> None:
     """Read the file, run what is missing, say where the results lie; failures end with status 1."""
     from motorcade.replays.engine.executors import check_executor
-    from motorcade.replays.pipeline import pipeline
-    from motorcade.replays.sweep import read_sweep, sweep
+    from motorcade.replays.pipeline import pipeline_graph
+    from motorcade.replays.sweep import read_sweep, run_sweep
 
-    plan = read_sweep(arguments.config, pipeline())
-    summary = sweep(plan, arguments.out, check_executor(arguments.executor))
+    plan = read_sweep(arguments.config, pipeline_graph())
+    summary = run_sweep(plan, arguments.out, check_executor(arguments.executor))
     if summary.left:
         done = len(plan) - summary.left
         where = f"results in {', '.join(map(str, summary.files))}" if done else "no table yet"

@@ -57,7 +57,7 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
     from motorcade.replays.cli.arguments import check_known
     from motorcade.replays.compare.figures.summary import as_text
     from motorcade.replays.compare.plan import DEGRADATIONS, quick, standard
-    from motorcade.replays.compare.run import compare
+    from motorcade.replays.compare.run import run_comparison
     from motorcade.replays.engine.executors import check_executor
     from motorcade.replays.results import require_writable
 
@@ -88,7 +88,7 @@ def compare_smoothers(arguments: argparse.Namespace) -> None:
         plan = replace(quick(), **given)
     else:
         plan = standard(20 if arguments.seeds is None else arguments.seeds, **chosen)
-    print(as_text(compare(plan, arguments.out, arguments.executor)))
+    print(as_text(run_comparison(plan, arguments.out, arguments.executor)))
     _report(arguments.out)
 
 

@@ -36,6 +36,14 @@ def test_the_doctor_looks_and_help_helps() -> None:
     assert {"opencv-contrib-python-headless", "contexts", "H.264", "scipy", "casadi"} <= lacking
 
 
+def test_the_room_lists_what_needs_no_more_than_numpy() -> None:
+    code = (
+        "import sys; sys.modules.update(dict.fromkeys(sys.argv.pop(1).split())); "
+        "from motorcade.replays import Graph, read_trajectory, write_trajectory"
+    )
+    subprocess.run([sys.executable, "-c", code, " ".join(MODULES)], check=True)
+
+
 def test_auto_takes_what_there_is_and_says_so(tmp_path: Path) -> None:
     rng = np.random.default_rng(3)
     truth = MOTIONS["screw"].sampled(30.0, 5.0)

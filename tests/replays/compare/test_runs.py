@@ -20,7 +20,7 @@ from motorcade.replays.compare.measure.evaluator import METRICS
 from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.own_data import compare_recorded
 from motorcade.replays.compare.plan import DEGRADATIONS, SLOW, ComparisonPlan, quick, standard
-from motorcade.replays.compare.run import compare
+from motorcade.replays.compare.run import run_comparison
 from motorcade.replays.compare.tuning import BORROWS, GRIDS
 from motorcade.replays.files.trajectories import write_trajectory
 
@@ -51,7 +51,7 @@ def rows_of(path: Path) -> list[dict[str, str]]:
 @pytest.fixture(scope="module")
 def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("small")
-    compare(SMALL, folder)
+    run_comparison(SMALL, folder)
     return folder
 
 
@@ -101,7 +101,7 @@ def test_the_standard_plan_is_complete_but_for_what_it_names() -> None:
 
 
 def test_two_processes_give_what_one_gives(small: Path, tmp_path: Path) -> None:
-    compare(SMALL, tmp_path, "processes:2")
+    run_comparison(SMALL, tmp_path, "processes:2")
     assert same(small, tmp_path)
 
 
@@ -115,7 +115,7 @@ def test_a_failing_method_says_why_and_ends_nothing(
 
     original = METHODS["exponential"]
     monkeypatch.setitem(METHODS, "exponential", broken)
-    told = compare(replace(SMALL, motions=("walk_and_look",)), tmp_path)
+    told = run_comparison(replace(SMALL, motions=("walk_and_look",)), tmp_path)
     rows = rows_of(tmp_path / "cells.csv")
     failed = [row for row in rows if row["failure"]]
     assert {(row["method"], row["representation"]) for row in failed} == {("exponential", "euler")}

@@ -15,7 +15,7 @@ import numpy as np
 
 from motorcade.replays.engine.provenance import reach, types_within
 from motorcade.replays.engine.stage import Choice
-from motorcade.replays.pipeline import pipeline
+from motorcade.replays.pipeline import pipeline_graph
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import Recording
 from motorcade.tracking.boards import Checkerboard
@@ -34,7 +34,7 @@ def recording_of_a_board() -> Recording:
 
 def modules_under(stage: str) -> frozenset[str]:
     """Names of our modules under the cache key of a stage; none under a choice, which runs none."""
-    known = pipeline().stages[stage]
+    known = pipeline_graph().stages[stage]
     if isinstance(known, Choice):
         return frozenset()
     given = types_within(recording_of_a_board()) if "recording" in known.inputs else set()
@@ -45,7 +45,7 @@ def modules_under(stage: str) -> frozenset[str]:
 def main() -> None:
     """Print a table."""
     print(f"{'stage':<16}{'modules':>8}", *(f"{room:>10}" for room in ROOMS), f"{'SLAM':>6}")
-    for stage in pipeline().order:
+    for stage in pipeline_graph().order:
         names = modules_under(stage)
         rooms = Counter(name.split(".")[1] for name in names if "." in name)
         slam = sum(name.startswith("motorcade.tracking.slam") for name in names)

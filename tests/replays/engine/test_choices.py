@@ -9,7 +9,7 @@ from motorcade.replays.engine import drawing, provenance
 from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.engine.stage import Chosen, GraphError, NotOffered, StageError, first_of
-from motorcade.replays.pipeline import pipeline
+from motorcade.replays.pipeline import pipeline_graph
 from tests.replays.engine.key_sizes import modules_under, recording_of_a_board
 
 calls: list[str] = []
@@ -155,7 +155,7 @@ def test_an_edit_of_slam_computes_nothing_anew_of_a_run_on_a_board(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every file of SLAM is edited at once: no key of a stage that such a run computes changes."""
-    order = [name for name in pipeline().order if name not in ("slam_poses", "tracked")]
+    order = [name for name in pipeline_graph().order if name not in ("slam_poses", "tracked")]
     keys = {name: _digest(name) for name in [*order, "slam_poses"]}
     origin, copies = provenance._origin, {}
 
@@ -174,7 +174,7 @@ def test_an_edit_of_slam_computes_nothing_anew_of_a_run_on_a_board(
 
 
 def _digest(stage: str) -> str:
-    known = pipeline().stages[stage]
+    known = pipeline_graph().stages[stage]
     given = [recording_of_a_board()] if "recording" in known.inputs else []
     return provenance.code_digest(known.function, given)  # type: ignore[union-attr]
 

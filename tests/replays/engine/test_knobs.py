@@ -14,9 +14,9 @@ from motorcade.replays.cli import main
 from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import Knob, described_knobs, parse_knobs
 from motorcade.replays.engine.stage import Stage
-from motorcade.replays.pipeline import pipeline
+from motorcade.replays.pipeline import pipeline_graph
 
-GRAPH = pipeline()
+GRAPH = pipeline_graph()
 EVERY = [(stage, knob) for stage in GRAPH.stages.values() for knob in described_knobs(stage)]
 IDS = [f"{stage.name}.{knob.name}" for stage, knob in EVERY]
 

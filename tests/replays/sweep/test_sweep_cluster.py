@@ -15,8 +15,8 @@ import pytest
 distributed = pytest.importorskip("distributed")
 
 from motorcade.replays.engine import jobs  # noqa: E402
-from motorcade.replays.pipeline import pipeline  # noqa: E402
-from motorcade.replays.sweep import read_sweep, sweep  # noqa: E402
+from motorcade.replays.pipeline import pipeline_graph  # noqa: E402
+from motorcade.replays.sweep import read_sweep, run_sweep  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
@@ -25,13 +25,13 @@ Config = Callable[..., Path]
 SWEEP = """
 import sys
 from pathlib import Path
-from motorcade.replays.pipeline import pipeline
+from motorcade.replays.pipeline import pipeline_graph
 from motorcade.replays.engine import jobs
 from motorcade.replays.sweep import read_sweep, run
 jobs._code = lambda function: "code"
 if __name__ == "__main__":
-    plan = read_sweep(Path(sys.argv[1]), pipeline())
-    print(run.sweep(plan, Path(sys.argv[2]), sys.argv[3]).failed)
+    plan = read_sweep(Path(sys.argv[1]), pipeline_graph())
+    print(run.run_sweep(plan, Path(sys.argv[2]), sys.argv[3]).failed)
 """
 
 
@@ -81,13 +81,13 @@ def when_some_are_done(out: Path, some: int, act: Callable[[], None]) -> threadi
 def test_a_cluster_that_loses_a_worker_gives_the_table_of_the_process_pool(
     forty: Path, cluster: Any, tmp_path: Path
 ) -> None:
-    plan = read_sweep(forty, pipeline())
-    here = sweep(plan, tmp_path / "here", "processes")
+    plan = read_sweep(forty, pipeline_graph())
+    here = run_sweep(plan, tmp_path / "here", "processes")
     assert (here.done, here.failed) == (40, 0)
     there = tmp_path / "there"
     victim = cluster.workers[0].pid
     killer = when_some_are_done(there, 5, lambda: os.kill(victim, signal.SIGKILL))
-    result = sweep(plan, there, cluster.scheduler_address)
+    result = run_sweep(plan, there, cluster.scheduler_address)
     killer.join()
     assert not Path(f"/proc/{victim}").exists()
     assert (result.done, result.failed) == (40, 0)
@@ -106,7 +106,7 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(forty: Path, tmp_path: Path
     assert running.wait() == -signal.SIGKILL
     before = {path: path.stat().st_mtime_ns for path in out.glob("runs/*/outcome")}
     assert 6 <= len(before) < 40
-    result = sweep(read_sweep(forty, pipeline()), out, "processes")
+    result = run_sweep(read_sweep(forty, pipeline_graph()), out, "processes")
     assert (result.done, result.done_before, result.failed) == (40 - len(before), len(before), 0)
     assert all(path.stat().st_mtime_ns == stamp for path, stamp in before.items())
     assert len(result.rows) == 40 * 3

@@ -8,7 +8,7 @@ import pytest
 
 from motorcade.replays.engine.stage import GraphError
 from motorcade.replays.errors import RecordingError
-from motorcade.replays.pipeline import pipeline
+from motorcade.replays.pipeline import pipeline_graph
 from motorcade.replays.sweep import read_sweep
 
 Config = Callable[..., Path]
@@ -16,7 +16,7 @@ Config = Callable[..., Path]
 
 def test_runs_are_the_product_of_recordings_knobs_and_seeds(config: Config) -> None:
     path = config(knobs="smoothed.order = [1, 2]\nfused.look_ahead = [true, false]")
-    plan = read_sweep(path, pipeline())
+    plan = read_sweep(path, pipeline_graph())
     runs = list(plan.runs())
     combined = product(("one", "two"), ("1", "2"), ("true", "false"), (0, 1))
     assert [
@@ -29,7 +29,7 @@ def test_runs_are_the_product_of_recordings_knobs_and_seeds(config: Config) -> N
 
 
 def test_patterns_find_recordings_and_tables_name_manifests(config: Config, tmp_path: Path) -> None:
-    plan = read_sweep(config('["*o", "t*", {path = "one", manifest = "m.toml"}]'), pipeline())
+    plan = read_sweep(config('["*o", "t*", {path = "one", manifest = "m.toml"}]'), pipeline_graph())
     assert plan.recordings == (
         (tmp_path / "two", None),
         (tmp_path / "one", tmp_path / "m.toml"),
@@ -39,9 +39,9 @@ def test_patterns_find_recordings_and_tables_name_manifests(config: Config, tmp_
 def test_a_missing_recording_is_left_to_its_run_but_an_empty_pattern_is_refused(
     config: Config,
 ) -> None:
-    assert len(read_sweep(config('["one", "gone"]'), pipeline())) == 4
+    assert len(read_sweep(config('["one", "gone"]'), pipeline_graph())) == 4
     with pytest.raises(RecordingError, match=r"toml, .*: no recording is called 'gone\*'"):
-        read_sweep(config('["gone*"]'), pipeline())
+        read_sweep(config('["gone*"]'), pipeline_graph())
 
 
 @pytest.mark.parametrize(
@@ -62,11 +62,11 @@ def test_what_does_not_fit_is_refused_by_name(
     config: Config, knobs: str, seeds: str, told: str
 ) -> None:
     with pytest.raises((RecordingError, GraphError), match=told):
-        read_sweep(config(knobs=knobs, seeds=seeds), pipeline())
+        read_sweep(config(knobs=knobs, seeds=seeds), pipeline_graph())
 
 
 def test_no_more_runs_than_the_bound(config: Config) -> None:
     seeds = str(list(range(1001)))
     gates = ", ".join(f"0.{one}" for one in range(100, 200) if one % 10)
     with pytest.raises(RecordingError, match="at most 100000 runs, got 180180"):
-        read_sweep(config(knobs=f"fused.gate = [{gates}]", seeds=seeds), pipeline())
+        read_sweep(config(knobs=f"fused.gate = [{gates}]", seeds=seeds), pipeline_graph())

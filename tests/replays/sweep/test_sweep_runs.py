@@ -10,15 +10,15 @@ import pytest
 
 from motorcade.replays.cli import main
 from motorcade.replays.engine.executors import outcomes
-from motorcade.replays.pipeline import Job, pipeline, run_job
-from motorcade.replays.sweep import Summary, read_sweep, sweep
+from motorcade.replays.pipeline import Job, pipeline_graph, run_job
+from motorcade.replays.sweep import Summary, read_sweep, run_sweep
 from motorcade.replays.sweep import run as runner
 
 Config = Callable[..., Path]
 
 
 def swept(config: Path, out: Path, executor: str = "local") -> Summary:
-    return sweep(read_sweep(config, pipeline()), out, executor)
+    return run_sweep(read_sweep(config, pipeline_graph()), out, executor)
 
 
 def test_figures_are_those_of_single_runs(config: Config, tmp_path: Path) -> None:
