@@ -6,13 +6,23 @@ repaired here: an array that does not fit is refused with its name, what was exp
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-__all__ = ["FloatArray", "IntArray", "checked_floats", "frozen", "shape_text"]
+__all__ = [
+    "FloatArray",
+    "IntArray",
+    "checked_floats",
+    "common_precision",
+    "frozen",
+    "sealed",
+    "shape_text",
+]
 
 
 def shape_text(trailing: tuple[int, ...]) -> str:
@@ -52,8 +62,29 @@ def checked_floats(value: ArrayLike, name: str, trailing: tuple[int, ...]) -> Fl
     return array
 
 
+def common_precision(*given: Any) -> np.dtype[Any]:
+    """float32 where every array among the inputs is of float32, else float64.
+
+    Whatever has a ``dtype`` counts as an array; Python's numbers and lists have no precision.
+    """
+    kinds = {np.dtype(one.dtype) for one in given if hasattr(one, "dtype")}
+    return np.dtype(np.float32 if kinds == {np.dtype(np.float32)} else np.float64)
+
+
 def frozen(array: FloatArray) -> FloatArray:
     """Return a read-only copy in C order; the array that came in stays as it was."""
-    copy = np.array(array, dtype=np.float64, order="C", copy=True)
-    copy.setflags(write=False)
-    return copy
+    return sealed(np.array(array, dtype=np.float64, order="C", copy=True))
+
+
+def sealed(array: FloatArray) -> FloatArray:
+    """The array, read-only so that NumPy refuses to make it writable again; it is not copied.
+
+    NumPy lets the owner of memory take its flag back, and a view only where its owner is writable.
+    """
+    array.setflags(write=False)
+    base = array.base
+    if base is None:
+        return array.view()
+    if isinstance(base, np.ndarray):
+        base.setflags(write=False)
+    return array

@@ -17,6 +17,7 @@ from motorcade.ga.algebra.basis import Terms, grade_of, order_of, reorder_sign
 from motorcade.ga.algebra.products import Masks, Plan, apply_plan
 from motorcade.ga.algebra.scalars import checked_scalar, is_zero_somewhere, magnitude, square_root
 from motorcade.ga.algebra.value import Value
+from motorcade.ga.arrays import sealed
 
 if TYPE_CHECKING:
     from motorcade.ga.algebra.signature import Algebra
@@ -62,10 +63,7 @@ class Multivector(Value):
         return made
 
     def _set(self, algebra: Algebra, masks: Masks, values: Iterable[Any]) -> None:
-        frozen = tuple(values)
-        for value in frozen:
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
+        frozen = tuple(sealed(v) if isinstance(v, np.ndarray) else v for v in values)
         object.__setattr__(self, "algebra", algebra)
         object.__setattr__(self, "masks", masks)
         object.__setattr__(self, "values", frozen)

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from motorcade.ga.arrays import sealed
+
 __all__ = ["checked_scalar", "is_numeric", "is_zero_somewhere", "magnitude", "square_root"]
 
 
@@ -42,8 +44,7 @@ def _checked_array(value: np.ndarray[Any, Any], name: str) -> np.ndarray[Any, An
         raise ValueError(
             f"{name}: expected finite numbers, got {bad} NaN or infinite of {array.size}"
         )
-    array.setflags(write=False)
-    return array
+    return sealed(array)
 
 
 def is_numeric(value: Any) -> bool:

@@ -1,8 +1,15 @@
-"""Batches of versors as arrays of them: checked when made, frozen, indexed, joined, converted.
+"""Batches of versors as arrays of them: checked when made, frozen, indexed, joined, compared.
 
-Leading dimensions are batch and broadcast as those of NumPy arrays do. Coefficients are float64;
-versors made of a float32 array are and stay float32. Versors of different precision do not mix;
-`astype` converts.
+Leading dimensions are batch and broadcast as those of NumPy arrays do.
+
+One rule for precision. Arrays and versors are float32 or float64; Python's numbers and lists have
+no precision of their own.
+
+- Whatever makes versors (the constructor, ``from_…``, `exp`, `normalize`) makes float32 ones where
+  all arrays and versors that it is given are float32, float64 ones otherwise.
+- Verbs keep the versor's precision: arrays handed to them (points, twists, fractions) are taken in
+  it, and what they return is in it.
+- Verbs between versors of different precision raise TypeError; `astype` converts.
 """
 
 from __future__ import annotations
@@ -13,9 +20,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self, SupportsIndex
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, common_precision, sealed
 
 __all__ = ["UNIT_TOLERANCE", "VersorBatch", "broadcast_batch"]
 
@@ -56,8 +63,7 @@ class VersorBatch(ABC):
         given = self._checked(self.coefficients, self._field("coefficients"), (self._size,))
         self._check_unit(given)
         own = np.array(given, order="C", copy=True)
-        own.setflags(write=False)
-        object.__setattr__(self, "coefficients", own)
+        object.__setattr__(self, "coefficients", sealed(own))
 
     @classmethod
     def _field(cls, name: str) -> str:
@@ -65,9 +71,9 @@ class VersorBatch(ABC):
 
     @classmethod
     def _checked(cls, value: ArrayLike, name: str, trailing: tuple[int, ...]) -> FloatArray:
-        """Checked numbers, in float32 where an array of that type was given."""
+        """Checked numbers in the precision that they were given in."""
         checked = checked_floats(value, name, trailing)
-        return np.asarray(value) if getattr(value, "dtype", None) == np.float32 else checked
+        return checked.astype(common_precision(value), copy=False)
 
     @classmethod
     def _tolerance(cls, coefficients: FloatArray) -> float:
@@ -91,14 +97,23 @@ class VersorBatch(ABC):
     def _trusted(cls, coefficients: FloatArray) -> Self:
         """Wrap coefficients that a kernel has just made; they are frozen in place, not copied."""
         made = object.__new__(cls)
-        coefficients.setflags(write=False)
-        object.__setattr__(made, "coefficients", coefficients)
+        object.__setattr__(made, "coefficients", sealed(coefficients))
         return made
 
     @classmethod
-    def identity(cls, shape: tuple[int, ...] = ()) -> Self:
-        """The motion that leaves everything where it is, repeated over the batch `shape`."""
-        coefficients = np.zeros((*shape, cls._size))
+    def _of(cls, coefficients: FloatArray, *given: Any) -> Self:
+        """Wrap what has just been computed from some inputs, in their common precision."""
+        return cls._trusted(coefficients.astype(common_precision(*given), copy=False))
+
+    @classmethod
+    def identity(cls, shape: tuple[int, ...] = (), dtype: DTypeLike = np.float64) -> Self:
+        """The motion that leaves everything where it is, repeated over the batch `shape`.
+
+        Raises:
+            ValueError: a dtype that is neither float32 nor float64.
+        """
+        precision = cls._precision(dtype, "identity")
+        coefficients = np.zeros((*shape, cls._size), dtype=precision)
         coefficients[..., 0] = 1.0
         return cls._trusted(coefficients)
 
@@ -138,10 +153,49 @@ class VersorBatch(ABC):
         Raises:
             ValueError: another type.
         """
+        return self._trusted(self.coefficients.astype(self._precision(dtype, "astype")))
+
+    @classmethod
+    def _precision(cls, dtype: DTypeLike, verb: str) -> np.dtype[Any]:
         wanted = np.dtype(dtype)
         if wanted not in (np.float32, np.float64):
-            raise ValueError(f"{self._field('astype')}: expected float32 or float64, got {wanted}")
-        return self._trusted(self.coefficients.astype(wanted))
+            raise ValueError(f"{cls._field(verb)}: expected float32 or float64, got {wanted}")
+        return wanted
+
+    def isclose(self, other: Self, rtol: float = 1e-5, atol: float = 1e-8) -> NDArray[np.bool_]:
+        """Whether versors are the same motion to a tolerance, ``(*)`` bools; batches broadcast.
+
+        As ``np.isclose``, on the largest difference of coefficients against the largest
+        coefficient of `other`, whose sign is chosen: ``S`` and ``-S`` are one motion.
+
+        Raises:
+            TypeError: another type of versor, or of another precision.
+            ValueError: batches that do not broadcast.
+        """
+        name = self._field("isclose")
+        self._check_partner(other, name)
+        a, b = self.coefficients, other.coefficients
+        apart = np.minimum(*(np.max(np.abs(a - sign * b), axis=-1) for sign in (1, -1)))
+        close: NDArray[np.bool_] = apart <= atol + rtol * np.max(np.abs(b), axis=-1)
+        return close
+
+    def __eq__(self, other: object) -> bool:
+        raise TypeError(
+            f"{type(self).__name__}: == is not defined, as S and -S are one motion and numbers "
+            "round; isclose compares motions, coefficients compare as arrays"
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _check_partner(self, other: Self, name: str) -> None:
+        """Another versor of this type and precision, whose batch goes with this one."""
+        if type(other) is not type(self):
+            raise TypeError(
+                f"{name}(other): expected a {type(self).__name__}, got {type(other).__name__}"
+            )
+        broadcast_batch(name, self.shape, other.shape)
+        if other.coefficients.dtype != self.coefficients.dtype:
+            self._check_precision(name, self, other)
 
     @classmethod
     def _check_precision(cls, what: str, *versors: Self) -> None:

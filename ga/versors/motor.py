@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga import kernels
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, common_precision
 from motorcade.ga.kernels import compose, exp, interpolate, inverse, log
 from motorcade.ga.kernels.tangents import MOTOR_TANGENTS
 from motorcade.ga.versors.batch import UNIT_TOLERANCE, broadcast_batch
@@ -125,13 +125,14 @@ class Motor(Versor):
         made[..., :4] = rotor.coefficients
         made[..., 4:7] = -0.5 * (w * t + np.cross(v, t))
         made[..., 7] = -0.5 * np.sum(v * t, axis=-1)
-        return cls._trusted(made)
+        return cls._of(made, rotor, translation_m)
 
     @classmethod
     def from_translation(cls, translation_m: ArrayLike) -> Motor:
         """Translators: motions ``(*)`` by vectors ``(*, 3)`` in metres that turn nothing."""
         shift = checked_floats(translation_m, "translation_m", (3,))
-        return cls.from_rotor_translation(Rotor.identity(shift.shape[:-1]), shift)
+        still = Rotor.identity(shift.shape[:-1], common_precision(translation_m))
+        return cls.from_rotor_translation(still, shift.astype(still.dtype, copy=False))
 
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Motor:
@@ -148,7 +149,8 @@ class Motor(Versor):
                 "Motor.from_matrix(matrix): expected the last row 0 0 0 1, got a difference of "
                 f"{worst:.3g}"
             )
-        return cls.from_rotor_translation(Rotor.from_matrix(given[..., :3, :3]), given[..., :3, 3])
+        made = cls.from_rotor_translation(Rotor.from_matrix(given[..., :3, :3]), given[..., :3, 3])
+        return cls._of(made.coefficients, matrix)
 
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
@@ -175,8 +177,8 @@ class Motor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, or not unit within 1e-6.
         """
-        given = checked_floats(dual_quaternion, "Motor.from_dual_quaternion", (8,))
-        return cls(given[..., [0, 1, 2, 3, 5, 6, 7, 4]] * _TO_DUAL_QUATERNION)
+        given = cls._checked(dual_quaternion, "Motor.from_dual_quaternion", (8,))
+        return cls(given[..., [0, 1, 2, 3, 5, 6, 7, 4]] * _TO_DUAL_QUATERNION.astype(given.dtype))
 
     def as_dual_quaternion(self) -> FloatArray:
         """Unit Hamilton dual quaternions ``(*, 8)``: real wxyz, then dual wxyz."""
@@ -207,7 +209,7 @@ class Motor(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity.
         """
-        return cls.exp(-0.5 * checked_floats(twist, "Motor.from_twist(twist)", (6,)))
+        return cls.exp(-0.5 * cls._checked(twist, "Motor.from_twist(twist)", (6,)))
 
     def as_twist(self) -> FloatArray:
         """se(3) coordinates ``(*, 6)``: rotation vector (rad), translational part (m)."""

@@ -19,7 +19,7 @@ from motorcade.ga.kernels import (
     rotor_log,
 )
 from motorcade.ga.kernels.tangents import ROTOR_TANGENTS
-from motorcade.ga.versors.batch import UNIT_TOLERANCE, broadcast_batch
+from motorcade.ga.versors.batch import broadcast_batch
 from motorcade.ga.versors.euler_angles import euler_from_matrix, matrix_from_euler
 from motorcade.ga.versors.versor import Versor, VersorKernels
 
@@ -91,17 +91,19 @@ class Rotor(Versor):
         """Rotors from unit quaternions ``(*, 4)`` in the order w, x, y, z.
 
         Raises:
-            ValueError: wrong last dimension, NaN or infinity, or a norm more than 1e-6 from 1.
+            ValueError: wrong last dimension, NaN or infinity, or a norm more than 1e-6 (float32:
+                1e-5) from 1.
         """
-        given = checked_floats(wxyz, "Rotor.from_quaternion(wxyz)", (4,))
+        given = cls._checked(wxyz, "Rotor.from_quaternion(wxyz)", (4,))
         norm = np.sqrt(np.sum(given**2, axis=-1))
         worst = float(np.max(np.abs(norm - 1.0), initial=0.0))
-        if worst > UNIT_TOLERANCE:
+        tolerance = cls._tolerance(given)
+        if worst > tolerance:
             raise ValueError(
                 "Rotor.from_quaternion(wxyz): expected unit quaternions (norm within "
-                f"{UNIT_TOLERANCE:g} of 1), got a norm off by {worst:.3g}; divide by it first"
+                f"{tolerance:g} of 1), got a norm off by {worst:.3g}; divide by it first"
             )
-        return cls._trusted(given * _CONJUGATE)
+        return cls._trusted(given * _CONJUGATE.astype(given.dtype))
 
     def as_quaternion(self) -> FloatArray:
         """Unit quaternions ``(*, 4)`` in the order w, x, y, z, with the rotor's own sign."""
@@ -111,7 +113,7 @@ class Rotor(Versor):
     @classmethod
     def from_rotation_vector(cls, vector_rad: ArrayLike) -> Rotor:
         """Rotors from rotation vectors ``(*, 3)``: axis times right-handed angle in radians."""
-        vector = checked_floats(vector_rad, "Rotor.from_rotation_vector(vector_rad)", (3,))
+        vector = cls._checked(vector_rad, "Rotor.from_rotation_vector(vector_rad)", (3,))
         return cls._trusted(rotor_exp(-0.5 * vector))
 
     def as_rotation_vector(self) -> FloatArray:
@@ -128,7 +130,7 @@ class Rotor(Versor):
         """
         given = checked_floats(matrix, "Rotor.from_matrix(matrix)", (3, 3))
         _check_rotation(given)
-        return cls.normalize(_quaternion_column(given) * _CONJUGATE)
+        return cls._of(cls.normalize(_quaternion_column(given) * _CONJUGATE).coefficients, matrix)
 
     def as_matrix(self) -> FloatArray:
         """Rotation matrices ``(*, 3, 3)`` that act on columns."""
@@ -154,7 +156,8 @@ class Rotor(Versor):
         Raises:
             ValueError: an unknown sequence, wrong last dimension, NaN or infinity.
         """
-        return cls.from_matrix(matrix_from_euler(angles_rad, sequence))
+        made = cls.from_matrix(matrix_from_euler(angles_rad, sequence))
+        return cls._of(made.coefficients, angles_rad)
 
     def as_euler(self, sequence: str = "xyz") -> FloatArray:
         """Intrinsic Euler angles ``(*, 3)`` in radians, first and third in [-π, π].

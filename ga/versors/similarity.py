@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga import kernels
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, common_precision
 from motorcade.ga.kernels.tangents import SIMILARITY_TANGENTS
 from motorcade.ga.versors.batch import UNIT_TOLERANCE, broadcast_batch
 from motorcade.ga.versors.motor import Motor
@@ -193,13 +193,14 @@ class Similarity(Versor):
                 f"Similarity scale: expected positive numbers, got {float(np.min(rho)):g}"
             )
         broadcast_batch("Similarity motor and scale", motor.shape, rho.shape)
-        growth = rho.astype(motor.dtype, copy=False)
-        return cls._trusted(kernels.similarity_of_motor(motor.coefficients, growth))
+        kind = common_precision(motor, scale)
+        given = motor.coefficients.astype(kind, copy=False), rho.astype(kind, copy=False)
+        return cls._trusted(kernels.similarity_of_motor(*given))
 
     def as_motor_scale(self) -> tuple[Motor, FloatArray]:
         """The rigid motion ``T R`` and the scale ``(*)`` of ``S = T R D``."""
         rotor, translation_m, scale = self._parts()
-        return Motor.from_rotor_translation(rotor, translation_m).astype(self.dtype), scale
+        return Motor.from_rotor_translation(rotor, translation_m), scale
 
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Similarity:
@@ -224,7 +225,8 @@ class Similarity(Versor):
                 f"{float(np.min(scale)):.3g}"
             )
         rotor = Rotor.from_matrix(block / scale[..., None, None])
-        return cls.from_rotor_translation_scale(rotor, given[..., :3, 3], scale)
+        made = cls.from_rotor_translation_scale(rotor, given[..., :3, 3], scale)
+        return cls._of(made.coefficients, matrix)
 
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
@@ -238,7 +240,7 @@ class Similarity(Versor):
         Raises:
             ValueError: wrong last dimension, NaN or infinity, a scale beyond float64.
         """
-        given = checked_floats(twist, "Similarity.from_twist(twist)", (7,))
+        given = cls._checked(twist, "Similarity.from_twist(twist)", (7,))
         return cls.exp(np.concatenate(
             [-0.5 * given[..., :3], 0.5 * given[..., 6:], -0.5 * given[..., 3:6]], axis=-1
         ))  # fmt: skip

@@ -117,16 +117,6 @@ class Versor(VersorBatch):
             self._kernels.interpolate(self.coefficients, other.coefficients, steps, short_way)
         )
 
-    def _check_partner(self, other: Self, name: str) -> None:
-        """Another versor of this type and precision, whose batch goes with this one."""
-        if type(other) is not type(self):
-            raise TypeError(
-                f"{name}(other): expected a {type(self).__name__}, got {type(other).__name__}"
-            )
-        broadcast_batch(name, self.shape, other.shape)
-        if other.coefficients.dtype != self.coefficients.dtype:
-            self._check_precision(name, self, other)
-
     def _fractions(self, fraction: Any, name: str) -> FloatArray:
         """Checked fractions in this precision."""
         if isinstance(fraction, float) and isfinite(fraction):  # most often, and much faster
