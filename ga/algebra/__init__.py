@@ -7,7 +7,7 @@ sets of blades first meet.
 
 from __future__ import annotations
 
+from motorcade.ga.algebra.algebra import CGA3, EGA3, PGA3, Algebra
 from motorcade.ga.algebra.multivector import Multivector
-from motorcade.ga.algebra.signature import CGA3, EGA3, PGA3, Algebra
 
 __all__ = ["CGA3", "EGA3", "PGA3", "Algebra", "Multivector"]

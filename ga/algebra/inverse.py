@@ -13,13 +13,14 @@ looked at: for them the caller answers for the divisor.
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
-from motorcade.ga.algebra.multivector import Multivector
+from motorcade.ga.algebra.element import Element
 from motorcade.ga.algebra.products import Plan, apply_plan, majorant
-from motorcade.ga.algebra.scalars import is_numeric, is_zero_somewhere
+from motorcade.ga.algebra.scalars import is_numeric, is_zero_somewhere, scaled
 
 __all__ = ["inverse", "norm_squared_with_bound"]
 
@@ -30,46 +31,45 @@ _ROUNDINGS = 16.0
 class _Bounded:
     """A multivector and, where its scalars are numbers, the sizes of the terms that made it."""
 
-    def __init__(self, exact: Multivector, sizes: Multivector | None) -> None:
+    def __init__(self, exact: Element, sizes: Element | None) -> None:
         self.exact = exact
         self.sizes = sizes
 
     @classmethod
-    def given(cls, x: Multivector) -> _Bounded:
+    def given(cls, x: Element) -> _Bounded:
         numeric = all(map(is_numeric, x.values))
         return cls(x, x._with(map(abs, x.values)) if numeric else None)
 
     def made_by(self, plan: Plan, other: _Bounded) -> _Bounded:
-        algebra = self.exact.algebra
         exact = apply_plan(plan, self.exact.values, other.exact.values)
-        made = Multivector._trusted(algebra, plan.masks, exact)
+        made = self.exact._made(plan.masks, exact)
         if self.sizes is None or other.sizes is None:
             return _Bounded(made, None)
         sizes = apply_plan(majorant(plan), self.sizes.values, other.sizes.values)
-        return _Bounded(made, Multivector._trusted(algebra, plan.masks, sizes))
+        return _Bounded(made, made._made(plan.masks, sizes))
 
     def __mul__(self, other: _Bounded) -> _Bounded:
         x = self.exact
         return self.made_by(x.algebra.plan("geometric", x.masks, other.exact.masks), other)
 
-    def plus_scalar(self, factor: float) -> _Bounded:
+    def plus_scalar(self, factor: Fraction) -> _Bounded:
         """Add `factor` times its own scalar part."""
-        exact = self.exact + factor * self.exact.scalar_part()
+        exact = self.exact + scaled(factor, self.exact.scalar_part())
         if self.sizes is None:
             return _Bounded(exact, None)
-        return _Bounded(exact, self.sizes + abs(factor) * self.sizes.scalar_part())
+        return _Bounded(exact, self.sizes + float(abs(factor)) * self.sizes.scalar_part())
 
     def mirrored(self) -> _Bounded:
         """``s - F`` of ``s + F``."""
         sizes = None if self.sizes is None else self.sizes + 0.0
-        return _Bounded(2.0 * self.exact.scalar_part() - self.exact, sizes)
+        return _Bounded(2 * self.exact.scalar_part() - self.exact, sizes)
 
     @property
     def is_scalar(self) -> bool:
         return not any(self.exact.masks)
 
 
-def inverse(x: Multivector) -> Multivector:
+def inverse(x: Element) -> Element:
     """The multivector ``y`` with ``x y = y x = 1``.
 
     Raises:
@@ -86,12 +86,12 @@ def inverse(x: Multivector) -> Multivector:
     degree = 2 ** ((x.algebra.dimension + 1) // 2)
     power = before = given
     for k in range(1, degree):
-        before = power.plus_scalar(-degree / k)
+        before = power.plus_scalar(Fraction(-degree, k))
         power = given * before
     return _divided(before.exact, power)
 
 
-def norm_squared_with_bound(x: Multivector) -> tuple[Any, Any]:
+def norm_squared_with_bound(x: Element) -> tuple[Any, Any]:
     """``⟨x ~x⟩₀`` and what rounding may have left of its terms; None where not numbers."""
     made = _reverse_product(_Bounded.given(x))
     return made.exact.scalar_part(), _bound(made)
@@ -116,7 +116,7 @@ def _bound(divisor: _Bounded) -> Any:
     return _ROUNDINGS * float(np.finfo(kind).eps) * size
 
 
-def _divided(x: Multivector, divisor: _Bounded) -> Multivector:
+def _divided(x: Element, divisor: _Bounded) -> Element:
     value, bound = divisor.exact.scalar_part(), _bound(divisor)
     zero = is_zero_somewhere(value) if bound is None else bool(np.any(np.abs(value) <= bound))
     if zero:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from motorcade.ga.algebra.basis import Basis, Terms, grade_of, order_of
+from motorcade.ga.algebra.scalars import scaled
 
 __all__ = ["PRODUCTS", "Masks", "Plan", "apply_plan", "majorant", "plan_product", "symmetric"]
 
@@ -104,7 +105,7 @@ def apply_plan(plan: Plan, left: Sequence[Any], right: Sequence[Any]) -> tuple[A
     made = []
     for terms in plan.terms:
         factor, i, j = terms[0]
-        total = _scaled(factor, left[i] * right[j])
+        total = scaled(factor, left[i] * right[j])
         for factor, i, j in terms[1:]:
             product = left[i] * right[j]
             if factor == 1.0:
@@ -112,12 +113,6 @@ def apply_plan(plan: Plan, left: Sequence[Any], right: Sequence[Any]) -> tuple[A
             elif factor == -1.0:
                 total = total - product
             else:
-                total = total + _scaled(factor, product)
+                total = total + scaled(factor, product)
         made.append(total)
     return tuple(made)
-
-
-def _scaled(factor: float, value: Any) -> Any:
-    if factor == 1.0:
-        return value
-    return -value if factor == -1.0 else value * (int(factor) if factor.is_integer() else factor)

@@ -7,13 +7,21 @@ a sign is taken as it is: CasADi SX, torch tensors, fractions.
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from motorcade.ga.arrays import sealed
 
-__all__ = ["checked_scalar", "is_numeric", "is_zero_somewhere", "magnitude", "square_root"]
+__all__ = [
+    "checked_scalar",
+    "is_numeric",
+    "is_zero_somewhere",
+    "magnitude",
+    "scaled",
+    "square_root",
+]
 
 
 def checked_scalar(value: Any, name: str) -> Any:
@@ -61,6 +69,17 @@ def is_zero_somewhere(value: Any) -> bool:
 
 def _any(value: Any) -> bool:
     return bool(value.any()) if hasattr(value, "any") else bool(value)
+
+
+def scaled(factor: float | Fraction, value: Any) -> Any:
+    """A scalar times a constant that is a whole number or a fraction; fractions stay such."""
+    if factor == 1:
+        return value
+    if factor == -1:
+        return -value
+    if factor % 1 == 0:
+        return value * int(factor)
+    return value * (Fraction(factor) if isinstance(value, Fraction) else float(factor))
 
 
 def square_root(value: Any) -> Any:

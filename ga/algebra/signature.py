@@ -1,41 +1,27 @@
-"""Algebra: a signature with named basis vectors, from which blades and multivectors are made.
+"""Signature: named basis vectors with their squares, blades by name, and plans of products.
 
-The order of the basis is: p vectors that square to 1, q to -1, r to 0; a null pair comes last. In
-CGA3 that is e1 < e2 < e3 < e0 < einf. A blade's name joins its vectors with ``^``; the scalar
-is ``"1"``. Grades, reverse and outer product do not depend on which basis is written.
+The order of the basis is: p vectors that square to 1, q to -1, r to 0; a null pair comes last. A
+blade's name joins its vectors with ``^``; the scalar is ``"1"``. `Algebra` makes multivectors.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import combinations
 from typing import Any
 
 from motorcade.ga.algebra.basis import Basis, Terms, indices_of, order_of, reorder_sign
-from motorcade.ga.algebra.multivector import Multivector
 from motorcade.ga.algebra.products import Masks, Plan, plan_product, symmetric
 
-__all__ = ["CGA3", "EGA3", "MAX_DIMENSION", "PGA3", "Algebra"]
+__all__ = ["MAX_DIMENSION", "Signature"]
 
 MAX_DIMENSION = 10
 _NAME = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
-class Algebra:
-    """The geometric algebra of `p` vectors that square to 1, `q` to -1 and `r` to 0.
-
-    Args:
-        p: how many basis vectors square to 1; likewise `q` and `r`. At most 10 in all.
-        names: of the basis vectors in this order; e1, e2, … if none are given.
-        null_pair: let the last positive vector ep and the one negative vector em be written as
-            ``e0 = ½ (em - ep)`` and ``einf = ep + em``, as in conformal algebras. They come last
-            in `names`; ``ep`` and ``em`` are understood wherever a blade is named.
-
-    Raises:
-        ValueError: counts that are negative or too large, names that are no distinct identifiers,
-            a null pair in a signature that is not (p, 1, 0).
-    """
+class Signature:
+    """What multivectors need to know of their algebra, which is the subclass `Algebra`."""
 
     __slots__ = ("_bits", "_plans", "basis", "names", "null_pair", "signature")
 
@@ -78,54 +64,17 @@ class Algebra:
         """Name of the basis blade whose vectors are the bits of `mask`."""
         return "^".join(self.names[k] for k in indices_of(mask)) or "1"
 
-    def blade(self, name: str) -> Multivector:
-        """The blade of this name: ``"1"``, ``"e1^e2"``, ``"e3^e1"`` (which is ``-e1^e3``).
-
-        Raises:
-            ValueError: a name that is not in this algebra, or a vector that occurs twice.
-        """
-        return self.multivector({name: 1.0})
-
-    def scalar(self, value: Any) -> Multivector:
-        """The multivector of one scalar."""
-        return self.multivector({"1": value})
-
-    def vector(self, coordinates: Sequence[Any]) -> Multivector:
-        """The vector with one coordinate for each basis vector, in their order.
-
-        Raises:
-            ValueError: another number of coordinates.
-        """
-        if len(coordinates) != self.dimension:
-            raise ValueError(
-                f"{self}.vector(coordinates): expected {self.dimension}, got {len(coordinates)}"
-            )
-        return self.multivector(dict(zip(self.names, coordinates, strict=True)))
-
-    def multivector(self, coefficients: Mapping[str, Any]) -> Multivector:
-        """The multivector with these coefficients by blade name; blades not named are zero.
-
-        Coefficients are real scalars of any kind that adds and multiplies: numbers, NumPy arrays
-        (batches, which broadcast), CasADi SX, torch tensors. Two names of one blade add up.
-
-        Raises:
-            ValueError: a name that is not in this algebra, a coefficient that is no real scalar,
-                NaN or infinity.
-        """
-        return Multivector(self, coefficients)
-
     @property
-    def orthogonal(self) -> Algebra:
-        """The same algebra on its orthogonal basis: itself, or the one that ends in ep, em."""
+    def orthogonal(self) -> Signature:
+        """The same on its orthogonal basis: itself, or the one that ends in ep, em."""
         if not self.null_pair:
             return self
-        return Algebra(*self.signature, (*self.names[:-2], "ep", "em"))
+        return type(self)(*self.signature, (*self.names[:-2], "ep", "em"))
 
     @property
-    def pseudoscalar(self) -> Multivector:
-        """``I = e1∧e2∧…``; with a null pair ``I = e1∧…∧einf∧e0``, so that ``I² = -1`` in CGA3."""
-        sign = -1.0 if self.null_pair else 1.0
-        return Multivector._trusted(self, ((1 << self.dimension) - 1,), (sign,))
+    def pseudoscalar_sign(self) -> int:
+        """Of the unit pseudoscalar on the blade of all vectors in their order."""
+        return -1 if self.null_pair else 1
 
     def masks_of(self, name: str) -> Terms:
         """A named blade as basis blades with signs; more than one where ep or em occurs.
@@ -172,7 +121,7 @@ class Algebra:
         return made
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Algebra):
+        if not isinstance(other, Signature):
             return NotImplemented
         return self.basis == other.basis and self.names == other.names
 
@@ -181,13 +130,6 @@ class Algebra:
 
     def __repr__(self) -> str:
         return f"Algebra{self.signature}[{' '.join(self.names)}]"
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuilt, (self.signature, self.names, self.null_pair)
-
-
-def _rebuilt(signature: tuple[int, int, int], names: tuple[str, ...], null_pair: bool) -> Algebra:
-    return Algebra(*signature, names, null_pair=null_pair)
 
 
 def _wedged(total: dict[int, float], factor: Terms) -> dict[int, float]:
@@ -228,8 +170,3 @@ def _check_names(names: tuple[str, ...], dimension: int, null_pair: bool) -> Non
             raise ValueError(f"Algebra.names: expected identifiers, got {name!r}")
     if null_pair and {"ep", "em"} & set(names):
         raise ValueError(f"Algebra.names: expected no ep or em beside a null pair, got {names}")
-
-
-EGA3 = Algebra(3)
-PGA3 = Algebra(3, 0, 1, ("e1", "e2", "e3", "e0"))
-CGA3 = Algebra(4, 1, null_pair=True)

@@ -9,7 +9,7 @@ class Value:
     """Attributes are set once, by ``object.__setattr__``; only coefficients can be compared.
 
     Without that ``if x:`` and ``x == 0`` would pass unseen over symbols, and mean little over
-    batches. Hashes are those of identity.
+    batches.
     """
 
     __slots__ = ()
@@ -24,8 +24,9 @@ class Value:
         raise TypeError("a multivector has no truth value: test its coefficients")
 
     def __eq__(self, other: object) -> bool:
-        if self is other:
-            return True
-        raise TypeError("== is not supported between multivectors: compare their coefficients")
+        raise TypeError(
+            "multivectors: == is not defined; isclose compares numbers, coefficients compare alone"
+        )
 
-    __hash__ = object.__hash__
+    def __hash__(self) -> int:
+        raise TypeError(f"unhashable type: {type(self).__name__}")

@@ -121,7 +121,7 @@ def _traced(name: str, function: Callable[..., Any], arguments: list[Multivector
         return function(*arguments)
     except (RuntimeError, TypeError) as refused:
         said = str(refused)
-        if "truth value" not in said and "not supported between" not in said:
+        if not any(one in said for one in ("truth value", "not supported between", "== is not")):
             raise
         raise ValueError(
             f"{name}: expected the same operations for all values, got a branch on one; {_HINT}"

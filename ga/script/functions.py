@@ -85,9 +85,16 @@ def _elementary(numpy_name: str, arity: int = 1) -> Function:
 
 def _of_scalars(function: Callable[..., Any], arity: int = 1) -> Function:
     def applied(*operands: Multivector) -> Multivector:
-        return operands[0].algebra.scalar(_finite(function(*map(_scalar, operands))))
+        return _scalar_like(operands[0], _finite(function(*map(_scalar, operands))))
 
     return Function(arity, applied)
+
+
+def _scalar_like(x: Multivector, value: Any) -> Multivector:
+    """A scalar of the algebra of another multivector."""
+    algebra: Any = x.algebra
+    made: Multivector = algebra.scalar(value)
+    return made
 
 
 def _like(given: Any, made: Any) -> Any:
@@ -103,9 +110,9 @@ def _finite(value: Any) -> Any:
 
 def _absolute(x: Multivector) -> Multivector:
     if all(name == "1" for name in x.blades):
-        return x.algebra.scalar(magnitude(x.scalar_part()))
+        return _scalar_like(x, magnitude(x.scalar_part()))
     plain = all(type(value) in (int, float) for value in x.values)
-    return x.algebra.scalar(_like(0.0, x.norm()) if plain else x.norm())
+    return _scalar_like(x, _like(0.0, x.norm()) if plain else x.norm())
 
 
 def _factorial(x: Multivector) -> Multivector:
@@ -116,7 +123,7 @@ def _factorial(x: Multivector) -> Multivector:
     if np.any((given != np.floor(given)) | (given < 0) | (given > _LARGEST_FACTORIAL)):
         raise ValueError(f"expected whole numbers from 0 to {_LARGEST_FACTORIAL}")
     made = np.array([float(math.factorial(int(n))) for n in given.ravel()])
-    return x.algebra.scalar(made.reshape(given.shape) if given.ndim else float(made[0]))
+    return _scalar_like(x, made.reshape(given.shape) if given.ndim else float(made[0]))
 
 
 def _of_multivector(name: str) -> Function:

@@ -185,7 +185,9 @@ class VersorBatch(ABC):
             "round; isclose compares motions, coefficients compare as arrays"
         )
 
-    __hash__ = None  # type: ignore[assignment]
+    def __hash__(self) -> int:
+        # Not None: dataclasses take that for a sign of values that change, and refuse defaults.
+        raise TypeError(f"unhashable type: {type(self).__name__}")
 
     def _check_partner(self, other: Self, name: str) -> None:
         """Another versor of this type and precision, whose batch goes with this one."""

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from motorcade.ga.algebra.algebra import CGA3
 from motorcade.ga.algebra.conformal.triples import (
     Triple,
     add,
@@ -27,7 +28,6 @@ from motorcade.ga.algebra.conformal.triples import (
 from motorcade.ga.algebra.inverse import norm_squared_with_bound
 from motorcade.ga.algebra.multivector import Multivector
 from motorcade.ga.algebra.scalars import is_numeric, square_root
-from motorcade.ga.algebra.signature import CGA3
 
 __all__ = [
     "carrier",

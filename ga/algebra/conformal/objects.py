@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from motorcade.ga.algebra.algebra import CGA3
 from motorcade.ga.algebra.conformal.triples import (
     Triple,
     add,
@@ -33,7 +34,6 @@ from motorcade.ga.algebra.conformal.triples import (
 )
 from motorcade.ga.algebra.multivector import Multivector
 from motorcade.ga.algebra.scalars import is_numeric, magnitude
-from motorcade.ga.algebra.signature import CGA3
 
 __all__ = [
     "circle",

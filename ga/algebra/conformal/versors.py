@@ -12,9 +12,9 @@ from typing import TypeVar
 
 import numpy as np
 
+from motorcade.ga.algebra.algebra import CGA3
 from motorcade.ga.algebra.multivector import Multivector
 from motorcade.ga.algebra.scalars import is_numeric
-from motorcade.ga.algebra.signature import CGA3
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.similarity import Similarity

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from motorcade.ga.algebra.element import Element
 from motorcade.ga.algebra.functions.elementary import apply, larger, where
-from motorcade.ga.algebra.multivector import Multivector
 from motorcade.ga.algebra.scalars import is_numeric, magnitude
 
 __all__ = [
@@ -37,7 +37,7 @@ class Square(NamedTuple):
 
     scalar: Any
     sign: int
-    rest: Multivector
+    rest: Element
     rest_squared: Any
     rest_sign: int
 
@@ -47,12 +47,12 @@ class Square(NamedTuple):
         return not self.rest.masks
 
 
-def without_scalar(x: Multivector) -> Multivector:
+def without_scalar(x: Element) -> Element:
     """The parts of all grades but 0."""
     return x._selected(bool)
 
 
-def square_of(y: Multivector) -> Square | None:
+def square_of(y: Element) -> Square | None:
     """The square of an element; None where it is not of the form above."""
     whole = y.square()
     rest = without_scalar(whole)
@@ -63,7 +63,7 @@ def square_of(y: Multivector) -> Square | None:
     return Square(whole.scalar_part(), _sign_of_square(y), rest, squared, _sign_of_square(rest))
 
 
-def _sign_of_square(y: Multivector) -> int:
+def _sign_of_square(y: Element) -> int:
     """The sign of ``⟨y²⟩₀`` if the blades fix it: all its terms are squares of one sign."""
     plan = y.algebra.symmetric_plan(y.masks, (1,) * len(y.masks))
     if not plan.masks or plan.masks[0] != 0:
@@ -72,7 +72,7 @@ def _sign_of_square(y: Multivector) -> int:
     return signs.pop() if len(signs) == 1 else 0
 
 
-def commuting_product(rest: Multivector, y: Multivector) -> Multivector:
+def commuting_product(rest: Element, y: Element) -> Element:
     """``F y`` for ``y² = s + F``: only the grades that do not cancel.
 
     It has the reverse and the parity of `y`, where all of `y` has one.
@@ -105,9 +105,9 @@ def weights(p: Any, q: Any) -> tuple[Any, Any]:
     return p / divisor, where(p == q, 1.0, -q / divisor)
 
 
-def plus(scalar: Any, *parts: Multivector) -> Multivector:
+def plus(scalar: Any, *parts: Element) -> Element:
     """A scalar and at least one multivector, added up; a scalar that overflowed stays infinite."""
-    total = Multivector._trusted(parts[0].algebra, (0,), (scalar,))
+    total = parts[0]._made((0,), (scalar,))
     for part in parts:
         total = total + part
     return total
@@ -123,12 +123,12 @@ def any_holds(condition: Any) -> bool:
     return isinstance(condition, bool | np.bool_ | np.ndarray) and bool(np.any(condition))
 
 
-def numeric(x: Multivector) -> bool:
+def numeric(x: Element) -> bool:
     """Whether all coefficients are numbers."""
     return all(map(is_numeric, x.values))
 
 
-def roundings(x: Multivector, count: float) -> float:
+def roundings(x: Element, count: float) -> float:
     """So many roundings of 1, in the coarsest of the coefficients' types."""
     kinds = [np.asarray(value).dtype for value in x.values if is_numeric(value)]
     steps = [float(np.finfo(kind).eps) for kind in kinds if kind.kind == "f"]

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from motorcade.ga.algebra.element import Element
 from motorcade.ga.algebra.functions.commuting import (
     any_holds,
     numeric,
@@ -26,13 +27,12 @@ from motorcade.ga.algebra.functions.logarithm import (
     even_parts,
     without_rounding,
 )
-from motorcade.ga.algebra.multivector import Multivector
 from motorcade.ga.algebra.scalars import magnitude
 
 __all__ = ["normalize", "sqrt", "versor"]
 
 
-def normalize(x: Multivector) -> Multivector:
+def normalize(x: Element) -> Element:
     """``x / √|⟨x ~x⟩₀|``.
 
     Raises:
@@ -46,7 +46,7 @@ def normalize(x: Multivector) -> Multivector:
         return x._divided(size)
 
 
-def versor(x: Multivector) -> Multivector:
+def versor(x: Element) -> Element:
     """The unit versor that `x` is a disturbed multiple of, as after a linear blend.
 
     Raises:
@@ -68,7 +68,7 @@ def versor(x: Multivector) -> Multivector:
         return _corrected(x, s, rest, above.scalar_part() if above.masks else None)
 
 
-def _corrected(x: Multivector, s: Any, rest: Multivector, f: Any) -> Multivector:
+def _corrected(x: Element, s: Any, rest: Element, f: Any) -> Element:
     """The versor of `x` with ``x ~x = s + rest``, `f` the square of the rest; None: zero."""
     inside = s * s if f is None else s * s - f
     if any_holds(inside <= 0):
@@ -84,14 +84,14 @@ def _corrected(x: Multivector, s: Any, rest: Multivector, f: Any) -> Multivector
     return left._product("geometric", x, _kept(x))
 
 
-def _kept(x: Multivector) -> frozenset[int] | None:
+def _kept(x: Element) -> frozenset[int] | None:
     """The grades of the versor of an even or of an odd element."""
     parities = {grade % 2 for grade in x.grades}
     grades = range(x.algebra.dimension + 1)
     return frozenset(g for g in grades if g % 2 in parities) if len(parities) == 1 else None
 
 
-def sqrt(x: Multivector) -> Multivector:
+def sqrt(x: Element) -> Element:
     """The ``y`` with ``y y = x``, the angles of its planes at most π/2; coefficients over a batch.
 
     Raises:
@@ -124,7 +124,7 @@ def _root(value: Any) -> Any:
     return apply("sqrt", value)
 
 
-def _root_of_simple(c: Any, y: Multivector, s: Any) -> Multivector:
+def _root_of_simple(c: Any, y: Element, s: Any) -> Element:
     """``(√n + x) / √(2 (√n + c))`` with ``n = c² - s``, where nothing cancels for negative `c`."""
     size = _root(c * c - s)
     scalar = where(c < 0, -s / where(c < 0, size - c, 1.0), size + c)
@@ -134,7 +134,7 @@ def _root_of_simple(c: Any, y: Multivector, s: Any) -> Multivector:
     return plus(scalar / root, y._divided(root))
 
 
-def _root_of_versor(x: Multivector, parts: EvenParts) -> Multivector:
+def _root_of_versor(x: Element, parts: EvenParts) -> Element:
     """The versor of ``1 + x``, whose reverse product is ``2 (1 + c) + 2 H`` for a unit `x`."""
     n = parts.norm_squared
     size = _root(n)
@@ -146,7 +146,7 @@ def _root_of_versor(x: Multivector, parts: EvenParts) -> Multivector:
     h = 0.0 if f is None else f / n
     # 1 + c from the squared sines, where 1 and c cancel.
     below = parts.plane_squared / n * (c - 1) - 2 * c * h
-    one_more = where(c < 0, below / ((c - 1) * (c - 1) - h), 1 + c)
+    one_more = where(c < 0, below / where(c < 0, (c - 1) * (c - 1) - h, 1.0), 1 + c)
     beside = plus(one_more, without_scalar(x)._divided(size))
     volume = parts.volume._divided(size)._scaled(2.0)
     made = _corrected(beside, 2 * one_more, volume, None if f is None else 4 * h)

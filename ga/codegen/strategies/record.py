@@ -170,6 +170,9 @@ class _Recorded(Multivector):
         object.__setattr__(self, "flat", flat)
         object.__setattr__(self, "step", step)
 
+    def _made(self, masks: Any, values: Any, algebra: Any = None) -> Any:
+        return Multivector._trusted(algebra or self.algebra, masks, values)
+
     def _written(self, op: str, flat: Multivector, *operands: Multivector) -> Multivector:
         kept = tuple(
             mask for mask, value in zip(flat.masks, flat.values, strict=True) if not _zero(value)
@@ -187,7 +190,7 @@ class _Recorded(Multivector):
             return right if op == "add" else -right
         return self._written(op, flat, left, right)
 
-    def _lifted(self, other: Any) -> Multivector:
+    def _lifted(self, other: Any) -> Any:
         found = self.algebra.trimmed(super()._lifted(other))
         return self.algebra.lifted(found) if found.masks else found
 
@@ -209,36 +212,34 @@ class _Recorded(Multivector):
 
     # Products ------------------------------------------------------------------------------------
 
-    def _product(
-        self, kind: str, other: Multivector, grades: frozenset[int] | None = None
-    ) -> Multivector:
+    def _product(self, kind: str, other: Any, grades: frozenset[int] | None = None) -> Any:
         right = self._lifted(other)
         return self._written(kind, self.flat._product(kind, _flat(right), grades), self, right)
 
-    def _multiplied(self, kind: str, other: Any) -> Multivector:
+    def _multiplied(self, kind: str, other: Any) -> Any:
         """A product from the right."""
         left = self._lifted(other)
         return self._written(kind, _flat(left)._product(kind, self.flat), left, self)
 
-    def __rmul__(self, other: Any) -> Multivector:
+    def __rmul__(self, other: Any) -> Any:
         return self._multiplied("geometric", other)
 
-    def __rxor__(self, other: Any) -> Multivector:
+    def __rxor__(self, other: Any) -> Any:
         return self._multiplied("outer", other)
 
-    def __ror__(self, other: Any) -> Multivector:
+    def __ror__(self, other: Any) -> Any:
         return self._multiplied("inner", other)
 
-    def _scaled(self, scalar: Any) -> Multivector:
+    def _scaled(self, scalar: Any) -> Any:
         return self._product("geometric", self._lifted(scalar))
 
-    def _divided(self, divisor: Any) -> Multivector:
+    def _divided(self, divisor: Any) -> Any:
         return self._scaled(1.0 / divisor)
 
-    def __rtruediv__(self, other: Any) -> Multivector:
+    def __rtruediv__(self, other: Any) -> Any:
         return self._lifted(other) * self.inverse()
 
-    def reverse_product(self) -> Multivector:
+    def reverse_product(self) -> Any:
         """``x ~x``: a reverse, and a product without the blades that cancel by symmetry."""
         return self._written("geometric", self.flat.reverse_product(), self, ~self)
 
@@ -246,11 +247,11 @@ class _Recorded(Multivector):
         """``⟨x ~x⟩₀``: a reverse and the scalar part of a product."""
         return self._product("geometric", ~self, frozenset({0})).scalar_part()
 
-    def square(self) -> Multivector:
+    def square(self) -> Any:
         """``x x``: a product without the blades that cancel by symmetry."""
         return self._written("geometric", self.flat.square(), self, self)
 
-    def inverse(self) -> Multivector:
+    def inverse(self) -> Any:
         """The inverse in the steps of `algebra.inverse`; the script answers for the divisor."""
         if self.masks == (0,):
             return self.algebra.scalar(1.0 / self.values[0])
@@ -272,21 +273,21 @@ class _Recorded(Multivector):
 
     # Signs and parts -----------------------------------------------------------------------------
 
-    def __neg__(self) -> Multivector:
+    def __neg__(self) -> Any:
         return self._written("negate", -self.flat, self)
 
-    def __invert__(self) -> Multivector:
+    def __invert__(self) -> Any:
         return self._written("reverse", ~self.flat, self)
 
-    def involute(self) -> Multivector:
+    def involute(self) -> Any:
         """Grade involution."""
         return self._written("involute", self.flat.involute(), self)
 
-    def conjugate(self) -> Multivector:
+    def conjugate(self) -> Any:
         """Clifford conjugate."""
         return self._written("conjugate", self.flat.conjugate(), self)
 
-    def _selected(self, wanted: Callable[[int], bool]) -> Multivector:
+    def _selected(self, wanted: Callable[[int], bool]) -> Any:
         return self._written("part", self.flat._selected(wanted), self)
 
 

@@ -90,12 +90,11 @@ def test_mixed_algebras() -> None:
 
 def test_tests_that_would_always_go_one_way() -> None:
     x = CGA3.scalar(0.0)
-    assert x == x
     assert x in [x]
     with pytest.raises(TypeError, match="no truth value: test its coefficients"):
         bool(x)
-    for other in (0.0, None, CGA3.scalar(0.0)):
-        with pytest.raises(TypeError, match="not supported between multivectors"):
+    for other in (0.0, None, CGA3.scalar(0.0), x):
+        with pytest.raises(TypeError, match="isclose compares numbers"):
             assert x != other
 
 
