@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga.algebra.element import Element
+from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.products import Plan, apply_plan, majorant
 from motorcade.ga.algebra.scalars import is_numeric, is_zero_somewhere, scaled
 
@@ -31,12 +31,12 @@ _ROUNDINGS = 16.0
 class _Bounded:
     """A multivector and, where its scalars are numbers, the sizes of the terms that made it."""
 
-    def __init__(self, exact: Element, sizes: Element | None) -> None:
+    def __init__(self, exact: BladeSum, sizes: BladeSum | None) -> None:
         self.exact = exact
         self.sizes = sizes
 
     @classmethod
-    def given(cls, x: Element) -> _Bounded:
+    def given(cls, x: BladeSum) -> _Bounded:
         numeric = all(map(is_numeric, x.values))
         return cls(x, x._with(map(abs, x.values)) if numeric else None)
 
@@ -69,7 +69,7 @@ class _Bounded:
         return not any(self.exact.masks)
 
 
-def inverse(x: Element) -> Element:
+def inverse(x: BladeSum) -> BladeSum:
     """The multivector ``y`` with ``x y = y x = 1``.
 
     Raises:
@@ -91,7 +91,7 @@ def inverse(x: Element) -> Element:
     return _divided(before.exact, power)
 
 
-def norm_squared_with_bound(x: Element) -> tuple[Any, Any]:
+def norm_squared_with_bound(x: BladeSum) -> tuple[Any, Any]:
     """``⟨x ~x⟩₀`` and what rounding may have left of its terms; None where not numbers."""
     made = _reverse_product(_Bounded.given(x))
     return made.exact.scalar_part(), _bound(made)
@@ -116,7 +116,7 @@ def _bound(divisor: _Bounded) -> Any:
     return _ROUNDINGS * float(np.finfo(kind).eps) * size
 
 
-def _divided(x: Element, divisor: _Bounded) -> Element:
+def _divided(x: BladeSum, divisor: _Bounded) -> BladeSum:
     value, bound = divisor.exact.scalar_part(), _bound(divisor)
     zero = is_zero_somewhere(value) if bound is None else bool(np.any(np.abs(value) <= bound))
     if zero:

@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.algebra import functions
-from motorcade.ga.algebra.element import Element
+from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.inverse import inverse
 from motorcade.ga.algebra.scalars import checked_scalar, is_zero_somewhere
 
 __all__ = ["Multivector"]
 
 
-class Multivector(Element):
+class Multivector(BladeSum):
     """A sum of basis blades of one algebra; see `Algebra.multivector`.
 
     Raises:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from motorcade.ga.algebra.element import Element
+from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.functions.elementary import apply, larger, where
 from motorcade.ga.algebra.scalars import is_numeric, magnitude
 
@@ -37,7 +37,7 @@ class Square(NamedTuple):
 
     scalar: Any
     sign: int
-    rest: Element
+    rest: BladeSum
     rest_squared: Any
     rest_sign: int
 
@@ -47,12 +47,12 @@ class Square(NamedTuple):
         return not self.rest.masks
 
 
-def without_scalar(x: Element) -> Element:
+def without_scalar(x: BladeSum) -> BladeSum:
     """The parts of all grades but 0."""
     return x._selected(bool)
 
 
-def square_of(y: Element) -> Square | None:
+def square_of(y: BladeSum) -> Square | None:
     """The square of an element; None where it is not of the form above."""
     whole = y.square()
     rest = without_scalar(whole)
@@ -63,7 +63,7 @@ def square_of(y: Element) -> Square | None:
     return Square(whole.scalar_part(), _sign_of_square(y), rest, squared, _sign_of_square(rest))
 
 
-def _sign_of_square(y: Element) -> int:
+def _sign_of_square(y: BladeSum) -> int:
     """The sign of ``⟨y²⟩₀`` if the blades fix it: all its terms are squares of one sign."""
     plan = y.algebra.symmetric_plan(y.masks, (1,) * len(y.masks))
     if not plan.masks or plan.masks[0] != 0:
@@ -72,7 +72,7 @@ def _sign_of_square(y: Element) -> int:
     return signs.pop() if len(signs) == 1 else 0
 
 
-def commuting_product(rest: Element, y: Element) -> Element:
+def commuting_product(rest: BladeSum, y: BladeSum) -> BladeSum:
     """``F y`` for ``y² = s + F``: only the grades that do not cancel.
 
     It has the reverse and the parity of `y`, where all of `y` has one.
@@ -105,7 +105,7 @@ def weights(p: Any, q: Any) -> tuple[Any, Any]:
     return p / divisor, where(p == q, 1.0, -q / divisor)
 
 
-def plus(scalar: Any, *parts: Element) -> Element:
+def plus(scalar: Any, *parts: BladeSum) -> BladeSum:
     """A scalar and at least one multivector, added up; a scalar that overflowed stays infinite."""
     total = parts[0]._made((0,), (scalar,))
     for part in parts:
@@ -123,12 +123,12 @@ def any_holds(condition: Any) -> bool:
     return isinstance(condition, bool | np.bool_ | np.ndarray) and bool(np.any(condition))
 
 
-def numeric(x: Element) -> bool:
+def numeric(x: BladeSum) -> bool:
     """Whether all coefficients are numbers."""
     return all(map(is_numeric, x.values))
 
 
-def roundings(x: Element, count: float) -> float:
+def roundings(x: BladeSum, count: float) -> float:
     """So many roundings of 1, in the coarsest of the coefficients' types."""
     kinds = [np.asarray(value).dtype for value in x.values if is_numeric(value)]
     steps = [float(np.finfo(kind).eps) for kind in kinds if kind.kind == "f"]

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga.algebra.element import Element
+from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.functions.commuting import (
     Square,
     commuting_product,
@@ -44,7 +44,7 @@ _NEAR = 0.5
 _SLOPE = tuple((n + 1) / math.factorial(2 * n + 3) for n in range(9))
 
 
-def exp(x: Element) -> Element:
+def exp(x: BladeSum) -> BladeSum:
     """``1 + x + x²/2! + …``, coefficients over their batch.
 
     Raises:
@@ -59,7 +59,7 @@ def exp(x: Element) -> Element:
         return made._scaled(apply("exp", x.values[0])) if x.masks[0] == 0 else made
 
 
-def _closed(y: Element, square: Square) -> Element:
+def _closed(y: BladeSum, square: Square) -> BladeSum:
     s, rest, f = square.scalar, square.rest, square.rest_squared
     if square.is_scalar:
         cosine, sine = _circular(s, square.sign)
@@ -129,7 +129,7 @@ def _slope(s: Any, cosine: Any, sine: Any) -> Any:
     return where(near, power_series(small, _SLOPE), (cosine - sine) / (2 * where(near, 1.0, s)))
 
 
-def _summed(y: Element) -> Element:
+def _summed(y: BladeSum) -> BladeSum:
     """By scaling and squaring, for numbers."""
     if not numeric(y):
         raise ValueError(
@@ -145,7 +145,7 @@ def _summed(y: Element) -> Element:
         )
     halvings = max(0, math.ceil(math.log2(size)) + 1) if size > 0 else 0
     scaled = y._scaled(2.0**-halvings)
-    total: Element = y._lifted(1.0)
+    total: BladeSum = y._lifted(1.0)
     for k in range(_TAYLOR, 0, -1):
         total = 1.0 + (scaled * total)._scaled(1.0 / k)
     for _ in range(halvings):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from motorcade.ga.algebra.element import Element
+from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.functions.commuting import (
     any_holds,
     commuting_product,
@@ -56,9 +56,9 @@ class EvenParts(NamedTuple):
     """
 
     scalar: Any
-    plane: Element
+    plane: BladeSum
     plane_squared: Any
-    volume: Element
+    volume: BladeSum
     volume_squared: Any
     sign: int
     norm_squared: Any
@@ -72,7 +72,7 @@ class _Angles(NamedTuple):
     turned: Any
 
 
-def log(x: Element) -> Element:
+def log(x: BladeSum) -> BladeSum:
     """The ``y`` with ``exp y = x``, the angles of its planes at most π; coefficients over a batch.
 
     For a rotor of half the angle of its rotation this is a bivector of that half angle: flip the
@@ -101,7 +101,7 @@ def log(x: Element) -> Element:
     )
 
 
-def even_parts(x: Element) -> EvenParts | None:
+def even_parts(x: BladeSum) -> EvenParts | None:
     """The grades of an even element; None in six dimensions and more, and for any other grade."""
     if x.algebra.dimension > 5 or not set(x.grades) <= {0, 2, 4}:
         return None
@@ -122,7 +122,7 @@ def _log_of_norm(value: Any, sign: Any) -> Any:
     return apply("log", value)
 
 
-def _log_of_simple(x: Element, y: Element, s: Any, sign: int) -> Element:
+def _log_of_simple(x: BladeSum, y: BladeSum, s: Any, sign: int) -> BladeSum:
     c = x.scalar_part()
     if type(s) is float and s == 0.0:
         return plus(_log_of_norm(c, c), y._divided(c))
@@ -136,12 +136,12 @@ def _log_of_simple(x: Element, y: Element, s: Any, sign: int) -> Element:
     return plus(whole, y._scaled(ratio / size))
 
 
-def _check_turn(x: Element, turned: Any) -> None:
+def _check_turn(x: BladeSum, turned: Any) -> None:
     if any_holds(turned >= -(roundings(x, _LOST) ** 2)):
         raise ValueError("log: expected a real logarithm, got a half turn in no plane")
 
 
-def _log_of_versor(x: Element, parts: EvenParts) -> Element:
+def _log_of_versor(x: BladeSum, parts: EvenParts) -> BladeSum:
     n = parts.norm_squared
     whole = _log_of_norm(n, 1.0) / 2
     size = apply("sqrt", n)
@@ -225,7 +225,7 @@ def _ratios(squared: Any, cosine: Any, sign: int) -> tuple[Any, Any]:
     return ratio, where(near, power_series(small, _BEND), bend)
 
 
-def check_versor(x: Element, name: str) -> None:
+def check_versor(x: BladeSum, name: str) -> None:
     """Refuse numbers whose ``x ~x`` is no scalar.
 
     Raises:
@@ -240,7 +240,7 @@ def check_versor(x: Element, name: str) -> None:
         )
 
 
-def without_rounding(x: Element) -> Element:
+def without_rounding(x: BladeSum) -> BladeSum:
     """Numbers without the blades that rounding may have left; symbols as they are."""
     if not numeric(x):
         return x

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga.algebra.element import Element
+from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.functions.commuting import (
     any_holds,
     numeric,
@@ -32,7 +32,7 @@ from motorcade.ga.algebra.scalars import magnitude
 __all__ = ["normalize", "sqrt", "versor"]
 
 
-def normalize(x: Element) -> Element:
+def normalize(x: BladeSum) -> BladeSum:
     """``x / √|⟨x ~x⟩₀|``.
 
     Raises:
@@ -46,7 +46,7 @@ def normalize(x: Element) -> Element:
         return x._divided(size)
 
 
-def versor(x: Element) -> Element:
+def versor(x: BladeSum) -> BladeSum:
     """The unit versor that `x` is a disturbed multiple of, as after a linear blend.
 
     Raises:
@@ -68,7 +68,7 @@ def versor(x: Element) -> Element:
         return _corrected(x, s, rest, above.scalar_part() if above.masks else None)
 
 
-def _corrected(x: Element, s: Any, rest: Element, f: Any) -> Element:
+def _corrected(x: BladeSum, s: Any, rest: BladeSum, f: Any) -> BladeSum:
     """The versor of `x` with ``x ~x = s + rest``, `f` the square of the rest; None: zero."""
     inside = s * s if f is None else s * s - f
     if any_holds(inside <= 0):
@@ -84,14 +84,14 @@ def _corrected(x: Element, s: Any, rest: Element, f: Any) -> Element:
     return left._product("geometric", x, _kept(x))
 
 
-def _kept(x: Element) -> frozenset[int] | None:
+def _kept(x: BladeSum) -> frozenset[int] | None:
     """The grades of the versor of an even or of an odd element."""
     parities = {grade % 2 for grade in x.grades}
     grades = range(x.algebra.dimension + 1)
     return frozenset(g for g in grades if g % 2 in parities) if len(parities) == 1 else None
 
 
-def sqrt(x: Element) -> Element:
+def sqrt(x: BladeSum) -> BladeSum:
     """The ``y`` with ``y y = x``, the angles of its planes at most π/2; coefficients over a batch.
 
     Raises:
@@ -124,7 +124,7 @@ def _root(value: Any) -> Any:
     return apply("sqrt", value)
 
 
-def _root_of_simple(c: Any, y: Element, s: Any) -> Element:
+def _root_of_simple(c: Any, y: BladeSum, s: Any) -> BladeSum:
     """``(√n + x) / √(2 (√n + c))`` with ``n = c² - s``, where nothing cancels for negative `c`."""
     size = _root(c * c - s)
     scalar = where(c < 0, -s / where(c < 0, size - c, 1.0), size + c)
@@ -134,7 +134,7 @@ def _root_of_simple(c: Any, y: Element, s: Any) -> Element:
     return plus(scalar / root, y._divided(root))
 
 
-def _root_of_versor(x: Element, parts: EvenParts) -> Element:
+def _root_of_versor(x: BladeSum, parts: EvenParts) -> BladeSum:
     """The versor of ``1 + x``, whose reverse product is ``2 (1 + c) + 2 H`` for a unit `x`."""
     n = parts.norm_squared
     size = _root(n)

@@ -1,6 +1,6 @@
 """What a sum of basis blades is: coefficients, sums and products, grades and duals.
 
-`Element` has all that needs no function of the coefficients beyond the square root; `Multivector`
+`BladeSum` has all that needs no function of the coefficients beyond the square root; `Multivector`
 adds inverses, powers, exponentials and their like, which are written over elements.
 """
 
@@ -19,10 +19,10 @@ from motorcade.ga.algebra.signature import Signature
 from motorcade.ga.algebra.value import Value
 from motorcade.ga.arrays import sealed
 
-__all__ = ["Element"]
+__all__ = ["BladeSum"]
 
 
-class Element(Value):
+class BladeSum(Value):
     """A sum of basis blades of one algebra, the base of `Multivector`.
 
     Raises:
@@ -43,7 +43,7 @@ class Element(Value):
         total: dict[int, Any] = {}
         for name, given in coefficients.items():
             terms = algebra.masks_of(name)
-            if isinstance(given, Element):
+            if isinstance(given, BladeSum):
                 raise ValueError(f"coefficient of {name}: expected a real scalar, got {given!r}")
             value = checked_scalar(given, f"coefficient of {name}")
             for mask, factor in terms:
@@ -132,7 +132,7 @@ class Element(Value):
     def _with(self, values: Iterable[Any]) -> Self:
         return self._made(self.masks, values)
 
-    def _same_algebra(self, other: Element) -> None:
+    def _same_algebra(self, other: BladeSum) -> None:
         if self.algebra is not other.algebra and self.algebra != other.algebra:
             raise ValueError(
                 f"expected two multivectors of one algebra, got {self.algebra} and {other.algebra}"
@@ -140,7 +140,7 @@ class Element(Value):
 
     def _lifted(self, other: Any) -> Self:
         """A multivector of this algebra: the other one itself, or a scalar."""
-        if isinstance(other, Element):
+        if isinstance(other, BladeSum):
             self._same_algebra(other)
             same: Any = other
             return same  # type: ignore[no-any-return]
@@ -183,14 +183,14 @@ class Element(Value):
 
     # Products ----------------------------------------------------------------------------------
 
-    def _product(self, kind: str, other: Element, grades: frozenset[int] | None = None) -> Self:
+    def _product(self, kind: str, other: BladeSum, grades: frozenset[int] | None = None) -> Self:
         self._same_algebra(other)
         plan = self.algebra.plan(kind, self.masks, other.masks, grades)
         values = apply_plan(plan, self.values, other.values)
         return self._made(plan.masks, values)
 
     def __mul__(self, other: Any) -> Self:
-        if isinstance(other, Element):
+        if isinstance(other, BladeSum):
             return self._product("geometric", other)
         return self._scaled(other)
 
@@ -209,15 +209,15 @@ class Element(Value):
     def __ror__(self, other: Any) -> Self:
         return self._lifted(other) | self
 
-    def __and__(self, other: Element) -> Self:
+    def __and__(self, other: BladeSum) -> Self:
         """Regressive product: the complements' outer product, back from the complement."""
         return (self.complement() ^ self._lifted(other).complement()).uncomplement()
 
-    def commutator(self, other: Element) -> Self:
+    def commutator(self, other: BladeSum) -> Self:
         """``½ (a b - b a)``, without the terms that commute."""
         return self._product("commutator", self._lifted(other))
 
-    def sandwich(self, other: Element) -> Self:
+    def sandwich(self, other: BladeSum) -> Self:
         """``s x ~s`` on the grades of `other`: all of it where `self` is a versor.
 
         The other grades, which cancel for a versor, are not computed.
