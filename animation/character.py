@@ -11,7 +11,7 @@ import numpy as np
 
 from motorcade.animation.clip import Clip
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
 WEIGHT_TOLERANCE = 1e-6
 NORMAL_TOLERANCE = 1e-4

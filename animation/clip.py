@@ -11,7 +11,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, IntArray, Motor, Similarity, Versor, checked_floats, frozen
+from motorcade.ga import Motor, Similarity, Versor
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
 Poses = TypeVar("Poses", bound=Versor)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["smootherstep", "smoothstep"]
 

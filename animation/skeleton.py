@@ -12,7 +12,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from motorcade.ga import IntArray, Motor, Rotor, Similarity, Versor, kernels
+from motorcade.ga import Motor, Rotor, Similarity, Versor, kernels
+from motorcade.ga.arrays import IntArray
 
 __all__ = ["Poses", "Skeleton", "local_poses", "turned_joint", "with_joint"]
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, Rotor, frozen
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray, frozen
 
 __all__ = [
     "UP",

@@ -21,7 +21,8 @@ from motorcade.fusion.smoothing.checks import checked_length, checked_positive
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS
 from motorcade.fusion.smoothing.window.averages import polynomial_at_centre, weighted_vectors
 from motorcade.fusion.smoothing.window.local_polynomial import shifted_windows
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.motion import twist_bracket
 
 __all__ = ["PathDerivatives", "differentiated"]

@@ -1,18 +1,33 @@
-"""Geometric algebra room: rotors, motors, similarities, trajectories, and the kernels under them.
+"""Rigid motions and similarities as versors of geometric algebra: poses, paths, and the algebra.
 
-Needs NumPy only. Values are frozen and validated, batch in the leading dimensions. Poses are
-named ``world_T_camera`` (maps camera coordinates to world), versors act by ``X' = M X ~M``.
+A pose is named for the frames it connects: ``world_T_camera`` maps camera coordinates to world
+coordinates. ``@`` composes from right to left, so that the frames in the middle meet:
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> world_T_camera = Motor.from_euler_translation([0.0, 0.0, np.pi / 2], [1.0, 0.0, 0.0])
+    >>> camera_T_imu = Motor.from_translation([0.0, 0.1, 0.0])
+    >>> world_T_imu = world_T_camera @ camera_T_imu
+    >>> np.round(world_T_imu.apply([0.0, 0.0, 0.0]), 6) + 0.0
+    array([0.9, 0. , 0. ])
+    >>> np.round(world_T_imu.inverse().apply([0.9, 0.0, 0.0]), 6) + 0.0
+    array([0., 0., 0.])
+
+Units are metres, radians and seconds; stamps are integer nanoseconds, quaternions wxyz, Euler
+angles intrinsic. Worlds are right-handed with z up; cameras look along z with y down, as OpenCV's.
+Small motions are twists in a pose's own frame, rotation vector first: see `Motor.retract`.
+
+Leading dimensions are batch and broadcast: one motor and a million are the same function. Values
+are frozen, and what does not fit is refused with its name. Needs NumPy only.
 """
 
 from __future__ import annotations
 
-from motorcade.ga import kernels
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
-from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.ga.classical import DualQuaternion, EulerPose, QuaternionPose
-from motorcade.ga.motion import TwistSample
+from motorcade.ga.motion import SplineSample, TwistSample
 from motorcade.ga.screw_path import ScrewPath
-from motorcade.ga.splines import CumulativeBSpline, SimilaritySpline, SplineSample
+from motorcade.ga.splines import CumulativeBSpline, SimilaritySpline
 from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.blend import blend
 from motorcade.ga.versors.mean import mean
@@ -29,8 +44,6 @@ __all__ = [
     "CumulativeBSpline",
     "DualQuaternion",
     "EulerPose",
-    "FloatArray",
-    "IntArray",
     "Motor",
     "Multivector",
     "QuaternionPose",
@@ -43,8 +56,5 @@ __all__ = [
     "TwistSample",
     "Versor",
     "blend",
-    "checked_floats",
-    "frozen",
-    "kernels",
     "mean",
 ]

@@ -31,7 +31,7 @@ from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.similarity import Similarity
 
-__all__ = ["CumulativeBSpline", "SimilaritySpline", "SplineSample"]
+__all__ = ["CumulativeBSpline", "SimilaritySpline"]
 
 V = TypeVar("V", Motor, Similarity)
 

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.scene import DepthArray, ImageArray, Layer
 
 

@@ -12,7 +12,7 @@ import math
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.scene import DepthArray, Layer
 from motorcade.tracking.cameras.camera import Camera
 

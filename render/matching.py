@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render.scene import ImageArray, Layer
 
 __all__ = ["Matching", "blended", "exposed", "frame_noise", "noisy"]

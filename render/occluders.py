@@ -10,7 +10,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render.light.prints import Prints
 from motorcade.render.scene import DepthArray
 from motorcade.render.shadow import ground_depth

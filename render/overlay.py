@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from motorcade.animation import Character, Clip, Placement, skin
 from motorcade.animation.skin import Skinner
 from motorcade.animation.vectors import box_corners
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory, checked_floats
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.render.backends.choice import RendererName, new_renderer
 from motorcade.render.backends.renderer import Renderer
 from motorcade.render.composite import as_rgb, darken, over

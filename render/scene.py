@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 
 ImageArray = NDArray[np.uint8]
 DepthArray = NDArray[np.float32]

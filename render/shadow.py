@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 
 GRID = 320

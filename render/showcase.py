@@ -8,7 +8,8 @@ import numpy as np
 
 from motorcade.animation import Character, Clip, place_on_plane
 from motorcade.animation.vectors import axes_along
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.overlay import render_overlay
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.cameras.camera import Camera

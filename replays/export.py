@@ -15,7 +15,8 @@ import numpy as np
 
 from motorcade.animation import Character, Clip, Placement
 from motorcade.animation.formats import CameraPath, write_gltf
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.pipeline import pipeline_graph

@@ -13,7 +13,7 @@ import numpy as np
 
 from motorcade.animation import Character, Clip, Skeleton
 from motorcade.animation.formats import NoMeshError, read_character, read_motion
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.recording import Recording
 
 GAP_FACTOR = 2.5

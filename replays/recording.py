@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import IntArray
 from motorcade.replays.errors import refusal
 
 if TYPE_CHECKING:

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory, checked_floats, frozen
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.archives import load_arrays, save_arrays
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
 __all__ = ["MarkerObservation", "PoseMeasurements"]
 

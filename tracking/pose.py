@@ -17,7 +17,8 @@ from functools import cached_property, partial
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import reproject

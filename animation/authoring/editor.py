@@ -9,7 +9,8 @@ import numpy as np
 
 from motorcade.animation.authoring.poses import Frame, ObjectPose
 from motorcade.animation.authoring.scene import Scene
-from motorcade.ga import FloatArray, Similarity, checked_floats, frozen
+from motorcade.ga import Similarity
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
 __all__ = ["Drag", "SceneEditor", "Snapping"]
 

@@ -16,7 +16,8 @@ from typing import Literal, Self
 
 import numpy as np
 
-from motorcade.ga import EulerPose, FloatArray, Motor, Rotor, Similarity, checked_floats, frozen
+from motorcade.ga import EulerPose, Motor, Rotor, Similarity
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
 __all__ = ["EulerObjectPose", "Frame", "ObjectPose", "VersorObjectPose"]
 

@@ -22,7 +22,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose, VersorObjectPose
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity, checked_floats
+from motorcade.ga import Motor, Rotor, Similarity
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = ["Scene", "number", "read_json_lines", "read_scene", "vector"]
 

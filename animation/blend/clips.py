@@ -10,7 +10,7 @@ import numpy as np
 from motorcade.animation.blend.methods import BLEND_METHODS, BlendMethod, blend_poses, stacked
 from motorcade.animation.clip import Clip
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = ["blend_clips", "differences_m"]
 

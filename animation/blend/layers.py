@@ -13,7 +13,8 @@ from typing import cast
 import numpy as np
 
 from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
-from motorcade.ga import FloatArray, Motor, checked_floats, frozen
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
 __all__ = ["PoseLayer", "added", "additive", "blend_layers"]
 

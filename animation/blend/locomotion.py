@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
 from motorcade.animation.clip import Clip
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import FloatArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
 __all__ = ["BlendSpace", "phase_between"]
 

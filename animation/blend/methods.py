@@ -34,15 +34,14 @@ from numpy.typing import ArrayLike
 from motorcade.ga import (
     DualQuaternion,
     EulerPose,
-    FloatArray,
     Motor,
     QuaternionPose,
     Similarity,
     Versor,
     blend,
-    checked_floats,
     mean,
 )
+from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.ga.classical.dual_quaternion import dual_quaternion_mean
 from motorcade.ga.classical.quaternion import quaternion_mean
 

@@ -16,7 +16,8 @@ from motorcade.animation.blend.methods import Poses
 from motorcade.animation.clip import LOOP_TOLERANCE, Clip
 from motorcade.animation.skeleton import Skeleton, with_joint
 from motorcade.animation.vectors import turn_z
-from motorcade.ga import FloatArray, Motor, Similarity, checked_floats, frozen
+from motorcade.ga import Motor, Similarity
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
 __all__ = ["RootMotion", "split_root_motion"]
 

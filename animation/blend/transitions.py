@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 from motorcade.animation.blend.layers import added, additive
 from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
 from motorcade.animation.easing import smoothstep
-from motorcade.ga import FloatArray, Motor, Similarity, checked_floats
+from motorcade.ga import Motor, Similarity
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = ["CrossFade", "Inertialized", "PoseSource", "Shifted"]
 

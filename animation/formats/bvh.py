@@ -23,7 +23,8 @@ from motorcade.animation.formats.numbers import numbers_in
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip
 from motorcade.animation.vectors import turn_x, turn_y, turn_z
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["read_bvh"]
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, shown
 from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Texture", "Textures", "decode_texture"]
 

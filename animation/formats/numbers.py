@@ -8,7 +8,7 @@ import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, expected, shown
 from motorcade.animation.formats.limits import MAX_VALUES
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["numbers_in"]
 

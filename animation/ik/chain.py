@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from motorcade.animation.ik.fabrik import fabrik
 from motorcade.animation.skeleton import Skeleton, turned_joint
 from motorcade.animation.vectors import shortest_turn
-from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = ["Chain", "laid_along", "reach_with"]
 

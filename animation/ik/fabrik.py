@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from motorcade.animation.vectors import length, perpendicular, shortest_turn, unit
-from motorcade.ga import FloatArray, Rotor, checked_floats, kernels
+from motorcade.ga import Rotor, kernels
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = ["Reached", "fabrik"]
 

@@ -23,7 +23,8 @@ from motorcade.animation.ik.swings import stretches, swing_lift_m
 from motorcade.animation.ik.two_bone import bend_limb
 from motorcade.animation.skeleton import Skeleton, turned_joint, with_joint
 from motorcade.animation.vectors import UP, shortest_turn, turn_z
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["GroundHeights", "Leg", "find_stances", "plant_feet"]
 

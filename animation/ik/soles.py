@@ -13,7 +13,8 @@ import numpy as np
 
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import shortest_turn
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Sole", "raised_soles", "sole_clearance_m"]
 

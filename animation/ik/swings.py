@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.easing import smootherstep
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["stretches", "swing_lift_m"]
 

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 from motorcade.animation.ik.chain import Chain, laid_along
 from motorcade.animation.skeleton import Skeleton, turned_joint
 from motorcade.animation.vectors import length, perpendicular, shortest_turn, unit
-from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = ["aim", "bend_limb"]
 

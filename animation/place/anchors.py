@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from motorcade.animation.vectors import axes_along, unit
-from motorcade.ga import FloatArray, Motor, Similarity
+from motorcade.ga import Motor, Similarity
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Anchor", "followed", "plane_anchor"]
 

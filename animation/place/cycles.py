@@ -12,7 +12,8 @@ from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg, find_stances
 from motorcade.animation.skeleton import Skeleton, with_joint
 from motorcade.animation.vectors import turn_z
-from motorcade.ga import FloatArray, Motor, Similarity
+from motorcade.ga import Motor, Similarity
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["on_the_spot"]
 

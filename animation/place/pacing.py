@@ -18,7 +18,8 @@ from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg, bend_limb, find_stances
 from motorcade.animation.skeleton import Skeleton, with_joint
 from motorcade.animation.vectors import UP
-from motorcade.ga import FloatArray, Motor, Rotor, mean
+from motorcade.ga import Motor, Rotor, mean
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Pace", "passing_s", "standing_pose"]
 

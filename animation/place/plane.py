@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 
 from motorcade.animation.character import Character
 from motorcade.animation.vectors import turn_z
-from motorcade.ga import FloatArray, Motor, checked_floats
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 
 @dataclass(frozen=True, eq=False)

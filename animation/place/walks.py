@@ -20,7 +20,8 @@ from motorcade.animation.ik import GroundHeights, Leg, find_stances, plant_feet
 from motorcade.animation.place.pacing import Pace, passing_s, standing_pose
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_z
-from motorcade.ga import FloatArray, Motor, checked_floats, frozen
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
 __all__ = ["GroundPath", "Walk", "walk_along"]
 

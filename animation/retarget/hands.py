@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.animation.vectors import axes_along, unit
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["FINGERS", "Seen", "hand_turn", "is_of_hand"]
 

@@ -12,7 +12,8 @@ import numpy as np
 from motorcade.animation.retarget.roles import SIDES, ancestors, body_of
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import UP
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["LIMBS", "NO_BONE_M", "Match", "along_axes", "angle_rad"]
 

@@ -21,7 +21,8 @@ from motorcade.animation.retarget.motion import from_motion
 from motorcade.animation.retarget.roles import SIDES
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import shortest_turn
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["constants"]
 

@@ -7,7 +7,8 @@ import numpy as np
 from motorcade.animation.retarget.match import Match, along_axes
 from motorcade.animation.retarget.roles import body_of
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["spread_spine"]
 

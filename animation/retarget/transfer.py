@@ -25,7 +25,8 @@ from motorcade.animation.retarget.roles import (
 from motorcade.animation.retarget.spines import spread_spine
 from motorcade.animation.skeleton import Skeleton, with_joint
 from motorcade.animation.vectors import UP
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["retarget"]
 

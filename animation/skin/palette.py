@@ -15,7 +15,8 @@ from typing import Literal, get_args
 import numpy as np
 
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import FloatArray, Motor, Similarity
+from motorcade.ga import Motor, Similarity
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["SKIN_METHODS", "SkinMethod", "checked_method", "palette"]
 

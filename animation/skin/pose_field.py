@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, Motor, checked_floats, frozen
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
 __all__ = ["PoseField"]
 

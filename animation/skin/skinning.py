@@ -15,7 +15,8 @@ import numpy as np
 
 from motorcade.animation.character import Character
 from motorcade.animation.skin.palette import SkinMethod, palette
-from motorcade.ga import FloatArray, Motor, Similarity, kernels
+from motorcade.ga import Motor, Similarity, kernels
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["SKIN_KERNELS", "skin"]
 

@@ -30,7 +30,8 @@ from motorcade.animation.authoring import EulerObjectPose, ObjectPose, VersorObj
 from motorcade.animation.blend import BlendMethod, blend_clips, differences_m
 from motorcade.animation.place import on_the_spot
 from motorcade.animation.skin import SKIN_METHODS
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity
+from motorcade.ga import Motor, Rotor, Similarity
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.scene import ImageArray
 
 __all__ = ["ELBOW", "SHOULDER", "bent", "pictures", "volumes_l"]

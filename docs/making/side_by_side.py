@@ -21,7 +21,8 @@ from motorcade.animation import mannequin, place_on_plane
 from motorcade.fusion.motions import gimbal_crossing
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import smooth
-from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.render import render_overlay
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.scene import ImageArray

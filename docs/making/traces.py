@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots.style import COLOURS, INK
 from motorcade.render.scene import ImageArray
 

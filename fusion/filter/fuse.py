@@ -13,7 +13,8 @@ from motorcade.fusion.filter.settings import FilterSettings, engine
 from motorcade.fusion.filter.stamps import covered, wanted_stamps
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["Fused", "camera_covariance", "fuse"]

@@ -15,7 +15,8 @@ import numpy as np
 from motorcade.fusion.filter.extended_pose import ERROR_SIZE, extended_pose
 from motorcade.fusion.filter.native import _filter
 from motorcade.fusion.imu.noise import ImuNoise
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["increments", "process_noise"]
 

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from motorcade.fusion.filter.kinds import KINDS
 from motorcade.fusion.filter.settings import FilterSettings, engine
 from motorcade.fusion.imu.noise import ImuNoise
-from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["FilterState", "Innovation", "PoseFilter"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import IntArray
+from motorcade.ga.arrays import IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["covered", "wanted_stamps"]

@@ -9,7 +9,8 @@ import numpy as np
 
 from motorcade.fusion.graph.conversions import as_motor, as_poses, optimised
 from motorcade.fusion.graph.inertial import InertialGraph, keys, state_covariance
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 if TYPE_CHECKING:
     import gtsam

@@ -13,7 +13,7 @@ import numpy as np
 from motorcade.fusion.graph.batch import GraphStates
 from motorcade.fusion.graph.conversions import as_motor
 from motorcade.fusion.graph.inertial import InertialGraph, keys, state_covariance
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 if TYPE_CHECKING:
     import gtsam

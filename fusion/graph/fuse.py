@@ -12,7 +12,8 @@ from motorcade.fusion.graph.fixed_lag import smooth_with_lag
 from motorcade.fusion.graph.inertial import InertialGraph
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["fuse_by_graph"]

@@ -25,7 +25,8 @@ from motorcade.fusion.filter.settings import (
 from motorcade.fusion.graph.conversions import as_poses
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
 if TYPE_CHECKING:

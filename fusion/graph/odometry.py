@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from motorcade.fusion.graph.conversions import as_motor, as_poses, optimised
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.screening import refuse_movement
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import FloatArray, IntArray, checked_floats
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
 
 __all__ = ["AllanCurve", "NoiseEstimate", "StreamNoise", "allan_deviation", "estimate_noise"]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["screen_imu"]
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
 __all__ = ["ImuStream"]
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = ["Consistency", "chi2_bounds", "normalised_squared"]
 

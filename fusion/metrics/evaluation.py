@@ -37,7 +37,8 @@ from motorcade.fusion.metrics.jitter.smoothness import Smoothness, log_dimension
 from motorcade.fusion.metrics.jitter.spectral_energy import EnergyExcess, energy_excess_above
 from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
 from motorcade.fusion.metrics.smooth_path import NotObservableError
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Evaluation", "evaluate"]
 

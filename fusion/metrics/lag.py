@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.metrics.smooth_path import GAP_INTERVALS, NotObservableError, SmoothPath
-from motorcade.ga import FloatArray, Rotor, Trajectory
+from motorcade.ga import Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["angular_rate_lag_s", "position_lag_s"]
 

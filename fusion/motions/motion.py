@@ -16,16 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.fusion.motions.signals import Signal
-from motorcade.ga import (
-    FloatArray,
-    IntArray,
-    Motor,
-    Similarity,
-    Trajectory,
-    TwistSample,
-    checked_floats,
-    frozen,
-)
+from motorcade.ga import Motor, Similarity, Trajectory, TwistSample
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.ga.motion import twist_bracket
 
 __all__ = ["Factor", "Motion", "even_stamps"]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = ["Polynomial", "Signal", "Sines", "Stops"]
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.orientation.model import OrientationModel
 from motorcade.fusion.orientation.native import _orientation
-from motorcade.ga import FloatArray, IntArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Orientation", "OrientationFilter", "estimate_orientation"]
 

@@ -11,7 +11,7 @@ from motorcade.fusion.filter.increments import increments
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.preintegration.preintegrated import Preintegrated
-from motorcade.ga import FloatArray, IntArray, checked_floats
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
 
 __all__ = ["preintegrate"]
 

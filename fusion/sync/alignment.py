@@ -26,7 +26,8 @@ from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.preintegration import Preintegrated, preintegrate
 from motorcade.fusion.sync.model import interval_residuals, pose_residuals
 from motorcade.fusion.sync.normal_equations import Bordered, Solved
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Aligned", "Beliefs", "Shared", "align", "covered"]
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.sync.rates import RateMatch, integrated_rate
-from motorcade.ga import FloatArray, Rotor, Trajectory
+from motorcade.ga import Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["plausible"]
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray
 from motorcade.ga.algebra import Multivector
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.kernels.definitions import elements as on
 
 __all__ = ["interval_residuals", "pose_residuals"]

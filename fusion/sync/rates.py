@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import FloatArray, IntArray, Rotor, Trajectory
+from motorcade.ga import Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["RateMatch", "integrated_rate", "match_rates"]
 

@@ -19,7 +19,8 @@ from motorcade.fusion.sync.alignment import (
 )
 from motorcade.fusion.sync.gating import plausible
 from motorcade.fusion.sync.rates import match_rates
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Synchronised", "synchronise"]
 

@@ -12,7 +12,8 @@ import numpy as np
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.preintegration import Preintegrated, preintegrate
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["linear_start"]
 

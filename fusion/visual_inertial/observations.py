@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
 __all__ = ["LandmarkObservations"]
 

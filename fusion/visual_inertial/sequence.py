@@ -16,7 +16,8 @@ from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.visual_inertial.observations import LandmarkObservations
 from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
 from motorcade.fusion.visual_inertial.tight import VisualInertial, adjust_visual_inertial
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import PoseMeasurements
 from motorcade.tracking.slam import SlamResult

@@ -15,7 +15,8 @@ from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.sync.alignment import GRAVITY, SCALE, Beliefs, Shared, align, covered
 from motorcade.fusion.visual_inertial.linear import linear_start
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Similarity, Trajectory
+from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["InertialStart", "start_inertial"]

@@ -19,7 +19,8 @@ from motorcade.fusion.graph.inertial import InertialGraph, keys
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.visual_inertial.observations import LandmarkObservations
-from motorcade.ga import FloatArray, Motor, Trajectory, checked_floats
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.tracking.cameras.camera import Camera
 
 if TYPE_CHECKING:

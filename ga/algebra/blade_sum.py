@@ -368,7 +368,7 @@ class BladeSum(Value):
         close: Any = True
         for mask, value in zip(apart.masks, apart.values, strict=True):
             close = close & (np.abs(value) <= atol + rtol * np.abs(size.get(mask, 0.0)))
-        return close
+        return close if isinstance(close, np.ndarray) else bool(close)
 
     def _is_numeric(self) -> bool:
         return all(is_numeric(value) or isinstance(value, Fraction) for value in self.values)

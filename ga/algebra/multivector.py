@@ -30,6 +30,7 @@ class Multivector(BladeSum):
             or infinity.
 
     Examples:
+        >>> import numpy as np
         >>> from motorcade.ga import EGA3
         >>> e1, e2 = EGA3.blade("e1"), EGA3.blade("e2")
         >>> quarter = (-np.pi / 4 * (e1 ^ e2)).exp()
@@ -38,7 +39,7 @@ class Multivector(BladeSum):
         >>> (quarter**4).isclose(-1)
         True
         >>> (2 * e1 + 3 * (e1 ^ e2))["e2^e1"]
-        -3.0
+        -3
     """
 
     __slots__ = ()

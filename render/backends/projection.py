@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.animation.vectors import perpendicular, unit
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.scene import Lighting
 from motorcade.tracking.cameras.camera import Camera
 

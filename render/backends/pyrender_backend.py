@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation.srgb import to_linear
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.platform import choose_platform
 from motorcade.render.backends.projection import (
     FAR_M,

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import Self
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.contexts import new_context
 from motorcade.render.backends.platform import ContextLost, choose_platform
 from motorcade.render.scene import Layer, Lighting, Surface

@@ -19,7 +19,8 @@ from math import comb, factorial, pi, sqrt
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.ga import FloatArray, Rotor, checked_floats
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = ["MOST_BANDS", "band_of", "harmonics", "irradiance_factors", "rotate_harmonics"]
 

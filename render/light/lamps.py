@@ -8,7 +8,8 @@ the direction of the sun is the one knob that matters, since it throws the shado
 import numpy as np
 
 from motorcade.animation import Placement
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.light.estimate import LightEstimate
 from motorcade.render.scene import Lamp, Lighting, Sun
 

@@ -18,7 +18,8 @@ import numpy as np
 
 from motorcade.animation import Placement
 from motorcade.animation.srgb import to_linear
-from motorcade.ga import FloatArray, Motor, Trajectory, checked_floats, frozen
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 from motorcade.render.composite import as_rgb
 from motorcade.render.light.lamps import character_lighting, light_on, sunlight_direction
 from motorcade.render.scene import DepthArray, ImageArray, Lamp, Lighting

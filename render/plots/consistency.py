@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots.errors import TINT, Series, nested_width
 from motorcade.render.plots.style import (
     GRID,

@@ -8,7 +8,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots.style import (
     AXIS_COLOURS,
     COLOURS,

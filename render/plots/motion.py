@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots.style import (
     AXIS_COLOURS,
     WIDTH_IN,

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots.style import (
     GRID,
     WIDTH_IN,

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import IntArray
+from motorcade.ga.arrays import IntArray
 from motorcade.render.scene import ImageArray
 from motorcade.render.video.ahead import ahead
 

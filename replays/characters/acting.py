@@ -12,7 +12,8 @@ from motorcade.animation import Character, Clip, mannequin
 from motorcade.animation.ik import fitted_legs
 from motorcade.animation.place import GroundPath, on_the_spot, walk_along
 from motorcade.animation.retarget import legs_of, retarget
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.errors import did_you_mean
 
 __all__ = ["MANNEQUIN", "character_named", "clip_named", "path_of", "walked"]

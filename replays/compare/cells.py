@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.fusion.smoothing import smooth
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.measure.evaluator import METRICS, PathEvaluator
 from motorcade.replays.compare.measure.truth import truth_of
 from motorcade.replays.compare.plan import degradation_named

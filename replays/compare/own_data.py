@@ -17,7 +17,8 @@ import numpy as np
 
 from motorcade.fusion.metrics import Align, alignment_of, associate
 from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.cells import measured_rows
 from motorcade.replays.compare.figures.statistics import Sample
 from motorcade.replays.compare.figures.tables import Outcome, write_tables

@@ -25,7 +25,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.cells import Setting, inputs_of
 from motorcade.replays.compare.measure.evaluator import PathEvaluator
 

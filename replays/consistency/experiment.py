@@ -32,7 +32,8 @@ from motorcade.fusion.imu import ContinuousPath, ImuFaults, ImuNoise, ImuStream,
 from motorcade.fusion.metrics.consistency import normalised_squared
 from motorcade.fusion.motions import MOTIONS, Motion
 from motorcade.fusion.simulate_poses import simulate_camera_poses
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["FILTERS", "PARTS", "Experiment", "Judged", "Simulated", "judge", "simulate"]

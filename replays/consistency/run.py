@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.fusion.metrics.consistency import Consistency
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.consistency.experiment import (
     FILTERS,
     PARTS,

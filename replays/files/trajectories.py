@@ -22,7 +22,8 @@ from typing import Literal, cast, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Similarity, Trajectory
+from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.errors import did_you_mean, refusal
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.readers.tables import Table, data_rows, in_order, read_table

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.errors import RecordingError, refusal
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.readers.frames.files import pictures_in

@@ -10,7 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.readers.frames.pictures import read_gray

@@ -10,7 +10,8 @@ from typing import cast
 import numpy as np
 import yaml
 
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.errors import RecordingError, one_line, read_bounded, refusal
 from motorcade.replays.files.trajectories import UNIT_TOLERANCE
 from motorcade.replays.readers.tables import data_rows

@@ -27,7 +27,7 @@ import numpy as np
 from av.error import FFmpegError
 
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.errors import refusal
 
 __all__ = ["Item", "items", "read_telemetry"]

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.engine.progress import reading
 from motorcade.replays.errors import one_line, open_bounded, refusal
 

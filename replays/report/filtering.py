@@ -8,7 +8,7 @@ import numpy as np
 
 from motorcade.fusion.metrics import alignment_of, associate
 from motorcade.fusion.metrics.consistency import chi2_bounds
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots import plot_series, plot_squares, plot_within_sigma
 from motorcade.replays.report.findings import Findings
 from motorcade.replays.report.picture import Picture

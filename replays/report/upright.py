@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.fusion.metrics import alignment_of, associate
-from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.report.findings import Findings
 
 __all__ = ["Drawn", "as_drawn", "map_unit"]

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.synthetic_room.furniture import (
     CEILING_M,
     FLOOR_M,

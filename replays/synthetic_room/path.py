@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 FIRST_POLE_S = 0.6
 BETWEEN_POLES_S = 1.2

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render import Surface
 from motorcade.replays.synthetic_room.furniture import (
     CEILING_M,

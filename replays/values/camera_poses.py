@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.engine.aside import ASIDE
 from motorcade.tracking import PoseMeasurements
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from motorcade.fusion.metrics import Align
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["AccelerationSeries", "ErrorSeries", "PathErrors"]
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.animation import Placement
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.engine.aside import ASIDE
 
 __all__ = ["OverlayVideo", "PlacedCharacter"]

@@ -19,7 +19,8 @@ import numpy as np
 
 from motorcade.animation import Character, Placement
 from motorcade.animation.skin import palette, skin
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.contexts import Context, new_context
 from motorcade.render.backends.fast.renderer import FastRenderer
 from motorcade.render.backends.platform import choose_platform

@@ -6,7 +6,8 @@ import pytest
 from motorcade.fusion.derivatives import differentiated
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import DroppedFrames
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 
 def worst(found: FloatArray, exact: FloatArray, inner: slice = slice(20, -20)) -> float:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.special import sph_harm_y
 
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.light.harmonics import (
     band_of,
     harmonics,

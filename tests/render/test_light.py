@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Placement, mannequin, place_on_plane
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun
 from motorcade.render.light import (
     LightEstimate,

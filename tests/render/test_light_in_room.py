@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from motorcade.animation import Placement, mannequin, place_on_plane, skin
 from motorcade.animation.srgb import to_linear
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Surface, render_overlay
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.light import Prints, lighting_of_footage, lighting_without_depth

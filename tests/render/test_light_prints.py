@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Placement, mannequin, place_on_plane
-from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting
 from motorcade.render.light import (
     Prints,

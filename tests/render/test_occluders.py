@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Character, Placement, mannequin, place_on_plane
-from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.render import render_overlay
 from motorcade.render.light import Prints, character_lighting
 from motorcade.render.occluders import known_depth

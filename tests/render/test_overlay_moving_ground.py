@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import mannequin, place_on_plane
-from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun, render_overlay
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.cameras.camera import Camera

@@ -10,7 +10,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Path", "handheld", "loop", "turning"]
 

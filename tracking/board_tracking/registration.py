@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.board_tracking.track import BoardTrack
 from motorcade.tracking.boards import Board
 from motorcade.tracking.cameras.camera import Camera

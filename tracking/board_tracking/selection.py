@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.boards import BoardCorners
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.pose import PlanarCandidates, RefinedPose, TrackingError, refine

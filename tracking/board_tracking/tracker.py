@@ -12,7 +12,8 @@ from typing import Literal
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.board_tracking.selection import PoseChoice, choose_pose, inliers
 from motorcade.tracking.boards import Board, BoardCorners, GrayImage
 from motorcade.tracking.cameras.camera import Camera

@@ -12,7 +12,7 @@ from functools import cache, cached_property
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.boards.picture import Pattern
 from motorcade.tracking.boards.squares import SquaresBoard

@@ -16,7 +16,7 @@ from functools import cached_property
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.boards.picture import Pattern
 from motorcade.tracking.boards.saddles import contrast

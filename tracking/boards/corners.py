@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.boards.picture import Pattern
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage

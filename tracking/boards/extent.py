@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.boards.checkerboard import Checkerboard
 from motorcade.tracking.boards.saddles import refine_saddles
 from motorcade.tracking.checks import GrayImage

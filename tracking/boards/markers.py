@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.boards.picture import Pattern, draw
 from motorcade.tracking.cameras.camera import Camera

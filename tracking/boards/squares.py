@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.boards.picture import Pattern, draw
 from motorcade.tracking.boards.saddles import refine_saddles

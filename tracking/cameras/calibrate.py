@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera, CameraModel
 from motorcade.tracking.cameras.intrinsics_fit import Fit, Observations, fit_camera

@@ -23,7 +23,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.ga import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.tracking.cameras import lenses
 
 __all__ = ["Camera", "CameraModel"]

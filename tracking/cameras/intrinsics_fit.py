@@ -10,7 +10,8 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras import lenses
 from motorcade.tracking.cameras.camera import Camera

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["distort", "distort_jacobian", "undistort"]
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["by_twist", "project", "reproject", "to_frame"]

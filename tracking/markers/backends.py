@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.markers.families import dictionary
 

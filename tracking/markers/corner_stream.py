@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["CornerStream", "checked_numbers", "checked_stamps"]

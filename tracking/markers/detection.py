@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.markers.backends import Backend, Quads, backend_for, find_quads

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = [
     "FAMILIES",

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, checked_floats, frozen
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.markers.families import marker_points_m
 
 __all__ = ["MarkerMap"]

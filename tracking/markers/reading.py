@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.grey_levels import grey_levels
 from motorcade.tracking.markers.families import marker_cells, side_cells

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["BlockEquations", "NormalEquations", "pair_sums", "sum_by"]
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.ga import FloatArray, IntArray, checked_floats
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
 from motorcade.tracking.planes.fitting import (
     LEAST_SPREAD,
     checked_points,

@@ -12,7 +12,8 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, Motor, Rotor, checked_floats
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.tracking.planes.plane import Plane
 
 __all__ = ["checked_points", "checked_sigma", "fit_plane", "spread_axes"]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.planes.finding import FEWEST, FoundPlanes, find_planes
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, Motor, checked_floats
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.tracking.planes.plane import Plane
 
 __all__ = ["choose_floor", "choose_stage"]

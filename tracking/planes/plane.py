@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.ga import FloatArray, Motor, Multivector, checked_floats, frozen
+from motorcade.ga import Motor, Multivector
 from motorcade.ga.algebra import conformal
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
 __all__ = ["Plane"]
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, Motor, checked_floats
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.planes.plane import Plane
 

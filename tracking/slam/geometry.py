@@ -16,7 +16,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import reproject, to_frame
 from motorcade.tracking.optimise import NormalEquations, Stop, huber_cauchy, minimise

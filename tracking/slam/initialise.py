@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import project
 from motorcade.tracking.corner_flow import track_corners

@@ -12,7 +12,8 @@ from typing import Literal
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
 
 __all__ = ["SLAM_STATES", "RunLog", "SlamFrame", "SlamResult", "SlamState"]

@@ -19,7 +19,7 @@ from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.rig.curves import before_jumps, between, great_arc, with_times
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import RigClip, transforms_over
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["read_clip"]
 

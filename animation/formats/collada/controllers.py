@@ -12,7 +12,7 @@ from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.limits import MAX_VERTICES, check_count
 from motorcade.animation.formats.rig.values import RigSurface, Skin
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Controllers"]
 

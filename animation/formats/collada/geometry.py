@@ -14,7 +14,7 @@ from motorcade.animation.formats.collada.library import Library, inputs_of, numb
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_VALUES
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["PolygonGroup", "read_geometry"]
 

@@ -7,7 +7,7 @@ import numpy as np
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_VALUES
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Library", "inputs_of", "matrices_of", "number"]
 

@@ -11,7 +11,7 @@ from motorcade.animation.formats.collada.library import Library
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.images import Texture, Textures
 from motorcade.animation.formats.limits import beside, read_bounded
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["ColladaMaterials"]
 

@@ -17,7 +17,8 @@ from motorcade.animation.formats.limits import MAX_NODES, check_count
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree
 from motorcade.animation.vectors import unit
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["ColladaScene", "TransformStep", "matrix_of_steps", "read_scene"]
 

@@ -13,7 +13,7 @@ import numpy as np
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_DEPTH
 from motorcade.animation.formats.numbers import numbers_in
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Element", "parse_xml"]
 

@@ -15,7 +15,7 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.container import Document
 from motorcade.animation.formats.gltf.fields import integer, table
 from motorcade.animation.formats.limits import MAX_VALUES
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Accessors", "widened"]
 

@@ -29,7 +29,7 @@ from motorcade.animation.formats.rig.curves import (
 from motorcade.animation.formats.rig.joints import HELPER
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, RigClip
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["read_animations"]
 

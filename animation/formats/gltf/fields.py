@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation.formats.errors import expected
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["floats", "integer", "listed", "table", "text"]
 

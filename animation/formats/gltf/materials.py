@@ -16,7 +16,7 @@ from motorcade.animation.formats.gltf.container import Document, load
 from motorcade.animation.formats.gltf.fields import floats, integer, table, text
 from motorcade.animation.formats.images import Texture, Textures
 from motorcade.animation.srgb import to_linear, to_srgb
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["GltfMaterials"]
 

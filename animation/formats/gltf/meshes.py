@@ -14,7 +14,7 @@ from motorcade.animation.formats.gltf.materials import GltfMaterials
 from motorcade.animation.formats.gltf.nodes import Nodes
 from motorcade.animation.formats.limits import MAX_VERTICES, check_count
 from motorcade.animation.formats.rig.values import RigSurface, Skin
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Meshes"]
 

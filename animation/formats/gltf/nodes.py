@@ -13,7 +13,7 @@ from motorcade.animation.formats.gltf.fields import floats, integer, listed, tab
 from motorcade.animation.formats.limits import MAX_NODES, check_count
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Nodes", "read_nodes"]
 

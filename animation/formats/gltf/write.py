@@ -18,7 +18,8 @@ from motorcade.animation.clip import Clip
 from motorcade.animation.formats.gltf.binary import INDICES, VERTICES, BinaryBuffer, write_glb
 from motorcade.animation.formats.rig.sampling import divided, parts_of_steps
 from motorcade.animation.srgb import to_linear
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory
+from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["CameraPath", "write_gltf"]
 

@@ -14,7 +14,8 @@ from motorcade.animation.formats.md5.words import Words, opened, orientation
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip, RigSurface, Skin
 from motorcade.animation.skeleton import local_poses
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["read_md5_mesh"]
 

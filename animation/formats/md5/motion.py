@@ -11,7 +11,7 @@ from motorcade.animation.formats.limits import MAX_NODES, MAX_POSES
 from motorcade.animation.formats.md5.words import Words, opened, orientation
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["read_clip", "read_md5_motion"]
 

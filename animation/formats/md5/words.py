@@ -9,7 +9,7 @@ import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, expected, shown
 from motorcade.animation.formats.limits import MAX_TEXT_BYTES, read_bounded
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Words", "opened", "orientation"]
 

@@ -18,7 +18,8 @@ from motorcade.animation.formats.rig.sampling import Sampler
 from motorcade.animation.formats.rig.surfaces import BoundMesh, bound_mesh
 from motorcade.animation.formats.rig.values import Rig, RigClip
 from motorcade.animation.skeleton import Skeleton, local_poses
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity
+from motorcade.ga import Motor, Rotor, Similarity
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["SkeletalMotion", "assemble_character", "assemble_motion"]
 

@@ -13,7 +13,8 @@ import numpy as np
 
 from motorcade.animation.formats.rig.joints import Joints
 from motorcade.animation.formats.rig.values import Rig
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Axes", "axes_of", "guessed_unit_m", "is_plausible"]
 

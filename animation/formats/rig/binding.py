@@ -22,7 +22,8 @@ from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import RigSurface, Skin
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import box_corners
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Binding", "bind"]
 

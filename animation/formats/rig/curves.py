@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.classical.quaternion import quaternion_slerp
 
 __all__ = [

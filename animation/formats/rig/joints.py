@@ -13,7 +13,7 @@ import numpy as np
 from motorcade.animation.formats.errors import FormatError
 from motorcade.animation.formats.limits import MAX_NODES, check_count
 from motorcade.animation.formats.rig.values import NodeTree, Rig
-from motorcade.ga import IntArray
+from motorcade.ga.arrays import IntArray
 
 __all__ = ["HELPER", "Joints", "joints_of", "nearest_joints"]
 

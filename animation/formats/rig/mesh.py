@@ -9,7 +9,7 @@ import numpy as np
 from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.rig.values import RigSurface
 from motorcade.animation.vectors import UP, unit
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Influences", "normals_of", "strongest_four"]
 

@@ -14,7 +14,8 @@ import numpy as np
 from motorcade.animation.formats.rig.joints import Joints
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["JointPoses", "World", "joint_poses"]
 

@@ -19,7 +19,8 @@ from motorcade.animation.formats.rig.joints import Joints
 from motorcade.animation.formats.rig.poses import JointPoses, World, joint_poses
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, RigClip
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.classical.quaternion import quaternion_slerp
 
 __all__ = ["Sampled", "Sampler", "divided", "parts_of_steps"]

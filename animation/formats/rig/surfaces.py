@@ -12,7 +12,7 @@ from motorcade.animation.formats.rig.joints import Joints, nearest_joints
 from motorcade.animation.formats.rig.mesh import normals_of, strongest_four
 from motorcade.animation.formats.rig.values import NodeTree, RigSurface, Skin
 from motorcade.animation.vectors import UP, unit
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["BoundMesh", "bound_mesh"]
 

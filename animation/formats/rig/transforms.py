@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation.formats.errors import FormatError
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Transforms"]
 

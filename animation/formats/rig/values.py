@@ -11,7 +11,7 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_DEPTH, MAX_NODES, check_count
 from motorcade.animation.formats.rig.curves import great_arc, with_times
 from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["NodeTree", "Rig", "RigClip", "RigSurface", "Skin", "transforms_over"]
 

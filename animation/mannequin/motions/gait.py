@@ -41,7 +41,8 @@ from motorcade.animation.mannequin.proportions import (
 )
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_x, turn_y, turn_z
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["GAITS", "Gait", "gait_clip"]
 

@@ -14,7 +14,8 @@ from motorcade.animation.mannequin.motions.posing import assembled, reach, relax
 from motorcade.animation.mannequin.proportions import ANKLE_HEIGHT_M, SIDES
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_x, turn_y, turn_z
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["STANCE", "arm_at_ease", "hips_at_ease", "idle", "standing", "trunk_at_ease"]
 

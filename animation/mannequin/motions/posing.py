@@ -15,7 +15,8 @@ from motorcade.animation.easing import smootherstep
 from motorcade.animation.mannequin.proportions import FINGERS, SHIN_M, THIGH_M
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_x, turn_y, turn_z
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 # How far fingers stay fanned where a hand is at ease; 1 as in the rest pose.
 AT_EASE = 0.35

@@ -22,7 +22,8 @@ from motorcade.animation.mannequin.motions.posing import assembled, ease, reach
 from motorcade.animation.mannequin.proportions import ANKLE_HEIGHT_M, SIDES
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_y, turn_z
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["turning"]
 

@@ -9,7 +9,8 @@ from motorcade.animation.mannequin.motions.idle import standing
 from motorcade.animation.mannequin.motions.posing import assembled, ease, relaxed_hand
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_x, turn_y, turn_z
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["waving"]
 

@@ -16,7 +16,7 @@ from motorcade.animation.mannequin.proportions import (
 )
 from motorcade.animation.mannequin.shape.arm import arm
 from motorcade.animation.mannequin.shape.fields import BodyBlock, BodyField, block
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["body_field"]
 

@@ -18,7 +18,7 @@ from motorcade.animation.mannequin.proportions import (
     UPPER_ARM_M,
 )
 from motorcade.animation.mannequin.shape.fields import BodyBlock, block
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["SHOULDER_M", "arm", "arm_axes"]
 

@@ -12,7 +12,7 @@ from motorcade.animation.mannequin.proportions import (
     UPPER_ARM_M,
 )
 from motorcade.animation.mannequin.shape.arm import SHOULDER_M, arm_axes
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["colors"]
 

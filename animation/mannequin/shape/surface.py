@@ -18,7 +18,7 @@ from motorcade.animation.mannequin.proportions import ARM_SPREAD_RAD
 from motorcade.animation.mannequin.shape.arm import SHOULDER_M
 from motorcade.animation.mannequin.shape.fields import BodyField
 from motorcade.animation.vectors import box_corners
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["SymmetricMesh", "meshed"]
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.animation.mannequin.shape.surface import SymmetricMesh
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["influences"]
 

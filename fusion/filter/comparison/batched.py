@@ -27,7 +27,8 @@ from motorcade.fusion.filter.settings import (
 )
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["Estimates", "Runs", "filter_runs"]

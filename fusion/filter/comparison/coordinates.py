@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.fusion.filter.extended_pose import ERROR_SIZE, corrected, extended_pose
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.classical import euler_rates_from_body, nearest_branch
 
 __all__ = [

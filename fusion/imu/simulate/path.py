@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.fusion.motions import Motion
-from motorcade.ga import FloatArray, Motor, Trajectory, TwistSample
+from motorcade.ga import Motor, Trajectory, TwistSample
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.splines import CumulativeBSpline
 
 __all__ = ["ContinuousPath"]

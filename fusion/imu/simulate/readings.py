@@ -14,7 +14,8 @@ from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.simulate.path import ContinuousPath
 from motorcade.fusion.imu.simulate.sensor import PERFECT, ImuFaults
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.motion import SplineSample, sampled_motion
 
 __all__ = ["SimulatedImu", "simulate_imu"]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga import FloatArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
 __all__ = ["PERFECT", "ImuFaults"]
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
-from motorcade.ga import FloatArray, Rotor, Trajectory
+from motorcade.ga import Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = [
     "GimbalIndex",

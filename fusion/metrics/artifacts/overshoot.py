@@ -18,7 +18,8 @@ from collections.abc import Callable
 import numpy as np
 
 from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["position_overshoot_m", "rotation_overshoot_rad", "stops"]
 

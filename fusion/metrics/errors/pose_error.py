@@ -13,7 +13,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = [
     "Align",

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.fusion.metrics.smooth_path import NotObservableError
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Drift", "drift_by_length", "relative_errors_by_length"]
 

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.metrics.smooth_path import GAP_INTERVALS, NotObservableError, SmoothPath
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Jitter", "accelerations", "jitter", "jitter_above"]
 

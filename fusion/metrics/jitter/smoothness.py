@@ -8,7 +8,8 @@ import numpy as np
 
 from motorcade.fusion.metrics.jitter.jitter import accelerations
 from motorcade.fusion.metrics.smooth_path import NotObservableError
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Smoothness", "log_dimensionless_jerk"]
 

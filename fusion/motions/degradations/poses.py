@@ -17,7 +17,8 @@ from motorcade.fusion.motions.degradations.base import (
     check_runs,
     runs,
 )
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory, checked_floats
+from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = ["Gaussian", "Outliers", "PlanarFlips", "Quantised", "wrong_planar_pose"]
 

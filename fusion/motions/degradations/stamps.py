@@ -16,7 +16,8 @@ from motorcade.fusion.motions.degradations.base import (
     check_runs,
     runs,
 )
-from motorcade.ga import FloatArray, IntArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Blackouts", "DroppedFrames", "Latency", "StampJitter"]
 

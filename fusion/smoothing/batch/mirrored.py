@@ -21,7 +21,8 @@ from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
 from motorcade.fusion.smoothing.batch.problem import Linear, PathState, Problem, rigid_poses
 from motorcade.fusion.smoothing.batch.tridiagonal import solved
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["mirrored_back"]
 

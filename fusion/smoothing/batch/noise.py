@@ -23,7 +23,8 @@ from motorcade.fusion.smoothing.causal import (
     KalmanFilter,
 )
 from motorcade.fusion.smoothing.checks import in_double
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["FEWEST_POSES", "NoiseModel", "estimate_noise"]
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from motorcade.fusion.smoothing.batch.inliers import Sizes
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["PathPart", "parts"]
 

@@ -11,7 +11,8 @@ from motorcade.fusion.smoothing.batch.differences import Between, between, compo
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged
 from motorcade.fusion.smoothing.batch.tridiagonal import Equations, prior_cost, solved
 from motorcade.fusion.smoothing.representations import Representation
-from motorcade.ga import FloatArray, Motor, Similarity
+from motorcade.ga import Motor, Similarity
+from motorcade.ga.arrays import FloatArray
 
 __all__ = [
     "LAST_STEPS",

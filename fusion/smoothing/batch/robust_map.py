@@ -46,7 +46,8 @@ from motorcade.fusion.smoothing.representations import (
     representation_named,
     restored,
 )
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["LOSSES", "RobustPath", "estimate_path", "robust_map"]
 

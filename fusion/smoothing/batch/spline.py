@@ -12,7 +12,8 @@ import numpy as np
 
 from motorcade.fusion.smoothing.checks import checked_length, checked_positive, in_double
 from motorcade.fusion.smoothing.representations import Representation, restored
-from motorcade.ga import CumulativeBSpline, FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import CumulativeBSpline, Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.splines import ORDER, bridged_gaps, cumulative_weights, located, segments_of
 
 __all__ = ["spline"]

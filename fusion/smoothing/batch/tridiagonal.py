@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from motorcade.fusion.smoothing.batch.differences import Between
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Equations", "prior_cost", "prior_residuals", "solved"]
 

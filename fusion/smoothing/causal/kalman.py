@@ -32,7 +32,8 @@ from motorcade.fusion.smoothing.causal.stream import CausalFilter
 from motorcade.fusion.smoothing.checks import checked_positive
 from motorcade.fusion.smoothing.native import _scans
 from motorcade.fusion.smoothing.representations import Representation
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory, checked_floats
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray, checked_floats
 
 __all__ = [
     "ConstantAccelerationFilter",

@@ -23,7 +23,8 @@ from motorcade.fusion.smoothing.causal.kalman import (
 from motorcade.fusion.smoothing.causal.stream import coefficients_of, trajectory_of
 from motorcade.fusion.smoothing.native import _scans
 from motorcade.fusion.smoothing.representations import Representation
-from motorcade.ga import FloatArray, Similarity, Trajectory
+from motorcade.ga import Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = [
     "SmoothedStates",

@@ -14,7 +14,8 @@ import numpy as np
 from motorcade.fusion.smoothing.checks import checked_cutoff
 from motorcade.fusion.smoothing.native._scans import Scan
 from motorcade.fusion.smoothing.representations import representation_named
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["CausalFilter", "coefficients_of", "trajectory_of"]
 

@@ -1,4 +1,4 @@
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 _Blocks = tuple[float, float, float]
 

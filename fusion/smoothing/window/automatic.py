@@ -11,7 +11,8 @@ import numpy as np
 
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS
 from motorcade.fusion.smoothing.window.local_polynomial import local_polynomial, white_noise_removed
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["automatic_window_s"]
 

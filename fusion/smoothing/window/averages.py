@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.smoothing.representations import Representation, restored
-from motorcade.ga import FloatArray, IntArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["Weights", "averaged", "polynomial_at_centre", "weighted_vectors"]
 

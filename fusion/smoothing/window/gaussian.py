@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from motorcade.fusion.smoothing.checks import checked_order, checked_positive
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.fusion.smoothing.window.averages import averaged, polynomial_at_centre
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["gaussian"]
 

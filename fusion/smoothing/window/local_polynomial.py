@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from motorcade.fusion.smoothing.checks import checked_length, checked_order, checked_positive
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.fusion.smoothing.window.averages import averaged, polynomial_at_centre
-from motorcade.ga import FloatArray, IntArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["local_polynomial", "savitzky_golay", "shifted_windows", "white_noise_removed"]
 

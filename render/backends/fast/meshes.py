@@ -12,7 +12,7 @@ from motorcade.animation.skin.palette import SkinMethod, checked_method
 from motorcade.animation.skin.skinning import SKIN_KERNELS
 from motorcade.animation.srgb import to_linear
 from motorcade.animation.vectors import box_corners
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.fast.programs import Programs
 from motorcade.render.backends.renderer import check_vertices
 from motorcade.render.scene import Surface

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation import Character, Placement
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.contexts import Context
 from motorcade.render.backends.fast.framebuffers import Box, Framebuffer, ShadowMap
 from motorcade.render.backends.fast.meshes import RenderMesh, SkinnedMesh, column_major

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.cells import RAW
 from motorcade.replays.compare.figures.statistics import (
     PRACTICAL_SHARE,

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.cells import RAW, ComparisonCell, MeasuredRow
 from motorcade.replays.compare.measure.evaluator import METRICS
 

@@ -36,7 +36,7 @@ from typing import Any
 import numpy as np
 
 from motorcade import __version__
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.cells import RAW
 from motorcade.replays.compare.figures.ranking import rankings, ratios_to_motor
 from motorcade.replays.compare.figures.statistics import (

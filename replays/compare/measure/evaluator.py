@@ -14,7 +14,8 @@ import numpy as np
 
 from motorcade.fusion.metrics.artifacts.gimbal import winding_count
 from motorcade.fusion.metrics.artifacts.overshoot import stops
-from motorcade.ga import FloatArray, IntArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.compare.measure.lag import LagTable
 from motorcade.replays.compare.measure.truth import Truth
 

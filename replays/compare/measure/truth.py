@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from motorcade.fusion.metrics import log_scales
 from motorcade.fusion.metrics.smooth_path import SmoothPath
 from motorcade.fusion.motions import MOTIONS
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Similarity, Trajectory
+from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["AnalyticTruth", "RecordedTruth", "Truth", "truth_of"]
 

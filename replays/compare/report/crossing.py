@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.report.names import shown
 from motorcade.replays.compare.report.replayed import Replayed
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots import plot_series
 from motorcade.render.plots.style import with_own_ids
 from motorcade.replays.compare.report.names import LABELS

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.fusion.motions import MOTIONS
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.cells import Setting, inputs_of
 from motorcade.replays.compare.report.names import CAUSAL
 from motorcade.replays.compare.report.results import REFERENCE, Results

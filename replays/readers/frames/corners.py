@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.ga import IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import IntArray
 from motorcade.replays.errors import refusal
 from motorcade.replays.recording import Frame, ImageArray
 from motorcade.tracking.cameras.camera import Camera

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from functools import partial
 
-from motorcade.ga import IntArray
+from motorcade.ga.arrays import IntArray
 from motorcade.replays.recording import Frame, ImageArray
 
 __all__ = ["DecodedFrames"]

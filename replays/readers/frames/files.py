@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from motorcade.ga import IntArray
+from motorcade.ga.arrays import IntArray
 from motorcade.replays.engine.progress import track
 from motorcade.replays.errors import DamagedError, one_line, read_bounded, refusal
 from motorcade.replays.readers.frames import pictures

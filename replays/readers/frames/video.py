@@ -22,7 +22,7 @@ from av.error import FFmpegError
 from av.video.frame import VideoFrame
 from av.video.stream import VideoStream
 
-from motorcade.ga import IntArray
+from motorcade.ga.arrays import IntArray
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.readers.frames.decoded import DecodedFrames
 from motorcade.replays.readers.frames.files import FRAME_LIMIT

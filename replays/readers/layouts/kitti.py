@@ -15,7 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.files.trajectories import even_stamps, read_times, read_trajectory
 from motorcade.replays.readers.calibration import make_camera

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from motorcade.ga import IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import IntArray
 from motorcade.replays.errors import refusal
 from motorcade.replays.files.trajectories import even_stamps
 from motorcade.replays.readers.calibration import (

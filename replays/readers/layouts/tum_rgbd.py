@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.ga import IntArray
+from motorcade.ga.arrays import IntArray
 from motorcade.replays.errors import refusal
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers.calibration import make_camera

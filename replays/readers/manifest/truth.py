@@ -23,7 +23,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from motorcade.ga import IntArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import IntArray
 from motorcade.replays.errors import refusal
 from motorcade.replays.files.trajectories import even_stamps, read_times, read_trajectory
 from motorcade.replays.readers.calibration import read_numbers, transform

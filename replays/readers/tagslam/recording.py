@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.ga import IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import IntArray
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.readers.tagslam.corners import bag_file
 from motorcade.replays.readers.tagslam.corners import read as read_corners

@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.readers.ros.bag import read_bag
 from motorcade.replays.readers.tagslam.corners import bag_file, stamp_ns

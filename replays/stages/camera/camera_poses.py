@@ -7,7 +7,7 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.engine.stage import Chosen
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.tracking import PoseMeasurements

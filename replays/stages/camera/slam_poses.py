@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.engine.progress import track
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.metres import Metres, NoMetres, in_metres

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.fusion.imu import ImuStream
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import UsedImu
 from motorcade.tracking import PoseMeasurements

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.animation.vectors import axes_along
-from motorcade.ga import FloatArray, Motor, Rotor, Trajectory, frozen
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray, frozen
 from motorcade.render.light import Prints
 from motorcade.replays.recording import Frame, Recording
 from motorcade.replays.stages.view.in_view import best_place

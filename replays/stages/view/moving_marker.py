@@ -14,7 +14,8 @@ import numpy as np
 
 from motorcade.animation.place import followed
 from motorcade.fusion.smoothing import smooth
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.markers.loose import LooseMarkers
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Recording

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from motorcade.animation import place_on_plane
-from motorcade.ga import FloatArray, frozen
+from motorcade.ga.arrays import FloatArray, frozen
 from motorcade.replays.characters.acting import (
     MANNEQUIN,
     character_named,

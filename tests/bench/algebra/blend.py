@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor, kernels
+from motorcade.ga import Motor, kernels
+from motorcade.ga.arrays import FloatArray
 from tests.bench.algebra.glm import (
     GlmFigures,
     NotMeasured,

@@ -11,7 +11,8 @@ import numpy as np
 from motorcade.fusion.filter import Fused, fuse
 from motorcade.fusion.graph import fuse_by_graph
 from motorcade.fusion.metrics import absolute_translation_m, rotation_rad
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.data import data_folder
 from tests.bench.fusion.recorded import (

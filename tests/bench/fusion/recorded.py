@@ -15,7 +15,8 @@ from motorcade.fusion.filter import FilterSettings
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.fusion.motions.degradations import Blackouts, Degradation, InTurn, Outliers
 from motorcade.fusion.simulate_poses import simulate_camera_poses
-from motorcade.ga import FloatArray, Trajectory
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers.inertial import read_imu
 from motorcade.tracking.measurements import PoseMeasurements

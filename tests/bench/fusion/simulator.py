@@ -17,7 +17,8 @@ from motorcade.fusion.imu import (
 )
 from motorcade.fusion.motions import MOTIONS, Factor, Motion, Polynomial
 from motorcade.fusion.preintegration import preintegrate
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = [
     "against_differences",

@@ -13,7 +13,8 @@ from motorcade.fusion.filter import PoseFilter, fuse
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuStream, simulate_imu
 from motorcade.fusion.motions import gimbal_crossing
 from motorcade.fusion.simulate_poses import simulate_camera_poses
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.timing import on_one_core
 

@@ -17,7 +17,8 @@ import numpy as np
 
 from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.fusion.metrics import evaluate
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.readers.tagslam import corners as tagslam
 from motorcade.replays.readers.tagslam.odometry import read_rig_odometry
 from motorcade.tracking.markers.mapping import map_markers

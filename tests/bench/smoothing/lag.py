@@ -25,7 +25,8 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import Exponential, OneEuro, smooth
 from motorcade.fusion.smoothing.causal import CausalFilter
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["bench_lag", "lag_table", "one_euro_row", "rts_row"]
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["NumpyOneEuro", "ScipyOneEuro", "numpy_gaussian", "numpy_rts", "scipy_gaussian"]
 

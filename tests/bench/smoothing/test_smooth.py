@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.fusion.smoothing import smooth
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from tests.bench.smoothing.rivals import (
     NumpyOneEuro,
     ScipyOneEuro,

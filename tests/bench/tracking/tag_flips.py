@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.readers.tagslam import corners as tagslam
 from motorcade.replays.readers.tagslam.reference import TagSlamReference, read_reference
 from motorcade.tracking.markers.corner_stream import CornerStream

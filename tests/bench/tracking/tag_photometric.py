@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking import Camera, detect_markers
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (

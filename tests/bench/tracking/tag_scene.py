@@ -13,7 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.markers.families import marker_cells, marker_points_m

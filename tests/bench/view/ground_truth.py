@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from skimage.metrics import structural_similarity
 
 from motorcade.animation import Character, Placement, mannequin, place_on_plane, skin
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun, Surface, render_overlay
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.backends.renderer import Renderer

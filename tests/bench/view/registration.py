@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.fusion.smoothing import smooth
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.composite import as_rgb, over
 from motorcade.render.lens import LensWarp

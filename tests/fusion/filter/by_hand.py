@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.fusion.filter.extended_pose import extended_pose
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 _SERIES_BELOW_RAD = 0.02
 _R, _P, _V, _BG, _BA = (slice(3 * i, 3 * i + 3) for i in range(5))

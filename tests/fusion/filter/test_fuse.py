@@ -14,7 +14,8 @@ from motorcade.fusion.imu import ImuStream
 from motorcade.fusion.metrics import absolute_translation_m, associate, rotation_rad, tilt_rad
 from motorcade.fusion.motions.degradations import Blackouts, InTurn, Latency, Outliers
 from motorcade.fusion.simulate_poses import simulate_camera_poses
-from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers.layouts.euroc import read as read_euroc
 from motorcade.replays.recording import Recording

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.filter.extended_pose import corrected, extended_pose
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 from tests.fusion.filter.by_hand import GRAVITY, Intervals, increments, moved, transitions
 
 pytest.importorskip("casadi")

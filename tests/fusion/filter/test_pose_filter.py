@@ -11,7 +11,8 @@ from scipy.stats import chi2
 from motorcade.fusion.filter import FilterSettings, PoseFilter, RestDetection, fuse
 from motorcade.fusion.filter.extended_pose import corrected, extended_pose
 from motorcade.fusion.imu import ADIS16448, ImuStream
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import PoseMeasurements
 

@@ -19,7 +19,8 @@ from motorcade.fusion.imu.screening import refuse_movement
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.motion import Factor, Motion
 from motorcade.fusion.motions.signals import Polynomial
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.readers.inertial import read_imu
 
 STANDING = Motion((Factor(np.zeros(6), Polynomial((1.0,))),), Motor)

@@ -15,7 +15,8 @@ from motorcade.fusion.imu import (
     simulate_imu,
 )
 from motorcade.fusion.motions import MOTIONS
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 UP = np.array([0.0, 0.0, 9.81])
 # Central differences of the eighth order.

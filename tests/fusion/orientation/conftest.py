@@ -9,7 +9,8 @@ import pytest
 from vqf import VQF, offlineVQF
 
 from motorcade.fusion.imu import ImuStream
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ import pytest
 
 from motorcade.fusion.imu import ImuNoise, ImuStream
 from motorcade.fusion.orientation import OrientationModel, estimate_orientation
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 
 STEP_S, GAP_S, COUNT, GRAVITY = 0.01, 0.5, 50, 9.81
 NOISE = ImuNoise(3e-3, 2e-3, 5e-2, 1e-3)

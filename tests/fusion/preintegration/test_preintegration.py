@@ -12,7 +12,8 @@ import pytest
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.preintegration import Preintegrated, preintegrate
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.motion import SplineSample, sampled_motion
 
 GYRO_BIAS = np.array([-0.002, 0.021, 0.076])

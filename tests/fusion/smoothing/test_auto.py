@@ -9,7 +9,8 @@ from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlip
 from motorcade.fusion.smoothing import REPRESENTATIONS, choose, smooth
 from motorcade.fusion.smoothing.batch.noise import estimate_noise
 from motorcade.fusion.smoothing.changes import changes
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 RIGID = [name for name in MOTIONS if name != "zoom"]
 

@@ -7,7 +7,8 @@ import pytest
 
 from motorcade.fusion.smoothing import automatic_window_s, smooth
 from motorcade.fusion.smoothing.window import white_noise_removed
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 Jittering = Callable[[Trajectory, float, float, np.random.Generator], Trajectory]
 SIGMA_M, SIGMA_RAD = 0.01, 0.008

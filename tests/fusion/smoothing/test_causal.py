@@ -19,7 +19,8 @@ from motorcade.fusion.smoothing import (
     smooth,
 )
 from motorcade.fusion.smoothing.causal import CausalFilter
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Similarity, Trajectory
+from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 FILTERS: tuple[type[CausalFilter], ...] = (
     Exponential,

@@ -18,7 +18,8 @@ from motorcade.fusion.smoothing import (
     smoothed_states,
 )
 from motorcade.fusion.smoothing.causal import KalmanFilter
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity, Trajectory
+from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 DENSITY, NOISE_M = 1.7, 0.02
 

@@ -7,7 +7,8 @@ import pytest
 
 from motorcade import fusion
 from motorcade.fusion.smoothing import REPRESENTATIONS
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 
 def smooth(

@@ -11,7 +11,8 @@ from motorcade.fusion.motions.degradations import (
     wrong_planar_pose,
 )
 from motorcade.fusion.smoothing.batch import estimate_path
-from motorcade.ga import FloatArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 NOISE = Gaussian(0.005, np.deg2rad(0.5))
 MODEL = {

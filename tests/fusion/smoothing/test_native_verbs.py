@@ -7,7 +7,8 @@ import pytest
 
 from motorcade.fusion.smoothing.native import _scans
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity
+from motorcade.ga import Motor, Rotor, Similarity
+from motorcade.ga.arrays import FloatArray
 
 TOLERANCE = 1e-12
 

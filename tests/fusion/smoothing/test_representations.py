@@ -9,7 +9,8 @@ from motorcade.fusion.smoothing.representations import (
     representation_named,
     restored,
 )
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 CHOSEN = pytest.mark.parametrize("representation", REPRESENTATIONS.values(), ids=REPRESENTATIONS)
 SCALED = pytest.mark.parametrize("scaled", [False, True], ids=["rigid", "scaled"])

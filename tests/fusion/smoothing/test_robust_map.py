@@ -13,7 +13,8 @@ from motorcade.fusion.smoothing.batch import estimate_path
 from motorcade.fusion.smoothing.batch import parts as parts_module
 from motorcade.fusion.smoothing.batch.differences import between
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 
 NOISE = Gaussian(0.005, np.deg2rad(0.5))
 MODEL = {

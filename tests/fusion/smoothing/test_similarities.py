@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.smoothing import smooth
-from motorcade.ga import IntArray, Similarity, Trajectory
+from motorcade.ga import Similarity, Trajectory
+from motorcade.ga.arrays import IntArray
 
 SCREW = np.array([0.3, 1.0, 0.5, 0.1, 0.2, -0.4])
 

@@ -8,7 +8,8 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import savgol_filter
 
 from motorcade.fusion.smoothing import REPRESENTATIONS, smooth
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 
 STEP_NS = 33_333_333
 SCREW = np.array([0.3, 1.0, 0.5, 0.1, 0.2, -0.4])

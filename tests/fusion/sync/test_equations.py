@@ -7,7 +7,8 @@ import pytest
 
 from motorcade.fusion.sync.model import interval_residuals, pose_residuals
 from motorcade.fusion.sync.normal_equations import Bordered
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 
 GRAVITY = np.array([0.3, -0.2, -9.8])
 

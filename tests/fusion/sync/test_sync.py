@@ -17,7 +17,8 @@ from motorcade.fusion.sync import Synchronised, synchronise
 from motorcade.fusion.sync.alignment import covered
 from motorcade.fusion.sync.gating import plausible
 from motorcade.fusion.sync.rates import match_rates
-from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.cli import main
 from motorcade.replays.files.imu import write_imu
 from motorcade.replays.files.trajectories import read_trajectory, write_trajectory

@@ -17,7 +17,8 @@ from motorcade.fusion.visual_inertial import (
     fuse_map,
     start_inertial,
 )
-from motorcade.ga import FloatArray, Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking import Camera, PoseMeasurements
 from motorcade.tracking.slam import SlamResult
 from motorcade.tracking.slam.mapping.map import MapSnapshot

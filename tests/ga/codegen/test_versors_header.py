@@ -12,7 +12,8 @@ import pytest
 pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
 pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is not installed")
 
-from motorcade.ga import FloatArray, Motor, Rotor, Similarity
+from motorcade.ga import Motor, Rotor, Similarity
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.codegen.branches import Branch, branched
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.library import GENERATED

@@ -6,7 +6,8 @@ import pickle
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor, Rotor, Similarity, Versor, checked_floats, frozen
+from motorcade.ga import Motor, Rotor, Similarity, Versor
+from motorcade.ga.arrays import checked_floats, frozen
 
 
 @pytest.mark.parametrize("shape", [(), (3,), (5,), (4, 1), (2, 7), (9,)])

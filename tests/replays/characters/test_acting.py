@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Character, Clip, mannequin
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.characters.acting import IDLE_HZ, walked
 
 PATH_M = np.array([[0.0, 0.0], [1.5, 0.0]])

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.ga import FloatArray
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.engine.executors import check_executor
 from motorcade.replays.engine.jobs import Batch, job_key, run_jobs
 

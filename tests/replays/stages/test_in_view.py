@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from motorcade.ga import FloatArray, Motor, Rotor
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.stages.view.in_view import best_place
 from motorcade.tracking.cameras.camera import Camera
 

@@ -14,7 +14,8 @@ from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
-from motorcade.ga import IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import IntArray
 from motorcade.replays.recording import Frame, Odometry, Recording
 from motorcade.replays.stages.camera.metres import NoMetres, in_metres
 from motorcade.replays.stages.inertial.convergence import convergence

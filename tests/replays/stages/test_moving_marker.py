@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.ga import FloatArray, Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
 from motorcade.render import render_overlay
 from motorcade.replays.characters.acting import character_named, clip_named
 from motorcade.replays.markers.loose import LooseMarkers

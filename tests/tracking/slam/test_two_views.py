@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking import Camera
 from motorcade.tracking.slam.features import find_corners, stereo_depth
 from motorcade.tracking.slam.initialise import flow_beyond_rotation_px, two_views

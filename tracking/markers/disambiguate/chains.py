@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 __all__ = ["chain_cost", "chain_probabilities", "forward_messages", "most_probable"]
 

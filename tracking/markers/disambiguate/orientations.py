@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.disambiguate.window import MODES, Memory, Window, influence, misfit
 
 __all__ = ["Orientations", "seeded", "settle", "updated", "weighed"]

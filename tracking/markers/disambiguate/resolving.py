@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor, Rotor, checked_floats, frozen
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.markers.disambiguate.sightings import Sightings
 from motorcade.tracking.markers.disambiguate.solving import Recent, Solution, solve
 from motorcade.tracking.markers.disambiguate.states import empty_memory

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor, checked_floats, frozen
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import reproject
 from motorcade.tracking.markers.corner_stream import (

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.disambiguate.chains import (
     chain_cost,
     chain_probabilities,

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.disambiguate.orientations import Orientations
 from motorcade.tracking.markers.disambiguate.window import MODES, Memory, Window, misfit
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
 
 __all__ = ["vote"]
 

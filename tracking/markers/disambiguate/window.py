@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Rotor
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.disambiguate.sightings import Sightings
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 

@@ -13,7 +13,8 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.mapping.reprojection import linearised, residuals_px
 from motorcade.tracking.markers.mapping.rig import RigSightings
 from motorcade.tracking.optimise import (

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.mapping.agreement import agreed
 from motorcade.tracking.markers.mapping.reprojection import residuals_px
 from motorcade.tracking.markers.mapping.rig import RigSightings

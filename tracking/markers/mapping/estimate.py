@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray, Motor, Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import Sightings
 from motorcade.tracking.markers.mapping.adjust import AdjustedRig, adjust, pose_covariance

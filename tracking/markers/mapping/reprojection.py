@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.reprojection import reproject
 from motorcade.tracking.markers.mapping.rig import RigSightings
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.families import marker_cells, side_cells
 
 if TYPE_CHECKING:

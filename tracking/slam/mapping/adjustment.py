@@ -13,7 +13,8 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import by_twist
 from motorcade.tracking.optimise import BlockEquations, Stop, huber, minimise, sum_by

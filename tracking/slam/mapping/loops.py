@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import to_frame
 from motorcade.tracking.slam.features import Corners, find_corners

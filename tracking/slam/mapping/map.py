@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
 from motorcade.ga.archives import load_arrays, save_arrays
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.slam.features import Descriptors
 from motorcade.tracking.slam.geometry import BoolArray

@@ -9,7 +9,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from motorcade.ga import FloatArray, IntArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import project, to_frame
 from motorcade.tracking.slam.features import Corners, Descriptors

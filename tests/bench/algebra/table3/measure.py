@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor, kernels
+from motorcade.ga import Motor, kernels
+from motorcade.ga.arrays import FloatArray
 from tests.bench.algebra.blend import SCALARS
 from tests.bench.algebra.glm import NotMeasured, compile_glm, measure_glm
 from tests.bench.algebra.table3.characters import (

@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import FloatArray, Motor
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE, Precision
 from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.strategies import product, table
