@@ -82,16 +82,19 @@ def open_run(folder: Path) -> Shown:
         raise ValueError(
             f"{folder}: expected a folder that `motorcade run` wrote; run.json is not there"
         )
-    told = json.loads(file.read_text(encoding="utf-8"))
-    manifest = None if told["manifest"] is None else Path(told["manifest"])
-    recording = open_recording(Path(told["recording"]), manifest).intact()
-    if recording.digest() != told["content"]:
+    run_log = json.loads(file.read_text(encoding="utf-8"))
+    manifest = None if run_log["manifest"] is None else Path(run_log["manifest"])
+    recording = open_recording(Path(run_log["recording"]), manifest).intact()
+    if recording.digest() != run_log["content"]:
         raise ValueError(f"{folder}: its recording has changed since; run it again")
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
     graph = pipeline_graph()
     run = graph.run(
-        "placed", {"recording": recording}, folder / ".cache", parse_knobs(told["settings"], graph)
+        "placed",
+        {"recording": recording},
+        folder / ".cache",
+        parse_knobs(run_log["settings"], graph),
     )
     placed, found = run.outputs["placed"], run.outputs["camera_poses"]
     character = character_named(placed.character)

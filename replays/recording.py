@@ -1,4 +1,4 @@
-"""A recording: lazily read frames, IMU, calibration and truth of one camera, whatever its layout.
+"""A recording of one camera, whatever its layout: frames, IMU, calibration and ground truth.
 
 Conventions: stamps in integer nanoseconds, OpenCV camera axes, poses named `world_T_camera`,
 images uint8 in RGB order or grey as the file has them, pixels as stored (a rotation noted in EXIF
@@ -207,9 +207,9 @@ class Recording:
         Raises:
             RecordingError: a fault that leaving out single pictures does not mend.
         """
-        frames, told = self.frames.intact(self.camera)
+        frames, faults = self.frames.intact(self.camera)
         self._check_overlap()
-        return replace(self, frames=frames, damaged=(*self.damaged, *told))
+        return replace(self, frames=frames, damaged=(*self.damaged, *faults))
 
     def _check_overlap(self) -> None:
         if self.imu is None:
@@ -260,7 +260,7 @@ class Recording:
             yield "specific force", _bytes(self.imu.specific_force_m_s2)
         if self.odometry is not None:
             path = self.odometry.trajectory
-            yield "odometry mount", _bytes(self.odometry.odometry_T_camera.coefficients)
+            yield "odometry extrinsics", _bytes(self.odometry.odometry_T_camera.coefficients)
             yield "odometry stamps", _bytes(path.time_ns)
             yield "odometry poses", _bytes(path.poses.coefficients)
         if self.truth is not None:

@@ -68,8 +68,8 @@ def write_artifact(value: object, folder: Path, seconds: float) -> Stored:
     try:
         return _built(value, folder, building, seconds)
     except OSError as fault:
-        told = f"cannot be written: {fault.strerror or fault}"
-        raise OSError(fault.errno or errno.EIO, told, str(folder)) from fault
+        problem = f"cannot be written: {fault.strerror or fault}"
+        raise OSError(fault.errno or errno.EIO, problem, str(folder)) from fault
     finally:
         shutil.rmtree(building, ignore_errors=True)
 
@@ -265,7 +265,7 @@ class _Decoder:
             return float(tree)
         if origin is typing.Literal or isinstance(tree, kind):
             return tree
-        raise TypeError(f"{where}: expected {kind}, came {type(tree).__name__}")
+        raise TypeError(f"{where}: expected {kind}, got {type(tree).__name__}")
 
     def _array(self, tree: Any) -> np.ndarray[Any, Any]:
         shape = tuple(map(int, tree["shape"]))

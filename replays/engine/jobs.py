@@ -117,8 +117,8 @@ def _kept(function: Callable[[JobType], Any], task: tuple[JobType, Path]) -> Non
 
 def job_key(function: Callable[..., Any], about: object) -> str:
     """The name of a result: a digest of what a job is, ready for JSON, and of the code it runs."""
-    told = json.dumps([function.__name__, _code(function), about], sort_keys=True)
-    return hashlib.sha256(told.encode()).hexdigest()[:24]
+    content = json.dumps([function.__name__, _code(function), about], sort_keys=True)
+    return hashlib.sha256(content.encode()).hexdigest()[:24]
 
 
 # The code as it was when this process first asked, whatever is edited meanwhile.

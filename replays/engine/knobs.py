@@ -1,6 +1,6 @@
 """Knobs as text: what can be set, to what, and what it means; and `stage.knob=value` as read.
 
-What a knob may be is told by its annotation, and what it means by its stage's docstring.
+A knob's annotation says what it may be, and its stage's docstring what it means.
 """
 
 from __future__ import annotations
@@ -99,18 +99,18 @@ def _parse(text: str, kind: Any, name: str) -> Any:
         return _parse(text, present, name)
     if origin is typing.Literal:
         if text not in arguments:
-            raise GraphError(f"{name}: expected one of {', '.join(arguments)}, came {text!r}")
+            raise GraphError(f"{name}: expected one of {', '.join(arguments)}, got {text!r}")
         return text
     if origin is tuple:
         return tuple(_parse(part.strip(), arguments[0], name) for part in text.split(",") if part)
     if kind is bool:
         if text.lower() not in ("true", "false"):
-            raise GraphError(f"{name}: expected true or false, came {text!r}")
+            raise GraphError(f"{name}: expected true or false, got {text!r}")
         return text.lower() == "true"
     try:
         value = kind(text)
     except ValueError:
-        raise GraphError(f"{name}: expected {kind.__name__}, came {text!r}") from None
+        raise GraphError(f"{name}: expected {kind.__name__}, got {text!r}") from None
     if isinstance(value, float) and not abs(value) <= LARGEST:
-        raise GraphError(f"{name}: expected a number within ±{LARGEST:g}, came {text!r}")
+        raise GraphError(f"{name}: expected a number within ±{LARGEST:g}, got {text!r}")
     return value

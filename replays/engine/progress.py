@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
-__all__ = ["reading", "telling_stages", "track", "working"]
+__all__ = ["log_stages", "reading", "track", "working"]
 
 Item = TypeVar("Item")
 
@@ -43,10 +43,10 @@ def reading(what: str, size: int) -> Iterator[Callable[[int], None]]:
 
     with tqdm(desc=what, total=size, unit="B", unit_scale=True, leave=False, delay=DELAY_S) as bar:
 
-        def told(place: int) -> None:
+        def advance(place: int) -> None:
             bar.update(place - bar.n)
 
-        yield told
+        yield advance
 
 
 @contextmanager
@@ -75,10 +75,10 @@ def working(what: str) -> Iterator[None]:
 
 
 @contextmanager
-def telling_stages(recording: str = "") -> Iterator[logging.Logger]:
+def log_stages(recording: str = "") -> Iterator[logging.Logger]:
     """Within the block, every stage of a graph tells when it ended, in a line on standard error.
 
-    Lines begin with the name of the `recording`, if one is given; what is told through the logger
+    Lines begin with the name of the `recording`, if one is given; what is logged by the logger
     that this yields stands among them.
     """
     logging.basicConfig(format="%(message)s")  # a worker's process has nothing yet that writes

@@ -96,9 +96,9 @@ class StageStore:
 
     def _chosen(self, choice: Choice, label: str, skipped: tuple[str, ...]) -> str:
         name = choice.members[label].name
-        told = json.dumps([self._digests[name], label, skipped]).encode()
+        content = json.dumps([self._digests[name], label, skipped]).encode()
         value = Chosen(self.outputs[name], label, skipped)
-        self._keep(choice.name, value, hashlib.sha256(told).hexdigest())
+        self._keep(choice.name, value, hashlib.sha256(content).hexdigest())
         return name
 
     def leave_out(self, name: str) -> None:

@@ -92,10 +92,10 @@ def calibrate_pictures(
         if view is not None and view.spanning:
             found.append((name, view))
     if size is None or not found:
-        told = f"; first: {unreadable[0]}" if unreadable else ""
+        first = f"; first: {unreadable[0]}" if unreadable else ""
         raise CalibrationError(
             f"{board.name}: expected it in some pictures, got it in none of {searched} that could "
-            f"be read, {len(unreadable)} could not{told}"
+            f"be read, {len(unreadable)} could not{first}"
         )
     chosen = spread_views([view for _, view in found], _MOST_VIEWS)
     views = tuple(found[index][1] for index in chosen)

@@ -145,19 +145,19 @@ def _sensors(data: bytes, path: Path) -> dict[bytes, FloatArray]:
 
 
 def _stream(data: bytes, path: Path) -> dict[bytes, FloatArray]:
-    told = {item.key: item for item in items(data, path)}
+    known = {item.key: item for item in items(data, path)}
     units = {b"ACCL": (b"m/s\xb2", b"m/s2"), b"GYRO": (b"rad/s",)}
-    for key in units.keys() & told.keys():
+    for key in units.keys() & known.keys():
         field = f"telemetry {key.decode()}"
-        given = told.get(b"SIUN")
+        given = known.get(b"SIUN")
         unit = b"" if given is None else given.body[: given.size].rstrip(b"\0 ")
         if unit not in units[key]:
             raise refusal(path, f"expected {units[key][0]!r}, got {unit!r}", field=field)
-        scale = _numbers(told[b"SCAL"], path).ravel() if b"SCAL" in told else np.ones(1)
-        values = _numbers(told[key], path)
+        scale = _numbers(known[b"SCAL"], path).ravel() if b"SCAL" in known else np.ones(1)
+        values = _numbers(known[key], path)
         if values.shape[1] != 3 or scale.size not in (1, 3) or not np.all(scale):
             raise refusal(path, "expected three axes and scales that are not 0", field=field)
-        order = told[b"ORIN"].body.decode("ascii", "replace") if b"ORIN" in told else _STORED_ZXY
+        order = known[b"ORIN"].body.decode("ascii", "replace") if b"ORIN" in known else _STORED_ZXY
         return {key: _turned(values / scale, order, path)}
     return {}
 

@@ -1,7 +1,7 @@
 """IMU streams and noise from files.
 
 A stream is EuRoC's CSV: stamp in ns, angular rate in rad/s, specific force in m/s². Streams that
-move in other units are refused; saturation and gaps are told in the log.
+move in other units are refused; saturation and gaps are written to the log.
 """
 
 from __future__ import annotations

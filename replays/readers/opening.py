@@ -34,9 +34,9 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
         if not root.exists():
             raise refusal(root, "no such file or folder")
         if manifest is not None:
-            return manifests.read(root, Path(manifest), trusted=True)
+            return manifests.read(root, Path(manifest), may_leave=True)
         if (root / manifests.LOCAL_NAME).is_file():
-            return manifests.read(root, root / manifests.LOCAL_NAME, trusted=False)
+            return manifests.read(root, root / manifests.LOCAL_NAME, may_leave=False)
         return read_layout(root)
     except OSError as fault:
         where = fault.filename or root

@@ -96,10 +96,10 @@ def data_rows(path: Path, separator: bytes | None) -> Iterator[tuple[int, list[b
         RecordingError: missing, empty, too large, or not text.
     """
     size = path.stat().st_size if path.is_file() else 0
-    with reading(path.name, size) as told, open_bounded(path, FILE_LIMIT) as file:
+    with reading(path.name, size) as advance, open_bounded(path, FILE_LIMIT) as file:
         for number in itertools.count(1):
             if number % _TOLD_EVERY == 0:
-                told(file.tell())
+                advance(file.tell())
             line = file.readline(LINE_LIMIT + 1)
             if not line:
                 return

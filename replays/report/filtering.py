@@ -36,7 +36,7 @@ class FilterErrors:
 
 
 def filter_errors(findings: Findings) -> FilterErrors | None:
-    """Logarithms from the aligned fused path to the truth at its stamps; None without either.
+    """Logarithms from the aligned fused path to the ground truth; None without either.
 
     Alignment takes away some of the error that the deviations count.
     """
@@ -48,7 +48,7 @@ def filter_errors(findings: Findings) -> FilterErrors | None:
     stamps = pairs.time_ns
     inside = (stamps >= truth.time_ns[0]) & (stamps <= truth.time_ns[-1])
     rows, stamps = pairs.estimate_index[inside], stamps[inside]
-    # Between the truth's stamps: motion within a few milliseconds would pass for error.
+    # Between the ground truth's stamps: motion within a few milliseconds would pass for error.
     wrong = fit.apply(path.motors[rows]).inverse() @ truth.motors_at(stamps)
     variances = np.diagonal(findings.fused.covariance[rows], axis1=-2, axis2=-1)
     start_ns = int(findings.camera_poses.measurements.trajectory.time_ns[0])
@@ -73,7 +73,7 @@ def _within(findings: Findings) -> list[Picture]:
         share, apart = (
             float(np.mean(np.abs(one) <= sigma)) for one in (errors, errors - errors.mean(axis=0))
         )
-        told = (
+        caption = (
             f"Errors of the fused path in the camera's axes; tinted: one and two deviations that "
             f"the filter states. {100 * share:.0f} % lie within one; {100 * _WITHIN:.0f} % would "
             "where it is right. Errors that last, as of corners that are all found a little to one "
@@ -81,7 +81,7 @@ def _within(findings: Findings) -> list[Picture]:
             f"mean over time, {100 * apart:.0f} % lie within."
         )
         svg = plot_within_sigma(found.time_s, errors, sigma, title, unit)
-        pictures.append(Picture(title, told, svg, ("x", "y", "z")))
+        pictures.append(Picture(title, caption, svg, ("x", "y", "z")))
     return pictures
 
 
@@ -96,15 +96,16 @@ def _nis(findings: Findings) -> list[Picture]:
     nis = fused.nis[known]
     share = float(np.mean((nis >= low) & (nis <= high)))
     left_out = int(np.count_nonzero(~fused.accepted))
-    told = (
+    caption = (
         f"Innovations squared, normalised by what the filter expects: {_FREEDOM} on average "
         f"(dashed), 95 % within the tint ({low:.2f} to {high:.2f}) where it is right; here "
-        f"{100 * share:.0f} %. Below: it trusts itself too little. {left_out} were left out."
+        f"{100 * share:.0f} %. Below: it is less sure of itself than it could be. "
+        f"{left_out} were left out."
     ) + _floor(findings)
     svg = plot_squares(
         {"fused": (time_s, nis)}, _FREEDOM, (low, high), "NIS of the poses", "NIS", dots=True
     )
-    return [Picture("NIS of the measured poses", told, svg, ("fused",))]
+    return [Picture("NIS of the measured poses", caption, svg, ("fused",))]
 
 
 def _floor(findings: Findings) -> str:
@@ -116,7 +117,7 @@ def _floor(findings: Findings) -> str:
     if not fit_px < SIGMA_FLOOR_PX:
         return ""
     return (
-        f" Corners fit to {fit_px:.2f} px a coordinate here, and none is trusted below "
+        f" Corners fit to {fit_px:.2f} px a coordinate here, and none is believed below "
         f"{SIGMA_FLOOR_PX:g} px, for what lasts is not seen in a fit: NIS lies low for that."
     )
 
@@ -130,10 +131,10 @@ def _tilt(findings: Findings) -> list[Picture]:
         if found.settled_s is not None
         else "it does not settle below a tenth of that here"
     )
-    told = (
+    caption = (
         f"The filter once more, forwards only, started {found.initial_tilt_deg:g}° wrong in tilt "
         f"with zero biases, judged by the {found.judged_by}: {settled}."
     )
     series = {"fused": (found.time_s, found.tilt_error_deg)}
     svg = plot_series(series, "tilt error", "tilt error (°)", log_scale=True)
-    return [Picture("Convergence from a wrong start", told, svg, ("fused",))]
+    return [Picture("Convergence from a wrong start", caption, svg, ("fused",))]

@@ -66,7 +66,7 @@ class Findings:
         )
 
     def worst_m(self, path: str, span_s: tuple[float, float]) -> float | None:
-        """Largest position error of a path within a span; None without a truth there."""
+        """Largest position error of a path within a span; None without a ground truth there."""
         series = self.errors.against_truth.get(path)
         if series is None:
             return None

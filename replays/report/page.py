@@ -34,7 +34,7 @@ NO_VIDEO = (
 NO_PICTURES = "the recording holds corners of markers and no pictures to draw into."
 IMU_ORIGINS = {
     "recorded": "recorded",
-    "reference": "simulated from the truth",
+    "reference": "simulated along the ground truth",
     "tracked": "simulated along the tracked path (it knows nothing that the images did not)",
 }
 
@@ -64,27 +64,27 @@ def page(findings: Findings) -> str:
 
 def _headline(findings: Findings) -> str:
     poses, fused = findings.camera_poses, findings.fused
-    told = f"Camera poses {poses.summary}; IMU {_imu(findings)}. The path was {fused.summary}."
+    text = f"Camera poses {poses.summary}; IMU {_imu(findings)}. The path was {fused.summary}."
     if fused.by != "imu":
-        told = f"Camera poses {poses.summary}. The path was {fused.summary}."
+        text = f"Camera poses {poses.summary}. The path was {fused.summary}."
     if poses.skipped:
-        told += f" Skipped: {'; '.join(poses.skipped)}."
+        text += f" Skipped: {'; '.join(poses.skipped)}."
     damaged = findings.recording.damaged
     if damaged:
-        told += f" {len(damaged)} damaged pictures were left out: {'; '.join(damaged[:MOST_NAMED])}"
-        told += " and others." if len(damaged) > MOST_NAMED else "."
-    return told
+        text += f" {len(damaged)} damaged pictures were left out: {'; '.join(damaged[:MOST_NAMED])}"
+        text += " and others." if len(damaged) > MOST_NAMED else "."
+    return text
 
 
 def _imu(findings: Findings) -> str:
     imu = findings.imu
-    told = IMU_ORIGINS[imu.origin]
+    text = IMU_ORIGINS[imu.origin]
     if imu.clock_offset_sigma_s is not None:
-        told += (
+        text += (
             f", its clock {1e3 * imu.clock_offset_s:+.2f} ± "
             f"{1e3 * imu.clock_offset_sigma_s:.2f} ms from the camera's, taken off"
         )
-    return told
+    return text
 
 
 def _video(findings: Findings) -> str | None:
@@ -164,7 +164,7 @@ def _facts(findings: Findings) -> list[dict[str, str]]:
 def _errors_caption(findings: Findings) -> str:
     errors = findings.errors
     if findings.recording.truth is None:
-        return "This recording has no truth, so only jitter can be told."
+        return "This recording has no ground truth: only jitter can be measured."
     how = {
         "none": "without alignment",
         "se3": "after rigid alignment (SE3)",

@@ -18,18 +18,18 @@ from motorcade.replays.report.findings import Findings, Spans
 from motorcade.replays.report.picture import Picture
 from motorcade.replays.report.upright import as_drawn, map_unit
 
-__all__ = ["Section", "sections"]
+__all__ = ["ReportSection", "sections"]
 
 _AXES = ("x", "y", "z")
 _LENGTHS = {"m": "Metres", "units": "Units of the map, of unknown length"}
 
 
 @dataclass(frozen=True)
-class Section:
+class ReportSection:
     """Plots under one heading; none of them is empty."""
 
     title: str
-    told: str
+    note: str
     pictures: tuple[Picture, ...]
 
     @property
@@ -39,18 +39,18 @@ class Section:
         return legends.pop() if len(legends) == 1 else ()
 
 
-def sections(findings: Findings) -> list[Section]:
+def sections(findings: Findings) -> list[ReportSection]:
     """Every plot that this run's data allows."""
     lost = findings.unmeasured_spans_s()
     shaded = " Tinted: no pose was measured." if lost else ""
     found = [
-        Section("Path", "Where the camera went and how it turned.", _path(findings)),
-        Section(
+        ReportSection("Path", "Where the camera went and how it turned.", _path(findings)),
+        ReportSection(
             "Errors over time",
             "Logarithmic; lines that coincide lie within each other." + shaded,
             (*_errors(findings, lost), _jitter(findings, lost)),
         ),
-        Section(
+        ReportSection(
             "The filter",
             "Whether it was as sure of itself as it should have been.",
             tuple(filter_pictures(findings)),
@@ -80,7 +80,7 @@ def _path(findings: Findings) -> tuple[Picture, ...]:
         Picture(
             "In space",
             "The path with cameras along it, which open where they look; its shadow below. "
-            + drawn.told,
+            + drawn.note,
             plot_path_3d(few, drawn.unit),
             tuple(few),
         ),
@@ -93,11 +93,11 @@ def _path(findings: Findings) -> tuple[Picture, ...]:
     ]
     if len(path) > 1:
         svg = plot_rotation_and_twist(path, int(measured.time_ns[0]), map_unit(findings))
-        told = (
+        caption = (
             f"Rotation since the first pose as a rotation vector, and the twist in the camera's "
             f"axes: turning and speed. Smoothed as {first}."
         )
-        pictures.append(Picture("Rotation and twist", told, svg, _AXES))
+        pictures.append(Picture("Rotation and twist", caption, svg, _AXES))
     return tuple(pictures)
 
 
@@ -110,11 +110,11 @@ def _errors(findings: Findings, lost: Spans) -> tuple[Picture, ...]:
     return tuple(
         Picture(
             title,
-            told,
+            caption,
             _over_time(values, f"{title.lower()} ({unit})", lost),
             tuple(values),
         )
-        for title, told, values, unit in (
+        for title, caption, values, unit in (
             (
                 "Rotation error",
                 "Angle between estimated and true orientation.",

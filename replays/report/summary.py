@@ -90,7 +90,7 @@ def shown_columns(figures: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 
 def heading(key: str, figures: Mapping[str, Mapping[str, Any]], *, metric: bool) -> str:
-    """Name and unit of a column; lengths have one where the path does, or a truth gives it."""
+    """Name and unit of a column; lengths have one where the path or a ground truth does."""
     name, unit, _ = COLUMNS[key]
     if not metric and all(row.get("ape_rmse_m") is None for row in figures.values()):
         unit = unit.replace("m/s²", "units/s²")

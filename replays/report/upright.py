@@ -1,4 +1,4 @@
-"""The paths as they are drawn: beside the truth, in its time, and with up at the top."""
+"""The paths as they are drawn: beside the ground truth, in its time, and with up at the top."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Drawn:
 
     paths: dict[str, Trajectory]
     unit: str
-    told: str
+    note: str
 
 
 def map_unit(findings: Findings) -> str:
@@ -29,11 +29,11 @@ def map_unit(findings: Findings) -> str:
 
 
 def as_drawn(findings: Findings, paths: dict[str, Trajectory]) -> Drawn:
-    """Paths and truth in the truth's world, aligned as the first path's errors are; z upwards.
+    """Paths in the ground truth's world, aligned as the first path's errors are; z upwards.
 
-    The truth is taken from the first to the last stamp at which a pose was looked for. The world of
-    SLAM may be the first camera's, whose z looks ahead: there, up is the normal of what the
-    character stands on, and all is turned about the origin by the least rotation that takes it
+    The ground truth is taken from the first to the last stamp at which a pose was looked for. The
+    world of SLAM may be the first camera's, whose z looks ahead: there, up is the normal of what
+    the character stands on, and all is turned about the origin by the least rotation that takes it
     to z. Elsewhere z of the world is up.
     """
     poses, truth = findings.camera_poses, findings.recording.truth

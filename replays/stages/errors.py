@@ -39,9 +39,9 @@ def errors(
     """Evaluate every path.
 
     `align=auto` aligns (se3) where the poses were tracked, since the board's or the first camera's
-    frame need not be the truth's, with the scale (sim3) where their unit of length is free, and not
-    at all where they were simulated from the truth. Without a truth only the jitter
-    above `jitter_above_hz` is told.
+    frame need not be the ground truth's, with the scale (sim3) where their unit of length is free,
+    and not at all where they were simulated from the ground truth. Without one only the jitter
+    above `jitter_above_hz` is given.
     """
     paths = {"measured": camera_poses.measurements.trajectory, "fused": fused.trajectory}
     paths |= smoothed.trajectories

@@ -21,7 +21,7 @@ def smoothed(
     own uncertainty (see `fusion.smoothing.automatic_window_s`).
     """
     if not representations:
-        raise ValueError("representations: expected at least one, came none")
+        raise ValueError("representations: expected at least one, got none")
     path = fused.trajectory
     chosen = window_s
     if window_s is None:

@@ -29,7 +29,7 @@ class CameraPoses:
         metric: False where the unit of length is free (SLAM by one camera alone, where no IMU
             tells it).
         points: ``(p, 3)`` of the map, where SLAM made one.
-        metres_a_unit, scale_sigma: where an IMU told the scale, what the map's unit was found to
+        metres_a_unit, scale_sigma: where an IMU gave the scale, what the map's unit was found to
             be, and the relative deviation of that.
         skipped: ways that were tried before this one, with the reason.
         seconds: what tracking took, reading and decoding the pictures included.

@@ -257,7 +257,7 @@ def test_an_empty_folder_is_called_empty(
         ("smothed.window_s=1", "no stage 'smothed' to set; did you mean smoothed?"),
         ("placed.charater=x", "no knob 'charater'; did you mean character?"),
         ("smoothed.windw=1", "no knob 'windw'"),
-        ("smoothed.window_s=wide", "expected float, came 'wide'"),
+        ("smoothed.window_s=wide", "expected float, got 'wide'"),
         ("placed.on=ceiling", "expected one of auto, board, marker, plane, floor"),
         ("simulated_poses.sigma_m=nan", "expected a number within"),
         ("smoothed.window_s=1e300", "expected a number within"),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from motorcade.replays.cli.arguments import Subparsers, new_command
 from motorcade.replays.cli.recordings.run import add_run_options, run_one
-from motorcade.replays.engine.progress import telling_stages
+from motorcade.replays.engine.progress import log_stages
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -33,7 +33,7 @@ def demo(arguments: argparse.Namespace) -> None:
     cache = arguments.cache or arguments.out / ".cache"
     start = time.perf_counter()
     recording = ensure_demo_recording(arguments.out / "recording", arguments.seed)
-    with telling_stages() as lines:
+    with log_stages() as lines:
         lines.info("recording: %.1f s", time.perf_counter() - start)
     job = Job(
         recording=recording,

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from motorcade.replays.cli.arguments import Subparsers, add_executor, new_command, one_line
-from motorcade.replays.engine.progress import telling_stages
+from motorcade.replays.engine.progress import log_stages
 
 if TYPE_CHECKING:
     from motorcade.replays.pipeline import Job
@@ -102,7 +102,7 @@ def run_one(job: Job, *, as_json: bool) -> None:
     """Run a recording here: a line a stage, then its figures, then a line what came of it."""
     from motorcade.replays.pipeline import run_job
 
-    with telling_stages() as lines:
+    with log_stages() as lines:
         summary = run_job(job)
         print_summary(summary, job.out, as_json=as_json)
         lines.info(result(summary, job.out))
@@ -112,7 +112,7 @@ def _run_one_of_several(job: Job) -> dict[str, Any]:
     """Run a recording, here or in another process; what is told of it begins with its name."""
     from motorcade.replays.pipeline import run_job
 
-    with telling_stages(job.recording.resolve().name) as lines:
+    with log_stages(job.recording.resolve().name) as lines:
         summary = run_job(job)
         lines.info(result(summary, job.out))
     return summary

@@ -25,7 +25,7 @@ class CornerFrames:
 
     Fields:
         path: where the corners were read from.
-        streams: by the name of the camera, the one whose path is sought first.
+        streams: by the name of the camera, the one whose path is looked for first.
         rig_T_camera: of the cameras whose place on the rig is known, at least one.
         side_m: side of the black square of each marker that was seen, by id.
     """
@@ -37,7 +37,7 @@ class CornerFrames:
 
     @property
     def first(self) -> CornerStream:
-        """The stream of the camera whose path is sought."""
+        """The stream of the camera whose path is looked for."""
         return next(iter(self.streams.values()))
 
     @property

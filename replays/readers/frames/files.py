@@ -111,9 +111,9 @@ class PictureFrames:
         damage, digests = self._read_through(camera)
         if not damage:
             return replace(self, digests=digests), ()
-        told = tuple(str(fault) for fault in damage.values())
+        faults = tuple(str(fault) for fault in damage.values())
         if 2 * len(damage) >= len(self):
-            problem = f"{len(damage)} of {len(self)} frames are damaged, the first: {told[0]}"
+            problem = f"{len(damage)} of {len(self)} frames are damaged, the first: {faults[0]}"
             raise refusal(self.files[0].parent, problem)
         whole = [
             index
@@ -131,7 +131,7 @@ class PictureFrames:
             else (),
             digests=digests,
         )
-        return intact, told
+        return intact, faults
 
     def _read_through(
         self, camera: Camera | None

@@ -63,26 +63,26 @@ IMU_KEYS = ("file", "noise_file", "imu_T_camera", "clock_offset_s")
 _MOST_OFFSET_S = 1e6
 
 
-def read(root: Path, manifest: Path, *, trusted: bool) -> Recording:
+def read(root: Path, manifest: Path, *, may_leave: bool) -> Recording:
     """Read a recording as a manifest describes it.
 
     Args:
         root: the recording's folder, or its video file.
         manifest: the TOML file.
-        trusted: whether it may name files outside the recording's folder.
+        may_leave: whether it may name files outside the recording's folder.
 
     Raises:
         RecordingError: an unknown key, a wrong type, count or range, a file that is missing; each
             in one line with table and key.
     """
-    return _Manifest(root, manifest, trusted).recording()
+    return _Manifest(root, manifest, may_leave).recording()
 
 
 class _Manifest:
     """A manifest on its way to a recording."""
 
-    def __init__(self, root: Path, path: Path, trusted: bool) -> None:
-        self.root, self.path, self.trusted = root, path, trusted
+    def __init__(self, root: Path, path: Path, may_leave: bool) -> None:
+        self.root, self.path, self.may_leave = root, path, may_leave
         self.folder = root if root.is_dir() else root.parent
         self.table = load_toml(path)
         self.top = Section(path, "", self.table, _TOP)
@@ -124,7 +124,7 @@ class _Manifest:
     def _file(self, section: Section, key: str) -> Path:
         """The file that a key names."""
         name = section.text(key)
-        if not self.trusted:
+        if not self.may_leave:
             path = inside(self.folder, name, self.path)
             if not path.resolve().is_relative_to(self.folder.resolve()):
                 problem = f"expected a file inside {self.folder}, got a link out of it"

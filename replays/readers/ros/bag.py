@@ -45,7 +45,7 @@ def read_bag(path: Path, types: Sequence[str]) -> Iterator[tuple[str, str, Any]]
     Args:
         path: a ``.bag`` file of at most 256 MiB, or a ``.bag.bz2`` of at most 64 MiB that unpacks
             to no more than that. Chunks inside must not be compressed.
-        types: such as "nav_msgs/msg/Odometry"; other messages are passed over.
+        types: such as "nav_msgs/msg/Odometry"; other messages are skipped.
 
     Raises:
         RecordingError: missing, too large, not a bag, damaged, more than 200,000 messages, or a

@@ -110,8 +110,8 @@ class Bag:
             raise self._refusal(fault) from fault
 
     def _refusal(self, fault: Exception) -> RecordingError:
-        told = one_line(str(fault) or type(fault).__name__, 120)
-        return refusal(self.path, f"expected a whole ROS bag: {told}")
+        reason = one_line(str(fault) or type(fault).__name__, 120)
+        return refusal(self.path, f"expected a whole ROS bag: {reason}")
 
 
 class BagFrames(DecodedFrames):

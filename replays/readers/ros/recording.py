@@ -1,6 +1,6 @@
 """ROS 1 and ROS 2 bags (`.bag`, `.mcap`, `.db3`, folders) as recordings: pictures and IMU.
 
-The first image topic by name is read, and the first IMU topic; others are told in the log. The
+The first image topic by name is read, and the first IMU topic; others are named in the log. The
 camera comes from a Kalibr chain beside the bag (`kalibr_imucam_chain.yaml`), which also says where
 it sits on the IMU, or else from the bag's own `camera_info`. Stamps are those of the messages'
 headers. A folder of one bag and a chain, as OpenVINS keeps them, is read as that bag. Message
@@ -59,8 +59,8 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     if not root.is_file() and not (root / "metadata.yaml").is_file():
         bags = _bags_with_chain(root)
         if len(bags) != 1:
-            told = ", ".join(one_line(one.name) for one in bags[:6])
-            raise refusal(root, f"expected one bag, got {told}", advice="name one of them")
+            names = ", ".join(one_line(one.name) for one in bags[:6])
+            raise refusal(root, f"expected one bag, got {names}", advice="name one of them")
         root = bags[0]
     with Bag(root) as bag:
         topic = _first(bag.topics(IMAGE_TYPES), root, "image")

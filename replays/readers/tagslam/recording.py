@@ -24,7 +24,7 @@ __all__ = ["read"]
 
 
 def read(root: Path, *, own_truth: bool = True) -> Recording:
-    """Read a folder of recorded tags; the path sought is that of the first camera with a place.
+    """Read a folder of recorded tags; the path looked for is that of the first camera with a place.
 
     Raises:
         RecordingError: what `corners`, `odometry` or `reference` refuses.

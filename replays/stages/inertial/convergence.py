@@ -28,8 +28,8 @@ def convergence(
     """Run the causal filter again from a wrong tilt and zero biases, without looking ahead.
 
     The filter starts `initial_tilt_deg` off upright and runs for the first `duration_s` seconds.
-    The tilt is judged by the truth where that shares the world of the poses (they were simulated
-    from it), otherwise by the fused path. Where that came about without the filter nothing runs.
+    The tilt is judged by the ground truth where that shares the world of the poses (they were
+    simulated from it), otherwise by the fused path. Where no filter made that nothing runs.
     """
     if fused.by != "imu":
         return Convergence(initial_tilt_deg, np.zeros(0), np.zeros(0), None, "nothing")

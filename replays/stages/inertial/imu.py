@@ -39,8 +39,8 @@ def imu(
 
     `source=auto` takes the recorded stream, else simulates one along the tracked path; that adds
     nothing that the images did not know, so it flatters no result. "reference" simulates from the
-    truth instead and is meant for experiments. A simulation has `rate_hz` samples a second, their
-    noise drawn by `seed`. `sync=estimate` finds the offset between the clocks of camera and
+    ground truth instead and is meant for experiments. A simulation has `rate_hz` samples a second,
+    their noise drawn by `seed`. `sync=estimate` finds the offset between the clocks of camera and
     recorded IMU by the motion of both, and takes it off; otherwise the stamps are believed.
     `knot_spacing_s` is that of the simulation's spline: by default one knot a pose, but none nearer
     than 0.02 s, so that the stream moves as the poses do. A simulated IMU sits where the recorded
@@ -62,7 +62,7 @@ def imu(
         raise ValueError(f"{recording.name}: imu.sync={sync} needs a recorded IMU")
     path = recording.truth if origin == "reference" else camera_poses.measurements.trajectory
     if path is None:
-        raise ValueError(f"{recording.name}: imu.source=reference, but it has no truth")
+        raise ValueError(f"{recording.name}: imu.source=reference, but it has no ground truth")
     if imu_T_camera is None:
         imu_T_camera = Motor.identity()
     world_T_imu = path.transformed_by(right=imu_T_camera.inverse(), child="imu")

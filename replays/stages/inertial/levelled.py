@@ -39,7 +39,7 @@ class Levelled:
 def levelled(camera_poses: CameraPoses, imu: UsedImu, stream: ImuStream) -> Levelled:
     """Turn a world upright whose z is more than 3° from up by a recorded IMU.
 
-    Poses simulated from a truth keep that truth's world, and an IMU simulated along a path has z
+    Poses simulated from a ground truth keep its world, and an IMU simulated along a path has z
     for up anyway. The mean is off by the change of velocity over the time, in units of gravity.
     """
     found = camera_poses.measurements

@@ -30,7 +30,7 @@ def best_place(
 
     A frame counts fully where it shows the character whole and at least a quarter as tall as the
     picture, less where it is smaller or only its feet are shown. Of places that are seen alike the
-    one nearest the plane's middle is taken. Places where something stands are passed over, unless
+    one nearest the plane's middle is taken. Places where something stands are skipped, unless
     there are no others; what may stand between place and camera is not looked at.
 
     Args:

@@ -180,7 +180,7 @@ class _Footage:
 def extrapolated(path: Trajectory, measured: Trajectory) -> Trajectory:
     """The path to the measured poses just before its first and after its last, at even velocity.
 
-    That something was measured there says that the camera saw; where it was then is told better by
+    That something was measured there says that the camera saw; where it was then is better said by
     how the smoothed path goes on than by one noisy pose, and so nothing jumps.
     """
     stamps, poses = [path.time_ns], [path.motors]
@@ -205,7 +205,5 @@ def _chosen(smoothed: SmoothedPaths, representation: str | None) -> Trajectory:
         return next(iter(smoothed.trajectories.values()))
     if representation not in smoothed.trajectories:
         known = ", ".join(smoothed.trajectories)
-        raise ValueError(
-            f"overlay.representation: expected one of {known}, came {representation!r}"
-        )
+        raise ValueError(f"overlay.representation: expected one of {known}, got {representation!r}")
     return smoothed.trajectories[representation]

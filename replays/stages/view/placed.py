@@ -60,7 +60,7 @@ def placed(
     `path` of points x,y,x,y,… in the plane's frame, metres, it walks along them at the clip's own
     speed with planted feet and stays at the end; the clip is then the walk unless another is named.
     (A board's frame begins at its top left corner as printed, a checkerboard's at its first inner
-    one: y runs up, so points on the board have y < 0. A path that leaves it is told in the log.)
+    one: y runs up, so points on the board have y < 0. A path that leaves it is named in the log.)
     `on` "auto" takes the board or the marker seen most where the poses come from it, else the plane
     where one is found (in depth, or among the points that SLAM mapped; the floor where gravity is
     known, a plane that faces the picture's up where it is not), else the floor: z = `floor_m`, in
@@ -77,14 +77,14 @@ def placed(
     Raises ValueError for a board or plane that is asked for and not there.
     """
     if position_m and len(position_m) != 2:
-        raise ValueError(f"placed.position_m: expected x,y, came {len(position_m)} numbers")
+        raise ValueError(f"placed.position_m: expected x,y, got {len(position_m)} numbers")
     marker_map = None if marker_poses is None else marker_poses.marker_map
     way = path_of(path) if path else None
     seen_from = next(iter(smoothed.trajectories.values()))
     first_camera = seen_from.motors[0]
     ground, ground_motion = None, None
     if (on == "marker") != (marker is not None):
-        raise ValueError(f"placed.marker: expected an id with placed.on=marker, came {marker}")
+        raise ValueError(f"placed.marker: expected an id with placed.on=marker, got {marker}")
     if marker is not None:
         known = known_marker(recording, camera_poses, marker_map, marker)
         found = find_marker(recording, seen_from, marker, known)
@@ -129,14 +129,14 @@ def placed(
     points = np.zeros((0, 2)) if way is None else way.points_m
     if way is not None:  # refused here rather than when it is drawn
         walked(who, motion, points, placement.scale, inside)
-        _tell_points_off(points, ground)
+        _warn_of_points_off(points, ground)
     content = sha256(character.read_bytes()).hexdigest() if character.is_file() else ""
     return PlacedCharacter(
         str(character), clip, placement, ground.name, content, frozen(points), inside, ground_motion
     )  # fmt: skip
 
 
-def _tell_points_off(path_m: FloatArray, ground: Ground) -> None:
+def _warn_of_points_off(path_m: FloatArray, ground: Ground) -> None:
     """Warn of points ``(P, 2)`` of a path that lie beside the board or marker."""
     if ground.extent_m is None:
         return

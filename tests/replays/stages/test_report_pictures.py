@@ -146,7 +146,7 @@ def test_an_imu_along_the_tracked_path_says_nothing_of_the_noise() -> None:
     ("origin", "fit_px", "said"),
     [("board", 0.03, True), ("board", 0.2, False), ("slam", 0.03, False)],
 )
-def test_corners_that_fit_better_than_any_are_trusted_are_told_of(
+def test_corners_that_fit_better_than_any_is_believed_are_mentioned(
     origin: str, fit_px: float, said: bool
 ) -> None:
     told = findings()
@@ -154,7 +154,7 @@ def test_corners_that_fit_better_than_any_are_trusted_are_told_of(
     told.camera_poses.reprojection_px = np.full(COUNT, np.sqrt(2.0) * fit_px)
     caption = filter_pictures(told)[2].caption
     assert (
-        "Corners fit to 0.03 px a coordinate here, and none is trusted below 0.1" in caption
+        "Corners fit to 0.03 px a coordinate here, and none is believed below 0.1" in caption
     ) is said
 
 
@@ -185,7 +185,7 @@ def test_up_of_what_is_stood_on_is_drawn_upwards(up: list[float]) -> None:
     np.testing.assert_allclose(after @ after.T, before @ before.T, atol=1e-12)
     np.testing.assert_allclose(np.linalg.det(np.linalg.lstsq(before, after)[0]), 1.0, atol=1e-9)
     assert drawn.unit == "units"
-    assert drawn.told == "Up is the normal of a plane."
+    assert drawn.note == "Up is the normal of a plane."
 
 
 def test_ahead_is_ahead_where_the_picture_s_up_is_taken() -> None:
@@ -202,7 +202,7 @@ def test_elsewhere_the_world_is_drawn_as_it_is() -> None:
     path = told.fused.trajectory
     drawn = as_drawn(told, {"motor": path})
     assert drawn.paths == {"motor": path}
-    assert (drawn.unit, drawn.told) == ("m", "Up is z of the world.")
+    assert (drawn.unit, drawn.note) == ("m", "Up is z of the world.")
 
 
 def test_the_truth_is_drawn_while_the_recording_lasts_and_up_with_it() -> None:
