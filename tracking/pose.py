@@ -109,8 +109,8 @@ def planar_candidates(corners: BoardCorners, camera: Camera) -> PlanarCandidates
             break
         # Exactly head on, rounding alone decides whether OpenCV's IPPE finds the rotation; corners
         # moved by far less than any noise lead it past that point.
-        moved = rays[:, :2] * (1.0 + nudge * np.linspace(-1.0, 1.0, len(rays))[:, None])
-        again = _ippe(corners, camera, moved)
+        nudged = rays[:, :2] * (1.0 + nudge * np.linspace(-1.0, 1.0, len(rays))[:, None])
+        again = _ippe(corners, camera, nudged)
         found = min(found, again, key=lambda one: float(one.error_px[0]))
     return found
 

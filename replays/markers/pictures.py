@@ -55,7 +55,7 @@ def markers_in(
     Args:
         paths: PNG, JPEG, BMP or PNM files, grey or colour, 8 or 16 bits.
         family: one of `tracking.FAMILIES`.
-        camera: straightens lines; with `size_m` gives poses. The pictures must have its size.
+        camera: undistorts lines; with `size_m` gives poses. The pictures must have its size.
         size_m: side of the markers' black square, metres.
 
     Raises:

@@ -206,21 +206,21 @@ class BoardTracker:
         )
 
     def _completed(self, image: GrayImage, fit: _Fit | None) -> _Fit | None:
-        """The fit with corners that were missed, where they stand as the pose has them."""
+        """The fit with corners that were missed, refined from where the pose expects them."""
         if fit is None or len(fit.corners) == len(self.board.points_m):
             return fit
-        places = self._expected_px(fit.pose.world_T_camera)
+        expected_px = self._expected_px(fit.pose.world_T_camera)
         limit = (self.camera.width - 1, self.camera.height - 1)
-        seen = np.all((places >= 0.0) & (places <= limit), axis=-1)
+        seen = np.all((expected_px >= 0.0) & (expected_px <= limit), axis=-1)
         seen[fit.corners.ids] = True
         if np.count_nonzero(seen) == len(fit.corners):
             return fit
-        places[fit.corners.ids] = fit.corners.corners_px
+        expected_px[fit.corners.ids] = fit.corners.corners_px
         ids = np.flatnonzero(seen)
-        tried = BoardCorners(ids, places[ids], self.board.points_m[ids])
-        sharp = self.board.refine_corners(image, tried, self.camera)
-        moved = np.linalg.norm(sharp.corners_px - places[sharp.ids], axis=-1)
-        near = sharp.keep(moved <= max(_NEAR_PX, _OUTLIER_FACTOR * fit.pose.error_px))
+        tried = BoardCorners(ids, expected_px[ids], self.board.points_m[ids])
+        refined = self.board.refine_corners(image, tried, self.camera)
+        shift_px = np.linalg.norm(refined.corners_px - expected_px[refined.ids], axis=-1)
+        near = refined.keep(shift_px <= max(_NEAR_PX, _OUTLIER_FACTOR * fit.pose.error_px))
         return (self._solved(near) or fit) if len(near) > len(fit.corners) else fit
 
     def _expected_px(self, world_T_camera: Motor) -> FloatArray:

@@ -43,8 +43,8 @@ def extent_in_picture(
 ) -> tuple[int, int]:
     """Columns and rows that a picture shows: the board's own, or one more of each.
 
-    Each outer line of corners is carried on by one, where its neighbours say that the next would
-    lie. It counts where every corner of it is a saddle, with the colours in turn.
+    Each outer line of corners is extrapolated by one, to where the next would lie. It counts where
+    every corner of it is a saddle, with the colours in turn.
 
     Args:
         board: as described, and seen whole.
@@ -60,7 +60,7 @@ def extent_in_picture(
 
 def _goes_on(image: GrayImage, lines: FloatArray) -> bool:
     """Whether another line of saddles lies before the first of `lines` ``(n, corners, 2)``."""
-    further = 3.0 * lines[0] - 3.0 * lines[1] + lines[2]  # keeps perspective and a lens's bend
+    further = 3.0 * lines[0] - 3.0 * lines[1] + lines[2]  # keeps perspective and distortion
     grid = np.concatenate([further[None], lines])
     line, place = np.indices(grid.shape[:2]).reshape(2, -1)
     points = np.stack([line, place], axis=-1).astype(np.float64)

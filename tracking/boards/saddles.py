@@ -1,4 +1,4 @@
-"""Saddle corners, where two black and two white squares meet: refined, and told from others.
+"""Saddle corners, where two black and two white squares meet: refining and checking them.
 
 Points are printed coordinates in the board frame (metres, y up); pixels as the house has them.
 Sub-pixel places come from OpenCV's ``cornerSubPix`` (Förstner's gradient orthogonality), which is
@@ -34,7 +34,7 @@ def refine_saddles(
     black_up_left: NDArray[np.bool_],
     clear_m: float,
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Move corners onto the saddles near them.
+    """Refine corners to the saddles near them.
 
     Args:
         image: grey picture.

@@ -1,4 +1,4 @@
-"""What boards of black and white squares share: a grid of saddles, told apart by its colours."""
+"""What boards of black and white squares share: a grid of saddles whose colours alternate."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class SquaresBoard(ABC):
     def refine_corners(
         self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
     ) -> BoardCorners:
-        """Move corners onto the saddles near them; those that do not look like one are left out.
+        """Refine corners to the saddles near them; those that do not look like one are left out.
 
         Needs four corners that span the board. `camera` is not needed.
         """

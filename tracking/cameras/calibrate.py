@@ -139,16 +139,16 @@ def calibrate(
         fit = _fitted(views, used, camera)
         camera = fit.camera
         errors = _view_errors_px(views, used, fit)
-        believed = errors <= max(_OUTLIER_FLOOR_PX, _OUTLIER_FACTOR * np.median(errors[used]))
-        if last or np.array_equal(believed, used):
+        fitting = errors <= max(_OUTLIER_FLOOR_PX, _OUTLIER_FACTOR * np.median(errors[used]))
+        if last or np.array_equal(fitting, used):
             break
-        if np.count_nonzero(believed) < LEAST_VIEWS:
+        if np.count_nonzero(fitting) < LEAST_VIEWS:
             raise CalibrationError(
                 f"views: expected at least {LEAST_VIEWS} that fit one camera, got "
-                f"{np.count_nonzero(believed)} of {len(views)}; is it the right board, and the "
+                f"{np.count_nonzero(fitting)} of {len(views)}; is it the right board, and the "
                 "right lens model?"
             )
-        used = believed
+        used = fitting
     return Calibration(
         camera=camera,
         deviation=_checked_deviation(fit),

@@ -40,8 +40,8 @@ def project(
 def to_frame(world_T_frame: Motor, points_m: FloatArray) -> FloatArray:
     """Points ``(*, 3)`` of the world in a frame, NaN passed on (`Motor.apply` refuses it)."""
     pose = world_T_frame.as_matrix()
-    moved: FloatArray = (points_m - pose[:3, 3]) @ pose[:3, :3]
-    return moved
+    in_frame: FloatArray = (points_m - pose[:3, 3]) @ pose[:3, :3]
+    return in_frame
 
 
 def reproject(camera: Camera, in_camera: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

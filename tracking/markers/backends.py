@@ -95,7 +95,7 @@ _own = local()
 
 
 def apriltag_detector(family: str) -> Detector:
-    """The AprilTag detector of this thread; no two threads may use one, and it is dear to make."""
+    """The AprilTag detector of this thread; no two threads may use one, and making one is slow."""
     kept: dict[str, Detector] = _own.__dict__
     if family not in kept:
         from pupil_apriltags import Detector

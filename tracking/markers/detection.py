@@ -116,11 +116,11 @@ def detect_markers(
 def _merged(quads: Quads, reading: Reading) -> list[int]:
     """Rows to keep: those that look like their print, the best of each marker, in order."""
     centres = quads.corners_px.mean(axis=1)
-    believed = (reading.agreement >= _LEAST_AGREEMENT) & (reading.contrast >= _LEAST_CONTRAST)
+    legible = (reading.agreement >= _LEAST_AGREEMENT) & (reading.contrast >= _LEAST_CONTRAST)
     kept: list[int] = []
     for row in np.argsort(-reading.agreement, kind="stable"):
         twins = [one for one in kept if quads.ids[one] == quads.ids[row]]
-        if believed[row] and not (twins and _overlaps(quads.corners_px[[row, *twins]])):
+        if legible[row] and not (twins and _overlaps(quads.corners_px[[row, *twins]])):
             kept.append(int(row))
     return sorted(kept, key=lambda one: (quads.ids[one], *centres[one]))
 

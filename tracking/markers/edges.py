@@ -35,14 +35,14 @@ _WORST_SPREAD_PX = 0.6
 def refine_quads(
     image: GrayImage, quads: FloatArray, clear_share: float, camera: Camera | None = None
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Move the corners of black markers on white paper onto their sub-pixel places.
+    """Refine the corners of black markers on white paper to sub-pixel accuracy.
 
     Args:
         image: grey picture.
         quads: ``(m, 4, 2)`` corners in pixels, clockwise as seen, right to a pixel or two.
         clear_share: the part of a marker's side up to which, inward and outward of it, nothing
             else is printed: the width of the black border or of the white gap.
-        camera: whose lens bends the sides; without one they are taken as straight.
+        camera: whose lens distorts the sides; without one they are taken as straight.
 
     Returns:
         the corners ``(m, 4, 2)``, and a mask ``(m,)`` of markers all of whose sides were found:
@@ -57,11 +57,11 @@ def refine_quads(
         for _ in range(_ROUNDS):
             points, weights, seen = _side_points(image, places, reach)
             lines, spread = _fit_lines(_undistorted(points, camera), weights)
-            crossed = _bent(_crossings(lines), camera)
+            crossed = _distorted(_crossings(lines), camera)
             change = crossed - quads
-            moved = np.sqrt((change * change).sum(axis=-1).max(axis=1))
+            shift_px = np.sqrt((change * change).sum(axis=-1).max(axis=1))
             good &= (seen & (spread < _WORST_SPREAD_PX)).all(axis=1)
-            good &= moved < np.maximum(3.0, 2.0 * reach)
+            good &= shift_px < np.maximum(3.0, 2.0 * reach)
             places = np.where(good[:, None, None], crossed, quads)
     return places, good
 
@@ -133,7 +133,7 @@ def _undistorted(points: FloatArray, camera: Camera | None) -> FloatArray:
     return camera.undistort(points)
 
 
-def _bent(points: FloatArray, camera: Camera | None) -> FloatArray:
+def _distorted(points: FloatArray, camera: Camera | None) -> FloatArray:
     if camera is None or camera.model == "pinhole":
         return points
     known = np.isfinite(points).all(axis=-1, keepdims=True)

@@ -50,7 +50,7 @@ class TwoViews:
 
     Args:
         first_T_second: where the second camera stands.
-        good: ``(n,)`` corners that agree and have parallax.
+        good: ``(n,)`` inliers that have parallax.
         model: "essential" or "homography".
     """
 
@@ -98,9 +98,9 @@ def flow_beyond_rotation_px(first_px: FloatArray, px: FloatArray, camera: Camera
 
 
 def two_views(first_px: FloatArray, px: FloatArray, camera: Camera) -> TwoViews | None:
-    """Relative pose of two views from corners ``(n, 2)`` in both; None where it cannot be told.
+    """Relative pose of two views from corners ``(n, 2)`` in both; None where it is undecided.
 
-    Refused: a flow that rotation explains, too few corners that agree, too little parallax, or two
+    Refused: a flow that rotation explains, too few inliers, too little parallax, or two
     solutions that explain the views almost equally well.
     """
     if len(px) < FEWEST_CORNERS:

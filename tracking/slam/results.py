@@ -30,7 +30,7 @@ class SlamFrame:
         time_ns: stamp; state: one of `SLAM_STATES`.
         world_T_camera: the pose; None while initialising or lost.
         covariance: ``(6, 6)`` of the right perturbation, rotation (rad) then translation.
-        inliers: corners that agree with the pose.
+        inliers: how many corners the pose explains.
         keyframe: whether it became a keyframe of the map.
     """
 

@@ -264,7 +264,7 @@ class VisualSlam:
         self._seconds["mapping"] += inserted.seconds
 
     def _relocalised(self, picture: SlamPicture) -> SlamFrame:
-        """Look for the map in the picture; what is found is refined before it is believed."""
+        """Look for the map in the picture; what is found is refined, then checked."""
         self._settle()
         corners = find_corners(picture.gray, self.settings.features)
         rows = candidates(self._map, corners, _CANDIDATES)

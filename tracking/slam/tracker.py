@@ -2,7 +2,7 @@
 
 The pose is predicted at constant velocity, corners are tracked from where that puts them, and the
 pose is refined on them; where the prediction does not explain the picture it is searched from
-scratch. A pose is given only if enough corners, spread enough, agree with it.
+scratch. A pose is given only if enough corners, spread enough, are inliers.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ _CELLS, _FEWEST_CELLS = 48, 6
 _EPIPOLAR_PX = 3.0
 _NEIGHBOURS = 3
 _KEPT_SHARE = 0.8
-_MOVED_SHARE = 0.06
+_MOTION_SHARE = 0.06
 _FEW_POINTS = 150
 
 
 def is_reliable(fit: FittedPose | None, px: FloatArray, shape: tuple[int, ...]) -> bool:
-    """Whether a pose stands on enough corners, on enough of them all, and on enough of the picture.
+    """Whether a pose stands on enough inliers, in number, as a share, and over the picture.
 
     Args:
         fit: the pose; None is never reliable.
@@ -164,7 +164,7 @@ class Tracker:
             return True
         _, one, other = np.intersect1d(then.ids, now.ids, assume_unique=True, return_indices=True)
         motion = np.linalg.norm(then.px[one] - now.px[other], axis=1)
-        return bool(np.median(motion) > _MOVED_SHARE * now.picture.gray.shape[1])
+        return bool(np.median(motion) > _MOTION_SHARE * now.picture.gray.shape[1])
 
     def step(self, picture: SlamPicture) -> FittedPose | None:
         """Find the pose of the next picture; None where it is lost.
@@ -222,10 +222,10 @@ class Tracker:
             return guess
         known = start.px[located][usable]
         rows = np.flatnonzero(located)[usable]
-        strange = np.setdiff1d(np.arange(len(guess)), rows)
-        apart = np.sum((guess[strange, None] - known[None]) ** 2, axis=-1)
+        unlocated = np.setdiff1d(np.arange(len(guess)), rows)
+        apart = np.sum((guess[unlocated, None] - known[None]) ** 2, axis=-1)
         near = np.argpartition(apart, _NEIGHBOURS - 1, axis=1)[:, :_NEIGHBOURS]
-        guess[strange] += np.median(motion[usable][near], axis=1)
+        guess[unlocated] += np.median(motion[usable][near], axis=1)
         guess[rows] = known + motion[usable]
         return guess
 

@@ -87,7 +87,7 @@ def _costs(
         own = slice(2 * mode, 2 * mode + 2)
         arrivals[:, own, own] = 0.0
     arrivals[:, :_STILL, _STILL:] = arrivals[:, _STILL:, :_STILL] = _CHANGE
-    arrivals[:, _STILL:, _STILL:] = _moved(window, orientations, memory, row)
+    arrivals[:, _STILL:, _STILL:] = _turning_costs(window, orientations, memory, row)
     first = np.zeros((len(window.marker_ids), STATES))
     first[:, _STILL:] = _CHANGE
     known = memory.rows_of(window.marker_ids)[window.marker]
@@ -97,7 +97,9 @@ def _costs(
     return costs, arrivals, first
 
 
-def _moved(window: Window, orientations: Orientations, memory: Memory, row: IntArray) -> FloatArray:
+def _turning_costs(
+    window: Window, orientations: Orientations, memory: Memory, row: IntArray
+) -> FloatArray:
     """What turning from the sighting before costs a marker that is moved, ``(N, 2, 2)``."""
     rotor, covariance, stamp = _previous(window, orientations, memory, row)
     cameras = orientations.world_R_camera[window.frame]

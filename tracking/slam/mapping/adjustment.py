@@ -104,8 +104,8 @@ class _Reprojection:
         self._bundle = bundle
         poses = state[0].inverse().as_matrix()
         self._turns = poses[bundle.pose_of, :3, :3]
-        moved = self._turns @ state[1][bundle.point_of][..., None]
-        in_camera = moved[..., 0] + poses[bundle.pose_of, :3, 3]
+        turned = self._turns @ state[1][bundle.point_of][..., None]
+        in_camera = turned[..., 0] + poses[bundle.pose_of, :3, 3]
         self._before = in_camera[:, 2] > 0.0
         np.maximum(in_camera[:, 2], _NEAREST, out=in_camera[:, 2])
         self._in_camera = in_camera

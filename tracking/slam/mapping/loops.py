@@ -35,7 +35,7 @@ _FEWEST_INLIERS = 40
 _SHARED = 15
 _ALIKE_PX = 6.0
 _SAME_PX = 4.0
-_AROUND = 5  # keyframes to each side of the old one that count as the same place
+_AROUND = 5  # keyframes to each side of the old one that count as the same location
 _SIGMA_RAD, _SIGMA_SHARE = 0.01, 0.01  # of an edge that one point holds
 _FIXED = 1e6  # points that would hold a keyframe as if nailed down
 _EDGE_SHARED = 30
@@ -64,12 +64,12 @@ def find_loop(slam_map: SlamMap, features: int, camera: Camera) -> LoopClosure |
     newest = slam_map.keyframes[new]
     if newest.gray is None:
         return None
-    strangers = np.flatnonzero(~_tied(slam_map, newest.ids))
-    strangers = strangers[strangers <= new - _APART]
-    if not len(strangers):
+    untied = np.flatnonzero(~_tied(slam_map, newest.ids))
+    untied = untied[untied <= new - _APART]
+    if not len(untied):
         return None
     corners = find_corners(newest.gray, features)
-    rows = candidates(slam_map, corners, _CANDIDATES, strangers)
+    rows = candidates(slam_map, corners, _CANDIDATES, untied)
     found = verified(slam_map, corners, rows, camera)
     if found is None:
         return None
@@ -143,8 +143,8 @@ def _fuse(slam_map: SlamMap, loop: LoopClosure, camera: Camera) -> None:
     for row in range(max(loop.new - _AROUND, 0), loop.new + 1):
         keyframe = slam_map.keyframes[row]
         ids, expected = _around(slam_map, loop.old, keyframe.world_T_camera, camera)
-        strange = ~np.isin(ids, keyframe.ids)
-        ids, expected = ids[strange], expected[strange]
+        unseen = ~np.isin(ids, keyframe.ids)
+        ids, expected = ids[unseen], expected[unseen]
         own = keyframe.ids[slam_map.located[keyframe.ids]]
         own = own[~np.isin(own, slam_map.observations(np.arange(loop.old + _AROUND + 1))[1])]
         px = keyframe.px[np.isin(keyframe.ids, own)]

@@ -170,7 +170,7 @@ class SlamMap:
 
     @property
     def alive(self) -> BoolArray:
-        """Which points ``(p,)`` are still believed. May be written to."""
+        """Which points ``(p,)`` are still kept. May be written to."""
         return self._alive[: self._count]
 
     @property

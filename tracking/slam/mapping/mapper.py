@@ -1,4 +1,4 @@
-"""The mapper: which pictures become keyframes, where points are, and what is believed of them.
+"""The mapper: inserts keyframes, locates points, and drops those that do not hold up.
 
 Sources: keyframes and culling after Mur-Artal & Tardos 2017; tracks as in Qin et al. 2018.
 """
@@ -128,7 +128,7 @@ class Mapper:
             self.adjust_window()
 
     def _newest(self, picture: SlamPicture) -> TrackedPoints:
-        """All that the newest keyframe, made of this picture, sees and that is still believed."""
+        """All that the newest keyframe, made of this picture, sees and that is still kept."""
         newest = self.map.keyframes[-1]
         alive = self.map.alive[newest.ids]
         ids = newest.ids[alive]
@@ -275,7 +275,7 @@ class Mapper:
         used: np.ndarray,
         result: AdjustedBundle,
     ) -> None:
-        """Drop observations that do not agree, and points that nothing holds any more."""
+        """Drop outliers, and points that too few observations hold."""
         good = np.ones(len(owner), dtype=np.bool_)
         good[used] = result.error_px <= OUTLIER_PX
         held = np.zeros(len(self.map.alive), dtype=np.int64)
