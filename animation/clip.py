@@ -96,7 +96,7 @@ class Clip:
     @property
     def rigid_poses(self) -> Motor:
         """Motor (F, J): the poses without their scales."""
-        return self.poses if isinstance(self.poses, Motor) else self.poses.as_motor_scale()[0]
+        return self.poses.rigid
 
     def at(self, time_s: ArrayLike) -> Motor | Similarity:
         """Local poses (*, J) at times (*) in seconds on the clip's own clock.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.fusion.metrics import NotObservableError, jitter_above
-from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga import Trajectory
 
 __all__ = ["changes"]
 
@@ -28,7 +28,7 @@ def changes(raw: Trajectory, smoothed: Trajectory) -> dict[str, float | None]:
     """
     if not np.array_equal(raw.time_ns, smoothed.time_ns):
         raise ValueError("smoothed: expected the stamps of the raw trajectory, got others")
-    before, after = _rigid(raw), _rigid(smoothed)
+    before, after = raw.poses.rigid, smoothed.poses.rigid
     shift_m = np.linalg.norm(after.translation_m - before.translation_m, axis=-1)
     turn = (before.rotor.inverse() @ after.rotor).as_rotation_vector()
     turn_deg = np.rad2deg(np.linalg.norm(turn, axis=-1))
@@ -45,16 +45,11 @@ def changes(raw: Trajectory, smoothed: Trajectory) -> dict[str, float | None]:
     return made
 
 
-def _rigid(trajectory: Trajectory) -> Motor:
-    poses = trajectory.poses
-    return poses.as_motor_scale()[0] if isinstance(poses, Similarity) else poses
-
-
 def _jitter(trajectory: Trajectory) -> tuple[float | None, float | None]:
     if len(trajectory) < 3:
         return None, None
     rate_hz = 1.0 / float(np.median(np.diff(trajectory.time_s)))
-    rigid = Trajectory(trajectory.time_ns, _rigid(trajectory))
+    rigid = Trajectory(trajectory.time_ns, trajectory.poses.rigid)
     try:
         found = jitter_above(rigid, min(_ABOVE_HZ, 0.25 * rate_hz))
     except NotObservableError:

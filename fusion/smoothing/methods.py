@@ -1,8 +1,8 @@
 """Smoothing in one line: every method on every representation, by name.
 
 A method is a function of a trajectory, a representation and keyword parameters in physical units;
-`METHODS` lists them, and each function's docstring says what its parameters mean, where it breaks
-down and whose it is.
+`METHODS` lists them. The docstring of each function, or of the filter that it runs, says what its
+parameters mean, where it breaks down and whose it is.
 """
 
 from __future__ import annotations

@@ -198,7 +198,7 @@ class SimilarityTwists(Representation):
         return self.coordinates(poses)
 
     def _rigid_poses(self, coordinates: FloatArray) -> Motor:
-        return self.poses(coordinates).as_motor_scale()[0]
+        return self.poses(coordinates).rigid
 
     def _rigid_local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
         return Similarity(base).local(Similarity(coordinates))
@@ -371,5 +371,5 @@ def restored(
     """
     poses = representation.poses(coordinates)
     if isinstance(like.poses, Motor) and isinstance(poses, Similarity):
-        poses = poses.as_motor_scale()[0]
+        poses = poses.rigid
     return Trajectory(like.time_ns, poses, like.parent, like.child)

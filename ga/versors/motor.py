@@ -85,6 +85,11 @@ class Motor(Versor):
         return cls.from_rotor_translation(rotor, extent_m * rng.standard_normal((*shape, 3)))
 
     @property
+    def rigid(self) -> Motor:
+        """The motion itself, as `Similarity.rigid` is the motion without its scale."""
+        return self
+
+    @property
     def rotor(self) -> Rotor:
         """The rotation, ``R`` of ``M = T R``."""
         return Rotor._trusted(self.coefficients[..., :4])

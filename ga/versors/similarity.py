@@ -197,6 +197,11 @@ class Similarity(Versor):
         given = motor.coefficients.astype(kind, copy=False), rho.astype(kind, copy=False)
         return cls._trusted(kernels.similarity_of_motor(*given))
 
+    @property
+    def rigid(self) -> Motor:
+        """The rigid motion ``T R`` of ``S = T R D``: the same turn and shift at scale 1."""
+        return self.as_motor_scale()[0]
+
     def as_motor_scale(self) -> tuple[Motor, FloatArray]:
         """The rigid motion ``T R`` and the scale ``(*)`` of ``S = T R D``."""
         rotor, translation_m, scale = self._parts()

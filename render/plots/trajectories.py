@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots.style import (
     GRID,
@@ -94,9 +94,7 @@ def _cube(points: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _pyramids(path: Trajectory, size_m: float) -> FloatArray:
     """Outlines ``(C, 10, 3)`` of cameras at even steps in time."""
     rows = np.unique(np.linspace(0, len(path) - 1, _CAMERAS).round().astype(int))
-    poses = path.poses[rows]
-    motors = poses if isinstance(poses, Motor) else poses.as_motor_scale()[0]
-    corners: FloatArray = motors.reshape(-1, 1).apply(size_m * _PYRAMID)
+    corners: FloatArray = path.poses[rows].rigid.reshape(-1, 1).apply(size_m * _PYRAMID)
     return corners[:, _EDGES]
 
 

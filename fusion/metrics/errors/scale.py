@@ -21,8 +21,9 @@ def without_scale(trajectory: Trajectory) -> Trajectory:
     """
     if isinstance(trajectory.poses, Motor):
         return trajectory
-    motors, _ = trajectory.poses.as_motor_scale()
-    return Trajectory(trajectory.time_ns, motors, trajectory.parent, trajectory.child)
+    return Trajectory(
+        trajectory.time_ns, trajectory.poses.rigid, trajectory.parent, trajectory.child
+    )
 
 
 def log_scales(poses: Motor | Similarity) -> FloatArray:

@@ -166,7 +166,7 @@ class PlanarFlips(Degradation):
             return trajectory
         at = np.flatnonzero(struck)
         first = starts[np.searchsorted(starts, at, side="right") - 1]
-        rigid = _rigid(trajectory)
+        rigid = trajectory.poses.rigid
         sine = np.sin(self.tilt_rad)
         side = side_rad[first]
         normal = np.stack(
@@ -206,7 +206,7 @@ class Quantised(Degradation):
 
     def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
         """Round; nothing is drawn."""
-        rigid = _rigid(trajectory)
+        rigid = trajectory.poses.rigid
         rotor, position_m = rigid.rotor, rigid.translation_m
         if self.step_m > 0.0:
             position_m = self.step_m * np.round(position_m / self.step_m)
@@ -263,11 +263,6 @@ def wrong_planar_pose(
     return world_T_camera @ about_marker.inverse()
 
 
-def _rigid(trajectory: Trajectory) -> Motor:
-    poses = trajectory.poses
-    return poses.as_motor_scale()[0] if isinstance(poses, Similarity) else poses
-
-
 def _with_rigid(trajectory: Trajectory, rigid: Motor) -> Trajectory:
     """The trajectory with other orientations and positions, and its own scales."""
     poses = trajectory.poses
@@ -281,7 +276,7 @@ def _with_poses(trajectory: Trajectory, poses: Motor | Similarity) -> Trajectory
 
 
 def _perturbed(trajectory: Trajectory, shift_m: FloatArray, turn_rad: FloatArray) -> Trajectory:
-    rigid = _rigid(trajectory)
+    rigid = trajectory.poses.rigid
     rotor = rigid.rotor @ Rotor.from_rotation_vector(turn_rad)
     moved = Motor.from_rotor_translation(rotor, rigid.translation_m + shift_m)
     return _with_rigid(trajectory, moved)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.motions.degradations import wrong_planar_pose
 from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
-from motorcade.fusion.smoothing.batch.problem import Linear, PathState, Problem, rigid_poses
+from motorcade.fusion.smoothing.batch.problem import Linear, PathState, Problem
 from motorcade.fusion.smoothing.batch.tridiagonal import solved
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
 from motorcade.ga import Motor, Rotor
@@ -144,7 +144,7 @@ class _Run:
         return _Expected(self._poses_of(linear.state.coordinates[self.run]), deviation)
 
     def _poses_of(self, coordinates: FloatArray) -> Motor:
-        return rigid_poses(self.problem.representation.poses(coordinates))
+        return self.problem.representation.poses(coordinates).rigid
 
     def _first_marker(self, expected: _Expected) -> FloatArray | None:
         """The marker that explains the run best beside the path without it; None without leaps."""
@@ -218,7 +218,7 @@ class _Run:
 
     def _with(self, marker: FloatArray) -> Problem:
         """The stretch with the run mirrored."""
-        coefficients = np.array(rigid_poses(self.problem.poses).coefficients)
+        coefficients = np.array(self.problem.poses.rigid.coefficients)
         coefficients[self.run] = self._mirrored(marker).coefficients
         poses = Motor(coefficients)
         kept = inlier_poses(self.time_s, poses, *self.sizes[:2])

@@ -92,18 +92,13 @@ def estimate_noise(
     return NoiseModel(chosen, rotation, translation, scale, outliers)
 
 
-def _rigid(trajectory: Trajectory) -> Motor:
-    poses = trajectory.poses
-    return poses.as_motor_scale()[0] if isinstance(poses, Similarity) else poses
-
-
 def _chain(trajectory: Trajectory, rotation: Sizes, translation: Sizes) -> NDArray[np.bool_]:
-    return inlier_poses(trajectory.time_s, _rigid(trajectory), rotation, translation)
+    return inlier_poses(trajectory.time_s, trajectory.poses.rigid, rotation, translation)
 
 
 def _first_sizes(trajectory: Trajectory) -> tuple[Sizes, Sizes]:
     """Rotation and translation, as differences of measured poses tell: on the wide side."""
-    time_s, poses = trajectory.time_s, _rigid(trajectory)
+    time_s, poses = trajectory.time_s, trajectory.poses.rigid
     interval_s = np.diff(time_s)[:, None]
     changes = np.diff((poses[:-1].inverse() @ poses[1:]).as_twist() / interval_s, axis=0)
     blocks = changes[:, :3], changes[:, 3:]
@@ -148,7 +143,7 @@ def _likeliest(
     """The sizes of all blocks under which the innovations are likeliest, and how likely."""
     time_s = parts[0].time_s
     interval_s = float(np.median(np.diff(time_s)))
-    first = [max(noise, _FINEST) for noise in (*_first_noise(_rigid(parts[0]), time_s), 0.005)]
+    first = [max(noise, _FINEST) for noise in (*_first_noise(parts[0].poses.rigid, time_s), 0.005)]
     # As much process as noise from one pose to the next.
     sizes = [Sizes(noise, noise / interval_s ** (order + 0.5)) for noise in first]
     blocks = 3 if isinstance(parts[0].poses, Similarity) else 2

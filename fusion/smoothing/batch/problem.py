@@ -20,7 +20,6 @@ __all__ = [
     "PathState",
     "Problem",
     "loss_weights",
-    "rigid_poses",
     "with_rigid",
 ]
 
@@ -86,7 +85,7 @@ class Problem:
     def _first_guess(self) -> PathState:
         """The poses to start from, and what lies between them."""
         poses, time_s = self.poses, self.time_s
-        rigid = bridged(time_s, rigid_poses(poses), self.start)
+        rigid = bridged(time_s, poses.rigid, self.start)
         guess: Motor | Similarity = rigid
         if isinstance(poses, Similarity):
             log_scale = np.interp(time_s, time_s[self.start], np.log(poses.scale[self.start]))
@@ -150,11 +149,6 @@ class Problem:
         """What the prior and some of the poses charge."""
         prior = prior_cost(self.interval_s, self.density, linear.steps, linear.state.velocity)
         return prior + float(np.sum(_charged(linear.squares, loss, width)[among]))
-
-
-def rigid_poses(poses: Motor | Similarity) -> Motor:
-    """The poses without their scale."""
-    return poses.as_motor_scale()[0] if isinstance(poses, Similarity) else poses
 
 
 def with_rigid(poses: Motor | Similarity, rigid: Motor) -> Motor | Similarity:

@@ -37,7 +37,6 @@ from motorcade.fusion.smoothing.batch.problem import (
     LAST_STEPS,
     Problem,
     loss_weights,
-    rigid_poses,
     with_rigid,
 )
 from motorcade.fusion.smoothing.checks import checked_length, checked_positive, in_double
@@ -223,16 +222,16 @@ def _estimated(
 ) -> RobustPath:
     """The path, where need be again with runs of rejected poses mirrored back."""
     time_s, poses = trajectory.time_s, trajectory.poses
-    kept = inlier_poses(time_s, rigid_poses(poses), *sizes[:2])
+    kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
     mirrored = np.zeros_like(kept)
     for reading in range(_READINGS):
         if loss != "squares":
-            rigid, read = mirrored_back(time_s, rigid_poses(poses), kept, sizes, width)
+            rigid, read = mirrored_back(time_s, poses.rigid, kept, sizes, width)
             if reading and not np.any(read):
                 break
             poses, mirrored = with_rigid(poses, rigid), mirrored | read
         if reading or np.any(mirrored):
-            kept = inlier_poses(time_s, rigid_poses(poses), *sizes[:2])
+            kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
         problem = Problem(representation, time_s, poses, kept, sizes)
         linear = problem.descended(
             problem.narrowed(loss, width), loss, width, np.ones_like(kept), LAST_STEPS

@@ -54,8 +54,7 @@ def spline(
     coordinates = representation.coordinates(poses)
     fitted_all = _components(trajectory, coordinates, spacing_s)
     if representation.coupled == 3:
-        rigid = poses.as_motor_scale()[0] if isinstance(poses, Similarity) else poses
-        turning = Motor.from_rotor_translation(rigid.rotor, np.zeros(3))
+        turning = Motor.from_rotor_translation(poses.rotor, np.zeros(3))
         turned = _motors(_with_poses(trajectory, turning), spacing_s)
         fitted_all[:, :4] = turned.coefficients[:, :4]
         return restored(representation, fitted_all, trajectory)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from motorcade.fusion.smoothing.causal.stream import CausalFilter
+from motorcade.fusion.smoothing.causal.whole_path import FilterMethod
 from motorcade.fusion.smoothing.checks import checked_positive
 from motorcade.fusion.smoothing.native import _scans
-from motorcade.fusion.smoothing.representations import Representation
-from motorcade.ga import Trajectory
 
 __all__ = ["DoubleExponential", "double_exponential"]
 
@@ -56,16 +55,5 @@ class DoubleExponential(CausalFilter):
         )
 
 
-def double_exponential(
-    trajectory: Trajectory,
-    representation: Representation,
-    *,
-    cutoff_hz: float = 4.0,
-    trend_cutoff_hz: float = 1.0,
-) -> Trajectory:
-    """`DoubleExponential` over a whole trajectory; see there.
-
-    Raises:
-        ValueError: cut-offs that are not positive or not below half the sampling rate.
-    """
-    return DoubleExponential(cutoff_hz, trend_cutoff_hz, representation.name).smooth(trajectory)
+double_exponential = FilterMethod(DoubleExponential)
+"""`DoubleExponential` over a whole trajectory."""

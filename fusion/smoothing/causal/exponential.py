@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from motorcade.fusion.smoothing.causal.stream import CausalFilter
+from motorcade.fusion.smoothing.causal.whole_path import FilterMethod
 from motorcade.fusion.smoothing.checks import checked_positive
 from motorcade.fusion.smoothing.native import _scans
-from motorcade.fusion.smoothing.representations import Representation
-from motorcade.ga import Trajectory
 
 __all__ = ["Exponential", "exponential"]
 
@@ -47,12 +46,5 @@ class Exponential(CausalFilter):
         return _scans.exponential(self.representation, scale, self.cutoff_hz)
 
 
-def exponential(
-    trajectory: Trajectory, representation: Representation, *, cutoff_hz: float = 4.0
-) -> Trajectory:
-    """`Exponential` over a whole trajectory; see there.
-
-    Raises:
-        ValueError: a cut-off that is not positive or not below half the sampling rate.
-    """
-    return Exponential(cutoff_hz, representation.name).smooth(trajectory)
+exponential = FilterMethod(Exponential)
+"""`Exponential` over a whole trajectory."""

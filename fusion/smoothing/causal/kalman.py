@@ -29,9 +29,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.fusion.smoothing.causal.stream import CausalFilter
+from motorcade.fusion.smoothing.causal.whole_path import FilterMethod
 from motorcade.fusion.smoothing.checks import checked_positive
 from motorcade.fusion.smoothing.native import _scans
-from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_floats
 
@@ -280,45 +280,9 @@ class ConstantAccelerationFilter(KalmanFilter):
         super().__init__(densities, noise_m, noise_rad, noise_scale, representation)
 
 
-def constant_velocity(
-    trajectory: Trajectory,
-    representation: Representation,
-    *,
-    acceleration_m_s2: float = 1.0,
-    angular_acceleration_rad_s2: float = 2.0,
-    noise_m: ArrayLike = NOISE_M,
-    noise_rad: ArrayLike = NOISE_RAD,
-    scale_acceleration_s2: float = 1.0,
-    noise_scale: ArrayLike = NOISE_SCALE,
-) -> Trajectory:
-    """`ConstantVelocityFilter` over a whole trajectory, forward only; see there.
-
-    Raises:
-        ValueError: a number that is not positive, or noise for another number of poses.
-    """
-    return ConstantVelocityFilter(
-        acceleration_m_s2, angular_acceleration_rad_s2, noise_m, noise_rad,
-        scale_acceleration_s2, noise_scale, representation.name,
-    ).smooth(trajectory)  # fmt: skip
+constant_velocity = FilterMethod(ConstantVelocityFilter)
+"""`ConstantVelocityFilter` over a whole trajectory, forward only."""
 
 
-def constant_acceleration(
-    trajectory: Trajectory,
-    representation: Representation,
-    *,
-    jerk_m_s3: float = 5.0,
-    angular_jerk_rad_s3: float = 10.0,
-    noise_m: ArrayLike = NOISE_M,
-    noise_rad: ArrayLike = NOISE_RAD,
-    scale_jerk_s3: float = 5.0,
-    noise_scale: ArrayLike = NOISE_SCALE,
-) -> Trajectory:
-    """`ConstantAccelerationFilter` over a whole trajectory, forward only; see there.
-
-    Raises:
-        ValueError: a number that is not positive, or noise for another number of poses.
-    """
-    return ConstantAccelerationFilter(
-        jerk_m_s3, angular_jerk_rad_s3, noise_m, noise_rad, scale_jerk_s3, noise_scale,
-        representation.name,
-    ).smooth(trajectory)  # fmt: skip
+constant_acceleration = FilterMethod(ConstantAccelerationFilter)
+"""`ConstantAccelerationFilter` over a whole trajectory, forward only."""

@@ -5,10 +5,9 @@ from __future__ import annotations
 from math import isfinite
 
 from motorcade.fusion.smoothing.causal.stream import CausalFilter
+from motorcade.fusion.smoothing.causal.whole_path import FilterMethod
 from motorcade.fusion.smoothing.checks import checked_positive
 from motorcade.fusion.smoothing.native import _scans
-from motorcade.fusion.smoothing.representations import Representation
-from motorcade.ga import Trajectory
 
 __all__ = ["OneEuro", "one_euro"]
 
@@ -87,23 +86,5 @@ def _checked_beta(value: float, name: str) -> float:
     return float(value)
 
 
-def one_euro(
-    trajectory: Trajectory,
-    representation: Representation,
-    *,
-    min_cutoff_hz: float = 0.5,
-    beta_per_rad: float = 10.0,
-    beta_per_m: float = 10.0,
-    beta_scale: float = 10.0,
-    derivative_cutoff_hz: float = 2.0,
-) -> Trajectory:
-    """`OneEuro` over a whole trajectory; see there.
-
-    Raises:
-        ValueError: cut-offs that are not positive or not below half the sampling rate, or a beta
-            that is negative.
-    """
-    return OneEuro(
-        min_cutoff_hz, beta_per_rad, beta_per_m, beta_scale, derivative_cutoff_hz,
-        representation.name,
-    ).smooth(trajectory)  # fmt: skip
+one_euro = FilterMethod(OneEuro)
+"""`OneEuro` over a whole trajectory."""

@@ -10,19 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from motorcade.fusion.smoothing.causal.kalman import (
-    NOISE_M,
-    NOISE_RAD,
-    NOISE_SCALE,
     ConstantAccelerationFilter,
     ConstantVelocityFilter,
     KalmanFilter,
 )
 from motorcade.fusion.smoothing.causal.stream import coefficients_of, trajectory_of
+from motorcade.fusion.smoothing.causal.whole_path import FilterMethod
 from motorcade.fusion.smoothing.native import _scans
-from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga import Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -108,47 +104,9 @@ def _smoothed(trajectory: Trajectory, model: KalmanFilter) -> Trajectory:
     return trajectory_of(trajectory, out)
 
 
-def rts_constant_velocity(
-    trajectory: Trajectory,
-    representation: Representation,
-    *,
-    acceleration_m_s2: float = 1.0,
-    angular_acceleration_rad_s2: float = 2.0,
-    noise_m: ArrayLike = NOISE_M,
-    noise_rad: ArrayLike = NOISE_RAD,
-    scale_acceleration_s2: float = 1.0,
-    noise_scale: ArrayLike = NOISE_SCALE,
-) -> Trajectory:
-    """Smoother of a velocity that white acceleration changes; see `ConstantVelocityFilter`.
-
-    Raises:
-        ValueError: a number that is not positive, or noise for another number of poses.
-    """
-    model = ConstantVelocityFilter(
-        acceleration_m_s2, angular_acceleration_rad_s2, noise_m, noise_rad,
-        scale_acceleration_s2, noise_scale, representation.name,
-    )  # fmt: skip
-    return _smoothed(trajectory, model)
+rts_constant_velocity = FilterMethod(ConstantVelocityFilter, _smoothed)
+"""Smoother of a velocity that white acceleration changes; see `ConstantVelocityFilter`."""
 
 
-def rts_constant_acceleration(
-    trajectory: Trajectory,
-    representation: Representation,
-    *,
-    jerk_m_s3: float = 5.0,
-    angular_jerk_rad_s3: float = 10.0,
-    noise_m: ArrayLike = NOISE_M,
-    noise_rad: ArrayLike = NOISE_RAD,
-    scale_jerk_s3: float = 5.0,
-    noise_scale: ArrayLike = NOISE_SCALE,
-) -> Trajectory:
-    """Smoother of an acceleration that white jerk changes; see `ConstantAccelerationFilter`.
-
-    Raises:
-        ValueError: a number that is not positive, or noise for another number of poses.
-    """
-    model = ConstantAccelerationFilter(
-        jerk_m_s3, angular_jerk_rad_s3, noise_m, noise_rad, scale_jerk_s3, noise_scale,
-        representation.name,
-    )  # fmt: skip
-    return _smoothed(trajectory, model)
+rts_constant_acceleration = FilterMethod(ConstantAccelerationFilter, _smoothed)
+"""Smoother of an acceleration that white jerk changes; see `ConstantAccelerationFilter`."""

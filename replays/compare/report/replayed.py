@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.fusion.motions import MOTIONS
-from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.cells import Setting, inputs_of
 from motorcade.replays.compare.report.names import CAUSAL
@@ -102,7 +102,7 @@ def replay(results: Results, motion: str, degradation: str, method: str) -> Repl
         if any(_at(one) == (motion, degradation, *_pair(row)) for one in results.told["failures"]):
             continue
         setting = Setting(method, representation, tuple(row["parameters"].items()))
-        paths[representation] = _rigid(setting.smooth(degraded))
+        paths[representation] = setting.smooth(degraded).poses.rigid
     return Replayed(motion, degradation, method, seed, evaluator.time_s, evaluator.true, paths)
 
 
@@ -112,7 +112,3 @@ def _pair(row: Mapping[str, str]) -> tuple[str, str]:
 
 def _at(row: Mapping[str, str]) -> tuple[str, str, str, str]:
     return row["motion"], row["degradation"], *_pair(row)
-
-
-def _rigid(path: Trajectory) -> Motor:
-    return path.poses.as_motor_scale()[0] if isinstance(path.poses, Similarity) else path.motors

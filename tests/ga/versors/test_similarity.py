@@ -211,3 +211,10 @@ def test_dilator_rotor_and_translator_multiply_to_the_whole(rng: np.random.Gener
     turn = Similarity.from_rotor_translation_scale(rotor, still, 1.0)
     shift = Similarity.from_rotor_translation_scale(one, translation, 1.0)
     assert off((shift @ turn @ growth).coefficients, whole.coefficients) < 1e-14
+
+
+def test_the_rigid_part_is_the_same_turn_and_shift_at_scale_one(rng: np.random.Generator) -> None:
+    grown = Similarity.random(rng, (20,))
+    motor, _ = grown.as_motor_scale()
+    np.testing.assert_array_equal(grown.rigid.coefficients, motor.coefficients)
+    assert motor.rigid is motor
