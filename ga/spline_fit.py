@@ -96,18 +96,18 @@ def _pose_jacobians(
     """Poses ``(N,)`` and their derivatives ``(N, 6, 36)`` by the steps of six controls each."""
     jacobian = np.zeros((len(segment), 6, 6, 6))
     pose = Motor.identity((len(segment),))
-    carried = np.broadcast_to(np.eye(6), (len(segment), 6, 6))
+    chained = np.broadcast_to(np.eye(6), (len(segment), 6, 6))
     parts = weights[..., None] * chain.screws[segment + np.arange(5)[:, None]]
     weighed = weights[..., None, None] * Motor.right_jacobian(parts)
     factors = Motor.from_twist(parts)
     back = factors.inverse().adjoint()
     for j in range(4, -1, -1):
-        effect = carried @ weighed[j]
+        effect = chained @ weighed[j]
         jacobian[:, :, j + 1] += effect @ chain.by_next[segment + j]
         jacobian[:, :, j] += effect @ chain.by_last[segment + j]
         pose = factors[j] @ pose
-        carried = carried @ back[j]
-    jacobian[:, :, 0] += carried
+        chained = chained @ back[j]
+    jacobian[:, :, 0] += chained
     return chain.controls[segment] @ pose, jacobian.reshape(-1, 6, 36)
 
 

@@ -113,12 +113,12 @@ void sum_similarities(const float *palette, const std::uint16_t *joints, const f
 }
 
 MOTORCADE_SIMD
-void write_rows(const float *APART carried, std::size_t step, std::size_t count,
+void write_rows(const float *APART skinned, std::size_t step, std::size_t count,
                 float *APART positions, float *APART normals) {
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t k = 0; k < 3; ++k) {
-            positions[3 * i + k] = carried[k * step + i];
-            normals[3 * i + k] = carried[(k + 3) * step + i];
+            positions[3 * i + k] = skinned[k * step + i];
+            normals[3 * i + k] = skinned[(k + 3) * step + i];
         }
 }
 

@@ -35,8 +35,8 @@ void sum_matrices(const float *palette, const std::uint16_t *joints, const float
 void sum_similarities(const float *palette, const std::uint16_t *joints, const float *weights,
                       std::size_t count, float *sums, std::size_t step);
 
-// Components 0 to 2 and 3 to 5 of `carried`, apart, into rows of three.
-void write_rows(const float *carried, std::size_t step, std::size_t count, float *positions,
+// Components 0 to 2 and 3 to 5 of `skinned`, apart, into rows of three.
+void write_rows(const float *skinned, std::size_t step, std::size_t count, float *positions,
                 float *normals);
 
 // Rows of `width`, a multiple of 4, from components apart; writes up to the next multiple of 4 of

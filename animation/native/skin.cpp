@@ -61,11 +61,11 @@ Mesh::Mesh(const double *positions, const double *normals, const std::int64_t *j
 void Mesh::skin_range(Skinning method, const float *palette, float *positions, float *normals,
                       std::size_t start, std::size_t end) const {
     alignas(64) float sums[12 * TILE];
-    alignas(64) float carried[6 * TILE];
+    alignas(64) float skinned[6 * TILE];
     const Method &by = of(method);
     const std::ptrdiff_t tile = TILE, padded = static_cast<std::ptrdiff_t>(padded_);
     const std::ptrdiff_t input_steps[3] = {tile, padded, padded};
-    float *const outputs[1] = {carried};
+    float *const outputs[1] = {skinned};
     for (std::size_t from = start; from < end; from += TILE) {
         const std::size_t rows = std::min(TILE, end - from);
         const std::size_t blocks = (rows + LANES - 1) / LANES;
@@ -74,7 +74,7 @@ void Mesh::skin_range(Skinning method, const float *palette, float *positions, f
         const float *const inputs[3] = {sums, rest_.data() + from,
                                         rest_.data() + 3 * padded_ + from};
         by.carry(inputs, input_steps, outputs, &tile, blocks);
-        write_rows(carried, TILE, rows, positions + 3 * from, normals + 3 * from);
+        write_rows(skinned, TILE, rows, positions + 3 * from, normals + 3 * from);
     }
 }
 

@@ -14,10 +14,10 @@ from motorcade.ga.arrays import FloatArray
 __all__ = ["screen_imu"]
 
 _GRAVITY = 9.81
-# Windows this long whose readings scatter by less than this share of their mean are calm.
+# Windows this long whose readings scatter by less than this share of their mean are quiet.
 _WINDOW_S = 0.5
-_CALM_SHARE = 0.02
-_FEWEST_CALM = 2
+_QUIET_SHARE = 0.02
+_FEWEST_QUIET = 2
 # Scale errors and the shape of the earth leave gravity within this share of 9.81.
 _GRAVITY_SHARE = 0.07
 # Size at rest, what a unit that gives it is called, and what one of it is in m/s².
@@ -38,7 +38,7 @@ _NOISE_DEVIATIONS = 6.0
 def screen_imu(imu: ImuStream) -> tuple[str, ...]:
     """What is doubtful about a stream, one line each; nothing where all is well.
 
-    A stream that is never calm for a second says nothing of its force's unit, and one that hardly
+    A stream that is never quiet for a second says nothing of its force's unit, and one that hardly
     turns nothing of its rate's.
 
     Raises:
@@ -117,14 +117,14 @@ def refuse_movement(imu: ImuStream) -> None:
 
 
 def _felt_at_rest(imu: ImuStream) -> float | None:
-    """Median size of specific force over calm windows; None where there are too few."""
+    """Median size of specific force over quiet windows; None where there are too few."""
     count = max(2, round(_WINDOW_S * imu.rate_hz))
     windows = _windows(imu.specific_force_m_s2, count)
     mean = np.mean(windows, axis=1)
     size = np.linalg.norm(mean, axis=-1)
     scatter = np.sqrt(np.sum(np.var(windows, axis=1), axis=-1))
-    calm = scatter < _CALM_SHARE * size
-    return float(np.median(size[calm])) if np.sum(calm) >= _FEWEST_CALM else None
+    quiet = scatter < _QUIET_SHARE * size
+    return float(np.median(size[quiet])) if np.sum(quiet) >= _FEWEST_QUIET else None
 
 
 def _turned_share(imu: ImuStream) -> float | None:

@@ -87,8 +87,8 @@ def radius_squared(round_object: Multivector) -> Any:
     Raises:
         ValueError: a plane, line or flat point, which has none.
     """
-    carried = _carrier_of_round(round_object, "radius_squared(round_object)")
-    return round_object.norm_squared() / carried.norm_squared()
+    flat = _carrier_of_round(round_object, "radius_squared(round_object)")
+    return round_object.norm_squared() / flat.norm_squared()
 
 
 def radius(round_object: Multivector) -> Any:
@@ -219,14 +219,14 @@ def _center(x: Multivector, name: str) -> Triple:
 
 def _carrier_of_round(x: Multivector, name: str) -> Multivector:
     _check_grade(x, name, 1, 2, 3)
-    carried = carrier(x)
+    flat = carrier(x)
     free = [value for blade, value in x.items() if "e0" not in blade and "einf" not in blade]
-    _refuse_beside(carried.norm(), free, name, "a sphere, circle or point pair")
-    return carried
+    _refuse_beside(flat.norm(), free, name, "a sphere, circle or point pair")
+    return flat
 
 
 def _radius(x: Multivector, name: str) -> Any:
-    carried = _carrier_of_round(x, name)
+    flat = _carrier_of_round(x, name)
     value, bound = norm_squared_with_bound(x)
     if bound is not None:
         missed = int(np.count_nonzero(np.asarray(value) < -bound))
@@ -236,7 +236,7 @@ def _radius(x: Multivector, name: str) -> Any:
                 "what was met does not touch"
             )
         value = np.maximum(value, 0.0)
-    return square_root(value / carried.norm_squared())
+    return square_root(value / flat.norm_squared())
 
 
 def _plane_of(x: Multivector, name: str) -> tuple[Triple, Any]:
