@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import logging
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from types import ModuleType
 from typing import TextIO
 
 from motorcade import __version__
@@ -39,15 +40,16 @@ COMMANDS = (
     doctor,
 )
 
-NAMES = tuple(command.__name__.rpartition(".")[2].replace("_", "-") for command in COMMANDS)
-"""What the commands are called: as their modules are."""
+NAMES = {command.__name__.rpartition(".")[2].replace("_", "-"): command for command in COMMANDS}
+"""The commands by their names, which are their modules' names."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     given = sys.argv[1:] if argv is None else list(argv)
-    parser = _parser()
-    if given and not given[0].startswith("-") and given[0] not in NAMES:
+    named = NAMES.get(given[0]) if given else None
+    parser = _parser(COMMANDS if named is None else (named,))
+    if named is None and given and not given[0].startswith("-"):
         parser.error(f"no command {given[0]!r}; {did_you_mean(given[0], NAMES)}")
     arguments = parser.parse_args(given)
     _set_up_logging(arguments.verbose)
@@ -75,7 +77,8 @@ def _told(error: Exception) -> str:
     return one_line(error)
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(modules: Iterable[ModuleType] = COMMANDS) -> argparse.ArgumentParser:
+    """The parser of these commands; one that is named needs no other's arguments."""
     parser = argparse.ArgumentParser(
         prog="motorcade",
         description="From recorded camera and IMU sequences to smooth poses, augmented video "
@@ -87,7 +90,7 @@ def _parser() -> argparse.ArgumentParser:
         "-v", "--verbose", action="count", default=0, help="say more; twice for tracebacks"
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in COMMANDS:
+    for command in modules:
         command.add_to(commands, shared)
     return parser
 
