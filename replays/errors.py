@@ -15,9 +15,14 @@ from pathlib import Path
 from typing import BinaryIO
 
 __all__ = [
-    "DamagedError", "RecordingError", "did_you_mean", "one_line", "open_bounded", "read_bounded",
+    "DamagedError",
+    "RecordingError",
+    "did_you_mean",
+    "one_line",
+    "open_bounded",
+    "read_bounded",
     "refusal",
-]  # fmt: skip
+]
 
 
 _PATH_SHOWN = 300

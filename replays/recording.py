@@ -30,8 +30,13 @@ if TYPE_CHECKING:
     from motorcade.tracking.slam import MapSnapshot
 
 __all__ = [
-    "DepthArray", "Frame", "FrameSequence", "ImageArray", "Odometry", "Recording",
-]  # fmt: skip
+    "DepthArray",
+    "Frame",
+    "FrameSequence",
+    "ImageArray",
+    "Odometry",
+    "Recording",
+]
 
 ImageArray = NDArray[np.uint8]
 DepthArray = NDArray[np.float32]

@@ -211,4 +211,4 @@ def _provenance() -> list[tuple[str, str]]:
         ("motorcade", f"{version('motorcade')}, {kernels.backend} kernels"),
         ("Python, NumPy", f"{platform.python_version()}, {np.__version__}"),
         ("settings", "run.json beside this page holds every knob, key and time"),
-    ]  # fmt: skip
+    ]

@@ -18,9 +18,18 @@ from motorcade.tracking.cameras.camera import Camera
 __all__ = ["CAMERA_KEYS", "camera_toml", "read_camera", "section_camera"]
 
 CAMERA_KEYS = (
-    "model", "width", "height", "fx", "fy", "cx", "cy", "matrix_file", "fov_deg", "distortion",
+    "model",
+    "width",
+    "height",
+    "fx",
+    "fy",
+    "cx",
+    "cy",
+    "matrix_file",
+    "fov_deg",
+    "distortion",
     "distortion_file",
-)  # fmt: skip
+)
 
 
 def read_camera(path: Path) -> Camera:

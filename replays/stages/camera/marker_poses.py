@@ -173,9 +173,12 @@ def _standing(stream: CornerStream, moving: tuple[int, ...]) -> CornerStream:
     """What was seen of markers that stand still."""
     still = ~np.isin(stream.marker_ids, np.array(moving, dtype=np.int64))
     return CornerStream(
-        stream.camera, stream.time_ns, stream.frame[still], stream.marker_ids[still],
+        stream.camera,
+        stream.time_ns,
+        stream.frame[still],
+        stream.marker_ids[still],
         stream.corners_px[still],
-    )  # fmt: skip
+    )
 
 
 def _usable(found: tuple[Detection, ...]) -> list[Detection]:

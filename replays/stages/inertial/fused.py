@@ -114,9 +114,14 @@ def _by_odometry(camera_poses: CameraPoses, odometry: Odometry) -> FusedPath:
 
 
 def _by_imu(
-    camera_poses: CameraPoses, imu: UsedImu, stream: ImuStream, noise: ImuNoise, level: Levelled,
-    settings: FilterSettings, look_ahead: bool,
-) -> FusedPath:  # fmt: skip
+    camera_poses: CameraPoses,
+    imu: UsedImu,
+    stream: ImuStream,
+    noise: ImuNoise,
+    level: Levelled,
+    settings: FilterSettings,
+    look_ahead: bool,
+) -> FusedPath:
     found = fuse(
         level.measurements,
         stream,

@@ -8,8 +8,10 @@ from motorcade.replays.values.imu import ImuOrigin
 __all__ = ["NOISE_FACTORS", "assumed_noise"]
 
 NOISE_FACTORS: dict[ImuOrigin, tuple[float, float]] = {
-    "recorded": (10.0, 1.0), "reference": (1.0, 1.0), "tracked": (1000.0, 1000.0),
-}  # fmt: skip
+    "recorded": (10.0, 1.0),
+    "reference": (1.0, 1.0),
+    "tracked": (1000.0, 1000.0),
+}
 """On white densities and on bias walks, by where the IMU came from. Data sheets describe a sensor
 at rest on a bench: one that is carried or flown feels what shakes it, and its scales and axes are
 a little off, which looks like white noise. Tenfold is what Kalibr's authors advise, and brings the

@@ -31,9 +31,15 @@ from motorcade.tracking.planes import (
 )
 
 __all__ = [
-    "Ground", "ground_on_board", "ground_on_floor", "ground_on_marker", "ground_on_plane",
-    "known_marker", "prints_of", "upward",
-]  # fmt: skip
+    "Ground",
+    "ground_on_board",
+    "ground_on_floor",
+    "ground_on_marker",
+    "ground_on_plane",
+    "known_marker",
+    "prints_of",
+    "upward",
+]
 
 FLOOR_HEIGHT_M = 1.75
 FARTHEST_M = 4.0
@@ -216,9 +222,13 @@ def _stage(
     if camera is not None:
         plane_T_world = plane.world_T_plane.inverse()
         place = best_place(
-            plane.outline, height_m, camera, plane_T_world @ path.motors,
-            plane_T_world.apply(points), plane.rms_m,
-        )  # fmt: skip
+            plane.outline,
+            height_m,
+            camera,
+            plane_T_world @ path.motors,
+            plane_T_world.apply(points),
+            plane.rms_m,
+        )
     return Ground(plane.world_T_plane, place, height_m, name)
 
 

@@ -71,9 +71,12 @@ def find_marker(
         stream.time_ns[stream.frame] <= world_T_camera.time_ns[-1]
     )
     seen = CornerStream(
-        stream.camera, stream.time_ns, stream.frame[inside],
-        stream.marker_ids[inside], stream.corners_px[inside],
-    )  # fmt: skip
+        stream.camera,
+        stream.time_ns,
+        stream.frame[inside],
+        stream.marker_ids[inside],
+        stream.corners_px[inside],
+    )
     posed = pose_stream(seen, {marker_id: side_m})
     if not len(posed):
         raise ValueError(
@@ -108,9 +111,12 @@ def _sightings_of(recording: Recording, marker_id: int) -> tuple[CornerStream, f
         stream, side_m = markers_found(recording, loose)[0], loose.side_m
     own = stream.marker_ids == marker_id
     return CornerStream(
-        stream.camera, stream.time_ns, stream.frame[own], stream.marker_ids[own],
+        stream.camera,
+        stream.time_ns,
+        stream.frame[own],
+        stream.marker_ids[own],
         stream.corners_px[own],
-    ), side_m  # fmt: skip
+    ), side_m
 
 
 def _looked_for(recording: Recording, marker_id: int) -> LooseMarkers:
@@ -183,9 +189,11 @@ def _shown(poses: Motor, stamps: IntArray, frames_ns: IntArray, fastest_m_s: flo
     smoothed = [_smooth(Trajectory(stamps[part], poses[part])) for part in parts]
     rows = np.concatenate(parts)
     shown = followed(
-        time_s[rows], Motor.concatenate(smoothed), 1e-9 * (frames_ns - frames_ns[0]),
+        time_s[rows],
+        Motor.concatenate(smoothed),
+        1e-9 * (frames_ns - frames_ns[0]),
         fastest_m_s=fastest_m_s,
-    )  # fmt: skip
+    )
     return Trajectory(frames_ns, shown, "world", "marker")
 
 

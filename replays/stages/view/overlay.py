@@ -78,9 +78,13 @@ def overlay(
     clip = clip_named(character, placed.clip)
     if len(placed.path_m):
         clip = walked(
-            character, clip, placed.path_m, placed.placement.scale, placed.plane_T_character,
+            character,
+            clip,
+            placed.path_m,
+            placed.placement.scale,
+            placed.plane_T_character,
             lasting_s=1e-9 * float(np.ptp(recording.frames.time_ns)),
-        )  # fmt: skip
+        )
     start = time.perf_counter()
     footage = _Footage(recording, distorted=lens == "distort")
     lighting, lit_by = None, "a fixed light"

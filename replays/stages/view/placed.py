@@ -133,7 +133,7 @@ def placed(
     content = sha256(character.read_bytes()).hexdigest() if character.is_file() else ""
     return PlacedCharacter(
         str(character), clip, placement, ground.name, content, frozen(points), inside, ground_motion
-    )  # fmt: skip
+    )
 
 
 def _warn_of_points_off(path_m: FloatArray, ground: Ground) -> None:
@@ -148,6 +148,12 @@ def _warn_of_points_off(path_m: FloatArray, ground: Ground) -> None:
         log.warning(
             "placed.path: %d of %d points lie off %s, the first at x, y = %g, %g m: it reaches "
             "from %g to %g m in x and from %g to %g m in y, which runs up as printed",
-            np.count_nonzero(off), len(path_m), ground.name, *first,
-            low[0], high[0], low[1], high[1],
-        )  # fmt: skip
+            np.count_nonzero(off),
+            len(path_m),
+            ground.name,
+            *first,
+            low[0],
+            high[0],
+            low[1],
+            high[1],
+        )

@@ -1,6 +1,8 @@
 """Artifacts: what is written is read back, all or nothing, and only as the type asked for."""
 
 import os
+import subprocess
+import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -110,3 +112,37 @@ def test_content_that_does_not_fit_the_type_is_refused(tmp_path: Path) -> None:
 def test_what_cannot_be_stored_is_refused(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match=r"value\.name: a set cannot be stored"):
         artifacts.write_artifact(Inner({1}, np.zeros(1)), tmp_path / "kept", 0.5)  # type: ignore[arg-type]
+
+
+def test_a_file_made_outside_a_run_is_gone_when_the_program_ends(tmp_path: Path) -> None:
+    code = (
+        "from motorcade.replays.engine.artifacts import new_file\n"
+        "paths = [new_file('film.mp4'), new_file('film.mp4')]\n"
+        "assert paths[0] != paths[1]\n"
+        "for path in paths:\n    path.write_bytes(b'film')\n"
+    )
+    environment = dict(os.environ, TMPDIR=str(tmp_path))
+    subprocess.run([sys.executable, "-c", code], env=environment, check=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+@dataclass(frozen=True)
+class ManyArrays:
+    """As the corners of every frame of a long recording."""
+
+    parts: tuple[np.ndarray, ...]
+    flags: np.ndarray
+    names: np.ndarray
+
+
+def test_many_small_arrays_are_stored_in_few_and_read_back_as_they_were(tmp_path: Path) -> None:
+    parts = tuple(np.arange(k * 2.0).reshape(k, 2) for k in range(50))
+    given = ManyArrays(parts, np.array([True, False]), np.array(["lost", "detected"]))
+    stored = artifacts.write_artifact(given, tmp_path / "many", 0.1)
+    with np.load(stored.folder / "arrays.npz") as arrays:
+        assert len(arrays.files) == 3
+    again = artifacts.read_artifact(stored, ManyArrays)
+    for before, after in zip(given.parts, again.parts, strict=True):
+        np.testing.assert_array_equal(before, after)
+    assert again.flags.tolist() == [True, False]
+    assert again.names.tolist() == ["lost", "detected"]
