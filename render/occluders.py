@@ -11,7 +11,8 @@ import cv2
 import numpy as np
 
 from motorcade.ga import Motor
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray
+from motorcade.render.extent import plane_homography, seen_extent
 from motorcade.render.light.prints import Prints
 from motorcade.render.scene import DepthArray
 from motorcade.render.shadow import ground_depth
@@ -82,11 +83,11 @@ def _lay(
     nearest: DepthArray, camera: Camera, camera_T_print: Motor, low: FloatArray, high: FloatArray
 ) -> None:
     """Take the depth of one rectangle wherever it is nearer than what was there."""
-    # Carries (x, y, 1) of the print to depth times (column, row, 1).
-    to_picture = camera.matrix @ camera_T_print.as_matrix()[:3][:, [0, 1, 3]]
+    to_picture = plane_homography(camera, camera_T_print)
     if np.linalg.cond(to_picture) > EDGE_ON:
         return
-    first, last = _extent(camera, camera_T_print, low, high)
+    corners = [[x, y, 0.0] for x in (low[0], high[0]) for y in (low[1], high[1])]
+    first, last = seen_extent(camera, camera_T_print.apply(corners), NEAREST_M)
     rows, columns = np.arange(first[1], last[1] + 1), np.arange(first[0], last[0] + 1)
     from_picture = np.linalg.inv(to_picture)
     x, y, inverse_depth = (
@@ -98,21 +99,6 @@ def _lay(
     depth_m = (1.0 / inverse_depth[inside]).astype(np.float32)
     region = nearest[first[1] : last[1] + 1, first[0] : last[0] + 1]
     region[inside] = np.minimum(region[inside], depth_m)
-
-
-def _extent(
-    camera: Camera, camera_T_print: Motor, low: FloatArray, high: FloatArray
-) -> tuple[IntArray, IntArray]:
-    """First and last (column, row) that may show a rectangle; all where it reaches behind."""
-    size = np.array([camera.width, camera.height])
-    x, y = [low[0], high[0], high[0], low[0]], [low[1], low[1], high[1], high[1]]
-    corners = camera_T_print.apply(np.stack([x, y, np.zeros(4)], axis=-1))
-    if np.min(corners[:, 2]) < NEAREST_M:
-        return np.zeros(2, dtype=np.int64), size - 1
-    pixels = camera.project(corners)
-    first = np.clip(np.floor(pixels.min(axis=0)), 0, size - 1)
-    last = np.clip(np.ceil(pixels.max(axis=0)), 0, size - 1)
-    return first.astype(np.int64), last.astype(np.int64)
 
 
 def raised(depth_m: DepthArray, ground_m: DepthArray, eye_m: float) -> DepthArray:

@@ -210,8 +210,7 @@ class _Stage:
         self.lighting, stand = lighting, self.placement.world_T_character
         sun = np.array(lighting.sun.direction) / np.linalg.norm(lighting.sun.direction)
         self.ground_light = stand.rotor.inverse().apply(sun)
-        up = stand.rotor.apply(np.array([0.0, 0.0, 1.0]))
-        self.strength = sun_share(lighting, stand.translation_m, up)
+        self.strength = sun_share(lighting, stand.translation_m, self.placement.up)
 
     def draw(
         self,

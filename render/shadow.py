@@ -14,8 +14,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from motorcade.animation.vectors import UP
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.render.extent import plane_homography
 from motorcade.tracking.cameras.camera import Camera
 
 GRID = 320
@@ -133,7 +135,6 @@ def shade_in_picture(
     Returns:
         (height, width) float32 shade of every pixel, or None where the camera is below the ground.
     """
-    matrix = camera_T_ground.as_matrix()
     eye_height_m = camera_T_ground.inverse().translation_m[2]
     if eye_height_m <= 0.0:
         return None
@@ -141,7 +142,7 @@ def shade_in_picture(
     grid_to_ground = np.array(
         [[cell, 0.0, 0.5 * cell - half_width_m], [0.0, cell, 0.5 * cell - half_width_m], [0, 0, 1]]
     )
-    ground_to_picture = camera.matrix @ matrix[:3][:, [0, 1, 3]]
+    ground_to_picture = plane_homography(camera, camera_T_ground)
     picture_to_grid = np.linalg.inv(ground_to_picture @ grid_to_ground)
     shown = cv2.warpPerspective(
         shade.astype(np.float32),
@@ -222,7 +223,7 @@ def _offset_and_fall(camera: Camera, camera_T_ground: Motor) -> tuple[float, Flo
     """The ground's offset from the camera along its normal, and how far each pixel's ray, one
     metre deep, goes along it.
     """
-    up = camera_T_ground.rotor.apply(np.array([0.0, 0.0, 1.0]))
+    up = camera_T_ground.rotor.apply(UP)
     x = (np.arange(camera.width) - camera.cx) / camera.fx
     y = (np.arange(camera.height) - camera.cy) / camera.fy
     fall = up[0] * x[None, :] + up[1] * y[:, None] + up[2]

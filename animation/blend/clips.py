@@ -84,13 +84,11 @@ def blend_clips(
     rates = lengths / length if in_phase else np.ones(2)
     starts = np.array([first.time_s[0], second.time_s[0]])
     starts[1] += offset * lengths[1] if in_phase else 0.0
-    poses = stacked(
-        [
-            clip.at(start + rate * time_s)
-            for clip, start, rate in zip((first, second), starts, rates, strict=True)
-        ]
-    )
-    blended = blend_poses(poses, [1.0 - weight, weight], method)
+    sampled = [
+        clip.at(start + rate * time_s)
+        for clip, start, rate in zip((first, second), starts, rates, strict=True)
+    ]
+    blended = blend_poses(stacked(sampled), [1.0 - weight, weight], method)
     looped = in_phase and first.looped and second.looped
     if looped:  # what a loop begins with it ends with, whatever rounding says
         coefficients = blended.coefficients.copy()

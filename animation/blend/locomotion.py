@@ -98,13 +98,11 @@ class BlendSpace:
         """Local poses ``(*, J)`` at values ``(*)`` and phases ``(*)``, of which 1 is a cycle."""
         share = self.weights(value)
         passed = checked_floats(phase, "BlendSpace.pose(phase)", ())
-        sampled = stacked(
-            [
-                clip.at(clip.time_s[0] + (passed + offset) * clip.duration_s)
-                for clip, offset in zip(self.clips, self.offsets, strict=True)
-            ]
-        )
-        return blend_poses(sampled, share, self.method)
+        sampled = [
+            clip.at(clip.time_s[0] + (passed + offset) * clip.duration_s)
+            for clip, offset in zip(self.clips, self.offsets, strict=True)
+        ]
+        return blend_poses(stacked(sampled), share, self.method)
 
     def phases(self, time_s: ArrayLike, value: ArrayLike) -> FloatArray:
         """Phases ``(N,)`` reached at rising times ``(N,)`` while the parameter goes through values.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation.character import Character
-from motorcade.animation.vectors import turn_z
+from motorcade.animation.vectors import UP, turn_z
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats
 
@@ -45,6 +45,15 @@ class Placement:
             )
         if not (np.isfinite(self.scale) and self.scale > 0.0):
             raise ValueError(f"Placement.scale: expected a positive number, got {self.scale}")
+
+    @property
+    def up(self) -> FloatArray:
+        """(3,) unit vector in the world: the normal of what the character stands on."""
+        return self.world_T_character.rotor.apply(UP)
+
+    def as_matrix(self) -> FloatArray:
+        """(4, 4) from character space to the world, the scale in it."""
+        return self.world_T_character.as_matrix() @ np.diag([*[self.scale] * 3, 1.0])
 
     def apply(self, points: ArrayLike) -> FloatArray:
         """Points (*, 3) from character space into the world, metres."""

@@ -108,7 +108,7 @@ def estimated_lighting(
         least_elevation_rad: a sun nearer to the ground, or below it, is raised to this height,
             since it throws the shadow.
     """
-    up = placement.world_T_character.rotor.apply(np.array([0.0, 0.0, 1.0]))
+    up = placement.up
     towards = estimate.towards_light
     if assumed is not None:
         sure = certainty(estimate)

@@ -18,6 +18,7 @@ import numpy as np
 
 from motorcade.animation import Placement
 from motorcade.animation.srgb import to_linear
+from motorcade.animation.vectors import UP
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 from motorcade.render.composite import as_rgb
@@ -90,7 +91,7 @@ class Prints:
     @property
     def normals(self) -> FloatArray:
         """(P, 3) out of the printed faces, world."""
-        return self.world_T_print.rotor.apply(np.array([0.0, 0.0, 1.0]))
+        return self.world_T_print.rotor.apply(UP)
 
 
 def lighting_without_depth(
@@ -191,10 +192,8 @@ def _grey(picture: ImageArray) -> FloatArray:
 
 
 def _gain_by_grey(usual: Lighting, placement: Placement, grey: FloatArray) -> FloatArray:
-    stand = placement.world_T_character
-    up = stand.rotor.apply(np.array([0.0, 0.0, 1.0]))
     there = max(float(grey[0]), 1e-4) / MIDDLE_GREY * grey[1:]
-    direct, other = light_on(usual, stand.translation_m, up)
+    direct, other = light_on(usual, placement.world_T_character.translation_m, placement.up)
     return np.asarray((there / (direct + other)) ** BELIEVED)
 
 

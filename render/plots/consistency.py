@@ -15,6 +15,7 @@ from motorcade.render.plots.style import (
     WIDTH_IN,
     as_svg,
     house_style,
+    label_over_time,
     label_plainly,
     line_style,
     new_figure,
@@ -65,9 +66,7 @@ def plot_squares(
         bottom = min(bounds[0], max(lowest, 0.01 * bounds[0]))
         axes.set_ylim(0.7 * bottom, 1.4 * max(highest, bounds[1]))
         axes.grid(visible=True, color=GRID)
-        axes.set_xlabel("time (s)")
-        axes.set_ylabel(unit)
-        axes.margins(x=0.01)
+        label_over_time(axes, unit)
         return as_svg(figure, label)
 
 

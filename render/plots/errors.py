@@ -15,6 +15,7 @@ from motorcade.render.plots.style import (
     WIDTH_IN,
     as_svg,
     house_style,
+    label_over_time,
     label_plainly,
     line_style,
     new_figure,
@@ -76,9 +77,7 @@ def plot_series(
             label_plainly(axes.yaxis)
         if limits is not None:
             axes.set_ylim(*limits)
-        axes.set_xlabel("time (s)")
-        axes.set_ylabel(unit)
-        axes.margins(x=0.01)
+        label_over_time(axes, unit)
         return as_svg(figure, label)
 
 
@@ -101,9 +100,7 @@ def plot_bands(bands: Mapping[str, Band], label: str, unit: str, *, height_in: f
             axes.plot(band.time_s, band.middle, **line)
         axes.set_yscale("log")
         label_plainly(axes.yaxis)
-        axes.set_xlabel("time (s)")
-        axes.set_ylabel(unit)
-        axes.margins(x=0.01)
+        label_over_time(axes, unit)
         return as_svg(figure, label)
 
 

@@ -164,6 +164,13 @@ def thinned(time_s: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatAr
     return time_s[rows], values[rows]
 
 
+def label_over_time(axes: Axes, unit: str) -> None:
+    """Axes of values in a unit over seconds."""
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel(unit)
+    axes.margins(x=0.01)
+
+
 def label_plainly(axis: Axis) -> None:
     """Label a logarithmic axis with 0.1 and 10 rather than with powers."""
     from matplotlib.ticker import LogFormatter

@@ -16,7 +16,7 @@ from motorcade.animation.formats.collada.library import Library, inputs_of
 from motorcade.animation.formats.collada.scene import ColladaScene, matrix_of_steps
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import expected
-from motorcade.animation.formats.rig.curves import before_jumps, between, great_arc, with_times
+from motorcade.animation.formats.rig.curves import between, great_arc, key_times, with_times
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import RigClip, transforms_over
 from motorcade.ga.arrays import FloatArray
@@ -123,10 +123,8 @@ def read_clip(library: Library, scene: ColladaScene) -> tuple[RigClip | None, li
 
 def _clip(scene: ColladaScene, moves: dict[int, _Moves], name: str) -> RigClip:
     curves = [curve for parts in moves.values() for _, _, curve in parts]
-    times = np.unique(np.concatenate([curve.keys for curve in curves]))
-    jumps = [before_jumps(curve.keys) for curve in curves if np.any(curve.kinds == "STEP")]
-    if jumps:
-        times = np.unique(np.concatenate([times, *jumps]))
+    steps = [bool(np.any(curve.kinds == "STEP")) for curve in curves]
+    times = key_times([curve.keys for curve in curves], steps)
     keyed = {node for node, parts in moves.items() if _matrix_moves(scene, node, parts)}
 
     def at(wanted: FloatArray) -> Transforms:
@@ -151,7 +149,7 @@ def _clip(scene: ColladaScene, moves: dict[int, _Moves], name: str) -> RigClip:
         times,
         at,
         np.array(sorted(moves)),
-        straight=keyed == set(moves) and not jumps,
+        straight=keyed == set(moves) and not any(steps),
         key_count=max(len(curve.keys) for curve in curves),
     )
 

@@ -20,9 +20,9 @@ from motorcade.animation.formats.gltf.fields import integer, listed, table
 from motorcade.animation.formats.gltf.nodes import Nodes
 from motorcade.animation.formats.limits import MAX_CLIPS, MAX_POSES, check_count
 from motorcade.animation.formats.rig.curves import (
-    before_jumps,
     great_arc,
     hermite,
+    key_times,
     stepped,
     with_times,
 )
@@ -84,10 +84,8 @@ def read_animations(
 
 
 def _clip(given: dict[str, Any], groups: list[_Group], nodes: Nodes) -> RigClip:
-    times = np.unique(np.concatenate([group.keys for group in groups]))
-    jumps = [before_jumps(group.keys) for group in groups if group.interpolation == "STEP"]
-    if jumps:
-        times = np.unique(np.concatenate([times, *jumps]))
+    steps = [group.interpolation == "STEP" for group in groups]
+    times = key_times([group.keys for group in groups], steps)
     moving = np.unique(np.concatenate([group.nodes for group in groups]))
     extras = given.get("extras")
     return RigClip(

@@ -16,6 +16,7 @@ from motorcade.animation.formats.rig.joints import Joints, joints_of
 from motorcade.animation.formats.rig.poses import JointPoses, World, joint_poses
 from motorcade.animation.formats.rig.sampling import Sampler
 from motorcade.animation.formats.rig.surfaces import BoundMesh, bound_mesh
+from motorcade.animation.formats.rig.transforms import scaled_matrices
 from motorcade.animation.formats.rig.values import Rig, RigClip
 from motorcade.animation.skeleton import Skeleton, local_poses
 from motorcade.ga import Motor, Rotor, Similarity
@@ -187,10 +188,10 @@ def _lowest(
     skeleton: Skeleton, vertices: FloatArray, mesh: BoundMesh, rest: JointPoses, binding: Binding
 ) -> float:
     """Height of the lowest vertex in the pose in which the nodes stand."""
-    world = skeleton.world(rest.motors()[0]).as_matrix()
-    world[:, :3, :3] *= np.abs(rest.scale[0] / binding.scale)[:, None, None]
-    moved_z = (world @ skeleton.rest_world_inverse.as_matrix())[:, 2]
-    heights = np.einsum("vki,vi->vk", moved_z[mesh.joints, :3], vertices) + moved_z[mesh.joints, 3]
+    growth = np.abs(rest.scale[0] / binding.scale)
+    world = scaled_matrices(skeleton.world(rest.motors()[0]), growth)
+    rows = (world @ skeleton.rest_world_inverse.as_matrix())[:, 2]
+    heights = np.einsum("vki,vi->vk", rows[mesh.joints, :3], vertices) + rows[mesh.joints, 3]
     return float(np.sum(heights * mesh.weights, axis=1).min())
 
 

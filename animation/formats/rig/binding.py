@@ -18,7 +18,7 @@ import numpy as np
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.rig.joints import Joints
 from motorcade.animation.formats.rig.poses import JointPoses
-from motorcade.animation.formats.rig.transforms import Transforms
+from motorcade.animation.formats.rig.transforms import Transforms, scaled_matrices
 from motorcade.animation.formats.rig.values import RigSurface, Skin
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import box_corners
@@ -47,9 +47,7 @@ class Binding:
 
     def frames(self) -> FloatArray:
         """Matrices (J, 4, 4) from the joints' frames in the file to character space."""
-        made: FloatArray = self.world.as_matrix()
-        made[:, :3, :3] *= self.scale[:, None, None]
-        return made
+        return scaled_matrices(self.world, self.scale)
 
 
 def bind(joints: Joints, rest: JointPoses, surfaces: tuple[RigSurface, ...]) -> Binding:
@@ -96,9 +94,7 @@ def _placing(
     main: RigSurface, skin: Skin, numbers: IntArray, world: Motor, scale: FloatArray
 ) -> tuple[FloatArray, bool]:
     """Matrix (4, 4) that places the mesh, and whether all joints agree on it."""
-    frames = world[numbers].as_matrix()
-    frames[:, :3, :3] *= scale[numbers, None, None]
-    placings = frames @ skin.inverse_bind
+    placings = scaled_matrices(world[numbers], scale[numbers]) @ skin.inverse_bind
     mass = np.bincount(
         main.influences.reshape(-1), main.weights.reshape(-1), minlength=len(numbers)
     )[: len(numbers)]

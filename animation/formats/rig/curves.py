@@ -9,10 +9,10 @@ from motorcade.ga.classical.quaternion import quaternion_slerp
 
 __all__ = [
     "JUMP_S",
-    "before_jumps",
     "between",
     "great_arc",
     "hermite",
+    "key_times",
     "stepped",
     "with_times",
 ]
@@ -75,7 +75,12 @@ def hermite(
     return made
 
 
-def before_jumps(keys: FloatArray) -> FloatArray:
-    """Times just before the steps at keys (K,)."""
-    times = keys[1:] - JUMP_S
-    return times[times > keys[:-1]]
+def key_times(keys: list[FloatArray], stepped: list[bool]) -> FloatArray:
+    """All times of curves' keys (K,), and times just before the steps of those that step."""
+    jumps = [one[1:] - JUMP_S for one in keys]
+    kept = [
+        jump[jump > one[:-1]]
+        for jump, one, steps in zip(jumps, keys, stepped, strict=True)
+        if steps
+    ]
+    return np.unique(np.concatenate([*keys, *kept]))

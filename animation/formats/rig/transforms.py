@@ -16,7 +16,7 @@ from motorcade.animation.formats.errors import FormatError
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Transforms"]
+__all__ = ["Transforms", "scaled_matrices"]
 
 # How far from one uniform scale the axes may be, as a share of it, before a block counts as
 # sheared. Files with six printed digits, and matrices split into float32 parts, stay below.
@@ -120,6 +120,13 @@ class Transforms:
             np.concatenate([part.scale for part in parts]),
             blocks,
         )
+
+
+def scaled_matrices(motors: Motor, scale: FloatArray) -> FloatArray:
+    """Matrices (*, 4, 4) that first scale by numbers (*), then move by motors (*)."""
+    made: FloatArray = motors.as_matrix()
+    made[..., :3, :3] *= scale[..., None, None]
+    return made
 
 
 def _not_zero(scale: FloatArray) -> FloatArray:

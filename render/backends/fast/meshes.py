@@ -150,10 +150,7 @@ class SkinnedMesh:
             raise ValueError(
                 f"pose(entries): expected a palette of shape {self._shape}, got {entries.shape}"
             )
-        matrix = np.eye(4)
-        if placement is not None:
-            matrix = placement.world_T_character.as_matrix()
-            matrix[:3, :3] *= placement.scale
+        matrix = np.eye(4) if placement is None else placement.as_matrix()
         self._mesh.corners_m = None
         self._palette.write(np.ascontiguousarray(entries, np.float32))
         self._palette.use(0)

@@ -29,6 +29,7 @@ from motorcade.render.backends.projection import (
     shadow_camera,
 )
 from motorcade.render.backends.renderer import Renderer, check_size
+from motorcade.render.extent import seen_extent
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera
 
@@ -227,14 +228,8 @@ def _seen_box(meshes: Sequence[RenderMesh], camera: Camera, world_T_camera: Moto
     if len(corners) < len(meshes) or not corners:
         return None
     seen = world_T_camera.inverse().apply(np.concatenate(corners))
-    # A box that reaches behind the camera is not bounded by the pictures of its corners.
-    if not np.all(seen[:, 2] > NEAR_M):
-        return None
-    pixels = camera.project(seen)
-    size = np.array([camera.width, camera.height])
     # A pixel's samples lie up to half a pixel about its centre.
-    first = np.clip(np.floor(pixels.min(axis=0) - 0.5), 0, size - 1).astype(int)
-    last = np.clip(np.ceil(pixels.max(axis=0) + 0.5), 0, size - 1).astype(int)
+    first, last = seen_extent(camera, seen, NEAR_M, 0.5)
     wide, high = last - first + 1
     return int(first[0]), int(camera.height - 1 - last[1]), int(wide), int(high)
 
