@@ -1,4 +1,4 @@
-"""Ways to blend poses: the methods that the paper compares and their rivals, behind one interface.
+"""Ways to blend poses: the methods that the paper compares, and others, behind one interface.
 
 Each takes K motors and their shares, and goes its own way through the algebra that it is named
 after, there and back:

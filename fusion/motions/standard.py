@@ -324,19 +324,21 @@ def zoom(log_scale: float = 0.7, period_s: float = 5.0) -> Motion[Similarity]:
     return Motion((*widened, Factor(grow, Sines.single(log_scale, 1.0 / period_s))), Similarity)
 
 
-MOTIONS: Mapping[str, Motion[Motor] | Motion[Similarity]] = MappingProxyType({
-    "gimbal_crossing_slow": gimbal_crossing(0.5),
-    "gimbal_crossing": gimbal_crossing(2.0),
-    "gimbal_crossing_fast": gimbal_crossing(4.0),
-    "gimbal_hover": gimbal_hover(),
-    "tumble": tumble(),
-    "screw": screw(),
-    "distant_circle": distant_circle(),
-    "handheld": handheld(np.random.default_rng(20240229)),
-    "walk_and_look": walk_and_look(),
-    "stop_and_go": stop_and_go(),
-    "fast_spin": fast_spin(),
-    "antipodal_crossing": antipodal_crossing(),
-    "zoom": zoom(),
-})  # fmt: skip
+MOTIONS: Mapping[str, Motion[Motor] | Motion[Similarity]] = MappingProxyType(
+    {
+        "gimbal_crossing_slow": gimbal_crossing(0.5),
+        "gimbal_crossing": gimbal_crossing(2.0),
+        "gimbal_crossing_fast": gimbal_crossing(4.0),
+        "gimbal_hover": gimbal_hover(),
+        "tumble": tumble(),
+        "screw": screw(),
+        "distant_circle": distant_circle(),
+        "handheld": handheld(np.random.default_rng(20240229)),
+        "walk_and_look": walk_and_look(),
+        "stop_and_go": stop_and_go(),
+        "fast_spin": fast_spin(),
+        "antipodal_crossing": antipodal_crossing(),
+        "zoom": zoom(),
+    }
+)
 """The standard motions with their default parameters; rigid but for "zoom"."""

@@ -58,9 +58,10 @@ class EulerPose(Pose):
         if mine != its:
             raise ValueError(
                 "EulerPose: expected two poses of one sequence, got "
-                + " and ".join(f"{name} {'extrinsic' if out else 'intrinsic'}"
-                               for name, out in (mine, its))
-            )  # fmt: skip
+                + " and ".join(
+                    f"{name} {'extrinsic' if out else 'intrinsic'}" for name, out in (mine, its)
+                )
+            )
 
     @property
     def angles_rad(self) -> FloatArray:
@@ -99,9 +100,11 @@ class EulerPose(Pose):
         """The same rotations by angles in their principal ranges (see `euler_from_matrix`)."""
         given = checked_floats(coefficients, "EulerPose.normalize(coefficients)", (6,))
         return cls._joined(
-            matrix_from_euler(given[..., :3], sequence, extrinsic), given[..., 3:],
-            sequence, extrinsic,
-        )  # fmt: skip
+            matrix_from_euler(given[..., :3], sequence, extrinsic),
+            given[..., 3:],
+            sequence,
+            extrinsic,
+        )
 
     @classmethod
     def exp(cls, log: ArrayLike, sequence: str = "xyz", extrinsic: bool = False) -> EulerPose:

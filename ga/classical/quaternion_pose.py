@@ -162,9 +162,11 @@ class QuaternionPose(Pose):
         q = checked_floats(wxyz, "QuaternionPose wxyz", (4,))
         t = checked_floats(translation_m, "QuaternionPose translation_m", (3,))
         shape = np.broadcast_shapes(q.shape[:-1], t.shape[:-1])
-        return cls(np.concatenate(
-            [np.broadcast_to(q, (*shape, 4)), np.broadcast_to(t, (*shape, 3))], axis=-1
-        ))  # fmt: skip
+        return cls(
+            np.concatenate(
+                [np.broadcast_to(q, (*shape, 4)), np.broadcast_to(t, (*shape, 3))], axis=-1
+            )
+        )
 
     def as_quaternion_translation(self) -> tuple[FloatArray, FloatArray]:
         """Unit quaternions ``(*, 4)`` wxyz and translations ``(*, 3)`` in metres."""

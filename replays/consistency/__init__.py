@@ -1,1 +1,1 @@
-"""Monte Carlo runs of the filter and its rivals: whether their errors are as they say."""
+"""Monte Carlo runs of the filter in several coordinates: whether their errors are as they say."""

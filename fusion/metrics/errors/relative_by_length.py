@@ -135,10 +135,14 @@ def drift_by_length(
         if not np.any(whole):
             continue
         metres, radians = _errors(estimate, reference, starts[whole], ends[whole])
-        found.append(Drift(
-            float(length_m), float(np.mean(metres)) / length_m, float(np.mean(radians)) / length_m,
-            int(np.count_nonzero(whole)),
-        ))  # fmt: skip
+        found.append(
+            Drift(
+                float(length_m),
+                float(np.mean(metres)) / length_m,
+                float(np.mean(radians)) / length_m,
+                int(np.count_nonzero(whole)),
+            )
+        )
     if not found:
         raise NotObservableError(
             f"drift: expected a path longer than one of {tuple(lengths_m)} m, got {along[-1]:.6g} m"

@@ -167,9 +167,13 @@ class _Run:
         squares = np.sum(vectors(guesses).reshape(len(guesses), -1, 6) ** 2, axis=-1)
         charged = np.sum(np.log1p(squares / self.width**2), axis=-1)
         fitted = scipy.optimize.least_squares(
-            vectors, guesses[int(np.argmin(charged))], slopes, loss="cauchy", f_scale=2.0,
+            vectors,
+            guesses[int(np.argmin(charged))],
+            slopes,
+            loss="cauchy",
+            f_scale=2.0,
             max_nfev=50,
-        )  # fmt: skip
+        )
         return np.asarray(fitted.x, dtype=np.float64)
 
     def _refined(self, marker: FloatArray) -> tuple[FloatArray, Linear, NDArray[np.bool_]]:

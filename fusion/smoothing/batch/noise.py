@@ -191,6 +191,11 @@ def _filter(order: int, sizes: list[Sizes], representation: str) -> KalmanFilter
     kind = ConstantVelocityFilter if order == 1 else ConstantAccelerationFilter
     rotation, translation, scale = sizes
     return kind(
-        translation.acceleration, rotation.acceleration, translation.noise, rotation.noise,
-        scale.acceleration, scale.noise, representation,
-    )  # fmt: skip
+        translation.acceleration,
+        rotation.acceleration,
+        translation.noise,
+        rotation.noise,
+        scale.acceleration,
+        scale.noise,
+        representation,
+    )

@@ -113,9 +113,13 @@ class Problem:
     def equations(self, linear: Linear, information: FloatArray) -> Equations:
         """The normal equations of a step."""
         return Equations.of(
-            self.interval_s, self.density, linear.steps, linear.state.velocity, linear.measured,
+            self.interval_s,
+            self.density,
+            linear.steps,
+            linear.state.velocity,
+            linear.measured,
             information,
-        )  # fmt: skip
+        )
 
     def descended(
         self, linear: Linear, loss: str, width: float, among: NDArray[np.bool_], steps: int

@@ -121,13 +121,17 @@ def robust_map(
         ModuleNotFoundError: scipy is missing.
     """
     return estimate_path(
-        trajectory, representation.name,
+        trajectory,
+        representation.name,
         acceleration_m_s2=acceleration_m_s2,
         angular_acceleration_rad_s2=angular_acceleration_rad_s2,
-        noise_m=noise_m, noise_rad=noise_rad,
-        scale_acceleration_s2=scale_acceleration_s2, noise_scale=noise_scale,
-        loss=loss, width=width,
-    ).trajectory  # fmt: skip
+        noise_m=noise_m,
+        noise_rad=noise_rad,
+        scale_acceleration_s2=scale_acceleration_s2,
+        noise_scale=noise_scale,
+        loss=loss,
+        width=width,
+    ).trajectory
 
 
 def estimate_path(

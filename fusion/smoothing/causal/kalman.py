@@ -166,8 +166,10 @@ def _noise_rows(noise_rad: ArrayLike, noise_m: ArrayLike, noise_scale: ArrayLike
     """Deviations ``(1, 3)``, or ``(N, 3)`` where one of them has one a pose."""
     columns = []
     for name, value in (
-        ("noise_rad", noise_rad), ("noise_m", noise_m), ("noise_scale", noise_scale),
-    ):  # fmt: skip
+        ("noise_rad", noise_rad),
+        ("noise_m", noise_m),
+        ("noise_scale", noise_scale),
+    ):
         checked = np.atleast_1d(checked_floats(value, name, ()))
         if checked.ndim != 1 or not np.all(checked > 0.0):
             raise ValueError(

@@ -85,9 +85,16 @@ def smoothed_states(trajectory: Trajectory, model: KalmanFilter) -> SmoothedStat
     out, rates = np.empty_like(given), np.empty((count, model.order, ends[-1]))
     deviations = np.empty((count, len(ends), model.order + 1))
     log_likelihood = _scans.rts(
-        model.representation, scale, model.order, given, trajectory.time_ns,
-        model.noise_of(trajectory), model.densities, out, (rates, deviations),
-    )  # fmt: skip
+        model.representation,
+        scale,
+        model.order,
+        given,
+        trajectory.time_ns,
+        model.noise_of(trajectory),
+        model.densities,
+        out,
+        (rates, deviations),
+    )
     for array in (rates, deviations):
         array.setflags(write=False)
     return SmoothedStates(trajectory_of(trajectory, out), rates, deviations, log_likelihood)
@@ -98,9 +105,15 @@ def _smoothed(trajectory: Trajectory, model: KalmanFilter) -> Trajectory:
     given = coefficients_of(trajectory)
     out = np.empty_like(given)
     _scans.rts(
-        model.representation, isinstance(trajectory.poses, Similarity), model.order, given,
-        trajectory.time_ns, model.noise_of(trajectory), model.densities, out,
-    )  # fmt: skip
+        model.representation,
+        isinstance(trajectory.poses, Similarity),
+        model.order,
+        given,
+        trajectory.time_ns,
+        model.noise_of(trajectory),
+        model.densities,
+        out,
+    )
     return trajectory_of(trajectory, out)
 
 

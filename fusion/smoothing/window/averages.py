@@ -48,9 +48,13 @@ def averaged(
     made = np.empty_like(coordinates)
     for part in _stretches(first, last):
         moves = weighted_vectors(
-            trajectory.time_ns, coordinates, coordinates[part], representation,
-            (part, first[part], last[part]), lambda t, inside: weights(t, inside)[None],
-        )[0]  # fmt: skip
+            trajectory.time_ns,
+            coordinates,
+            coordinates[part],
+            representation,
+            (part, first[part], last[part]),
+            lambda t, inside: weights(t, inside)[None],
+        )[0]
         made[part] = representation.retract(coordinates[part], moves)
     return restored(representation, made, trajectory)
 
