@@ -30,7 +30,14 @@ _NAMES_SHOWN = 12
 
 
 class RecordingError(ValueError):
-    """A recording, trajectory file or manifest cannot be used as it is; the message says why."""
+    """A recording, trajectory file or manifest cannot be used as it is; the message says why.
+
+    >>> from motorcade.replays import read_trajectory
+    >>> read_trajectory("missing.tum")
+    Traceback (most recent call last):
+    ...
+    motorcade.replays.errors.RecordingError: missing.tum: the file is missing
+    """
 
 
 class DamagedError(RecordingError):

@@ -66,7 +66,14 @@ STAGES = (
 
 @dataclass(frozen=True)
 class Job:
-    """One recording to run: where it lies, where results go, how far, with which settings."""
+    """One recording to run: where it lies, where results go, how far, with which settings.
+
+    >>> from pathlib import Path
+    >>> from motorcade.replays import Job
+    >>> job = Job(Path("V1_01_easy"), out=Path("out"), settings=("tracked.by=simulated",))
+    >>> job.until
+    'report'
+    """
 
     recording: Path
     out: Path
@@ -77,7 +84,15 @@ class Job:
 
 
 def pipeline_graph() -> Graph:
-    """The stage graph of every run."""
+    """The stage graph of every run.
+
+    >>> from motorcade.replays import pipeline_graph
+    >>> graph = pipeline_graph()
+    >>> list(graph.stages["fused"].inputs)
+    ['recording', 'camera_poses', 'imu']
+    >>> sorted(graph.stages["smoothed"].knobs)
+    ['order', 'representations', 'window_s']
+    """
     return Graph(STAGES, {"recording": Recording})
 
 

@@ -50,6 +50,12 @@ class Frame:
         time_ns: stamp.
         name: file name, or "frame 12" of a video; opens error messages.
         read_image, read_depth, read_right: what `image`, `depth_m` and `right` call.
+
+    >>> import numpy as np
+    >>> from motorcade.replays import Frame
+    >>> frame = Frame(50_000_000, "0.png", lambda: np.full((48, 64), 128, np.uint8))
+    >>> frame.gray().shape, frame.depth_m() is None
+    ((48, 64), True)
     """
 
     time_ns: int

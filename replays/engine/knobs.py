@@ -77,6 +77,14 @@ def parse_knobs(settings: Iterable[str], graph: Graph) -> dict[str, dict[str, An
     """`["fused.gate=0.99", ...]` as {stage: {knob: value}}.
 
     Raises GraphError where the form, a name or a value is wrong, saying what would be right.
+
+    >>> from motorcade.replays import parse_knobs, pipeline_graph
+    >>> parse_knobs(["smoothed.window_s=0.4", "tracked.by=slam"], pipeline_graph())
+    {'smoothed': {'window_s': 0.4}, 'tracked': {'by': 'slam'}}
+    >>> parse_knobs(["smoothed.width_s=0.4"], pipeline_graph())
+    Traceback (most recent call last):
+    ...
+    motorcade.replays.engine.stage.GraphError: smoothed has no knob 'width_s'; did ...
     """
     knobs: dict[str, dict[str, Any]] = {}
     for setting in settings:

@@ -50,6 +50,9 @@ class Chosen(Generic[Value]):
         value: its output.
         by: what the choice calls that stage.
         skipped: of the stages that were tried before, "name: reason".
+
+    >>> Chosen(3.2, by="laser").value
+    3.2
     """
 
     value: Value

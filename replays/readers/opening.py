@@ -13,7 +13,7 @@ __all__ = ["open_recording"]
 
 
 def open_recording(path: Path | str, manifest: Path | str | None = None) -> Recording:
-    """Open a folder of any known layout, or a video file.
+    r"""Open a folder of any known layout, or a video file.
 
     Args:
         path: the recording. Known layouts: EuRoC (`mav0/cam0/data.csv`), TUM RGB-D (`rgb.txt`),
@@ -28,6 +28,23 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
     Raises:
         RecordingError: nothing there, no known layout (the message lists what was looked for), or
             whatever the layout's reader refuses.
+
+    Twenty grey pictures at 30 Hz, described by a manifest:
+
+    >>> import tempfile
+    >>> import cv2, numpy as np
+    >>> from pathlib import Path
+    >>> from motorcade.replays import open_recording
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     for number in range(20):
+    ...         name = str(Path(folder) / f"{number:02}.png")
+    ...         written = cv2.imwrite(name, np.full((48, 64), 128, np.uint8))
+    ...     manifest = Path(folder) / "motorcade.toml"
+    ...     count = manifest.write_text('[frames]\nimages = "*.png"\nrate_hz = 30.0')
+    ...     recording = open_recording(folder)
+    ...     shape = recording.frames[3].image().shape
+    >>> len(recording.frames), round(recording.duration_s, 3), shape
+    (20, 0.633, (48, 64))
     """
     root = Path(path)
     try:

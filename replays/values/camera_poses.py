@@ -33,6 +33,19 @@ class CameraPoses:
             be, and the relative deviation of that.
         skipped: ways that were tried before this one, with the reason.
         seconds: what tracking took, reading and decoding the pictures included.
+
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> from motorcade.fusion.motions import MOTIONS
+    >>> from motorcade.replays import Recording
+    >>> from motorcade.replays.readers.frames.files import PictureFrames
+    >>> from motorcade.replays.stages.camera.simulated_poses import simulated_poses
+    >>> truth = MOTIONS["handheld"].sampled(rate_hz=100.0, duration_s=1.0)
+    >>> frames = PictureFrames((Path("0.png"),), np.array([0]))
+    >>> recording = Recording("by hand", Path(), "images", frames, truth=truth)
+    >>> poses = simulated_poses(recording, rate_hz=20.0)
+    >>> poses.origin, len(poses.measurements), poses.metric
+    ('simulated', 21, True)
     """
 
     measurements: PoseMeasurements

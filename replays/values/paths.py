@@ -28,6 +28,17 @@ class FusedPath:
         accepted: ``(N,)`` false where the filter left a measurement out.
         by: what was fused with the camera's poses.
         summary: the same in words.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion.motions import MOTIONS
+    >>> from motorcade.replays import FusedPath
+    >>> from motorcade.replays.stages.smoothed import smoothed
+    >>> path = MOTIONS["handheld"].sampled(rate_hz=50.0, duration_s=1.0)
+    >>> covariance = np.broadcast_to(1e-6 * np.eye(6), (len(path), 6, 6))
+    >>> nis, accepted = np.full(len(path), np.nan), np.ones(len(path), bool)
+    >>> fused = FusedPath(path, covariance, nis, accepted, "nothing", "left as tracked")
+    >>> list(smoothed(fused, representations=("motor", "euler"), window_s=0.2).trajectories)
+    ['motor', 'euler']
     """
 
     trajectory: Trajectory
@@ -44,6 +55,12 @@ class SmoothedPaths:
 
     `window_s` is the width of the window used; None where the path was left as it was, because
     any smoothing would have taken away motion.
+
+    >>> from motorcade.fusion.motions import MOTIONS
+    >>> from motorcade.replays import SmoothedPaths
+    >>> path = MOTIONS["handheld"].sampled(rate_hz=50.0, duration_s=1.0)
+    >>> list(SmoothedPaths({"motor": path, "euler": path}, window_s=None).trajectories)
+    ['motor', 'euler']
     """
 
     trajectories: dict[str, Trajectory]
