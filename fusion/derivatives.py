@@ -17,12 +17,12 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.checks import checked_length, checked_positive
+from motorcade.fusion.smoothing.checks import checked_length
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS
 from motorcade.fusion.smoothing.window.averages import polynomial_at_centre, weighted_vectors
 from motorcade.fusion.smoothing.window.local_polynomial import shifted_windows
 from motorcade.ga import Motor, Similarity, Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.ga.motion import twist_bracket
 
 __all__ = ["PathDerivatives", "differentiated"]
@@ -43,12 +43,13 @@ class PathDerivatives:
         body_twist_rate: its derivative, in 1/s more.
         body_twist_jerk: its second derivative.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import differentiated
-    >>> from motorcade.fusion.motions import MOTIONS
-    >>> found = differentiated(MOTIONS["screw"].sampled(50.0, 2.0))
-    >>> found.world_velocity_m_s.shape
-    (101, 3)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import differentiated
+        >>> from motorcade.fusion.motions import MOTIONS
+        >>> found = differentiated(MOTIONS["screw"].sampled(50.0, 2.0))
+        >>> found.world_velocity_m_s.shape
+        (101, 3)
     """
 
     trajectory: Trajectory
@@ -147,8 +148,10 @@ def differentiated(
     poses = representation.poses(made)
     assert isinstance(poses, Motor | Similarity)
     path = Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
-    _, slope, bend, twist_jerk = found
-    return PathDerivatives(path, slope, bend, twist_jerk - 0.5 * twist_bracket(slope, bend))
+    _, slope, curvature, twist_jerk = found
+    return PathDerivatives(
+        path, slope, curvature, twist_jerk - 0.5 * twist_bracket(slope, curvature)
+    )
 
 
 def _growth(twist: FloatArray) -> FloatArray:

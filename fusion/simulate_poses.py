@@ -10,6 +10,7 @@ import numpy as np
 
 from motorcade.fusion.motions.degradations import Degradation
 from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import checked_positive
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["simulate_camera_poses"]
@@ -38,20 +39,21 @@ def simulate_camera_poses(
     Raises:
         ValueError: a rate or deviation that is not positive.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
-    >>> measured = simulate_camera_poses(sensor.path, 20.0, sigma_m=0.01, sigma_rad=0.01, rng=rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath
+        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
 
-    >>> measured.trajectory
-    Trajectory(world_T_imu, 61 poses, 3.000 s)
+        >>> measured.trajectory
+        Trajectory(world_T_imu, 61 poses, 3.000 s)
     """
     for name, value in (("rate_hz", rate_hz), ("sigma_m", sigma_m), ("sigma_rad", sigma_rad)):
-        if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name}: expected a number above 0, got {value}")
+        checked_positive(value, name)
     count = int(np.floor(truth.duration_s * rate_hz + 1e-6)) + 1
     offsets = np.round(np.arange(count) * (1e9 / rate_hz)).astype(np.int64)
     offsets = np.minimum(offsets, truth.time_ns[-1] - truth.time_ns[0])

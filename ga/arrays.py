@@ -18,6 +18,7 @@ __all__ = [
     "FloatArray",
     "IntArray",
     "checked_floats",
+    "checked_positive",
     "common_precision",
     "frozen",
     "sealed",
@@ -69,6 +70,18 @@ def common_precision(*given: Any) -> np.dtype[Any]:
     """
     kinds = {np.dtype(one.dtype) for one in given if hasattr(one, "dtype")}
     return np.dtype(np.float32 if kinds == {np.dtype(np.float32)} else np.float64)
+
+
+def checked_positive(value: float, name: str, unit: str = "") -> float:
+    """A finite number above 0.
+
+    Raises:
+        ValueError: another one.
+    """
+    if not 0.0 < value < np.inf:
+        expected = f"a positive number of {unit}" if unit else "a number above 0"
+        raise ValueError(f"{name}: expected {expected}, got {value}")
+    return float(value)
 
 
 def frozen(array: FloatArray) -> FloatArray:

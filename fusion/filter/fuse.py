@@ -43,20 +43,22 @@ class Fused:
         imu_T_camera: Motor ``(N,)``.
         time_offset_s: ``(N,)``; a camera's stamp plus this is the IMU's time.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
-    >>> measured = simulate_camera_poses(sensor.path, 20.0, sigma_m=0.01, sigma_rad=0.01, rng=rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath
+        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
 
-    >>> from motorcade.fusion import fuse
-    >>> from motorcade.ga import Motor
-    >>> fused = fuse(measured, sensor.stream, ADIS16448, imu_T_camera=Motor.identity())
-    >>> sigma_m = np.sqrt(np.einsum("nii->ni", fused.covariance)[:, 3:])
-    >>> bool(np.all(sigma_m < 0.01)), fused.state_covariance.shape
-    (True, (61, 15, 15))
+        >>> from motorcade.fusion import fuse
+        >>> from motorcade.ga import Motor
+        >>> fused = fuse(measured, sensor.stream, ADIS16448, imu_T_camera=Motor.identity())
+        >>> sigma_m = np.sqrt(np.einsum("nii->ni", fused.covariance)[:, 3:])
+        >>> bool(np.all(sigma_m < 0.01)), fused.state_covariance.shape
+        (True, (61, 15, 15))
     """
 
     trajectory: Trajectory
@@ -114,21 +116,23 @@ def fuse(
         ValueError: the IMU and the measurements do not overlap in time, or `stamps_ns` are no
             rising integers or none of them can be served.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
-    >>> measured = simulate_camera_poses(sensor.path, 20.0, sigma_m=0.01, sigma_rad=0.01, rng=rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath
+        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
 
-    >>> from motorcade.fusion import evaluate, fuse
-    >>> from motorcade.ga import Motor
-    >>> fused = fuse(measured, sensor.stream, ADIS16448, imu_T_camera=Motor.identity())
-    >>> for found in (measured.trajectory, fused.trajectory):
-    ...     print(f"{evaluate(found, sensor.path).rotation_deg.rmse:.1f}°")
-    1.0°
-    0.2°
+        >>> from motorcade.fusion import evaluate, fuse
+        >>> from motorcade.ga import Motor
+        >>> fused = fuse(measured, sensor.stream, ADIS16448, imu_T_camera=Motor.identity())
+        >>> for found in (measured.trajectory, fused.trajectory):
+        ...     print(f"{evaluate(found, sensor.path).rotation_deg.rmse:.1f}°")
+        1.0°
+        0.2°
     """
     chosen = settings or FilterSettings()
     shift_ns = round(time_offset_s * 1e9)

@@ -47,15 +47,16 @@ def increments(
         Extended poses ``(K, 2)``: ΔR with Δp, ΔR with Δv; the matrices ``(K, 15, 15)`` that an
         error at the start is multiplied with, and the covariances ``(K, 15, 15)`` that come to it.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion.filter.increments import increments
-    >>> from motorcade.fusion.imu import ADIS16448
-    >>> rate, force = np.array([[0.0, 0.0, 1.0]]), np.array([[2.0, 0.0, 0.0]])
-    >>> motion, transition, covariance = increments(
-    ...     np.array([0]), np.array([0.01]), rate, force, np.zeros(6), ADIS16448
-    ... )
-    >>> motion[0, 1].translation_m[:2].round(6)  # velocity gained, in the axes at the start
-    array([0.02  , 0.0001])
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.filter.increments import increments
+        >>> from motorcade.fusion.imu import ADIS16448
+        >>> rate, force = np.array([[0.0, 0.0, 1.0]]), np.array([[2.0, 0.0, 0.0]])
+        >>> motion, transition, covariance = increments(
+        ...     np.array([0]), np.array([0.01]), rate, force, np.zeros(6), ADIS16448
+        ... )
+        >>> motion[0, 1].translation_m[:2].round(6)  # velocity gained, in the axes at the start
+        array([0.02  , 0.0001])
     """
     count, steps = len(first), len(dt_s)
     pose, velocity = np.empty((count, 8)), np.empty((count, 3))

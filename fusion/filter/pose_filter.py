@@ -11,7 +11,7 @@ from motorcade.fusion.filter.kinds import KINDS
 from motorcade.fusion.filter.settings import FilterSettings, engine
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.ga import Motor, Rotor
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["FilterState", "Innovation", "PoseFilter"]
@@ -31,17 +31,18 @@ class FilterState:
         imu_T_camera, time_offset_s: as estimated, or as given (the identity without a camera).
         covariance: ``(15, 15)`` or ``(24, 24)``; see `Fused.state_covariance`.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, PoseFilter
-    >>> from motorcade.ga import Motor
-    >>> live = PoseFilter(ADIS16448)
-    >>> for k in range(100):  # at rest, with a pose every tenth sample
-    ...     live.imu(10_000_000 * k, np.zeros(3), np.array([0.0, 0.0, 9.81]))
-    ...     if k % 10 == 0:
-    ...         live.pose(10_000_000 * k, Motor.identity(), 1e-4 * np.eye(6))
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, PoseFilter
+        >>> from motorcade.ga import Motor
+        >>> live = PoseFilter(ADIS16448)
+        >>> for k in range(100):  # at rest, with a pose every tenth sample
+        ...     live.imu(10_000_000 * k, np.zeros(3), np.array([0.0, 0.0, 9.81]))
+        ...     if k % 10 == 0:
+        ...         live.pose(10_000_000 * k, Motor.identity(), 1e-4 * np.eye(6))
 
-    >>> live.state.time_ns, live.state.covariance.shape
-    (990000000, (15, 15))
+        >>> live.state.time_ns, live.state.covariance.shape
+        (990000000, (15, 15))
     """
 
     time_ns: int
@@ -72,17 +73,18 @@ class Innovation:
         freedom: its degrees of freedom.
         weight: 1 where it was believed, less where it was weighed down, 0 where it was left out.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, PoseFilter
-    >>> from motorcade.ga import Motor
-    >>> live = PoseFilter(ADIS16448)
-    >>> for k in range(100):  # at rest, with a pose every tenth sample
-    ...     live.imu(10_000_000 * k, np.zeros(3), np.array([0.0, 0.0, 9.81]))
-    ...     if k % 10 == 0:
-    ...         live.pose(10_000_000 * k, Motor.identity(), 1e-4 * np.eye(6))
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, PoseFilter
+        >>> from motorcade.ga import Motor
+        >>> live = PoseFilter(ADIS16448)
+        >>> for k in range(100):  # at rest, with a pose every tenth sample
+        ...     live.imu(10_000_000 * k, np.zeros(3), np.array([0.0, 0.0, 9.81]))
+        ...     if k % 10 == 0:
+        ...         live.pose(10_000_000 * k, Motor.identity(), 1e-4 * np.eye(6))
 
-    >>> live.innovations[-1].kind, live.innovations[-1].weight
-    ('imu_pose', 1.0)
+        >>> live.innovations[-1].kind, live.innovations[-1].weight
+        ('imu_pose', 1.0)
     """
 
     time_ns: int
@@ -112,17 +114,18 @@ class PoseFilter:
     Raises:
         ValueError: a history or an offset that is out of range.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, PoseFilter
-    >>> from motorcade.ga import Motor
-    >>> live = PoseFilter(ADIS16448)
-    >>> for k in range(100):  # at rest, with a pose every tenth sample
-    ...     live.imu(10_000_000 * k, np.zeros(3), np.array([0.0, 0.0, 9.81]))
-    ...     if k % 10 == 0:
-    ...         live.pose(10_000_000 * k, Motor.identity(), 1e-4 * np.eye(6))
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, PoseFilter
+        >>> from motorcade.ga import Motor
+        >>> live = PoseFilter(ADIS16448)
+        >>> for k in range(100):  # at rest, with a pose every tenth sample
+        ...     live.imu(10_000_000 * k, np.zeros(3), np.array([0.0, 0.0, 9.81]))
+        ...     if k % 10 == 0:
+        ...         live.pose(10_000_000 * k, Motor.identity(), 1e-4 * np.eye(6))
 
-    >>> bool(np.abs(live.state.world_T_imu.translation_m).max() < 1e-9)
-    True
+        >>> bool(np.abs(live.state.world_T_imu.translation_m).max() < 1e-9)
+        True
     """
 
     def __init__(
@@ -134,8 +137,7 @@ class PoseFilter:
         time_offset_s: float = 0.0,
         history_s: float = 2.0,
     ) -> None:
-        if not (np.isfinite(history_s) and history_s > 0.0):
-            raise ValueError(f"history_s: expected a number above 0, got {history_s}")
+        checked_positive(history_s, "history_s")
         if not np.isfinite(time_offset_s):
             raise ValueError(f"time_offset_s: expected a finite number, got {time_offset_s}")
         self._settings = settings or FilterSettings()
@@ -206,8 +208,7 @@ class PoseFilter:
                 "corners_px: expected (n, 2) pixels of (n, 3) points with n from 1 to 4, got "
                 f"{pixels.shape} and {points.shape}"
             )
-        if not (np.isfinite(sigma_px) and sigma_px > 0.0):
-            raise ValueError(f"sigma_px: expected a number above 0, got {sigma_px}")
+        checked_positive(sigma_px, "sigma_px")
         self._add("corners", time_ns, _corner_rows(pixels, points, camera, sigma_px).ravel())
 
     def position(

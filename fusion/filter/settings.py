@@ -9,6 +9,7 @@ import numpy as np
 from motorcade.fusion.filter.native import _filter
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.ga import Motor
+from motorcade.ga.arrays import checked_positive
 
 __all__ = [
     "ACCEL_BIAS_SIGMA_M_S2",
@@ -45,9 +46,10 @@ class RestDetection:
     Raises:
         ValueError: a number that is not above zero.
 
-    >>> from motorcade.fusion.filter import FilterSettings, RestDetection
-    >>> FilterSettings(rest=RestDetection(window_s=1.0)).rest.window_s
-    1.0
+    Examples:
+        >>> from motorcade.fusion.filter import FilterSettings, RestDetection
+        >>> FilterSettings(rest=RestDetection(window_s=1.0)).rest.window_s
+        1.0
     """
 
     window_s: float = 0.5
@@ -58,11 +60,7 @@ class RestDetection:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
-            if not (np.isfinite(value) and value > 0.0):
-                raise ValueError(
-                    f"RestDetection.{field.name}: expected a number above 0, got {value}"
-                )
+            checked_positive(getattr(self, field.name), f"RestDetection.{field.name}")
 
 
 @dataclass(frozen=True)
@@ -92,13 +90,14 @@ class FilterSettings:
     Raises:
         ValueError: a number that is out of range, named by its field.
 
-    >>> from motorcade.fusion import FilterSettings
-    >>> FilterSettings(gravity_sigma_rad=0.02, extrinsics_sigma_rad=0.01).error_size
-    24
-    >>> FilterSettings(gap_s=0.0)
-    Traceback (most recent call last):
-    ...
-    ValueError: FilterSettings.gap_s: expected a number above 0, got 0.0
+    Examples:
+        >>> from motorcade.fusion import FilterSettings
+        >>> FilterSettings(gravity_sigma_rad=0.02, extrinsics_sigma_rad=0.01).error_size
+        24
+        >>> FilterSettings(gap_s=0.0)
+        Traceback (most recent call last):
+        ...
+        ValueError: FilterSettings.gap_s: expected a number above 0, got 0.0
     """
 
     gravity_m_s2: float = 9.81
@@ -156,9 +155,10 @@ class FilterSettings:
     def gate_limit(self, freedom: int) -> float:
         """The χ² with so many degrees of freedom that a good measurement stays below.
 
-        >>> from motorcade.fusion.filter import FilterSettings
-        >>> round(FilterSettings(gate=0.99).gate_limit(6), 2)
-        16.81
+        Examples:
+            >>> from motorcade.fusion.filter import FilterSettings
+            >>> round(FilterSettings(gate=0.99).gate_limit(6), 2)
+            16.81
         """
         from scipy.special import gammaincinv
 

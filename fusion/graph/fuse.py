@@ -53,19 +53,21 @@ def fuse_by_graph(
         ValueError: as `fuse`; settings that estimate more than the motion, or look for rest; a lag
             that is not above zero.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
-    >>> measured = simulate_camera_poses(sensor.path, 20.0, sigma_m=0.01, sigma_rad=0.01, rng=rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath
+        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
 
-    >>> from motorcade.fusion import fuse_by_graph
-    >>> from motorcade.ga import Motor
-    >>> fused = fuse_by_graph(measured, sensor.stream, ADIS16448, imu_T_camera=Motor.identity())
-    >>> fused.trajectory
-    Trajectory(world_T_imu, 61 poses, 3.000 s)
+        >>> from motorcade.fusion import fuse_by_graph
+        >>> from motorcade.ga import Motor
+        >>> fused = fuse_by_graph(measured, sensor.stream, ADIS16448, imu_T_camera=Motor.identity())
+        >>> fused.trajectory
+        Trajectory(world_T_imu, 61 poses, 3.000 s)
     """
     chosen = settings or FilterSettings()
     if chosen.error_size != 15 or chosen.rest is not None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from motorcade.fusion.graph.conversions import as_motor, as_poses, optimised
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.tracking.measurements import PoseMeasurements
 
 if TYPE_CHECKING:
@@ -39,11 +39,12 @@ class OdometryNoise:
     Raises:
         ValueError: a number that is not above zero.
 
-    >>> from motorcade.fusion.graph import OdometryNoise
-    >>> OdometryNoise(translation_m_rts=0.0)
-    Traceback (most recent call last):
-    ...
-    ValueError: OdometryNoise.translation_m_rts: expected a number above 0, got 0.0
+    Examples:
+        >>> from motorcade.fusion.graph import OdometryNoise
+        >>> OdometryNoise(translation_m_rts=0.0)
+        Traceback (most recent call last):
+        ...
+        ValueError: OdometryNoise.translation_m_rts: expected a number above 0, got 0.0
     """
 
     rotation_rad_rts: float = 4e-3
@@ -51,11 +52,7 @@ class OdometryNoise:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
-            if not 0.0 < value < np.inf:
-                raise ValueError(
-                    f"OdometryNoise.{field.name}: expected a number above 0, got {value}"
-                )
+            checked_positive(getattr(self, field.name), f"OdometryNoise.{field.name}")
 
 
 def fuse_odometry(
@@ -78,21 +75,23 @@ def fuse_odometry(
     Raises:
         ValueError: no measurement within the odometry's span.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
-    >>> measured = simulate_camera_poses(sensor.path, 20.0, sigma_m=0.01, sigma_rad=0.01, rng=rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath
+        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
 
-    >>> from motorcade.fusion import evaluate, fuse_odometry
-    >>> from motorcade.ga import Motor
-    >>> joined = fuse_odometry(measured, sensor.path, odometry_T_camera=Motor.identity())
-    >>> for found in (measured.trajectory, joined.trajectory):
-    ...     print(f"{1e3 * evaluate(found, sensor.path).ape_m.rmse:.0f} mm")
-    17 mm
-    2 mm
+        >>> from motorcade.fusion import evaluate, fuse_odometry
+        >>> from motorcade.ga import Motor
+        >>> joined = fuse_odometry(measured, sensor.path, odometry_T_camera=Motor.identity())
+        >>> for found in (measured.trajectory, joined.trajectory):
+        ...     print(f"{1e3 * evaluate(found, sensor.path).ape_m.rmse:.0f} mm")
+        17 mm
+        2 mm
     """
     import gtsam
 

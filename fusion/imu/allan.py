@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.screening import refuse_movement
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive
 
 __all__ = ["AllanCurve", "NoiseEstimate", "StreamNoise", "allan_deviation", "estimate_noise"]
 
@@ -42,11 +42,12 @@ class AllanCurve:
         samples: how many samples it was made of.
         interval_s: time between them.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion.imu import allan_deviation
-    >>> curve = allan_deviation(np.random.default_rng(0).normal(size=1000), rate_hz=100.0)
-    >>> curve.clusters[:4]
-    array([1, 2, 3, 4])
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.imu import allan_deviation
+        >>> curve = allan_deviation(np.random.default_rng(0).normal(size=1000), rate_hz=100.0)
+        >>> curve.clusters[:4]
+        array([1, 2, 3, 4])
     """
 
     tau_s: FloatArray
@@ -70,16 +71,17 @@ class NoiseEstimate:
         flicker, flicker_deviation: flicker of the bias ("bias instability"), unit; 0 where the
             curve shows none.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ImuStream
-    >>> white = np.random.default_rng(0).normal(0.0, 0.1, (2000, 2, 3))
-    >>> time_ns = 10_000_000 * np.arange(2000)
-    >>> still = ImuStream(time_ns, 0.01 * white[:, 0], [0.0, 0.0, 9.81] + white[:, 1])
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ImuStream
+        >>> white = np.random.default_rng(0).normal(0.0, 0.1, (2000, 2, 3))
+        >>> time_ns = 10_000_000 * np.arange(2000)
+        >>> still = ImuStream(time_ns, 0.01 * white[:, 0], [0.0, 0.0, 9.81] + white[:, 1])
 
-    >>> from motorcade.fusion import estimate_noise
-    >>> x = estimate_noise(still).gyro[0]
-    >>> f"{x.density:.1e} ± {x.density_deviation:.0e} rad/s/√Hz"
-    '1.0e-04 ± 2e-06 rad/s/√Hz'
+        >>> from motorcade.fusion import estimate_noise
+        >>> x = estimate_noise(still).gyro[0]
+        >>> f"{x.density:.1e} ± {x.density_deviation:.0e} rad/s/√Hz"
+        '1.0e-04 ± 2e-06 rad/s/√Hz'
     """
 
     density: float
@@ -105,16 +107,17 @@ class StreamNoise:
         noise: the densities and walks over the axes, by mean squares; where no axis shows a walk,
             the deviation of the walk stands for it.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ImuStream
-    >>> white = np.random.default_rng(0).normal(0.0, 0.1, (2000, 2, 3))
-    >>> time_ns = 10_000_000 * np.arange(2000)
-    >>> still = ImuStream(time_ns, 0.01 * white[:, 0], [0.0, 0.0, 9.81] + white[:, 1])
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ImuStream
+        >>> white = np.random.default_rng(0).normal(0.0, 0.1, (2000, 2, 3))
+        >>> time_ns = 10_000_000 * np.arange(2000)
+        >>> still = ImuStream(time_ns, 0.01 * white[:, 0], [0.0, 0.0, 9.81] + white[:, 1])
 
-    >>> from motorcade.fusion import estimate_noise
-    >>> found = estimate_noise(still)
-    >>> found.accel_curve.deviation.shape
-    (15, 3)
+        >>> from motorcade.fusion import estimate_noise
+        >>> found = estimate_noise(still)
+        >>> found.accel_curve.deviation.shape
+        (15, 3)
     """
 
     gyro_curve: AllanCurve
@@ -141,14 +144,14 @@ def allan_deviation(
 
     Source: W. J. Riley, "Handbook of Frequency Stability Analysis", NIST SP 1065, 2008, eq. 11.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion.imu import allan_deviation
-    >>> white = np.random.default_rng(0).normal(0.0, 0.1, 10_000)
-    >>> allan_deviation(white, rate_hz=100.0, tau_s=[0.01, 0.16]).deviation.round(3)
-    array([0.1  , 0.025])
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.imu import allan_deviation
+        >>> white = np.random.default_rng(0).normal(0.0, 0.1, 10_000)
+        >>> allan_deviation(white, rate_hz=100.0, tau_s=[0.01, 0.16]).deviation.round(3)
+        array([0.1  , 0.025])
     """
-    if not 0.0 < rate_hz < np.inf:
-        raise ValueError(f"rate_hz: expected a number above 0, got {rate_hz}")
+    checked_positive(rate_hz, "rate_hz")
     values = np.asarray(signal, dtype=np.float64)
     if values.ndim == 0 or len(values) < 3 or not np.all(np.isfinite(values)):
         raise ValueError(
@@ -178,16 +181,17 @@ def estimate_noise(imu: ImuStream) -> StreamNoise:
         ValueError: a recording of fewer than 100 samples, or with gaps, or of a sensor that moved
             (see `refuse_movement`), or noise that is zero.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ImuStream
-    >>> white = np.random.default_rng(0).normal(0.0, 0.1, (2000, 2, 3))
-    >>> time_ns = 10_000_000 * np.arange(2000)
-    >>> still = ImuStream(time_ns, 0.01 * white[:, 0], [0.0, 0.0, 9.81] + white[:, 1])
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ImuStream
+        >>> white = np.random.default_rng(0).normal(0.0, 0.1, (2000, 2, 3))
+        >>> time_ns = 10_000_000 * np.arange(2000)
+        >>> still = ImuStream(time_ns, 0.01 * white[:, 0], [0.0, 0.0, 9.81] + white[:, 1])
 
-    >>> from motorcade.fusion import estimate_noise
-    >>> noise = estimate_noise(still).noise
-    >>> f"{noise.gyro_density_rad_s_rthz:.1e}, {noise.accel_density_m_s2_rthz:.1e}"
-    '1.0e-04, 1.0e-02'
+        >>> from motorcade.fusion import estimate_noise
+        >>> noise = estimate_noise(still).noise
+        >>> f"{noise.gyro_density_rad_s_rthz:.1e}, {noise.accel_density_m_s2_rthz:.1e}"
+        '1.0e-04, 1.0e-02'
     """
     _check_even(imu)
     try:

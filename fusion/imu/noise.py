@@ -36,10 +36,11 @@ class ImuNoise:
     Raises:
         ValueError: a number that is not finite or not above zero, named by its field.
 
-    >>> from motorcade.fusion import ImuNoise
-    >>> noise = ImuNoise(1.7e-4, 2e-5, 2e-3, 3e-3)  # a data sheet's, too small for a hand's motion
-    >>> noise.scaled(3.0).accel_density_m_s2_rthz
-    0.006
+    Examples:
+        >>> from motorcade.fusion import ImuNoise
+        >>> noise = ImuNoise(1.7e-4, 2e-5, 2e-3, 3e-3)  # of a data sheet: too small in the hand
+        >>> noise.scaled(3.0).accel_density_m_s2_rthz
+        0.006
     """
 
     gyro_density_rad_s_rthz: float

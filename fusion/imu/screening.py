@@ -44,13 +44,14 @@ def screen_imu(imu: ImuStream) -> tuple[str, ...]:
     Raises:
         ValueError: specific force in g, milli-g or ft/s², or angular rate in degrees.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ImuStream, screen_imu
-    >>> in_g = np.tile([0.0, 0.0, 1.0], (400, 1))
-    >>> screen_imu(ImuStream(5_000_000 * np.arange(400), np.zeros((400, 3)), in_g))
-    Traceback (most recent call last):
-    ...
-    ValueError: ...
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ImuStream, screen_imu
+        >>> in_g = np.tile([0.0, 0.0, 1.0], (400, 1))
+        >>> screen_imu(ImuStream(5_000_000 * np.arange(400), np.zeros((400, 3)), in_g))
+        Traceback (most recent call last):
+        ...
+        ValueError: ...
     """
     refuse_units_of_force(imu)
     refuse_degrees(imu)

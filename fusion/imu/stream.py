@@ -29,16 +29,17 @@ class ImuStream:
         ValueError: stamps that are no integers or do not increase, lengths that differ, NaN or
             infinity.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ImuStream
-    >>> at_rest = np.tile([0.0, 0.0, 9.81], (3, 1))  # +g, upwards
-    >>> imu = ImuStream(5_000_000 * np.arange(3), np.zeros((3, 3)), at_rest)
-    >>> imu
-    ImuStream(3 samples, 200.0 Hz, 0.010 s)
-    >>> imu.at(np.array([7_500_000])).time_ns  # at least two
-    Traceback (most recent call last):
-    ...
-    ValueError: ImuStream.time_ns: expected integer nanoseconds (N,) with N >= 2, got ...
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ImuStream
+        >>> at_rest = np.tile([0.0, 0.0, 9.81], (3, 1))  # +g, upwards
+        >>> imu = ImuStream(5_000_000 * np.arange(3), np.zeros((3, 3)), at_rest)
+        >>> imu
+        ImuStream(3 samples, 200.0 Hz, 0.010 s)
+        >>> imu.at(np.array([7_500_000])).time_ns  # at least two
+        Traceback (most recent call last):
+        ...
+        ValueError: ImuStream.time_ns: expected integer nanoseconds (N,) with N >= 2, got ...
     """
 
     time_ns: IntArray

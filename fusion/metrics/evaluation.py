@@ -199,7 +199,7 @@ def evaluate(
     trans, rot = _relative(lambda: relative_errors(ours, pairs.reference), len(pairs))
     by_length = partial(relative_errors_by_length, ours, pairs.reference, rpe_length_m)
     far_trans, far_rot = _relative(by_length, len(pairs))
-    moved = alignment.apply_to(estimate)
+    aligned = alignment.apply_to(estimate)
     above_hz = _cutoff_hz(energy_above_hz, estimate)
     return Evaluation(
         align=align,
@@ -214,17 +214,17 @@ def evaluate(
         rpe_length_m=rpe_length_m,
         rpe_by_length_trans_m=far_trans,
         rpe_by_length_rot_deg=far_rot,
-        jitter=_if_observable(lambda: jitter(moved, reference)),
+        jitter=_if_observable(lambda: jitter(aligned, reference)),
         energy_above_hz=above_hz,
-        energy_excess=_if_observable(lambda: energy_excess_above(moved, reference, above_hz)),
-        log_jerk=_if_observable(lambda: log_dimensionless_jerk(moved)),
-        lag_ms=_if_observable(lambda: 1e3 * position_lag_s(moved, reference)),
-        angular_rate_lag_ms=_if_observable(lambda: 1e3 * angular_rate_lag_s(moved, reference)),
-        overshoot_m=_if_observable(lambda: position_overshoot_m(moved, reference)),
+        energy_excess=_if_observable(lambda: energy_excess_above(aligned, reference, above_hz)),
+        log_jerk=_if_observable(lambda: log_dimensionless_jerk(aligned)),
+        lag_ms=_if_observable(lambda: 1e3 * position_lag_s(aligned, reference)),
+        angular_rate_lag_ms=_if_observable(lambda: 1e3 * angular_rate_lag_s(aligned, reference)),
+        overshoot_m=_if_observable(lambda: position_overshoot_m(aligned, reference)),
         rotation_overshoot_deg=_if_observable(
-            lambda: degrees(rotation_overshoot_rad(moved, reference))
+            lambda: degrees(rotation_overshoot_rad(aligned, reference))
         ),
-        gimbal=_if_observable(lambda: gimbal_index(moved, reference)),
+        gimbal=_if_observable(lambda: gimbal_index(aligned, reference)),
     )
 
 

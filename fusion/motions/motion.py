@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from motorcade.fusion.motions.signals import Signal
 from motorcade.ga import Motor, Similarity, Trajectory, TwistSample
-from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 from motorcade.ga.motion import twist_bracket
 
 __all__ = ["Factor", "Motion", "even_stamps"]
@@ -157,7 +157,6 @@ def even_stamps(rate_hz: float, duration_s: float) -> IntArray:
         array([        0,  33333333,  66666667, 100000000])
     """
     for name, value in (("rate_hz", rate_hz), ("duration_s", duration_s)):
-        if not 0.0 < value < np.inf:
-            raise ValueError(f"{name}: expected a number above 0, got {value}")
+        checked_positive(value, name)
     count = int(np.floor(duration_s * rate_hz + 1e-6)) + 1
     return np.round(np.arange(count) * (1e9 / rate_hz)).astype(np.int64)

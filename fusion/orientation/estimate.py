@@ -30,16 +30,17 @@ class Orientation:
         gyro_bias_rad_s: ``(N, 3)``.
         at_rest: ``(N,)``, whether the sensor had been found at rest by then.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ImuStream
-    >>> white = np.random.default_rng(0).normal(0.0, 0.1, (2000, 2, 3))
-    >>> time_ns = 10_000_000 * np.arange(2000)
-    >>> still = ImuStream(time_ns, 0.01 * white[:, 0], [0.0, 0.0, 9.81] + white[:, 1])
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ImuStream
+        >>> white = np.random.default_rng(0).normal(0.0, 0.1, (2000, 2, 3))
+        >>> time_ns = 10_000_000 * np.arange(2000)
+        >>> still = ImuStream(time_ns, 0.01 * white[:, 0], [0.0, 0.0, 9.81] + white[:, 1])
 
-    >>> from motorcade.fusion import estimate_orientation
-    >>> found = estimate_orientation(still)
-    >>> bool(found.at_rest[-1]), found.gyro_bias_rad_s.shape
-    (True, (2000, 3))
+        >>> from motorcade.fusion import estimate_orientation
+        >>> found = estimate_orientation(still)
+        >>> bool(found.at_rest[-1]), found.gyro_bias_rad_s.shape
+        (True, (2000, 3))
     """
 
     time_ns: IntArray
@@ -56,13 +57,14 @@ class OrientationFilter:
     Args:
         model: sensor and motion.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import OrientationFilter
-    >>> live = OrientationFilter()
-    >>> for k in range(100):
-    ...     world_R_imu = live.update(10_000_000 * k, np.zeros(3), np.array([9.81, 0.0, 0.0]))
-    >>> bool(world_R_imu.apply([1.0, 0.0, 0.0])[2] > 0.999)  # its x points up
-    True
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import OrientationFilter
+        >>> live = OrientationFilter()
+        >>> for k in range(100):
+        ...     world_R_imu = live.update(10_000_000 * k, np.zeros(3), np.array([9.81, 0.0, 0.0]))
+        >>> bool(world_R_imu.apply([1.0, 0.0, 0.0])[2] > 0.999)  # its x points up
+        True
     """
 
     def __init__(self, model: OrientationModel | None = None) -> None:
@@ -121,16 +123,17 @@ def estimate_orientation(
     ``native/backward.h``. It breaks down where the speed of `model` is left for long (a car, a
     centrifuge): acceleration is then taken for tilt.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ImuStream
-    >>> white = np.random.default_rng(0).normal(0.0, 0.1, (2000, 2, 3))
-    >>> time_ns = 10_000_000 * np.arange(2000)
-    >>> still = ImuStream(time_ns, 0.01 * white[:, 0], [0.0, 0.0, 9.81] + white[:, 1])
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ImuStream
+        >>> white = np.random.default_rng(0).normal(0.0, 0.1, (2000, 2, 3))
+        >>> time_ns = 10_000_000 * np.arange(2000)
+        >>> still = ImuStream(time_ns, 0.01 * white[:, 0], [0.0, 0.0, 9.81] + white[:, 1])
 
-    >>> from motorcade.fusion import estimate_orientation
-    >>> up = estimate_orientation(still).world_R_imu[-1].apply([0.0, 0.0, 1.0])
-    >>> bool(up[2] > 0.9999)
-    True
+        >>> from motorcade.fusion import estimate_orientation
+        >>> up = estimate_orientation(still).world_R_imu[-1].apply([0.0, 0.0, 1.0])
+        >>> bool(up[2] > 0.9999)
+        True
     """
     model = OrientationModel() if model is None else model
     rotors, biases = np.empty((len(imu), 4)), np.empty((len(imu), 3))

@@ -9,6 +9,7 @@ import numpy as np
 
 from motorcade.fusion.imu.noise import ADIS16448, ImuNoise
 from motorcade.fusion.orientation.native._orientation import Settings
+from motorcade.ga.arrays import checked_positive
 
 __all__ = ["OrientationModel"]
 
@@ -41,9 +42,10 @@ class OrientationModel:
     Raises:
         ValueError: a number that is not finite or not above 0, or other readings.
 
-    >>> from motorcade.fusion import OrientationModel
-    >>> OrientationModel(readings="interval", speed_m_s=2.0).speed_m_s  # a limb that swings
-    2.0
+    Examples:
+        >>> from motorcade.fusion import OrientationModel
+        >>> OrientationModel(readings="interval", speed_m_s=2.0).speed_m_s  # a limb that swings
+        2.0
     """
 
     noise: ImuNoise = ADIS16448
@@ -62,11 +64,8 @@ class OrientationModel:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
-            if field.type == "float" and not 0.0 < value < np.inf:
-                raise ValueError(
-                    f"OrientationModel.{field.name}: expected a number above 0, got {value}"
-                )
+            if field.type == "float":
+                checked_positive(getattr(self, field.name), f"OrientationModel.{field.name}")
         if self.readings not in ("instant", "interval"):
             raise ValueError(
                 'OrientationModel.readings: expected "instant" or "interval", '

@@ -45,16 +45,18 @@ def preintegrate(
         ValueError: keyframes that are fewer than two, do not rise, are no integers or lie outside
             the stream; biases of another shape, NaN or infinity; an unknown rule.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ImuStream, preintegrate
-    >>> time_ns = 5_000_000 * np.arange(201)
-    >>> rate, force = np.tile([[0.0, 0.0, np.pi / 2], [0.0, 0.0, 9.81]], (201, 1, 1)).swapaxes(0, 1)
-    >>> summed = preintegrate(ImuStream(time_ns, rate, force), time_ns[[0, 100, 200]], ADIS16448)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ImuStream, preintegrate
+        >>> time_ns = 5_000_000 * np.arange(201)
+        >>> rate = np.tile([0.0, 0.0, np.pi / 2], (201, 1))
+        >>> imu = ImuStream(time_ns, rate, np.tile([0.0, 0.0, 9.81], (201, 1)))
+        >>> summed = preintegrate(imu, time_ns[[0, 100, 200]], ADIS16448)
 
-    >>> summed.duration_s
-    array([0.5, 0.5])
-    >>> np.degrees(summed.motion[:, 0].rotor.angle()).round(6)
-    array([45., 45.])
+        >>> summed.duration_s
+        array([0.5, 0.5])
+        >>> np.degrees(summed.motion[:, 0].rotor.angle()).round(6)
+        array([45., 45.])
     """
     if rule not in ("mean", "held"):
         raise ValueError(f"rule: expected 'mean' or 'held', got {rule!r}")

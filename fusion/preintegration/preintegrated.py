@@ -36,17 +36,19 @@ class Preintegrated:
             columns are the Jacobian of the motion by the biases.
         covariance: ``(*, 15, 15)`` of the error at the end where there was none at the start.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ImuStream, preintegrate
-    >>> from motorcade.ga import Motor
-    >>> time_ns = 5_000_000 * np.arange(201)
-    >>> rate, force = np.tile([[0.0, 0.0, np.pi / 2], [0.0, 0.0, 9.81]], (201, 1, 1)).swapaxes(0, 1)
-    >>> summed = preintegrate(ImuStream(time_ns, rate, force), time_ns[[0, 100, 200]], ADIS16448)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ImuStream, preintegrate
+        >>> from motorcade.ga import Motor
+        >>> time_ns = 5_000_000 * np.arange(201)
+        >>> rate = np.tile([0.0, 0.0, np.pi / 2], (201, 1))
+        >>> imu = ImuStream(time_ns, rate, np.tile([0.0, 0.0, 9.81], (201, 1)))
+        >>> summed = preintegrate(imu, time_ns[[0, 100, 200]], ADIS16448)
 
-    >>> world_T_imu, still, fall = Motor.identity(), np.zeros(3), (0.0, 0.0, -9.81)
-    >>> end, velocity = summed[0].propagate(world_T_imu, still, fall)
-    >>> float(np.degrees(end.rotor.angle()).round(6)), bool(np.abs(velocity).max() < 1e-12)
-    (45.0, True)
+        >>> world_T_imu, still, fall = Motor.identity(), np.zeros(3), (0.0, 0.0, -9.81)
+        >>> end, velocity = summed[0].propagate(world_T_imu, still, fall)
+        >>> float(np.degrees(end.rotor.angle()).round(6)), bool(np.abs(velocity).max() < 1e-12)
+        (45.0, True)
     """
 
     duration_s: FloatArray

@@ -33,8 +33,8 @@ def changes(raw: Trajectory, smoothed: Trajectory) -> dict[str, float | None]:
     turn = (before.rotor.inverse() @ after.rotor).as_rotation_vector()
     turn_deg = np.rad2deg(np.linalg.norm(turn, axis=-1))
     made: dict[str, float | None] = {
-        "moved_rms_m": float(np.sqrt(np.mean(shift_m**2))),
-        "moved_max_m": float(np.max(shift_m)),
+        "shift_rms_m": float(np.sqrt(np.mean(shift_m**2))),
+        "shift_max_m": float(np.max(shift_m)),
         "turned_rms_deg": float(np.sqrt(np.mean(turn_deg**2))),
         "turned_max_deg": float(np.max(turn_deg)),
     }

@@ -7,17 +7,11 @@ from math import inf, isfinite
 import numpy as np
 
 from motorcade.ga import Trajectory
+from motorcade.ga.arrays import checked_positive
 
-__all__ = ["checked_cutoff", "checked_length", "checked_order", "checked_positive", "in_double"]
+__all__ = ["checked_cutoff", "checked_length", "checked_order", "in_double"]
 
 LARGEST_ORDER = 5
-
-
-def checked_positive(value: float, name: str, unit: str) -> float:
-    """A finite number above 0, or ValueError."""
-    if not (isfinite(value) and value > 0.0):
-        raise ValueError(f"{name}: expected a positive number of {unit}, got {value}")
-    return float(value)
 
 
 def checked_order(order: int) -> int:

@@ -282,8 +282,8 @@ class Quaternions(_SignedComponents):
         return Motor.from_quaternion_translation(wxyz, coordinates[..., 4:])
 
     def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
-        moved = base + vector
-        return np.concatenate([quaternion_normalize(moved[..., :4]), moved[..., 4:]], axis=-1)
+        summed = base + vector
+        return np.concatenate([quaternion_normalize(summed[..., :4]), summed[..., 4:]], axis=-1)
 
 
 class DualQuaternions(_SignedComponents):

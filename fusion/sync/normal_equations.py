@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.chains import banded
 from motorcade.ga.arrays import FloatArray
 
 __all__ = ["Bordered", "Solved"]
@@ -109,7 +110,7 @@ class Bordered:
         border = self._border[..., free].reshape(count * size, -1)
         right = np.concatenate([self._pull.reshape(-1, 1), border], axis=1)
         try:
-            factor = cholesky_banded(self._banded(), lower=True, check_finite=False)
+            factor = cholesky_banded(banded(self._own, self._next), lower=True, check_finite=False)
             solved = cho_solve_banded((factor, True), right, check_finite=False)
             schur = self._shared[np.ix_(free, free)] - border.T @ solved[:, 1:]
             covariance = np.linalg.inv(schur)
@@ -145,17 +146,6 @@ class Bordered:
     def _add_shared(self, residual: FloatArray, shared: FloatArray) -> None:
         self._shared += np.sum(_product(shared, shared), axis=0)
         self._shared_pull -= np.sum(_product(shared, residual[..., None])[..., 0], axis=0)
-
-    def _banded(self) -> FloatArray:
-        """The states' matrix by lower diagonals, as LAPACK wants it."""
-        count, size, _ = self._own.shape
-        band = np.zeros((2 * size, count, size))
-        for column in range(size):
-            for row in range(column, size):
-                band[row - column, :, column] = self._own[:, row, column]
-            for row in range(size):
-                band[size + row - column, :-1, column] = self._next[:, row, column]
-        return band.reshape(2 * size, count * size)
 
 
 def _product(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -214,8 +214,8 @@ def _peak(score: FloatArray, best: int) -> float:
     if not 0 < best < len(score) - 1 or not np.all(np.isfinite(score[best - 1 : best + 2])):
         return 0.0
     before, top, after = score[best - 1 : best + 2]
-    bend = before - 2.0 * top + after
-    return float(0.5 * (before - after) / bend) if bend < 0.0 else 0.0
+    curvature = before - 2.0 * top + after
+    return float(0.5 * (before - after) / curvature) if curvature < 0.0 else 0.0
 
 
 def _wahba(camera: FloatArray, imu: FloatArray) -> Rotor:

@@ -54,22 +54,24 @@ class Synchronised:
         imu_noise: the IMU's noise as found, never below the stated: vibration and faults of scale
             and axes show here, and a filter that uses it weighs the sensor as it is.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
-    >>> measured = simulate_camera_poses(sensor.path, 20.0, sigma_m=0.01, sigma_rad=0.01, rng=rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath
+        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
 
-    >>> from motorcade.fusion import synchronise
-    >>> from motorcade.ga import Trajectory
-    >>> camera = measured.trajectory
-    >>> late = Trajectory(camera.time_ns - 30_000_000, camera.poses)
-    >>> found = synchronise(late, sensor.stream, ADIS16448, search_s=0.2)
+        >>> from motorcade.fusion import synchronise
+        >>> from motorcade.ga import Trajectory
+        >>> camera = measured.trajectory
+        >>> late = Trajectory(camera.time_ns - 30_000_000, camera.poses)
+        >>> found = synchronise(late, sensor.stream, ADIS16448, search_s=0.2)
 
-    >>> int(found.on_imu_clock(late).time_ns[0] / 1e6)
-    0
+        >>> int(found.on_imu_clock(late).time_ns[0] / 1e6)
+        0
     """
 
     offset_s: float
@@ -135,22 +137,24 @@ def synchronise(
             match (too little rotation, or another motion), an estimate that does not settle or
             leaves the offset that rates tell, or a search that is not above zero.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
-    >>> measured = simulate_camera_poses(sensor.path, 20.0, sigma_m=0.01, sigma_rad=0.01, rng=rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath
+        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
 
-    >>> from motorcade.fusion import synchronise
-    >>> from motorcade.ga import Trajectory
-    >>> camera = measured.trajectory
-    >>> late = Trajectory(camera.time_ns - 30_000_000, camera.poses)
-    >>> found = synchronise(late, sensor.stream, ADIS16448, search_s=0.2)
+        >>> from motorcade.fusion import synchronise
+        >>> from motorcade.ga import Trajectory
+        >>> camera = measured.trajectory
+        >>> late = Trajectory(camera.time_ns - 30_000_000, camera.poses)
+        >>> found = synchronise(late, sensor.stream, ADIS16448, search_s=0.2)
 
-    >>> bool(abs(found.offset_s - 0.03) < 0.005)
-    True
+        >>> bool(abs(found.offset_s - 0.03) < 0.005)
+        True
     """
     if not 0.0 < search_s < np.inf:
         raise ValueError(f"search_s: expected seconds above 0, got {search_s}")

@@ -24,10 +24,11 @@ class LandmarkObservations:
         ValueError: shapes that do not agree, numbers below 0, pixels that are not finite, or a
             landmark twice in one keyframe.
 
-    >>> from motorcade.fusion.visual_inertial import LandmarkObservations
-    >>> seen = LandmarkObservations([0, 1], [0, 0], [[320.0, 240.0], [310.5, 240.2]])
-    >>> len(seen)
-    2
+    Examples:
+        >>> from motorcade.fusion.visual_inertial import LandmarkObservations
+        >>> seen = LandmarkObservations([0, 1], [0, 0], [[320.0, 240.0], [310.5, 240.2]])
+        >>> len(seen)
+        2
     """
 
     keyframe: IntArray

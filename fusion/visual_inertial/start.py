@@ -42,20 +42,22 @@ class InertialStart:
         velocity_m_s: ``(N, 3)`` of the IMU, in the new world.
         gyro_bias_rad_s: ``(N, 3)``; accel_bias_m_s2: ``(N, 3)``.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
-    >>> measured = simulate_camera_poses(sensor.path, 20.0, sigma_m=0.01, sigma_rad=0.01, rng=rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath
+        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
 
-    >>> from motorcade.fusion import start_inertial
-    >>> from motorcade.ga import Motor
-    >>> started = start_inertial(measured, sensor.stream, ADIS16448, Motor.identity())
+        >>> from motorcade.fusion import start_inertial
+        >>> from motorcade.ga import Motor
+        >>> started = start_inertial(measured, sensor.stream, ADIS16448, Motor.identity())
 
-    >>> started.in_metres(measured.trajectory)
-    Trajectory(world_T_imu, 61 poses, 3.000 s)
+        >>> started.in_metres(measured.trajectory)
+        Trajectory(world_T_imu, 61 poses, 3.000 s)
     """
 
     world_T_visual: Similarity
@@ -94,20 +96,22 @@ def start_inertial(
         ValueError: fewer than four poses within the IMU's span, motion that gives no scale, or an
             estimate that does not settle.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
-    >>> measured = simulate_camera_poses(sensor.path, 20.0, sigma_m=0.01, sigma_rad=0.01, rng=rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath
+        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
 
-    >>> from motorcade.fusion import start_inertial
-    >>> from motorcade.ga import Motor
-    >>> started = start_inertial(measured, sensor.stream, ADIS16448, Motor.identity())
+        >>> from motorcade.fusion import start_inertial
+        >>> from motorcade.ga import Motor
+        >>> started = start_inertial(measured, sensor.stream, ADIS16448, Motor.identity())
 
-    >>> bool(abs(started.world_T_visual.scale - 1.0) < 0.02)
-    True
+        >>> bool(abs(started.world_T_visual.scale - 1.0) < 0.02)
+        True
     """
     used = covered(measurements.trajectory, imu, 0.0, 0.0)
     scale, gravity = linear_start(_spaced(used), imu, noise, imu_T_camera)

@@ -20,7 +20,7 @@ from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.visual_inertial.observations import LandmarkObservations
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 from motorcade.tracking.cameras.camera import Camera
 
 if TYPE_CHECKING:
@@ -93,9 +93,8 @@ def adjust_visual_inertial(
     import gtsam
 
     landmarks = _checked(keyframes, landmarks_m, observations, imu)
-    for name, value in (("sigma_px", sigma_px), ("gravity_m_s2", gravity_m_s2)):
-        if not 0.0 < value < np.inf:
-            raise ValueError(f"{name}: expected a number above 0, got {value}")
+    checked_positive(sigma_px, "sigma_px")
+    checked_positive(gravity_m_s2, "gravity_m_s2")
     graph = _inertial(keyframes, imu, noise, gravity_m_s2)
     start = keyframes.motors @ imu_T_camera.inverse()
     used = np.bincount(observations.landmark, minlength=len(landmarks)) >= 2

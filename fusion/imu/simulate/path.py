@@ -10,11 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from motorcade.fusion.motions import Motion
 from motorcade.ga import Motor, Trajectory, TwistSample
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.ga.splines import CumulativeBSpline
 
 __all__ = ["ContinuousPath"]
@@ -34,11 +32,12 @@ class ContinuousPath:
     Raises:
         ValueError: a duration that is not above 0.
 
-    >>> from motorcade.fusion import ContinuousPath
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> path = ContinuousPath.along(gimbal_crossing(), duration_s=3.0)
-    >>> path.twists(0.0).pose.shape
-    ()
+    Examples:
+        >>> from motorcade.fusion import ContinuousPath
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> path = ContinuousPath.along(gimbal_crossing(), duration_s=3.0)
+        >>> path.twists(0.0).pose.shape
+        ()
     """
 
     start_ns: int
@@ -48,10 +47,7 @@ class ContinuousPath:
     child: str = "imu"
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.duration_s < np.inf:
-            raise ValueError(
-                f"ContinuousPath.duration_s: expected a number above 0, got {self.duration_s}"
-            )
+        checked_positive(self.duration_s, "ContinuousPath.duration_s")
 
     @classmethod
     def through(cls, trajectory: Trajectory, knot_spacing_s: float = 0.1) -> ContinuousPath:

@@ -15,7 +15,7 @@ from motorcade.fusion.imu.simulate.path import ContinuousPath
 from motorcade.fusion.imu.simulate.sensor import PERFECT, ImuFaults
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.ga.motion import SplineSample, sampled_motion
 
 __all__ = ["SimulatedImu", "simulate_imu"]
@@ -32,17 +32,18 @@ class SimulatedImu:
             less its time offset.
         velocity_m_s: the true velocity in the world ``(N, 3)``.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
 
-    >>> sensor.stream
-    ImuStream(301 samples, 100.0 Hz, 3.000 s)
-    >>> sensor.path
-    Trajectory(world_T_imu, 301 poses, 3.000 s)
+        >>> sensor.stream
+        ImuStream(301 samples, 100.0 Hz, 3.000 s)
+        >>> sensor.path
+        Trajectory(world_T_imu, 301 poses, 3.000 s)
     """
 
     stream: ImuStream
@@ -84,15 +85,16 @@ def simulate_imu(
             a rate or losses that leave fewer than two samples, a single pose, or motion too fast
             for the knots.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
 
-    >>> sensor.stream
-    ImuStream(301 samples, 100.0 Hz, 3.000 s)
+        >>> sensor.stream
+        ImuStream(301 samples, 100.0 Hz, 3.000 s)
     """
     _check(rate_hz, gravity_m_s2, time_offset_s)
     path = world_T_imu
@@ -125,9 +127,8 @@ def specific_force_m_s2(motion: SplineSample, gravity_m_s2: float) -> FloatArray
 
 
 def _check(rate_hz: float, gravity_m_s2: float, time_offset_s: float) -> None:
-    for name, value in (("rate_hz", rate_hz), ("gravity_m_s2", gravity_m_s2)):
-        if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name}: expected a number above 0, got {value}")
+    checked_positive(rate_hz, "rate_hz")
+    checked_positive(gravity_m_s2, "gravity_m_s2")
     if not np.isfinite(time_offset_s):
         raise ValueError(f"time_offset_s: expected a finite number, got {time_offset_s}")
 

@@ -36,18 +36,19 @@ class ImuFaults:
     Raises:
         ValueError: a number outside its bounds, named by its field.
 
-    >>> import numpy as np
-    >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_imu
-    >>> from motorcade.fusion.motions import gimbal_crossing
-    >>> rng = np.random.default_rng(0)
-    >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-    >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
 
-    >>> from motorcade.fusion.imu import ImuFaults
-    >>> faults = ImuFaults(gyro_range_rad_s=1.0, dropped_share=0.1)
-    >>> faulty = simulate_imu(path, 100.0, ADIS16448, rng, faults=faults)
-    >>> bool(np.abs(faulty.stream.angular_rate_rad_s).max() <= 1.0), len(faulty.stream) < 301
-    (True, True)
+        >>> from motorcade.fusion.imu import ImuFaults
+        >>> faults = ImuFaults(gyro_range_rad_s=1.0, dropped_share=0.1)
+        >>> faulty = simulate_imu(path, 100.0, ADIS16448, rng, faults=faults)
+        >>> bool(np.abs(faulty.stream.angular_rate_rad_s).max() <= 1.0), len(faulty.stream) < 301
+        (True, True)
     """
 
     gyro_scale: ArrayLike = 1.0

@@ -137,8 +137,8 @@ class Alignment:
 
     def apply_to(self, trajectory: Trajectory) -> Trajectory:
         """The whole trajectory in the reference's world."""
-        moved = self.apply(trajectory.motors)
-        return Trajectory(trajectory.time_ns, moved, trajectory.parent, trajectory.child)
+        aligned = self.apply(trajectory.motors)
+        return Trajectory(trajectory.time_ns, aligned, trajectory.parent, trajectory.child)
 
 
 def associate(estimate: Trajectory, reference: Trajectory, max_difference_s: float = 0.01) -> Pairs:

@@ -57,15 +57,17 @@ class Gaussian(Degradation):
             ValueError: noise of the scale for rigid poses.
         """
         draws = rng.standard_normal((len(trajectory), 7))
-        moved = _perturbed(trajectory, self.sigma_m * draws[:, :3], self.sigma_rad * draws[:, 3:6])
+        perturbed = _perturbed(
+            trajectory, self.sigma_m * draws[:, :3], self.sigma_rad * draws[:, 3:6]
+        )
         if self.sigma_log_scale == 0.0:
-            return moved
-        if not isinstance(moved.poses, Similarity):
+            return perturbed
+        if not isinstance(perturbed.poses, Similarity):
             raise ValueError(
                 "Gaussian.sigma_log_scale: expected 0 for rigid poses, which have no scale, got "
                 f"{self.sigma_log_scale}"
             )
-        motor, scale = moved.poses.as_motor_scale()
+        motor, scale = perturbed.poses.as_motor_scale()
         grown = scale * np.exp(self.sigma_log_scale * draws[:, 6])
         return _with_poses(trajectory, Similarity.from_motor_scale(motor, grown))
 
@@ -278,5 +280,5 @@ def _with_poses(trajectory: Trajectory, poses: Motor | Similarity) -> Trajectory
 def _perturbed(trajectory: Trajectory, shift_m: FloatArray, turn_rad: FloatArray) -> Trajectory:
     rigid = trajectory.poses.rigid
     rotor = rigid.rotor @ Rotor.from_rotation_vector(turn_rad)
-    moved = Motor.from_rotor_translation(rotor, rigid.translation_m + shift_m)
-    return _with_rigid(trajectory, moved)
+    perturbed = Motor.from_rotor_translation(rotor, rigid.translation_m + shift_m)
+    return _with_rigid(trajectory, perturbed)

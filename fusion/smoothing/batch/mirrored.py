@@ -202,7 +202,7 @@ class _Run:
             step = np.linalg.lstsq(normal, right, rcond=1e-10)[0]
             marker = marker + step @ ways
             marker[3:] /= np.linalg.norm(marker[3:])
-            linear = problem.linearised(problem.moved(linear.state, alone - along @ step))
+            linear = problem.linearised(problem.retract(linear.state, alone - along @ step))
         turned = self._read_anew(problem, marker, linear.state)
         return marker, problem.linearised(linear.state), turned
 

@@ -131,7 +131,7 @@ class Problem:
             equations = self.equations(linear, self.information(linear, loss, width, among))
             while True:
                 move = solved(equations, damping)
-                tried = self.linearised(self.moved(linear.state, move))
+                tried = self.linearised(self.retract(linear.state, move))
                 found = self.cost(tried, loss, width, among)
                 if found <= cost * (1.0 + 1e-12) or damping > _NO_MORE_DAMPING:
                     break
@@ -143,7 +143,7 @@ class Problem:
                 break
         return linear
 
-    def moved(self, state: PathState, move: FloatArray) -> PathState:
+    def retract(self, state: PathState, move: FloatArray) -> PathState:
         """The state a step ``(N, 2 d)`` on."""
         d = state.velocity.shape[1]
         coordinates = self.representation.retract(state.coordinates, move[:, :d])

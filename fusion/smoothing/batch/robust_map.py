@@ -39,14 +39,14 @@ from motorcade.fusion.smoothing.batch.problem import (
     loss_weights,
     with_rigid,
 )
-from motorcade.fusion.smoothing.checks import checked_length, checked_positive, in_double
+from motorcade.fusion.smoothing.checks import checked_length, in_double
 from motorcade.fusion.smoothing.representations import (
     Representation,
     representation_named,
     restored,
 )
 from motorcade.ga import Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, checked_positive
 
 __all__ = ["LOSSES", "RobustPath", "estimate_path", "robust_map"]
 

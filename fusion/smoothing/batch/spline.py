@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.fusion.smoothing.checks import checked_length, checked_positive, in_double
+from motorcade.fusion.smoothing.checks import checked_length, in_double
 from motorcade.fusion.smoothing.representations import Representation, restored
 from motorcade.ga import CumulativeBSpline, Motor, Similarity, Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.ga.splines import ORDER, bridged_gaps, cumulative_weights, located, segments_of
 
 __all__ = ["spline"]

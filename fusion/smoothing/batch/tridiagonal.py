@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from motorcade.fusion.chains import banded
 from motorcade.fusion.smoothing.batch.differences import Between
 from motorcade.ga.arrays import FloatArray
 
@@ -110,12 +111,7 @@ def solved(equations: Equations, damping: float) -> FloatArray:
             'robust_map needs scipy: pip install "motorcade[pipeline]" brings it', name="scipy"
         ) from missing
     count, size = equations.right.shape[:2]
-    band = np.zeros((2 * size, count * size))
-    for column in range(size):
-        own = slice(column, None, size)
-        band[: size - column, own] = equations.diagonal[:, column:, column].T
-        upto = slice(column, (count - 1) * size, size)
-        band[size - column : 2 * size - column, upto] = equations.below[:, :, column].T
+    band = banded(equations.diagonal, equations.below)
     band[0] *= 1.0 + damping
     try:
         right = equations.right.reshape(count * size, *equations.right.shape[2:])

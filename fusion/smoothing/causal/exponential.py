@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from motorcade.fusion.smoothing.causal.stream import CausalFilter
 from motorcade.fusion.smoothing.causal.whole_path import FilterMethod
-from motorcade.fusion.smoothing.checks import checked_positive
 from motorcade.fusion.smoothing.native import _scans
+from motorcade.ga.arrays import checked_positive
 
 __all__ = ["Exponential", "exponential"]
 

@@ -30,10 +30,9 @@ from numpy.typing import ArrayLike
 
 from motorcade.fusion.smoothing.causal.stream import CausalFilter
 from motorcade.fusion.smoothing.causal.whole_path import FilterMethod
-from motorcade.fusion.smoothing.checks import checked_positive
 from motorcade.fusion.smoothing.native import _scans
 from motorcade.ga import Motor, Similarity, Trajectory
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 
 __all__ = [
     "ConstantAccelerationFilter",

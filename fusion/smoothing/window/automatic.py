@@ -58,7 +58,7 @@ def automatic_window_s(
         if share < 1e-6:
             continue  # so few poses are met exactly
         window_s = (2 * neighbours + 1) * interval_s
-        size = _moved(trajectory, covariance, window_s, order) / share
+        size = _mean_square_change(trajectory, covariance, window_s, order) / share
         narrowest_size = size if narrowest_size is None else narrowest_size
         if size > _GROWTH * min(1.0, narrowest_size):
             break
@@ -66,10 +66,12 @@ def automatic_window_s(
     return widest
 
 
-def _moved(trajectory: Trajectory, covariance: FloatArray, window_s: float, order: int) -> float:
+def _mean_square_change(
+    trajectory: Trajectory, covariance: FloatArray, window_s: float, order: int
+) -> float:
     """Mean square of how far smoothing moves the poses, in their own standard deviations."""
     motors = REPRESENTATIONS["motor"]
     smoothed = local_polynomial(trajectory, motors, window_s=window_s, order=order)
-    moved = (trajectory.motors.inverse() @ smoothed.motors).as_twist()
-    weighed = np.linalg.solve(covariance, moved[..., None])[..., 0]
-    return float(np.mean(moved * weighed))
+    change = trajectory.motors.local(smoothed.motors)
+    weighed = np.linalg.solve(covariance, change[..., None])[..., 0]
+    return float(np.mean(change * weighed))

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.checks import checked_order, checked_positive
+from motorcade.fusion.smoothing.checks import checked_order
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.fusion.smoothing.window.averages import averaged, polynomial_at_centre
 from motorcade.ga import Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, checked_positive
 
 __all__ = ["gaussian"]
 

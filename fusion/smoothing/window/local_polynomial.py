@@ -13,11 +13,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.checks import checked_length, checked_order, checked_positive
+from motorcade.fusion.smoothing.checks import checked_length, checked_order
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.fusion.smoothing.window.averages import averaged, polynomial_at_centre
 from motorcade.ga import Trajectory
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 
 __all__ = ["local_polynomial", "savitzky_golay", "shifted_windows", "white_noise_removed"]
 

@@ -108,7 +108,7 @@ def test_changes_say_how_far_poses_moved(rng: np.random.Generator) -> None:
     truth = MOTIONS["screw"].sampled(30.0, 5.0)
     noisy = Gaussian(0.01, 0.02).apply(truth, rng)
     found = changes(noisy, truth)
-    assert found["moved_rms_m"] == pytest.approx(0.01 * np.sqrt(3), rel=0.15)
+    assert found["shift_rms_m"] == pytest.approx(0.01 * np.sqrt(3), rel=0.15)
     assert found["turned_rms_deg"] == pytest.approx(np.rad2deg(0.02 * np.sqrt(3)), rel=0.15)
     assert found["raw_linear_jitter_m_s2"] > 10 * found["smoothed_linear_jitter_m_s2"]
     with pytest.raises(ValueError, match="expected the stamps of the raw trajectory"):
