@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ from motorcade.replays.consistency.experiment import PARTS, Experiment
 from motorcade.replays.consistency.run import ConsistencyPlan, Verdict, as_json
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.pages import page_environment
+from motorcade.replays.pages.parts import PageCell, PagePlot
 
 __all__ = ["write_page"]
 
@@ -27,22 +27,6 @@ _FILTERS = {
     "euler": "angles as the state, integrated by their rates, measured with a noise of their own",
     "euler_exact": "angles as the state, motion and noise converted exactly",
 }
-
-
-@dataclass(frozen=True)
-class _Cell:
-    """What is shown, what it is sorted by, and its ground."""
-
-    text: str
-    value: float
-    tint: str = ""
-
-
-@dataclass(frozen=True)
-class _Plot:
-    title: str
-    caption: str
-    svg: str
 
 
 def write_page(
@@ -79,7 +63,7 @@ def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
         "motion": row["motion"],
         "filter": row["filter"],
         "shares": [
-            _Cell(f"{100 * share:.1f} %", share, "b2" if _GOOD[0] <= share <= _GOOD[1] else "o3")
+            PageCell(f"{100 * share:.1f} %", share, "b2" if _GOOD[0] <= share <= _GOOD[1] else "o3")
             for share in shares
         ],
         "ratios": [_figure(row[f"{name}_over_expected"]) for name in judged],
@@ -87,16 +71,16 @@ def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
             _figure(row["rotation_rmse_deg"], "°"),
             _figure(row["rotation_worst_deg"], "°"),
             _figure(position_mm, " mm"),
-            _Cell(str(row["left_out"]), float(row["left_out"])),
+            PageCell(str(row["left_out"]), float(row["left_out"])),
         ],
     }
 
 
-def _figure(value: float, unit: str = "") -> _Cell:
-    return _Cell(f"{value:.3g}{unit}", float(value))
+def _figure(value: float, unit: str = "") -> PageCell:
+    return PageCell(f"{value:.3g}{unit}", float(value))
 
 
-def _plots(motion: str, verdicts: Mapping[str, Verdict]) -> list[_Plot]:
+def _plots(motion: str, verdicts: Mapping[str, Verdict]) -> list[PagePlot]:
     plots = []
     for part in PARTS:
         judged = {name: one.nees[part] for name, one in verdicts.items()}
@@ -106,7 +90,7 @@ def _plots(motion: str, verdicts: Mapping[str, Verdict]) -> list[_Plot]:
     spread = {name: Band(one.time_s, *one.rotation_spread_deg) for name, one in verdicts.items()}
     svg = plot_bands(spread, f"rotation error on {motion}", "rotation error (°)")
     caption = "Median over the runs, and where the middle 80 % of them lie."
-    plots.append(_Plot("Rotation error", caption, with_own_ids(svg, f"{motion}-rotation")))
+    plots.append(PagePlot("Rotation error", caption, with_own_ids(svg, f"{motion}-rotation")))
     return plots
 
 
@@ -117,10 +101,10 @@ def _squares(
     judged: Mapping[str, Consistency],
     verdicts: Mapping[str, Verdict],
     skipped: int,
-) -> _Plot:
+) -> PagePlot:
     one = next(iter(judged.values()))
     series = {of: (verdicts[of].time_s[skipped:], found.average) for of, found in judged.items()}
     unit = "average over the runs"
     svg = plot_squares(series, one.freedom, (one.low, one.high), f"{title} on {motion}", unit)
     caption = f"Expected {one.freedom}, dashed; tinted: {one.low:.2f} to {one.high:.2f}."
-    return _Plot(title, caption, with_own_ids(svg, f"{motion}-{name}"))
+    return PagePlot(title, caption, with_own_ids(svg, f"{motion}-{name}"))

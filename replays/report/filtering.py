@@ -10,8 +10,8 @@ from motorcade.fusion.metrics import alignment_of, associate
 from motorcade.fusion.metrics.consistency import chi2_bounds
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots import plot_series, plot_squares, plot_within_sigma
+from motorcade.replays.pages.parts import PagePlot
 from motorcade.replays.report.findings import Findings
-from motorcade.replays.report.picture import Picture
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
 __all__ = ["FilterErrors", "filter_errors", "filter_pictures"]
@@ -55,12 +55,12 @@ def filter_errors(findings: Findings) -> FilterErrors | None:
     return FilterErrors((stamps - start_ns) * 1e-9, wrong.as_twist(), np.sqrt(variances))
 
 
-def filter_pictures(findings: Findings) -> list[Picture]:
+def filter_pictures(findings: Findings) -> list[PagePlot]:
     """Errors within their deviations, NIS, and how a wrong start is forgotten."""
     return [*_within(findings), *_nis(findings), *_tilt(findings)]
 
 
-def _within(findings: Findings) -> list[Picture]:
+def _within(findings: Findings) -> list[PagePlot]:
     found = filter_errors(findings)
     if found is None or not len(found.time_s):
         return []
@@ -81,11 +81,11 @@ def _within(findings: Findings) -> list[Picture]:
             f"mean over time, {100 * apart:.0f} % lie within."
         )
         svg = plot_within_sigma(found.time_s, errors, sigma, title, unit)
-        pictures.append(Picture(title, caption, svg, ("x", "y", "z")))
+        pictures.append(PagePlot(title, caption, svg, ("x", "y", "z")))
     return pictures
 
 
-def _nis(findings: Findings) -> list[Picture]:
+def _nis(findings: Findings) -> list[PagePlot]:
     fused = findings.fused
     known = np.isfinite(fused.nis) & (fused.nis > 0.0)
     if not np.any(known) or findings.imu.origin == "tracked":  # an IMU that foretells the poses
@@ -105,7 +105,7 @@ def _nis(findings: Findings) -> list[Picture]:
     svg = plot_squares(
         {"fused": (time_s, nis)}, _FREEDOM, (low, high), "NIS of the poses", "NIS", dots=True
     )
-    return [Picture("NIS of the measured poses", caption, svg, ("fused",))]
+    return [PagePlot("NIS of the measured poses", caption, svg, ("fused",))]
 
 
 def _floor(findings: Findings) -> str:
@@ -122,7 +122,7 @@ def _floor(findings: Findings) -> str:
     )
 
 
-def _tilt(findings: Findings) -> list[Picture]:
+def _tilt(findings: Findings) -> list[PagePlot]:
     found = findings.convergence
     if not len(found.time_s):
         return []
@@ -137,4 +137,4 @@ def _tilt(findings: Findings) -> list[Picture]:
     )
     series = {"fused": (found.time_s, found.tilt_error_deg)}
     svg = plot_series(series, "tilt error", "tilt error (°)", log_scale=True)
-    return [Picture("Convergence from a wrong start", caption, svg, ("fused",))]
+    return [PagePlot("Convergence from a wrong start", caption, svg, ("fused",))]

@@ -13,9 +13,9 @@ from motorcade.render.plots import (
 )
 from motorcade.render.plots.errors import Series
 from motorcade.render.plots.style import with_own_ids
+from motorcade.replays.pages.parts import PagePlot
 from motorcade.replays.report.filtering import filter_pictures
 from motorcade.replays.report.findings import Findings, Spans
-from motorcade.replays.report.picture import Picture
 from motorcade.replays.report.upright import as_drawn, map_unit
 
 __all__ = ["ReportSection", "sections"]
@@ -30,7 +30,7 @@ class ReportSection:
 
     title: str
     note: str
-    pictures: tuple[Picture, ...]
+    pictures: tuple[PagePlot, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -63,13 +63,13 @@ def sections(findings: Findings) -> list[ReportSection]:
     return [one for one in marked if one.pictures]
 
 
-def _marked(title: str, number: int, picture: Picture) -> Picture:
+def _marked(title: str, number: int, picture: PagePlot) -> PagePlot:
     """The picture with ids that are its own on the page."""
     mark = f"{title.split()[-1].lower()}-{number}"
     return replace(picture, svg=with_own_ids(picture.svg, mark))
 
 
-def _path(findings: Findings) -> tuple[Picture, ...]:
+def _path(findings: Findings) -> tuple[PagePlot, ...]:
     measured = findings.camera_poses.measurements.trajectory
     smoothed = findings.smoothed.trajectories
     first, path = next(iter(smoothed.items()))
@@ -77,14 +77,14 @@ def _path(findings: Findings) -> tuple[Picture, ...]:
     shown = drawn.paths
     few = {name: shown[name] for name in (first, "measured", "truth") if name in shown}
     pictures = [
-        Picture(
+        PagePlot(
             "In space",
             "The path with cameras along it, which open where they look; its shadow below. "
             + drawn.note,
             plot_path_3d(few, drawn.unit),
             tuple(few),
         ),
-        Picture(
+        PagePlot(
             "From above and from the side",
             _LENGTHS[drawn.unit] + ", equal scales.",
             plot_plan_and_elevation(shown, drawn.unit),
@@ -97,18 +97,18 @@ def _path(findings: Findings) -> tuple[Picture, ...]:
             f"Rotation since the first pose as a rotation vector, and the twist in the camera's "
             f"axes: turning and speed. Smoothed as {first}."
         )
-        pictures.append(Picture("Rotation and twist", caption, svg, _AXES))
+        pictures.append(PagePlot("Rotation and twist", caption, svg, _AXES))
     return tuple(pictures)
 
 
-def _errors(findings: Findings, lost: Spans) -> tuple[Picture, ...]:
+def _errors(findings: Findings, lost: Spans) -> tuple[PagePlot, ...]:
     series = findings.errors.against_truth
     if not series:
         return ()
     rotation = {name: (one.time_s, one.rotation_deg) for name, one in series.items()}
     position = {name: (one.time_s, 1e3 * one.position_m) for name, one in series.items()}
     return tuple(
-        Picture(
+        PagePlot(
             title,
             caption,
             _over_time(values, f"{title.lower()} ({unit})", lost),
@@ -131,11 +131,11 @@ def _errors(findings: Findings, lost: Spans) -> tuple[Picture, ...]:
     )
 
 
-def _jitter(findings: Findings, lost: Spans) -> Picture:
+def _jitter(findings: Findings, lost: Spans) -> PagePlot:
     series = {
         name: (one.time_s, one.angular_rad_s2) for name, one in findings.errors.acceleration.items()
     }
-    return Picture(
+    return PagePlot(
         "Jitter",
         "Length of the angular acceleration: jitter shows as height. Euler angles leap where one "
         "of them wraps or the pitch passes ±90°; unwrapping heals only the former.",

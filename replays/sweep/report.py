@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 from motorcade.render.plots.strips import strip
 from motorcade.render.plots.style import ON_PAGES
 from motorcade.replays.pages import page_environment
+from motorcade.replays.pages.parts import PageCell
 from motorcade.replays.report.summary import COLUMNS, shown_value
 from motorcade.replays.sweep.plan import Sweep
 from motorcade.replays.sweep.table import FIGURES, Row
@@ -23,15 +23,6 @@ _MOST_SHOWN = 5_000
 _MOST_VALUES = 12
 _GREY = "var(--soft)"
 _DRAWN = ("ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitter_rad_s2")
-
-
-@dataclass(frozen=True)
-class _Cell:
-    """What is shown, and what it is sorted by where it is a number."""
-
-    text: str
-    value: float | None = None
-    best: bool = False
 
 
 def report_page(plan: Sweep, rows: Sequence[Row], left: int = 0) -> str:
@@ -88,13 +79,13 @@ def _heading(key: str) -> str:
     return f"{COLUMNS[key][0]} ({COLUMNS[key][1]})"
 
 
-def _figure(key: str, value: Any, best: float | None = None) -> _Cell:
+def _figure(key: str, value: Any, best: float | None = None) -> PageCell:
     """A figure; the best and those that look equal to it share the honour."""
     if value is None:
-        return _Cell("–")
+        return PageCell("–")
     shown = shown_value(key, value)
     honoured = best is not None and shown.lstrip("-") == shown_value(key, best)
-    return _Cell(shown, float(value), honoured)
+    return PageCell(shown, float(value), best=honoured)
 
 
 def _medians(
@@ -116,7 +107,7 @@ def _medians(
     cells = [
         [
             *map(_label, named),
-            _Cell(str(len(groups[named])), len(groups[named])),
+            PageCell(str(len(groups[named])), len(groups[named])),
             *(_figure(key, one[key], best[key]) for key in figures),
         ]
         for named, one in values.items()
@@ -129,13 +120,13 @@ def _median(values: Sequence[Any]) -> float | None:
     return median(known) if known else None
 
 
-def _label(text: str) -> _Cell:
+def _label(text: str) -> PageCell:
     """A name, sorted as a number where it is one."""
     try:
         value = float(text)
     except ValueError:
-        return _Cell(text)
-    return _Cell(text, value if math.isfinite(value) else None)
+        return PageCell(text)
+    return PageCell(text, value if math.isfinite(value) else None)
 
 
 def _groups(
@@ -175,10 +166,10 @@ def _every(
     heads = [*names, *map(_heading, figures), "run"]
     cells = [
         [
-            _Cell(Path(str(row["recording"])).name),
+            PageCell(Path(str(row["recording"])).name),
             *(_label("–" if row[name] is None else str(row[name])) for name in names[1:]),
             *(_figure(key, row[key]) for key in figures),
-            _Cell(str(row["run"])),
+            PageCell(str(row["run"])),
         ]
         for row in rows
     ]

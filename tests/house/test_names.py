@@ -8,8 +8,6 @@ import pytest
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
-NOT_YET = "Section"
-"""Names that are still being told apart."""
 _CLASS = re.compile(r"^class ([A-Z]\w*)", re.M)
 
 
@@ -33,5 +31,5 @@ if not FOUND:
 
 def test_no_two_classes_share_a_name() -> None:
     shared = {name: places for name, places in FOUND.items() if len(places) > 1}
-    faults = [f"{name}: {places}" for name, places in shared.items() if name not in NOT_YET]
+    faults = [f"{name}: {places}" for name, places in shared.items()]
     assert not faults, "\n".join(faults)

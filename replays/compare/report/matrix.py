@@ -16,10 +16,10 @@ from motorcade.replays.compare.report.names import (
     shown_metric,
 )
 from motorcade.replays.compare.report.results import REFERENCE, Ratio, Results, tied
+from motorcade.replays.pages.parts import PageCell
 
 __all__ = [
     "Matrix",
-    "MatrixCell",
     "against_motor",
     "best_of_each",
     "matrices",
@@ -40,17 +40,6 @@ _ORANGE = ("n", "o1", "o2", "o3", "o4", "o5")
 
 
 @dataclass(frozen=True)
-class MatrixCell:
-    """A number as it is and as it is shown, its tint, whether it is the best, and its interval."""
-
-    value: float
-    text: str
-    tint: str
-    best: bool = False
-    note: str = ""
-
-
-@dataclass(frozen=True)
 class Matrix:
     """A table: what it shows, its columns, and rows of a name and cells."""
 
@@ -60,7 +49,7 @@ class Matrix:
     caption: str
     corner: str
     columns: Sequence[str]
-    rows: Sequence[tuple[str, Sequence[MatrixCell]]]
+    rows: Sequence[tuple[str, Sequence[PageCell]]]
 
 
 def matrices(results: Results, scope: str) -> list[Matrix]:
@@ -92,11 +81,11 @@ def best_of_each(results: Results) -> Matrix:
         cells = []
         for one in best:
             if one is None or base is None:
-                cells.append(MatrixCell(math.nan, "–", "none"))
+                cells.append(PageCell("–", math.nan, "none"))
                 continue
             ratio, method = one
             tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, ratio.value / base[0].value)]
-            cells.append(MatrixCell(ratio.value, shown(ratio.value), tint, note=method))
+            cells.append(PageCell(shown(ratio.value), ratio.value, tint, note=method))
         rows.append((motion, cells))
     caption = (
         "Residual error and jitter, as a share of the raw poses', by the method that serves each "
@@ -111,13 +100,13 @@ def rotation_errors(results: Results, motion: str, degradation: str) -> Matrix:
     place = (motion, degradation)
     raw = results.figures[*place, "raw", "none", "rotation_rmse_deg"].mean
 
-    def cell(method: str, representation: str) -> MatrixCell:
+    def cell(method: str, representation: str) -> PageCell:
         figure = results.figures.get((*place, method, representation, "rotation_rmse_deg"))
         if figure is None or not math.isfinite(figure.mean):
-            return MatrixCell(math.nan, "–", "none")
+            return PageCell("–", math.nan, "none")
         tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_RAW, figure.mean / raw)]
         note = _note(Ratio(figure.mean, figure.low, figure.high))
-        return MatrixCell(figure.mean, shown(figure.mean), tint, note=note)
+        return PageCell(shown(figure.mean), figure.mean, tint, note=note)
 
     caption = (
         f"Rotation error in degrees on {motion} with {LABELS[degradation]}, root mean square, mean "
@@ -131,12 +120,12 @@ def _to_raw(results: Results, scope: str, metric: str) -> Matrix:
     ratios.pop(("raw", "none"), None)
     least = min((ratio.value for ratio in ratios.values()), default=math.nan)
 
-    def cell(method: str, representation: str) -> MatrixCell:
+    def cell(method: str, representation: str) -> PageCell:
         ratio = ratios.get((method, representation))
         if ratio is None:
-            return MatrixCell(math.nan, "–", "none")
+            return PageCell("–", math.nan, "none")
         tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_RAW, ratio.value)]
-        return MatrixCell(ratio.value, shown(ratio.value), tint, ratio.value == least, _note(ratio))
+        return PageCell(shown(ratio.value), ratio.value, tint, ratio.value == least, _note(ratio))
 
     heading = METRICS[metric].heading
     caption = (
@@ -163,12 +152,12 @@ def _to_motor(results: Results, scope: str, metric: str) -> Matrix:
     )
 
 
-def _motor_cell(ratio: Ratio | None) -> MatrixCell:
+def _motor_cell(ratio: Ratio | None) -> PageCell:
     if ratio is None or not math.isfinite(ratio.value):
-        return MatrixCell(math.nan, "–", "none")
+        return PageCell("–", math.nan, "none")
     tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, ratio.value)]
-    return MatrixCell(
-        ratio.value, shown(ratio.value), "n" if tied(ratio) else tint, note=_note(ratio)
+    return PageCell(
+        shown(ratio.value), ratio.value, "n" if tied(ratio) else tint, note=_note(ratio)
     )
 
 
@@ -176,11 +165,11 @@ def _sizes(results: Results, scope: str, metric: str) -> Matrix:
     told = METRICS[metric]
     factor = told.factor
 
-    def cell(method: str, representation: str) -> MatrixCell:
+    def cell(method: str, representation: str) -> PageCell:
         value = factor * results.mean_size(scope, (method, representation), metric)
         if not math.isfinite(value):
-            return MatrixCell(math.nan, "–", "none")
-        return MatrixCell(value, shown(value), _ORANGE[bisect_left(_STEPS[metric], value)])
+            return PageCell("–", math.nan, "none")
+        return PageCell(shown(value), value, _ORANGE[bisect_left(_STEPS[metric], value)])
 
     unit = f", {told.unit}" if told.unit else ""
     caption = (
@@ -196,7 +185,7 @@ def _matrix(
     group: str,
     title: str,
     caption: str,
-    cell: Callable[[str, str], MatrixCell],
+    cell: Callable[[str, str], PageCell],
 ) -> Matrix:
     rows = [
         (method, [cell(method, name) for name in results.representations])
@@ -205,8 +194,8 @@ def _matrix(
     return Matrix(key, group, title, caption, "method", results.representations, rows)
 
 
-def _known(cell: MatrixCell) -> bool:
-    return math.isfinite(cell.value)
+def _known(cell: PageCell) -> bool:
+    return cell.value is not None and math.isfinite(cell.value)
 
 
 def _note(ratio: Ratio) -> str:
@@ -217,7 +206,7 @@ def _note(ratio: Ratio) -> str:
 
 def place_rows(
     results: Results, motion: str, degradation: str, metrics: Sequence[str]
-) -> list[tuple[str, str, list[MatrixCell]]]:
+) -> list[tuple[str, str, list[PageCell]]]:
     """Method, representation and figures with intervals of one place; raw poses first."""
     made = []
     pairs = [("raw", "none")] + [(m, r) for m in results.methods for r in results.representations]
@@ -226,12 +215,12 @@ def place_rows(
         cells = []
         for name, figure in zip(metrics, figures, strict=True):
             if figure is None or not math.isfinite(figure.mean):
-                cells.append(MatrixCell(math.nan, "–", "none"))
+                cells.append(PageCell("–", math.nan, "none"))
                 continue
             low, high = (shown_metric(name, end) for end in (figure.low, figure.high))
             note = f"{low} to {high}" if math.isfinite(figure.low) else ""
             value = METRICS[name].factor * figure.mean
-            cells.append(MatrixCell(value, shown_metric(name, figure.mean), "none", note=note))
+            cells.append(PageCell(shown_metric(name, figure.mean), value, "none", note=note))
         if any(_known(cell) for cell in cells):
             made.append((*pair, cells))
     return made

@@ -19,7 +19,7 @@ from motorcade.replays.compare.report.matrix import (
     place_rows,
     rotation_errors,
 )
-from motorcade.replays.compare.report.pictures import PosePanel, large_panels, small_panels
+from motorcade.replays.compare.report.pictures import large_panels, small_panels
 from motorcade.replays.compare.report.replayed import (
     can_be_drawn,
     method_apart,
@@ -34,6 +34,7 @@ from motorcade.replays.compare.report.traits_tables import (
 )
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.pages import page_environment
+from motorcade.replays.pages.parts import PagePlot
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -105,7 +106,7 @@ def _overview(environment: Environment, results: Results) -> str:
     plan = results.told["plan"]
     method = method_to_draw(results)
     drawable = [one for one in results.motions if can_be_drawn(results, one)]
-    panels: list[PosePanel] = []
+    panels: list[PagePlot] = []
     if method is not None:
         degradation = results.degradations[0]
         panels = small_panels([replay(results, one, degradation, method) for one in drawable])
@@ -161,7 +162,7 @@ def _motion_page(environment: Environment, results: Results, motion: str) -> str
     )
 
 
-def _over_time(results: Results, motion: str) -> list[tuple[str, list[PosePanel]]]:
+def _over_time(results: Results, motion: str) -> list[tuple[str, list[PagePlot]]]:
     """Plots of the best method, of the one that tells most, and of the best among outliers."""
     best = method_to_draw(results)
     if best is None or not can_be_drawn(results, motion):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,23 +11,14 @@ from motorcade.render.plots import plot_series
 from motorcade.render.plots.style import with_own_ids
 from motorcade.replays.compare.report.names import LABELS
 from motorcade.replays.compare.report.replayed import Replayed
+from motorcade.replays.pages.parts import PagePlot
 
-__all__ = ["PosePanel", "large_panels", "small_panels"]
+__all__ = ["large_panels", "small_panels"]
 
 _LOWEST_DEG = 1e-3
 
 
-@dataclass(frozen=True)
-class PosePanel:
-    """A plot with its heading and caption; `names` are the lines in it."""
-
-    title: str
-    caption: str
-    svg: str
-    names: tuple[str, ...]
-
-
-def small_panels(drawn: Sequence[Replayed]) -> list[PosePanel]:
+def small_panels(drawn: Sequence[Replayed]) -> list[PagePlot]:
     """Rotation errors over time, small enough to stand beside others, on one scale."""
     errors = [one.rotation_errors_deg() for one in drawn]
     ends = [end for one in errors for values in one.values() for end in _ends(values)]
@@ -47,7 +37,7 @@ def small_panels(drawn: Sequence[Replayed]) -> list[PosePanel]:
             limits=limits,
         )
         svg = with_own_ids(svg, f"small-{one.motion}")
-        panels.append(PosePanel(one.motion, "", svg, tuple(values)))
+        panels.append(PagePlot(one.motion, "", svg, tuple(values)))
     return panels
 
 
@@ -56,7 +46,7 @@ def _ends(values: FloatArray) -> tuple[float, float]:
     return float(np.percentile(values, 2.0)), float(np.max(values))
 
 
-def large_panels(drawn: Replayed) -> list[PosePanel]:
+def large_panels(drawn: Replayed) -> list[PagePlot]:
     """Rotation error, angular rate and position error over time."""
     lines = {
         "rotation error": (drawn.time_s, drawn.rotation_errors_deg(), "degrees"),
@@ -70,7 +60,7 @@ def large_panels(drawn: Replayed) -> list[PosePanel]:
         svg = plot_series(series, title, unit, log_scale=True, nested=True)
         caption = f"`{drawn.method}` with {LABELS[drawn.degradation]}"
         mark = f"{drawn.degradation}-{drawn.method}-{title.split()[0]}"
-        panels.append(PosePanel(title, caption, with_own_ids(svg, mark), tuple(ordered)))
+        panels.append(PagePlot(title, caption, with_own_ids(svg, mark), tuple(ordered)))
     return panels
 
 

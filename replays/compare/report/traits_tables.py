@@ -7,9 +7,10 @@ from bisect import bisect_left
 from collections.abc import Mapping
 from typing import Any
 
-from motorcade.replays.compare.report.matrix import Matrix, MatrixCell
+from motorcade.replays.compare.report.matrix import Matrix
 from motorcade.replays.compare.report.names import shown
 from motorcade.replays.compare.report.results import REFERENCE, Results
+from motorcade.replays.pages.parts import PageCell
 
 __all__ = ["exact_ties", "trait_matrices", "verdict_counts"]
 
@@ -52,19 +53,19 @@ def trait_matrices(results: Results) -> list[Matrix]:
     return made
 
 
-def _cell(row: Mapping[str, Any] | None, key: str) -> MatrixCell:
+def _cell(row: Mapping[str, Any] | None, key: str) -> PageCell:
     if row is None:
-        return MatrixCell(math.nan, "–", "none")
+        return PageCell("–", math.nan, "none")
     if key == "time":
         value = row["time_us_per_pose"]
-        return MatrixCell(value, shown(value), _TIME_TINTS[bisect_left(_TIMES_US, value)])
+        return PageCell(shown(value), value, _TIME_TINTS[bisect_left(_TIMES_US, value)])
     metres, radians = row[f"{key}_defect_m"], row[f"{key}_defect_rad"]
     value = max(metres, radians)
     tint = _DEFECT_TINTS[bisect_left(_DEFECTS, value)]
     text = f"{value:.0e}" if value <= _DEFECTS[0] else f"{shown(value, 2)}"
     unit = "m" if value == metres else "rad"
     note = f"{metres:.1e} m, {radians:.1e} rad"
-    return MatrixCell(value, f"{text} {unit}", tint, note=note)
+    return PageCell(f"{text} {unit}", value, tint, note=note)
 
 
 def exact_ties(results: Results) -> list[dict[str, Any]]:
