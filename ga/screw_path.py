@@ -28,6 +28,14 @@ class ScrewPath:
 
     Raises:
         ValueError: a single pose.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Motor, ScrewPath, Trajectory
+        >>> poses = Motor.from_translation([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+        >>> path = ScrewPath(Trajectory(np.array([0, 500_000_000]), poses))
+        >>> path.evaluate(0.25).world_velocity_m_s
+        array([4., 0., 0.])
     """
 
     trajectory: Trajectory

@@ -160,6 +160,15 @@ class SimilaritySpline(_CumulativeBSpline[Similarity]):
 
     Raises:
         ValueError: a spacing that is not positive, or fewer than six controls.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Similarity, SimilaritySpline
+        >>> growth = np.zeros((7, 7))
+        >>> growth[:, 6] = np.arange(7) * np.log(2.0)
+        >>> spline = SimilaritySpline(0, 1.0, Similarity.from_twist(growth))
+        >>> np.round(spline.at([0, 1_000_000_000]).scale, 6)
+        array([4., 8.])
     """
 
 
@@ -176,6 +185,16 @@ class CumulativeBSpline(_CumulativeBSpline[Motor]):
 
     Raises:
         ValueError: a spacing that is not positive, or fewer than six control motors.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import CumulativeBSpline, Motor
+        >>> controls = Motor.from_translation([[k, 0.0, 0.0] for k in range(8)])
+        >>> spline = CumulativeBSpline(0, 0.5, controls)
+        >>> sample = spline.evaluate([0.0, spline.duration_s])
+        >>> np.round(sample.world_velocity_m_s, 6)
+        array([[2., 0., 0.],
+               [2., 0., 0.]])
     """
 
     @classmethod

@@ -41,6 +41,16 @@ class Trajectory:
 
     Raises:
         ValueError: stamps that are no integers or do not increase, or lengths that differ.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Motor, Trajectory
+        >>> poses = Motor.from_translation([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+        >>> path = Trajectory(np.array([0, 1_000_000_000]), poses, "world", "camera")
+        >>> path
+        Trajectory(world_T_camera, 2 poses, 1.000 s)
+        >>> path.at(250_000_000).translation_m + 0.0
+        array([0.5, 0. , 0. ])
     """
 
     time_ns: IntArray
@@ -95,6 +105,13 @@ class Trajectory:
             ValueError: the poses are similarities.
         """
         return _rigid(self.poses, "Trajectory.motors")
+
+    @property
+    def rigid(self) -> Trajectory:
+        """The same stamps with rigid poses: itself, or without the growth of similarities."""
+        if isinstance(self.poses, Motor):
+            return self
+        return Trajectory(self.time_ns, self.poses.rigid, self.parent, self.child)
 
     @property
     def duration_s(self) -> float:

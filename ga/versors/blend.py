@@ -57,6 +57,13 @@ def blend(versors: V, weights: ArrayLike) -> V:
     Raises:
         ValueError: as `checked_weights`, or versors that cancel: all weights zero, or motions so
             far apart that nothing lies between them.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Motor, blend
+        >>> poses = Motor.from_translation([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]])
+        >>> np.round(blend(poses, [0.75, 0.25]).translation_m, 6) + 0.0
+        array([1., 0., 0.])
     """
     share = checked_weights("blend", versors, weights)
     given = np.asarray(versors.coefficients, dtype=np.float64)

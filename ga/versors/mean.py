@@ -40,6 +40,13 @@ def mean(versors: V, weights: ArrayLike | None = None, tolerance: float = 1e-12)
         ValueError: shapes that do not fit, NaN or infinity, weights that are negative or all zero,
             a tolerance that is not positive, or rotations so far apart that the steps do not
             settle within 100.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Rotor, mean
+        >>> turns = Rotor.from_rotation_vector([[0.0, 0.0, 0.1], [0.0, 0.0, 0.5]])
+        >>> np.round(mean(turns).as_rotation_vector(), 6) + 0.0
+        array([0. , 0. , 0.3])
     """
     if not (np.isfinite(tolerance) and tolerance > 0.0):
         raise ValueError(f"mean(tolerance): expected a positive number, got {tolerance}")

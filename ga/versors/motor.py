@@ -32,6 +32,19 @@ class Motor(Versor):
     Raises:
         ValueError: wrong last dimension, NaN or infinity, or not unit: a norm more than 1e-6
             from 1, or a part ``e123∞`` that does not fit the others.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Motor
+        >>> world_T_rig = Motor.from_translation([0.0, 0.0, 2.0])
+        >>> rig_T_camera = Motor.from_twist([0.0, np.pi / 2, 0.0, 0.0, 0.0, 0.0])
+        >>> world_T_camera = world_T_rig @ rig_T_camera
+        >>> np.round(world_T_camera.apply([0.0, 0.0, 1.0]), 6) + 0.0
+        array([1., 0., 2.])
+        >>> world_T_rig.retract(rig_T_camera.as_twist()).isclose(world_T_camera)
+        np.True_
+        >>> np.round(world_T_rig.local(world_T_camera), 4) + 0.0
+        array([0. , 1.5708, 0. , 0. , 0. , 0. ])
     """
 
     _size = 8

@@ -35,6 +35,18 @@ class Rotor(Versor):
 
     Raises:
         ValueError: wrong last dimension, NaN or infinity, or a norm more than 1e-6 from 1.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Rotor
+        >>> quarter = Rotor.from_rotation_vector([0.0, 0.0, np.pi / 2])
+        >>> np.round(quarter.apply([1.0, 0.0, 0.0]), 6) + 0.0
+        array([0., 1., 0.])
+        >>> (quarter @ quarter).isclose(Rotor.from_euler([0.0, 0.0, np.pi]))
+        np.True_
+        >>> path = Rotor.identity().interpolate(quarter, [0.0, 0.5, 1.0])
+        >>> np.round(np.degrees(path.angle()))
+        array([ 0., 45., 90.])
     """
 
     _size = 4

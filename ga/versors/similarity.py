@@ -38,6 +38,17 @@ class Similarity(Versor):
     Raises:
         ValueError: wrong last dimension, NaN or infinity, or not unit: ``S ~S`` differs from 1 by
             more than 1e-6 of the squares in it.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Motor, Similarity
+        >>> world_T_map = Similarity.from_motor_scale(Motor.from_translation([1.0, 0.0, 0.0]), 2.0)
+        >>> np.round(world_T_map.apply([0.0, 0.0, 3.0]), 6)
+        array([1., 0., 6.])
+        >>> float(np.round(world_T_map.inverse().scale, 6))
+        0.5
+        >>> world_T_map.rigid.translation_m + 0.0
+        array([1., 0., 0.])
     """
 
     _size = 12
@@ -135,6 +146,11 @@ class Similarity(Versor):
     def _parts(self) -> tuple[Rotor, FloatArray, FloatArray]:
         rotor, translation_m, scale = kernels.rotor_translation_scale(self.coefficients)
         return Rotor._trusted(rotor), translation_m, scale
+
+    @property
+    def rigid(self) -> Motor:
+        """The rigid motion ``T R`` of ``S = T R D``, without the growth."""
+        return self.as_motor_scale()[0]
 
     @property
     def rotor(self) -> Rotor:
