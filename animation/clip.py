@@ -93,11 +93,6 @@ class Clip:
         """Seconds from the first sample to the last; the period of a loop."""
         return float(self.time_s[-1] - self.time_s[0])
 
-    @property
-    def rigid_poses(self) -> Motor:
-        """Motor (F, J): the poses without their scales."""
-        return self.poses.rigid
-
     def at(self, time_s: ArrayLike) -> Motor | Similarity:
         """Local poses (*, J) at times (*) in seconds on the clip's own clock.
 

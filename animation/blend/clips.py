@@ -129,7 +129,7 @@ def differences_m(
         positions = {}
         for name in names:
             made = blend_clips(first, second, weight, name, in_phase=in_phase, offset=offset)
-            positions[name] = skeleton.world(made.rigid_poses).apply(held)
+            positions[name] = skeleton.world(made.poses.rigid).apply(held)
         for a, b in combinations(names, 2):
             distance = float(np.linalg.norm(positions[a] - positions[b], axis=-1).max())
             apart[a, b] = max(apart.get((a, b), 0.0), distance)

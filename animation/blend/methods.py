@@ -160,7 +160,7 @@ def _shares(shape: tuple[int, ...], weights: ArrayLike) -> FloatArray:
 def _rigid(method: BlendMethod, motors: Motor, shares: FloatArray) -> Motor:
     if method in ("similarity", "similarity_linear"):
         grown = Similarity.from_motor_scale(motors)
-        return _similarities(method, grown, shares).as_motor_scale()[0]
+        return _similarities(method, grown, shares).rigid
     return _RIGID[method](motors, shares)
 
 

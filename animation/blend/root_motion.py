@@ -102,7 +102,7 @@ def split_root_motion(
             f"split_root_motion: expected a root joint and a clip of two poses or more, got joint "
             f"'{skeleton.names[number]}' and {len(clip.time_s)} poses"
         )
-    root = clip.rigid_poses[:, number]
+    root = clip.poses.rigid[:, number]
     way = _ground(root @ root[0].inverse(), root.translation_m)
     back = way.inverse()
     inside: Poses

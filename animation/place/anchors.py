@@ -145,7 +145,7 @@ def followed(
             update = anchor.corrected if leaps[row] else anchor.tracked
             row += 1
             anchor = update(targets[row], float(seen_s[row]))
-        shown.append(anchor.at(max(float(moment), float(seen_s[0]))).as_motor_scale()[0])
+        shown.append(anchor.at(max(float(moment), float(seen_s[0]))).rigid)
     return Motor.stack(shown)
 
 

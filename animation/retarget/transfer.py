@@ -78,7 +78,7 @@ def retarget(
         raise ValueError(
             "retarget(joints): expected one pair or more, got none: the skeletons share no names"
         )
-    source_world = source.world(clip.rigid_poses)
+    source_world = source.world(clip.poses.rigid)
     carrier, hips = _carrier(target), _carrier(source)
     if joints is None:
         numbers.setdefault(carrier, hips)

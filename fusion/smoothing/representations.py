@@ -370,6 +370,6 @@ def restored(
     Where that one is rigid so is the result, whatever it was averaged as.
     """
     poses = representation.poses(coordinates)
-    if isinstance(like.poses, Motor) and isinstance(poses, Similarity):
+    if isinstance(like.poses, Motor):
         poses = poses.rigid
     return Trajectory(like.time_ns, poses, like.parent, like.child)

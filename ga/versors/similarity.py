@@ -148,11 +148,6 @@ class Similarity(Versor):
         return Rotor._trusted(rotor), translation_m, scale
 
     @property
-    def rigid(self) -> Motor:
-        """The rigid motion ``T R`` of ``S = T R D``, without the growth."""
-        return self.as_motor_scale()[0]
-
-    @property
     def rotor(self) -> Rotor:
         """The rotation, ``R`` of ``S = T R D``."""
         return self._parts()[0]

@@ -121,13 +121,13 @@ def walked(
     except ValueError as fault:
         raise ValueError(f"placed.path: '{clip.name}' is no walk ({fault})") from fault
     idle = clip_named(character, IDLE)
-    standing = Clip("standing", idle.time_s[:1], idle.rigid_poses[:1])
+    standing = Clip("standing", idle.time_s[:1], idle.poses.rigid[:1])
     walk = walk_along(
         GroundPath(path), loop, skeleton, legs, speed_m_s, scale=scale, standing=standing
     )
     arrived_s = float(walk.time_s[-1])
     rest_s = np.arange(0.0, min(lasting_s - arrived_s, LONGEST_IDLE_S), 1.0 / IDLE_HZ)[1:]
-    idling = replace(idle, poses=idle.rigid_poses).at(rest_s + idle.time_s[0])
+    idling = replace(idle, poses=idle.poses.rigid).at(rest_s + idle.time_s[0])
     way = start.inverse() @ walk.plane_T_character
     # The placement grows the character, and the way with it.
     own = Motor.from_rotor_translation(way.rotor, way.translation_m / scale)

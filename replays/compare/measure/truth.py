@@ -83,7 +83,7 @@ class AnalyticTruth(Truth):
         poses = self.motion.at(time_s).pose
         if isinstance(poses, Motor):
             return poses, None
-        return poses.as_motor_scale()[0], log_scales(poses)
+        return poses.rigid, log_scales(poses)
 
 
 class RecordedTruth(Truth):

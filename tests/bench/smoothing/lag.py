@@ -48,12 +48,12 @@ class Case:
         self.truth = MOTIONS[name].sampled(RATE_HZ, DURATION_S)
         noise = Gaussian(SIGMA_M, SIGMA_RAD)
         self.measured = [noise.apply(self.truth, np.random.default_rng(seed)) for seed in seeds]
-        self.rigid_truth = rigid(self.truth)
-        self.motors = motors(self.truth)
+        self.rigid_truth = self.truth.rigid
+        self.motors = self.truth.poses.rigid
 
     def errors(self, estimate: Trajectory) -> tuple[FloatArray, FloatArray]:
         """Errors of position ``(N, 3)`` in the world and of rotation ``(N, 3)`` in the body."""
-        ours, true = motors(estimate), self.motors
+        ours, true = estimate.poses.rigid, self.motors
         return (
             ours.translation_m - true.translation_m,
             (true.rotor.inverse() @ ours.rotor).as_rotation_vector(),
@@ -61,20 +61,9 @@ class Case:
 
     def excess(self, estimate: Trajectory) -> tuple[FloatArray, FloatArray]:
         """Accelerations that the truth does not have, linear and angular: jitter is their RMS."""
-        ours = accelerations(estimate.time_s, motors(estimate))
+        ours = accelerations(estimate.time_s, estimate.poses.rigid)
         true = accelerations(self.truth.time_s, self.motors)
         return ours[0] - true[0], ours[1] - true[1]
-
-
-def motors(trajectory: Trajectory) -> Motor:
-    """The poses without their scale."""
-    poses = trajectory.poses
-    return poses.as_motor_scale()[0] if isinstance(poses, Similarity) else poses
-
-
-def rigid(trajectory: Trajectory) -> Trajectory:
-    """The trajectory without its scale."""
-    return Trajectory(trajectory.time_ns, motors(trajectory))
 
 
 def rms(vectors: FloatArray) -> float:
@@ -114,7 +103,7 @@ def rts_row(name: str) -> RtsRow:
     cuts, shares, lags = [], [], []
     for raw in test.measured:
         made = _smoothed(raw, jerk, angular)
-        before, after = (jitter(rigid(one), test.rigid_truth) for one in (raw, made))
+        before, after = (jitter(one.rigid, test.rigid_truth) for one in (raw, made))
         cuts.append(
             [
                 before.linear_m_s2 / after.linear_m_s2,
@@ -123,7 +112,7 @@ def rts_row(name: str) -> RtsRow:
         )
         errors = zip(test.errors(made), test.errors(raw), strict=True)
         shares.append([rms(ours) / rms(theirs) for ours, theirs in errors])
-        lags.append([_lag_ms(kind, rigid(made), test.rigid_truth) for kind in QUANTITIES])
+        lags.append([_lag_ms(kind, made.rigid, test.rigid_truth) for kind in QUANTITIES])
     cut, share = np.median(cuts, axis=0), np.median(shares, axis=0)
     told = [_median(column) for column in zip(*lags, strict=True)]
     return RtsRow(

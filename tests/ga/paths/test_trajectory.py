@@ -176,6 +176,16 @@ def test_a_motor_moves_similarities_and_a_similarity_scales_motors(
     assert type(moved.poses) is type(trajectory.poses)
 
 
+def test_rigid_leaves_out_the_scale_and_nothing_else(trajectory: Trajectory) -> None:
+    rigid, poses = trajectory.rigid, trajectory.poses
+    assert (rigid.parent, rigid.child) == (trajectory.parent, trajectory.child)
+    np.testing.assert_array_equal(rigid.time_ns, trajectory.time_ns)
+    assert isinstance(rigid.poses, Motor)
+    np.testing.assert_allclose(rigid.poses.translation_m, poses.translation_m, atol=1e-14)
+    assert np.all(rigid.poses.rotor.isclose(poses.rotor))
+    assert rigid.rigid is rigid
+
+
 def test_what_wants_rigid_poses_refuses_similarities(trajectory: Trajectory) -> None:
     stamp = trajectory.time_ns[3]
     if isinstance(trajectory.poses, Motor):
