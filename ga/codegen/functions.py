@@ -81,10 +81,14 @@ def compile_function(
     import casadi as ca
 
     symbols = [ca.SX.sym(operand.name, operand.width) for operand in inputs]
-    made = _traced(name, function, [
-        algebra.multivector({blade: symbol[k] for k, blade in enumerate(operand.components)})
-        for operand, symbol in zip(inputs, symbols, strict=True)
-    ])  # fmt: skip
+    made = _traced(
+        name,
+        function,
+        [
+            algebra.multivector({blade: symbol[k] for k, blade in enumerate(operand.components)})
+            for operand, symbol in zip(inputs, symbols, strict=True)
+        ],
+    )
     single = not isinstance(made, Mapping)
     outputs = {
         checked_identifier(key, f"{name}: output"): _multivector(name, value, algebra)

@@ -21,15 +21,31 @@ class Kernel:
     """A function of one row, applied to batches by the code that is written from it.
 
     `define` takes the precision and a list of scalars for each input, and returns a list of
-    scalars for each output. `group` names the file that its code goes to.
+    scalars for each output. `group` names the file that its code goes to. The first line of the
+    docstring of `define` is the summary, unless another is given.
+
+    >>> from motorcade.ga.codegen.library_kernels.kernel import Kernel
+    >>> from motorcade.ga.codegen.precision import DOUBLE
+    >>> from motorcade.ga.codegen.tape import Operand
+    >>> def twice(precision, x):
+    ...     'Twice the number.'
+    ...     return [[2 * x[0]]]
+    >>> kernel = Kernel("twice", "tests", (Operand("x", ("x",)),), (Operand("out", ("x",)),), twice)
+    >>> kernel.summary, kernel.tape(DOUBLE).operations()
+    ('Twice the number', {'mul': 1})
     """
 
     name: str
     group: str
-    summary: str
     inputs: tuple[Operand, ...]
     outputs: tuple[Operand, ...]
     define: Callable[..., Sequence[Sequence[Any]]]
+    summary: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.summary:
+            first = (self.define.__doc__ or "").partition("\n")[0]
+            object.__setattr__(self, "summary", first.removesuffix("."))
 
     def tape(self, precision: Precision) -> Tape:
         """The operations of the kernel in a precision."""

@@ -34,10 +34,10 @@ def files(
     made = writer(record(script, program.algebra, variables), program.name, real, c_dialect(real))
     parameters = [f"{real.c} {variable}" for variable in variables]
     head = function(program.name, [*parameters, *array_parameters(program, real.c)], "void")
-    told = description(program, f"c --strategy {strategy} --precision {real.numpy}")
+    described = description(program, f"c --strategy {strategy} --precision {real.numpy}")
     steps = _steps(program, made)
     defined = "\n\n".join([*made.definitions(), steps, head])
-    return c_files(program.name, told, head, defined, indented([_call(program, made)]))
+    return c_files(program.name, described, head, defined, indented([_call(program, made)]))
 
 
 def _inner(program: Program) -> str:

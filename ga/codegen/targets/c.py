@@ -27,7 +27,7 @@ from motorcade.ga.codegen.targets.shared.text import description, unread, variab
 
 __all__ = ["c_dialect", "c_files", "write"]
 
-_TOLD = (
+_CALLING = (
     "",
     "Variables are parameters of their own name; output A fills out_A, one number a blade, and",
     "one without blades has no parameter.",
@@ -52,9 +52,9 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         *declarations(written.body, f"const {real.c}", "const _Bool"),
         *array_stores(program.tape.outputs, written.results),
     ]
-    told = [*description(program, f"c --precision {real.numpy}"), *_TOLD]
+    described = [*description(program, f"c --precision {real.numpy}"), *_CALLING]
     head = function(program.name, parameters, "void")
-    return c_files(program.name, told, head, head, indented(body))
+    return c_files(program.name, described, head, head, indented(body))
 
 
 def c_dialect(precision: Precision, others: Mapping[str, str] | None = None) -> Templates:
@@ -64,13 +64,13 @@ def c_dialect(precision: Precision, others: Mapping[str, str] | None = None) -> 
 
 
 def c_files(
-    name: str, told: Sequence[str], declared: str, defined: str, body: Sequence[str]
+    name: str, described: Sequence[str], declared: str, defined: str, body: Sequence[str]
 ) -> dict[str, str]:
     """Source and header of one function; the source declares it too and needs no header."""
     guard = f"MOTORCADE_{name}_H"
     include = ["#include <stddef.h>", ""] if "size_t " in declared else []
     source = [
-        comment(told),
+        comment(described),
         "#include <math.h>",
         *(include or [""]),
         f"{declared};",
@@ -79,7 +79,7 @@ def c_files(
         "{",
     ]
     header = [
-        *[comment(told), f"#ifndef {guard}", f"#define {guard}", "", *include],
+        *[comment(described), f"#ifndef {guard}", f"#define {guard}", "", *include],
         *["#ifdef __cplusplus", 'extern "C" {', "#endif", ""],
         *[f"{declared};", ""],
         *["#ifdef __cplusplus", "}", "#endif", "", f"#endif /* {guard} */"],

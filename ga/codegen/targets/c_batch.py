@@ -43,7 +43,7 @@ _LIBRARY_FUNCTIONS = {
     "exponent": "exponent",
 }
 _NO_STEP = re.compile(r"\[0 \* \w+_step \+ i\]")
-_TOLD = (
+_CALLING = (
     "",
     "Every pointer is to `rows` numbers: variable x is in_x, blade e1^e2 of output A is",
     "out_A_e1_e2. No output may overlap another array. gcc makes SIMD code of the loop with",
@@ -81,13 +81,13 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         *indented(loop, 2),
         "    }",
     ]
-    told = [*description(program, f"c-batch --precision {real.numpy}"), *_TOLD]
+    described = [*description(program, f"c-batch --precision {real.numpy}"), *_CALLING]
     heads = []
     for restrict in ("", "restrict "):
         parameters = [f"const {real.c} *{restrict}{pointer}" for pointer in pointers.values()]
         parameters += [f"{real.c} *{restrict}{slot}" for row in places for _, slot in row]
         heads.append(function(program.name, ["size_t rows", *parameters], "void"))
-    return c_files(program.name, told, heads[0], heads[1], body)
+    return c_files(program.name, described, heads[0], heads[1], body)
 
 
 def _places(operand: Operand) -> list[tuple[str, str]]:

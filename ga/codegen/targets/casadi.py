@@ -52,8 +52,8 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
         *listed(f"_results = [{', '.join(map(_quoted, outputs))}]"),
         f'return ca.Function("{program.name}", _inputs, _columns, _names, _results{shared})',
     ]
-    told = description(program, "casadi")
-    return module(program, told, "import casadi as ca", [], "The program as a function.", body)
+    described = description(program, "casadi")
+    return module(program, described, "import casadi as ca", [], "The program as a function.", body)
 
 
 def _column(row: Sequence[str]) -> list[str]:

@@ -42,7 +42,7 @@ _TEMPLATES = C_LOGIC | {
 # Shaders are written in ASCII; comments of other signs stop some compilers.
 _SIGNS = str.maketrans({"∞": "inf", "ε": "eps ", "×": "x"})
 _FUNCTIONS = SAME_NAMES | {"abs": "abs", "min": "min", "max": "max", "atan2": "atan"}
-_TOLD = ("", "Output A fills out_A, one number a blade; one without blades has no parameter.")
+_CALLING = ("", "Output A fills out_A, one number a blade; one without blades has no parameter.")
 
 
 def write(program: Program, precision: Precision | None) -> dict[str, str]:
@@ -60,7 +60,7 @@ def write(program: Program, precision: Precision | None) -> dict[str, str]:
     dialect = Templates(_TEMPLATES, _FUNCTIONS, SINGLE)
     written = statements(program.tape, dialect, GLSL_NAMES.words | {slot for _, slot in slots})
     lines = [
-        comment([*description(program, "glsl"), *_TOLD]),
+        comment([*description(program, "glsl"), *_CALLING]),
         function(program.name, parameters, ""),
         "{",
         *indented(declarations(written.body, "float", "bool")),

@@ -46,18 +46,22 @@ def screw(precision: Precision, a: Numbers, b: Numbers, fraction: Any) -> Multiv
 
 
 def _blend(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
+    """Linear blend of two motors, the short way round, made unit."""
     return [on.motor_numbers(projected(on.motor_of(linear(a, b, fraction[0]))))]
 
 
 def _blend_matrix(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
+    """Linear blend of two motors as a 3×4 matrix."""
     return [matrix_rows(linear(a, b, fraction[0]), unit=False)]
 
 
 def _screw(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
+    """Screw interpolation for fractions in [0, 1]."""
     return [on.motor_numbers(screw(precision, a, b, fraction[0]))]
 
 
 def _screw_matrix(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
+    """Screw interpolation for fractions in [0, 1] as a 3×4 matrix."""
     return [matrix_rows(on.motor_numbers(screw(precision, a, b, fraction[0])), unit=True)]
 
 
@@ -71,16 +75,19 @@ def projected(m: Multivector) -> Multivector:
 
 
 def _normalize(precision: Precision, m: Numbers) -> list[Numbers]:
+    """The motor nearest to an even element."""
     return [on.motor_numbers(projected(on.motor_of(m)))]
 
 
 def _normalize_matrix(precision: Precision, m: Numbers) -> list[Numbers]:
+    """3×4 matrix of the motor nearest to an even element."""
     return [matrix_rows(m, unit=False)]
 
 
 def _accumulate(
     precision: Precision, total: Numbers, pivot: Numbers, m: Numbers, weight: Numbers
 ) -> list[Numbers]:
+    """Sum total ± weight m, signed as m beside the pivot."""
     scalar = sum(x * y for x, y in zip(pivot[:4], m[:4], strict=True))
     signed = select(scalar < 0, -weight[0], weight[0])
     return [[x + signed * y for x, y in zip(total, m, strict=True)]]
@@ -90,33 +97,17 @@ _A, _B, _M, _OUT = on.motor("a"), on.motor("b"), on.motor("m"), on.motor("out")
 _F, _ROWS = on.numbers("fraction"), on.components("out", 3, 4)
 
 KERNELS = (
+    Kernel("blend", "linear_blends", (_A, _B, _F), (_OUT,), _blend),
+    Kernel("blend_matrix", "linear_blends", (_A, _B, _F), (_ROWS,), _blend_matrix),
+    Kernel("screw_blend", "screw_blends", (_A, _B, _F), (_OUT,), _screw),
+    Kernel("screw_blend_matrix", "screw_blends", (_A, _B, _F), (_ROWS,), _screw_matrix),
     Kernel(
-        "blend", "linear_blends", "Linear blend of two motors, the short way round, made unit",
-        (_A, _B, _F), (_OUT,), _blend,
+        "accumulate",
+        "linear_blends",
+        (on.motor("total"), on.motor("pivot"), _M, on.numbers("weight")),
+        (_OUT,),
+        _accumulate,
     ),
-    Kernel(
-        "blend_matrix", "linear_blends", "Linear blend of two motors as a 3×4 matrix",
-        (_A, _B, _F), (_ROWS,), _blend_matrix,
-    ),
-    Kernel(
-        "screw_blend", "screw_blends", "Screw interpolation for fractions in [0, 1]",
-        (_A, _B, _F), (_OUT,), _screw,
-    ),
-    Kernel(
-        "screw_blend_matrix", "screw_blends",
-        "Screw interpolation for fractions in [0, 1] as a 3×4 matrix",
-        (_A, _B, _F), (_ROWS,), _screw_matrix,
-    ),
-    Kernel(
-        "accumulate", "linear_blends", "Sum total ± weight m, signed as m beside the pivot",
-        (on.motor("total"), on.motor("pivot"), _M, on.numbers("weight")), (_OUT,), _accumulate,
-    ),
-    Kernel(
-        "normalize", "linear_blends", "The motor nearest to an even element",
-        (_M,), (_OUT,), _normalize,
-    ),
-    Kernel(
-        "normalize_matrix", "linear_blends", "3×4 matrix of the motor nearest to an even element",
-        (_M,), (_ROWS,), _normalize_matrix,
-    ),
-)  # fmt: skip
+    Kernel("normalize", "linear_blends", (_M,), (_OUT,), _normalize),
+    Kernel("normalize_matrix", "linear_blends", (_M,), (_ROWS,), _normalize_matrix),
+)

@@ -27,7 +27,9 @@ def _point(x: Numbers) -> Multivector:
 
 
 def _reach(precision: Precision, p: Numbers, q: Numbers, length: Numbers) -> list[Numbers]:
-    """The line through both points and the sphere around the first meet in a pair of points; of
+    """The point of the ray from p towards q that lies a length from p.
+
+    The line through both points and the sphere around the first meet in a pair of points; of
     these the one on the side of q is ``(B - √B²) / (e∞ · B)``.
     """
     import casadi as ca
@@ -44,9 +46,6 @@ def _reach(precision: Precision, p: Numbers, q: Numbers, length: Numbers) -> lis
     return [[a + b / scale for a, b in zip(p, on.vector_numbers(met), strict=True)]]
 
 
-KERNELS = (
-    Kernel(
-        "reach", "chains", "The point of the ray from p towards q that lies a length from p",
-        (on.points("p"), on.points("q"), on.numbers("length")), (on.points("out"),), _reach,
-    ),
-)  # fmt: skip
+_RAY = on.points("p"), on.points("q"), on.numbers("length")
+
+KERNELS = (Kernel("reach", "chains", _RAY, (on.points("out"),), _reach),)

@@ -31,6 +31,7 @@ def matrix_rows(m: Numbers, unit: bool) -> Numbers:
 
 
 def _apply(precision: Precision, m: Numbers, x: Numbers) -> list[Numbers]:
+    """Points moved by motors."""
     rotor, motor = on.rotor_of(m[:4]), on.motor_of(m)
     turned = on.vector_numbers(rotor * on.vector(x) * ~rotor)
     moved = on.translation_numbers(motor * ~rotor)
@@ -38,15 +39,18 @@ def _apply(precision: Precision, m: Numbers, x: Numbers) -> list[Numbers]:
 
 
 def _matrix34(precision: Precision, m: Numbers) -> list[Numbers]:
+    """3×4 matrix of a motor, by rows."""
     return [matrix_rows(m, unit=True)]
 
 
 def _matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
+    """4×4 matrix of a motor, by rows."""
     return [[*matrix_rows(m, unit=True), 0.0, 0.0, 0.0, 1.0]]
 
 
 def _dual_quaternion(precision: Precision, m: Numbers) -> list[Numbers]:
     # Hamilton's i, j, k are -e23, -e31, -e12, and his ε times them e1∞ …, in this order.
+    """Unit Hamilton dual quaternion: real wxyz, dual wxyz."""
     return [[m[0], -m[1], -m[2], -m[3], -m[7], -m[4], -m[5], -m[6]]]
 
 
@@ -54,14 +58,8 @@ _M, _ROWS = on.motor("m"), on.components("out", 3, 4)
 _POINTS, _MOVED = on.points("x"), on.points("out")
 
 KERNELS = (
-    Kernel("apply", "products", "Points moved by motors", (_M, _POINTS), (_MOVED,), _apply),
-    Kernel("matrix34", "conversions", "3×4 matrix of a motor, by rows", (_M,), (_ROWS,), _matrix34),
-    Kernel(
-        "matrix44", "conversions", "4×4 matrix of a motor, by rows",
-        (_M,), (on.components("out", 4, 4),), _matrix44,
-    ),
-    Kernel(
-        "dual_quaternion", "conversions", "Unit Hamilton dual quaternion: real wxyz, dual wxyz",
-        (_M,), (on.dual_quaternion("out"),), _dual_quaternion,
-    ),
-)  # fmt: skip
+    Kernel("apply", "products", (_M, _POINTS), (_MOVED,), _apply),
+    Kernel("matrix34", "conversions", (_M,), (_ROWS,), _matrix34),
+    Kernel("matrix44", "conversions", (_M,), (on.components("out", 4, 4),), _matrix44),
+    Kernel("dual_quaternion", "conversions", (_M,), (on.dual_quaternion("out"),), _dual_quaternion),
+)

@@ -49,22 +49,27 @@ def logarithm(precision: Precision, m: Multivector, short_way: bool) -> Multivec
 
 
 def _compose(precision: Precision, a: Numbers, b: Numbers) -> list[Numbers]:
+    """Geometric product a b of motors."""
     return [on.motor_numbers(on.motor_of(a) * on.motor_of(b))]
 
 
 def _inverse(precision: Precision, m: Numbers) -> list[Numbers]:
+    """Reverse of a motor: its inverse."""
     return [on.motor_numbers(~on.motor_of(m))]
 
 
 def _exp(precision: Precision, log: Numbers) -> list[Numbers]:
+    """Motor of a bivector of any size."""
     return [on.motor_numbers(exponential(precision, on.bivector_of(log)))]
 
 
 def _log(precision: Precision, m: Numbers) -> list[Numbers]:
+    """Bivector of a motor, by the sign that turns by at most π."""
     return [on.bivector_numbers(logarithm(precision, on.motor_of(m), True))]
 
 
 def _log_long(precision: Precision, m: Numbers) -> list[Numbers]:
+    """Bivector of a motor by its own sign, turning by up to 2π."""
     return [on.bivector_numbers(logarithm(precision, on.motor_of(m), False))]
 
 
@@ -77,10 +82,12 @@ def _between(
 
 
 def _interpolate(precision: Precision, a: Numbers, b: Numbers, f: Numbers) -> list[Numbers]:
+    """Screw a exp(fraction log(~a b)), the short way round."""
     return _between(precision, a, b, f, True)
 
 
 def _interpolate_long(precision: Precision, a: Numbers, b: Numbers, f: Numbers) -> list[Numbers]:
+    """Screw a exp(fraction log(~a b)), by the signs of a and b."""
     return _between(precision, a, b, f, False)
 
 
@@ -89,23 +96,11 @@ _LOG, _F = on.bivector("log"), on.numbers("fraction")
 _LOG_OUT = on.bivector("out")
 
 KERNELS = (
-    Kernel("compose", "products", "Geometric product a b of motors", (_A, _B), (_OUT,), _compose),
-    Kernel("inverse", "products", "Reverse of a motor: its inverse", (_M,), (_OUT,), _inverse),
-    Kernel("exp", "exponentials", "Motor of a bivector of any size", (_LOG,), (_OUT,), _exp),
-    Kernel(
-        "log", "exponentials", "Bivector of a motor, by the sign that turns by at most π",
-        (_M,), (_LOG_OUT,), _log,
-    ),
-    Kernel(
-        "log_long", "exponentials", "Bivector of a motor by its own sign, turning by up to 2π",
-        (_M,), (_LOG_OUT,), _log_long,
-    ),
-    Kernel(
-        "interpolate", "screws", "Screw a exp(fraction log(~a b)), the short way round",
-        (_A, _B, _F), (_OUT,), _interpolate,
-    ),
-    Kernel(
-        "interpolate_long", "screws", "Screw a exp(fraction log(~a b)), by the signs of a and b",
-        (_A, _B, _F), (_OUT,), _interpolate_long,
-    ),
-)  # fmt: skip
+    Kernel("compose", "products", (_A, _B), (_OUT,), _compose),
+    Kernel("inverse", "products", (_M,), (_OUT,), _inverse),
+    Kernel("exp", "exponentials", (_LOG,), (_OUT,), _exp),
+    Kernel("log", "exponentials", (_M,), (_LOG_OUT,), _log),
+    Kernel("log_long", "exponentials", (_M,), (_LOG_OUT,), _log_long),
+    Kernel("interpolate", "screws", (_A, _B, _F), (_OUT,), _interpolate),
+    Kernel("interpolate_long", "screws", (_A, _B, _F), (_OUT,), _interpolate_long),
+)

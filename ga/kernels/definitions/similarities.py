@@ -173,22 +173,27 @@ def _direction(precision: Precision, rotor: Multivector) -> tuple[Any, Multivect
 
 
 def _compose(precision: Precision, a: Numbers, b: Numbers) -> list[Numbers]:
+    """Geometric product a b of similarities."""
     return [joined(product(split(a), split(b)))]
 
 
 def _inverse(precision: Precision, m: Numbers) -> list[Numbers]:
+    """Reverse of a similarity: its inverse."""
     return [joined(reverse(split(m)))]
 
 
 def _exp(precision: Precision, log: Numbers) -> list[Numbers]:
+    """Similarity of a bivector of any angle."""
     return [joined(exponential(precision, log))]
 
 
 def _log(precision: Precision, m: Numbers) -> list[Numbers]:
+    """Bivector of a similarity, by the sign that turns by at most π."""
     return [logarithm(precision, split(m), True)]
 
 
 def _log_long(precision: Precision, m: Numbers) -> list[Numbers]:
+    """Bivector of a similarity by its own sign, turning by up to 2π."""
     return [logarithm(precision, split(m), False)]
 
 
@@ -202,19 +207,23 @@ def _between(
 
 
 def _interpolate(precision: Precision, a: Numbers, b: Numbers, f: Numbers) -> list[Numbers]:
+    """Spiral a exp(fraction log(~a b)), the short way round."""
     return _between(precision, a, b, f, True)
 
 
 def _interpolate_long(precision: Precision, a: Numbers, b: Numbers, f: Numbers) -> list[Numbers]:
+    """Spiral a exp(fraction log(~a b)), by the signs of a and b."""
     return _between(precision, a, b, f, False)
 
 
 def _normalize(precision: Precision, m: Numbers) -> list[Numbers]:
+    """The similarity nearest to an even element, and how well it is defined."""
     made, defined = projected(precision, split(m))
     return [[*joined(made), defined]]
 
 
 def _blend(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
+    """Linear blend of two similarities, the short way round, made unit."""
     made, _ = projected(precision, split(linear(a, b, fraction[0])))
     return [joined(made)]
 
@@ -225,44 +234,13 @@ _PRODUCTS, _LOGS = "similarity_products", "similarity_exponentials"
 _SPIRALS, _LONG, _BLENDS = "similarity_spirals", "similarity_long_spirals", "similarity_blends"
 
 KERNELS = (
-    Kernel(
-        "similarity_compose", _PRODUCTS, "Geometric product a b of similarities",
-        (_A, _B), (_OUT,), _compose,
-    ),
-    Kernel(
-        "similarity_inverse", _PRODUCTS, "Reverse of a similarity: its inverse",
-        (_M,), (_OUT,), _inverse,
-    ),
-    Kernel(
-        "similarity_exp", _LOGS, "Similarity of a bivector of any angle",
-        (_LOG,), (_OUT,), _exp,
-    ),
-    Kernel(
-        "similarity_log", _LOGS, "Bivector of a similarity, by the sign that turns by at most π",
-        (_M,), (_LOG_OUT,), _log,
-    ),
-    Kernel(
-        "similarity_log_long", _LOGS,
-        "Bivector of a similarity by its own sign, turning by up to 2π",
-        (_M,), (_LOG_OUT,), _log_long,
-    ),
-    Kernel(
-        "similarity_interpolate", _SPIRALS, "Spiral a exp(fraction log(~a b)), the short way round",
-        (_A, _B, _F), (_OUT,), _interpolate,
-    ),
-    Kernel(
-        "similarity_interpolate_long", _LONG,
-        "Spiral a exp(fraction log(~a b)), by the signs of a and b",
-        (_A, _B, _F), (_OUT,), _interpolate_long,
-    ),
-    Kernel(
-        "similarity_normalize", _BLENDS,
-        "The similarity nearest to an even element, and how well it is defined",
-        (_M,), (on.defined_similarity("out"),), _normalize,
-    ),
-    Kernel(
-        "similarity_blend", _BLENDS,
-        "Linear blend of two similarities, the short way round, made unit",
-        (_A, _B, _F), (_OUT,), _blend,
-    ),
-)  # fmt: skip
+    Kernel("similarity_compose", _PRODUCTS, (_A, _B), (_OUT,), _compose),
+    Kernel("similarity_inverse", _PRODUCTS, (_M,), (_OUT,), _inverse),
+    Kernel("similarity_exp", _LOGS, (_LOG,), (_OUT,), _exp),
+    Kernel("similarity_log", _LOGS, (_M,), (_LOG_OUT,), _log),
+    Kernel("similarity_log_long", _LOGS, (_M,), (_LOG_OUT,), _log_long),
+    Kernel("similarity_interpolate", _SPIRALS, (_A, _B, _F), (_OUT,), _interpolate),
+    Kernel("similarity_interpolate_long", _LONG, (_A, _B, _F), (_OUT,), _interpolate_long),
+    Kernel("similarity_normalize", _BLENDS, (_M,), (on.defined_similarity("out"),), _normalize),
+    Kernel("similarity_blend", _BLENDS, (_A, _B, _F), (_OUT,), _blend),
+)

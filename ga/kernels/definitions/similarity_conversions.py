@@ -40,6 +40,7 @@ def _matrix_rows(m: Numbers) -> Numbers:
 
 
 def _apply(precision: Precision, m: Numbers, x: Numbers) -> list[Numbers]:
+    """Points moved by similarities."""
     s = split(m)
     rotor = grown_rotor(s)
     turned = on.vector_numbers(rotor * on.vector(x) * ~rotor)
@@ -47,14 +48,17 @@ def _apply(precision: Precision, m: Numbers, x: Numbers) -> list[Numbers]:
 
 
 def _matrix34(precision: Precision, m: Numbers) -> list[Numbers]:
+    """3×4 matrix of a similarity, by rows."""
     return [_matrix_rows(m)]
 
 
 def _matrix44(precision: Precision, m: Numbers) -> list[Numbers]:
+    """4×4 matrix of a similarity, by rows."""
     return [[*_matrix_rows(m), 0.0, 0.0, 0.0, 1.0]]
 
 
 def _rotor_translation_scale(precision: Precision, m: Numbers) -> list[Numbers]:
+    """Rotor, translation and scale of a similarity."""
     import casadi as ca
 
     s = split(m)
@@ -65,6 +69,7 @@ def _rotor_translation_scale(precision: Precision, m: Numbers) -> list[Numbers]:
 
 
 def _of_motor(precision: Precision, m: Numbers, scale: Numbers) -> list[Numbers]:
+    """Motor after growth about the origin by a scale."""
     import casadi as ca
 
     root = 1 / ca.sqrt(scale[0])
@@ -77,24 +82,21 @@ _M, _OUT = on.similarity("m"), on.similarity("out")
 _PRODUCTS, _CONVERSIONS = "similarity_products", "similarity_conversions"
 
 KERNELS = (
+    Kernel("similarity_apply", _PRODUCTS, (_M, on.points("x")), (on.points("out"),), _apply),
+    Kernel("similarity_matrix34", _CONVERSIONS, (_M,), (on.components("out", 3, 4),), _matrix34),
+    Kernel("similarity_matrix44", _CONVERSIONS, (_M,), (on.components("out", 4, 4),), _matrix44),
     Kernel(
-        "similarity_apply", _PRODUCTS, "Points moved by similarities",
-        (_M, on.points("x")), (on.points("out"),), _apply,
+        "rotor_translation_scale",
+        _CONVERSIONS,
+        (_M,),
+        (on.rotor_translation_scale("out"),),
+        _rotor_translation_scale,
     ),
     Kernel(
-        "similarity_matrix34", _CONVERSIONS, "3×4 matrix of a similarity, by rows",
-        (_M,), (on.components("out", 3, 4),), _matrix34,
+        "similarity_of_motor",
+        _CONVERSIONS,
+        (on.motor("m"), on.numbers("scale")),
+        (_OUT,),
+        _of_motor,
     ),
-    Kernel(
-        "similarity_matrix44", _CONVERSIONS, "4×4 matrix of a similarity, by rows",
-        (_M,), (on.components("out", 4, 4),), _matrix44,
-    ),
-    Kernel(
-        "rotor_translation_scale", _CONVERSIONS, "Rotor, translation and scale of a similarity",
-        (_M,), (on.rotor_translation_scale("out"),), _rotor_translation_scale,
-    ),
-    Kernel(
-        "similarity_of_motor", _CONVERSIONS, "Motor after growth about the origin by a scale",
-        (on.motor("m"), on.numbers("scale")), (_OUT,), _of_motor,
-    ),
-)  # fmt: skip
+)

@@ -33,26 +33,27 @@ _KERNELS = {
 
 
 def _renormalize(precision: Precision, r: Numbers) -> list[Numbers]:
+    """One Newton step of a rotor towards unit length, which rounding leaves by little."""
     factor = 1.5 - 0.5 * sum(x * x for x in r)
     return [[factor * x for x in r]]
 
 
 def _translation(precision: Precision, m: Numbers) -> list[Numbers]:
+    """Where a motor takes the origin."""
     return [conversions.matrix_rows(m, unit=True)[3::4]]
 
 
 def _motor_of(precision: Precision, r: Numbers, t: Numbers) -> list[Numbers]:
+    """The motor that turns by a rotor, then moves by a translation."""
     translator = on.motor_of([1, 0, 0, 0, *(-0.5 * x for x in t), 0])
     return [on.motor_numbers(translator * on.rotor_of(r))]
 
 
-_NEWTON = "One Newton step of a rotor towards unit length, which rounding leaves by little"
-_MOTOR_OF = "The motor that turns by a rotor, then moves by a translation"
 _R, _M, _T = on.rotor("r"), on.motor("m"), on.points("t")
 _OWN = (
-    Kernel("renormalize", "single", _NEWTON, (_R,), (on.rotor("out"),), _renormalize),
-    Kernel("translation", "single", "Where a motor takes the origin", (_M,), (_T,), _translation),
-    Kernel("motor_of", "single", _MOTOR_OF, (_R, _T), (on.motor("out"),), _motor_of),
+    Kernel("renormalize", "single", (_R,), (on.rotor("out"),), _renormalize),
+    Kernel("translation", "single", (_M,), (_T,), _translation),
+    Kernel("motor_of", "single", (_R, _T), (on.motor("out"),), _motor_of),
 )
 _NAMED = {kernel.name: kernel for kernel in KERNELS}
 

@@ -29,7 +29,9 @@ def _unit(v: Numbers) -> Numbers:
 
 
 def _carry_motor(precision: Precision, m: Numbers, x: Numbers, n: Numbers) -> list[Numbers]:
-    """``M X ~M`` of a motor that is as long as ``α``: what is off the motors falls away, as in
+    """A point and a normal carried by a sum of motors.
+
+    ``M X ~M`` of a motor that is as long as ``α``: what is off the motors falls away, as in
     `conversions.matrix_rows`, and dividing by ``α`` is all the projection that is left.
     """
     rotor, motor = on.rotor_of(m[:4]), on.motor_of(m)
@@ -37,12 +39,16 @@ def _carry_motor(precision: Precision, m: Numbers, x: Numbers, n: Numbers) -> li
     moved = on.translation_numbers(motor * ~rotor)
     turned = on.vector_numbers(rotor * on.vector(x) * ~rotor)
     normal = on.vector_numbers(rotor * on.vector(n) * ~rotor)
-    return [[scale * (a + b) for a, b in zip(turned, moved, strict=True)]
-            + [scale * a for a in normal]]  # fmt: skip
+    return [
+        [scale * (a + b) for a, b in zip(turned, moved, strict=True)] + [scale * a for a in normal]
+    ]
 
 
 def _carry_similarity(precision: Precision, s: Numbers, x: Numbers, n: Numbers) -> list[Numbers]:
-    """``S X ~S`` of the similarity nearest to the sum; the normal turns and keeps its length."""
+    """A point and a normal carried by a sum of similarities.
+
+    ``S X ~S`` of the similarity nearest to the sum; the normal turns and keeps its length.
+    """
     parts, _ = projected(precision, split(s))
     rotor = grown_rotor(parts)
     scale = 1 / (rotor * ~rotor).coefficient("1")
@@ -63,7 +69,10 @@ def _cross(a: Numbers, b: Numbers) -> Numbers:
 def _carry_dual_quaternion(
     precision: Precision, q: Numbers, x: Numbers, n: Numbers
 ) -> list[Numbers]:
-    """As Kavan et al. (2007) write it, in cross products: nothing of the algebra is used."""
+    """A point and a normal carried by a sum of dual quaternions, real wxyz, dual wxyz.
+
+    As Kavan et al. (2007) write it, in cross products: nothing of the algebra is used.
+    """
     w, d, dual_w, e = q[0], q[1:4], q[4], q[5:8]
     scale = 1 / (w * w + sum(a * a for a in d))
 
@@ -77,7 +86,10 @@ def _carry_dual_quaternion(
 
 
 def _carry_matrix(precision: Precision, m: Numbers, x: Numbers, n: Numbers) -> list[Numbers]:
-    """A matrix moves the point; its upper left part the normal, brought back to unit length."""
+    """A point and a normal carried by a sum of 3×4 matrices.
+
+    The upper left part moves the normal, which is brought back to unit length.
+    """
     rows = [m[4 * i : 4 * i + 4] for i in range(3)]
     moved = [sum(a * b for a, b in zip(row, [*x, 1], strict=True)) for row in rows]
     return [moved + _unit([sum(a * b for a, b in zip(row[:3], n, strict=True)) for row in rows])]
@@ -87,21 +99,14 @@ _X, _N = on.points("x"), on.points("n")
 _OUT = (Operand("out", ("x", "y", "z", "nx", "ny", "nz")),)
 
 KERNELS = (
+    Kernel("carry_motor", "skinning", (on.motor("m"), _X, _N), _OUT, _carry_motor),
     Kernel(
-        "carry_motor", "skinning", "A point and a normal carried by a sum of motors",
-        (on.motor("m"), _X, _N), _OUT, _carry_motor,
+        "carry_dual_quaternion",
+        "skinning",
+        (on.dual_quaternion("q"), _X, _N),
+        _OUT,
+        _carry_dual_quaternion,
     ),
-    Kernel(
-        "carry_dual_quaternion", "skinning",
-        "A point and a normal carried by a sum of dual quaternions, real wxyz, dual wxyz",
-        (on.dual_quaternion("q"), _X, _N), _OUT, _carry_dual_quaternion,
-    ),
-    Kernel(
-        "carry_similarity", "skinning", "A point and a normal carried by a sum of similarities",
-        (on.similarity("s"), _X, _N), _OUT, _carry_similarity,
-    ),
-    Kernel(
-        "carry_matrix", "skinning", "A point and a normal carried by a sum of 3×4 matrices",
-        (on.components("m", 3, 4), _X, _N), _OUT, _carry_matrix,
-    ),
-)  # fmt: skip
+    Kernel("carry_similarity", "skinning", (on.similarity("s"), _X, _N), _OUT, _carry_similarity),
+    Kernel("carry_matrix", "skinning", (on.components("m", 3, 4), _X, _N), _OUT, _carry_matrix),
+)

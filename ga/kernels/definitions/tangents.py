@@ -126,39 +126,37 @@ def kernels_of(
     square = on.components("out", size, size)
     name = f"{prefix}_" if prefix else ""
     group, jacobians = f"{name}tangents", f"{name}jacobians"
+    adjoint = f"Adjoint matrix of a {one} on twists"
+    other_side = f"A twist seen from the other side of a {one}"
+    left = f"Left Jacobian of a {one}'s exponential at a twist"
+    inverse = f"Inverse left Jacobian of a {one}'s exponential, singular at full turns"
+    retract = f"A {one} moved by a twist in its own frame"
+    local = f"The twist, turning by at most π, that takes {one} a to b"
+
+    def kernel(
+        verb: str, file: str, inputs: tuple[Operand, ...], output: Operand, summary: str
+    ) -> Kernel:
+        return Kernel(name + verb, file, inputs, (output,), getattr(define, verb), summary)
+
     return (
-        Kernel(
-            f"{name}adjoint", group, f"Adjoint matrix of a {one} on twists",
-            (m,), (square,), define.adjoint,
-        ),
-        Kernel(
-            f"{name}transform_twist", group, f"A twist seen from the other side of a {one}",
-            (m, twist), (made,), define.transform_twist,
-        ),
-        Kernel(
-            f"{name}left_jacobian", jacobians, f"Left Jacobian of a {one}'s exponential at a twist",
-            (twist,), (square,), define.left_jacobian,
-        ),
-        Kernel(
-            f"{name}left_jacobian_inverse", jacobians,
-            f"Inverse left Jacobian of a {one}'s exponential, singular at full turns",
-            (twist,), (square,), define.left_jacobian_inverse,
-        ),
-        Kernel(
-            f"{name}retract", group, f"A {one} moved by a twist in its own frame",
-            (m, twist), (out,), define.retract,
-        ),
-        Kernel(
-            f"{name}local", group, f"The twist, turning by at most π, that takes {one} a to b",
-            tuple(others), (made,), define.local,
-        ),
-    )  # fmt: skip
+        kernel("adjoint", group, (m,), square, adjoint),
+        kernel("transform_twist", group, (m, twist), made, other_side),
+        kernel("left_jacobian", jacobians, (twist,), square, left),
+        kernel("left_jacobian_inverse", jacobians, (twist,), square, inverse),
+        kernel("retract", group, (m, twist), out, retract),
+        kernel("local", group, tuple(others), made, local),
+    )
 
 
 def _bound(group: _Group) -> Definitions:
     functions = (
-        _adjoint, _transform_twist, _left_jacobian, _left_jacobian_inverse, _retract, _local,
-    )  # fmt: skip
+        _adjoint,
+        _transform_twist,
+        _left_jacobian,
+        _left_jacobian_inverse,
+        _retract,
+        _local,
+    )
     return Definitions(*(partial(function, group) for function in functions))
 
 

@@ -46,7 +46,7 @@ def everything(precision: Precision, x: Any, y: Any) -> Sequence[Sequence[Any]]:
     ]
 
 
-KERNEL = Kernel("everything", "tests", "All operations at once", (X, Y), (OUT,), everything)
+KERNEL = Kernel("everything", "tests", (X, Y), (OUT,), everything)
 
 
 @pytest.fixture

@@ -46,7 +46,7 @@ def shrunk(precision: Precision, x: Any) -> Sequence[Sequence[Any]]:
 
 
 KERNELS = {
-    f.__name__: Kernel(f.__name__, "tests", "-", (X,), (OUT,), f) for f in (bits, growth, shrunk)
+    f.__name__: Kernel(f.__name__, "tests", (X,), (OUT,), f, "-") for f in (bits, growth, shrunk)
 }
 
 

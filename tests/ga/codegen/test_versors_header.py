@@ -100,7 +100,7 @@ def choices(precision: object, x: list, y: list) -> list[list]:
 
 def test_branches_hold_what_one_side_alone_needs() -> None:
     inputs = Operand("x", ("x",)), Operand("y", ("y",))
-    kernel = Kernel("k", "g", "", inputs, (Operand("out", ("a", "b", "c")),), choices)
+    kernel = Kernel("k", "g", inputs, (Operand("out", ("a", "b", "c")),), choices)
     tape = kernel.tape(DOUBLE)
     branches = [item for item in branched(tape) if isinstance(item, Branch)]
     assert [len(branch.choices) for branch in branches] == [2, 1]

@@ -115,8 +115,10 @@ class _Point:
         self._unknowns: dict[tuple[object, ...], Element] = {}
         self._strict = True
         self._rational: dict[str, Callable[[Element, Element], Element]] = {
-            "add": field.add, "sub": field.subtract, "mul": field.multiply,
-        }  # fmt: skip
+            "add": field.add,
+            "sub": field.subtract,
+            "mul": field.multiply,
+        }
 
     def computed(self, *, strict: bool) -> bool:
         self._strict = strict

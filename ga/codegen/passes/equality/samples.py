@@ -23,11 +23,16 @@ _Row = npt.NDArray[np.float64]
 
 # Factors by which functions pass on the errors of their argument.
 _SLOPES: dict[str, Callable[[_Row, _Row], _Row]] = {
-    "sqrt": lambda x, y: 0.5 / y, "exp": lambda x, y: y, "log": lambda x, y: 1.0 / np.abs(x),
-    "sin": lambda x, y: np.ones_like(x), "cos": lambda x, y: np.ones_like(x),
-    "tan": lambda x, y: 1.0 + y * y, "asin": lambda x, y: 1.0 / np.sqrt(1.0 - x * x),
-    "acos": lambda x, y: 1.0 / np.sqrt(1.0 - x * x), "atan": lambda x, y: 1.0 / (1.0 + x * x),
-}  # fmt: skip
+    "sqrt": lambda x, y: 0.5 / y,
+    "exp": lambda x, y: y,
+    "log": lambda x, y: 1.0 / np.abs(x),
+    "sin": lambda x, y: np.ones_like(x),
+    "cos": lambda x, y: np.ones_like(x),
+    "tan": lambda x, y: 1.0 + y * y,
+    "asin": lambda x, y: 1.0 / np.sqrt(1.0 - x * x),
+    "acos": lambda x, y: 1.0 / np.sqrt(1.0 - x * x),
+    "atan": lambda x, y: 1.0 / (1.0 + x * x),
+}
 
 
 def sample_inputs(tape: Tape) -> dict[tuple[str, int], _Row]:

@@ -84,20 +84,22 @@ def array_module(
     if library.within:
         body = [library.within, *(f"    {line}" for line in body)]
     option = f" --precision {precision.numpy}" if precision else ""
-    told = description(program, library.target + option)
-    return module(program, told, library.imported, parameters, library.summary, [*opening, *body])
+    described = description(program, library.target + option)
+    return module(
+        program, described, library.imported, parameters, library.summary, [*opening, *body]
+    )
 
 
 def module(
     program: Program,
-    told: Sequence[str],
+    described: Sequence[str],
     imported: str,
     parameters: Sequence[str],
     summary: str,
     body: Sequence[str],
 ) -> dict[str, str]:
     """A module that imports one package and has one function, by its file's name."""
-    lines = [f'"""{told[0]}', *told[1:], '"""', "# fmt: off", "", imported, ""]
+    lines = [f'"""{described[0]}', *described[1:], '"""', "# fmt: off", "", imported, ""]
     lines += [f'__all__ = ["{program.name}"]', "", ""]
     lines += [*call(f"def {program.name}", parameters, ":"), f'    """{summary}"""']
     lines += [f"    {line}" for line in body]

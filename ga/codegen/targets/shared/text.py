@@ -55,9 +55,13 @@ def wrapped(text: str, width: int, continued: str = "    ") -> list[str]:
     """One line of text as lines no wider than `width`, where spaces allow."""
     first = text[: len(text) - len(text.lstrip())]
     return textwrap.wrap(
-        text.strip(), width, initial_indent=first, subsequent_indent=continued,
-        break_long_words=False, break_on_hyphens=False,
-    ) or [""]  # fmt: skip
+        text.strip(),
+        width,
+        initial_indent=first,
+        subsequent_indent=continued,
+        break_long_words=False,
+        break_on_hyphens=False,
+    ) or [""]
 
 
 def call(before: str, items: Sequence[str], after: str) -> list[str]:
