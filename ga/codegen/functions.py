@@ -25,6 +25,16 @@ class CompiledFunction:
     """A function of multivectors and the program that was traced from it.
 
     Calling it runs the program on numbers or batches, which broadcast.
+
+    >>> from motorcade.ga.algebra import CGA3
+    >>> from motorcade.ga.codegen import compile_function
+    >>> def square(a):
+    ...     return a * a
+    >>> compiled = compile_function(square, a="e1 e2 e3")
+    >>> compiled.program.tape.operations()
+    {'add': 2, 'mul': 3}
+    >>> compiled(CGA3.multivector({"e1": 3.0, "e2": 4.0})).coefficient("1").item()
+    25.0
     """
 
     program: Program

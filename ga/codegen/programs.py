@@ -29,6 +29,12 @@ class Program:
     use; its outputs have one component a blade, by grade and then in the order of the basis. No
     component is identically zero: an output of which nothing is left keeps its name and has no
     components. `passes` tells what the optimiser did.
+
+    >>> from motorcade.ga.codegen import compile_script
+    >>> from motorcade.ga.script import parse
+    >>> square = compile_script(parse("a = x*e1 + 2*e2; ?b = a*a;"), "square")
+    >>> square.tape.operations(), [operand.name for operand in square.tape.outputs]
+    ({'add': 1, 'mul': 1}, ['b'])
     """
 
     name: str
@@ -49,6 +55,17 @@ def compile_script(script: Script, name: str, algebra: Algebra | None = None) ->
         ScriptError: what `evaluate` refuses.
         ValueError: a name that is no identifier, a script without outputs, values that are not
             finite whatever the variables are.
+
+    >>> from motorcade.ga.codegen import compile_script
+    >>> from motorcade.ga.codegen.targets import TARGETS
+    >>> from motorcade.ga.script import parse
+    >>> square = compile_script(parse("a = x*e1 + 2*e2; ?b = a*a;"), "square")
+    >>> files = TARGETS["c"](square, None)
+    >>> print(files["square.c"].partition("{")[2])
+    <BLANKLINE>
+        out_b[0] = x * x + 4.0;
+    }
+    <BLANKLINE>
     """
     import casadi as ca
 

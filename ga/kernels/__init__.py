@@ -5,6 +5,17 @@ functions here take arrays ``(*, n)`` whose batches broadcast; nothing is valida
 taken for unit, numbers for finite. For repeated calls on the same storage `Block` holds operands
 as the kernels want them and `function` gives the kernel itself: ``function("compose")(a, b, out)``.
 Batches of more than 65536 rows are shared among `threads()` threads; `set_threads` says how many.
+
+>>> import numpy as np
+>>> from motorcade.ga import Motor, kernels
+>>> turn, step = Motor.from_twist([[0, 0, np.pi / 2, 0, 0, 0], [0, 0, 0, 1, 0, 0]]).coefficients
+>>> kernels.apply(kernels.compose(step, turn), np.array([1.0, 0.0, 0.0])).round(6)
+array([1., 1., 0.])
+>>> motors, inverses = kernels.Block(8, 2), kernels.Block(8, 2)
+>>> motors.array[:] = turn, step
+>>> kernels.function("inverse")(motors, inverses)
+>>> inverses.array[1, 4].item()
+0.5
 """
 
 from __future__ import annotations

@@ -24,6 +24,13 @@ class ScriptError(ValueError):
     """A script that cannot be read or evaluated.
 
     Attributes: `message`, `file`, `line`, `column`, `source_line` and `hint` (may be empty).
+
+    >>> from motorcade.ga.script import parse
+    >>> parse("?a = (1;", "mine.clu")
+    Traceback (most recent call last):
+    ...
+    motorcade.ga.script.errors.ScriptError: mine.clu:1:8: expected an operator or ')', got ';'
+    ...
     """
 
     def __init__(

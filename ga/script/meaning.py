@@ -51,6 +51,11 @@ def evaluate(
         ScriptError: free variables without a value, what is not defined, numbers that overflow,
             a divisor without inverse, too many steps.
         ValueError: variables that the script does not have, or that are no finite real scalars.
+
+    >>> from motorcade.ga.script import evaluate, parse
+    >>> script = parse("a = x*e1 + 2*e2; ?square = a*a;")
+    >>> evaluate(script, x=3.0)["square"].coefficient("1")
+    13.0
     """
     chosen = algebra_of(script, algebra)
     given = _given_variables(script, chosen, variables)

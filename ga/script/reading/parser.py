@@ -57,6 +57,10 @@ def parse(text: str, file: str = "<script>") -> Script:
 
     Raises:
         ScriptError: what is wrong and where.
+
+    >>> from motorcade.ga.script import parse
+    >>> len(parse("a = x*e1; ?square = a*a;").statements)
+    2
     """
     source = Source(text, file)
     tokens = tokenize(source)

@@ -151,7 +151,12 @@ Pragma = OutputPragma | RangePragma | AlgebraPragma
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Script:
-    """A parsed script: its statements and pragmas, each in the order of the text."""
+    """A parsed script: its statements and pragmas, each in the order of the text.
+
+    >>> from motorcade.ga.script import parse
+    >>> [statement.name for statement in parse("a = x*e1; ?square = a*a;").statements]
+    ['a', 'square']
+    """
 
     source: Source
     statements: tuple[Statement, ...]
