@@ -15,9 +15,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from docs.making.guide import guide
-from motorcade.fusion.motions import MOTIONS
-from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
-from motorcade.render.plots.style import COLOURS
 from motorcade.replays.compare.cells import (
     ComparisonCell,
     MeasuredRow,
@@ -27,14 +24,12 @@ from motorcade.replays.compare.cells import (
 )
 from motorcade.replays.compare.figures.statistics import Sample
 from motorcade.replays.compare.figures.tables import Outcome, write_tables
-from motorcade.replays.compare.measure.evaluator import METRICS as RULER_METRICS
 from motorcade.replays.compare.measure.traits import Trait, run_trait
-from motorcade.replays.compare.plan import DEGRADATIONS, ComparisonPlan
-from motorcade.replays.compare.report import Results, names, write_report
+from motorcade.replays.compare.plan import ComparisonPlan
+from motorcade.replays.compare.report import Results, write_report
 from motorcade.replays.compare.report.findings import findings
 from motorcade.replays.compare.report.grid_ends import grid_ends
 from motorcade.replays.compare.report.names import METRICS, shown
-from motorcade.replays.compare.report.results import Ratio, tied
 from motorcade.replays.compare.tuning import Tuned
 
 PLAN = ComparisonPlan(
@@ -354,7 +349,7 @@ def test_the_guide_is_written_from_the_figures(results: Results, swapped: Result
         compile(block, f"block {number}", "exec")
 
 
-def test_ends_of_ladders_and_what_was_not_run_are_told(results: Results) -> None:
+def test_ends_of_grids_and_what_was_not_run_are_told(results: Results) -> None:
     assert grid_ends(results) == []
     told = copy.deepcopy(dict(results.told))
     first = PLAN.motions[0]
@@ -380,31 +375,6 @@ def test_ends_of_ladders_and_what_was_not_run_are_told(results: Results) -> None
     page = guide(changed)
     for sentence in (*grid_ends(changed), "`gaussian` on `euler`: for a reason."):
         assert f"- {sentence}" in page
-
-
-@pytest.mark.parametrize(
-    ("ratio", "tie"),
-    [
-        (Ratio(1.005, 1.004, 1.006), True),
-        (Ratio(1.3, 0.9, 1.5), True),
-        (Ratio(1.3, 1.2, 1.5), False),
-        (Ratio(0.98, 0.97, 0.985), False),
-        (Ratio(1.02, math.nan, math.nan), False),
-    ],
-)
-def test_ties(ratio: Ratio, tie: bool) -> None:
-    assert tied(ratio) == tie
-
-
-def test_everything_that_can_be_compared_has_a_name_and_a_line() -> None:
-    assert set(names.METHODS) == set(METHODS)
-    assert set(names.REPRESENTATIONS) == set(REPRESENTATIONS)
-    assert set(names.MOTIONS) == set(MOTIONS)
-    assert set(names.DEGRADATIONS) == set(names.LABELS) == {*DEGRADATIONS, "recorded"}
-    assert set(names.METRICS) == {"score", *RULER_METRICS}
-    for method in names.CAUSAL:
-        assert "causal" in names.METHODS[method]
-    assert set(COLOURS) >= set(REPRESENTATIONS)
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:

@@ -1,0 +1,38 @@
+"""Everything that can be compared has a name, and ties are what their intervals say."""
+
+import math
+
+import pytest
+
+from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
+from motorcade.render.plots.style import COLOURS
+from motorcade.replays.compare.measure.evaluator import METRICS as RULER_METRICS
+from motorcade.replays.compare.plan import DEGRADATIONS
+from motorcade.replays.compare.report import names
+from motorcade.replays.compare.report.results import Ratio, tied
+
+
+@pytest.mark.parametrize(
+    ("ratio", "tie"),
+    [
+        (Ratio(1.005, 1.004, 1.006), True),
+        (Ratio(1.3, 0.9, 1.5), True),
+        (Ratio(1.3, 1.2, 1.5), False),
+        (Ratio(0.98, 0.97, 0.985), False),
+        (Ratio(1.02, math.nan, math.nan), False),
+    ],
+)
+def test_ties(ratio: Ratio, tie: bool) -> None:
+    assert tied(ratio) == tie
+
+
+def test_everything_that_can_be_compared_has_a_name_and_a_line() -> None:
+    assert set(names.METHODS) == set(METHODS)
+    assert set(names.REPRESENTATIONS) == set(REPRESENTATIONS)
+    assert set(names.MOTIONS) == set(MOTIONS)
+    assert set(names.DEGRADATIONS) == set(names.LABELS) == {*DEGRADATIONS, "recorded"}
+    assert set(names.METRICS) == {"score", *RULER_METRICS}
+    for method in names.CAUSAL:
+        assert "causal" in names.METHODS[method]
+    assert set(COLOURS) >= set(REPRESENTATIONS)
