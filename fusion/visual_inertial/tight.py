@@ -89,6 +89,29 @@ def adjust_visual_inertial(
     Raises:
         ValueError: shapes or rows that do not fit, keyframes outside the stream, numbers that are
             not above zero.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath, adjust_visual_inertial
+        >>> from motorcade.fusion import simulate_imu
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.visual_inertial import LandmarkObservations
+        >>> from motorcade.ga import Motor
+        >>> from motorcade.tracking import Camera
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(handheld(rng), 2.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> keyframes = sensor.path[::50]  # five; the camera is where the IMU is
+        >>> points = keyframes.motors[0].apply(rng.uniform([-1, -1, 4], [1, 1, 6], (30, 3)))
+        >>> camera = Camera(640, 480, 400.0, 400.0, 320.0, 240.0)
+        >>> row, point = np.indices((5, 30)).reshape(2, -1)
+        >>> px = camera.project(keyframes.motors[row].inverse().apply(points[point]))
+        >>> found = adjust_visual_inertial(
+        ...     keyframes, points, LandmarkObservations(row, point, px), camera,
+        ...     sensor.stream, ADIS16448, imu_T_camera=Motor.identity(),
+        ... )
+        >>> bool(np.median(found.error_px) < 0.1)
+        True
     """
     import gtsam
 
