@@ -105,12 +105,9 @@ def _compiles(compiler: str) -> bool:
 
 def _opengl() -> list[Finding]:
     enables = "characters drawn into footage (overlay.mp4, `motorcade blend`)"
-    try:
-        from motorcade.render.backends.contexts import EglContext, OsmesaContext
-        from motorcade.render.backends.platform import REMEDY, osmesa_library, working_egl_device
-    except ModuleNotFoundError as missing:
-        told = f"not tried: the room that draws needs the Python package {missing.name!r}"
-        return [Finding("OpenGL", "contexts", False, told, enables, _PIPELINE)]
+    from motorcade.render.backends.contexts import EglContext, OsmesaContext
+    from motorcade.render.backends.platform import REMEDY, osmesa_library, working_egl_device
+
     device = working_egl_device()
     egl = None if device is None else _drawn_by(lambda: EglContext(device))
     software = osmesa_library() and _drawn_by(lambda: OsmesaContext(16, 16))

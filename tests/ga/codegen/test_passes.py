@@ -4,7 +4,6 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -316,28 +315,6 @@ def test_constants_are_folded_where_they_are_finite() -> None:
     condition = builder.operation("lt", two, three)
     assert builder.operation("select", condition, x, two) == x
     assert builder.nodes[builder.operation("log", builder.constant(-1.0))].op == "log"
-
-
-def test_the_field_is_a_field(rng: np.random.Generator) -> None:
-    half = (field.PRIME - 1) // 2
-    assert pow(3, half - 1, half) == 1, "no power of 2 below this one is 1"
-    assert all(pow(square, half, field.PRIME) == 1 for square in (2, 3, 5, 7, 11, 13, 17, 19))
-    for _ in range(50):
-        a, b = ((int(x), int(y)) for x, y in rng.integers(1, field.PRIME, (2, 2)))
-        assert field.multiply(a, field.inverse(a)) == field.ONE
-        assert field.multiply(field.divide(a, b), b) == a
-        assert field.subtract(field.add(a, b), b) == a
-        square = field.multiply(a, a)
-        root = field.root(square)
-        assert root in (a, field.negative(a))
-        assert field.magnitude(a) == field.magnitude(field.negative(a))
-        plain = field.root((a[0], 0))
-        assert plain is not None
-        assert field.multiply(plain, plain) == (a[0], 0)
-    for fraction in (Fraction(3, 8), Fraction(-7, 5), Fraction(0), Fraction(1000)):
-        below = pow(fraction.denominator, -1, field.PRIME)
-        assert field.rational((fraction.numerator * below % field.PRIME, 0), 1024) == fraction
-    assert field.rational(field.constant(0.1), 1024) is None
 
 
 def test_the_passes_say_what_they_did() -> None:
