@@ -62,8 +62,9 @@ void expect(bool holds, const char *what) {
     if (!holds) refuse(what);
 }
 
-// The filter with or without the states that most runs know.
-class Engine {
+// The filter with or without the states that most runs know. Python frees it by this class, so that
+// it must have the alignment of the matrices inside.
+class alignas(64) Engine {
 public:
     virtual ~Engine() = default;
     virtual void imu(std::int64_t time_ns, nb::handle rate, nb::handle force) = 0;
