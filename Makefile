@@ -31,7 +31,7 @@ test-slow: $(READY) browser
 	$(BIN)/python -m pytest -q -n 2 --dist loadgroup -m slow
 
 # Names modules or folders of one room; see tests/mutation/__main__.py.
-MUTATED ?= $(wildcard ga/*.py) ga/algebra ga/codegen/passes ga/conversions ga/classical ga/script ga/versors
+MUTATED ?= $(wildcard ga/*.py) ga/algebra ga/codegen/passes ga/classical ga/script ga/versors
 mutation: $(READY)
 	$(BIN)/python -m tests.mutation $(MUTATED)
 

@@ -25,12 +25,10 @@ from __future__ import annotations
 
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
 from motorcade.ga.classical import DualQuaternion, EulerPose, QuaternionPose
-from motorcade.ga.motion import SplineSample, TwistSample
-from motorcade.ga.screw_path import ScrewPath
+from motorcade.ga.motion import ScrewPath, SplineSample, TwistSample
 from motorcade.ga.splines import CumulativeBSpline, SimilaritySpline
 from motorcade.ga.trajectory import Trajectory
-from motorcade.ga.versors.blend import blend
-from motorcade.ga.versors.mean import mean
+from motorcade.ga.versors.averages import blend, mean
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.similarity import Similarity

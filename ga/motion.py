@@ -1,4 +1,5 @@
-"""Poses with their derivatives, and what twists do: the common language of all paths.
+"""Poses with their derivatives, and what twists do: the common language of all paths; and the
+simplest path, `ScrewPath`.
 
 A twist is the velocity of a body in its own frame, ``pose' = pose · twist``: angular rate (rad/s),
 velocity of its origin (m/s), and for similarities the rate of the logarithm of the scale (1/s)
@@ -11,12 +12,21 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
+from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.similarity import Similarity
 
-__all__ = ["SplineSample", "TwistSample", "sampled_motion", "twist_bracket"]
+__all__ = [
+    "ScrewPath",
+    "SplineSample",
+    "TwistSample",
+    "check_within",
+    "sampled_motion",
+    "twist_bracket",
+]
 
 V = TypeVar("V", Motor, Similarity)
 
@@ -67,3 +77,104 @@ def twist_bracket(a: FloatArray, b: FloatArray) -> FloatArray:
         return np.concatenate([turn, shift], axis=-1)
     shift = shift + a[..., 6:] * b[..., 3:6] - b[..., 6:] * a[..., 3:6]
     return np.concatenate([turn, shift, np.zeros_like(turn[..., :1])], axis=-1)
+
+
+def check_within(path: str, time_s: FloatArray, start_ns: int, duration_s: float) -> None:
+    """Refuse times ``(*)`` in seconds that lie outside a path's span, a nanosecond aside.
+
+    Raises:
+        ValueError: such times.
+    """
+    slack = 1e-9 * max(1.0, duration_s)
+    outside = (time_s < -slack) | (time_s > duration_s + slack)
+    if np.any(outside):
+        raise ValueError(
+            f"{path}: expected times in [0, {duration_s:.9f}] s after {start_ns} ns, "
+            f"got {float(np.asarray(time_s)[outside][0]):.9f} s"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ScrewPath:
+    """Piecewise screw motion through the poses of a trajectory, with the splines' interface.
+
+    Nothing moves more evenly between two poses; but at each pose the twist jumps, so it has no
+    acceleration there. Sensors want `CumulativeBSpline`.
+
+    Args:
+        trajectory: two poses or more; each screw turns by at most π.
+
+    Raises:
+        ValueError: a single pose.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Motor, ScrewPath, Trajectory
+        >>> poses = Motor.from_translation([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+        >>> path = ScrewPath(Trajectory(np.array([0, 500_000_000]), poses))
+        >>> path.evaluate(0.25).world_velocity_m_s
+        array([4., 0., 0.])
+    """
+
+    trajectory: Trajectory
+
+    def __post_init__(self) -> None:
+        if len(self.trajectory) < 2:
+            raise ValueError("ScrewPath.trajectory: expected two poses or more, got 1")
+
+    @property
+    def start_ns(self) -> int:
+        """Stamp of the first pose."""
+        return int(self.trajectory.time_ns[0])
+
+    @property
+    def duration_s(self) -> float:
+        """Seconds from the first pose to the last."""
+        return self.trajectory.duration_s
+
+    @property
+    def parent(self) -> str:
+        """Name of the frame that poses map to."""
+        return self.trajectory.parent
+
+    @property
+    def child(self) -> str:
+        """Name of the frame that moves."""
+        return self.trajectory.child
+
+    def at(self, time_ns: ArrayLike) -> Motor:
+        """Poses at stamps ``(*)`` in nanoseconds; see `Trajectory.at`."""
+        return self.trajectory.motors_at(time_ns)
+
+    def twists(self, time_s: ArrayLike) -> TwistSample[Motor]:
+        """Poses and body twists at times ``(*)`` in seconds after the first pose.
+
+        At a pose the twist is that of the screw that follows, at the last pose of the one before;
+        the twist's derivative is 0 wherever it exists.
+
+        Raises:
+            ValueError: NaN or infinity, or times outside the span.
+        """
+        before, fraction = self._locate(checked_floats(time_s, "ScrewPath.twists(time_s)", ()))
+        poses, stamps = self.trajectory.motors, self.trajectory.time_ns
+        screws = poses[:-1].local(poses[1:])
+        screw = screws[before]
+        pose = poses[before].retract(fraction[..., None] * screw)
+        twist = screw / (np.diff(stamps) * 1e-9)[before][..., None]
+        return TwistSample(pose, twist, np.zeros_like(twist))
+
+    def evaluate(self, time_s: ArrayLike) -> SplineSample:
+        """Poses and derivatives at times ``(*)`` in seconds after the first pose; see `twists`.
+
+        Raises:
+            ValueError: NaN or infinity, or times outside the span.
+        """
+        return sampled_motion(self.twists(time_s))
+
+    def _locate(self, time_s: FloatArray) -> tuple[IntArray, FloatArray]:
+        """The pose before each time, and the fraction of the way to the next."""
+        check_within("ScrewPath", time_s, self.start_ns, self.duration_s)
+        knots = self.trajectory.time_s
+        before = np.clip(np.searchsorted(knots, time_s, side="right") - 1, 0, len(knots) - 2)
+        fraction = (time_s - knots[before]) / (knots[before + 1] - knots[before])
+        return before, np.clip(fraction, 0.0, 1.0)

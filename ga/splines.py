@@ -23,6 +23,7 @@ from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.ga.motion import (
     SplineSample,
     TwistSample,
+    check_within,
     sampled_motion,
     twist_bracket,
 )
@@ -137,13 +138,7 @@ class _CumulativeBSpline(Generic[V]):
 
     def _locate(self, time_s: FloatArray) -> tuple[IntArray, FloatArray]:
         """Segment and place in it, in [0, 1], of times after the first knot."""
-        slack = 1e-9 * max(1.0, self.duration_s)
-        outside = (time_s < -slack) | (time_s > self.duration_s + slack)
-        if np.any(outside):
-            raise ValueError(
-                f"{type(self).__name__}: expected times in [0, {self.duration_s:.9f}] s after "
-                f"{self.start_ns} ns, got {float(np.asarray(time_s)[outside][0]):.9f} s"
-            )
+        check_within(type(self).__name__, time_s, self.start_ns, self.duration_s)
         return located(time_s, self.knot_spacing_s, len(self.controls) - ORDER + 1)
 
 

@@ -38,7 +38,7 @@ from motorcade.ga.classical import (
     nearest_sign,
     quaternion_normalize,
 )
-from motorcade.ga.kernels.tangents import (
+from motorcade.ga.kernels.batches import (
     MOTOR_TANGENTS,
     ROTOR_TANGENTS,
     SIMILARITY_TANGENTS,

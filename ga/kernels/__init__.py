@@ -41,11 +41,9 @@ from motorcade.ga.kernels.batches import (
     rotor_interpolate,
     rotor_inverse,
     rotor_log,
+    rotor_translation_scale,
     screw_blend,
     screw_blend_matrix,
-)
-from motorcade.ga.kernels.similarity_batches import (
-    rotor_translation_scale,
     similarity_apply,
     similarity_blend,
     similarity_compose,

@@ -3,6 +3,12 @@
 Inputs are float32 or float64, all of one kind, and are read where they lie. Results of sixteen
 rows and more are views ``(*, n)`` onto storage that holds one component after the other, so that
 the next kernel reads them without copying; smaller ones are in C order.
+
+Similarities ``(*, 12)`` stand on ``1, e23, e31, e12, E, e23E, e31E, e12E, e1∞, e2∞, e3∞, e123∞``
+with ``E = e0∧e∞``. A scale ``ρ`` leaves the difference of the first two quadruples with a relative
+error of ``max(ρ, 1/ρ)`` roundings, so scales are meant to lie in 1e-12 … 1e12 (float64) or
+1e-5 … 1e5 (float32). A twist is ``-2 log``: rotation vector (rad), then translational part (m),
+then, of similarities, logarithm of the scale; ``(*, 3)``, ``(*, 6)``, ``(*, 7)``.
 """
 
 from __future__ import annotations
@@ -17,10 +23,14 @@ from numpy.typing import NDArray
 from motorcade.ga.kernels.backend import function
 
 __all__ = [
-    "apply", "blend", "blend_many", "blend_many_matrix", "blend_matrix", "compose",
-    "dual_quaternion", "exp", "interpolate", "inverse", "log", "matrix34", "matrix44", "normalize",
-    "rotor_compose", "rotor_exp", "rotor_interpolate", "rotor_inverse", "rotor_log", "screw_blend",
-    "screw_blend_matrix",
+    "MOTOR_TANGENTS", "ROTOR_TANGENTS", "SIMILARITY_TANGENTS", "TangentKernels", "apply", "blend",
+    "blend_many", "blend_many_matrix", "blend_matrix", "compose", "dual_quaternion", "exp",
+    "interpolate", "inverse", "log", "matrix34", "matrix44", "normalize", "rotor_compose",
+    "rotor_exp", "rotor_interpolate", "rotor_inverse", "rotor_log", "rotor_translation_scale",
+    "screw_blend", "screw_blend_matrix", "similarity_apply", "similarity_blend",
+    "similarity_compose", "similarity_exp", "similarity_interpolate", "similarity_inverse",
+    "similarity_log", "similarity_matrix34", "similarity_matrix44", "similarity_normalize",
+    "similarity_of_motor",
 ]  # fmt: skip
 
 _BLOCK = 16
@@ -41,9 +51,21 @@ _rotor_compose, _rotor_inverse = function("rotor_compose"), function("rotor_inve
 _rotor_exp, _rotor_log = function("rotor_exp"), function("rotor_log")
 _rotor_log_long, _rotor_interpolate = function("rotor_log_long"), function("rotor_interpolate")
 _rotor_interpolate_long = function("rotor_interpolate_long")
+_similarity_compose = function("similarity_compose")
+_similarity_inverse = function("similarity_inverse")
+_similarity_apply, _similarity_exp = function("similarity_apply"), function("similarity_exp")
+_similarity_log, _similarity_log_long = function("similarity_log"), function("similarity_log_long")
+_similarity_interpolate = function("similarity_interpolate")
+_similarity_interpolate_long = function("similarity_interpolate_long")
+_similarity_normalize = function("similarity_normalize")
+_similarity_blend = function("similarity_blend")
+_similarity_matrix34 = function("similarity_matrix34")
+_similarity_matrix44 = function("similarity_matrix44")
+_similarity_parts = function("rotor_translation_scale")
+_similarity_of_motor = function("similarity_of_motor")
 
 
-def empty(shape: tuple[int, ...], width: int, dtype: np.dtype[Any]) -> Array:
+def _empty(shape: tuple[int, ...], width: int, dtype: np.dtype[Any]) -> Array:
     """An array ``(*shape, width)`` for a kernel to write into, see the top of this module."""
     count = prod(shape)
     if count < _BLOCK:
@@ -71,25 +93,25 @@ def _rows(array: Array, shape: tuple[int, ...], rest: tuple[int, ...]) -> Array:
     return array.reshape(prod(shape), *rest)
 
 
-def of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
+def _of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
     """Apply a kernel of one input ``(*, n)``."""
     shape = given.shape[:-1]
-    made = empty(shape, width, given.dtype)
+    made = _empty(shape, width, given.dtype)
     kernel(_spread(given, shape, 1), made)
     return made
 
 
-def of_two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
+def _of_two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
     """Apply a kernel of two inputs ``(*, n)`` whose batches broadcast."""
     shape = a.shape[:-1]
     if b.shape[:-1] != shape:
         shape = np.broadcast_shapes(shape, b.shape[:-1])
-    made = empty(shape, width, a.dtype)
+    made = _empty(shape, width, a.dtype)
     kernel(_spread(a, shape, 1), _spread(b, shape, 1), made)
     return made
 
 
-def of_fraction(
+def _of_fraction(
     kernel: Callable[..., None], a: Array, b: Array, fraction: Array | float, width: int
 ) -> Array:
     """Apply a kernel of two inputs ``(*, n)`` and a fraction ``(*)``."""
@@ -101,7 +123,7 @@ def of_fraction(
             fraction = float(fraction)
         elif fraction.shape != shape:
             shape = np.broadcast_shapes(shape, fraction.shape)
-    made = empty(shape, width, a.dtype)
+    made = _empty(shape, width, a.dtype)
     part = fraction if isinstance(fraction, float) else _spread(fraction, shape, 0)
     kernel(_spread(a, shape, 1), _spread(b, shape, 1), part, made)
     return made
@@ -109,17 +131,17 @@ def of_fraction(
 
 def compose(a: Array, b: Array) -> Array:
     """Geometric product ``a b`` of motors, ``(*, 8)``."""
-    return of_two(_compose, a, b, 8)
+    return _of_two(_compose, a, b, 8)
 
 
 def inverse(m: Array) -> Array:
     """Reverse of motors, ``(*, 8)``: the inverse where they are unit."""
-    return of_one(_inverse, m, 8)
+    return _of_one(_inverse, m, 8)
 
 
 def apply(m: Array, points: Array) -> Array:
     """Points ``(*, 3)`` moved by motors ``(*, 8)``."""
-    return of_two(_apply, m, points, 3)
+    return _of_two(_apply, m, points, 3)
 
 
 def exp(log: Array) -> Array:
@@ -127,7 +149,7 @@ def exp(log: Array) -> Array:
 
     Of half angles up to 2e8 (float64) or 6e3 (float32) nothing is lost beyond their own rounding.
     """
-    return of_one(_exp, log, 8)
+    return _of_one(_exp, log, 8)
 
 
 def log(m: Array, short_way: bool = True) -> Array:
@@ -136,32 +158,32 @@ def log(m: Array, short_way: bool = True) -> Array:
     With ``short_way`` the sign is flipped first where ``m0 < 0``, so half the rotation angle is at
     most π/2; without, it runs up to π, where the axis is lost.
     """
-    return of_one(_log if short_way else _log_long, m, 6)
+    return _of_one(_log if short_way else _log_long, m, 6)
 
 
 def interpolate(a: Array, b: Array, fraction: Array | float, short_way: bool = True) -> Array:
     """Screw interpolation ``a exp(fraction log(~a b))``; ``fraction`` is any number."""
-    return of_fraction(_interpolate if short_way else _interpolate_long, a, b, fraction, 8)
+    return _of_fraction(_interpolate if short_way else _interpolate_long, a, b, fraction, 8)
 
 
 def blend(a: Array, b: Array, fraction: Array | float) -> Array:
     """Linear blend of motors the short way round, projected to motors ``(*, 8)``."""
-    return of_fraction(_blend, a, b, fraction, 8)
+    return _of_fraction(_blend, a, b, fraction, 8)
 
 
 def blend_matrix(a: Array, b: Array, fraction: Array | float) -> Array:
     """`blend` as matrices ``(*, 3, 4)``."""
-    return matrices(of_fraction(_blend_matrix, a, b, fraction, 12), 3)
+    return _matrices(_of_fraction(_blend_matrix, a, b, fraction, 12), 3)
 
 
 def screw_blend(a: Array, b: Array, fraction: Array | float) -> Array:
     """`interpolate` for fractions in [0, 1], faster; outside it loses accuracy."""
-    return of_fraction(_screw_blend, a, b, fraction, 8)
+    return _of_fraction(_screw_blend, a, b, fraction, 8)
 
 
 def screw_blend_matrix(a: Array, b: Array, fraction: Array | float) -> Array:
     """`screw_blend` as matrices ``(*, 3, 4)``."""
-    return matrices(of_fraction(_screw_blend_matrix, a, b, fraction, 12), 3)
+    return _matrices(_of_fraction(_screw_blend_matrix, a, b, fraction, 12), 3)
 
 
 def blend_many(motors: Array, weights: Array) -> Array:
@@ -170,19 +192,19 @@ def blend_many(motors: Array, weights: Array) -> Array:
     Signs follow the first motor, the pivot. Weights need not add up to 1; where everything
     cancels there is no blend and the result is not finite.
     """
-    return of_one(_normalize, _accumulated(motors, weights), 8)
+    return _of_one(_normalize, _accumulated(motors, weights), 8)
 
 
 def blend_many_matrix(motors: Array, weights: Array) -> Array:
     """`blend_many` as matrices ``(*, 3, 4)``."""
-    return matrices(of_one(_normalize_matrix, _accumulated(motors, weights), 12), 3)
+    return _matrices(_of_one(_normalize_matrix, _accumulated(motors, weights), 12), 3)
 
 
 def _accumulated(motors: Array, weights: Array) -> Array:
     shape = motors.shape[1:-1]
     total = np.zeros(8, motors.dtype)
-    other = empty(shape, 8, motors.dtype)
-    spare = empty(shape, 8, motors.dtype)
+    other = _empty(shape, 8, motors.dtype)
+    spare = _empty(shape, 8, motors.dtype)
     pivot = _spread(motors[0], shape, 1)
     for one, weight in zip(motors, weights, strict=True):
         part = float(weight) if weight.shape == () else _spread(weight, shape, 0)
@@ -193,50 +215,172 @@ def _accumulated(motors: Array, weights: Array) -> Array:
 
 def normalize(m: Array) -> Array:
     """The motors nearest to even elements ``(*, 8)``, which must not have a zero rotor part."""
-    return of_one(_normalize, m, 8)
+    return _of_one(_normalize, m, 8)
 
 
 def matrix34(m: Array) -> Array:
     """Matrices ``(*, 3, 4)`` of motors."""
-    return matrices(of_one(_matrix34, m, 12), 3)
+    return _matrices(_of_one(_matrix34, m, 12), 3)
 
 
 def matrix44(m: Array) -> Array:
     """Homogeneous matrices ``(*, 4, 4)`` of motors."""
-    return matrices(of_one(_matrix44, m, 16), 4)
+    return _matrices(_of_one(_matrix44, m, 16), 4)
 
 
-def matrices(rows: Array, height: int) -> Array:
+def _matrices(rows: Array, height: int) -> Array:
     return rows.reshape(*rows.shape[:-1], height, 4)
 
 
 def dual_quaternion(m: Array) -> Array:
     """Hamilton dual quaternions ``(*, 8)``, real wxyz then dual wxyz."""
-    return of_one(_dual_quaternion, m, 8)
+    return _of_one(_dual_quaternion, m, 8)
 
 
 def rotor_compose(a: Array, b: Array) -> Array:
     """Geometric product ``a b`` of rotors, ``(*, 4)``."""
-    return of_two(_rotor_compose, a, b, 4)
+    return _of_two(_rotor_compose, a, b, 4)
 
 
 def rotor_inverse(r: Array) -> Array:
     """Reverse of rotors, ``(*, 4)``: the inverse where they are unit."""
-    return of_one(_rotor_inverse, r, 4)
+    return _of_one(_rotor_inverse, r, 4)
 
 
 def rotor_exp(log: Array) -> Array:
     """Rotors ``(*, 4)`` from bivectors ``(*, 3)`` on ``e23, e31, e12``."""
-    return of_one(_rotor_exp, log, 4)
+    return _of_one(_rotor_exp, log, 4)
 
 
 def rotor_log(r: Array, short_way: bool = True) -> Array:
     """Bivectors ``(*, 3)`` of unit rotors ``(*, 4)``; the sign rule of `log`."""
-    return of_one(_rotor_log if short_way else _rotor_log_long, r, 3)
+    return _of_one(_rotor_log if short_way else _rotor_log_long, r, 3)
 
 
 def rotor_interpolate(a: Array, b: Array, fraction: Array | float, short_way: bool = True) -> Array:
     """Great-circle interpolation ``a exp(fraction log(~a b))``."""
-    return of_fraction(
+    return _of_fraction(
         _rotor_interpolate if short_way else _rotor_interpolate_long, a, b, fraction, 4
     )
+
+
+def similarity_compose(a: Array, b: Array) -> Array:
+    """Geometric product ``a b`` of similarities, ``(*, 12)``."""
+    return _of_two(_similarity_compose, a, b, 12)
+
+
+def similarity_inverse(m: Array) -> Array:
+    """Reverse of similarities, ``(*, 12)``: the inverse where they are unit."""
+    return _of_one(_similarity_inverse, m, 12)
+
+
+def similarity_apply(m: Array, points: Array) -> Array:
+    """Points ``(*, 3)`` moved by similarities ``(*, 12)``."""
+    return _of_two(_similarity_apply, m, points, 3)
+
+
+def similarity_exp(log: Array) -> Array:
+    """Similarities ``(*, 12)`` from bivectors ``(*, 7)`` on ``e23, e31, e12, E, e1∞, e2∞, e3∞``.
+
+    Angles as for `exp`; where ``e^|E|`` is too large, the result is not finite.
+    """
+    return _of_one(_similarity_exp, log, 12)
+
+
+def similarity_log(m: Array, short_way: bool = True) -> Array:
+    """Bivectors ``(*, 7)`` of unit similarities ``(*, 12)``; the sign rule of `log`."""
+    return _of_one(_similarity_log if short_way else _similarity_log_long, m, 7)
+
+
+def similarity_interpolate(
+    a: Array, b: Array, fraction: Array | float, short_way: bool = True
+) -> Array:
+    """Spirals ``a exp(fraction log(~a b))``; ``fraction`` is any number."""
+    return _of_fraction(
+        _similarity_interpolate if short_way else _similarity_interpolate_long, a, b, fraction, 12
+    )
+
+
+def similarity_blend(a: Array, b: Array, fraction: Array | float) -> Array:
+    """Linear blend of similarities the short way round, projected to similarities ``(*, 12)``.
+
+    Where both cancel there is no blend and the result is no similarity.
+    """
+    return _of_fraction(_similarity_blend, a, b, fraction, 12)
+
+
+def similarity_normalize(m: Array) -> tuple[Array, Array]:
+    """The similarities nearest to even elements ``(*, 12)``, and how well defined they are ``(*)``.
+
+    The second is 1 for a versor and 0 for an element that has no scale or is turned inside out;
+    there the first means nothing.
+    """
+    made = _of_one(_similarity_normalize, m, 13)
+    return made[..., :12], made[..., 12]
+
+
+def similarity_matrix34(m: Array) -> Array:
+    """Matrices ``(*, 3, 4)`` of similarities."""
+    return _matrices(_of_one(_similarity_matrix34, m, 12), 3)
+
+
+def similarity_matrix44(m: Array) -> Array:
+    """Homogeneous matrices ``(*, 4, 4)`` of similarities."""
+    return _matrices(_of_one(_similarity_matrix44, m, 16), 4)
+
+
+def rotor_translation_scale(m: Array) -> tuple[Array, Array, Array]:
+    """Rotors ``(*, 4)``, translations ``(*, 3)`` and scales ``(*)`` of similarities."""
+    made: Any = _of_one(_similarity_parts, m, 8)
+    return made[..., :4], made[..., 4:7], made[..., 7]
+
+
+def similarity_of_motor(m: Array, scale: Array) -> Array:
+    """Similarities ``(*, 12)`` that grow by ``scale (*)`` and then move by motors ``(*, 8)``."""
+    return _of_two(_similarity_of_motor, m, scale[..., None], 12)
+
+
+class TangentKernels:
+    """The kernels of one kind of versor, found by the prefix of their names."""
+
+    def __init__(self, prefix: str, versor_size: int, twist_size: int) -> None:
+        self.versor_size = versor_size
+        self.twist_size = twist_size
+        self._adjoint = function(f"{prefix}adjoint")
+        self._transform_twist = function(f"{prefix}transform_twist")
+        self._left_jacobian = function(f"{prefix}left_jacobian")
+        self._left_jacobian_inverse = function(f"{prefix}left_jacobian_inverse")
+        self._retract = function(f"{prefix}retract")
+        self._local = function(f"{prefix}local")
+
+    def adjoint(self, m: Array) -> Array:
+        """Matrices ``(*, d, d)`` with ``m exp(x) ~m = exp(Ad x)``."""
+        return self._square(_of_one(self._adjoint, m, self.twist_size**2))
+
+    def transform_twist(self, m: Array, twist: Array) -> Array:
+        """Twists ``Ad x``, without the matrix."""
+        return _of_two(self._transform_twist, m, twist, self.twist_size)
+
+    def left_jacobian(self, twist: Array) -> Array:
+        """Matrices with ``exp(x + y) ≈ exp(J y) exp(x)``; the right one is that of ``-x``."""
+        return self._square(_of_one(self._left_jacobian, twist, self.twist_size**2))
+
+    def left_jacobian_inverse(self, twist: Array) -> Array:
+        """The inverse of `left_jacobian`; not finite or huge at full turns."""
+        return self._square(_of_one(self._left_jacobian_inverse, twist, self.twist_size**2))
+
+    def retract(self, m: Array, twist: Array) -> Array:
+        """Versors ``m exp(x)``."""
+        return _of_two(self._retract, m, twist, self.versor_size)
+
+    def local(self, a: Array, b: Array) -> Array:
+        """Twists from ``a`` to ``b``, seen from ``a``, which turn by at most π."""
+        return _of_two(self._local, a, b, self.twist_size)
+
+    def _square(self, rows: Array) -> Array:
+        return rows.reshape(*rows.shape[:-1], self.twist_size, self.twist_size)
+
+
+ROTOR_TANGENTS = TangentKernels("rotor_", 4, 3)
+MOTOR_TANGENTS = TangentKernels("", 8, 6)
+SIMILARITY_TANGENTS = TangentKernels("similarity_", 12, 7)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from motorcade.ga import kernels
 from motorcade.ga.arrays import FloatArray, checked_floats, common_precision
 from motorcade.ga.kernels import compose, exp, interpolate, inverse, log
-from motorcade.ga.kernels.tangents import MOTOR_TANGENTS
+from motorcade.ga.kernels.batches import MOTOR_TANGENTS
 from motorcade.ga.versors.batch import UNIT_TOLERANCE, broadcast_batch
 from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.versor import Versor, VersorKernels
@@ -112,7 +112,7 @@ class Motor(Versor):
         """The translation ``(*, 3)`` in metres, ``t`` of ``M = T R``: where the origin goes."""
         w, v = self.coefficients[..., :1], self.coefficients[..., 1:4]
         n, last = self.coefficients[..., 4:7], self.coefficients[..., 7:]
-        translation: FloatArray = -2.0 * (last * v + w * n + np.cross(n, v))
+        translation: FloatArray = -2.0 * (last * v + w * n + np.cross(n, v)) + 0.0  # no -0.0
         return translation
 
     def apply(self, points: ArrayLike) -> FloatArray:

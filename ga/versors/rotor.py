@@ -18,7 +18,7 @@ from motorcade.ga.kernels import (
     rotor_inverse,
     rotor_log,
 )
-from motorcade.ga.kernels.tangents import ROTOR_TANGENTS
+from motorcade.ga.kernels.batches import ROTOR_TANGENTS
 from motorcade.ga.versors.batch import broadcast_batch
 from motorcade.ga.versors.euler_angles import euler_from_matrix, matrix_from_euler
 from motorcade.ga.versors.versor import Versor, VersorKernels

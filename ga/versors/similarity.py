@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga import kernels
 from motorcade.ga.arrays import FloatArray, checked_floats, common_precision
-from motorcade.ga.kernels.tangents import SIMILARITY_TANGENTS
+from motorcade.ga.kernels.batches import SIMILARITY_TANGENTS
 from motorcade.ga.versors.batch import UNIT_TOLERANCE, broadcast_batch
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.rotor import Rotor
@@ -47,7 +47,7 @@ class Similarity(Versor):
         array([1., 0., 6.])
         >>> float(np.round(world_T_map.inverse().scale, 6))
         0.5
-        >>> world_T_map.rigid.translation_m + 0.0
+        >>> world_T_map.rigid.translation_m
         array([1., 0., 0.])
     """
 
@@ -145,7 +145,7 @@ class Similarity(Versor):
 
     def _parts(self) -> tuple[Rotor, FloatArray, FloatArray]:
         rotor, translation_m, scale = kernels.rotor_translation_scale(self.coefficients)
-        return Rotor._trusted(rotor), translation_m, scale
+        return Rotor._trusted(rotor), translation_m + 0.0, scale  # no -0.0
 
     @property
     def rotor(self) -> Rotor:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, checked_floats
-from motorcade.ga.kernels.tangents import TangentKernels
+from motorcade.ga.kernels.batches import TangentKernels
 from motorcade.ga.versors.batch import VersorBatch, broadcast_batch
 
 __all__ = ["Versor", "VersorKernels"]

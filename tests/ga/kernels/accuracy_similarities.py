@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga.kernels.similarity_batches import (
+from motorcade.ga.kernels.batches import (
     similarity_apply,
     similarity_blend,
     similarity_compose,

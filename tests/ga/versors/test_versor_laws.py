@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor, Rotor, Versor
+from motorcade.ga import Motor, Rotor, Similarity, Versor
 
 Distance = Callable[[Versor, Versor], float]
 ROUNDING = 2e-14
@@ -214,3 +214,15 @@ def test_batches_stack_index_and_reshape_like_arrays(
     np.testing.assert_array_equal(batch[np.array([2, 0])].coefficients, batch.coefficients[[2, 0]])
     assert batch[None].shape == (1, 4, 3)
     assert batch[batch.coefficients[..., 0] > 2].shape == (0,)
+
+
+@pytest.mark.parametrize("motions", [Motor, Similarity])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_no_translation_is_a_negative_zero(
+    motions: type[Motor] | type[Similarity], dtype: type
+) -> None:
+    turned = motions.from_twist(np.array([0.1, -0.2, 0.3, *np.zeros(motions._log_size - 3)], dtype))
+    for motion in (motions.identity(dtype=dtype), turned, turned.inverse()):
+        assert motion.translation_m.dtype == dtype
+        assert not np.signbit(motion.translation_m[motion.translation_m == 0.0]).any()
+    assert not motions.identity().translation_m.any()
