@@ -1,4 +1,5 @@
-"""Checked, read-only float arrays: the door through which every value of this room comes in.
+"""Checked, read-only float arrays: the door through which every value of this room comes in; and
+`CoefficientBatch`, what batches of versors and of classical poses are as arrays.
 
 Leading dimensions are batch, trailing dimensions are fixed by the value's type. Nothing is
 repaired here: an array that does not fit is refused with its name, what was expected, what came.
@@ -6,7 +7,10 @@ repaired here: an array that does not fit is refused with its name, what was exp
 
 from __future__ import annotations
 
-from typing import Any
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +19,11 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 __all__ = [
+    "UNIT_TOLERANCE",
+    "CoefficientBatch",
     "FloatArray",
     "IntArray",
+    "broadcast_batch",
     "checked_floats",
     "checked_positive",
     "common_precision",
@@ -24,6 +31,9 @@ __all__ = [
     "sealed",
     "shape_text",
 ]
+
+# How far from 1 the norm of given coefficients may be before they are refused.
+UNIT_TOLERANCE = 1e-6
 
 
 def shape_text(trailing: tuple[int, ...]) -> str:
@@ -101,3 +111,98 @@ def sealed(array: FloatArray) -> FloatArray:
     if isinstance(base, np.ndarray):
         base.setflags(write=False)
     return array
+
+
+def broadcast_batch(what: str, *shapes: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the common batch shape, or raise ValueError that names `what` and the shapes."""
+    first = shapes[0]
+    if all(shape == first or not shape for shape in shapes):  # NumPy takes longer to find out
+        return first
+    try:
+        return np.broadcast_shapes(*shapes)
+    except ValueError:
+        listed = " and ".join(map(str, shapes))
+        raise ValueError(
+            f"{what}: expected batch shapes that broadcast together, got {listed}"
+        ) from None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CoefficientBatch(ABC):
+    """An array of values by their coefficients: indexed, joined and shaped as NumPy arrays are."""
+
+    coefficients: FloatArray
+
+    # NumPy arrays must not try to broadcast over a value: array @ value is a TypeError.
+    __array_ufunc__: ClassVar[None] = None
+    _size: ClassVar[int]
+
+    def _like(self, coefficients: FloatArray) -> Self:
+        """The same kind of value around coefficients just made; they are frozen, not copied."""
+        made = object.__new__(type(self))
+        made.__dict__.update(self.__dict__)
+        object.__setattr__(made, "coefficients", sealed(coefficients))
+        return made
+
+    @classmethod
+    @abstractmethod
+    def _check_alike(cls, what: str, *values: Self) -> None:
+        """Raise TypeError or ValueError where values are not all of one sort."""
+
+    @classmethod
+    def _field(cls, name: str) -> str:
+        return f"{cls.__name__}.{name}"
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Batch shape, without the dimension of coefficients."""
+        return self.coefficients.shape[:-1]
+
+    def reshape(self, *shape: int) -> Self:
+        """The same values in another batch shape; one dimension may be -1."""
+        return self._like(self.coefficients.reshape(*shape, self._size))
+
+    @classmethod
+    def stack(cls, values: Sequence[Self]) -> Self:
+        """Join values of equal shape along a new leading dimension."""
+        if not values:
+            raise ValueError(f"{cls._field('stack')}: expected one or more, got none")
+        cls._check_alike(cls._field("stack"), *values)
+        return values[0]._like(np.stack([one.coefficients for one in values]))
+
+    @classmethod
+    def concatenate(cls, values: Sequence[Self]) -> Self:
+        """Join batches along their first dimension."""
+        if not values or any(not one.shape for one in values):
+            raise ValueError(
+                f"{cls._field('concatenate')}: expected one or more batches with a leading "
+                f"dimension, got shapes {[one.shape for one in values]}; stack joins single ones"
+            )
+        cls._check_alike(cls._field("concatenate"), *values)
+        return values[0]._like(np.concatenate([one.coefficients for one in values]))
+
+    def __len__(self) -> int:
+        if not self.shape:
+            raise TypeError(f"a single {type(self).__name__} has no length")
+        return self.shape[0]
+
+    def __getitem__(self, index: Any) -> Self:
+        """Index the batch dimensions as a NumPy array; the coefficients stay together."""
+        whole = index if isinstance(index, tuple) else (index,)
+        if not self.shape and whole != (Ellipsis,) and whole != ():
+            raise IndexError(f"a single {type(self).__name__} has no batch to index")
+        with_rest = whole if any(part is Ellipsis for part in whole) else (*whole, Ellipsis)
+        return self._like(self.coefficients[(*with_rest, slice(None))])
+
+    def __iter__(self) -> Iterator[Self]:
+        return (self[i] for i in range(len(self)))
+
+    def __repr__(self) -> str:
+        if self.shape:
+            return f"{type(self).__name__}(shape={self.shape})"
+        return f"{type(self).__name__}({self.coefficients.tolist()})"
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> tuple[Any, ...]:
+        """Rebuild through the constructor, so copies sent to other processes stay read-only."""
+        rest = (value for name, value in self.__dict__.items() if name != "coefficients")
+        return type(self), (np.array(self.coefficients), *rest)

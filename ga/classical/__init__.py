@@ -24,9 +24,12 @@ from motorcade.ga.classical.dual_quaternion import (
     dual_quaternion_normalize,
     dual_quaternion_screw,
 )
-from motorcade.ga.classical.dual_quaternion_pose import DualQuaternion
-from motorcade.ga.classical.euler import euler_rates_from_body, interpolate_euler, nearest_branch
-from motorcade.ga.classical.euler_pose import EulerPose
+from motorcade.ga.classical.euler import (
+    EulerPose,
+    euler_rates_from_body,
+    interpolate_euler,
+    nearest_branch,
+)
 from motorcade.ga.classical.pose import Pose
 from motorcade.ga.classical.quaternion import (
     nearest_sign,
@@ -42,7 +45,7 @@ from motorcade.ga.classical.quaternion import (
     quaternion_normalize,
     quaternion_slerp,
 )
-from motorcade.ga.classical.quaternion_pose import QuaternionPose
+from motorcade.ga.classical.quaternion_poses import DualQuaternion, QuaternionPose
 
 __all__ = [
     "DualQuaternion",

@@ -1,4 +1,4 @@
-"""What the classical poses share: frozen coefficients, batch in front, and the names of the verbs.
+"""What the classical poses share besides `CoefficientBatch`: the names of the verbs.
 
 The names are those of the versors, so that one test or one benchmark runs on all of them; what a
 verb does is each kind's own. ``a @ b`` applies ``b`` first. Metres and radians.
@@ -6,20 +6,23 @@ verb does is each kind's own. ``a @ b`` applies ``b`` first. Metres and radians.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self, SupportsIndex
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga.arrays import FloatArray, checked_floats, frozen
+from motorcade.ga.arrays import (
+    CoefficientBatch,
+    FloatArray,
+    broadcast_batch,
+    checked_floats,
+    frozen,
+)
 from motorcade.ga.classical.quaternion import quaternion_as_matrix, quaternion_from_matrix
 
-__all__ = ["UNIT_TOLERANCE", "Pose", "checked_method", "random_pose", "split_matrix"]
-
-UNIT_TOLERANCE = 1e-6
+__all__ = ["Pose", "checked_method", "random_pose"]
 
 
 def checked_method(what: str, method: str, allowed: tuple[str, ...]) -> str:
@@ -30,7 +33,7 @@ def checked_method(what: str, method: str, allowed: tuple[str, ...]) -> str:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Pose(ABC):
+class Pose(CoefficientBatch):
     """Rotation and translation of rigid bodies, batch in the leading dimensions.
 
     Raises:
@@ -43,12 +46,6 @@ class Pose(ABC):
         (True, 3, ())
     """
 
-    coefficients: FloatArray
-
-    # NumPy arrays must not try to broadcast over a pose: array @ pose is a TypeError.
-    __array_ufunc__: ClassVar[None] = None
-    _size: ClassVar[int]
-
     def __post_init__(self) -> None:
         name = f"{type(self).__name__}.coefficients"
         given = checked_floats(self.coefficients, name, (self._size,))
@@ -59,83 +56,13 @@ class Pose(ABC):
     def _check(self, coefficients: FloatArray) -> None:
         """Raise ValueError where coefficients are no pose."""
 
-    def _like(self, coefficients: FloatArray) -> Self:
-        """The same kind of pose around coefficients that were just made."""
-        made = object.__new__(type(self))
-        made.__dict__.update(self.__dict__)
-        coefficients.setflags(write=False)
-        object.__setattr__(made, "coefficients", coefficients)
-        return made
+    @classmethod
+    def _check_alike(cls, what: str, *values: Self) -> None:
+        for one in values[1:]:
+            values[0]._check_same(one)
 
     def _batch(self, verb: str, *shapes: tuple[int, ...]) -> None:
-        try:
-            np.broadcast_shapes(self.shape, *shapes)
-        except ValueError:
-            listed = " and ".join(map(str, (self.shape, *shapes)))
-            raise ValueError(
-                f"{type(self).__name__}{verb}: expected batch shapes that broadcast together, "
-                f"got {listed}"
-            ) from None
-
-    # Batch -------------------------------------------------------------------------------------
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Batch shape, without the dimension of coefficients."""
-        return self.coefficients.shape[:-1]
-
-    def reshape(self, *shape: int) -> Self:
-        """The same poses in another batch shape; one dimension may be -1."""
-        return self._like(self.coefficients.reshape(*shape, self._size))
-
-    def __len__(self) -> int:
-        if not self.shape:
-            raise TypeError(f"a single {type(self).__name__} has no length")
-        return self.shape[0]
-
-    def __getitem__(self, index: Any) -> Self:
-        """Index the batch dimensions as a NumPy array; the coefficients stay together."""
-        whole = index if isinstance(index, tuple) else (index,)
-        if not self.shape and whole not in ((Ellipsis,), ()):
-            raise IndexError(f"a single {type(self).__name__} has no batch to index")
-        with_rest = whole if any(part is Ellipsis for part in whole) else (*whole, Ellipsis)
-        return self._like(self.coefficients[(*with_rest, slice(None))])
-
-    def __iter__(self) -> Iterator[Self]:
-        return (self[i] for i in range(len(self)))
-
-    def __repr__(self) -> str:
-        if self.shape:
-            return f"{type(self).__name__}(shape={self.shape})"
-        return f"{type(self).__name__}({self.coefficients.tolist()})"
-
-    def __reduce_ex__(self, protocol: SupportsIndex) -> tuple[Any, ...]:
-        """Rebuild through the constructor, so copies sent to other processes stay read-only."""
-        rest = (value for name, value in self.__dict__.items() if name != "coefficients")
-        return type(self), (np.array(self.coefficients), *rest)
-
-    @classmethod
-    def stack(cls, poses: Sequence[Self]) -> Self:
-        """Join poses of equal shape along a new leading dimension."""
-        if not poses:
-            raise ValueError(f"{cls.__name__}.stack: expected at least one pose, got none")
-        for one in poses[1:]:
-            poses[0]._check_same(one)
-        return poses[0]._like(np.stack([one.coefficients for one in poses]))
-
-    @classmethod
-    def concatenate(cls, poses: Sequence[Self]) -> Self:
-        """Join batches along their first dimension."""
-        if not poses or any(not one.shape for one in poses):
-            raise ValueError(
-                f"{cls.__name__}.concatenate: expected one or more batches with a leading "
-                f"dimension, got shapes {[one.shape for one in poses]}; stack joins single ones"
-            )
-        for one in poses[1:]:
-            poses[0]._check_same(one)
-        return poses[0]._like(np.concatenate([one.coefficients for one in poses]))
-
-    # Verbs -------------------------------------------------------------------------------------
+        broadcast_batch(f"{type(self).__name__}{verb}", self.shape, *shapes)
 
     def _check_same(self, other: Self) -> None:
         if type(other) is not type(self):
@@ -161,6 +88,30 @@ class Pose(ABC):
     @abstractmethod
     def log(self) -> FloatArray:
         """Coordinates ``(*, 6)`` in which this kind of pose is scaled and added."""
+
+    @classmethod
+    def identity(cls, shape: tuple[int, ...] = ()) -> Self:
+        """No motion, repeated over the batch `shape`."""
+        return cls(np.broadcast_to(np.eye(cls._size)[0], (*shape, cls._size)))
+
+    @classmethod
+    def random(
+        cls, rng: np.random.Generator, shape: tuple[int, ...] = (), extent_m: float = 1.0
+    ) -> Self:
+        """Uniform orientations, normal translations with deviation `extent_m` an axis."""
+        return cls.from_quaternion_translation(*random_pose(rng, shape, extent_m))
+
+    @classmethod
+    @abstractmethod
+    def from_quaternion_translation(cls, wxyz: ArrayLike, translation_m: ArrayLike) -> Self:
+        """From unit quaternions ``(*, 4)`` and translations ``(*, 3)``; batches broadcast."""
+
+    @classmethod
+    def from_matrix(cls, matrix: ArrayLike) -> Self:
+        """From homogeneous matrices ``(*, 4, 4)``, taken for rigid as practitioners do."""
+        given = checked_floats(matrix, f"{cls.__name__}.from_matrix(matrix)", (4, 4))
+        rotation, translation_m = given[..., :3, :3], given[..., :3, 3]
+        return cls.from_quaternion_translation(quaternion_from_matrix(rotation), translation_m)
 
     @abstractmethod
     def as_quaternion_translation(self) -> tuple[FloatArray, FloatArray]:
@@ -204,15 +155,6 @@ class Pose(ABC):
         if not np.all(np.abs(total) > 0.0):
             raise ValueError(f"{name}.blend(weights): expected sums other than 0, got 0")
         return np.broadcast_to(share, np.broadcast_shapes(share.shape, self.shape))
-
-
-def split_matrix(name: str, matrix: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Quaternions ``(*, 4)`` and translations ``(*, 3)`` of matrices ``(*, 4, 4)``.
-
-    The upper left block is taken for a rotation, as practitioners do.
-    """
-    given = checked_floats(matrix, f"{name}.from_matrix(matrix)", (4, 4))
-    return quaternion_from_matrix(given[..., :3, :3]), given[..., :3, 3]
 
 
 def random_pose(

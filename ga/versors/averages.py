@@ -22,8 +22,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga.arrays import FloatArray, checked_floats
-from motorcade.ga.versors.batch import broadcast_batch
+from motorcade.ga.arrays import FloatArray, broadcast_batch, checked_floats
 from motorcade.ga.versors.versor import Versor
 
 __all__ = ["blend", "mean"]

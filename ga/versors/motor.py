@@ -13,10 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga import kernels
-from motorcade.ga.arrays import FloatArray, checked_floats, common_precision
+from motorcade.ga.arrays import (
+    UNIT_TOLERANCE,
+    FloatArray,
+    broadcast_batch,
+    checked_floats,
+    common_precision,
+)
 from motorcade.ga.kernels import compose, exp, interpolate, inverse, log
 from motorcade.ga.kernels.batches import MOTOR_TANGENTS
-from motorcade.ga.versors.batch import UNIT_TOLERANCE, broadcast_batch
 from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.versor import Versor, VersorKernels
 

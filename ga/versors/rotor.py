@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, broadcast_batch, checked_floats
 from motorcade.ga.kernels import (
     rotor_compose,
     rotor_exp,
@@ -19,7 +19,6 @@ from motorcade.ga.kernels import (
     rotor_log,
 )
 from motorcade.ga.kernels.batches import ROTOR_TANGENTS
-from motorcade.ga.versors.batch import broadcast_batch
 from motorcade.ga.versors.euler_angles import euler_from_matrix, matrix_from_euler
 from motorcade.ga.versors.versor import Versor, VersorKernels
 

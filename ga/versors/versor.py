@@ -6,26 +6,45 @@ A versor acts by ``X' = S X ~S``; ``a @ b`` applies ``b`` first. ``S`` and ``-S`
 A tangent is a twist, ``-2 log``: rotation vector (rad), then the translational part (m), then the
 logarithm of the scale, as many of these as the type has. Small moves act in the versor's own frame,
 on the right: ``a.retract(x) = a @ exp(x)``, ``a.local(b)`` is the twist that takes ``a`` to ``b``.
+
+Leading dimensions are batch and broadcast as those of NumPy arrays do. One rule for precision:
+Arrays and versors are float32 or float64; Python's numbers and lists have
+no precision of their own.
+
+- Whatever makes versors (the constructor, ``from_…``, `exp`, `normalize`) makes float32 ones where
+  all arrays and versors that it is given are float32, float64 ones otherwise.
+- Verbs keep the versor's precision: arrays handed to them (points, twists, fractions) are taken in
+  it, and what they return is in it.
+- Verbs between versors of different precision raise TypeError; `astype` converts.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import (
+    UNIT_TOLERANCE,
+    CoefficientBatch,
+    FloatArray,
+    broadcast_batch,
+    checked_floats,
+    common_precision,
+    sealed,
+)
 from motorcade.ga.kernels.batches import TangentKernels
-from motorcade.ga.versors.batch import VersorBatch, broadcast_batch
 
 __all__ = ["Versor", "VersorKernels"]
 
 # Below this sine of half the angle the long way round has lost its axis.
 _LONG_WAY_SINE = 1e-7
+_UNIT_TOLERANCE_SINGLE = 1e-5
 
 
 class VersorKernels(NamedTuple):
@@ -39,7 +58,8 @@ class VersorKernels(NamedTuple):
     tangents: TangentKernels
 
 
-class Versor(VersorBatch):
+@dataclass(frozen=True, eq=False, repr=False)
+class Versor(CoefficientBatch):
     """Unit versors, batch in the leading dimensions of `coefficients`.
 
     Raises:
@@ -48,6 +68,127 @@ class Versor(VersorBatch):
 
     _log_size: ClassVar[int]
     _kernels: ClassVar[VersorKernels]
+
+    def __post_init__(self) -> None:
+        given = self._checked(self.coefficients, self._field("coefficients"), (self._size,))
+        self._check_unit(given)
+        own = np.array(given, order="C", copy=True)
+        object.__setattr__(self, "coefficients", sealed(own))
+
+    @classmethod
+    def _checked(cls, value: ArrayLike, name: str, trailing: tuple[int, ...]) -> FloatArray:
+        """Checked numbers in the precision that they were given in."""
+        checked = checked_floats(value, name, trailing)
+        return checked.astype(common_precision(value), copy=False)
+
+    @classmethod
+    def _tolerance(cls, coefficients: FloatArray) -> float:
+        """How far from unit given coefficients may be in their precision."""
+        return UNIT_TOLERANCE if coefficients.dtype == np.float64 else _UNIT_TOLERANCE_SINGLE
+
+    @classmethod
+    def _check_unit(cls, coefficients: FloatArray) -> None:
+        with np.errstate(over="ignore"):  # an infinite norm is refused like any other
+            norm = np.sqrt(np.sum(coefficients[..., :4] ** 2, axis=-1))
+        worst = float(np.max(np.abs(norm - 1.0), initial=0.0))
+        tolerance = cls._tolerance(coefficients)
+        if worst > tolerance:
+            raise ValueError(
+                f"{cls._field('coefficients')}: expected unit versors (norm within "
+                f"{tolerance:g} of 1), got a norm off by {worst:.3g}; "
+                f"{cls.__name__}.normalize projects other even elements"
+            )
+
+    @classmethod
+    def _trusted(cls, coefficients: FloatArray) -> Self:
+        """Wrap coefficients that a kernel has just made; they are frozen in place, not copied."""
+        made = object.__new__(cls)
+        object.__setattr__(made, "coefficients", sealed(coefficients))
+        return made
+
+    @classmethod
+    def _of(cls, coefficients: FloatArray, *given: Any) -> Self:
+        """Wrap what has just been computed from some inputs, in their common precision."""
+        return cls._trusted(coefficients.astype(common_precision(*given), copy=False))
+
+    @classmethod
+    def identity(cls, shape: tuple[int, ...] = (), dtype: DTypeLike = np.float64) -> Self:
+        """The motion that leaves everything where it is, repeated over the batch `shape`.
+
+        Raises:
+            ValueError: a dtype that is neither float32 nor float64.
+        """
+        precision = cls._precision(dtype, "identity")
+        coefficients = np.zeros((*shape, cls._size), dtype=precision)
+        coefficients[..., 0] = 1.0
+        return cls._trusted(coefficients)
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The precision of the coefficients, float32 or float64."""
+        precision: np.dtype[Any] = self.coefficients.dtype
+        return precision
+
+    def astype(self, dtype: DTypeLike) -> Self:
+        """The same versors in float32 or float64.
+
+        Raises:
+            ValueError: another type.
+        """
+        return self._trusted(self.coefficients.astype(self._precision(dtype, "astype")))
+
+    @classmethod
+    def _precision(cls, dtype: DTypeLike, verb: str) -> np.dtype[Any]:
+        wanted = np.dtype(dtype)
+        if wanted not in (np.float32, np.float64):
+            raise ValueError(f"{cls._field(verb)}: expected float32 or float64, got {wanted}")
+        return wanted
+
+    def isclose(self, other: Self, rtol: float = 1e-5, atol: float = 1e-8) -> NDArray[np.bool_]:
+        """Whether versors are the same motion to a tolerance, ``(*)`` bools; batches broadcast.
+
+        As ``np.isclose``, on the largest difference of coefficients against the largest
+        coefficient of `other`, whose sign is chosen: ``S`` and ``-S`` are one motion.
+
+        Raises:
+            TypeError: another type of versor, or of another precision.
+            ValueError: batches that do not broadcast.
+        """
+        name = self._field("isclose")
+        self._check_partner(other, name)
+        a, b = self.coefficients, other.coefficients
+        apart = np.minimum(*(np.max(np.abs(a - sign * b), axis=-1) for sign in (1, -1)))
+        close: NDArray[np.bool_] = apart <= atol + rtol * np.max(np.abs(b), axis=-1)
+        return close
+
+    def __eq__(self, other: object) -> bool:
+        raise TypeError(
+            f"{type(self).__name__}: == is not defined, as S and -S are one motion and numbers "
+            "round; isclose compares motions, coefficients compare as arrays"
+        )
+
+    def __hash__(self) -> int:
+        # Not None: dataclasses take that for a sign of values that change, and refuse defaults.
+        raise TypeError(f"unhashable type: {type(self).__name__}")
+
+    def _check_partner(self, other: Self, name: str) -> None:
+        """Another versor of this type and precision, whose batch goes with this one."""
+        if type(other) is not type(self):
+            raise TypeError(
+                f"{name}(other): expected a {type(self).__name__}, got {type(other).__name__}"
+            )
+        broadcast_batch(name, self.shape, other.shape)
+        if other.coefficients.dtype != self.coefficients.dtype:
+            self._check_alike(name, self, other)
+
+    @classmethod
+    def _check_alike(cls, what: str, *values: Self) -> None:
+        names = {one.coefficients.dtype.name for one in values}
+        if len(names) > 1:
+            raise TypeError(
+                f"{what}: expected versors of one precision, got {' and '.join(sorted(names))}; "
+                "astype converts"
+            )
 
     @classmethod
     def exp(cls, log: ArrayLike) -> Self:
@@ -73,7 +214,7 @@ class Versor(VersorBatch):
         name = f"{type(self).__name__} @ {type(self).__name__}"
         broadcast_batch(name, self.shape, other.shape)
         if other.coefficients.dtype != self.coefficients.dtype:
-            self._check_precision(name, self, other)
+            self._check_alike(name, self, other)
         return self._trusted(self._kernels.compose(self.coefficients, other.coefficients))
 
     def inverse(self) -> Self:

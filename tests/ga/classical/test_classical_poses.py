@@ -338,7 +338,7 @@ def test_values_are_frozen_and_batches_behave_as_arrays(
         len(batch[0, 0])
     with pytest.raises(IndexError, match="has no batch"):
         batch[0, 0][0]
-    with pytest.raises(ValueError, match="at least one pose"):
+    with pytest.raises(ValueError, match="expected one or more, got none"):
         make.stack([])
     with pytest.raises(ValueError, match="stack joins single ones"):
         make.concatenate([batch[0, 0]])

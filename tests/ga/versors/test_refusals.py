@@ -157,7 +157,7 @@ def test_unknown_euler_sequences_are_refused(sequence: str) -> None:
 
 
 def test_nothing_can_be_stacked_from_nothing(kind: type[Versor]) -> None:
-    with pytest.raises(ValueError, match="expected at least one versor"):
+    with pytest.raises(ValueError, match="expected one or more, got none"):
         kind.stack([])
     with pytest.raises(ValueError, match="stack joins single ones"):
         kind.concatenate([kind.identity()])
