@@ -19,5 +19,5 @@ from .scene import Sun as Sun
 from .scene import Surface as Surface
 from .shadow import ShadowLook as ShadowLook
 from .showcase import show_clip as show_clip
-from .video.files import read_frames as read_frames
-from .video.files import write_video as write_video
+from .video import read_frames as read_frames
+from .video import write_video as write_video

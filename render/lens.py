@@ -1,4 +1,6 @@
-"""Distorts drawn pictures as a lens does, so that footage can stay as it was taken.
+"""From the world to a pinhole camera's picture, and from that to the picture through a lens.
+
+Drawn pictures are distorted as a lens does it, so that footage can stay as it was taken.
 
 The scene is drawn by a pinhole camera wide enough for the whole distorted picture, and what was
 drawn is resampled: alpha is premultiplied, so edges stay clean. Undistorting the footage instead
@@ -12,11 +14,46 @@ import math
 import cv2
 import numpy as np
 
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render.scene import DepthArray, Layer
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["LensWarp"]
+__all__ = ["LensWarp", "plane_homography", "seen_extent"]
+
+
+def plane_homography(camera: Camera, camera_T_plane: Motor) -> FloatArray:
+    """(3, 3) from (x, y, 1) of a plane z = 0 to depth times (column, row, 1).
+
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.render.lens import plane_homography
+    >>> from motorcade.tracking.cameras.camera import Camera
+    >>> camera = Camera(64, 48, 50.0, 50.0, 31.5, 23.5)
+    >>> plane_homography(camera, Motor.from_translation([0, 0, 2.0])) @ [1.0, 0.0, 1.0]
+    array([113.,  47.,   2.])
+    """
+    return np.asarray(camera.matrix @ camera_T_plane.as_matrix()[:3][:, [0, 1, 3]])
+
+
+def seen_extent(
+    camera: Camera, points_m: FloatArray, nearest_m: float, margin_px: float = 0.0
+) -> tuple[IntArray, IntArray]:
+    """First and last (column, row) that may show the hull of points.
+
+    Args:
+        camera: pinhole.
+        points_m: (N, 3) in the camera's frame.
+        nearest_m: where a point is nearer than this, or behind, the whole picture may show it.
+        margin_px: by so much the hull is drawn larger.
+    """
+    last = np.array([camera.width, camera.height]) - 1
+    if np.min(points_m[:, 2]) < nearest_m:
+        return np.zeros(2, dtype=np.int64), last
+    pixels = camera.project(points_m)
+    low = np.clip(np.floor(pixels.min(axis=0) - margin_px), 0, last)
+    high = np.clip(np.ceil(pixels.max(axis=0) + margin_px), 0, last)
+    return low.astype(np.int64), high.astype(np.int64)
+
 
 WIDEST = 3.0
 """The pinhole picture may be this many times as wide or tall as the distorted one."""

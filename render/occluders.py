@@ -12,7 +12,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.extent import plane_homography, seen_extent
+from motorcade.render.lens import plane_homography, seen_extent
 from motorcade.render.light.prints import Prints
 from motorcade.render.scene import DepthArray
 from motorcade.render.shadow import ground_depth

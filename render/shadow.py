@@ -17,7 +17,7 @@ import numpy as np
 from motorcade.animation.vectors import UP
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.render.extent import plane_homography
+from motorcade.render.lens import plane_homography
 from motorcade.tracking.cameras.camera import Camera
 
 GRID = 320

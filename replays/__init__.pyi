@@ -9,6 +9,8 @@ from .engine.stage import StageError as StageError
 from .engine.stage import Unavailable as Unavailable
 from .engine.stage import first_of as first_of
 from .errors import RecordingError as RecordingError
+from .files.imu import read_imu as read_imu
+from .files.imu import read_noise as read_noise
 from .files.imu import write_imu as write_imu
 from .files.trajectories import read_trajectory as read_trajectory
 from .files.trajectories import write_trajectory as write_trajectory
@@ -16,9 +18,7 @@ from .pipeline import STAGES as STAGES
 from .pipeline import Job as Job
 from .pipeline import pipeline_graph as pipeline_graph
 from .pipeline import run_job as run_job
-from .readers.inertial import read_imu as read_imu
-from .readers.inertial import read_noise as read_noise
-from .readers.manifest.camera import read_camera as read_camera
+from .readers.manifest.section import read_camera as read_camera
 from .readers.opening import open_recording as open_recording
 from .recording import Frame as Frame
 from .recording import Recording as Recording

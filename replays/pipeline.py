@@ -12,10 +12,10 @@ import logging
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from motorcade import __version__
 from motorcade.replays.characters.acting import MANNEQUIN, character_named, clip_named
 from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import parse_knobs
@@ -131,6 +131,6 @@ def _about(job: Job, recording: Recording) -> dict[str, Any]:
         "content": recording.digest(),
         "until": job.until,
         "settings": [*recording.settings, *job.settings],
-        "motorcade": version("motorcade"),
+        "motorcade": __version__,
         "python": platform.python_version(),
     }

@@ -1,8 +1,7 @@
 """Blending: poses mixed by any method, in layers, along blend spaces and across transitions."""
 
 from motorcade.animation.blend.clips import blend_clips, differences_m
-from motorcade.animation.blend.closing import closed
-from motorcade.animation.blend.layers import PoseLayer, added, additive, blend_layers
+from motorcade.animation.blend.layers import PoseLayer, added, additive, blend_layers, closed
 from motorcade.animation.blend.locomotion import BlendSpace, phase_between
 from motorcade.animation.blend.methods import (
     BLEND_METHODS,

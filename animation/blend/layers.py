@@ -1,7 +1,8 @@
 """Layers: poses over one another with weights, masks of joints, and additive poses on top.
 
 What a runtime blends: several layers by weight (each joint by itself where a layer has a mask),
-down to the rest pose where hardly anything weighs on a joint, then what is to be added.
+down to the rest pose where hardly anything weighs on a joint, then what is to be added. A cycle
+that does not quite close is closed by an additive pose as well.
 """
 
 from __future__ import annotations
@@ -13,10 +14,11 @@ from typing import cast
 import numpy as np
 
 from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
+from motorcade.animation.clip import Clip
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
-__all__ = ["PoseLayer", "added", "additive", "blend_layers"]
+__all__ = ["PoseLayer", "added", "additive", "blend_layers", "closed"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,3 +139,35 @@ def _alike(first: Poses, second: Poses) -> tuple[Motor, Motor]:
     """Both of one type. (The verbs used on them are those that motors and similarities share.)"""
     pair = stacked([first, second])
     return cast(Motor, pair[..., 0, :]), cast(Motor, pair[..., 1, :])
+
+
+def closed(clip: Clip, tolerance: float = 0.1) -> Clip:
+    """The clip as a loop: what its last pose lacks to the first is spread over the cycle.
+
+    Exported cycles rarely close to rounding. Split root motion off first: a walk that travels
+    does not end where it began.
+
+    Args:
+        clip: of two poses or more.
+        tolerance: the largest gap of a joint, in metres and radians, that is spread.
+
+    Raises:
+        ValueError: a single pose, or a gap beyond the tolerance; the message names it.
+    """
+    if len(clip.time_s) < 2:
+        raise ValueError(f"closed: expected two poses or more, got one in '{clip.name}'")
+    if clip.looped:
+        return clip
+    gap = additive(clip.poses[0], clip.poses[-1])
+    size = np.abs(gap.as_twist()).max(axis=-1)
+    worst = int(np.argmax(size))
+    if size[worst] > tolerance:
+        raise ValueError(
+            f"closed: expected '{clip.name}' to end within {tolerance:g} m and rad of its start, "
+            f"got {size[worst]:.3g} at joint {worst}"
+        )
+    passed = (clip.time_s - clip.time_s[0]) / clip.duration_s
+    poses = added(clip.poses, gap, np.repeat(passed[:, None], clip.poses.shape[1], axis=1))
+    coefficients = poses.coefficients.copy()
+    coefficients[-1] = coefficients[0]
+    return Clip(clip.name, clip.time_s, type(poses)(coefficients), True, clip.key_count)

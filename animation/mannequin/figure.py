@@ -12,11 +12,9 @@ from motorcade.animation.mannequin.motions.gait import GAITS, gait_clip
 from motorcade.animation.mannequin.motions.idle import idle
 from motorcade.animation.mannequin.motions.turning import turning
 from motorcade.animation.mannequin.motions.waving import waving
-from motorcade.animation.mannequin.proportions import REFERENCE_HEIGHT_M
-from motorcade.animation.mannequin.rig import mannequin_skeleton
+from motorcade.animation.mannequin.proportions import REFERENCE_HEIGHT_M, mannequin_skeleton
 from motorcade.animation.mannequin.shape.anatomy import body_field
-from motorcade.animation.mannequin.shape.colors import colors
-from motorcade.animation.mannequin.shape.surface import meshed
+from motorcade.animation.mannequin.shape.surface import colors, meshed
 from motorcade.animation.mannequin.shape.weights import influences
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity

@@ -1,14 +1,17 @@
-"""Joint tree of the mannequin: names, parents and rest offsets for a figure of 1.75 m.
+"""The mannequin's proportions and its skeleton, at the reference height."""
 
-The figure faces +x with z up, its soles at z = 0, its left side towards +y. Every joint's rest
-axes are the world's, except below the shoulders: the arm hangs along its own −z and is spread by
-`ARM_SPREAD_RAD`, so that in every limb x points forward, −z along the bone, and a turn about y is
-the hinge of elbow, knee and ankle. Lengths follow the shares of body height in Winter,
-Biomechanics and Motor Control of Human Movement (2009), table 4.1 and figure 4.1; the head is
-taken 7.5 times.
-"""
+from __future__ import annotations
 
 import math
+from functools import lru_cache
+
+import numpy as np
+
+from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.vectors import turn_x, turn_y
+from motorcade.ga import Motor, Rotor
+
+__all__ = ["mannequin_skeleton"]
 
 REFERENCE_HEIGHT_M = 1.75
 ARM_SPREAD_RAD = math.radians(40.0)
@@ -88,3 +91,20 @@ def _leg_rows(side: str, sign: float) -> list[Row]:
         (f"{side}_foot", f"{side}_calf", (0.0, 0.0, -SHIN_M)),
         (f"{side}_toes", f"{side}_foot", (TOE_FORWARD_M, 0.0, -TOE_DOWN_M)),
     ]
+
+
+@lru_cache(maxsize=1)
+def mannequin_skeleton() -> Skeleton:
+    """The 52 joints in the rest pose: arms spread, fingers fanned."""
+    rows = joint_rows()
+    names = tuple(name for name, _, _ in rows)
+    parents = np.array([names.index(parent) if parent else -1 for _, parent, _ in rows])
+    turned: dict[str, Rotor] = {}
+    for side, sign in SIDES:
+        turned[f"{side}_upper_arm"] = turn_x(sign * ARM_SPREAD_RAD)
+        turned[f"{side}_thumb_1"] = turn_y(-THUMB_SPREAD_RAD)
+        for finger, (_, _, _, fan) in FINGERS.items():
+            turned[f"{side}_{finger}_1"] = turn_y(-fan)
+    rotors = Rotor.stack([turned.get(name, Rotor.identity()) for name in names])
+    offsets = np.array([offset for _, _, offset in rows])
+    return Skeleton(names, parents, Motor.from_rotor_translation(rotors, offsets))

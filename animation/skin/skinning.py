@@ -1,24 +1,106 @@
-"""Skinning in double precision: a mesh in a pose, or in a whole batch of poses, by four methods.
+"""Skinning by four methods: poses in double precision, and one after another in single.
 
 Each vertex is carried by the weighted sum of its joints' palette entries, taken to the nearest
 motion. ``linear`` sums matrices, which shrinks a surface where its joints differ by a large turn
 (an elbow that twists narrows like a sweet's wrapper). ``dual_quaternion`` and ``motor`` stay rigid,
 and are one and the same by theory; they bulge a little where joints bend. ``similarity`` grows as
-well. For one pose after another in real time see `Skinner`.
+well. `Skinner` is the compiled path, in single precision, for one pose after another in real time.
 Sources: Magnenat-Thalmann, Laperrière, Thalmann (1988) for linear; Kavan, Collins, Zara, O'Sullivan
 (2007) for dual quaternions, whose signs are taken from a vertex's heaviest joint.
+
+A palette is what every joint does to the vertices bound to it, written as a method wants it:
+
+========================  =====  =================================================================
+``linear``                12     3×4 matrices by rows
+``dual_quaternion``       8      Hamilton's dual quaternions, real wxyz, dual wxyz
+``motor``                 8      CGA motors
+``similarity``            12     CGA similarities, which grow as well
+========================  =====  =================================================================
 """
 
 from __future__ import annotations
 
+from typing import Literal, get_args
+
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.animation.character import Character
-from motorcade.animation.skin.palette import SkinMethod, palette
+from motorcade.animation.native._runtime import Mesh, Skinning
+from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity, kernels
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["SKIN_KERNELS", "skin"]
+__all__ = [
+    "SKIN_KERNELS",
+    "SKIN_METHODS",
+    "SkinMethod",
+    "Skinner",
+    "checked_method",
+    "palette",
+    "skin",
+]
+
+SkinMethod = Literal["linear", "dual_quaternion", "motor", "similarity"]
+SKIN_METHODS: tuple[SkinMethod, ...] = get_args(SkinMethod)
+
+
+def checked_method(method: str) -> SkinMethod:
+    """The method, if it is one.
+
+    Raises:
+        ValueError: an unknown method.
+    """
+    for known in SKIN_METHODS:
+        if method == known:
+            return known
+    raise ValueError(f"skin(method): expected one of {', '.join(SKIN_METHODS)}, got {method!r}")
+
+
+def palette(
+    skeleton: Skeleton, local_pose: Motor | Similarity, method: SkinMethod
+) -> tuple[FloatArray, FloatArray | None]:
+    """What each joint does to points in character space.
+
+    Args:
+        skeleton: with J joints.
+        local_pose: ``(*, J)``, poses `parent_T_joint`.
+        method: how it is written.
+
+    Returns:
+        entries ``(*, J, 8 or 12)``; and, where joints grow under a rigid method, their scales
+        ``(*, J)``: a vertex is first grown about the character's origin, then carried rigidly.
+
+    Raises:
+        ValueError: an unknown method, a last dimension other than the number of joints.
+    """
+    checked_method(method)
+    world, back = skeleton.world(local_pose), skeleton.rest_world_inverse
+    if isinstance(world, Motor):
+        motion = world @ back
+        if method == "similarity":
+            return Similarity.from_motor_scale(motion).coefficients, None
+        return _rigid(motion, method), None
+    grown = world @ Similarity.from_motor_scale(back)
+    if method == "similarity":
+        return grown.coefficients, None
+    if method == "linear":
+        return _rows(grown.as_matrix()), None
+    rigid, scale = grown.as_motor_scale()
+    return _rigid(rigid, method), scale
+
+
+def _rigid(motion: Motor, method: SkinMethod) -> FloatArray:
+    if method == "linear":
+        return _rows(motion.as_matrix())
+    if method == "dual_quaternion":
+        return motion.as_dual_quaternion()
+    return np.asarray(motion.coefficients, dtype=np.float64)
+
+
+def _rows(matrices: FloatArray) -> FloatArray:
+    return matrices[..., :3, :].reshape(*matrices.shape[:-2], 12)
+
 
 SKIN_KERNELS: dict[SkinMethod, str] = {
     "linear": "carry_matrix",
@@ -98,3 +180,85 @@ def _sums(character: Character, entries: FloatArray, with_signs: bool) -> FloatA
             share = np.where(dot < 0.0, -share, share)
         total[..., held, :] += other * share
     return total
+
+
+Floats32 = NDArray[np.float32]
+
+_METHODS = {
+    "linear": Skinning.matrix,
+    "dual_quaternion": Skinning.dual_quaternion,
+    "motor": Skinning.motor,
+    "similarity": Skinning.similarity,
+}
+
+
+class Skinner:
+    """A character's mesh prepared for skinning by one method.
+
+    It does what `skin` does, in float32 (positions to about 1e-6 of the character's height) and
+    without validation of what is fixed. Large meshes are shared among `kernels.threads()` threads.
+
+    Args:
+        character: mesh, skeleton and weights.
+        method: one of `SKIN_METHODS`.
+
+    Raises:
+        ValueError: an unknown method, or more than 65536 joints.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Character, Skeleton, Skinner
+    >>> from motorcade.ga import Motor
+    >>> flag = Character(
+    ...     Skeleton(("pole",), np.array([-1]), Motor.identity((1,))),
+    ...     vertices=np.array([[0, 0, 0], [1, 0, 0], [0, 0, 2.0]]),
+    ...     normals=np.tile([0.0, -1.0, 0.0], (3, 1)),
+    ...     triangles=np.array([[0, 1, 2]]),
+    ...     colors=np.full((3, 3), 0.5),
+    ...     joints=np.zeros((3, 4), int),
+    ...     weights=np.tile([1.0, 0, 0, 0], (3, 1)),
+    ... )
+
+    >>> vertices, normals = Skinner(flag, "motor").skin(Motor.from_translation([[0, 0, 0.5]]))
+    >>> vertices.dtype, vertices[2]
+    (dtype('float32'), array([0. , 0. , 2.5], dtype=float32))
+    """
+
+    def __init__(self, character: Character, method: SkinMethod = "motor") -> None:
+        self.method = checked_method(method)
+        self._skeleton = character.skeleton
+        if len(self._skeleton) > 65536:
+            raise ValueError(f"Skinner: expected up to 65536 joints, got {len(self._skeleton)}")
+        self._shape = character.vertices.shape
+        joints, weights = character.influences
+        self._mesh = Mesh(
+            np.ascontiguousarray(character.vertices),
+            np.ascontiguousarray(character.normals),
+            np.ascontiguousarray(joints),
+            np.ascontiguousarray(weights),
+        )
+
+    def skin(self, local_pose: Motor | Similarity) -> tuple[Floats32, Floats32]:
+        """Vertices and unit normals ``(V, 3)`` of one pose ``(J,)``, metres.
+
+        Raises:
+            ValueError: another number of joints, or joints that grow under a rigid method: use
+                ``linear`` or ``similarity`` for these.
+        """
+        entries, scale = palette(self._skeleton, local_pose, self.method)
+        if scale is not None and np.ptp(scale) > 1e-6:
+            raise ValueError(
+                f"Skinner.skin(local_pose): expected rigid joints under '{self.method}', got "
+                f"scales from {scale.min():.4g} to {scale.max():.4g}; use 'similarity' or 'linear'"
+            )
+        return self.skin_palette(np.ascontiguousarray(entries, dtype=np.float32))
+
+    def skin_palette(self, entries: Floats32) -> tuple[Floats32, Floats32]:
+        """The same from a palette ``(J, 8 or 12)`` as `palette` or `PoseRuntime` gives it.
+
+        Raises:
+            ValueError: another shape than the method's.
+            TypeError: another type than float32 in C order.
+        """
+        positions, normals = np.empty(self._shape, np.float32), np.empty(self._shape, np.float32)
+        self._mesh.skin(_METHODS[self.method], entries, positions, normals, kernels.threads())
+        return positions, normals

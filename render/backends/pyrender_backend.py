@@ -18,13 +18,14 @@ from motorcade.animation.srgb import to_linear
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.platform import choose_platform
-from motorcade.render.backends.projection import (
+from motorcade.render.backends.renderer import (
     FAR_M,
     NEAR_M,
     OPENCV_T_OPENGL,
+    Renderer,
+    check_vertices,
     shadow_camera,
 )
-from motorcade.render.backends.renderer import Renderer, check_vertices
 from motorcade.render.scene import Lamp, Layer, Lighting, Sun, Surface
 from motorcade.tracking.cameras.camera import Camera
 

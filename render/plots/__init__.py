@@ -1,12 +1,20 @@
 """Plots of trajectories, errors and times as SVG, in one house style."""
 
 from motorcade.render.plots.allan import plot_allan
-from motorcade.render.plots.consistency import plot_squares
 from motorcade.render.plots.coverage import plot_coverage
-from motorcade.render.plots.errors import Band, plot_bands, plot_series, plot_within_sigma
-from motorcade.render.plots.motion import plot_rotation_and_twist
+from motorcade.render.plots.errors import (
+    Band,
+    plot_bands,
+    plot_series,
+    plot_squares,
+    plot_within_sigma,
+)
 from motorcade.render.plots.style import standing_alone
-from motorcade.render.plots.trajectories import plot_path_3d, plot_plan_and_elevation
+from motorcade.render.plots.trajectories import (
+    plot_path_3d,
+    plot_plan_and_elevation,
+    plot_rotation_and_twist,
+)
 
 __all__ = [
     "Band",

@@ -20,7 +20,7 @@ from motorcade.replays.consistency.experiment import (
     simulate,
 )
 from motorcade.replays.engine.jobs import job_key, run_jobs
-from motorcade.replays.files.tables import write_csv
+from motorcade.replays.files.atomic import write_csv
 
 __all__ = [
     "ConsistencyPlan",

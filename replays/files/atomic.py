@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import csv
+import io
 import os
 import re
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["copy_file", "is_alive", "sweep_unfinished", "write_bytes"]
+__all__ = ["copy_file", "is_alive", "sweep_unfinished", "write_bytes", "write_csv"]
 
 _UNFINISHED = re.compile(r"\..+\.(?P<pid>[0-9]+)-[0-9a-f]{12}")
 
@@ -60,3 +62,16 @@ def _replacing(path: Path) -> Iterator[Path]:
         with contextlib.suppress(OSError):
             building.unlink()
         raise OSError(fault.errno, f"cannot be written: {fault.strerror}", str(path)) from fault
+
+
+def write_csv(path: Path, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a table, whole or not at all; None is an empty cell.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(heads)
+    writer.writerows(rows)
+    write_bytes(path, text.getvalue().encode())

@@ -1,13 +1,64 @@
-"""IMU streams written to files: EuRoC's CSV, which `readers.inertial` reads back."""
+"""IMU streams and noise from and to files.
+
+A stream is EuRoC's CSV: stamp in ns, angular rate in rad/s, specific force in m/s². Streams that
+move in other units are refused; saturation and gaps are written to the log.
+"""
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.screening import screen_imu
 from motorcade.fusion.imu.stream import ImuStream
+from motorcade.replays.errors import RecordingError, refusal
 from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.readers.calibration import read_yaml
+from motorcade.replays.readers.tables import in_order, read_table
 
-__all__ = ["write_imu"]
+__all__ = ["read_imu", "read_noise", "write_imu"]
+
+_LOG = logging.getLogger("motorcade.replays")
+_COLUMNS = ("w_x", "w_y", "w_z", "a_x", "a_y", "a_z")
+
+
+def read_imu(path: Path) -> ImuStream:
+    """Read an IMU stream as EuRoC writes it; more columns are ignored, a header is optional.
+
+    Raises:
+        RecordingError: no rows, wrong columns, NaN, decreasing stamps, each with its line; force
+            in g or rate in degrees, where the readings tell.
+    """
+    try:
+        stream = _stream(path)
+        for notice in screen_imu(stream):
+            _LOG.warning("%s: %s", path, notice)
+        return stream
+    except RecordingError:
+        raise
+    except ValueError as fault:
+        raise refusal(path, str(fault)) from fault
+
+
+def _stream(path: Path) -> ImuStream:
+    table = read_table(path, _COLUMNS, separator=b",", unit="ns", header=True, more_columns=True)
+    table = table.rows(in_order(path, table.lines, table.time_ns))
+    return ImuStream(table.time_ns, table.values[:, :3], table.values[:, 3:])
+
+
+def read_noise(path: Path) -> ImuNoise:
+    """Read noise densities from a YAML file of Kalibr's or EuRoC's.
+
+    Raises:
+        RecordingError: missing, not YAML, or a density that is missing or not above 0.
+    """
+    read_yaml(path)  # bounds the size and the nesting before the file is parsed again
+    try:
+        return ImuNoise.load(path)
+    except ValueError as fault:
+        raise refusal(path, str(fault).removeprefix(f"{path}: ")) from fault
+
 
 _HEADER = (
     "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"

@@ -14,7 +14,7 @@ from motorcade.replays.errors import RecordingError, refusal
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.readers.frames.files import pictures_in
 from motorcade.replays.readers.frames.pictures import SUFFIXES, read_gray
-from motorcade.replays.readers.manifest.camera import camera_toml
+from motorcade.replays.readers.manifest.section import camera_toml
 from motorcade.replays.recording import Frame, ImageArray
 from motorcade.tracking import Board, Calibration, CalibrationError, calibrate
 from motorcade.tracking.boards.corners import BoardCorners

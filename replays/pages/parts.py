@@ -1,10 +1,46 @@
-"""What pages are made of: cells of tables, and plots with their captions."""
+"""What pages are made of: templates that extend `base.html`, cells of tables, captioned plots."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-__all__ = ["PageCell", "PagePlot"]
+from motorcade.render.plots.style import ON_PAGES, page_colours
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+__all__ = ["PageCell", "PagePlot", "page_environment"]
+
+_TEMPLATES = Path(__file__).with_name("templates")
+
+
+def page_environment(folder: Path) -> Environment:
+    """Templates of a folder, which may extend `base.html` and take macros from `parts.html`.
+
+    `base.html` brings the style, light and dark, and a script that sorts tables of the class
+    `sortable` by their headings: by the numbers in `<data>` elements where there are any, else by
+    text. `COLOURS` maps names of `render.plots.style` to CSS.
+    """
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader([folder, _TEMPLATES]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(known=_known)
+    environment.globals.update(COLOURS=ON_PAGES, page_colours=page_colours())
+    return environment
+
+
+def _known(value: float | None) -> bool:
+    """Whether a cell's number is one."""
+    return value is not None and math.isfinite(value)
 
 
 @dataclass(frozen=True)

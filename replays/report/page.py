@@ -14,8 +14,7 @@ from motorcade.ga import kernels
 from motorcade.replays.pages import page_environment
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.report.findings import Findings
-from motorcade.replays.report.pictures import sections
-from motorcade.replays.report.sheet import sheet_jpeg
+from motorcade.replays.report.pictures import sections, sheet_jpeg
 from motorcade.replays.report.summary import (
     LEFT_AS_IT_WAS,
     heading,

@@ -1,9 +1,12 @@
-"""The report's plots: which quantities are drawn, and what each caption says."""
+"""The report's plots and their captions, and the video at a glance: some frames on one sheet."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
+
+import cv2
 
 from motorcade.render.plots import (
     plot_path_3d,
@@ -13,12 +16,12 @@ from motorcade.render.plots import (
 )
 from motorcade.render.plots.errors import Series
 from motorcade.render.plots.style import with_own_ids
+from motorcade.render.video import contact_sheet, read_frames
 from motorcade.replays.pages.parts import PagePlot
 from motorcade.replays.report.filtering import filter_pictures
-from motorcade.replays.report.findings import Findings, Spans
-from motorcade.replays.report.upright import as_drawn, map_unit
+from motorcade.replays.report.findings import Findings, Spans, as_drawn, map_unit
 
-__all__ = ["ReportSection", "sections"]
+__all__ = ["ReportSection", "sections", "sheet_jpeg"]
 
 _AXES = ("x", "y", "z")
 _LENGTHS = {"m": "Metres", "units": "Units of the map, of unknown length"}
@@ -146,3 +149,30 @@ def _jitter(findings: Findings, lost: Spans) -> PagePlot:
 
 def _over_time(series: Mapping[str, Series], quantity: str, lost: Spans) -> str:
     return plot_series(series, quantity, quantity, log_scale=True, shaded_s=lost, nested=True)
+
+
+MOST_FRAMES, COLUMNS, WIDTH_PX = 12, 3, 340
+MOST_BYTES = 300_000
+_QUALITIES = (85, 75, 65, 50, 35, 20)
+
+
+def sheet_jpeg(film: Path, frames: int) -> bytes:
+    """Twelve frames or fewer, even in time, with their times, as JPEG of 300 kB at most.
+
+    Args:
+        film: a video.
+        frames: how many it holds.
+
+    Raises:
+        OSError: a file that cannot be read or holds no video.
+    """
+    chosen = list(read_frames(film, every=-(-frames // MOST_FRAMES)))
+    labels = [f"{1e-9 * time_ns:.1f} s" for time_ns, _ in chosen]
+    sheet = contact_sheet([picture for _, picture in chosen], COLUMNS, WIDTH_PX, labels)
+    for quality in _QUALITIES:
+        done, data = cv2.imencode(".jpg", sheet[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
+        if not done:
+            raise OSError(f"{film}: the sheet of its frames cannot be written as JPEG")
+        if data.size <= MOST_BYTES:
+            break
+    return bytes(data)

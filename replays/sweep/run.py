@@ -15,8 +15,7 @@ from pathlib import Path
 
 from motorcade.replays.engine.jobs import job_key, run_jobs
 from motorcade.replays.errors import one_line
-from motorcade.replays.files.atomic import write_bytes
-from motorcade.replays.files.tables import write_csv
+from motorcade.replays.files.atomic import write_bytes, write_csv
 from motorcade.replays.pipeline import Job, run_job
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.results import require_writable

@@ -24,14 +24,14 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.contexts import Context, new_context
 from motorcade.render.backends.fast.renderer import FastRenderer
 from motorcade.render.backends.platform import choose_platform
-from motorcade.render.backends.projection import (
+from motorcade.render.backends.pyrender_backend import OffscreenRenderer
+from motorcade.render.backends.renderer import (
     FAR_M,
     NEAR_M,
     OPENCV_T_OPENGL,
+    Renderer,
     shadow_camera,
 )
-from motorcade.render.backends.pyrender_backend import OffscreenRenderer
-from motorcade.render.backends.renderer import Renderer
 from motorcade.render.light import character_lighting
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera

@@ -291,7 +291,7 @@ def test_smooth_then_evaluate(board_recording: Path, tmp_path: Path) -> None:
 
 
 def test_simulated_imu_is_a_recording_s_imu(board_recording: Path, tmp_path: Path) -> None:
-    from motorcade.replays.readers.inertial import read_imu
+    from motorcade.replays.files.imu import read_imu
 
     out = tmp_path / "imu.csv"
     arguments = ["simulate-imu", board_recording / "truth.tum", "-o", out, "--rate-hz", "100"]

@@ -21,8 +21,7 @@ from motorcade.render.light import Prints, lighting_of_footage, lighting_without
 from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.replays.synthetic_room.furniture import BOARD, boxes, world_T_board
 from motorcade.replays.synthetic_room.lighting import Occluders, irradiance
-from motorcade.replays.synthetic_room.path import HandheldPath
-from motorcade.replays.synthetic_room.recording import CAMERA
+from motorcade.replays.synthetic_room.recording import CAMERA, HandheldPath
 from motorcade.replays.synthetic_room.scene import developed, room
 
 pytestmark = [pytest.mark.usefixtures("opengl"), pytest.mark.slow]

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation import Character, Placement
-from motorcade.animation.skin.palette import SkinMethod, checked_method
-from motorcade.animation.skin.skinning import SKIN_KERNELS
+from motorcade.animation.skin.skinning import SKIN_KERNELS, SkinMethod, checked_method
 from motorcade.animation.srgb import to_linear
 from motorcade.animation.vectors import box_corners
 from motorcade.ga.arrays import FloatArray

@@ -18,18 +18,18 @@ from motorcade.animation import Character, Placement
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.backends.contexts import Context
-from motorcade.render.backends.fast.framebuffers import Box, Framebuffer, ShadowMap
 from motorcade.render.backends.fast.meshes import RenderMesh, SkinnedMesh, column_major
-from motorcade.render.backends.fast.programs import Programs
+from motorcade.render.backends.fast.programs import Box, Framebuffer, Programs, ShadowMap
 from motorcade.render.backends.platform import RenderUnavailable
-from motorcade.render.backends.projection import (
+from motorcade.render.backends.renderer import (
     NEAR_M,
     OPENCV_T_OPENGL,
+    Renderer,
+    check_size,
     projection,
     shadow_camera,
 )
-from motorcade.render.backends.renderer import Renderer, check_size
-from motorcade.render.extent import seen_extent
+from motorcade.render.lens import seen_extent
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera
 

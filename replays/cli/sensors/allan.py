@@ -30,7 +30,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def allan(arguments: argparse.Namespace) -> None:
     """Read the stream, estimate, print; draw where asked to."""
     from motorcade.fusion.imu import estimate_noise
-    from motorcade.replays.readers.inertial import read_imu
+    from motorcade.replays.files.imu import read_imu
 
     stream = read_imu(arguments.stream)
     found = estimate_noise(stream)

@@ -54,7 +54,7 @@ def calibrate(arguments: argparse.Namespace) -> None:
         describe_calibration,
         write_calibration,
     )
-    from motorcade.replays.readers.manifest.board import read_board
+    from motorcade.replays.readers.manifest.section import read_board
 
     run = calibrate_pictures(arguments.images, read_board(arguments.board), arguments.model)
     for line in run.unreadable:

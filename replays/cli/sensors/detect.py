@@ -69,7 +69,7 @@ def detect(arguments: argparse.Namespace) -> None:
         markers_in,
         write_drawing,
     )
-    from motorcade.replays.readers.manifest.camera import read_camera
+    from motorcade.replays.readers.manifest.section import read_camera
 
     camera = None if arguments.camera is None else read_camera(arguments.camera)
     described: list[dict[str, Any]] = []

@@ -65,9 +65,9 @@ def _stream(path: Path) -> ImuStream:
         RecordingError: a video or a recording without an IMU, or what their readers refuse.
     """
     from motorcade.replays.errors import refusal
+    from motorcade.replays.files.imu import read_imu
     from motorcade.replays.readers.frames import video
     from motorcade.replays.readers.gpmf import read_telemetry
-    from motorcade.replays.readers.inertial import read_imu
     from motorcade.replays.readers.opening import open_recording
 
     if video.recognise(path):

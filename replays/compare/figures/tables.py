@@ -52,8 +52,7 @@ from motorcade.replays.compare.figures.statistics import (
 )
 from motorcade.replays.compare.measure.evaluator import METRICS
 from motorcade.replays.compare.tuning import GRIDS, Tuned
-from motorcade.replays.files.atomic import write_bytes
-from motorcade.replays.files.tables import write_csv
+from motorcade.replays.files.atomic import write_bytes, write_csv
 
 __all__ = ["FORMAT", "Outcome", "write_tables"]
 

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.errors import RecordingError, refusal
+from motorcade.replays.files.imu import read_imu, read_noise
 from motorcade.replays.files.trajectories import read_trajectory, trajectory_format
 from motorcade.replays.readers import kalibr
 from motorcade.replays.readers.calibration import yaml_camera, yaml_transform
 from motorcade.replays.readers.frames.files import PictureFrames, inside
-from motorcade.replays.readers.inertial import read_imu, read_noise
 from motorcade.replays.readers.tables import read_listing
 from motorcade.replays.recording import Recording
 

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from motorcade.ga import Motor
 from motorcade.replays.errors import refusal
+from motorcade.replays.files.imu import read_imu, read_noise
 from motorcade.replays.files.trajectories import even_stamps, read_times
 from motorcade.replays.readers.calibration import transform
 from motorcade.replays.readers.frames.files import (
@@ -27,13 +28,18 @@ from motorcade.replays.readers.frames.files import (
 )
 from motorcade.replays.readers.frames.video import VideoFrames
 from motorcade.replays.readers.gpmf import read_telemetry
-from motorcade.replays.readers.inertial import read_imu, read_noise
 from motorcade.replays.readers.layouts.detect import find_layout, read_layout
-from motorcade.replays.readers.manifest.board import section_board
-from motorcade.replays.readers.manifest.camera import CAMERA_KEYS, section_camera
-from motorcade.replays.readers.manifest.markers import MARKERS_KEYS, section_markers
-from motorcade.replays.readers.manifest.section import Section, load_toml
-from motorcade.replays.readers.manifest.slam import SLAM_KEYS, section_slam
+from motorcade.replays.readers.manifest.section import (
+    CAMERA_KEYS,
+    MARKERS_KEYS,
+    SLAM_KEYS,
+    Section,
+    load_toml,
+    section_board,
+    section_camera,
+    section_markers,
+    section_slam,
+)
 from motorcade.replays.readers.manifest.truth import TRUTH_KEYS, read_truth
 from motorcade.replays.readers.tables import UNITS
 from motorcade.replays.recording import FrameSequence, Recording

@@ -1,14 +1,52 @@
-"""One table of a TOML manifest, read strictly: unknown keys, wrong types and ranges are refused."""
+"""Tables of a TOML manifest, read strictly: unknown keys, wrong types and ranges are refused.
+
+A `Section` is any of them; from those of a board, a camera, loose markers and SLAM values are made,
+also where one stands in a file of its own or on the command line.
+"""
 
 from __future__ import annotations
 
+import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from motorcade.replays.errors import RecordingError, did_you_mean, one_line, read_bounded, refusal
+from motorcade.replays.markers.loose import LooseMarkers
+from motorcade.replays.readers.calibration import (
+    make_camera,
+    read_matrix,
+    read_numbers,
+    yaml_camera,
+)
+from motorcade.tracking.boards import (
+    Board,
+    CharucoBoard,
+    Checkerboard,
+    MarkerGrid,
+    SingleMarker,
+    board_named,
+)
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.markers import FAMILIES
+from motorcade.tracking.markers.marker_map import MarkerMap
+from motorcade.tracking.slam import MapSnapshot
 
-__all__ = ["Section", "load_toml"]
+__all__ = [
+    "BOARD_KEYS",
+    "CAMERA_KEYS",
+    "MARKERS_KEYS",
+    "SLAM_KEYS",
+    "Section",
+    "camera_toml",
+    "load_toml",
+    "read_board",
+    "read_camera",
+    "section_board",
+    "section_camera",
+    "section_markers",
+    "section_slam",
+]
 
 TOML_LIMIT = 2**16
 _WHOLE_LIMIT = 1_000_000
@@ -113,3 +151,195 @@ class Section:
             return float(value)
         expected = f"expected a number from {low:g} to {high:g}"
         raise self.fault(key, f"{expected}, got {one_line(value)}")
+
+
+BOARD_KEYS = {
+    "checkerboard": ("columns", "rows", "square_m"),
+    "marker_grid": ("family", "columns", "rows", "marker_m", "gap_m", "first_id"),
+    "marker": ("family", "marker_id", "side_m"),
+    "charuco": ("family", "columns", "rows", "square_m", "marker_m"),
+}
+
+
+def read_board(text: str) -> Board:
+    """Take a board's name (`boards.board_named`), or the `[board]` table of a TOML file.
+
+    Raises:
+        ValueError: neither; or what the table or the board refuses.
+    """
+    if not text.endswith(".toml"):
+        return board_named(text)
+    path = Path(text)
+    tables = load_toml(path)
+    if "board" not in tables:
+        raise Section(path, "", {}, ()).fault("board", "the table is missing")
+    return section_board(path, tables["board"])
+
+
+def section_board(path: Path, table: object) -> Board:
+    """Make the board of a manifest's table; the board's own refusals are said of the table.
+
+    Raises:
+        RecordingError: naming table and key.
+    """
+    every = ("type", "world_T_board", *{key for keys in BOARD_KEYS.values() for key in keys})
+    kind = Section(path, "board", table, every).text("type", tuple(BOARD_KEYS))
+    section = Section(path, "board", table, ("type", "world_T_board", *BOARD_KEYS[kind]))
+    try:
+        return _make_board(kind, section)
+    except RecordingError:
+        raise
+    except ValueError as fault:
+        raise section.fault(kind, str(fault)) from fault
+
+
+def _make_board(kind: str, section: Section) -> Board:
+    def count(key: str) -> int:
+        return section.whole(key, 0, 1000)
+
+    def length(key: str) -> float:
+        return section.number(key, 1e-6, 1e3)
+
+    if kind == "checkerboard":
+        return Checkerboard(count("columns"), count("rows"), length("square_m"))
+    family = section.text("family", tuple(FAMILIES))
+    if kind == "marker":
+        return SingleMarker(family, section.whole("marker_id"), length("side_m"))
+    columns, rows, marker_m = count("columns"), count("rows"), length("marker_m")
+    if kind == "charuco":
+        return CharucoBoard(family, columns, rows, length("square_m"), marker_m)
+    first_id = section.whole("first_id") if "first_id" in section else 0
+    return MarkerGrid(family, columns, rows, marker_m, length("gap_m"), first_id)
+
+
+CAMERA_KEYS = (
+    "model",
+    "width",
+    "height",
+    "fx",
+    "fy",
+    "cx",
+    "cy",
+    "matrix_file",
+    "fov_deg",
+    "distortion",
+    "distortion_file",
+)
+
+
+def read_camera(path: Path) -> Camera:
+    """Read the camera of a `.toml` file's `[camera]` table, or of an EuRoC `sensor.yaml`.
+
+    Raises:
+        RecordingError: what the table or the YAML file lacks or gets wrong.
+    """
+    if path.suffix.lower() != ".toml":
+        return yaml_camera(path)
+    tables = load_toml(path)
+    if "camera" not in tables:
+        raise Section(path, "", {}, ()).fault("camera", "the table is missing")
+    section = Section(path, "camera", tables["camera"], CAMERA_KEYS)
+    return section_camera(path, section, None, lambda key: path.parent / section.text(key))
+
+
+def section_camera(
+    path: Path, section: Section, size: tuple[int, int] | None, file: Callable[[str], Path]
+) -> Camera:
+    """Make the camera of a manifest's table.
+
+    Args:
+        path: the manifest.
+        section: its table.
+        size: of the pictures, where the table does not say it.
+        file: the file that a key of the table names.
+
+    Raises:
+        RecordingError: naming table and key.
+    """
+    if size is None or "width" in section or "height" in section:
+        size = (section.whole("width", 1), section.whole("height", 1))
+    intrinsics = _intrinsics(section, size, file)
+    section.only_one("distortion", "distortion_file")
+    source, distortion = path, tuple[float, ...]()
+    if "distortion" in section:
+        distortion = section.numbers("distortion")
+    elif "distortion_file" in section:
+        source = file("distortion_file")
+        distortion = tuple(float(value) for value in read_numbers(source))
+    models = ("pinhole", "radtan", "equidistant")
+    lensless = "model" not in section and not distortion
+    model = "pinhole" if lensless else section.text("model", models)
+    return make_camera(source, size, intrinsics, model, distortion)
+
+
+def _intrinsics(
+    section: Section, size: tuple[int, int], file: Callable[[str], Path]
+) -> tuple[float, float, float, float]:
+    """fx, fy, cx, cy in pixels: as given, of a matrix, or of a lens that is known by its view."""
+    section.only_one("matrix_file", "fx")
+    section.only_one("fov_deg", "fx")
+    section.only_one("fov_deg", "matrix_file")
+    if "matrix_file" in section:
+        return read_matrix(file("matrix_file"))
+    if "fov_deg" in section:
+        half_rad = math.radians(0.5 * section.number("fov_deg", 1.0, 170.0))
+        focal = 0.5 * size[0] / math.tan(half_rad)
+        return focal, focal, 0.5 * (size[0] - 1), 0.5 * (size[1] - 1)
+    fx, fy = (section.number(key, 1e-3, 1e9) for key in ("fx", "fy"))
+    return fx, fy, section.number("cx", -1e9, 1e9), section.number("cy", -1e9, 1e9)
+
+
+def camera_toml(camera: Camera) -> str:
+    """Write a camera as the `[camera]` table that `read_camera` and manifests read."""
+    lines = ["[camera]", f'model = "{camera.model}"']
+    lines += [f"{key} = {getattr(camera, key)!r}" for key in ("width", "height")]
+    lines += [f"{key} = {getattr(camera, key)!r}" for key in ("fx", "fy", "cx", "cy")]
+    if camera.distortion:
+        lines.append(f"distortion = [{', '.join(map(repr, camera.distortion))}]")
+    return "\n".join(lines) + "\n"
+
+
+MARKERS_KEYS = ("family", "side_m", "map_file")
+
+
+def section_markers(section: Section, file: Callable[[Section, str], Path]) -> LooseMarkers:
+    """Make the markers of a manifest's table.
+
+    Args:
+        section: the table.
+        file: the file that a key of the table names.
+
+    Raises:
+        RecordingError: naming table and key, or the map's file.
+    """
+    known = None
+    if "map_file" in section:
+        try:
+            known = MarkerMap.load(file(section, "map_file"))
+        except RecordingError:
+            raise
+        except (ValueError, OSError) as fault:
+            raise section.fault("map_file", str(fault)) from fault
+    family = section.text("family", tuple(FAMILIES))
+    return LooseMarkers(family, section.number("side_m", 1e-6, 1e3), known)
+
+
+SLAM_KEYS = ("map_file",)
+
+
+def section_slam(section: Section, file: Callable[[Section, str], Path]) -> MapSnapshot:
+    """Read the map that a manifest's table names.
+
+    Args:
+        section: the table.
+        file: the file that a key of the table names.
+
+    Raises:
+        RecordingError: naming table and key.
+    """
+    try:
+        return MapSnapshot.load(file(section, "map_file"))
+    except RecordingError:
+        raise
+    except (ValueError, OSError) as fault:
+        raise section.fault("map_file", str(fault)) from fault

@@ -18,9 +18,9 @@ import numpy as np
 from motorcade.fusion.imu.screening import screen_imu
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.replays.errors import RecordingError, one_line, refusal
+from motorcade.replays.files.imu import read_noise
 from motorcade.replays.readers import kalibr
 from motorcade.replays.readers.calibration import make_camera, yaml_model
-from motorcade.replays.readers.inertial import read_noise
 from motorcade.replays.readers.ros.frames import IMAGE_TYPES, Bag, BagFrames
 from motorcade.replays.recording import Recording
 from motorcade.tracking.cameras.camera import Camera

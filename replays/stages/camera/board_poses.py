@@ -1,18 +1,65 @@
-"""Stage `board_poses`: camera poses by a board in view."""
+"""Stage `board_poses`: camera poses by a board in view.
+
+Whether the board described is the one in the pictures is told in the log, never corrected.
+"""
 
 from __future__ import annotations
 
+import logging
 import time
+from itertools import islice
 
 from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera.board_check import warn_of_size, warn_of_wrong_board
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.values.board_poses import BoardPoses
-from motorcade.tracking import PoseMeasurements, track_board
+from motorcade.tracking import Board, BoardTrack, Checkerboard, PoseMeasurements, track_board
+from motorcade.tracking.boards.extent import extent_in_picture, extent_seen
 
-__all__ = ["board_poses"]
+__all__ = ["board_poses", "warn_of_size", "warn_of_wrong_board"]
+
+log = logging.getLogger("motorcade.camera_poses")
+
+_LARGEST_M = 5.0
+_PICTURES = 3
+
+
+def warn_of_size(board: Board) -> None:
+    """Warn of a board so wide that its lengths were hardly meant as metres."""
+    if max(board.size_m) > _LARGEST_M:
+        width, height = board.size_m
+        log.warning(
+            "camera_poses: the board is %g x %g m large; are its lengths in metres?", width, height
+        )
+
+
+def warn_of_wrong_board(recording: Recording, board: Board, tracked: BoardTrack) -> None:
+    """Warn of a checkerboard that is seen larger or smaller than described.
+
+    Smaller by what was tracked, larger by the first three pictures that show the board whole.
+    """
+    if not isinstance(board, Checkerboard):
+        return
+    described = (board.columns, board.rows)
+    whole = [one for one in tracked.observations if len(one.ids) == len(board.points_m)]
+    if whole:
+        corners = {one.time_ns: one.corners_px for one in whole[:_PICTURES]}
+        shown = (frame for frame in recording.frames if frame.time_ns in corners)
+        extents = [
+            extent_in_picture(board, frame.gray(), corners[frame.time_ns])
+            for frame in islice(shown, len(corners))
+        ]
+        looks = max((columns for columns, _ in extents)), max((rows for _, rows in extents))
+    else:
+        looks = extent_seen(board, tracked.observations)
+    if looks != described:
+        log.warning(
+            "camera_poses: the board looks like %d x %d inner corners, not %d x %d as described; "
+            "poses from a wrong board are wrong",
+            *looks,
+            *described,
+        )
 
 
 def board_poses(recording: Recording) -> BoardPoses:

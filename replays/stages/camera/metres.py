@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from motorcade.fusion.imu import ADIS16448
 from motorcade.fusion.visual_inertial import MetricMap, metric_map
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.inertial.imu_noise import assumed_noise
+from motorcade.replays.stages.inertial.filter_input import assumed_noise
 
 if TYPE_CHECKING:
     from motorcade.tracking.slam import SlamResult

@@ -7,9 +7,8 @@ import numpy as np
 from motorcade.fusion.filter import fuse
 from motorcade.fusion.metrics import associate, tilt_rad
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.inertial.filter_input import assumed_noise, levelled
 from motorcade.replays.stages.inertial.fused import filter_settings
-from motorcade.replays.stages.inertial.imu_noise import assumed_noise
-from motorcade.replays.stages.inertial.levelled import levelled
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.convergence import Convergence
 from motorcade.replays.values.imu import UsedImu

@@ -11,8 +11,7 @@ from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.fusion.imu import ImuNoise, ImuStream
 from motorcade.ga import Trajectory
 from motorcade.replays.recording import Odometry, Recording
-from motorcade.replays.stages.inertial.imu_noise import assumed_noise
-from motorcade.replays.stages.inertial.levelled import Levelled, levelled
+from motorcade.replays.stages.inertial.filter_input import Levelled, assumed_noise, levelled
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import UsedImu
 from motorcade.replays.values.paths import FusedPath, FusedWith

@@ -19,7 +19,7 @@ from motorcade.render import (
 from motorcade.render.light import Prints, lighting_of_footage, lighting_without_depth
 from motorcade.render.matching import Matching
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
-from motorcade.render.video.ahead import ahead
+from motorcade.render.video import ahead
 from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.engine.progress import track

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Character, mannequin
-from motorcade.animation.mannequin.rig import mannequin_skeleton
+from motorcade.animation.mannequin.proportions import mannequin_skeleton
 from motorcade.animation.mannequin.shape.anatomy import body_field
 from motorcade.animation.mannequin.shape.surface import SymmetricMesh, meshed
 from motorcade.animation.mannequin.shape.weights import influences

@@ -17,8 +17,8 @@ from motorcade.fusion.motions.degradations import Blackouts, Degradation, InTurn
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
+from motorcade.replays.files.imu import read_imu
 from motorcade.replays.files.trajectories import read_trajectory
-from motorcade.replays.readers.inertial import read_imu
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["BLACKOUTS", "DEGRADED", "NOISE", "SETTINGS", "Flight", "flight", "measured"]

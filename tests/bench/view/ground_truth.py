@@ -38,8 +38,7 @@ from motorcade.render.shadow import ShadowLook
 from motorcade.render.video import contact_sheet
 from motorcade.replays.synthetic_room.furniture import BOARD, boxes, world_T_board
 from motorcade.replays.synthetic_room.lighting import Occluders, irradiance
-from motorcade.replays.synthetic_room.path import HandheldPath
-from motorcade.replays.synthetic_room.recording import CAMERA
+from motorcade.replays.synthetic_room.recording import CAMERA, HandheldPath
 from motorcade.replays.synthetic_room.scene import room
 from motorcade.tracking import track_board
 

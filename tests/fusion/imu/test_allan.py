@@ -21,7 +21,7 @@ from motorcade.fusion.motions.motion import Factor, Motion
 from motorcade.fusion.motions.signals import Polynomial
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.readers.inertial import read_imu
+from motorcade.replays.files.imu import read_imu
 
 STANDING = Motion((Factor(np.zeros(6), Polynomial((1.0,))),), Motor)
 

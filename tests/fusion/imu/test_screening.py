@@ -19,8 +19,7 @@ from motorcade.fusion.imu import (
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor
 from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.imu import write_imu
-from motorcade.replays.readers.inertial import read_imu
+from motorcade.replays.files.imu import read_imu, write_imu
 
 RIGID = [name for name, motion in MOTIONS.items() if motion.versor is Motor]
 

@@ -8,7 +8,7 @@ import pytest
 from motorcade.fusion.imu import ImuStream
 from motorcade.fusion.orientation import OrientationModel, estimate_orientation
 from motorcade.ga import Rotor
-from motorcade.replays.readers.inertial import read_imu
+from motorcade.replays.files.imu import read_imu
 
 
 def test_slow_rotation_of_broad(data_dir, smooth, by_vqf, inclination_rms_deg):

@@ -20,9 +20,8 @@ from motorcade.fusion.sync.rates import match_rates
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.cli import main
-from motorcade.replays.files.imu import write_imu
+from motorcade.replays.files.imu import read_imu, write_imu
 from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
-from motorcade.replays.readers.inertial import read_imu
 from tests.bench.fusion.recorded import DEGRADED, flight, measured
 
 IMU_T_CAMERA = Motor.from_euler_translation(

@@ -22,8 +22,8 @@ from motorcade.render.plots import (
     plot_within_sigma,
     standing_alone,
 )
-from motorcade.render.plots.motion import rotation_vectors_rad, twists
 from motorcade.render.plots.style import thinned, with_own_ids
+from motorcade.render.plots.trajectories import rotation_vectors_rad, twists
 from tests.bench.timing_bars import Timing, plot_timings
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -9,8 +9,7 @@ import pytest
 
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.cli import main
-from motorcade.replays.readers.manifest.board import read_board
-from motorcade.replays.readers.manifest.camera import read_camera
+from motorcade.replays.readers.manifest.section import read_board, read_camera
 from motorcade.replays.readers.opening import open_recording
 from motorcade.tracking import (
     Camera,

@@ -9,7 +9,7 @@ import numpy as np
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers
-from motorcade.replays.doctor.packages import OPTIONAL
+from motorcade.replays.doctor import OPTIONAL
 from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
 
 MODULES = sorted({module for packages in OPTIONAL.values() for module, _ in packages.values()})

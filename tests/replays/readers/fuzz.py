@@ -31,10 +31,10 @@ import numpy as np
 
 from motorcade.ga import Trajectory
 from motorcade.replays.errors import RecordingError
+from motorcade.replays.files.imu import read_imu, read_noise
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers import gpmf
 from motorcade.replays.readers.frames.files import PictureFrames
-from motorcade.replays.readers.inertial import read_imu, read_noise
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
 from tests.animation.formats.fuzz import mutated

@@ -11,9 +11,7 @@ import pytest
 
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers import manifest
-from motorcade.replays.readers.manifest.board import BOARD_KEYS
-from motorcade.replays.readers.manifest.camera import CAMERA_KEYS
-from motorcade.replays.readers.manifest.markers import MARKERS_KEYS
+from motorcade.replays.readers.manifest.section import BOARD_KEYS, CAMERA_KEYS, MARKERS_KEYS
 from motorcade.replays.readers.manifest.truth import TRUTH_KEYS
 from motorcade.replays.readers.opening import open_recording
 

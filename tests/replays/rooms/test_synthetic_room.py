@@ -14,7 +14,7 @@ from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
 from motorcade.replays.synthetic_room import CAMERA, FRAMES, IMU_T_CAMERA, exposed, write_recording
 from motorcade.replays.synthetic_room.furniture import BOARD, world_T_board
-from motorcade.replays.synthetic_room.path import BETWEEN_POLES_S, FIRST_POLE_S, HandheldPath
+from motorcade.replays.synthetic_room.recording import BETWEEN_POLES_S, FIRST_POLE_S, HandheldPath
 
 RENDERED = 24
 

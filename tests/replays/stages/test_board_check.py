@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
-from motorcade.replays.stages.camera.board_check import warn_of_size, warn_of_wrong_board
+from motorcade.replays.stages.camera.board_poses import warn_of_size, warn_of_wrong_board
 from motorcade.tracking import Checkerboard, MarkerGrid
 from motorcade.tracking.boards.extent import extent_in_picture, extent_seen
 from motorcade.tracking.measurements import MarkerObservation

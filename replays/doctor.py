@@ -1,24 +1,136 @@
-"""Looks at this machine: kernels, compiler, OpenGL and video are tried, not only looked up."""
+"""What this machine has and lacks: kernels, compiler, OpenGL, video, optional packages.
+
+Kernels, compiler, OpenGL and video are tried, not only looked up. Of optional packages nothing is
+imported: whether one can be found is enough, and torch alone takes seconds.
+"""
 
 from __future__ import annotations
 
 import ctypes
 import os
+import platform
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Set
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-from motorcade.replays.doctor.findings import Finding
-from motorcade.replays.doctor.packages import examine_packages
-from motorcade.replays.doctor.processor import flags, simd
 
 if TYPE_CHECKING:
     from motorcade.render.backends.contexts import Context
 
-__all__ = ["examine"]
+__all__ = ["OPTIONAL", "Finding", "examine", "examine_packages", "flags", "simd"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was found out about one thing.
+
+    Fields:
+        group: "kernels", "compiler", "OpenGL", "video" or "packages".
+        name: the thing.
+        works: whether it can be used here.
+        found: version, device or count; what went wrong where it does not work.
+        enables: what it is for.
+        remedy: how to get it; empty where it works.
+        needed: whether the install is broken without it.
+    """
+
+    group: str
+    name: str
+    works: bool
+    found: str
+    enables: str
+    remedy: str = ""
+    needed: bool = False
+
+
+_V2 = frozenset(["cx16", "lahf_lm", "popcnt", "pni", "sse4_1", "sse4_2", "ssse3"])
+_V3 = _V2 | {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"}
+_V4 = _V3 | {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}
+
+
+def flags(cpuinfo: Path = Path("/proc/cpuinfo")) -> frozenset[str]:
+    """What the processor can do, in Linux's names; empty where the system does not tell."""
+    if not cpuinfo.is_file():
+        return frozenset()
+    for line in cpuinfo.read_text().splitlines():
+        name, _, value = line.partition(":")
+        if name.strip() in ("flags", "Features"):
+            return frozenset(value.split())
+    return frozenset()
+
+
+def simd(known: Set[str], machine: str = platform.machine()) -> str:
+    """The level of x86-64 whose kernels are picked with these flags; other machines' own name."""
+    if machine not in ("x86_64", "AMD64"):
+        return f"{machine}, one version of the kernels"
+    if known >= _V4:
+        return "x86-64-v4 (AVX-512)"
+    if known >= _V3:
+        return "x86-64-v3 (AVX2 and FMA)"
+    return "x86-64 (SSE2)"
+
+
+OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
+    "pipeline": {
+        "opencv-contrib-python-headless": ("cv2", "pictures, markers, boards, visual SLAM"),
+        "pupil-apriltags": ("pupil_apriltags", "AprilTags that the first detector misses"),
+        "gtsam": ("gtsam", "loops of visual SLAM, visual-inertial graphs"),
+        "rosbags": ("rosbags", "recordings in ROS bags and MCAP, without ROS"),
+        "scikit-image": ("skimage", "structural similarity, picture measures"),
+        "scipy": ("scipy", "fits, statistics, comparisons of trajectories"),
+        "pyrender": ("pyrender", "drawing characters into footage"),
+        "av": ("av", "videos in and out"),
+        "matplotlib": ("matplotlib", "plots of reports"),
+        "Jinja2": ("jinja2", "report pages"),
+        "PyYAML": ("yaml", "calibration files"),
+        "pillow": ("PIL", "textures of characters"),
+        "tqdm": ("tqdm", "progress bars"),
+        "casadi": ("casadi", "symbolic code from scripts and kernels"),
+        "moderngl": ("moderngl", "drawing characters fast, and skinning in shaders"),
+    },
+    "photometric": {
+        "kornia": ("kornia", "markers refined on their whole print"),
+        "torch": ("torch", "markers refined on their whole print; generated torch code"),
+    },
+    "viewer": {
+        "rerun-sdk": ("rerun", "runs exported for the Rerun viewer"),
+    },
+    "scale": {
+        "dask": ("dask", "sweeps on a cluster"),
+        "distributed": ("distributed", "sweeps on a cluster"),
+        "pyarrow": ("pyarrow", "sweep tables as Parquet"),
+    },
+}
+"""Extra, distribution: the module it brings, and what that is for."""
+
+
+def examine_packages() -> list[Finding]:
+    """One finding a package."""
+    return [
+        _package(extra, distribution, module, enables)
+        for extra, packages in OPTIONAL.items()
+        for distribution, (module, enables) in packages.items()
+    ]
+
+
+def _package(extra: str, distribution: str, module: str, enables: str) -> Finding:
+    remedy = f'pip install "motorcade[{extra}]"'
+    try:
+        found = version(distribution)
+        works = find_spec(module) is not None
+    except PackageNotFoundError:
+        return Finding("packages", distribution, False, "not installed", enables, remedy)
+    if not works:
+        broken = f"{found} is recorded, but its module {module} is missing"
+        again = f"pip install --force-reinstall {distribution}"
+        return Finding("packages", distribution, False, broken, enables, again)
+    return Finding("packages", distribution, True, found, enables)
+
 
 _COMPILERS = ("cc", "gcc", "clang")
 _GL_RENDERER = 0x1F01
