@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from motorcade.render.backends.contexts import Context
+    from motorcade.render.backends.platform import Context
 
 __all__ = ["OPTIONAL", "Finding", "examine", "examine_packages", "flags", "simd"]
 
@@ -217,8 +217,13 @@ def _compiles(compiler: str) -> bool:
 
 def _opengl() -> list[Finding]:
     enables = "characters drawn into footage (overlay.mp4, `motorcade blend`)"
-    from motorcade.render.backends.contexts import EglContext, OsmesaContext
-    from motorcade.render.backends.platform import REMEDY, osmesa_library, working_egl_device
+    from motorcade.render.backends.platform import (
+        REMEDY,
+        EglContext,
+        OsmesaContext,
+        osmesa_library,
+        working_egl_device,
+    )
 
     device = working_egl_device()
     egl = None if device is None else _drawn_by(lambda: EglContext(device))

@@ -10,8 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.animation.retarget.hands import Seen, hand_turn, is_of_hand
-from motorcade.animation.retarget.match import LIMBS, Match, along_axes
-from motorcade.animation.retarget.roles import body_of
+from motorcade.animation.retarget.roles import LIMBS, Match, along_axes, body_of
 from motorcade.animation.vectors import UP, axes_along, shortest_turn, turn_z, unit
 from motorcade.ga import Rotor, mean
 from motorcade.ga.arrays import FloatArray

@@ -16,9 +16,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from motorcade.animation.retarget.hands import FINGERS, Seen, hand_turn, is_of_hand
-from motorcade.animation.retarget.match import NO_BONE_M, Match
 from motorcade.animation.retarget.motion import from_motion
-from motorcade.animation.retarget.roles import SIDES
+from motorcade.animation.retarget.roles import NO_BONE_M, SIDES, Match
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import shortest_turn
 from motorcade.ga import Rotor

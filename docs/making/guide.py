@@ -14,8 +14,7 @@ from typing import Any
 
 from motorcade.replays.compare.figures.statistics import PRACTICAL_SHARE
 from motorcade.replays.compare.report.findings import findings, percent
-from motorcade.replays.compare.report.grid_ends import grid_ends
-from motorcade.replays.compare.report.matrix import Matrix, best_of_each
+from motorcade.replays.compare.report.matrix import Matrix, best_of_each, exact_ties
 from motorcade.replays.compare.report.names import (
     CAUSAL,
     DEGRADATIONS,
@@ -26,8 +25,7 @@ from motorcade.replays.compare.report.names import (
     listed,
     shown,
 )
-from motorcade.replays.compare.report.results import REFERENCE, Results
-from motorcade.replays.compare.report.traits_tables import exact_ties
+from motorcade.replays.compare.report.results import REFERENCE, Results, grid_ends
 
 __all__ = ["guide", "main"]
 

@@ -12,8 +12,7 @@ import numpy as np
 from motorcade.animation.vectors import perpendicular, unit
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.backends.contexts import new_context
-from motorcade.render.backends.platform import ContextLost, choose_platform
+from motorcade.render.backends.platform import ContextLost, choose_platform, new_context
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera
 

@@ -1,7 +1,6 @@
 """Plots of trajectories, errors and times as SVG, in one house style."""
 
-from motorcade.render.plots.allan import plot_allan
-from motorcade.render.plots.coverage import plot_coverage
+from motorcade.render.plots.calibrations import plot_allan, plot_coverage
 from motorcade.render.plots.errors import (
     Band,
     plot_bands,

@@ -21,9 +21,8 @@ from motorcade.animation import Character, Placement
 from motorcade.animation.skin import palette, skin
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.backends.contexts import Context, new_context
 from motorcade.render.backends.fast.renderer import FastRenderer
-from motorcade.render.backends.platform import choose_platform
+from motorcade.render.backends.platform import Context, choose_platform, new_context
 from motorcade.render.backends.pyrender_backend import OffscreenRenderer
 from motorcade.render.backends.renderer import (
     FAR_M,

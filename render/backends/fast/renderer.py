@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from motorcade.animation import Character, Placement
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.backends.contexts import Context
 from motorcade.render.backends.fast.meshes import RenderMesh, SkinnedMesh, column_major
 from motorcade.render.backends.fast.programs import Box, Framebuffer, Programs, ShadowMap
-from motorcade.render.backends.platform import RenderUnavailable
+from motorcade.render.backends.platform import Context, RenderUnavailable
 from motorcade.render.backends.renderer import (
     NEAR_M,
     OPENCV_T_OPENGL,

@@ -14,7 +14,7 @@ import numpy as np
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.report.names import shown
-from motorcade.replays.compare.report.replayed import Replayed
+from motorcade.replays.compare.report.pictures import Replayed
 
 __all__ = ["Crossing", "crossing"]
 

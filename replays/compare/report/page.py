@@ -11,27 +11,25 @@ from typing import TYPE_CHECKING, Any
 from motorcade.replays.compare.report import names
 from motorcade.replays.compare.report.crossing import Crossing, crossing
 from motorcade.replays.compare.report.findings import findings
-from motorcade.replays.compare.report.grid_ends import grid_ends
 from motorcade.replays.compare.report.matrix import (
     against_motor,
     best_of_each,
+    exact_ties,
     matrices,
     place_rows,
     rotation_errors,
-)
-from motorcade.replays.compare.report.pictures import large_panels, small_panels
-from motorcade.replays.compare.report.replayed import (
-    can_be_drawn,
-    method_apart,
-    method_to_draw,
-    replay,
-)
-from motorcade.replays.compare.report.results import Results
-from motorcade.replays.compare.report.traits_tables import (
-    exact_ties,
     trait_matrices,
     verdict_counts,
 )
+from motorcade.replays.compare.report.pictures import (
+    can_be_drawn,
+    large_panels,
+    method_apart,
+    method_to_draw,
+    replay,
+    small_panels,
+)
+from motorcade.replays.compare.report.results import Results, grid_ends
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.pages import page_environment
 from motorcade.replays.pages.parts import PagePlot

@@ -1,19 +1,129 @@
-"""The report's plots: errors over time, one line a representation."""
+"""The report's plots: paths smoothed once more, and their errors over time."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from motorcade.fusion.motions import MOTIONS
+from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots import plot_series
 from motorcade.render.plots.style import with_own_ids
-from motorcade.replays.compare.report.names import LABELS
-from motorcade.replays.compare.report.replayed import Replayed
+from motorcade.replays.compare.cells import Setting, inputs_of
+from motorcade.replays.compare.report.names import CAUSAL, LABELS
+from motorcade.replays.compare.report.results import REFERENCE, Results
 from motorcade.replays.pages.parts import PagePlot
 
-__all__ = ["large_panels", "small_panels"]
+__all__ = [
+    "Replayed",
+    "can_be_drawn",
+    "large_panels",
+    "method_apart",
+    "method_to_draw",
+    "replay",
+    "small_panels",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class Replayed:
+    """One seed of a motion and a degradation, smoothed by one method in every representation.
+
+    Fields:
+        time_s: stamps ``(N,)``.
+        true: poses ``(N,)``.
+        paths: poses ``(N,)`` by representation; without those that were refused, and without
+            `similarity` where poses are rigid and it equals `motor`.
+    """
+
+    motion: str
+    degradation: str
+    method: str
+    seed: int
+    time_s: FloatArray
+    true: Motor
+    paths: Mapping[str, Motor]
+
+    def rotation_errors_deg(self) -> dict[str, FloatArray]:
+        """Angles ``(N,)`` between smoothed and true orientations."""
+        true = self.true.rotor.inverse()
+        return {name: np.rad2deg((true @ path.rotor).angle()) for name, path in self.paths.items()}
+
+    def position_errors_mm(self) -> dict[str, FloatArray]:
+        """Distances ``(N,)`` between smoothed and true positions."""
+        true = self.true.translation_m
+        return {
+            name: 1e3 * np.linalg.norm(path.translation_m - true, axis=-1)
+            for name, path in self.paths.items()
+        }
+
+    def turning_deg_s(self) -> dict[str, FloatArray]:
+        """Angular rates from stamp to stamp ``(N-1,)``, the truth's first."""
+        paths = {"truth": self.true, **self.paths}
+        return {
+            name: np.rad2deg(
+                (path[:-1].rotor.inverse() @ path[1:].rotor).angle() / np.diff(self.time_s)
+            )
+            for name, path in paths.items()
+        }
+
+
+def can_be_drawn(results: Results, motion: str) -> bool:
+    """Whether the motion is a known formula; recordings are not kept."""
+    return motion in MOTIONS and "rate_hz" in results.told["plan"]
+
+
+def method_to_draw(results: Results, causal: bool = False) -> str | None:
+    """The method with the least residual error and jitter, of all or of those that are causal."""
+    for row in results.ranking():
+        if row["method"] != "raw" and (row["method"] in CAUSAL or not causal):
+            return str(row["method"])
+    return None
+
+
+def method_apart(results: Results, motion: str, degradation: str) -> str | None:
+    """The method with which some representation turns furthest from the truth beside motors."""
+
+    def apart(method: str) -> float:
+        at = {
+            one: results.figures.get((motion, degradation, method, one, "rotation_rmse_deg"))
+            for one in results.representations
+        }
+        base = at.get(REFERENCE)
+        known = [one.mean for one in at.values() if one is not None]
+        return max(known) / base.mean if base is not None and known else 0.0
+
+    best = max(results.methods, key=apart)
+    return best if apart(best) > 0.0 else method_to_draw(results)
+
+
+def replay(results: Results, motion: str, degradation: str, method: str) -> Replayed:
+    """Smooth the first test seed again, with the parameters that were found."""
+    plan = results.told["plan"]
+    seed = int(plan["test_seeds"][0])
+    degraded, evaluator = inputs_of(motion, degradation, seed, plan["rate_hz"], plan["duration_s"])
+    rigid = MOTIONS[motion].versor is Motor and REFERENCE in results.representations
+    paths = {}
+    for (name, representation), row in results.parameters(motion, degradation).items():
+        if name != method or (rigid and representation == "similarity"):
+            continue
+        if any(_at(one) == (motion, degradation, *_pair(row)) for one in results.told["failures"]):
+            continue
+        setting = Setting(method, representation, tuple(row["parameters"].items()))
+        paths[representation] = setting.smooth(degraded).poses.rigid
+    return Replayed(motion, degradation, method, seed, evaluator.time_s, evaluator.true, paths)
+
+
+def _pair(row: Mapping[str, str]) -> tuple[str, str]:
+    return row["method"], row["representation"]
+
+
+def _at(row: Mapping[str, str]) -> tuple[str, str, str, str]:
+    return row["motion"], row["degradation"], *_pair(row)
+
 
 _LOWEST_DEG = 1e-3
 

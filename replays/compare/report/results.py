@@ -1,19 +1,22 @@
-"""A finished comparison, read back from its folder."""
+"""A finished comparison, read back from its folder; where its searches ended on their grids."""
 
 from __future__ import annotations
 
 import csv
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from motorcade.replays.compare.figures.statistics import PRACTICAL_SHARE
 from motorcade.replays.compare.figures.tables import FORMAT
+from motorcade.replays.compare.report.names import listed
 
-__all__ = ["REFERENCE", "Figure", "Ratio", "Results", "tied"]
+__all__ = ["REFERENCE", "Figure", "Ratio", "Results", "grid_ends", "tied"]
 
 REFERENCE = "motor"
 """The representation that the tables hold all others against."""
@@ -212,3 +215,37 @@ def _number(text: str) -> float:
 def _ratio(row: Mapping[str, Any], key: str) -> Ratio:
     values = (row[key], row["ratio_low"], row["ratio_high"])
     return Ratio(*(math.nan if value is None else float(value) for value in values))
+
+
+# Parameters that smooth more the larger they are; all others smooth less.
+_WIDTHS = ("sigma_s", "window_s", "knot_spacing_s")
+
+
+def grid_ends(results: Results) -> list[str]:
+    """Sentences on what motors asked for with the first degradation, method by method.
+
+    A grid has an end with least smoothing and one with most. Least is asked for where any smoothing
+    costs more than it takes away, most where the motion is what the method takes for constant: then
+    a longer grid would be followed further, to little gain.
+    """
+    found = sorted(_found(results), key=itemgetter(0, 1))
+    made = []
+    for (most, method), rows in groupby(found, key=itemgetter(0, 1)):
+        motions = list(dict.fromkeys(motion for _, _, motion in rows))
+        named = "every motion" if len(motions) == len(results.motions) else listed(motions)
+        made.append(f"`{method}` asks for the {'most' if most else 'least'} smoothing on {named}.")
+    return made
+
+
+def _found(results: Results) -> Iterator[tuple[bool, str, str]]:
+    """Whether it is the end with most smoothing, method and motion."""
+    for motion in results.motions:
+        for (method, representation), row in results.parameters(
+            motion, results.degradations[0]
+        ).items():
+            if representation != REFERENCE or row["how"] != "grid":
+                continue
+            for grid in results.told["grids"][method]:
+                value, values = row["parameters"][grid["parameter"]], grid["values"]
+                if value in (values[0], values[-1]):
+                    yield (grid["parameter"] in _WIDTHS) == (value == values[-1]), method, motion

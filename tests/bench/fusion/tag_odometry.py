@@ -20,7 +20,7 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.readers.tagslam import corners as tagslam
-from motorcade.replays.readers.tagslam.odometry import read_rig_odometry
+from motorcade.replays.readers.tagslam.recording import read_rig_odometry
 from motorcade.tracking.markers.mapping import map_markers
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.tracking.tag_flips import tagslam_folder

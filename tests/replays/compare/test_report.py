@@ -28,8 +28,8 @@ from motorcade.replays.compare.measure.traits import Trait, run_trait
 from motorcade.replays.compare.plan import ComparisonPlan
 from motorcade.replays.compare.report import Results, write_report
 from motorcade.replays.compare.report.findings import findings
-from motorcade.replays.compare.report.grid_ends import grid_ends
 from motorcade.replays.compare.report.names import METRICS, shown
+from motorcade.replays.compare.report.results import grid_ends
 from motorcade.replays.compare.tuning import Tuned
 
 PLAN = ComparisonPlan(

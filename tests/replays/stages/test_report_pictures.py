@@ -14,9 +14,8 @@ from scipy.stats import chi2
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import write_video
 from motorcade.render.video import read_frames
-from motorcade.replays.report.filtering import filter_errors, filter_pictures
 from motorcade.replays.report.findings import Findings, as_drawn
-from motorcade.replays.report.pictures import MOST_BYTES, sheet_jpeg
+from motorcade.replays.report.pictures import MOST_BYTES, filter_errors, filter_pictures, sheet_jpeg
 
 SCREW = np.array([0.3, -0.2, 0.5, 0.4, 0.1, -0.2])
 COUNT = 50
