@@ -4,8 +4,8 @@ from . import markers as markers
 from . import optimise as optimise
 from . import planes as planes
 from . import slam as slam
-from .board_tracking.registration import registration_px as registration_px
 from .board_tracking.track import BoardTrack as BoardTrack
+from .board_tracking.track import registration_px as registration_px
 from .board_tracking.track import track_board as track_board
 from .board_tracking.tracker import BoardTracker as BoardTracker
 from .boards.charuco import CharucoBoard as CharucoBoard
@@ -27,7 +27,7 @@ from .markers.marker_map import MarkerMap as MarkerMap
 from .markers.poses import pose_marker as pose_marker
 from .measurements import PoseMeasurements as PoseMeasurements
 from .planes.finding import find_planes as find_planes
-from .planes.from_depth import find_planes_in_depth as find_planes_in_depth
+from .planes.finding import find_planes_in_depth as find_planes_in_depth
 from .planes.plane import Plane as Plane
 from .pose import TrackingError as TrackingError
 from .slam.mapping.map import MapSnapshot as MapSnapshot

@@ -7,17 +7,61 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.filter.kinds import KINDS
 from motorcade.fusion.filter.native._filter import Engine
+from motorcade.fusion.filter.pose_filter import KINDS
 from motorcade.fusion.filter.settings import FilterSettings, engine
-from motorcade.fusion.filter.stamps import covered, wanted_stamps
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
-__all__ = ["Fused", "camera_covariance", "fuse"]
+__all__ = ["Fused", "camera_covariance", "covered", "fuse", "wanted_stamps"]
+
+
+def covered(measurements: PoseMeasurements, imu: ImuStream, shift_ns: int = 0) -> PoseMeasurements:
+    """The measurements within the IMU's span, their stamps `shift_ns` later on its clock.
+
+    Raises:
+        ValueError: spans that do not overlap.
+    """
+    first, last = int(imu.time_ns[0]), int(imu.time_ns[-1])
+    stamps = measurements.trajectory.time_ns + shift_ns
+    inside = (stamps >= first) & (stamps <= last)
+    if not np.any(inside):
+        raise ValueError(
+            f"measurements and imu: expected spans that overlap, got {stamps[0]} to {stamps[-1]} "
+            f"ns and {first} to {last} ns"
+        )
+    if np.all(inside):
+        return measurements
+    return PoseMeasurements(measurements.trajectory[inside], measurements.covariance[inside])
+
+
+def wanted_stamps(
+    measured_ns: IntArray, imu: ImuStream, stamps_ns: IntArray | None = None
+) -> IntArray:
+    """The stamps asked for that lie between the first measurement and the IMU's end.
+
+    Args:
+        measured_ns: on the IMU's clock; all of them where no others are asked for.
+        imu: whose span bounds the path.
+        stamps_ns: rising integers.
+
+    Raises:
+        ValueError: stamps that are no rising integers, or none that can be served.
+    """
+    if stamps_ns is None:
+        return measured_ns
+    start, last = measured_ns[0], imu.time_ns[-1]
+    given = np.asarray(stamps_ns)
+    if given.dtype.kind != "i" or given.ndim != 1 or np.any(np.diff(given) <= 0):
+        raise ValueError("stamps_ns: expected rising integer nanoseconds (M,), got others")
+    wanted: IntArray = given[(given >= start) & (given <= last)].astype(np.int64)
+    if wanted.size == 0:
+        raise ValueError(f"stamps_ns: expected some within [{start}, {last}], got none")
+    return wanted
+
 
 _EXTRINSICS = slice(17, 23)
 

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.fusion.filter.kinds import KINDS
 from motorcade.fusion.filter.settings import FilterSettings, engine
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["FilterState", "Innovation", "PoseFilter"]
+__all__ = ["KINDS", "FilterState", "Innovation", "PoseFilter"]
+
+KINDS = {"camera_pose": 1, "imu_pose": 2, "position": 3, "velocity": 4, "corners": 5}
+
 
 _ASYMMETRY = 1e-9
 

@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, Fused
-from motorcade.fusion.filter.fuse import camera_covariance
-from motorcade.fusion.filter.stamps import covered, wanted_stamps
-from motorcade.fusion.graph.batch import smooth_all
-from motorcade.fusion.graph.fixed_lag import smooth_with_lag
+from motorcade.fusion.filter.fuse import camera_covariance, covered, wanted_stamps
 from motorcade.fusion.graph.inertial import InertialGraph
+from motorcade.fusion.graph.smoothers import smooth_all, smooth_with_lag
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory

@@ -10,6 +10,7 @@ covariance scaling, ICRA 2013).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -22,17 +23,59 @@ from motorcade.fusion.filter.settings import (
     GYRO_BIAS_SIGMA_RAD_S,
     VELOCITY_SIGMA_M_S,
 )
-from motorcade.fusion.graph.conversions import as_poses
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
 if TYPE_CHECKING:
     import gtsam
 
-__all__ = ["InertialGraph", "NodeKeys", "keys", "state_covariance"]
+__all__ = [
+    "InertialGraph",
+    "NodeKeys",
+    "as_motor",
+    "as_pose",
+    "as_poses",
+    "keys",
+    "optimised",
+    "state_covariance",
+]
+
+
+def as_pose(motor: Motor) -> gtsam.Pose3:
+    """One motor as a Pose3."""
+    import gtsam
+
+    return gtsam.Pose3(motor.as_matrix())
+
+
+def as_poses(motors: Motor) -> list[gtsam.Pose3]:
+    """Motor ``(N,)`` as a list of Pose3."""
+    import gtsam
+
+    return [gtsam.Pose3(matrix) for matrix in motors.as_matrix()]
+
+
+def optimised(
+    factors: gtsam.NonlinearFactorGraph, start: gtsam.Values, iterations: int, relative: float
+) -> gtsam.Values:
+    """The most probable values, by Levenberg and Marquardt, until the error falls no more."""
+    import gtsam
+
+    params = gtsam.LevenbergMarquardtParams()
+    params.setMaxIterations(iterations)
+    params.setRelativeErrorTol(relative)
+    return gtsam.LevenbergMarquardtOptimizer(factors, start, params).optimize()
+
+
+def as_motor(poses: Sequence[gtsam.Pose3]) -> Motor:
+    """Motor ``(N,)`` of N poses."""
+    turns: FloatArray = np.array([pose.rotation().matrix() for pose in poses])
+    places = np.array([pose.translation() for pose in poses])
+    return Motor.from_rotor_translation(Rotor.from_matrix(turns), places)
+
 
 # An interval of a single sample has no position noise of its own, and would be singular.
 _POSITION_DENSITY = 1e-7

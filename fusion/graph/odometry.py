@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from motorcade.fusion.graph.conversions import as_motor, as_poses, optimised
+from motorcade.fusion.graph.inertial import as_motor, as_poses, optimised
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.tracking.measurements import PoseMeasurements

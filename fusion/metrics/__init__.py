@@ -10,20 +10,31 @@ the trajectories cannot tell raises `NotObservableError`.
 
 from __future__ import annotations
 
-from motorcade.fusion.metrics.artifacts.frame_change import FrameChangeDefect, frame_change_defect
-from motorcade.fusion.metrics.artifacts.gimbal import (
+from motorcade.fusion.metrics.artifacts import (
+    FrameChangeDefect,
     GimbalIndex,
+    frame_change_defect,
     gimbal_index,
     path_over_geodesic,
-    rotation_path_rad,
-)
-from motorcade.fusion.metrics.artifacts.overshoot import (
     position_overshoot_m,
     rotation_overshoot_rad,
+    rotation_path_rad,
 )
 from motorcade.fusion.metrics.consistency import Consistency, chi2_bounds, normalised_squared
 from motorcade.fusion.metrics.cost import seconds_per_pose
-from motorcade.fusion.metrics.errors.pose_error import (
+from motorcade.fusion.metrics.evaluation import Evaluation, evaluate
+from motorcade.fusion.metrics.jitter import (
+    EnergyExcess,
+    Jitter,
+    Smoothness,
+    accelerations,
+    energy_excess_above,
+    jitter,
+    jitter_above,
+    log_dimensionless_jerk,
+)
+from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
+from motorcade.fusion.metrics.pose_error import (
     Align,
     Alignment,
     Pairs,
@@ -32,21 +43,17 @@ from motorcade.fusion.metrics.errors.pose_error import (
     align,
     alignment_of,
     associate,
+    log_scales,
     relative_errors,
     rotation_rad,
     tilt_rad,
+    without_scale,
 )
-from motorcade.fusion.metrics.errors.relative_by_length import (
+from motorcade.fusion.metrics.relative_by_length import (
     Drift,
     drift_by_length,
     relative_errors_by_length,
 )
-from motorcade.fusion.metrics.errors.scale import log_scales, without_scale
-from motorcade.fusion.metrics.evaluation import Evaluation, evaluate
-from motorcade.fusion.metrics.jitter.jitter import Jitter, accelerations, jitter, jitter_above
-from motorcade.fusion.metrics.jitter.smoothness import Smoothness, log_dimensionless_jerk
-from motorcade.fusion.metrics.jitter.spectral_energy import EnergyExcess, energy_excess_above
-from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 
 __all__ = [

@@ -14,28 +14,35 @@ from typing import TypeVar
 
 import numpy as np
 
-from motorcade.fusion.metrics.artifacts.gimbal import GimbalIndex, gimbal_index
-from motorcade.fusion.metrics.artifacts.overshoot import (
+from motorcade.fusion.metrics.artifacts import (
+    GimbalIndex,
+    gimbal_index,
     position_overshoot_m,
     rotation_overshoot_rad,
 )
-from motorcade.fusion.metrics.errors.pose_error import (
+from motorcade.fusion.metrics.jitter import (
+    EnergyExcess,
+    Jitter,
+    Smoothness,
+    energy_excess_above,
+    jitter,
+    log_dimensionless_jerk,
+)
+from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
+from motorcade.fusion.metrics.pose_error import (
     Align,
     Pairs,
     Statistics,
     absolute_translation_m,
     alignment_of,
     associate,
+    log_scales,
     relative_errors,
     rotation_rad,
     tilt_rad,
+    without_scale,
 )
-from motorcade.fusion.metrics.errors.relative_by_length import relative_errors_by_length
-from motorcade.fusion.metrics.errors.scale import log_scales, without_scale
-from motorcade.fusion.metrics.jitter.jitter import Jitter, jitter
-from motorcade.fusion.metrics.jitter.smoothness import Smoothness, log_dimensionless_jerk
-from motorcade.fusion.metrics.jitter.spectral_energy import EnergyExcess, energy_excess_above
-from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
+from motorcade.fusion.metrics.relative_by_length import relative_errors_by_length
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray

@@ -7,8 +7,15 @@ of the comparison; `motorcade.fusion.motions.degradations` adds noise, outliers 
 
 from __future__ import annotations
 
-from motorcade.fusion.motions.motion import Factor, Motion, even_stamps
-from motorcade.fusion.motions.signals import Polynomial, Signal, Sines, Stops
+from motorcade.fusion.motions.motion import (
+    Factor,
+    Motion,
+    Polynomial,
+    Signal,
+    Sines,
+    Stops,
+    even_stamps,
+)
 from motorcade.fusion.motions.standard import (
     MOTIONS,
     antipodal_crossing,

@@ -5,22 +5,198 @@
 ``y = Ad(exp(-a f)) w_{k-1}``, and as ``y' = Ad w' + [y, a f']`` so do all its derivatives. It is
 the product of exponentials of robot arms (R. W. Brockett, Robotic manipulators and the product of
 exponentials formula, 1984) with a joint for each factor.
+
+The factors run on signals, which give their value and first three derivatives. Time is in seconds
+and may be any real number.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.fusion.motions.signals import Signal
 from motorcade.ga import Motor, Similarity, Trajectory, TwistSample
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 from motorcade.ga.motion import twist_bracket
 
-__all__ = ["Factor", "Motion", "even_stamps"]
+__all__ = ["Factor", "Motion", "Polynomial", "Signal", "Sines", "Stops", "even_stamps"]
+
+# The step that starts and ends at rest with no acceleration and no jerk: 35u⁴ - 84u⁵ + 70u⁶ - 20u⁷.
+_STEP = np.polynomial.Polynomial((0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0))
+
+
+class Signal(ABC):
+    """A scalar function of time.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import Polynomial, Signal, Sines
+        >>> signals = Polynomial((0.0, 1.0)), Sines.single(0.1, 0.5)
+        >>> [isinstance(one, Signal) for one in signals], signals[0].derivatives(np.zeros(5)).shape
+        ([True, True], (4, 5))
+    """
+
+    @abstractmethod
+    def derivatives(self, time_s: FloatArray) -> FloatArray:
+        """Value and first three derivatives ``(4, *)`` at times ``(*)``."""
+
+
+@dataclass(frozen=True)
+class Polynomial(Signal):
+    """``c0 + c1 t + c2 t² + …``, lowest power first; one number is a constant.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import Polynomial
+        >>> value, slope, _, _ = Polynomial((1.0, 2.0)).derivatives(np.array([0.0, 3.0]))
+        >>> value, slope
+        (array([1., 7.]), array([2., 2.]))
+    """
+
+    coefficients: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        _as_tuple(self, "coefficients")
+
+    def derivatives(self, time_s: FloatArray) -> FloatArray:
+        """Value and first three derivatives ``(4, *)``."""
+        whole = np.polynomial.Polynomial(self.coefficients)
+        return np.stack([np.broadcast_to(whole.deriv(k)(time_s), time_s.shape) for k in range(4)])
+
+
+@dataclass(frozen=True)
+class Sines(Signal):
+    """``Σ a sin(2π f t + φ)``: band-limited, of equal power at all times.
+
+    Args:
+        amplitudes: in the unit of the signal.
+        frequencies_hz: above zero.
+        phases_rad: at time zero.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import Sines
+        >>> value, slope, _, _ = Sines.single(0.1, frequency_hz=0.5).derivatives(np.array([0.5]))
+        >>> value
+        array([0.1])
+    """
+
+    amplitudes: tuple[float, ...]
+    frequencies_hz: tuple[float, ...]
+    phases_rad: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("amplitudes", "frequencies_hz", "phases_rad"):
+            _as_tuple(self, name)
+        count = len(self.amplitudes)
+        if not len(self.frequencies_hz) == len(self.phases_rad) == count:
+            raise ValueError(
+                f"Sines: expected one frequency and one phase for each of {count} amplitudes, got "
+                f"{len(self.frequencies_hz)} and {len(self.phases_rad)}"
+            )
+        if not min(self.frequencies_hz) > 0.0:
+            raise ValueError(
+                f"Sines.frequencies_hz: expected above 0, got {min(self.frequencies_hz)}"
+            )
+
+    @classmethod
+    def single(cls, amplitude: float, frequency_hz: float, phase_rad: float = 0.0) -> Sines:
+        """One sine."""
+        return cls((amplitude,), (frequency_hz,), (phase_rad,))
+
+    @classmethod
+    def random(
+        cls, rng: np.random.Generator, rms: float, band_hz: tuple[float, float], count: int = 12
+    ) -> Sines:
+        """Sines spread over a band, amplitudes falling as 1/f, random phases.
+
+        Frequencies divide the band in equal ratios, each moved within its own part, so they have
+        no common period.
+
+        Raises:
+            ValueError: a negative `rms`, a band that is not 0 < low < high, or no sines.
+        """
+        low, high = band_hz
+        if not (0.0 < low < high < np.inf) or count < 1 or not 0.0 <= rms < np.inf:
+            raise ValueError(
+                "Sines.random: expected rms >= 0, 0 < low < high and count >= 1, got "
+                f"rms {rms}, band_hz {band_hz}, count {count}"
+            )
+        places = (np.arange(count) + rng.random(count)) / count
+        frequencies = low * (high / low) ** places
+        shape = 1.0 / frequencies
+        amplitudes = rms * shape * np.sqrt(2.0 / np.sum(shape**2))
+        phases = rng.uniform(-np.pi, np.pi, count)
+        return cls(tuple(amplitudes), tuple(frequencies), tuple(phases))
+
+    def derivatives(self, time_s: FloatArray) -> FloatArray:
+        """Value and first three derivatives ``(4, *)``."""
+        amplitude, phase = np.array(self.amplitudes), np.array(self.phases_rad)
+        rate = 2.0 * np.pi * np.array(self.frequencies_hz)
+        angle = time_s[..., None] * rate + phase
+        wave = np.sin(angle), np.cos(angle), -np.sin(angle), -np.cos(angle)
+        return np.stack([w @ (amplitude * rate**k) for k, w in enumerate(wave)])
+
+
+@dataclass(frozen=True)
+class Stops(Signal):
+    """Move from level to level and rest at each, round and round.
+
+    Each move takes `move_s` and is a polynomial of degree 7 whose velocity, acceleration and jerk
+    vanish at both ends; each rest takes `rest_s`. At time zero the first move starts.
+
+    Args:
+        levels: two or more, in the unit of the signal; after the last comes the first again.
+        move_s, rest_s: durations, above zero.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import Stops
+        >>> Stops((0.0, 1.0), move_s=1.0, rest_s=0.5).derivatives(np.array([0.5, 1.25]))[0]
+        array([0.5, 1. ])
+    """
+
+    levels: tuple[float, ...]
+    move_s: float
+    rest_s: float
+
+    def __post_init__(self) -> None:
+        _as_tuple(self, "levels")
+        if len(self.levels) < 2:
+            raise ValueError(f"Stops.levels: expected 2 or more, got {len(self.levels)}")
+        for name in ("move_s", "rest_s"):
+            value = getattr(self, name)
+            if not 0.0 < value < np.inf:
+                raise ValueError(f"Stops.{name}: expected above 0, got {value}")
+
+    def derivatives(self, time_s: FloatArray) -> FloatArray:
+        """Value and first three derivatives ``(4, *)``."""
+        stage = self.move_s + self.rest_s
+        index = np.floor(time_s / stage)
+        fraction = np.clip((time_s - index * stage) / self.move_s, 0.0, 1.0)
+        levels = np.array(self.levels)
+        which = index.astype(np.int64) % levels.size
+        change = (np.roll(levels, -1) - levels)[which]
+        made = np.stack([change * _STEP.deriv(k)(fraction) / self.move_s**k for k in range(4)])
+        made[0] += levels[which]
+        return made
+
+
+def _as_tuple(signal: Signal, name: str) -> None:
+    """Keep finite numbers as a tuple of floats, so that signals stay hashable values."""
+    given: ArrayLike = getattr(signal, name)
+    checked = checked_floats(given, f"{type(signal).__name__}.{name}", ())
+    if checked.ndim != 1 or checked.size == 0:
+        raise ValueError(
+            f"{type(signal).__name__}.{name}: expected one or more numbers, got shape "
+            f"{checked.shape}"
+        )
+    object.__setattr__(signal, name, tuple(map(float, checked)))
+
 
 V = TypeVar("V", Motor, Similarity)
 

@@ -11,8 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from motorcade.fusion.motions.motion import Factor, Motion
-from motorcade.fusion.motions.signals import Polynomial, Signal, Sines, Stops
+from motorcade.fusion.motions.motion import Factor, Motion, Polynomial, Signal, Sines, Stops
 from motorcade.ga import Motor, Rotor, Similarity
 
 __all__ = [

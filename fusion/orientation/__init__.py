@@ -5,8 +5,8 @@ from __future__ import annotations
 from motorcade.fusion.orientation.estimate import (
     Orientation,
     OrientationFilter,
+    OrientationModel,
     estimate_orientation,
 )
-from motorcade.fusion.orientation.model import OrientationModel
 
 __all__ = ["Orientation", "OrientationFilter", "OrientationModel", "estimate_orientation"]

@@ -14,8 +14,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.graph.conversions import as_motor, as_pose, as_poses, optimised
-from motorcade.fusion.graph.inertial import InertialGraph, keys
+from motorcade.fusion.graph.inertial import (
+    InertialGraph,
+    as_motor,
+    as_pose,
+    as_poses,
+    keys,
+    optimised,
+)
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.visual_inertial.observations import LandmarkObservations

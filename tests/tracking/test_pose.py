@@ -7,7 +7,7 @@ from scipy.optimize import least_squares
 
 from motorcade.ga import Motor
 from motorcade.tracking import Camera, Checkerboard, SingleMarker, TrackingError
-from motorcade.tracking.board_tracking.selection import choose_pose
+from motorcade.tracking.board_tracking.tracker import choose_pose
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.pose import SIGMA_FLOOR_PX, planar_candidates, refine, reprojection_px
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from motorcade.tracking.boards.charuco import CharucoBoard
 from motorcade.tracking.boards.checkerboard import Checkerboard
-from motorcade.tracking.boards.corners import Board, BoardCorners
+from motorcade.tracking.boards.corners import Board, BoardCorners, Pattern
 from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
 from motorcade.tracking.boards.names import BOARD_NAMES, board_named
-from motorcade.tracking.boards.picture import Pattern
 from motorcade.tracking.checks import GrayImage
 
 __all__ = [

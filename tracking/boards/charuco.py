@@ -13,8 +13,7 @@ import cv2
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.boards.picture import Pattern
+from motorcade.tracking.boards.corners import BoardCorners, Pattern
 from motorcade.tracking.boards.squares import SquaresBoard
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray

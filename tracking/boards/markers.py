@@ -13,8 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.boards.picture import Pattern, draw
+from motorcade.tracking.boards.corners import BoardCorners, Pattern, draw
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length
 from motorcade.tracking.markers.detection import detect_markers

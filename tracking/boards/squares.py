@@ -1,4 +1,11 @@
-"""What boards of black and white squares share: a grid of saddles whose colours alternate."""
+"""What boards of black and white squares share: a grid of saddles whose colours alternate.
+
+Saddle corners, where two black and two white squares meet: refining and checking them.
+
+Points are printed coordinates in the board frame (metres, y up); pixels as the house has them.
+Sub-pixel places come from OpenCV's ``cornerSubPix`` (Förstner's gradient orthogonality), which is
+exact for saddles under symmetric blur.
+"""
 
 from __future__ import annotations
 
@@ -6,17 +13,125 @@ from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import cast
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.boards.picture import Pattern, draw
-from motorcade.tracking.boards.saddles import refine_saddles
+from motorcade.tracking.boards.corners import BoardCorners, Pattern, draw
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.pictures import grey_levels
 
-__all__ = ["SquaresBoard"]
+__all__ = ["SquaresBoard", "contrast", "refine_saddles"]
+
+# Up-left, up-right, down-right, down-left of a corner, in the board frame.
+_DIAGONALS = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
+_RIGHT, _UP = np.eye(2)
+_WINDOW_PX = (2, 11)
+_STOP = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 40, 1e-3)
+_LEAST_CONTRAST = 1.0 / 3.0
+
+
+def refine_saddles(
+    image: GrayImage,
+    points_m: FloatArray,
+    corners_px: FloatArray,
+    black_up_left: NDArray[np.bool_],
+    clear_m: float,
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Refine corners to the saddles near them.
+
+    Args:
+        image: grey picture.
+        points_m: ``(n, 2)`` the corners on the board, n at least 4 and not all on one line.
+        corners_px: ``(n, 2)`` where they are, to a pixel or two.
+        black_up_left: ``(n,)`` whether the square above and left of the corner is black.
+        clear_m: how far from a corner along x and y the print is nothing but its four squares.
+
+    Returns:
+        places ``(n, 2)``, and a mask ``(n,)`` of those that look like the print there: inside the
+        picture, coloured as expected with at least a third of the median contrast, and not
+        drawn away from where they were expected by more than the window.
+    """
+    homography = _homography(points_m, corners_px)
+    if homography is None:
+        return corners_px, np.zeros(len(corners_px), bool)
+    reach = _lengths_px(homography, points_m, clear_m)
+    window = int(np.clip(0.7 * np.median(reach), *_WINDOW_PX))
+    inside = _inside(image, corners_px, window + 1)
+    places = corners_px.copy()
+    if inside.any():
+        found = cv2.cornerSubPix(
+            image,
+            corners_px[inside].astype(np.float32).reshape(-1, 1, 2),
+            (window, window),
+            (-1, -1),
+            _STOP,
+        )
+        places[inside] = found.reshape(-1, 2)
+    signal = contrast(image, points_m, places, black_up_left, 0.6 * clear_m, homography)
+    near = np.linalg.norm(places - corners_px, axis=1) <= window
+    least = max(_LEAST_CONTRAST * float(np.median(signal)), 1.0)
+    return places, inside & near & (signal >= least)
+
+
+def contrast(
+    image: GrayImage,
+    points_m: FloatArray,
+    corners_px: FloatArray,
+    black_up_left: NDArray[np.bool_],
+    offset_m: float,
+    homography: FloatArray | None = None,
+) -> FloatArray:
+    """Grey levels ``(n,)`` by which the white squares at each corner outshine the black ones.
+
+    Negative where the colours are the other way round; near zero where there is no saddle. The
+    smaller of the two whites against the larger of the two blacks decides.
+    """
+    if homography is None:
+        homography = _homography(points_m, corners_px)
+    if homography is None:
+        return np.zeros(len(corners_px))
+    around = points_m[:, None] + offset_m * _DIAGONALS
+    probes = corners_px[:, None] + _map(homography, around) - _map(homography, points_m)[:, None]
+    levels = grey_levels(image, probes)
+    first, second = levels[:, 0::2], levels[:, 1::2]
+    whites = np.where(black_up_left[:, None], second, first)
+    blacks = np.where(black_up_left[:, None], first, second)
+    upright = whites.min(axis=1) - blacks.max(axis=1)
+    reversed_ = blacks.min(axis=1) - whites.max(axis=1)
+    signed: FloatArray = np.where(reversed_ > 0.0, -reversed_, upright)
+    return signed
+
+
+def _homography(points_m: FloatArray, corners_px: FloatArray) -> FloatArray | None:
+    """Board to pixels; None where the corners lie on one line or on one spot."""
+    found, _ = cv2.findHomography(points_m, corners_px, 0)
+    return cast("FloatArray | None", found)
+
+
+def _map(homography: FloatArray, points: FloatArray) -> FloatArray:
+    mapped = points @ homography[:, :2].T + homography[:, 2]
+    plane: FloatArray = mapped[..., :2] / mapped[..., 2:]
+    return plane
+
+
+def _lengths_px(homography: FloatArray, points_m: FloatArray, length_m: float) -> FloatArray:
+    """The shorter of the two sides, in pixels, that a square of `length_m` has at each point."""
+    here = _map(homography, points_m)
+    across = _map(homography, points_m + length_m * _RIGHT) - here
+    along = _map(homography, points_m + length_m * _UP) - here
+    shorter: FloatArray = np.minimum(
+        np.linalg.norm(across, axis=-1), np.linalg.norm(along, axis=-1)
+    )
+    return shorter
+
+
+def _inside(image: GrayImage, places: FloatArray, margin: int) -> NDArray[np.bool_]:
+    height, width = image.shape
+    limit = np.array([width - 1 - margin, height - 1 - margin])
+    return cast("NDArray[np.bool_]", ((places >= margin) & (places <= limit)).all(axis=-1))
 
 
 class SquaresBoard(ABC):

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from motorcade.tracking.markers.backends import APRILTAG_FAMILIES, Backend, backend_for
-from motorcade.tracking.markers.detection import Detection, detect_markers
+from motorcade.tracking.markers.detection import (
+    APRILTAG_FAMILIES,
+    Backend,
+    Detection,
+    backend_for,
+    detect_markers,
+)
 from motorcade.tracking.markers.families import FAMILIES
 from motorcade.tracking.markers.poses import PosedMarker, pose_marker
 

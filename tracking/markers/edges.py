@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.grey_levels import grey_levels
+from motorcade.tracking.pictures import grey_levels
 
 __all__ = ["refine_quads"]
 

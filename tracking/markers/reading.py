@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.grey_levels import grey_levels
 from motorcade.tracking.markers.families import marker_cells, side_cells
+from motorcade.tracking.pictures import grey_levels
 
 __all__ = ["Reading", "read_markers"]
 

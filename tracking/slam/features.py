@@ -1,7 +1,7 @@
 """Pictures ready for tracking, corners spread over them, and corners tracked between them.
 
 Pictures are undistorted once, so all pixels here belong to a pinhole camera. Corners are ORB's
-(FAST, ranked by Harris) with their descriptors; between pictures they are tracked (`corner_flow`).
+(FAST, ranked by Harris) with their descriptors; between pictures `track_corners` finds them again.
 
 Source: Rublee et al. 2011 (ORB).
 """
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.corner_flow import track_corners
+from motorcade.tracking.pictures import track_corners
 
 __all__ = [
     "Corners",

@@ -20,7 +20,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import project
-from motorcade.tracking.corner_flow import track_corners
+from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.slam.features import Corners, SlamPicture, find_corners
 from motorcade.tracking.slam.geometry import (
     BoolArray,

@@ -22,7 +22,7 @@ from motorcade.tracking.slam.geometry import FittedPose, refine_pose
 from motorcade.tracking.slam.initialise import FEWEST_CORNERS, TwoViewInitialiser, TwoViewStart
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
 from motorcade.tracking.slam.mapping.mapper import InsertedKeyframe, Mapper
-from motorcade.tracking.slam.mapping.relocalise import candidates, verified
+from motorcade.tracking.slam.mapping.matching import candidates, verified
 from motorcade.tracking.slam.results import RunLog, SlamFrame, SlamResult, SlamState
 from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.tracker import TrackedPoints, Tracker, is_reliable

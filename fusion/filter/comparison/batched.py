@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.filter import FilterSettings
 from motorcade.fusion.filter.comparison.coordinates import ErrorCoordinates, RunStates
-from motorcade.fusion.filter.extended_pose import ERROR_SIZE
-from motorcade.fusion.filter.increments import increments, process_noise
+from motorcade.fusion.filter.extended_pose import ERROR_SIZE, increments, process_noise
 from motorcade.fusion.filter.settings import (
     ACCEL_BIAS_SIGMA_M_S2,
     GYRO_BIAS_SIGMA_RAD_S,

@@ -7,9 +7,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.differences import Between, between, component_sizes
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged
-from motorcade.fusion.smoothing.batch.tridiagonal import Equations, prior_cost, solved
+from motorcade.fusion.smoothing.batch.tridiagonal import (
+    Between,
+    Equations,
+    between,
+    component_sizes,
+    prior_cost,
+    solved,
+)
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
@@ -22,6 +28,7 @@ __all__ = [
     "loss_weights",
     "with_rigid",
 ]
+
 
 # The loss is this much wider than its own width at first, and halves until it is not.
 _WIDEST = 8.0

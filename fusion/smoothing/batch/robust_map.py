@@ -9,36 +9,39 @@ twists, and a constant screw costs nothing (T. D. Barfoot, State Estimation for 
 2024, ch. 11; velocities are the representation's own, and the right Jacobian of one step is taken
 for 1).
 
-Solved by Gauss-Newton with Marquardt's damping, weights following the residuals (P. W. Holland,
-R. E. Welsch, Robust regression using iteratively reweighted least-squares, 1977). It starts from
-the poses that make up the longest smooth chain (see `inliers`), and the loss narrows in steps
-from wide to its own width (graduated non-convexity: A. Blake, A. Zisserman, Visual Reconstruction,
-1987); only then are the poses left out judged by their residuals as all others are.
+Solved by Gauss-Newton with Marquardt's damping, weights following the residuals (P. W. Holland, R.
+E. Welsch, Robust regression using iteratively reweighted least-squares, 1977). It starts from the
+poses that make up the longest smooth chain (see `inliers`), and the loss narrows in steps from wide
+to its own width (graduated non-convexity: A. Blake, A. Zisserman, Visual Reconstruction, 1987);
+only then are the poses left out judged by their residuals as all others are.
 
 Runs of wrong poses that are a flat marker's other candidate are mirrored back (see `mirrored`).
 Across any other run of wrong poses nothing is known but the motion model, so that the error there
 grows with the length of the run. A path that leaps for good, as when a map is corrected, is torn
-smooth. Long paths are estimated in parts that overlap (see `parts`), so that time is linear
-in the poses and memory is some hundred bytes a pose.
+smooth. Long paths are estimated in parts that overlap (`parts`), so that time is linear in the
+poses and memory is some hundred bytes a pose.
+
+What a pose tells fades away along the path. Under white acceleration of density q and noise σ at
+intervals dt it does so by ``exp(-t / √2 τ)`` with ``τ = (σ √dt / q)^(1/2)``, the steady state of
+the smoother of a constant velocity. A part reaches beyond what is kept of it by as many poses as
+leave 1e-9 of that, and by some more for poses that are rejected; so the parts give what the whole
+gives but for the tolerance at which it ends.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
-from motorcade.fusion.smoothing.batch.parts import parts
-from motorcade.fusion.smoothing.batch.problem import (
-    LAST_STEPS,
-    Problem,
-    loss_weights,
-    with_rigid,
-)
+from motorcade.fusion.smoothing.batch.problem import LAST_STEPS, Problem, loss_weights, with_rigid
 from motorcade.fusion.smoothing.checks import checked_length, in_double
 from motorcade.fusion.smoothing.representations import (
     Representation,
@@ -48,7 +51,42 @@ from motorcade.fusion.smoothing.representations import (
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, checked_positive
 
-__all__ = ["LOSSES", "RobustPath", "estimate_path", "robust_map"]
+__all__ = ["LOSSES", "PathPart", "RobustPath", "estimate_path", "parts", "robust_map"]
+
+# Times √2 τ after which 1e-9 is left.
+_FADED = 21.0
+_REJECTED_POSES = 200
+_FEWEST_KEPT = 1500
+
+
+class PathPart(NamedTuple):
+    """Rows of the path that are estimated together, and those of them that are kept."""
+
+    rows: slice
+    kept: slice
+
+
+def parts(time_s: FloatArray, sizes: Sequence[Sizes]) -> Iterator[PathPart]:
+    """Cut a path at stamps ``(N,)`` for the sizes of its noise and motion; `kept` joins up."""
+    overlap = _overlap(time_s, sizes)
+    size = max(_FEWEST_KEPT, 2 * overlap)
+    count = max(1, len(time_s) // size)
+    edges = np.linspace(0, len(time_s), count + 1).astype(np.int64).tolist()
+    for first, last in pairwise(edges):
+        start = max(0, first - overlap)
+        yield PathPart(
+            slice(start, min(len(time_s), last + overlap)), slice(first - start, last - start)
+        )
+
+
+def _overlap(time_s: FloatArray, sizes: Sequence[Sizes]) -> int:
+    if len(time_s) <= _FEWEST_KEPT:
+        return 0
+    interval_s = float(np.quantile(np.diff(time_s), 0.05))
+    longest = max(one.noise * sqrt(interval_s) / one.acceleration for one in sizes)
+    reach = _FADED * sqrt(2.0 * longest) / interval_s
+    return min(len(time_s), ceil(reach) + _REJECTED_POSES)
+
 
 LOSSES = ("cauchy", "huber", "squares")
 # Poses that count less are rejected; runs of them may be read otherwise so many times.

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from motorcade.fusion.smoothing.causal.double_exponential import (
-    DoubleExponential,
-    double_exponential,
-)
-from motorcade.fusion.smoothing.causal.exponential import Exponential, exponential
 from motorcade.fusion.smoothing.causal.kalman import (
     ConstantAccelerationFilter,
     ConstantVelocityFilter,
     KalmanFilter,
+    SmoothedStates,
     constant_acceleration,
     constant_velocity,
-)
-from motorcade.fusion.smoothing.causal.one_euro import OneEuro, one_euro
-from motorcade.fusion.smoothing.causal.rts import (
-    SmoothedStates,
     rts_constant_acceleration,
     rts_constant_velocity,
     smoothed_states,
+)
+from motorcade.fusion.smoothing.causal.low_pass import (
+    DoubleExponential,
+    Exponential,
+    OneEuro,
+    double_exponential,
+    exponential,
+    one_euro,
 )
 from motorcade.fusion.smoothing.causal.stream import CausalFilter
 

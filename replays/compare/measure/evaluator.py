@@ -12,8 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from motorcade.fusion.metrics.artifacts.gimbal import winding_count
-from motorcade.fusion.metrics.artifacts.overshoot import stops
+from motorcade.fusion.metrics.artifacts import stops, winding_count
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.compare.measure.lag import LagTable

@@ -15,7 +15,7 @@ from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.tracking import Board, BoardTrack, Checkerboard, PoseMeasurements, track_board
-from motorcade.tracking.boards.extent import extent_in_picture, extent_seen
+from motorcade.tracking.boards.checkerboard import extent_in_picture, extent_seen
 
 __all__ = ["board_poses", "warn_of_size", "warn_of_wrong_board"]
 

@@ -64,7 +64,7 @@ def _ways(picture: Any) -> dict[str, Callable[[], int]]:
     import cv2
 
     from motorcade.tracking.markers import detect_markers
-    from motorcade.tracking.markers.backends import apriltag_detector
+    from motorcade.tracking.markers.detection import apriltag_detector
     from motorcade.tracking.markers.families import dictionary
 
     peer = apriltag_detector(FAMILY)

@@ -7,8 +7,12 @@ import pytest
 from scipy.stats import chi2
 
 from motorcade.fusion.filter import FilterSettings, Fused
-from motorcade.fusion.filter.extended_pose import corrected, extended_pose
-from motorcade.fusion.filter.increments import increments, process_noise
+from motorcade.fusion.filter.extended_pose import (
+    corrected,
+    extended_pose,
+    increments,
+    process_noise,
+)
 from motorcade.fusion.imu import ADIS16448
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray

@@ -17,8 +17,7 @@ from motorcade.fusion.imu import (
 from motorcade.fusion.imu.allan import fitted_noise
 from motorcade.fusion.imu.screening import refuse_movement
 from motorcade.fusion.motions import MOTIONS
-from motorcade.fusion.motions.motion import Factor, Motion
-from motorcade.fusion.motions.signals import Polynomial
+from motorcade.fusion.motions.motion import Factor, Motion, Polynomial
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.files.imu import read_imu

@@ -13,8 +13,7 @@ from motorcade.fusion.metrics import (
     rotation_path_rad,
     seconds_per_pose,
 )
-from motorcade.fusion.metrics.artifacts.gimbal import winding_count
-from motorcade.fusion.metrics.artifacts.overshoot import stops
+from motorcade.fusion.metrics.artifacts import stops, winding_count
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Rotor, Trajectory
 

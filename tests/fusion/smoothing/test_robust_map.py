@@ -10,9 +10,9 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips
 from motorcade.fusion.smoothing import REPRESENTATIONS, smooth
 from motorcade.fusion.smoothing.batch import estimate_path
-from motorcade.fusion.smoothing.batch import parts as parts_module
-from motorcade.fusion.smoothing.batch.differences import between
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
+from motorcade.fusion.smoothing.batch.robust_map import parts
+from motorcade.fusion.smoothing.batch.tridiagonal import between
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -245,9 +245,9 @@ def test_parts_of_a_long_path_are_what_the_whole_is(
 ) -> None:
     _, _, degraded = measured("handheld", rng, duration_s=15.0)
     whole = estimate_path(degraded, representation, **MODEL)
-    monkeypatch.setattr(parts_module, "_FEWEST_KEPT", 150)
-    monkeypatch.setattr(parts_module, "_REJECTED_POSES", 40)
-    cut = list(parts_module.parts(degraded.time_s, SIZES))
+    monkeypatch.setitem(parts.__globals__, "_FEWEST_KEPT", 150)
+    monkeypatch.setitem(parts.__globals__, "_REJECTED_POSES", 40)
+    cut = list(parts(degraded.time_s, SIZES))
     assert len(cut) == 2
     assert [row for part in cut for row in range(451)[part.rows][part.kept]] == list(range(451))
     joined = estimate_path(degraded, representation, **MODEL)

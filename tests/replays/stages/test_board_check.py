@@ -11,7 +11,7 @@ import pytest
 from motorcade.ga import Motor
 from motorcade.replays.stages.camera.board_poses import warn_of_size, warn_of_wrong_board
 from motorcade.tracking import Checkerboard, MarkerGrid
-from motorcade.tracking.boards.extent import extent_in_picture, extent_seen
+from motorcade.tracking.boards.checkerboard import extent_in_picture, extent_seen
 from motorcade.tracking.measurements import MarkerObservation
 
 PRINTED = Checkerboard(9, 6, 0.03)

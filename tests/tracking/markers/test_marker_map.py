@@ -10,7 +10,7 @@ import pytest
 from motorcade.ga import Motor, Rotor
 from motorcade.tracking import TrackingError
 from motorcade.tracking.markers.mapping import map_markers, track_rig
-from motorcade.tracking.markers.mapping.reprojection import linearised, residuals_px
+from motorcade.tracking.markers.mapping.adjust import linearised, residuals_px
 from motorcade.tracking.markers.mapping.rig import gather
 from motorcade.tracking.markers.marker_map import MarkerMap
 

@@ -10,12 +10,17 @@ from motorcade.tracking.markers.families import marker_cells, marker_points_m
 from motorcade.tracking.markers.photometric import (
     PhotometricUnavailable,
     joined_frames,
-    libraries,
     refine_frame,
     refine_photometric,
 )
-from motorcade.tracking.markers.photometric.prints import blurred, grid_extent, prints
-from motorcade.tracking.markers.photometric.warp import grid_points, rectified
+from motorcade.tracking.markers.photometric.prints import (
+    blurred,
+    grid_extent,
+    grid_points,
+    prints,
+    rectified,
+    require,
+)
 from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 
 torch = pytest.importorskip("torch", reason="photometric refinement needs torch and kornia")
@@ -178,4 +183,4 @@ def test_what_cannot_be_is_refused(seen, monkeypatch: pytest.MonkeyPatch) -> Non
 
     monkeypatch.setitem(__import__("sys").modules, "kornia.geometry.transform", None)
     with pytest.raises(PhotometricUnavailable, match=r'pip install "motorcade\[photometric\]"'):
-        libraries.require()
+        require()

@@ -1,7 +1,7 @@
 """A stretch of frames with all that their sightings say, and what is remembered of earlier ones.
 
 Two thoughts carry the choice between candidates. Whatever the camera does, it does to all markers
-at once: candidates of many markers vote for one rotation between frames (`votes`). And most markers
+at once: candidates of many markers vote for one rotation between frames (`vote`). And most markers
 hang still: over many frames only one orientation in the world fits (`orientations`).
 """
 

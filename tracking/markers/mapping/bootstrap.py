@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.markers.mapping.agreement import agreed
-from motorcade.tracking.markers.mapping.reprojection import residuals_px
-from motorcade.tracking.markers.mapping.rig import RigSightings
+from motorcade.tracking.markers.mapping.adjust import residuals_px
+from motorcade.tracking.markers.mapping.rig import RigSightings, agreed
 
 __all__ = ["hang_markers", "place_frames"]
 

@@ -36,14 +36,17 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.markers.families import marker_points_m, side_cells
-from motorcade.tracking.markers.photometric.libraries import (
+from motorcade.tracking.markers.photometric.prints import (
     PhotometricUnavailable,
     best_device,
+    blurred,
+    grid_extent,
+    grid_points,
     one_thread,
+    prints,
+    rectified,
     require,
 )
-from motorcade.tracking.markers.photometric.prints import blurred, grid_extent, prints
-from motorcade.tracking.markers.photometric.warp import grid_points, rectified
 
 if TYPE_CHECKING:
     from torch import Tensor

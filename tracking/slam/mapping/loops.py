@@ -23,8 +23,13 @@ from motorcade.tracking.cameras.reprojection import to_frame
 from motorcade.tracking.slam.features import Corners, find_corners
 from motorcade.tracking.slam.geometry import BoolArray, refine_pose
 from motorcade.tracking.slam.mapping.map import SlamMap
-from motorcade.tracking.slam.mapping.matching import alike_where_expected, any_in_view
-from motorcade.tracking.slam.mapping.relocalise import RecognisedKeyframe, candidates, verified
+from motorcade.tracking.slam.mapping.matching import (
+    RecognisedKeyframe,
+    alike_where_expected,
+    any_in_view,
+    candidates,
+    verified,
+)
 from motorcade.tracking.slam.tracker import is_reliable
 
 __all__ = ["LoopClosure", "close_loop", "find_loop"]

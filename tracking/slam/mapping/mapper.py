@@ -14,7 +14,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import project
-from motorcade.tracking.corner_flow import track_corners
+from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.slam.features import (
     Corners,
     SlamPicture,

@@ -1,12 +1,22 @@
 """Points of the map matched to corners of a picture: near where they should be, and alike.
 
 Likeness is the number of bits in which ORB's descriptors differ (Rublee et al. 2011).
+
+Finding the camera in a known map: keyframes that look alike, then a pose that many points back.
+
+Every corner of the picture is compared with every point of the map (Hamming distance of ORB), and
+votes for the keyframes that saw its nearest point; the best few are then matched one by one and
+verified by geometry, which alone decides.
+
+Sources: ORB: Rublee et al. 2011; ratio of distances: Lowe 2004.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from motorcade.ga import Motor
@@ -14,10 +24,18 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import project, to_frame
 from motorcade.tracking.slam.features import Corners, Descriptors
-from motorcade.tracking.slam.geometry import BoolArray
+from motorcade.tracking.slam.geometry import BoolArray, FittedPose, pose_by_sampling
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 
-__all__ = ["alike_where_expected", "any_in_view", "in_view"]
+__all__ = [
+    "RecognisedKeyframe",
+    "alike_where_expected",
+    "any_in_view",
+    "candidates",
+    "in_view",
+    "matched",
+    "verified",
+]
 
 _MOST_BITS = 64
 _SCALE_CHANGE = 1.5
@@ -90,3 +108,92 @@ def alike_where_expected(
         best[np.unique(owner, return_index=True)[1]] += 1
     chosen = best == 2
     return points[chosen], rows[chosen]
+
+
+_FARTHEST = 64  # bits that may differ between two views of a corner
+_RATIO = 0.85
+_FEWEST_MATCHES = 15
+_FEWEST_INLIERS = 15
+
+
+@dataclass(frozen=True, eq=False)
+class RecognisedKeyframe:
+    """A keyframe that was recognised, the pose from it, and the matches that are inliers.
+
+    Args:
+        keyframe: its row; fit: the pose; ids, px: ``(n,)`` and ``(n, 2)`` points and pixels.
+    """
+
+    keyframe: int
+    fit: FittedPose
+    ids: IntArray
+    px: FloatArray
+
+
+def candidates(
+    slam_map: SlamMap, corners: Corners, count: int, allowed: IntArray | None = None
+) -> IntArray:
+    """Rows of up to `count` keyframes (of `allowed`, if given) that look most like the corners."""
+    rows = np.arange(len(slam_map.keyframes)) if allowed is None else allowed
+    if not len(rows) or not len(corners):
+        return np.zeros(0, dtype=np.int64)
+    owner, ids, _, _ = slam_map.observations(rows)
+    seen = slam_map.located[ids]
+    owner, ids = owner[seen], ids[seen]
+    known = np.unique(ids)
+    if not len(known):
+        return np.zeros(0, dtype=np.int64)
+    nearest = _nearest(corners.descriptors, slam_map.descriptors[known], 1)
+    votes = np.zeros(len(slam_map.alive))
+    for _, point, distance in nearest:
+        if distance[0] <= _FARTHEST:
+            votes[known[point[0]]] += 1.0
+    score = np.bincount(owner, weights=votes[ids], minlength=len(rows))
+    best = np.argsort(-score, kind="stable")[:count]
+    return np.asarray(rows[best[score[best] >= _FEWEST_MATCHES]])
+
+
+def matched(slam_map: SlamMap, corners: Corners, keyframe: int) -> tuple[IntArray, IntArray]:
+    """Rows of corners, and numbers of the points of one keyframe that they match."""
+    ids = slam_map.keyframes[keyframe].ids
+    ids = ids[slam_map.located[ids]]
+    if len(ids) < 2 or not len(corners):
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    best: dict[int, tuple[int, int]] = {}
+    for row, point, distance in _nearest(corners.descriptors, slam_map.descriptors[ids], 2):
+        clear = distance[0] <= _FARTHEST and distance[0] < _RATIO * distance[1]
+        if clear and distance[0] < best.get(point[0], (_FARTHEST + 1, 0))[0]:
+            best[point[0]] = (distance[0], row)
+    points = np.array(sorted(best), dtype=np.int64)
+    return np.array([best[point][1] for point in points], dtype=np.int64), ids[points]
+
+
+def verified(
+    slam_map: SlamMap, corners: Corners, rows: IntArray, camera: Camera
+) -> RecognisedKeyframe | None:
+    """The keyframe of `rows` with most matches that one pose explains, or None."""
+    best: RecognisedKeyframe | None = None
+    for keyframe in rows:
+        corner, ids = matched(slam_map, corners, int(keyframe))
+        if len(ids) < _FEWEST_MATCHES:
+            continue
+        px = corners.px[corner]
+        fit = pose_by_sampling(slam_map.points[ids], px, camera)
+        if fit is None or np.count_nonzero(fit.inliers) < _FEWEST_INLIERS:
+            continue
+        inliers = fit.inliers
+        if best is None or np.count_nonzero(inliers) > len(best.ids):
+            best = RecognisedKeyframe(int(keyframe), fit, ids[inliers], px[inliers])
+    return best
+
+
+def _nearest(
+    query: Descriptors, known: Descriptors, count: int
+) -> list[tuple[int, list[int], list[int]]]:
+    """For each query its nearest known descriptors: row, their rows, their distances in bits."""
+    pairs = cv2.BFMatcher(cv2.NORM_HAMMING).knnMatch(query, known, k=count)
+    return [
+        (one[0].queryIdx, [m.trainIdx for m in one], [int(m.distance) for m in one])
+        for one in pairs
+        if len(one) == count
+    ]

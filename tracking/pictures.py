@@ -1,7 +1,7 @@
-"""Corners of one picture found in the next, by pyramidal Lucas-Kanade flow.
+"""Grey levels between pixels, and corners of one picture found in the next.
 
-A corner counts as found if the flow back from its new place ends where it began. What is found is
-right to some tenths of a pixel.
+Corners are followed by pyramidal Lucas-Kanade flow. A corner counts as found if the flow back from
+its new place ends where it began. What is found is right to some tenths of a pixel.
 
 Sources: Lucas & Kanade 1981; Bouguet 2000 (pyramids); Kalal et al. 2010 (forward-backward check).
 """
@@ -17,7 +17,21 @@ from numpy.typing import NDArray
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.checks import GrayImage
 
-__all__ = ["track_corners"]
+__all__ = ["grey_levels", "track_corners"]
+
+
+def grey_levels(image: GrayImage, px: FloatArray) -> FloatArray:
+    """Bilinear grey levels ``(*, n)`` at pixels ``(*, n, 2)``; beyond the edge those of the edge.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking.pictures import grey_levels
+    >>> grey_levels(np.array([[0, 100], [0, 100]], np.uint8), np.array([[0.5, 0.0], [9.0, 1.0]]))
+    array([ 50., 100.])
+    """
+    grid = px.astype(np.float32).reshape(-1, px.shape[-2], 2)
+    levels = cv2.remap(image, grid, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.asarray(levels, np.float64).reshape(px.shape[:-1])
+
 
 _WINDOW_PX = 21
 _LEVELS = 3
@@ -45,7 +59,7 @@ def track_corners(
         border_px: nothing is found nearer to the edge of the picture.
 
     >>> import cv2, numpy as np
-    >>> from motorcade.tracking.corner_flow import track_corners
+    >>> from motorcade.tracking.pictures import track_corners
     >>> noise = np.random.default_rng(0).integers(0, 255, (100, 120)).astype(np.uint8)
     >>> picture = cv2.GaussianBlur(noise, (0, 0), 3.0)
     >>> corners = np.array([[40.0, 50.0], [70.0, 60.0]])

@@ -1,0 +1,190 @@
+"""States by a factor graph: all at once, or node after node with a lag.
+
+With a lag, each node is revised while it is younger than that. What leaves the window is summed up
+in its neighbours (marginalised) by gtsam's incremental smoother (M. Kaess et al., iSAM2, IJRR
+31(2), 2012).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from motorcade.fusion.graph.inertial import (
+    InertialGraph,
+    as_motor,
+    as_poses,
+    keys,
+    optimised,
+    state_covariance,
+)
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray
+
+if TYPE_CHECKING:
+    import gtsam
+
+__all__ = ["GraphStates", "smooth_all", "smooth_with_lag"]
+
+_ITERATIONS = 100
+_RELATIVE = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class GraphStates:
+    """States at N nodes: ``world_T_imu``, velocity, biases (gyroscope first), covariance as of
+    `motorcade.fusion.filter.Fused`.
+    """
+
+    world_T_imu: Motor
+    velocity_m_s: FloatArray
+    bias: FloatArray
+    covariance: FloatArray
+
+
+def smooth_all(graph: InertialGraph) -> GraphStates:
+    """The most probable states, each by all the data."""
+    import gtsam
+
+    factors = gtsam.NonlinearFactorGraph()
+    for prior in graph.priors():
+        factors.push_back(prior)
+    bias = gtsam.imuBias.ConstantBias()
+    for index in range(len(graph.time_ns)):
+        seen = graph.seen(index)
+        if seen is not None:
+            factors.push_back(seen)
+        if index:
+            factors.push_back(graph.motion(index, graph.summed(index, bias)))
+    return _read_all(graph, factors, optimised(factors, _start(graph), _ITERATIONS, _RELATIVE))
+
+
+def _start(graph: InertialGraph) -> gtsam.Values:
+    """Along the measured poses, with their velocities and without biases."""
+    import gtsam
+
+    seen = graph.measured >= 0
+    path = Trajectory(graph.time_ns[seen], graph.world_T_imu[graph.measured[seen]])
+    poses = path.motors_at(np.minimum(graph.time_ns, path.time_ns[-1]))
+    velocity = np.zeros((len(poses), 3))
+    if len(path) > 1:
+        measured = np.gradient(path.motors.translation_m, path.time_s, axis=0)
+        columns = [np.interp(graph.time_ns, path.time_ns, one) for one in measured.T]
+        velocity = np.stack(columns, axis=-1)
+    values = gtsam.Values()
+    for index, pose in enumerate(as_poses(poses)):
+        node = keys(index)
+        values.insert(node.pose, pose)
+        values.insert(node.velocity, velocity[index])
+        values.insert(node.bias, gtsam.imuBias.ConstantBias())
+    return values
+
+
+def _read_all(
+    graph: InertialGraph, factors: gtsam.NonlinearFactorGraph, found: gtsam.Values
+) -> GraphStates:
+    import gtsam
+
+    marginals = gtsam.Marginals(factors, found)
+    poses, velocity, bias, covariance = [], [], [], []
+    for index in range(len(graph.time_ns)):
+        node = keys(index)
+        poses.append(found.atPose3(node.pose))
+        velocity.append(found.atVector(node.velocity))
+        own = found.atConstantBias(node.bias)
+        bias.append(np.concatenate([own.gyroscope(), own.accelerometer()]))
+        names = gtsam.KeyVector([node.pose, node.velocity, node.bias])
+        joint = marginals.jointMarginalCovariance(names)
+        ordered = [node.pose, node.velocity, node.bias]
+        covariance.append(np.block([[joint.at(a, b) for b in ordered] for a in ordered]))
+    motors = as_motor(poses)
+    spread = state_covariance(np.array(covariance), motors)
+    return GraphStates(motors, np.array(velocity), np.array(bias), spread)
+
+
+# Steps of Gauss and Newton at each node: the loss is not quadratic, and a prediction after long
+# darkness is far off.
+_STEPS = 3
+
+
+def smooth_with_lag(graph: InertialGraph, lag_s: float) -> GraphStates:
+    """States that each know the data up to `lag_s` later.
+
+    Covariances between pose, velocity and biases are left zero: gtsam's smoother gives one variable
+    at a time.
+    """
+    import gtsam
+
+    params = gtsam.ISAM2Params()
+    # Walks are so slow beside the first uncertainty that squares lose digits.
+    params.setFactorization("QR")
+    params.relinearizeSkip = 1
+    params.setRelinearizeThreshold(1e-3)
+    smoother = gtsam.IncrementalFixedLagSmoother(lag_s, params)
+    time_s = (graph.time_ns - graph.time_ns[0]) * 1e-9
+    rows, unread = [], 0
+    for index in range(len(time_s)):
+        _add(smoother, graph, index, float(time_s[index]))
+        following = time_s[index + 1] if index + 1 < len(time_s) else np.inf
+        while unread <= index and time_s[unread] < following - lag_s:
+            rows.append(_read_node(smoother, unread))
+            unread += 1
+    poses, velocity, bias, covariance = zip(*rows, strict=True)
+    motors = as_motor(poses)
+    spread = state_covariance(np.array(covariance), motors)
+    return GraphStates(motors, np.array(velocity), np.array(bias), spread)
+
+
+def _add(
+    smoother: gtsam.IncrementalFixedLagSmoother, graph: InertialGraph, index: int, time_s: float
+) -> None:
+    """One node with its factors, started where the samples propagate the one before."""
+    import gtsam
+
+    factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+    node, seen = keys(index), graph.seen(index)
+    if seen is not None:
+        factors.push_back(seen)
+    if index == 0:
+        for prior in graph.priors():
+            factors.push_back(prior)
+        values.insert(node.pose, graph.poses[int(graph.measured[0])])
+        values.insert(node.velocity, np.zeros(3))
+        values.insert(node.bias, gtsam.imuBias.ConstantBias())
+    else:
+        last = keys(index - 1)
+        bias = smoother.calculateEstimateConstantBias(last.bias)
+        summed = graph.summed(index, bias)
+        factors.push_back(graph.motion(index, summed))
+        state = gtsam.NavState(
+            smoother.calculateEstimatePose3(last.pose),
+            smoother.calculateEstimateVector(last.velocity),
+        )
+        there = summed.predict(state, bias)
+        values.insert(node.pose, there.pose())
+        values.insert(node.velocity, there.velocity())
+        values.insert(node.bias, bias)
+    stamps: Any = dict.fromkeys((node.pose, node.velocity, node.bias), time_s)
+    smoother.update(factors, values, stamps)
+    for _ in range(_STEPS - 1):
+        smoother.update()
+
+
+def _read_node(smoother: gtsam.IncrementalFixedLagSmoother, index: int) -> tuple[Any, ...]:
+    node = keys(index)
+    covariance: FloatArray = np.zeros((15, 15))
+    for key, part in (
+        (node.pose, slice(6)),
+        (node.velocity, slice(6, 9)),
+        (node.bias, slice(9, 15)),
+    ):
+        covariance[part, part] = smoother.marginalCovariance(key)
+    bias = smoother.calculateEstimateConstantBias(node.bias)
+    return (
+        smoother.calculateEstimatePose3(node.pose),
+        smoother.calculateEstimateVector(node.velocity),
+        np.concatenate([bias.gyroscope(), bias.accelerometer()]),
+        covariance,
+    )

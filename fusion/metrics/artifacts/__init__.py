@@ -1,1 +1,0 @@
-"""What smoothing invents: detours and turns, overshoot, and answers that depend on the frame."""

@@ -1,1 +1,0 @@
-"""How far poses are from the truth: absolute, relative, and over lengths of path."""

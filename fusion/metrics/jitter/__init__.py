@@ -1,1 +1,0 @@
-"""How much a trajectory jitters: jitter, spectral energy, log dimensionless jerk."""

@@ -1,0 +1,255 @@
+"""Smoothers that average over a window of time around every pose: no lag, no memory, no model.
+
+The window is symmetric in time. Stamps may be uneven and gaps are no special case: what lies in a
+window is told by time, never by index.
+
+Sources: W. S. Cleveland, Robust locally weighted regression and smoothing scatterplots, JASA 74
+(1979), for the tricube weights; A. Savitzky and M. Golay, Analytical Chemistry 36 (1964), for equal
+ones.
+
+`automatic_window_s` tells how wide a window may be before it takes away motion instead of noise.
+White noise gives up a known share of its variance to a window of a given width, so how far
+smoothing moves a path tells how large the noise would have to be. Two things betray motion: that
+size grows as the window widens, or it exceeds the uncertainty that the path itself claims.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.smoothing.averages import averaged, polynomial_at_centre
+from motorcade.fusion.smoothing.checks import checked_length, checked_order
+from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
+
+__all__ = [
+    "automatic_window_s",
+    "gaussian",
+    "local_polynomial",
+    "savitzky_golay",
+    "shifted_windows",
+    "white_noise_removed",
+]
+
+
+def local_polynomial(
+    trajectory: Trajectory,
+    representation: Representation,
+    *,
+    window_s: float = 0.3,
+    order: int = 2,
+) -> Trajectory:
+    """Local polynomials with Cleveland's tricube weights, which fade out at the window's ends.
+
+    At the ends of the path the window is one-sided, and less is smoothed away there.
+
+    Args:
+        trajectory: at any sampling, even or not.
+        representation: what the poses are averaged as. With "motor" and "rotor", poses in one
+            window must be less than half a turn from its centre for the result to mean anything.
+        window_s: full width of the window in seconds. Motion faster than about 1 / window_s Hz is
+            smoothed away with the noise.
+        order: of the polynomial: 0 average, 1 line (both cut corners), 2 parabola (keeps
+            constant acceleration), up to 5. Where the window holds too few poses for it, the
+            highest order that they determine is used; a pose alone in its window stays as it is.
+
+    Raises:
+        ValueError: a window that is not positive, an order outside 0 to 5.
+    """
+    width_ns, degree = _settings(window_s, order)
+    first, last = centred_windows(trajectory.time_ns, width_ns)
+
+    def weights(offset_s: FloatArray, inside: NDArray[np.bool_]) -> FloatArray:
+        u = offset_s * (2e9 / width_ns)
+        weight = np.where(inside, (1.0 - np.minimum(np.abs(u), 1.0) ** 3) ** 3, 0.0)
+        return polynomial_at_centre(u, weight, inside, degree)
+
+    return averaged(trajectory, representation, first, last, weights)
+
+
+def savitzky_golay(
+    trajectory: Trajectory,
+    representation: Representation,
+    *,
+    window_s: float = 0.3,
+    order: int = 2,
+) -> Trajectory:
+    """Local polynomials with equal weights: Savitzky and Golay's filter, over time.
+
+    A window of n even intervals holds n poses (n odd), and the result is that of
+    scipy.signal.savgol_filter. As there (mode "interp"), poses less than half a window from an end
+    of the path share the outermost whole window: its polynomial is evaluated at their stamps.
+
+    Args:
+        trajectory: at least order + 1 poses at any sampling.
+        representation: what the poses are averaged as; see `local_polynomial`. Near the ends of the
+            path poses up to a whole window away are averaged.
+        window_s: full width of the window in seconds; half a window is open at both ends.
+        order: of the polynomial, 0 to 5; see `local_polynomial`.
+
+    Raises:
+        ValueError: a window that is not positive, an order outside 0 to 5, too few poses.
+    """
+    width_ns, degree = _settings(window_s, order)
+    checked_length(trajectory, degree + 1, f"savitzky_golay of order {degree}")
+    first, last = shifted_windows(trajectory.time_ns, width_ns)
+
+    def weights(offset_s: FloatArray, inside: NDArray[np.bool_]) -> FloatArray:
+        u = offset_s * (2e9 / width_ns)
+        return polynomial_at_centre(u, inside.astype(np.float64), inside, degree)
+
+    return averaged(trajectory, representation, first, last, weights)
+
+
+def centred_windows(time_ns: IntArray, width_ns: int) -> tuple[IntArray, IntArray]:
+    """Rows ``(N,)`` that begin and end the open windows of a width around every stamp."""
+    double = 2 * (time_ns - time_ns[0])  # widths may be odd
+    first = np.searchsorted(double, double - width_ns, side="right")
+    return first, np.searchsorted(double, double + width_ns, side="left")
+
+
+def shifted_windows(time_ns: IntArray, width_ns: int) -> tuple[IntArray, IntArray]:
+    """The same windows, shifted to stay on the path."""
+    first, last = centred_windows(time_ns, width_ns)
+    early = 2 * (time_ns - time_ns[0]) < width_ns
+    late = 2 * (time_ns[-1] - time_ns) < width_ns
+    first[late] = np.searchsorted(time_ns, time_ns[-1] - width_ns, side="right")
+    last[early] = np.searchsorted(time_ns, time_ns[0] + width_ns, side="left")
+    first[early], last[late] = 0, len(time_ns)
+    return first, last
+
+
+def white_noise_removed(neighbours: int, order: int) -> float:
+    """Share of white noise's variance that a window of 2 `neighbours` + 1 even stamps takes away.
+
+    The window reaches half an interval beyond the last neighbour, with tricube weights; 0 where the
+    polynomial meets every pose exactly, towards 1 in wide windows.
+    """
+    u = np.arange(-neighbours, neighbours + 1)[:, None] / (neighbours + 0.5)
+    inside = np.ones(u.shape, dtype=np.bool_)
+    weight = (1.0 - np.abs(u) ** 3) ** 3
+    kernel = polynomial_at_centre(u, weight, inside, order)[:, 0]
+    return float(1.0 - 2.0 * kernel[neighbours] + np.sum(kernel**2))
+
+
+def _settings(window_s: float, order: int) -> tuple[int, int]:
+    width_ns = round(checked_positive(window_s, "window_s", "seconds") * 1e9)
+    if width_ns < 1:
+        raise ValueError(f"window_s: expected at least 1e-9 seconds, got {window_s}")
+    return width_ns, checked_order(order)
+
+
+# Beyond this many standard deviations weights are lost beside the largest.
+_FARTHEST = 8.0
+
+
+def gaussian(
+    trajectory: Trajectory,
+    representation: Representation,
+    *,
+    sigma_s: float = 0.1,
+    truncate: float = 4.0,
+    order: int = 1,
+) -> Trajectory:
+    """Average with Gaussian weights over time, ``exp(-t² / 2 sigma_s²)``.
+
+    On even stamps it is the usual Gaussian filter (scipy.ndimage.gaussian_filter1d) away from the
+    ends. Where stamps are uneven, and at the ends, a plain mean is drawn towards the side that has
+    more poses, by as much as the path moves; the line fitted with the same weights (`order` 1) is
+    not, and even stamps make no difference between the two. Across a gap longer than the window
+    nothing is averaged; a pose alone in its window stays.
+
+    Args:
+        trajectory: at any sampling.
+        representation: what is averaged. Poses in one window must be less than half a turn from its
+            centre for twists and rotation vectors to mean anything.
+        sigma_s: standard deviation in seconds. Motion of frequency f is damped to
+            ``exp(-½ (2π f sigma_s)²)``: to half at 0.187 / sigma_s Hz.
+        truncate: standard deviations at which the window ends, on both sides and inclusively;
+            at most 8.
+        order: 1 line, 0 plain mean (Nadaraya and Watson's), up to 5.
+
+    Raises:
+        ValueError: sigma_s not positive, truncate outside 0 to 8, or an order outside 0 to 5.
+
+    Source: local regression as W. S. Cleveland, JASA 74 (1979), with Gaussian weights.
+    """
+    sigma = checked_positive(sigma_s, "sigma_s", "seconds")
+    if not 0.0 < truncate <= _FARTHEST:
+        raise ValueError(f"truncate: expected above 0 and at most {_FARTHEST:g}, got {truncate}")
+    reach_ns = round(truncate * sigma * 1e9)
+    degree = checked_order(order)
+    time_ns = trajectory.time_ns
+    first = np.searchsorted(time_ns, time_ns - reach_ns, side="left")
+    last = np.searchsorted(time_ns, time_ns + reach_ns, side="right")
+
+    def weights(offset_s: FloatArray, inside: NDArray[np.bool_]) -> FloatArray:
+        u = offset_s * (1.0 / sigma)
+        weight = np.exp(-0.5 * u * u)
+        weight *= inside
+        return polynomial_at_centre(u, weight, inside, degree)
+
+    return averaged(trajectory, representation, first, last, weights)
+
+
+_FEWEST, _MOST = 2, 10
+# White noise of a few hundred poses estimates its own variance to better than this factor.
+_GROWTH = 1.5
+
+
+def automatic_window_s(
+    trajectory: Trajectory, covariance: FloatArray, order: int = 2
+) -> float | None:
+    """The widest window, up to 21 poses, that removes noise alone; None if none does.
+
+    Args:
+        trajectory: N poses; the window is counted in their median interval.
+        covariance: ``(N, 6, 6)`` of the right perturbation, rotation (rad) then translation (m).
+        order: of the local polynomials, see `local_polynomial`.
+
+    Raises:
+        ValueError: covariances that do not fit the trajectory, or as `local_polynomial`.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.motions.degradations import Gaussian
+        >>> from motorcade.fusion.smoothing import automatic_window_s
+        >>> rng = np.random.default_rng(0)
+        >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> covariance = np.diag([0.02**2] * 3 + [0.01**2] * 3)  # rotation first
+        >>> window_s = automatic_window_s(noisy, np.tile(covariance, (len(noisy), 1, 1)))
+        >>> print(f"{window_s:.2f} s")
+        0.70 s
+    """
+    if covariance.shape != (len(trajectory), 6, 6):
+        raise ValueError(f"covariance: expected {(len(trajectory), 6, 6)}, got {covariance.shape}")
+    if len(trajectory) < 2 * _MOST + 1:
+        return None
+    interval_s = float(np.median(np.diff(trajectory.time_s)))
+    widest, narrowest_size = None, None
+    for neighbours in range(_FEWEST, _MOST + 1):
+        share = white_noise_removed(neighbours, order)
+        if share < 1e-6:
+            continue  # so few poses are met exactly
+        window_s = (2 * neighbours + 1) * interval_s
+        size = _mean_square_change(trajectory, covariance, window_s, order) / share
+        narrowest_size = size if narrowest_size is None else narrowest_size
+        if size > _GROWTH * min(1.0, narrowest_size):
+            break
+        widest = window_s
+    return widest
+
+
+def _mean_square_change(
+    trajectory: Trajectory, covariance: FloatArray, window_s: float, order: int
+) -> float:
+    """Mean square of how far smoothing moves the poses, in their own standard deviations."""
+    motors = REPRESENTATIONS["motor"]
+    smoothed = local_polynomial(trajectory, motors, window_s=window_s, order=order)
+    change = trajectory.motors.local(smoothed.motors)
+    weighed = np.linalg.solve(covariance, change[..., None])[..., 0]
+    return float(np.mean(change * weighed))
