@@ -10,12 +10,14 @@ squares of their sines follow from ``⟨G²⟩₀`` and ``h = H²``, and its log
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.functions.commuting import (
+    Square,
     any_holds,
     commuting_product,
     nonzero,
@@ -36,7 +38,7 @@ from motorcade.ga.algebra.functions.elementary import (
 )
 from motorcade.ga.algebra.scalars import magnitude
 
-__all__ = ["EvenParts", "check_versor", "even_parts", "log", "without_rounding"]
+__all__ = ["EvenParts", "by_structure", "check_versor", "log", "without_rounding"]
 
 _NEAR = 0.02
 _TERMS = 10
@@ -83,25 +85,42 @@ def log(x: BladeSum) -> BladeSum:
             no plane, neither simple nor an even versor in at most five dimensions.
     """
     with np.errstate(all="ignore"):
-        rest = without_scalar(x)
-        if not rest.masks:
-            return plus(_log_of_norm(x.scalar_part(), x.scalar_part()), rest)
-        square = square_of(rest)
-        if square is not None and square.is_scalar:
-            return _log_of_simple(x, rest, square.scalar, square.sign)
-        parts = even_parts(x)
-        if parts is not None:
-            return _log_of_versor(x, parts)
-        kept = without_rounding(x)
-        if kept.masks != x.masks:
-            return log(kept)
+        return by_structure("log", x, lambda c: _log_of_norm(c, c), _log_of_simple, _log_of_versor)
+
+
+def by_structure(
+    name: str,
+    x: BladeSum,
+    of_scalar: Callable[[Any], Any],
+    of_simple: Callable[[BladeSum, BladeSum, Square], BladeSum],
+    of_versor: Callable[[BladeSum, EvenParts], BladeSum],
+) -> BladeSum:
+    """A function of a scalar, of one beside something simple, or of an even versor.
+
+    `of_simple` is given the element, the part beside the scalar, and the square of that.
+
+    Raises:
+        ValueError: none of these.
+    """
+    rest = without_scalar(x)
+    if not rest.masks:
+        return plus(of_scalar(x.scalar_part()), rest)
+    square = square_of(rest)
+    if square is not None and square.is_scalar:
+        return of_simple(x, rest, square)
+    parts = _even_parts(x)
+    if parts is not None:
+        return of_versor(x, parts)
+    kept = without_rounding(x)
+    if kept.masks != x.masks:
+        return by_structure(name, kept, of_scalar, of_simple, of_versor)
     raise ValueError(
-        "log: expected a scalar beside something with a scalar square, or an even versor in at "
+        f"{name}: expected a scalar beside something with a scalar square, or an even versor in at "
         f"most five dimensions, got blades {' '.join(x.blades[:6])}"
     )
 
 
-def even_parts(x: BladeSum) -> EvenParts | None:
+def _even_parts(x: BladeSum) -> EvenParts | None:
     """The grades of an even element; None in six dimensions and more, and for any other grade."""
     if x.algebra.dimension > 5 or not set(x.grades) <= {0, 2, 4}:
         return None
@@ -122,8 +141,8 @@ def _log_of_norm(value: Any, sign: Any) -> Any:
     return apply("log", value)
 
 
-def _log_of_simple(x: BladeSum, y: BladeSum, s: Any, sign: int) -> BladeSum:
-    c = x.scalar_part()
+def _log_of_simple(x: BladeSum, y: BladeSum, square: Square) -> BladeSum:
+    c, s = x.scalar_part(), square.scalar
     if type(s) is float and s == 0.0:
         return plus(_log_of_norm(c, c), y._divided(c))
     n = c * c - s
@@ -132,7 +151,7 @@ def _log_of_simple(x: BladeSum, y: BladeSum, s: Any, sign: int) -> BladeSum:
     sine_squared, cosine = s / n, c / size
     if numeric(x):
         _check_turn(x, where(cosine < 0, sine_squared, -1.0))
-    ratio, _ = _ratios(sine_squared, cosine, sign)
+    ratio, _ = _ratios(sine_squared, cosine, square.sign)
     return plus(whole, y._scaled(ratio / size))
 
 

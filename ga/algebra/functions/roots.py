@@ -14,17 +14,17 @@ import numpy as np
 
 from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.functions.commuting import (
+    Square,
     any_holds,
     numeric,
     plus,
-    square_of,
     without_scalar,
 )
 from motorcade.ga.algebra.functions.elementary import apply, where
 from motorcade.ga.algebra.functions.logarithm import (
     EvenParts,
+    by_structure,
     check_versor,
-    even_parts,
     without_rounding,
 )
 from motorcade.ga.algebra.scalars import magnitude
@@ -99,23 +99,7 @@ def sqrt(x: BladeSum) -> BladeSum:
             neither simple nor an even versor in at most five dimensions.
     """
     with np.errstate(all="ignore"):
-        rest = without_scalar(x)
-        c = x.scalar_part()
-        if not rest.masks:
-            return plus(_root(c), rest)
-        square = square_of(rest)
-        if square is not None and square.is_scalar:
-            return _root_of_simple(c, rest, square.scalar)
-        parts = even_parts(x)
-        if parts is not None:
-            return _root_of_versor(x, parts)
-        kept = without_rounding(x)
-        if kept.masks != x.masks:
-            return sqrt(kept)
-    raise ValueError(
-        "sqrt: expected a scalar beside something with a scalar square, or an even versor in at "
-        f"most five dimensions, got blades {' '.join(x.blades[:6])}"
-    )
+        return by_structure("sqrt", x, _root, _root_of_simple, _root_of_versor)
 
 
 def _root(value: Any) -> Any:
@@ -124,8 +108,9 @@ def _root(value: Any) -> Any:
     return apply("sqrt", value)
 
 
-def _root_of_simple(c: Any, y: BladeSum, s: Any) -> BladeSum:
+def _root_of_simple(x: BladeSum, y: BladeSum, square: Square) -> BladeSum:
     """``(√n + x) / √(2 (√n + c))`` with ``n = c² - s``, where nothing cancels for negative `c`."""
+    c, s = x.scalar_part(), square.scalar
     size = _root(c * c - s)
     scalar = where(c < 0, -s / where(c < 0, size - c, 1.0), size + c)
     if any_holds(scalar <= 0):
