@@ -1,4 +1,4 @@
-"""An extension of griffe: what our docstrings call "Fields:" is what it calls "Attributes:"."""
+"""An extension of griffe for what our docstrings write differently: fields, and bare examples."""
 
 from __future__ import annotations
 
@@ -8,12 +8,20 @@ from typing import Any
 import griffe
 
 FIELDS = re.compile(r"^( *)Fields:$", re.MULTILINE)
+# From a prompt to the next empty line: what is typed, and what it prints.
+EXAMPLE = re.compile(r"^( *)>>> .*(?:\n *\S.*)*", re.MULTILINE)
 
 
-class FieldsAsAttributes(griffe.Extension):
-    """Reads `Fields:`, the name that values of ours are told by, as the Google style's own."""
+def markdown(docstring: str) -> str:
+    """A docstring in the Google style, with its examples as blocks of code."""
+    attributes = FIELDS.sub(r"\1Attributes:", docstring)
+    return EXAMPLE.sub(r"\1```pycon\n\g<0>\n\1```", attributes)
+
+
+class HouseDocstrings(griffe.Extension):
+    """Reads `Fields:` as the Google style's own section, and examples as code."""
 
     def on_object(self, *, obj: griffe.Object, **_: Any) -> None:
-        """Rename the section in the docstring of one object."""
+        """Rewrite the docstring of one object."""
         if obj.docstring is not None:
-            obj.docstring.value = FIELDS.sub(r"\1Attributes:", obj.docstring.value)
+            obj.docstring.value = markdown(obj.docstring.value)

@@ -55,9 +55,9 @@ def test_a_tracked_board_is_left_where_it_is_and_jitters_less(data_dir: Path) ->
     assert after.ape_m.rmse < 1.001 * before.ape_m.rmse
     figures = changes(raw, smoothed)
     for kind in ("linear_jitter_m_s2", "angular_jitter_rad_s2"):
-        smoothed, raw = figures[f"smoothed_{kind}"], figures[f"raw_{kind}"]
-        assert smoothed is not None
-        assert raw is not None
-        assert smoothed < raw
+        jitter, raw_jitter = figures[f"smoothed_{kind}"], figures[f"raw_{kind}"]
+        assert jitter is not None
+        assert raw_jitter is not None
+        assert jitter < raw_jitter
     assert isinstance(smoothed.poses, Motor)
     assert np.isfinite(smoothed.poses.coefficients).all()
