@@ -8,8 +8,9 @@ from typing import Any
 import griffe
 
 FIELDS = re.compile(r"^( *)Fields:$", re.MULTILINE)
-# From a prompt to the next empty line: what is typed, and what it prints.
-EXAMPLE = re.compile(r"^( *)>>> .*(?:\n *\S.*)*", re.MULTILINE)
+# From a prompt to the next empty line: what is typed, and what it prints. What is indented by four
+# is a block of code already.
+EXAMPLE = re.compile(r"^( {0,3})>>> .*(?:\n *\S.*)*", re.MULTILINE)
 
 
 def markdown(docstring: str) -> str:
