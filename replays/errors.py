@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import difflib
 import reprlib
-import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+from motorcade.ga import files
+from motorcade.ga.files import EmptyFileError, FileError
+
 __all__ = [
     "DamagedError",
     "RecordingError",
+    "admit_file",
     "did_you_mean",
     "one_line",
     "open_bounded",
@@ -97,8 +100,8 @@ def did_you_mean(name: str, allowed: Iterable[str]) -> str:
 
 def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> bytes:
     """Read a whole regular file of at most `limit_bytes`; raises as `open_bounded`."""
-    with open_bounded(path, limit_bytes, field) as file:
-        return file.read()
+    with _refused(field):
+        return files.read_bounded(path, limit_bytes)
 
 
 @contextmanager
@@ -110,25 +113,25 @@ def open_bounded(path: Path, limit_bytes: int, field: str | None = None) -> Iter
         RecordingError: missing, not a regular file (a pipe would hang), larger than the limit, or
             unreadable, also within the block.
     """
+    with _refused(field), files.open_bounded(path, limit_bytes) as file:
+        yield file
+
+
+def admit_file(path: Path, limit_bytes: int, field: str | None = None) -> None:
+    """Check a file that a library is about to open; raises as `open_bounded`."""
+    with _refused(field):
+        files.admit_file(path, limit_bytes)
+
+
+@contextmanager
+def _refused(field: str | None) -> Iterator[None]:
+    """What the door refuses, as this room's errors."""
     try:
-        about = path.stat()
-        if not stat.S_ISREG(about.st_mode):
-            raise refusal(path, "expected a file, got a folder or a device", field=field)
-        if about.st_size > limit_bytes:
-            raise refusal(
-                path, f"expected at most {limit_bytes} bytes, got {about.st_size}", field=field
-            )
-        if about.st_size == 0:
-            raise DamagedError(str(refusal(path, "the file is empty", field=field)))
-        with path.open("rb") as file:
-            yield file
-    except FileNotFoundError as missing:
-        raise refusal(path, "the file is missing", field=field) from missing
-    except (OSError, ValueError) as fault:
-        if isinstance(fault, RecordingError):
-            raise
-        reason = getattr(fault, "strerror", None) or str(fault)
-        raise refusal(path, f"cannot be read: {reason}", field=field) from fault
+        yield
+    except EmptyFileError as fault:
+        raise DamagedError(str(refusal(fault.path, fault.problem, field=field))) from fault
+    except FileError as fault:
+        raise refusal(fault.path, fault.problem, field=field) from fault
 
 
 def _printable(text: str) -> str:

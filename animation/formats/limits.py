@@ -6,11 +6,12 @@ before it fills the memory.
 
 from __future__ import annotations
 
-import stat
 from pathlib import Path
 from urllib.parse import unquote
 
 from motorcade.animation.formats.errors import FormatError, expected, shown
+from motorcade.ga import files
+from motorcade.ga.files import FileError
 
 __all__ = [
     "MAX_CLIPS",
@@ -45,23 +46,11 @@ MAX_IMAGE_PIXELS = 64 << 20
 
 
 def read_bounded(path: Path, limit_bytes: int = MAX_FILE_BYTES) -> bytes:
-    """Read a whole regular file.
-
-    Raises:
-        FormatError: missing, not a regular file, empty, larger than the limit, or unreadable.
-    """
+    """Read a whole regular file; raises FormatError as `ga.files.read_bounded` does FileError."""
     try:
-        about = path.stat()
-        if not stat.S_ISREG(about.st_mode):
-            raise FormatError("expected a file, got a folder or a device")
-        if about.st_size > limit_bytes:
-            raise FormatError(f"expected at most {limit_bytes} bytes, got {about.st_size}")
-        data = path.read_bytes()
-    except OSError as fault:
-        raise FormatError(f"cannot be read: {fault.strerror}") from fault
-    if not data:
-        raise FormatError("the file is empty")
-    return data
+        return files.read_bounded(path, limit_bytes)
+    except FileError as fault:
+        raise FormatError(fault.problem) from fault
 
 
 def beside(folder: Path, uri: str, field: str) -> Path:

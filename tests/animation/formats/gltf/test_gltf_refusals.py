@@ -209,7 +209,7 @@ def test_containers_that_are_cut_or_none_are_refused(
         ("data:application/octet-stream,plain", "expected base64 data"),
         ("data:application/octet-stream;base64,!!!", "expected base64 data"),
         ("data:application/octet-stream;base64,AAAA", "byteLength: expected at most 3"),
-        ("lost.bin", "'lost.bin': cannot be read"),
+        ("lost.bin", "'lost.bin': the file is missing"),
         ("a" * 2000, "expected the name of a file beside this one"),
         ("b" * 999, "expected the name of a file|cannot be read"),
         (7, "uri: expected a string"),
