@@ -22,6 +22,7 @@ __all__ = [
     "admit_file",
     "file_digest",
     "files_read",
+    "off_record",
     "open_bounded",
     "read_bounded",
 ]
@@ -135,6 +136,16 @@ def files_read() -> Iterator[dict[Path, str]]:
         _record.reset(token)
         if outer is not None:
             outer.update(record)
+
+
+@contextmanager
+def off_record() -> Iterator[None]:
+    """Within the block nothing is put on record: for files that the program made for itself."""
+    token = _record.set(None)
+    try:
+        yield
+    finally:
+        _record.reset(token)
 
 
 def file_digest(path: Path) -> str:

@@ -20,6 +20,7 @@ from motorcade.animation.formats.errors import FormatError, shown
 from motorcade.animation.formats.gltf import read_gltf
 from motorcade.animation.formats.limits import MAX_FILE_BYTES, read_bounded
 from motorcade.animation.formats.rig.values import Rig
+from motorcade.ga.files import off_record
 
 __all__ = ["read_fbx"]
 
@@ -50,7 +51,8 @@ def read_fbx(path: Path) -> Rig:
         made = Path(folder) / "made.glb"
         given.write_bytes(data)
         _export(program, given, made)
-        rig = read_gltf(made)
+        with off_record():
+            rig = read_gltf(made)
     unit_m = _unit_m(data)
     if unit_m is not None:
         rig = replace(rig, unit_m=unit_m, unit_checked=False)

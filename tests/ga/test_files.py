@@ -14,6 +14,7 @@ from motorcade.ga.files import (
     FileError,
     admit_file,
     files_read,
+    off_record,
     open_bounded,
     read_bounded,
 )
@@ -71,3 +72,12 @@ def test_nothing_is_on_record_outside_the_block(file: Path) -> None:
         pass
     read_bounded(file, 100)
     assert record == {}
+
+
+def test_what_the_program_made_for_itself_stays_off_the_record(file: Path) -> None:
+    with files_read() as record:
+        with off_record():
+            read_bounded(file, 100)
+        assert record == {}
+        read_bounded(file, 100)
+    assert list(record) == [file]
