@@ -85,17 +85,31 @@ def _spread(array: Array, shape: tuple[int, ...], trailing: int) -> Array:
     if prod(batch) == 1:
         return array.reshape(rest)
     spread = np.broadcast_to(array, (*shape, *rest))
-    return spread if len(shape) < 2 else _rows(spread, shape, rest)
+    return spread if len(shape) < 2 else spread.reshape(prod(shape), *rest)  # copied if need be
 
 
-def _rows(array: Array, shape: tuple[int, ...], rest: tuple[int, ...]) -> Array:
-    """Several batch dimensions as one, without a copy where the memory allows it."""
-    return array.reshape(prod(shape), *rest)
+def _expect_arrays(*given: object) -> None:
+    kinds = [type(one).__name__ for one in given if not isinstance(one, np.ndarray | np.generic)]
+    if kinds:
+        raise TypeError(f"expected NumPy arrays of float32 or float64, got {', '.join(kinds)}")
+
+
+def _batch(*given: Array) -> tuple[int, ...]:
+    """The batch that inputs ``(*, n)`` broadcast to."""
+    try:
+        shape = given[0].shape[:-1]
+        for other in given[1:]:
+            if other.shape[:-1] != shape:
+                shape = np.broadcast_shapes(shape, other.shape[:-1])
+    except AttributeError:
+        _expect_arrays(*given)
+        raise
+    return shape
 
 
 def _of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
     """Apply a kernel of one input ``(*, n)``."""
-    shape = given.shape[:-1]
+    shape = _batch(given)
     made = _empty(shape, width, given.dtype)
     kernel(_spread(given, shape, 1), made)
     return made
@@ -103,9 +117,7 @@ def _of_one(kernel: Callable[..., None], given: Array, width: int) -> Array:
 
 def _of_two(kernel: Callable[..., None], a: Array, b: Array, width: int) -> Array:
     """Apply a kernel of two inputs ``(*, n)`` whose batches broadcast."""
-    shape = a.shape[:-1]
-    if b.shape[:-1] != shape:
-        shape = np.broadcast_shapes(shape, b.shape[:-1])
+    shape = _batch(a, b)
     made = _empty(shape, width, a.dtype)
     kernel(_spread(a, shape, 1), _spread(b, shape, 1), made)
     return made
@@ -115,16 +127,15 @@ def _of_fraction(
     kernel: Callable[..., None], a: Array, b: Array, fraction: Array | float, width: int
 ) -> Array:
     """Apply a kernel of two inputs ``(*, n)`` and a fraction ``(*)``."""
-    shape = a.shape[:-1]
-    if b.shape[:-1] != shape:
-        shape = np.broadcast_shapes(shape, b.shape[:-1])
-    if not isinstance(fraction, float):
+    shape = _batch(a, b)
+    if not isinstance(fraction, float | int):
+        _expect_arrays(fraction)
         if fraction.shape == ():
             fraction = float(fraction)
         elif fraction.shape != shape:
             shape = np.broadcast_shapes(shape, fraction.shape)
     made = _empty(shape, width, a.dtype)
-    part = fraction if isinstance(fraction, float) else _spread(fraction, shape, 0)
+    part = float(fraction) if isinstance(fraction, float | int) else _spread(fraction, shape, 0)
     kernel(_spread(a, shape, 1), _spread(b, shape, 1), part, made)
     return made
 
@@ -201,6 +212,7 @@ def blend_many_matrix(motors: Array, weights: Array) -> Array:
 
 
 def _accumulated(motors: Array, weights: Array) -> Array:
+    _expect_arrays(motors, weights)
     shape = motors.shape[1:-1]
     total = np.zeros(8, motors.dtype)
     other = _empty(shape, 8, motors.dtype)
@@ -337,6 +349,7 @@ def rotor_translation_scale(m: Array) -> tuple[Array, Array, Array]:
 
 def similarity_of_motor(m: Array, scale: Array) -> Array:
     """Similarities ``(*, 12)`` that grow by ``scale (*)`` and then move by motors ``(*, 8)``."""
+    _expect_arrays(scale)
     return _of_two(_similarity_of_motor, m, scale[..., None], 12)
 
 

@@ -154,9 +154,47 @@ private:
     float small_ = 0.0F;
 };
 
-bool check_alike(const Operand *operands, int inputs, int all, bool &single) {
+// Where an operand's numbers lie: from its lowest byte on, in `outer` runs of `run` bytes that are
+// `step` apart.
+struct Extent {
+    const char *low;
+    std::ptrdiff_t step, run, whole;
+};
+
+// With one row a run, or with one component a run.
+Extent extent(const motorcade::Rows &rows, std::size_t width, std::ptrdiff_t size, bool by_rows) {
+    const std::ptrdiff_t steps[2] = {rows.count > 1 ? rows.row_stride : 0,
+                                     width > 1 ? rows.component_stride : 0};
+    const std::ptrdiff_t spans[2] = {steps[0] * static_cast<std::ptrdiff_t>(rows.count - 1),
+                                     steps[1] * static_cast<std::ptrdiff_t>(width - 1)};
+    const std::ptrdiff_t low =
+        std::min<std::ptrdiff_t>(spans[0], 0) + std::min<std::ptrdiff_t>(spans[1], 0);
+    const int outer = by_rows ? 0 : 1;
+    return {rows.first + low, std::abs(steps[outer]), std::abs(spans[1 - outer]) + size,
+            std::abs(spans[0]) + std::abs(spans[1]) + size};
+}
+
+// Whether two operands may share memory; runs that lie between each other's do not.
+bool overlap(const motorcade::Rows &a, std::size_t a_width, const motorcade::Rows &b,
+             std::size_t b_width, std::ptrdiff_t size) {
+    if (a.count == 0 || b.count == 0) return false;
+    for (const bool by_rows : {true, false}) {
+        const Extent one = extent(a, a_width, size, by_rows);
+        const Extent other = extent(b, b_width, size, by_rows);
+        if (one.low + one.whole <= other.low || other.low + other.whole <= one.low) return false;
+        if (one.step != other.step || one.step == 0) continue;
+        const std::ptrdiff_t from = (other.low - one.low) % one.step;
+        const std::ptrdiff_t apart = from < 0 ? from + one.step : from;
+        if (one.run <= apart && apart + other.run <= one.step) return false;
+    }
+    return true;
+}
+
+bool check_alike(const motorcade_kernel &kernel, const Operand *operands, bool &single) {
+    const int inputs = kernel.inputs, all = inputs + kernel.outputs;
     const Operand &out = operands[inputs];
     single = out.single;
+    const std::ptrdiff_t size = single ? sizeof(float) : sizeof(double);
     for (int k = 0; k < all; ++k) {
         if (!operands[k].any && operands[k].single != single) {
             PyErr_SetString(PyExc_TypeError,
@@ -171,10 +209,13 @@ bool check_alike(const Operand *operands, int inputs, int all, bool &single) {
                 out.rows.count, count);
             return false;
         }
-        if (k < inputs && operands[k].rows.first == out.rows.first && out.rows.count > 0) {
-            PyErr_SetString(PyExc_ValueError,
-                            "expected an output apart from the inputs: they overlap");
-            return false;
+        for (int made = inputs; made < all && k < inputs && !operands[k].any; ++made) {
+            if (overlap(operands[k].rows, static_cast<std::size_t>(kernel.widths[k]),
+                        operands[made].rows, static_cast<std::size_t>(kernel.widths[made]), size)) {
+                PyErr_SetString(PyExc_ValueError,
+                                "expected an output apart from the inputs: they overlap");
+                return false;
+            }
         }
     }
     return true;
@@ -197,7 +238,7 @@ struct Call {
             if (!operands[k].take(given[k], static_cast<std::size_t>(kernel.widths[k]),
                                   k >= kernel.inputs))
                 return false;
-        if (!check_alike(operands, kernel.inputs, all, single)) return false;
+        if (!check_alike(kernel, operands, single)) return false;
         for (int k = 0; k < all; ++k) {
             operands[k].settle(single);
             rows[k] = operands[k].rows;

@@ -259,6 +259,52 @@ def test_the_binding_refuses_arrays_that_do_not_fit(compiled: Callable[..., Any]
         compose(motors, motors, read_only)
 
 
+def test_an_output_that_overlaps_an_input_is_refused_and_one_that_lies_between_is_not(
+    compiled: Callable[..., Any], rng: np.random.Generator
+) -> None:
+    inverse = compiled("inverse")
+    table = rng.uniform(size=(40, 24))
+    for given, out in (
+        (table[:-1, :8], table[1:, :8]),
+        (table[:, :8], table[:, 4:12]),
+        (table[:, :8], table[::-1, 4:12]),
+        (table[0, :8], table[:, :8]),
+        (table.ravel()[:320].reshape(8, 40).T, table.ravel()[40:360].reshape(8, 40).T),
+    ):
+        with pytest.raises(ValueError, match="overlap"):
+            inverse(given, out)
+    witness = kernels.inverse(table[:, :8].copy())
+    inverse(table[:, :8], table[::-1, 16:])
+    np.testing.assert_array_equal(table[::-1, 16:], witness)
+    inverse(table[:20, :8], table[10:30, 8:16])
+    np.testing.assert_array_equal(table[10:30, 8:16], witness[:20])
+    rows = np.asfortranarray(witness).T.repeat(2, axis=0)
+    inverse(rows[::2].T, rows[1::2].T)
+    np.testing.assert_array_equal(rows[1::2].T, table[:, :8])
+
+
+def test_what_is_no_array_is_refused_by_name(rng: np.random.Generator) -> None:
+    motors = Motor.random(rng, (3,)).coefficients
+    rows = motors.tolist()
+    for call in (
+        lambda: kernels.compose(rows, rows),
+        lambda: kernels.compose(motors, rows),
+        lambda: kernels.log(rows),
+        lambda: kernels.blend(motors, motors, "0.5"),
+        lambda: kernels.blend_many(rows, [0.5, 0.5]),
+        lambda: kernels.blend_many(motors[:2], [0.5, 0.5]),
+        lambda: kernels.similarity_of_motor(motors, [1.0, 2.0, 3.0]),
+    ):
+        with pytest.raises(TypeError, match="expected NumPy arrays of float32 or float64, got "):
+            call()
+
+
+def test_a_fraction_may_be_a_whole_number(rng: np.random.Generator) -> None:
+    a, b = Motor.random(rng, (2, 3)).coefficients
+    for kernel in (kernels.interpolate, kernels.blend, kernels.screw_blend_matrix):
+        np.testing.assert_array_equal(kernel(a, b, 1), kernel(a, b, 1.0))
+
+
 def run_python(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-c", code],
