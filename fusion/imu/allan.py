@@ -30,6 +30,8 @@ _PER_OCTAVE = 2
 _FREQUENCIES = 600
 # Deviations above zero from which on flicker is believed in.
 _FLICKER_SEEN = 3.0
+# Deviations below are those of no sensor, and their squares and covariances soon underflow.
+_QUIETEST = 1e-30
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +218,7 @@ def estimate_noise(imu: ImuStream) -> StreamNoise:
 def fitted_noise(curve: AllanCurve, axis: int) -> NoiseEstimate:
     """White noise, flicker and walk of one axis of a curve ``(K, 3)``."""
     variance = np.square(curve.deviation[:, axis])
-    if not np.all(variance > 0.0):
+    if not np.all(curve.deviation[:, axis] > _QUIETEST):
         raise ValueError(
             f"signal: expected noise on axis {axis}, got readings that do not change; "
             "a sensor so quiet is rounded too coarsely to tell"

@@ -15,6 +15,8 @@ from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
 __all__ = ["ImuStream"]
 
+_REACH = 1e9
+
 
 @dataclass(frozen=True, eq=False)
 class ImuStream:
@@ -26,8 +28,8 @@ class ImuStream:
         specific_force_m_s2: ``(N, 3)``.
 
     Raises:
-        ValueError: stamps that are no integers or do not increase, lengths that differ, NaN or
-            infinity.
+        ValueError: stamps that are no integers or do not increase, lengths that differ, NaN,
+            infinity or readings beyond 1e9.
 
     Examples:
         >>> import numpy as np
@@ -68,6 +70,11 @@ class ImuStream:
             if values.shape != (stamps.size, 3):
                 raise ValueError(
                     f"ImuStream.{name}: expected shape {(stamps.size, 3)}, got {values.shape}"
+                )
+            if np.abs(values).max() > _REACH:
+                raise ValueError(
+                    f"ImuStream.{name}: expected readings within {_REACH:g}, "
+                    f"got {np.abs(values).max():g}"
                 )
             object.__setattr__(self, name, frozen(values))
 

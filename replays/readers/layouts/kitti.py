@@ -29,6 +29,8 @@ __all__ = ["read", "recognise"]
 RATE_HZ = 10.0
 _CAMERAS = {"image_2": 2, "image_0": 0, "image_l": 0}
 _RIGHT = {"image_2": "image_3", "image_0": "image_1", "image_l": "image_r"}
+_SHORTEST_PX = 1e-3
+_REACH = 1e9
 _UPRIGHT = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
@@ -103,7 +105,31 @@ def _projection(path: Path, camera: int) -> tuple[Path, FloatArray]:
     wanted = f"P{camera}:"
     if wanted not in rows:
         raise refusal(path, f"expected a row {wanted}, got {one_line(', '.join(rows))}")
+    _check_projection(path, wanted, rows[wanted])
     return path, rows[wanted]
+
+
+def _check_projection(path: Path, name: str, row: FloatArray) -> None:
+    """Refuse what is no K [I | t] of a camera, so that what is computed from it stays finite."""
+    if np.abs(row).max() > _REACH:
+        problem = f"expected numbers within {_REACH:g}, got {np.abs(row).max():g}"
+        raise refusal(path, problem, field=name)
+    if row[[0, 5]].min() < _SHORTEST_PX:
+        problem = f"expected focal lengths from {_SHORTEST_PX:g} pixels, got {row[0]:g}, {row[5]:g}"
+        raise refusal(path, problem, field=name)
+    if np.any(row[[1, 4, 8, 9, 10]] != (0.0, 0.0, 0.0, 0.0, 1.0)):
+        problem = "expected fx 0 cx t / 0 fy cy t / 0 0 1 t without skew, got other numbers"
+        raise refusal(path, problem, field=name)
+    if np.abs(_shift_m(row)).max() > _REACH:
+        problem = f"expected a shift within {_REACH:g} m, got {np.abs(_shift_m(row)).max():g}"
+        raise refusal(path, problem, field=name)
+
+
+def _shift_m(row: FloatArray) -> FloatArray:
+    """The `t` of a row K [I | t]."""
+    intrinsic = row.reshape(3, 4)
+    shift: FloatArray = np.linalg.solve(intrinsic[:, :3], intrinsic[:, 3])
+    return shift
 
 
 def _truth(root: Path, time_ns: IntArray, row: FloatArray) -> Trajectory | None:
@@ -116,8 +142,6 @@ def _truth(root: Path, time_ns: IntArray, row: FloatArray) -> Trajectory | None:
     poses = read_trajectory(path, "kitti", rate_hz=RATE_HZ).motors
     if len(poses) != len(time_ns):
         raise refusal(path, f"expected {len(time_ns)} poses for as many pictures, got {len(poses)}")
-    intrinsic = row.reshape(3, 4)
-    shift_m = np.linalg.solve(intrinsic[:, :3], intrinsic[:, 3])
-    camera0_T_camera = Motor.from_translation(-shift_m)
+    camera0_T_camera = Motor.from_translation(-_shift_m(row))
     world_T_kitti = Motor.from_rotor_translation(Rotor.from_matrix(_UPRIGHT), np.zeros(3))
     return Trajectory(time_ns, world_T_kitti @ poses @ camera0_T_camera)

@@ -139,6 +139,8 @@ def test_what_has_no_allan_deviation_is_refused(rng):
         estimate_noise(ImuStream(gapped, noise, noise))
     with pytest.raises(ValueError, match="expected noise on axis 1, got readings that do not"):
         estimate_noise(ImuStream(stamps, noise, noise * [1.0, 0.0, 1.0]))
+    with pytest.raises(ValueError, match="expected noise on axis 0, got readings that do not"):
+        estimate_noise(ImuStream(stamps, 1e-150 * noise, noise))
 
 
 @pytest.mark.parametrize("name", ["handheld", "walk_and_look", "distant_circle", "stop_and_go"])

@@ -219,6 +219,7 @@ def test_streams_refuse_bad_data_and_stay_frozen():
         ((stamps, zeros[:3], zeros), r"angular_rate_rad_s: expected shape \(4, 3\), got \(3, 3\)"),
         ((stamps, zeros, zeros[None]), r"specific_force_m_s2: expected shape \(4, 3\), got \(1,"),
         ((stamps, zeros, zeros + np.nan), "specific_force_m_s2: expected finite numbers"),
+        ((stamps, zeros - 1e160, zeros), r"angular_rate_rad_s: expected readings within 1e\+09"),
     ]:
         with pytest.raises(ValueError, match=message):
             ImuStream(*arguments)
