@@ -3,32 +3,46 @@
 Everything of the program that opens a file which a user, a recording or another file names comes
 through here, wherever the name came from. Libraries that open a file themselves (videos, bags,
 HDF5) are given its path after `admit_file`.
+
+A record says in what state each file was when it was asked for. `files_now` says in what state they
+are: where that is the same, what was made of them still holds.
 """
 
 from __future__ import annotations
 
 import hashlib
 import stat
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import lru_cache
+from os import stat_result
 from pathlib import Path
 from typing import BinaryIO
 
 __all__ = [
     "MISSING",
+    "UNSETTLED",
     "EmptyFileError",
     "FileError",
     "admit_file",
-    "file_digest",
+    "files_now",
     "files_read",
+    "is_there",
     "off_record",
     "open_bounded",
+    "put_on_record",
     "read_bounded",
 ]
 
 MISSING = "missing"
-"""What stands in a record in place of the digest of a file that was looked for in vain."""
+"""The state of a file that was looked for in vain."""
+UNSETTLED = "unsettled"
+"""The state of a file that cannot be said, as it changed meanwhile; never that of a file now."""
+_NO_FILE, _UNREADABLE = "not a file", "unreadable"
+_SETTLES_NS = 2_000_000_000
+# A file that changed just now may change again within one tick of the disk's clock.
 
 _record: ContextVar[dict[Path, str] | None] = ContextVar("record", default=None)
 
@@ -63,10 +77,15 @@ def read_bounded(path: Path, limit_bytes: int) -> bytes:
     ...     read_bounded(path, 100)
     b'0 0 0 1'
     """
-    with open_bounded(path, limit_bytes) as file:
+    _admitted(path, limit_bytes)
+    with _told(path), path.open("rb") as file:
         data = file.read(limit_bytes + 1)
     if len(data) > limit_bytes:  # it grew since it was admitted
         raise FileError(path, f"expected at most {limit_bytes} bytes, got more")
+    if _record.get() is not None:
+        _note(path, f"{len(data)} bytes, SHA-256 {hashlib.sha256(data).hexdigest()}")
+    if not data:
+        raise EmptyFileError(path, "the file is empty")
     return data
 
 
@@ -90,52 +109,89 @@ def admit_file(path: Path, limit_bytes: int) -> None:
     Raises:
         EmptyFileError, FileError: as `open_bounded`.
     """
-    record = _record.get()
-    with _told(path):
-        try:
-            about = path.stat()
-        except FileNotFoundError:
-            if record is not None:
-                record[path.absolute()] = MISSING
-            raise
-        except ValueError as fault:
-            raise FileError(path, f"expected the name of a file, got one with {fault}") from fault
-    if not stat.S_ISREG(about.st_mode):
-        raise FileError(path, "expected a file, got a folder or a device")
-    if about.st_size > limit_bytes:
-        raise FileError(path, f"expected at most {limit_bytes} bytes, got {about.st_size}")
-    if record is not None:
-        record[path.absolute()] = file_digest(path)
+    about = _admitted(path, limit_bytes)
+    if _record.get() is not None:
+        _note(path, _state(path))
     if about.st_size == 0:
         raise EmptyFileError(path, "the file is empty")
 
 
+def is_there(path: Path) -> bool:
+    """Whether a name leads to a regular file; one that does not is on record, as that may change.
+
+    >>> from pathlib import Path
+    >>> from motorcade.ga.files import files_read, is_there
+    >>> with files_read() as record:
+    ...     found = is_there(Path("/hero.md5anim"))
+    >>> found, record
+    (False, {PosixPath('/hero.md5anim'): 'missing'})
+    """
+    if path.is_file():
+        return True
+    _note(path, _state(path))
+    return False
+
+
+def _admitted(path: Path, limit_bytes: int) -> stat_result:
+    """What the system says of a file that may be read; one that may not is on record as it is."""
+    with _told(path):
+        try:
+            about = path.stat()
+        except OSError:
+            _note(path, _state(path))
+            raise
+        except ValueError as fault:
+            raise FileError(path, f"expected the name of a file, got one with {fault}") from fault
+    if not stat.S_ISREG(about.st_mode):
+        _note(path, _NO_FILE)
+        raise FileError(path, "expected a file, got a folder or a device")
+    if about.st_size > limit_bytes:
+        _note(path, f"{about.st_size} bytes")
+        raise FileError(path, f"expected at most {limit_bytes} bytes, got {about.st_size}")
+    return about
+
+
 @contextmanager
 def files_read() -> Iterator[dict[Path, str]]:
-    """Within the block, everything that comes through the door: path and SHA-256 of the content.
+    """Within the block, the state of each file that comes through the door: size and SHA-256.
 
-    A file that was looked for and is not there has `MISSING` for its digest. Threads begin without
-    a record; run them in a copy of this context where they open files.
+    Files that were looked for in vain, or refused, are on record too. Threads begin without a
+    record; run them in a copy of this context where they open files.
 
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from motorcade.ga.files import files_read, read_bounded
+    >>> from motorcade.ga.files import files_now, files_read, read_bounded
     >>> with tempfile.TemporaryDirectory() as folder, files_read() as record:
     ...     path = Path(folder) / "pose.txt"
     ...     written = path.write_bytes(b"0 0 0 1")
     ...     data = read_bounded(path, 100)
-    >>> [(path.name, digest[:8]) for path, digest in record.items()]
-    [('pose.txt', '0d02030f')]
+    ...     before = files_now(record) == record
+    ...     written = path.write_bytes(b"0 0 0 2")
+    ...     after = files_now(record) == record
+    >>> [(path.name, state[:22]) for path, state in record.items()], before, after
+    ([('pose.txt', '7 bytes, SHA-256 0d020')], True, False)
     """
-    outer = _record.get()
     record: dict[Path, str] = {}
     token = _record.set(record)
     try:
         yield record
     finally:
         _record.reset(token)
-        if outer is not None:
-            outer.update(record)
+        put_on_record(record)
+
+
+def put_on_record(record: Mapping[Path, str]) -> None:
+    """Have what another record says on the present one too, as if its files were read here."""
+    for path, state in record.items():
+        _note(path, state)
+
+
+def files_now(record: Mapping[Path, str]) -> dict[Path, str]:
+    """The state that the files of a record are in now; equal to it where nothing has changed.
+
+    Only files of the size that is on record are read; those of another size have changed.
+    """
+    return {path: _state(path, known) for path, known in record.items()}
 
 
 @contextmanager
@@ -148,17 +204,38 @@ def off_record() -> Iterator[None]:
         _record.reset(token)
 
 
-def file_digest(path: Path) -> str:
-    """SHA-256 of a regular file's content; `MISSING` where there is none.
+def _note(path: Path, state: str) -> None:
+    """Put a file's state on record, where there is one."""
+    record = _record.get()
+    if record is not None:
+        place = path.absolute()
+        record[place] = state if record.get(place, state) == state else UNSETTLED
 
-    Raises:
-        FileError: it cannot be read.
-    """
-    with _told(path):
-        if not path.is_file():
-            return MISSING
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
+
+def _state(path: Path, known: str | None = None) -> str:
+    """The state of a file, told by its size alone where that is another than in the one known."""
+    try:
+        about = path.stat()
+        if not stat.S_ISREG(about.st_mode):
+            return _NO_FILE
+        size = f"{about.st_size} bytes"
+        if known is not None and not known.startswith(f"{size}, "):
+            return size
+        facts = (about.st_size, about.st_mtime_ns, about.st_ctime_ns, about.st_ino, about.st_dev)
+        settled = time.time_ns() - max(about.st_mtime_ns, about.st_ctime_ns) > _SETTLES_NS
+        digest = _digest(path, facts) if settled else _digest.__wrapped__(path, facts)
+        return f"{size}, SHA-256 {digest}"
+    except (FileNotFoundError, NotADirectoryError, ValueError):  # or a name that none can have
+        return MISSING
+    except OSError:
+        return _UNREADABLE
+
+
+@lru_cache(maxsize=1 << 16)
+def _digest(path: Path, facts: tuple[int, ...]) -> str:
+    """SHA-256 of a file, read once for as long as the system says the same of it."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 @contextmanager

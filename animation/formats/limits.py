@@ -11,7 +11,7 @@ from urllib.parse import unquote
 
 from motorcade.animation.formats.errors import FormatError, expected, shown
 from motorcade.ga import files
-from motorcade.ga.files import FileError
+from motorcade.ga.files import UNSETTLED, FileError, put_on_record
 
 __all__ = [
     "MAX_CLIPS",
@@ -56,6 +56,8 @@ def read_bounded(path: Path, limit_bytes: int = MAX_FILE_BYTES) -> bytes:
 def beside(folder: Path, uri: str, field: str) -> Path:
     """The file that a relative address names, inside `folder` or below.
 
+    It is named as it was given, links and all: where one is set anew, another file is meant.
+
     Raises:
         FormatError: an absolute path, another scheme, or a way out of the folder, by `..` or by a
             symbolic link.
@@ -63,12 +65,15 @@ def beside(folder: Path, uri: str, field: str) -> Path:
     name = unquote(uri).replace("\\", "/")
     if name.startswith("/") or ":" in name or "\0" in name or len(name) > 1000:
         raise expected(field, "the name of a file beside this one", uri)
-    home = folder.resolve()
+    named = folder / name
     try:
-        named = (home / name).resolve()
+        inside = named.resolve().is_relative_to(folder.resolve())
     except (OSError, RuntimeError) as fault:  # links in a circle, names that are too long
+        put_on_record({named: UNSETTLED})
         raise expected(field, "the name of a file beside this one", uri) from fault
-    if not named.is_relative_to(home):
+    if not inside:
+        if ".." not in named.parts:  # then a link leads out, which may be mended
+            put_on_record({named: UNSETTLED})
         raise expected(field, "a file inside the folder of this one", uri)
     return named
 

@@ -16,6 +16,7 @@ from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip, RigSu
 from motorcade.animation.skeleton import local_poses
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.files import is_there
 
 __all__ = ["read_md5_mesh"]
 
@@ -46,7 +47,7 @@ def read_md5_mesh(path: Path) -> Rig:
             surfaces.append(surface)
     motion = path.with_suffix(".md5anim")
     clips: tuple[RigClip, ...] = ()
-    if motion.is_file():
+    if is_there(motion):
         clips = (read_clip(motion, names, parents),)
     return Rig(
         tree,
