@@ -205,6 +205,12 @@ class EulerPose(Pose):
         product = rotation @ other._rotation()
         return np.array(self._joined(product, moved, self.sequence, self.extrinsic).coefficients)
 
+    def _retracted(self, step: FloatArray) -> FloatArray:
+        return self.coefficients + step
+
+    def _local(self, other: EulerPose) -> FloatArray:
+        return other.coefficients - self.coefficients
+
     def inverse(self) -> EulerPose:
         """The motion undone, by the transposed matrix."""
         back = np.swapaxes(self._rotation(), -1, -2)

@@ -89,6 +89,39 @@ class Pose(CoefficientBatch):
     def log(self) -> FloatArray:
         """Coordinates ``(*, 6)`` in which this kind of pose is scaled and added."""
 
+    def retract(self, step: ArrayLike) -> Self:
+        """Move by a step ``(*, 6)``: rotation (rad), then translation (m). The mirror of `local`.
+
+        ``a.retract(fraction * a.local(b))`` is ``a.interpolate(b, fraction)`` with its defaults.
+
+        Raises:
+            ValueError: wrong last dimension, NaN or infinity, batches that do not broadcast.
+        """
+        given = checked_floats(step, f"{type(self).__name__}.retract(step)", (6,))
+        self._batch(".retract", given.shape[:-1])
+        return self._like(self._retracted(given))
+
+    @abstractmethod
+    def _retracted(self, step: FloatArray) -> FloatArray: ...
+
+    def local(self, other: Self) -> FloatArray:
+        """The step ``(*, 6)`` from this pose to `other`: rotation (rad), then translation (m).
+
+        What is a straight line in these steps is what tells the kinds apart: `QuaternionPose`
+        turns in the body and moves in the world, `DualQuaternion` follows one twist as motors do,
+        `EulerPose` subtracts angles as they are.
+
+        Raises:
+            TypeError: another type of pose.
+            ValueError: batches that do not broadcast, two sequences of Euler angles.
+        """
+        self._check_same(other)
+        self._batch(".local", other.shape)
+        return self._local(other)
+
+    @abstractmethod
+    def _local(self, other: Self) -> FloatArray: ...
+
     @classmethod
     def identity(cls, shape: tuple[int, ...] = ()) -> Self:
         """No motion, repeated over the batch `shape`."""

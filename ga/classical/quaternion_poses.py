@@ -105,6 +105,15 @@ class QuaternionPose(Pose):
         moved = quaternion_apply(self.wxyz, other.translation_m) + self.translation_m
         return np.concatenate([turned, moved], axis=-1)
 
+    def _retracted(self, step: FloatArray) -> FloatArray:
+        turned = quaternion_multiply(self.wxyz, quaternion_from_rotation_vector(step[..., :3]))
+        return np.concatenate([turned, self.translation_m + step[..., 3:]], axis=-1)
+
+    def _local(self, other: QuaternionPose) -> FloatArray:
+        between = quaternion_multiply(quaternion_conjugate(self.wxyz), other.wxyz)
+        moved = other.translation_m - self.translation_m
+        return np.concatenate([quaternion_as_rotation_vector(between), moved], axis=-1)
+
     def inverse(self) -> QuaternionPose:
         """The motion undone: ``q*`` and ``-q* t q``."""
         back = quaternion_conjugate(self.wxyz)
@@ -217,6 +226,13 @@ class DualQuaternion(Pose):
 
     def _compose(self, other: DualQuaternion) -> FloatArray:
         return dual_quaternion_multiply(self.coefficients, other.coefficients)
+
+    def _retracted(self, step: FloatArray) -> FloatArray:
+        return dual_quaternion_multiply(self.coefficients, dual_quaternion_exp(0.5 * step))
+
+    def _local(self, other: DualQuaternion) -> FloatArray:
+        back = dual_quaternion_conjugate(self.coefficients)
+        return 2.0 * dual_quaternion_log(dual_quaternion_multiply(back, other.coefficients))
 
     def inverse(self) -> DualQuaternion:
         """The motion undone: both parts conjugated."""

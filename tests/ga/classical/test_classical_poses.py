@@ -100,6 +100,38 @@ def test_interpolation_meets_its_ends(
         assert off(a.interpolate(b, 1.0, method=method), b) < ROUNDING
 
 
+def test_retract_undoes_local(
+    classical: Callable[[Motor], AnyPose], motors: Motor, rng: np.random.Generator
+) -> None:
+    a, b = classical(Motor.random(rng, motors.shape)), classical(motors)
+    assert off(a.retract(a.local(b)), b) < ROUNDING
+
+
+def test_local_undoes_retract_up_to_half_a_turn(poses: AnyPose, rng: np.random.Generator) -> None:
+    size = max(1.0, float(np.max(np.abs(poses.coefficients))))
+    for angle in (1e-12, 1e-6, 0.1, 1.0, 3.1):
+        step = rng.uniform(-1.0, 1.0, (*poses.shape, 6))
+        step[..., :3] *= angle / np.linalg.norm(step[..., :3], axis=-1, keepdims=True)
+        found = poses.local(poses.retract(step))
+        np.testing.assert_allclose(found, step, rtol=0, atol=4e-14 * size)
+
+
+def test_interpolating_is_retracting_a_part(
+    classical: Callable[[Motor], AnyPose], motors: Motor, rng: np.random.Generator
+) -> None:
+    a, b = classical(Motor.random(rng, motors.shape)), classical(motors)
+    assert off(a.retract(0.3 * a.local(b)), a.interpolate(b, 0.3)) < 1e-13
+
+
+def test_steps_are_the_motors_where_the_kinds_agree(rng: np.random.Generator) -> None:
+    a, b, one, two = pair("dual quaternion", rng)
+    np.testing.assert_allclose(one.local(two), a.local(b), rtol=0, atol=1e-13)
+    a, b, one, two = pair("quaternion", rng)
+    np.testing.assert_allclose(one.local(two)[:, :3], a.local(b)[:, :3], rtol=0, atol=1e-13)
+    apart = b.translation_m - a.translation_m
+    np.testing.assert_allclose(one.local(two)[:, 3:], apart, rtol=0, atol=1e-14)
+
+
 def pair(classical: str, rng: np.random.Generator) -> tuple[Motor, Motor, AnyPose, AnyPose]:
     a, b = Motor.random(rng, (30,)), Motor.random(rng, (30,))
     return a, b, CLASSICAL[classical](a), CLASSICAL[classical](b)
@@ -229,6 +261,10 @@ def test_wrong_dimensions_nan_and_zero_are_refused(kind: AnyPose) -> None:
             kind.interpolate(kind, bad)
         with pytest.raises(ValueError, match="expected finite numbers"):
             kind.apply([0.0, bad, 0.0])
+        with pytest.raises(ValueError, match="expected finite numbers"):
+            kind.retract(np.full(6, bad))
+    with pytest.raises(ValueError, match=r"retract\(step\): expected shape \(\*, 6\)"):
+        kind.retract(np.zeros(7))
     with pytest.raises(ValueError, match=r"apply\(points\): expected shape \(\*, 3\)"):
         kind.apply([1.0, 2.0])
     if not isinstance(kind, EulerPose):
@@ -252,12 +288,16 @@ def test_types_and_sequences_do_not_mix(rng: np.random.Generator) -> None:
             a @ b
     with pytest.raises(TypeError, match="expected two poses of type QuaternionPose"):
         one.interpolate(two, 0.5)
+    with pytest.raises(TypeError, match="expected two poses of type QuaternionPose"):
+        one.local(two)
     angles = EulerPose.random(rng)
     for other in (EulerPose.random(rng, sequence="zyx"), EulerPose.random(rng, extrinsic=True)):
         with pytest.raises(ValueError, match="expected two poses of one sequence"):
             angles @ other
         with pytest.raises(ValueError, match="expected two poses of one sequence"):
             angles.interpolate(other, 0.5)
+        with pytest.raises(ValueError, match="expected two poses of one sequence"):
+            angles.local(other)
         with pytest.raises(ValueError, match="expected two poses of one sequence"):
             EulerPose.stack([angles, other])
 
@@ -284,12 +324,16 @@ def test_batches_broadcast_or_are_refused(classical: Callable[[Motor], AnyPose],
         lambda: three.interpolate(four, 0.5),
         lambda: three.apply(np.zeros((4, 3))),
         lambda: three.interpolate(three, [0, 1]),
+        lambda: three.local(four),
+        lambda: three.retract(np.zeros((4, 6))),
         lambda: three.blend(np.ones(5)),
     ):
         with pytest.raises(ValueError, match="expected"):
             act()
     assert (three.reshape(3, 1) @ four).shape == (3, 4)
     assert three.reshape(3, 1).interpolate(four, np.ones((2, 1, 1))).shape == (2, 3, 4)
+    assert three.reshape(3, 1).local(four).shape == (3, 4, 6)
+    assert three.reshape(3, 1).retract(np.ones((2, 1, 4, 6))).shape == (2, 3, 4)
     with pytest.raises(ValueError, match="sums other than 0"):
         three.blend([1.0, -1.0, 0.0])
 
@@ -301,6 +345,7 @@ def test_empty_batches_pass_through_every_verb(classical: Callable[[Motor], AnyP
     assert none.apply(np.zeros((0, 4, 3))).shape == (0, 4, 3)
     assert none.as_matrix().shape == (0, 4, 4, 4)
     assert none.blend(np.ones(4)).shape == (0,)
+    assert none.retract(none.local(none)).shape == (0, 4)
 
 
 def test_values_are_frozen_and_batches_behave_as_arrays(
