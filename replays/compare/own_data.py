@@ -1,25 +1,29 @@
-"""The comparison on a recording of one's own: an estimated trajectory and its truth.
+"""The comparison on a recording of one's own: an estimated trajectory and its ground truth.
 
 The estimate is aligned once, as it comes, and cut into blocks of equal numbers of poses. Parameters
-are chosen on every second block by the same search as everywhere, and the blocks between are
-judged, each smoothed by itself; they stand where seeds stand in the other tables. Errors of
-neighbouring blocks go together, so that intervals are narrower here than they ought to be.
+are chosen on every second block by the same search as everywhere. The blocks between are judged,
+each smoothed by itself; they take the place of seeds in the other tables. Errors of neighbouring
+blocks are correlated, so intervals are narrower here than they should be.
+
+Searches and blocks are jobs as in `motorcade.replays.compare.run`: kept in ``OUT/.finished``, and
+named after the poses that they depend on.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from motorcade.fusion.metrics import Align, alignment_of, associate
 from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Trajectory
-from motorcade.ga.arrays import FloatArray
-from motorcade.replays.compare.cells import measured_rows
+from motorcade.replays.compare.cells import MeasuredRow, Setting, measured_rows
 from motorcade.replays.compare.figures.statistics import Sample
 from motorcade.replays.compare.figures.tables import Outcome, write_tables
 from motorcade.replays.compare.measure.evaluator import PathEvaluator
@@ -27,7 +31,7 @@ from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.measure.traits import measured_trait
 from motorcade.replays.compare.measure.truth import RecordedTruth
 from motorcade.replays.compare.tuning import BORROWS, Tuned, borrowed, tuned
-from motorcade.replays.engine.progress import track
+from motorcade.replays.engine.jobs import job_key, run_jobs
 
 __all__ = ["compare_recorded"]
 
@@ -35,7 +39,73 @@ _FEWEST_IN_BLOCK = 50
 _MOST_BLOCKS = 40
 _DEGRADATION = "recorded"
 
-Block = tuple[Trajectory, PathEvaluator]
+Pair = tuple[str, str]
+"""Names of a method and of a representation."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedBlocks:
+    """Blocks of the aligned estimate, and the reference of all of it."""
+
+    paths: tuple[Trajectory, ...]
+    truth: Trajectory
+
+    def digest(self) -> str:
+        """SHA-256 of all stamps and poses."""
+        content = hashlib.sha256()
+        for one in (self.truth, *self.paths):
+            content.update(one.time_ns.tobytes() + one.motors.coefficients.tobytes())
+        return content.hexdigest()
+
+    def inputs(self) -> list[tuple[Trajectory, PathEvaluator]]:
+        """Each block with the evaluator of its stamps."""
+        known = RecordedTruth(self.truth)
+        return [(path, PathEvaluator(path.time_ns, known)) for path in self.paths]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedSearch:
+    """The parameters of a method in a representation are to be found on blocks."""
+
+    pair: Pair
+    blocks: RecordedBlocks
+
+    def about(self) -> list[Any]:
+        """All that the result depends on, ready for JSON."""
+        return [*self.pair, self.blocks.digest()]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedCell:
+    """Blocks are to be smoothed by every setting and measured."""
+
+    settings: tuple[Setting, ...]
+    blocks: RecordedBlocks
+
+    def about(self) -> list[Any]:
+        """All that the result depends on, ready for JSON."""
+        settings = [[one.method, one.representation, one.parameters] for one in self.settings]
+        return [settings, self.blocks.digest()]
+
+
+Job = TypeVar("Job", RecordedSearch, RecordedCell)
+Result = TypeVar("Result")
+
+
+def run_search(search: RecordedSearch) -> Tuned:
+    """What is found for the method and representation."""
+    inputs = search.blocks.inputs()
+    raw = [evaluator.errors([path])[0] for path, evaluator in inputs]
+    return tuned(*search.pair, inputs, raw)
+
+
+def run_recorded_cell(cell: RecordedCell) -> tuple[MeasuredRow, ...]:
+    """The rows of the blocks, one block after another."""
+    return tuple(
+        row
+        for path, evaluator in cell.blocks.inputs()
+        for row in measured_rows(path, evaluator, cell.settings)
+    )
 
 
 def compare_recorded(
@@ -46,40 +116,46 @@ def compare_recorded(
     methods: Sequence[str] = (),
     representations: Sequence[str] = (),
     align: Align = "se3",
+    executor: str = "local",
 ) -> dict[str, Any]:
     """Compare all, or the named, smoothers on a recording; returns what ``results.json`` holds.
 
     Args:
-        estimate: rigid poses; those that the truth does not cover are left out.
-        truth: rigid poses of the same moving frame.
-        out: folder for ``cells.csv``, ``groups.csv`` and ``results.json``.
+        estimate: rigid poses; those that the ground truth does not cover are left out.
+        truth: ground truth: rigid poses of the same moving frame.
+        out: folder for ``cells.csv``, ``groups.csv`` and ``results.json``; what an earlier call
+            finished there is used.
         name: stands for the motion.
         methods: names of `METHODS`.
         representations: names of `REPRESENTATIONS`.
         align: "se3" where the worlds differ, "sim3" where the scale does too, else "none".
+        executor: see `motorcade.replays.engine.executors.outcomes`.
 
     Raises:
-        ValueError: fewer than 200 poses within the truth, or positions that cannot be aligned.
+        ValueError: fewer than 200 poses within the ground truth, positions that cannot be aligned,
+            or an unknown executor.
+        KeyboardInterrupt: stopped by Ctrl-C; what is finished is kept, and no table is written.
+        RuntimeError: the executor cannot be reached.
         OSError: a folder that cannot be written.
     """
-    known = RecordedTruth(truth)
-    blocks = _blocks(_aligned(estimate, known, align), known)
-    tuning, judged = blocks[::2], blocks[1::2]
+    blocks = _blocks(_aligned(estimate, truth, align))
+    judged = blocks[1::2]
     pairs = [(m, r) for m in methods or METHODS for r in representations or REPRESENTATIONS]
-    found = _tuned(pairs, tuning)
-    settings = [found[pair].setting for pair in pairs]
+    found = _tuned(pairs, RecordedBlocks(blocks[::2], truth), out, executor)
+    settings = tuple(found[pair].setting for pair in pairs)
+    cells = [RecordedCell(settings, RecordedBlocks((path,), truth)) for path in judged]
+    measured = _finished(run_recorded_cell, cells, out, executor, "blocks")
     samples = [
-        Sample.named(name, _DEGRADATION, 2 * i + 1, measured_rows(path, evaluator, settings))
-        for i, (path, evaluator) in enumerate(track(judged, "blocks", len(judged)))
+        Sample.named(name, _DEGRADATION, 2 * i + 1, measured[cell]) for i, cell in enumerate(cells)
     ]
-    traits = [measured_trait(setting, judged[0][0]) for setting in settings]
+    traits = [measured_trait(setting, judged[0]) for setting in settings]
     plan = {
         "motions": [name],
         "degradations": [_DEGRADATION],
         "methods": list(dict.fromkeys(method for method, _ in pairs)),
         "representations": list(dict.fromkeys(one for _, one in pairs)),
-        "test_seeds": [2 * i + 1 for i in range(len(judged))],
-        "tuning_seeds": [2 * i for i in range(len(tuning))],
+        "test_seeds": list(range(1, len(blocks), 2)),
+        "tuning_seeds": list(range(0, len(blocks), 2)),
         "align": align,
         "left_out": [],
         "blocks": [
@@ -89,7 +165,7 @@ def compare_recorded(
                 "last_ns": int(path.time_ns[-1]),
                 "poses": len(path),
             }
-            for i, (path, _) in enumerate(blocks)
+            for i, path in enumerate(blocks)
         ],
     }
     places = {(name, _DEGRADATION, *pair): one for pair, one in found.items()}
@@ -97,43 +173,46 @@ def compare_recorded(
     return write_tables(outcome, out)
 
 
-def _aligned(estimate: Trajectory, truth: RecordedTruth, align: Align) -> Trajectory:
-    """The poses that the truth covers, in its world."""
-    kept = np.flatnonzero(truth.covers(truth.seconds(estimate.time_ns)))
+def _aligned(estimate: Trajectory, truth: Trajectory, align: Align) -> Trajectory:
+    """The poses that the ground truth covers, in its world."""
+    known = RecordedTruth(truth)
+    kept = np.flatnonzero(known.covers(known.seconds(estimate.time_ns)))
     fewest = 4 * _FEWEST_IN_BLOCK
     if kept.size < fewest:
         raise ValueError(
-            f"estimate: expected {fewest} poses or more within the truth, got {kept.size} of "
-            f"{len(estimate)}"
+            f"estimate: expected {fewest} poses or more within the ground truth, got {kept.size} "
+            f"of {len(estimate)}"
         )
     covered = estimate[kept]
-    poses, _ = truth.poses(truth.seconds(covered.time_ns))
+    poses, _ = known.poses(known.seconds(covered.time_ns))
     true = Trajectory(covered.time_ns, poses, covered.parent, covered.child)
     return alignment_of(associate(covered, true), align).apply_to(covered)
 
 
-def _blocks(path: Trajectory, truth: RecordedTruth) -> list[Block]:
+def _blocks(path: Trajectory) -> tuple[Trajectory, ...]:
     count = min(_MOST_BLOCKS, 2 * (len(path) // (2 * _FEWEST_IN_BLOCK)))
     edges = np.linspace(0, len(path), count + 1).astype(int)
-    parts = [path[first:last] for first, last in pairwise(edges)]
-    return [(part, PathEvaluator(part.time_ns, truth)) for part in parts]
+    return tuple(path[first:last] for first, last in pairwise(edges))
 
 
-def _tuned(pairs: Sequence[tuple[str, str]], blocks: Sequence[Block]) -> dict[Any, Tuned]:
-    """What was found for every method and representation."""
-    raw: list[FloatArray] = [evaluator.errors([path])[0] for path, evaluator in blocks]
-    made: dict[tuple[str, str], Tuned] = {}
+def _tuned(
+    pairs: Sequence[Pair], blocks: RecordedBlocks, out: Path, executor: str
+) -> dict[Pair, Tuned]:
+    """What was found for every method and representation, and for those that others borrow from."""
+    lenders = {(method, one): (BORROWS.get(method, (method,))[0], one) for method, one in pairs}
+    searches = [RecordedSearch(pair, blocks) for pair in dict.fromkeys(lenders.values())]
+    results = _finished(run_search, searches, out, executor, "searches")
+    searched = {search.pair: result for search, result in results.items()}
+    found: dict[Pair, Tuned] = {}
+    for pair, lender in lenders.items():
+        found[lender] = searched[lender]
+        if pair != lender:
+            found[pair] = borrowed(*pair, searched[lender])
+    return found
 
-    def search(method: str, representation: str) -> Tuned:
-        pair = (method, representation)
-        if pair not in made:
-            made[pair] = tuned(*pair, blocks, raw)
-        return made[pair]
 
-    for method, representation in track(pairs, "parameters", len(pairs)):
-        if method in BORROWS:
-            lent = search(BORROWS[method][0], representation)
-            made[method, representation] = borrowed(method, representation, lent)
-        else:
-            search(method, representation)
-    return made
+def _finished(
+    function: Callable[[Job], Result], jobs: Sequence[Job], out: Path, executor: str, what: str
+) -> Mapping[Job, Result]:
+    places = {job: out / ".finished" / job_key(function, job.about()) for job in jobs}
+    return run_jobs(function, places, executor, what).whole(what)

@@ -31,7 +31,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--input", type=Path, metavar="FILE", help="an estimated trajectory instead, with --truth"
     )
-    parser.add_argument("--truth", type=Path, metavar="FILE", help="its reference")
+    parser.add_argument("--truth", type=Path, metavar="FILE", help="its ground truth")
     parser.add_argument(
         "--align",
         choices=("none", "se3", "sim3"),
@@ -117,4 +117,5 @@ def _recorded(arguments: argparse.Namespace) -> dict[str, object]:
         arguments.methods,
         arguments.representations,
         arguments.align,
+        arguments.executor,
     )

@@ -15,13 +15,14 @@ from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
+from motorcade.replays.compare import own_data
 from motorcade.replays.compare.cells import Setting, inputs_of
 from motorcade.replays.compare.measure.evaluator import METRICS
 from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.own_data import compare_recorded
 from motorcade.replays.compare.plan import DEGRADATIONS, SLOW, ComparisonPlan, quick, standard
 from motorcade.replays.compare.run import run_comparison
-from motorcade.replays.compare.tuning import BORROWS, GRIDS
+from motorcade.replays.compare.tuning import BORROWS, GRIDS, Tuned, tuned
 from motorcade.replays.files.trajectories import write_trajectory
 
 UNITS = ("_m", "_deg", "_s2", "_ms", "_ratio", "_turns", "log_scale_rmse")
@@ -158,9 +159,6 @@ def test_every_representation_is_tuned_with_the_same_trials(small: Path) -> None
 
 
 def test_the_value_that_is_taken_has_the_lowest_objective() -> None:
-    from motorcade.replays.compare.cells import Setting, inputs_of
-    from motorcade.replays.compare.tuning import tuned
-
     degraded, evaluator = inputs_of("handheld", "gaussian", 1, 30.0, 4.0)
     raw = evaluator.errors([degraded])[0]
     found = tuned("gaussian", "motor", [(degraded, evaluator)], [raw])
@@ -207,8 +205,40 @@ def test_a_recording_is_compared_on_blocks_it_was_not_tuned_on(tmp_path: Path) -
         row["method"]: float(row["ape_rmse_m"]) for row in rows if row["representation"] != "euler"
     }
     assert mean["gaussian"] < 0.7 * mean["raw"] < 0.01
-    with pytest.raises(ValueError, match="expected 200 poses or more within the truth, got 150"):
+    with pytest.raises(ValueError, match="200 poses or more within the ground truth, got 150"):
         compare_recorded(noisy[:150], truth, tmp_path)
+
+
+def test_a_comparison_of_own_data_goes_on_where_it_was_and_runs_anywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    truth = MOTIONS["handheld"].sampled(60.0, 8.0)
+    clean = MOTIONS["handheld"].sampled(30.0, 7.9)
+    noisy = Gaussian(0.005, 0.01).apply(clean, np.random.default_rng(1))
+
+    def compared(folder: str, *methods: str, executor: str = "local") -> str:
+        out = tmp_path / folder
+        compare_recorded(
+            noisy, truth, out, methods=methods, representations=("motor",), executor=executor
+        )
+        return (out / "cells.csv").read_text()
+
+    here = compared("here", "gaussian")
+    assert compared("elsewhere", "gaussian", executor="processes:2") == here
+    searched = []
+
+    def counted(method: str, *given: Any) -> Tuned:
+        searched.append(method)
+        return tuned(method, *given)
+
+    monkeypatch.setattr(own_data, "tuned", counted)
+    assert compared("here", "gaussian") == here
+    assert searched == []
+    compared("here", "gaussian", "exponential")
+    assert searched == ["exponential"]
+    noisy = Gaussian(0.005, 0.01).apply(clean, np.random.default_rng(2))
+    compared("here", "gaussian")
+    assert searched == ["exponential", "gaussian"]
 
 
 def test_the_command_runs_quickly_and_refuses_in_one_line(
