@@ -2,23 +2,46 @@
 
 Nodes name their arguments by position and come in an order in which they can be computed. Equal
 nodes are one, terms and factors stand in a fixed order, signs are moved out of products, so that
-a negated term becomes a subtraction. Constants are Python floats; the emitters print them in the
-type that they write for.
+a negated term becomes a subtraction, and operations on numbers are worked out. Constants are Python
+floats; the emitters print them in the type that they write for.
 """
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from motorcade.ga.codegen.folding import folded
-
-__all__ = ["BOOLEANS", "Node", "Operand", "Tape", "TapeBuilder"]
-
+_FUNCTIONS: dict[str, Callable[..., float]] = {
+    "add": lambda x, y: x + y, "sub": lambda x, y: x - y, "mul": lambda x, y: x * y,
+    "div": lambda x, y: x / y, "neg": lambda x: -x, "abs": abs, "min": min, "max": max,
+    "floor": math.floor, "ceil": math.ceil, "sqrt": math.sqrt, "exp": math.exp, "log": math.log,
+    "sin": math.sin, "cos": math.cos, "tan": math.tan, "asin": math.asin, "acos": math.acos,
+    "atan": math.atan, "atan2": math.atan2,
+}  # fmt: skip
+_COMPARISONS: dict[str, Callable[..., bool]] = {
+    "lt": lambda x, y: x < y, "le": lambda x, y: x <= y,
+    "eq": lambda x, y: x == y, "ne": lambda x, y: x != y, "not": lambda x: x == 0.0,
+    "and": lambda x, y: x != 0.0 and y != 0.0, "or": lambda x, y: x != 0.0 or y != 0.0,
+}  # fmt: skip
 _COMMUTATIVE = frozenset({"add", "mul", "min", "max", "and", "or", "eq", "ne"})
 # Operations whose result is true or false.
 BOOLEANS = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})
+
+
+def folded(op: str, values: Sequence[float]) -> float | None:
+    """The value, None for other operations and where it is not finite: that is left to run.
+
+    True and false are 1 and 0.
+    """
+    if op in _COMPARISONS:
+        return float(_COMPARISONS[op](*values))
+    try:
+        value = float(_FUNCTIONS[op](*values)) if op in _FUNCTIONS else math.nan
+    except (ArithmeticError, ValueError):
+        return None
+    return value if math.isfinite(value) else None
 
 
 @dataclass(frozen=True)

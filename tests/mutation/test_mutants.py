@@ -68,7 +68,7 @@ def test_a_mutated_module_is_imported_and_its_file_left_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(REPOSITORY)
-    file = Path("ga/codegen/passes/zeros.py")
+    file = Path("ga/codegen/passes/optimize.py")
     before = file.read_bytes()
 
     def work() -> str:

@@ -11,10 +11,35 @@ from motorcade.ga.codegen.passes.stats import PassStats, count_operations
 from motorcade.ga.codegen.passes.sums_of_products.divisions import as_reciprocals, with_quotients
 from motorcade.ga.codegen.passes.sums_of_products.expand import expanded
 from motorcade.ga.codegen.passes.sums_of_products.factor import factored
-from motorcade.ga.codegen.passes.zeros import without_zeros
-from motorcade.ga.codegen.tape import Tape
+from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
 
-__all__ = ["LONGEST_SEARCHED", "PASSES", "optimized"]
+# Passes that search, and in more than linear time: tapes of more nodes go past them.
+_SEARCHES = frozenset({expanded, factored})
+LONGEST_SEARCHED = 20_000
+
+
+def without_zeros(tape: Tape) -> Tape:
+    """The tape without the components of outputs that are the number zero.
+
+    An output of which nothing is left keeps its name.
+    """
+    kept = [[i for i, k in enumerate(row) if not _is_zero(tape, k)] for row in tape.results]
+    if [len(places) for places in kept] == [len(row) for row in tape.results]:
+        return tape
+    outputs = tuple(
+        Operand(operand.name, tuple(operand.components[i] for i in places))
+        for operand, places in zip(tape.outputs, kept, strict=True)
+    )
+    results = [[row[i] for i in places] for row, places in zip(tape.results, kept, strict=True)]
+    builder = TapeBuilder()
+    builder.nodes.extend(tape.nodes)
+    return builder.finished(tape.inputs, outputs, results)
+
+
+def _is_zero(tape: Tape, index: int) -> bool:
+    node = tape.nodes[index]
+    return node.op == "const" and node.value == 0.0
+
 
 PASSES: tuple[tuple[str, Callable[[Tape], Tape]], ...] = (
     ("fold constants", folded_tape),
@@ -27,9 +52,6 @@ PASSES: tuple[tuple[str, Callable[[Tape], Tape]], ...] = (
     ("factor", factored),
     ("single quotients", with_quotients),
 )
-# Passes that search, and in more than linear time: tapes of more nodes go past them.
-_SEARCHES = frozenset({expanded, factored})
-LONGEST_SEARCHED = 20_000
 
 
 def optimized(tape: Tape) -> tuple[Tape, tuple[PassStats, ...]]:

@@ -22,8 +22,13 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     function,
     indented,
 )
-from motorcade.ga.codegen.targets.shared.templates import C_LOGIC, Templates
-from motorcade.ga.codegen.targets.shared.text import description, unread, variables
+from motorcade.ga.codegen.targets.shared.text import (
+    C_LOGIC,
+    Templates,
+    description,
+    unread,
+    variables,
+)
 
 __all__ = ["c_dialect", "c_files", "write"]
 

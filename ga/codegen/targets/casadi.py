@@ -13,8 +13,15 @@ from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import check_names, python_names
 from motorcade.ga.codegen.targets.shared.python_module import assignments, listed, module
-from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, SAME_NAMES, Templates
-from motorcade.ga.codegen.targets.shared.text import WIDTH, description, variables, wrapped
+from motorcade.ga.codegen.targets.shared.text import (
+    COMPARISONS,
+    SAME_NAMES,
+    WIDTH,
+    Templates,
+    description,
+    variables,
+    wrapped,
+)
 
 __all__ = ["write"]
 

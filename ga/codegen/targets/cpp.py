@@ -15,8 +15,7 @@ from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, indented, loads
-from motorcade.ga.codegen.targets.shared.templates import C_LOGIC, Templates
-from motorcade.ga.codegen.targets.shared.text import call, wrapped
+from motorcade.ga.codegen.targets.shared.text import C_LOGIC, Templates, call, wrapped
 
 __all__ = ["cpp_header"]
 

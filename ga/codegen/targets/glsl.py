@@ -26,8 +26,15 @@ from motorcade.ga.codegen.targets.shared.c_family import (
     indented,
     loads,
 )
-from motorcade.ga.codegen.targets.shared.templates import C_LOGIC, SAME_NAMES, Templates
-from motorcade.ga.codegen.targets.shared.text import WIDTH, description, variables, wrapped
+from motorcade.ga.codegen.targets.shared.text import (
+    C_LOGIC,
+    SAME_NAMES,
+    WIDTH,
+    Templates,
+    description,
+    variables,
+    wrapped,
+)
 
 __all__ = ["library_source", "write"]
 

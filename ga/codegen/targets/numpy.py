@@ -26,8 +26,7 @@ from motorcade.ga.codegen.targets.shared.python_module import (
     assignments,
     listed,
 )
-from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, SAME_NAMES
-from motorcade.ga.codegen.targets.shared.text import WIDTH, wrapped
+from motorcade.ga.codegen.targets.shared.text import COMPARISONS, SAME_NAMES, WIDTH, wrapped
 
 __all__ = ["library_source", "library_table", "write"]
 

@@ -12,7 +12,7 @@ from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import python_names
 from motorcade.ga.codegen.targets.shared.python_module import ArrayLibrary, array_module, listed
-from motorcade.ga.codegen.targets.shared.templates import SAME_NAMES
+from motorcade.ga.codegen.targets.shared.text import SAME_NAMES
 
 __all__ = ["write"]
 

@@ -14,7 +14,7 @@ pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is
 
 from motorcade.ga.codegen.passes.equality import field
 from motorcade.ga.codegen.passes.equality.fingerprints import fingerprints
-from motorcade.ga.codegen.passes.equality.samples import sampled
+from motorcade.ga.codegen.passes.equality.witness import sampled
 from motorcade.ga.codegen.passes.optimize import PASSES, optimized
 from motorcade.ga.codegen.passes.stats import (
     Operations,

@@ -12,10 +12,9 @@ values of their arguments, but for what is known of them: sin and cos of one arg
 rational point of the unit circle, tan is their quotient, exp(-x) is 1/exp(x), sin, tan, asin and
 atan are odd, cos and abs even, a square root is a root in GF(p²). The last two leave a sign open,
 which is that of a fair coin that multiplies as signs do (`field.magnitude`):
-``sqrt(x²)`` and ``|x|`` have the
-value of x or of -x. Nodes that depend on such a choice are `uncertain`: their
-agreement at few points is a guess. A claim that is wrong for half of the signs passes at all of
-`MANY_POINTS` with 2^-48.
+``sqrt(x²)`` and ``|x|`` have the value of x or of -x. Nodes that depend on such a choice are
+`uncertain`: their agreement at few points is a guess. A claim that is wrong for half of the signs
+passes at all of `MANY_POINTS` with 2^-48. Where a value is never negative there is no choice.
 """
 
 from __future__ import annotations
@@ -27,18 +26,51 @@ import numpy as np
 
 from motorcade.ga.codegen.passes.equality import field
 from motorcade.ga.codegen.passes.equality.field import Element
-from motorcade.ga.codegen.passes.equality.signs import nonnegative_nodes
 from motorcade.ga.codegen.tape import Node, Tape
 
-__all__ = ["MANY_POINTS", "POINTS", "Fingerprint", "Fingerprints", "fingerprints"]
-
+_ALWAYS = frozenset({"abs", "sqrt", "exp", "acos", "lt", "le", "eq", "ne", "and", "or", "not"})
 POINTS = 3
 MANY_POINTS = 48
 _SEED = 20170214
 _HIGHEST_DEGREE = 1 << 16
 _TRIES = 8
-
 Fingerprint = tuple[Element, ...]
+
+
+def nonnegative_nodes(tape: Tape) -> list[bool]:
+    """For each node whether its value is at least 0 wherever it is a number, rounding included."""
+    found: list[bool] = []
+    for node in tape.nodes:
+        found.append(_nonnegative(node, [found[k] for k in node.args], tape))
+    return found
+
+
+def _nonnegative(node: Node, args: list[bool], tape: Tape) -> bool:
+    if node.op == "const":
+        return node.value >= 0.0
+    if node.op == "mul":
+        return all(args) or _is_square(node, tape)
+    if node.op in ("add", "div", "min", "floor", "ceil", "keep"):
+        return all(args)
+    if node.op == "max":
+        return any(args)
+    if node.op == "select":
+        return all(args[1:])
+    return node.op in _ALWAYS
+
+
+def _is_square(node: Node, tape: Tape) -> bool:
+    """``x x``, and ``(c x) x`` for a number c that is not negative."""
+    left, right = node.args
+    if left == right:
+        return True
+    for product, factor in ((left, right), (right, left)):
+        inner = tape.nodes[product]
+        if inner.op == "mul" and factor in inner.args:
+            rest = inner.args[0] if inner.args[1] == factor else inner.args[1]
+            if tape.nodes[rest].op == "const" and tape.nodes[rest].value >= 0.0:
+                return True
+    return False
 
 
 @dataclass(frozen=True)

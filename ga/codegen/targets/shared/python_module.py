@@ -10,8 +10,15 @@ from motorcade.ga.codegen.expressions import Statement, statements
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.names import Reserved, check_names
-from motorcade.ga.codegen.targets.shared.templates import COMPARISONS, Templates
-from motorcade.ga.codegen.targets.shared.text import WIDTH, call, description, variables, wrapped
+from motorcade.ga.codegen.targets.shared.text import (
+    COMPARISONS,
+    WIDTH,
+    Templates,
+    call,
+    description,
+    variables,
+    wrapped,
+)
 
 __all__ = [
     "ArrayLibrary",
