@@ -1,21 +1,48 @@
 """Values kept in ``.npz`` files of plain arrays, each with the name of its format.
 
-The same arrays give the same bytes; nothing is pickled.
+The same arrays give the same bytes; nothing is pickled. An archive that others made is read only
+after its directory has told what it unpacks to.
 """
 
 from __future__ import annotations
 
+import math
+import struct
+import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
-from zipfile import BadZipFile
+from typing import Any, BinaryIO, TypeVar
+from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile
 
 import numpy as np
+from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-__all__ = ["load_arrays", "save_arrays"]
+from motorcade.ga.files import FileError, open_bounded
+
+__all__ = ["load_arrays", "read_arrays", "save_arrays"]
 
 T = TypeVar("T")
+
+MAX_FILE_BYTES = 1 << 30
+MAX_UNPACKED_BYTES = 64 << 20
+"""Of a compressed archive that is smaller itself; one as written here is stored as it is."""
+MAX_ARRAYS = 1000
+_MAX_DIRECTORY_BYTES = 1 << 18
+
+_FAULTS = (
+    BadZipFile,
+    EOFError,
+    KeyError,
+    RuntimeError,  # an encrypted member
+    TypeError,
+    ValueError,
+    struct.error,
+    zlib.error,
+)
+
+_END = struct.Struct("<4s4H2LH")
+_ZIP64_LOCATOR = struct.Struct("<4s16x")
 
 
 def save_arrays(path: Path, owner: str, form: str, arrays: Mapping[str, Any]) -> None:
@@ -36,14 +63,85 @@ def load_arrays(
     """A value made of what `save_arrays` wrote.
 
     Raises:
+        FileError: as `read_arrays`.
         ValueError: a file that holds no such value, or numbers that the value refuses.
-        OSError: a file that cannot be read.
     """
+    arrays = read_arrays(path, what)
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
         if str(arrays["format"]) != form:
             raise ValueError(f"expected the format '{form}', got '{arrays['format']}'")
         return make(arrays)
-    except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as fault:
-        raise ValueError(f"{path}: not {what}: {fault}") from fault
+    except (ValueError, KeyError, TypeError) as fault:
+        raise FileError(path, f"not {what}: {fault}") from fault
+
+
+def read_arrays(
+    path: Path, what: str = "a file of arrays", limit_bytes: int = MAX_FILE_BYTES
+) -> dict[str, NDArray[Any]]:
+    """All arrays of an ``.npz`` file by name; `what` the file should be is for the message.
+
+    Raises:
+        FileError: what the door refuses (`files.open_bounded`), a file that is no such archive, or
+            one that would unpack to more than its own size and `MAX_UNPACKED_BYTES`.
+    """
+    with open_bounded(path, limit_bytes) as file:
+        try:
+            _check_directory(file, path.stat().st_size)
+            with np.load(file, allow_pickle=False) as stored:
+                return {name: stored[name] for name in stored.files}
+        except FileError:
+            raise
+        except _FAULTS as fault:
+            raise FileError(path, f"not {what}: {fault}") from fault
+
+
+def _check_directory(file: BinaryIO, size: int) -> None:
+    """Refuse an archive by what its directory and its arrays' headers say, and nothing more."""
+    _check_end(file, size)
+    with ZipFile(file) as archive:
+        members = archive.infolist()
+        most = max(size, MAX_UNPACKED_BYTES)
+        total = sum(member.file_size for member in members)
+        if total > most or len(members) > MAX_ARRAYS:
+            raise ValueError(
+                f"expected at most {MAX_ARRAYS} arrays of {most} bytes in all, "
+                f"got {len(members)} of {total}"
+            )
+        for member in members:
+            if member.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
+                raise ValueError(f"{member.filename}: expected it stored or deflated")
+            with archive.open(member) as opened:
+                shape, kind = _header(opened)
+            if math.prod(shape) * max(kind.itemsize, 1) > member.file_size:
+                raise ValueError(
+                    f"{member.filename}: expected {shape} of {kind}, got {member.file_size} bytes"
+                )
+    file.seek(0)
+
+
+def _check_end(file: BinaryIO, size: int) -> None:
+    """The record that ends an archive tells how large a directory `ZipFile` would take in."""
+    length = min(size, _ZIP64_LOCATOR.size + _END.size)
+    file.seek(size - length)
+    tail = file.read(length)
+    if length < _END.size or tail[-_END.size :][:4] != b"PK\5\6":
+        raise ValueError("expected an archive that is whole and without a comment")
+    _, _, _, _, count, directory_bytes, _, comment = _END.unpack(tail[-_END.size :])
+    zip64 = tail[: -_END.size][:4] == b"PK\6\7"
+    if zip64 or comment or count > MAX_ARRAYS or directory_bytes > _MAX_DIRECTORY_BYTES:
+        raise ValueError(
+            f"expected at most {MAX_ARRAYS} arrays and {_MAX_DIRECTORY_BYTES} bytes of directory, "
+            f"got {count} and {directory_bytes}"
+        )
+
+
+def _header(opened: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Shape and type that an array's own header tells."""
+    version = npy.read_magic(opened)
+    if version == (1, 0):
+        shape, _, kind = npy.read_array_header_1_0(opened)
+    elif version == (2, 0):
+        shape, _, kind = npy.read_array_header_2_0(opened)
+    else:
+        raise ValueError(f"expected an array of format 1.0 or 2.0, got {version}")
+    return shape, kind

@@ -222,8 +222,8 @@ class Trajectory:
         """Read what `save` wrote.
 
         Raises:
+            FileError: a file that cannot be read, or unpacks to too much (`ga.archives`).
             ValueError: a file that is no trajectory, or holds values that are refused.
-            OSError: a file that cannot be read.
         """
 
         def make(stored: Mapping[str, NDArray[Any]]) -> Trajectory:

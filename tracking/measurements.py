@@ -126,8 +126,8 @@ class PoseMeasurements:
         """Read what `save` wrote.
 
         Raises:
+            FileError: a file that cannot be read, or unpacks to too much (`ga.archives`).
             ValueError: a file that holds no pose measurements, or values that are refused.
-            OSError: a file that cannot be read.
         """
 
         def make(stored: Mapping[str, NDArray[Any]]) -> PoseMeasurements:

@@ -24,6 +24,7 @@ import numpy as np
 from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose, VersorObjectPose
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.files import read_bounded
 
 __all__ = ["Scene", "number", "read_json_lines", "read_scene", "vector"]
 
@@ -204,11 +205,7 @@ def read_json_lines(path: Path) -> list[tuple[int, Any]]:
 
 def _text(path: Path) -> str:
     try:
-        if path.stat().st_size > MOST_BYTES:
-            raise ValueError(f"{path}: expected at most {MOST_BYTES} bytes")
-        return path.read_text(encoding="utf-8")
-    except OSError as fault:
-        raise ValueError(f"{path}: cannot be read: {fault.strerror}") from fault
+        return read_bounded(path, MOST_BYTES).decode("utf-8")
     except UnicodeDecodeError as fault:
         raise ValueError(f"{path}: expected UTF-8, got other bytes") from fault
 

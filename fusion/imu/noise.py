@@ -13,8 +13,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 
+from motorcade.ga.files import read_bounded
+
 __all__ = ["ADIS16448", "ImuNoise"]
 
+MAX_FILE_BYTES = 1 << 18
 _YAML_NAMES = {
     "gyro_density_rad_s_rthz": "gyroscope_noise_density",
     "gyro_walk_rad_s2_rthz": "gyroscope_random_walk",
@@ -60,8 +63,9 @@ class ImuNoise:
         """Read Kalibr's ``imu.yaml`` (with or without its ``imu0:``) or EuRoC's ``sensor.yaml``.
 
         Raises:
-            ValueError: a file that cannot be read, is no UTF-8 or no YAML mapping, or one of the
-                four numbers missing, no number or not above zero; one line names file and field.
+            FileError: a file that cannot be read, or is too large.
+            ValueError: no UTF-8 or no plain YAML mapping, or one of the four numbers missing, no
+                number or not above zero; one line names file and field.
         """
         content = _yaml_mapping(path)
         nested = [part for part in content.values() if isinstance(part, Mapping)]
@@ -79,11 +83,9 @@ def _yaml_mapping(path: Path) -> Mapping[str, object]:
     import yaml
 
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_bounded(path, MAX_FILE_BYTES).decode("utf-8")
     except UnicodeDecodeError as fault:
         raise ValueError(f"{path}: expected YAML in UTF-8, got other bytes") from fault
-    except OSError as fault:
-        raise ValueError(f"{path}: cannot be read: {fault.strerror}") from fault
     # OpenCV opens its files with "%YAML:1.0", which is no YAML directive.
     body = text.split("\n", 1)[-1] if text.startswith("%YAML:") else text
     try:

@@ -11,6 +11,7 @@ from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.strategies import product, table
 from motorcade.ga.codegen.targets import TARGETS
 from motorcade.ga.codegen.targets.names import file_identifier
+from motorcade.ga.files import read_bounded
 from motorcade.ga.script import Script, parse
 from motorcade.ga.script.meaning import algebra_named
 from motorcade.ga.script.reading.lexer import MAX_SCRIPT_CHARACTERS
@@ -51,7 +52,7 @@ def generate(
         algebra: as a pragma names it, for scripts that do not say theirs; cga3 if None.
 
     Raises:
-        OSError: the file cannot be read.
+        FileError: the file cannot be read, or is too large.
         ScriptError: what is wrong with the script, and where.
         ValueError: names that the target keeps for itself, a script without outputs, anything
             above that is not known or that the target does not have.
@@ -75,15 +76,11 @@ def read_script(path: Path) -> Script:
     """Read and parse a script.
 
     Raises:
-        OSError: the file cannot be read.
-        ValueError: it is too large, or no UTF-8.
+        FileError: the file cannot be read, or is too large.
+        ValueError: it is no UTF-8.
         ScriptError: what is wrong with the script, and where.
     """
-    most = _LONGEST_CHARACTER * MAX_SCRIPT_CHARACTERS
-    with path.open("rb") as file:
-        data = file.read(most + 1)
-    if len(data) > most:
-        raise ValueError(f"{path}: expected a script of at most {most} bytes")
+    data = read_bounded(path, _LONGEST_CHARACTER * MAX_SCRIPT_CHARACTERS)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as refused:

@@ -115,8 +115,8 @@ class BoardTrack:
         """Read what `save` wrote.
 
         Raises:
+            FileError: a file that cannot be read, or unpacks to too much (`ga.archives`).
             ValueError: a file that is no board track, or holds values that are refused.
-            OSError: a file that cannot be read.
         """
         return load_arrays(path, "a saved board track", _FORMAT, cls._from_arrays)
 

@@ -14,13 +14,14 @@ import numpy as np
 
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.files import read_bounded
 from motorcade.tracking.markers.families import marker_points_m
 
 __all__ = ["MarkerMap"]
 
 _FORMAT = "motorcade marker map 1"
 _UNITS = {"side_m": "metres", "translation_m": "metres", "quaternion_wxyz": "1"}
-_LARGEST_FILE = 2**24
+MAX_FILE_BYTES = 16 << 20
 _MOST_MARKERS = 100_000
 
 
@@ -120,13 +121,12 @@ class MarkerMap:
         """Read what `save` wrote.
 
         Raises:
-            ValueError: a file of another format, too large, or values that are refused.
-            OSError: a file that cannot be read.
+            FileError: a file that cannot be read, or is too large.
+            ValueError: a file of another format, or values that are refused.
         """
-        if path.stat().st_size > _LARGEST_FILE:
-            raise ValueError(f"{path}: expected at most {_LARGEST_FILE} bytes")
+        data = read_bounded(path, MAX_FILE_BYTES)
         try:
-            content = json.loads(path.read_text(encoding="utf-8"))
+            content = json.loads(data.decode("utf-8"))
             return _parsed(content)
         except (ValueError, KeyError, TypeError, RecursionError, OverflowError) as fault:
             raise ValueError(f"{path}: not a marker map: {fault}") from fault

@@ -127,7 +127,7 @@ def test_hostile_files_are_refused(tmp_path):
     large.write_bytes(b" " * (17 * 2**20))
     with pytest.raises(ValueError, match="at most"):
         read_scene(large)
-    with pytest.raises(ValueError, match="cannot be read"):
+    with pytest.raises(ValueError, match="the file is missing"):
         read_scene(tmp_path / "missing.json")
 
 

@@ -195,9 +195,11 @@ def test_files_that_hold_no_noise_are_refused_in_one_line(tmp_path, content, mes
 
 
 def test_noise_files_that_cannot_be_read_are_refused(tmp_path):
-    for path in (tmp_path, tmp_path / "none.yaml"):
-        with pytest.raises(ValueError, match=f"^{path}: cannot be read: "):
-            ImuNoise.load(path)
+    with pytest.raises(ValueError, match=f"^{tmp_path}: expected a file, got a folder"):
+        ImuNoise.load(tmp_path)
+    path = tmp_path / "none.yaml"
+    with pytest.raises(ValueError, match=f"^{path}: the file is missing"):
+        ImuNoise.load(path)
 
 
 def test_noise_must_be_positive_and_scales_as_one():

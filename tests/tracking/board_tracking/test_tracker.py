@@ -8,6 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.files import FileError
 from motorcade.tracking import (
     Board,
     BoardTrack,
@@ -197,7 +198,7 @@ def test_files_that_hold_something_else_are_refused(tmp_path: Path) -> None:
             BoardTrack.load(tmp_path / name)
         with pytest.raises(ValueError, match=f"{name}: not saved pose measurements"):
             PoseMeasurements.load(tmp_path / name)
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(FileError, match="the file is missing"):
         BoardTrack.load(tmp_path / "missing.npz")
 
 

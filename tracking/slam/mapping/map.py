@@ -133,8 +133,8 @@ class MapSnapshot:
         """Read what `save` wrote.
 
         Raises:
+            FileError: a file that cannot be read, or unpacks to too much (`ga.archives`).
             ValueError: a file that holds no map, or values that are refused.
-            OSError: a file that cannot be read.
         """
 
         def make(stored: Mapping[str, NDArray[Any]]) -> MapSnapshot:
