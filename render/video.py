@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import IntArray
+from motorcade.ga.unfinished import unfinished
 from motorcade.render.scene import ImageArray
 
 __all__ = ["ahead", "contact_sheet", "read_frames", "write_pictures", "write_video"]
@@ -74,12 +74,10 @@ def write_video(path: Path, frames: Iterable[ImageArray], time_ns: ArrayLike) ->
     if path.suffix not in CLOCKS_HZ:
         raise ValueError(f"write_video(path): expected a name ending in .mp4 or .mkv, got {path}")
     stamps = _ticks(time_ns, CLOCKS_HZ[path.suffix])
-    part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
-    try:
+    with unfinished(path.parent) as place:
+        part = place / f"part{path.suffix}"
         _encode(part, frames, stamps)
         part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def read_frames(path: Path, every: int = 1) -> Iterator[tuple[int, ImageArray]]:

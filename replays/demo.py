@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import errno
-import os
-import shutil
 from pathlib import Path
 
+from motorcade.ga.unfinished import unfinished
 from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.provenance import code_digest
 from motorcade.replays.synthetic_room import write_recording
@@ -21,20 +20,24 @@ def ensure_demo_recording(folder: Path, seed: int) -> Path:
     and FileExistsError where `folder` holds something else.
     """
     made_from = f"{code_digest(write_recording)} seed {seed}\n"
-    marker = folder / MARKER
-    if marker.is_file() and marker.read_text(encoding="utf-8") == made_from:
+    if _is_made_from(made_from, folder):
         return folder
-    if folder.exists() and not marker.is_file():
+    if folder.exists() and not (folder / MARKER).is_file():
         raise FileExistsError(
             errno.EEXIST,
             "is not a recording that this demo made; choose another --out",
             str(folder),
         )
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    building = folder.with_name(f".{folder.name}.{os.getpid()}")
-    shutil.rmtree(building, ignore_errors=True)
-    write_recording(building, seed=seed, progress=track)
-    (building / MARKER).write_text(made_from, encoding="utf-8")
-    shutil.rmtree(folder, ignore_errors=True)
-    building.rename(folder)
+    with unfinished(folder.parent) as place:
+        write_recording(place / "recording", seed=seed, progress=track)
+        (place / "recording" / MARKER).write_text(made_from, encoding="utf-8")
+        if not _is_made_from(made_from, folder):  # else another run was faster
+            if folder.exists():
+                folder.rename(place / "earlier")
+            (place / "recording").rename(folder)
     return folder
+
+
+def _is_made_from(origin: str, folder: Path) -> bool:
+    marker = folder / MARKER
+    return marker.is_file() and marker.read_text(encoding="utf-8") == origin

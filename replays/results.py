@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.ga import Trajectory
+from motorcade.ga.unfinished import remove_unfinished
 from motorcade.replays.engine.graph import GraphRun
-from motorcade.replays.files.atomic import copy_file, sweep_unfinished, write_bytes
+from motorcade.replays.files.atomic import copy_file, write_bytes
 from motorcade.replays.files.trajectories import write_trajectory
 from motorcade.replays.report.summary import without_nan
 
@@ -41,8 +42,7 @@ def write_results(run: GraphRun, out: Path, about: Mapping[str, Any]) -> dict[st
     belongs together. Returns the report, or the run log of a run that stopped before it.
     """
     for folder in (out, out / "trajectories"):
-        if folder.is_dir():
-            sweep_unfinished(folder)
+        remove_unfinished(folder)
     run_log = _run_log(run, about)
     written = _write_trajectories(run, out / "trajectories") | _write_files(run, out)
     write_bytes(out / "run.json", (json.dumps(run_log, indent=2) + "\n").encode())

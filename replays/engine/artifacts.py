@@ -3,8 +3,8 @@
 An artifact is a folder: `value.json` (the tree), `arrays.npz` (its arrays), `files/` (whatever the
 value points to with a `Path`), `aside.json` (fields that say how the value came about, such as
 seconds, and do not belong to its content) and `artifact.json` (format version, content digest, and
-a seal over all that the digest does not cover), written last. The folder is built under a temporary
-name and renamed: a reader sees all or nothing. One that is not as it was written is computed again.
+a seal over all that the digest does not cover), written last. The folder is built apart and
+renamed: a reader sees all or nothing. One that is not as it was written is computed again.
 
 Reading is driven by the type asked for, never by names found in the file; nothing is unpickled.
 """
@@ -20,7 +20,6 @@ import json
 import logging
 import math
 import os
-import re
 import shutil
 import tempfile
 import types
@@ -36,13 +35,11 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from motorcade.replays.files.atomic import is_alive
+from motorcade.ga.unfinished import unfinished
 
 log = logging.getLogger("motorcade.artifacts")
 
 FORMAT_VERSION = 3
-UNFINISHED = re.compile(r"\.(workspace|[a-z_]+-[0-9a-f]{24})\.(?P<pid>[0-9]+)")
-"""Names of what is still being built; nothing else is ever swept."""
 
 
 class ArtifactError(ValueError):
@@ -64,18 +61,15 @@ def write_artifact(value: object, folder: Path, seconds: float) -> Stored:
     Files that the value points to are moved into the artifact. Raises TypeError for a field of
     a kind that cannot be stored, and OSError naming the folder where it cannot be written.
     """
-    building = folder.with_name(f".{folder.name}.{os.getpid()}")
     try:
-        return _built(value, folder, building, seconds)
+        with unfinished(folder.parent) as place:
+            return _built(value, folder, place / "artifact", seconds)
     except OSError as fault:
         problem = f"cannot be written: {fault.strerror or fault}"
         raise OSError(fault.errno or errno.EIO, problem, str(folder)) from fault
-    finally:
-        shutil.rmtree(building, ignore_errors=True)
 
 
 def _built(value: object, folder: Path, building: Path, seconds: float) -> Stored:
-    shutil.rmtree(building, ignore_errors=True)
     (building / "files").mkdir(parents=True)
     encoder = _Encoder(building / "files")
     tree = encoder.encode(value, "value")
@@ -117,14 +111,10 @@ def _as_written(folder: Path, name: str) -> Stored | None:
 
 def _remove(folder: Path) -> None:
     """Set a damaged artifact aside in one step and delete it, unless it was replaced meanwhile."""
-    aside = folder.with_name(f".{folder.name}.{os.getpid()}")
-    with contextlib.suppress(OSError):
-        folder.rename(aside)
-        if _as_written(aside, folder.name) is not None:
-            aside.rename(folder)
-    shutil.rmtree(aside, ignore_errors=True)
-    with contextlib.suppress(OSError):
-        aside.unlink()
+    with contextlib.suppress(OSError), unfinished(folder.parent) as place:
+        folder.rename(place / "aside")
+        if _as_written(place / "aside", folder.name) is not None:
+            (place / "aside").rename(folder)
 
 
 def read_artifact(stored: Stored, kind: Any) -> Any:
@@ -149,15 +139,13 @@ _workspace: ContextVar[Path | None] = ContextVar("workspace", default=None)
 
 @contextmanager
 def workspace(cache: Path) -> Iterator[None]:
-    """Inside the block, `new_file` gives paths beside the artifacts, swept should the run die."""
-    folder = cache / f".workspace.{os.getpid()}"
-    folder.mkdir(parents=True, exist_ok=True)
-    token = _workspace.set(folder)
-    try:
-        yield
-    finally:
-        _workspace.reset(token)
-        shutil.rmtree(folder, ignore_errors=True)
+    """Inside the block, `new_file` gives paths beside the artifacts, gone at its end."""
+    with unfinished(cache) as folder:
+        token = _workspace.set(folder)
+        try:
+            yield
+        finally:
+            _workspace.reset(token)
 
 
 def new_file(name: str) -> Path:
@@ -174,14 +162,6 @@ def _temporary_folder() -> Path:
     folder = tempfile.TemporaryDirectory(prefix="motorcade-")
     atexit.register(folder.cleanup)
     return Path(folder.name)
-
-
-def sweep_unfinished(cache: Path) -> None:
-    """Remove what killed runs left half-built in `cache`; runs that still live keep theirs."""
-    for building in cache.iterdir():
-        ours = UNFINISHED.fullmatch(building.name)
-        if ours is not None and not is_alive(int(ours["pid"])):
-            shutil.rmtree(building, ignore_errors=True)
 
 
 class _Encoder:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from motorcade.ga.unfinished import remove_unfinished
 from motorcade.replays.engine import artifacts
 from motorcade.replays.engine.progress import working
 from motorcade.replays.engine.provenance import code_digest
@@ -54,7 +55,7 @@ class StageStore:
         self, cache: Path, sources: Mapping[str, Any], knobs: Mapping[str, Mapping[str, Any]]
     ) -> None:
         cache.mkdir(parents=True, exist_ok=True)
-        artifacts.sweep_unfinished(cache)
+        remove_unfinished(cache)
         self.outputs: dict[str, Any] = dict(sources)
         self.records: list[Computed] = []
         self._cache, self._knobs = cache, knobs

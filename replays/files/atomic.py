@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import io
 import os
-import re
-import secrets
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["copy_file", "is_alive", "sweep_unfinished", "write_bytes", "write_csv"]
+from motorcade.ga.unfinished import unfinished
 
-_UNFINISHED = re.compile(r"\..+\.(?P<pid>[0-9]+)-[0-9a-f]{12}")
+__all__ = ["copy_file", "write_bytes", "write_csv"]
 
 
 def write_bytes(path: Path, data: bytes) -> None:
@@ -30,37 +27,15 @@ def copy_file(source: Path, path: Path) -> None:
         shutil.copyfile(source, building)
 
 
-def sweep_unfinished(folder: Path) -> None:
-    """Remove what killed processes left half-written in `folder`; those that live keep theirs."""
-    for building in folder.iterdir():
-        ours = _UNFINISHED.fullmatch(building.name)
-        if ours is not None and not is_alive(int(ours["pid"])):
-            building.unlink(missing_ok=True)
-
-
-def is_alive(pid: int) -> bool:
-    """Whether a process of this number runs on this machine."""
-    try:
-        os.kill(pid, 0)
-    except (ProcessLookupError, OverflowError):
-        return False
-    except PermissionError:
-        return True
-    return True
-
-
 @contextmanager
 def _replacing(path: Path) -> Iterator[Path]:
-    building = path.with_name(f".{path.name}.{os.getpid()}-{secrets.token_hex(6)}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        yield building
-        with building.open("rb") as file:
-            os.fsync(file.fileno())
-        building.replace(path)
+        with unfinished(path.parent) as place:
+            yield place / "content"
+            with (place / "content").open("rb") as file:
+                os.fsync(file.fileno())
+            (place / "content").replace(path)
     except OSError as fault:
-        with contextlib.suppress(OSError):
-            building.unlink()
         raise OSError(fault.errno, f"cannot be written: {fault.strerror}", str(path)) from fault
 
 

@@ -77,19 +77,6 @@ def test_the_digest_is_that_of_the_content_alone(tmp_path: Path) -> None:
     assert first.digest == second.digest
 
 
-def test_half_written_artifacts_are_not_found_and_swept(tmp_path: Path) -> None:
-    name = f"fused-{'a' * 24}"
-    dead, alive = tmp_path / f".{name}.999999999", tmp_path / f".{name}.{os.getpid()}"
-    foreign = [tmp_path / ".mydata.999999999", tmp_path / f"{name}.999999999"]
-    for folder in (dead, alive, *foreign):
-        folder.mkdir()
-    assert artifacts.find_artifact(tmp_path / name) is None
-    artifacts.sweep_unfinished(tmp_path)
-    assert not dead.exists()
-    assert alive.exists()
-    assert all(folder.exists() for folder in foreign)
-
-
 @pytest.mark.parametrize("name", ["arrays.npz", "value.json", "artifact.json", "files/0.bin"])
 def test_a_damaged_artifact_is_found_out_and_dropped(
     name: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
