@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from motorcade.ga.files import read_bounded
+from motorcade.ga.plain_yaml import YamlError, parse_yaml
 
 __all__ = ["ADIS16448", "ImuNoise"]
 
@@ -80,18 +81,12 @@ class ImuNoise:
 
 
 def _yaml_mapping(path: Path) -> Mapping[str, object]:
-    import yaml
-
     try:
-        text = read_bounded(path, MAX_FILE_BYTES).decode("utf-8")
+        content = parse_yaml(read_bounded(path, MAX_FILE_BYTES).decode("utf-8"))
     except UnicodeDecodeError as fault:
         raise ValueError(f"{path}: expected YAML in UTF-8, got other bytes") from fault
-    # OpenCV opens its files with "%YAML:1.0", which is no YAML directive.
-    body = text.split("\n", 1)[-1] if text.startswith("%YAML:") else text
-    try:
-        content = yaml.safe_load(body)
-    except (yaml.YAMLError, ValueError, RecursionError) as fault:  # bad dates, bottomless brackets
-        raise ValueError(f"{path}: expected YAML, got {' '.join(str(fault).split())}") from fault
+    except YamlError as fault:
+        raise ValueError(f"{path}: {fault}") from fault
     if not isinstance(content, Mapping):
         raise ValueError(f"{path}: expected a YAML mapping, got {type(content).__name__}")
     return content

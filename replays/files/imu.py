@@ -12,9 +12,9 @@ from pathlib import Path
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.screening import screen_imu
 from motorcade.fusion.imu.stream import ImuStream
+from motorcade.ga.files import FileError
 from motorcade.replays.errors import RecordingError, refusal
 from motorcade.replays.files.atomic import write_bytes
-from motorcade.replays.readers.calibration import read_yaml
 from motorcade.replays.readers.tables import in_order, read_table
 
 __all__ = ["read_imu", "read_noise", "write_imu"]
@@ -53,9 +53,10 @@ def read_noise(path: Path) -> ImuNoise:
     Raises:
         RecordingError: missing, not YAML, or a density that is missing or not above 0.
     """
-    read_yaml(path)  # bounds the size and the nesting before the file is parsed again
     try:
         return ImuNoise.load(path)
+    except FileError as fault:
+        raise refusal(path, fault.problem) from fault
     except ValueError as fault:
         raise refusal(path, str(fault).removeprefix(f"{path}: ")) from fault
 

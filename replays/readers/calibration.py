@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import cast
 
 import numpy as np
-import yaml
 
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.errors import RecordingError, one_line, read_bounded, refusal
+from motorcade.ga.plain_yaml import YamlError, parse_yaml
+from motorcade.replays.errors import one_line, read_bounded, refusal
 from motorcade.replays.files.trajectories import UNIT_TOLERANCE
 from motorcade.replays.readers.tables import data_rows
 from motorcade.tracking.cameras.camera import Camera, CameraModel
@@ -30,7 +30,6 @@ __all__ = [
 ]
 
 YAML_LIMIT = 2**18
-YAML_NODES = 2000
 _MODELS = {
     "radial-tangential": "radtan",
     "radtan": "radtan",
@@ -43,30 +42,17 @@ _MODELS = {
 
 
 def read_yaml(path: Path) -> dict[str, object]:
-    """Read a YAML file of named values, such as `sensor.yaml`; OpenCV's `%YAML:1.0` is allowed.
+    """Read a YAML file of named values, such as `sensor.yaml`.
 
     Raises:
-        RecordingError: missing, larger than 256 KiB, not YAML, or not a table of names.
+        RecordingError: missing, larger than 256 KiB, not plain YAML (`ga.plain_yaml`), or not a
+            table of names.
     """
     text = read_bounded(path, YAML_LIMIT).decode("utf-8", "replace")
-    if text.startswith("%YAML:"):
-        text = text.partition("\n")[2].removeprefix("---")
     try:
-        text = text.replace("!!opencv-matrix", "")
-        if sum(map(text.count, "[{-?")) > YAML_NODES:
-            # The parser's time grows with the square of open brackets.
-            raise refusal(path, f"expected a calibration with at most {YAML_NODES} lists")
-        if any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text, yaml.SafeLoader)):
-            # A few lines of aliases and merges can stand for more than the memory holds.
-            raise refusal(path, "expected plain values, got a YAML alias")
-        content = yaml.safe_load(text)
-    except RecordingError:
-        raise
-    except (yaml.YAMLError, ValueError, RecursionError) as fault:
-        mark = getattr(fault, "problem_mark", None)
-        problem = getattr(fault, "problem", None) or type(fault).__name__
-        line = None if mark is None else mark.line + 2
-        raise refusal(path, f"expected YAML: {problem}", line=line) from fault
+        content = parse_yaml(text)
+    except YamlError as fault:
+        raise refusal(path, str(fault), line=fault.line) from fault
     if not isinstance(content, dict):
         raise refusal(path, f"expected named values, got {type(content).__name__}")
     return {str(key): value for key, value in content.items()}

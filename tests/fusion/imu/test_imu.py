@@ -163,9 +163,11 @@ def test_eurocs_own_file_is_that_of_the_adis16448(data_dir):
         (("2e-5", ".nan"), "gyroscope_random_walk: expected a number above 0, got nan"),
         (("2e-5", "small"), "gyroscope_random_walk: expected a number above 0, got 'small'"),
         (("2e-5", "[1, 2]"), r"gyroscope_random_walk: expected a number above 0, got \[1, 2\]"),
-        (("rostopic:", "a: b:"), "expected YAML, got"),
+        (("rostopic:", "a: b:"), "expected YAML: "),
         ((KALIBR, "- 1\n- 2\n"), "expected a YAML mapping, got list"),
-        ((KALIBR, ""), "expected a YAML mapping, got NoneType"),
+        ((KALIBR, " "), "expected a YAML mapping, got NoneType"),
+        ((KALIBR, ""), "the file is empty"),
+        ((KALIBR, "a: &a {b: 1}\nc:\n  <<: *a"), "expected plain values, got a YAML alias"),
     ],
 )
 def test_noise_files_are_refused_by_file_and_field(tmp_path, change, message):
@@ -179,10 +181,10 @@ def test_noise_files_are_refused_by_file_and_field(tmp_path, change, message):
     ("content", "message"),
     [
         (b"\xff\xfe\x00gyro", "expected YAML in UTF-8, got other bytes"),
-        (bytes(range(128)), "expected YAML, got"),
-        (b"gyroscope_noise_density: 1\x00", "expected YAML, got"),
-        (b"stamp: 2024-99-99", "expected YAML, got month"),
-        (b"[" * 5000, "expected YAML, got"),
+        (bytes(range(128)), "expected YAML: "),
+        (b"gyroscope_noise_density: 1\x00", "expected YAML: "),
+        (b"stamp: 2024-99-99", "expected YAML: month"),
+        (b"[" * 5000, "expected at most 2000 lists"),
         (KALIBR.replace("2e-5", "1" + 400 * "0").encode(), "gyroscope_random_walk: expected"),
     ],
 )

@@ -68,7 +68,7 @@ def test_bad_mounts_and_noise_are_refused_in_one_line(
     assert run("simulate-imu", moving, "-o", out, "--imu-from-poses", *"0001112") == 1
     assert "--imu-from-poses: expected a unit quaternion" in capsys.readouterr().err
     assert run("simulate-imu", moving, "-o", out, "--noise", tmp_path / "no.yaml") == 1
-    assert "no.yaml: cannot be read" in capsys.readouterr().err
+    assert "no.yaml: the file is missing" in capsys.readouterr().err
     assert run("simulate-imu", moving, "-o", out, "--dropped", "2") == 1
     assert "dropped_share: expected a share in [0, 1)" in capsys.readouterr().err
     assert not out.exists()

@@ -36,6 +36,14 @@ def test_yaml_that_unfolds_to_more_than_the_memory_is_refused(tmp_path: Path) ->
     assert "alias" in refused(lambda: read_yaml(path))
 
 
+def test_the_line_of_a_fault_in_yaml_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "sensor.yaml"
+    for head in ("", "%YAML:1.0\n", "%YAML:1.0\n---\n"):
+        path.write_text(f"{head}a: 1\nb: c: d\n")
+        line = 2 + head.count("\n")
+        assert f"sensor.yaml, line {line}: expected YAML" in refused(lambda: read_yaml(path))
+
+
 @pytest.mark.parametrize("nest", ["[", "{", "- ", "? ", "[{", "!!map {"])
 @pytest.mark.parametrize("count", [900, 20_000])
 def test_deep_yaml_is_refused(tmp_path: Path, nest: str, count: int) -> None:

@@ -1,0 +1,55 @@
+"""YAML of plain values from files that others made: no objects, no aliases, nothing deep.
+
+A few lines of aliases and merges can stand for more than the memory holds, and the parser's time
+grows with the square of open brackets; both are refused before anything is built.
+"""
+
+from __future__ import annotations
+
+__all__ = ["MAX_LISTS", "YamlError", "parse_yaml"]
+
+MAX_LISTS = 2000
+
+
+class YamlError(ValueError):
+    """A text is no plain YAML; `line` (from 1) is where, or None."""
+
+    def __init__(self, problem: str, line: int | None = None) -> None:
+        super().__init__(problem)
+        self.line = line
+
+
+def parse_yaml(text: str) -> object:
+    r"""The value that a YAML text stands for; OpenCV's `%YAML:1.0` and its matrices are allowed.
+
+    Args:
+        text: at most `MAX_LISTS` lists and tables in it.
+
+    Raises:
+        YamlError: no YAML, an alias, or too many lists.
+
+    >>> from motorcade.ga.plain_yaml import parse_yaml
+    >>> parse_yaml("%YAML:1.0\n---\nrate_hz: 200.0")
+    {'rate_hz': 200.0}
+    >>> parse_yaml("a: &a [1]\nb: *a")
+    Traceback (most recent call last):
+    motorcade.ga.plain_yaml.YamlError: expected plain values, got a YAML alias
+    """
+    import yaml
+
+    if text.startswith("%YAML:"):  # no directive of YAML's; an empty line keeps the count
+        text = "\n" + text.partition("\n")[2].removeprefix("---")
+    text = text.replace("!!opencv-matrix", "")
+    if sum(map(text.count, "[{-?")) > MAX_LISTS:
+        raise YamlError(f"expected at most {MAX_LISTS} lists, got more")
+    try:
+        if any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text, yaml.SafeLoader)):
+            raise YamlError("expected plain values, got a YAML alias")
+        return yaml.safe_load(text)
+    except YamlError:
+        raise
+    except (yaml.YAMLError, ValueError, RecursionError) as fault:  # also dates of no calendar
+        mark = getattr(fault, "problem_mark", None)
+        problem = getattr(fault, "problem", None) or str(fault) or type(fault).__name__
+        line = None if mark is None else mark.line + 1
+        raise YamlError(f"expected YAML: {' '.join(problem.split())}", line) from fault
