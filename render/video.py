@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextvars import copy_context
 from fractions import Fraction
 from itertools import islice
 from pathlib import Path
@@ -39,7 +40,7 @@ def ahead(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Res
         waiting: deque[Future[Result]] = deque()
         try:
             for item in items:
-                waiting.append(worker.submit(work, item))
+                waiting.append(worker.submit(copy_context().run, work, item))
                 if len(waiting) > ITEMS:
                     yield waiting.popleft().result()
             while waiting:

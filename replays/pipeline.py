@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from motorcade import __version__
+from motorcade.ga.files import off_record
 from motorcade.replays.characters.acting import MANNEQUIN, character_named, clip_named
 from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import parse_knobs
@@ -103,12 +104,14 @@ def run_job(job: Job) -> dict[str, Any]:
     the new ones are complete. Raises ValueError or OSError with one line that says what is wrong.
     """
     graph = pipeline_graph()
-    recording = open_recording(job.recording, job.manifest)
+    with off_record():  # the recording's digest and settings cover all that is read of it
+        recording = open_recording(job.recording, job.manifest)
     knobs = parse_knobs((*recording.settings, *job.settings), graph)
     if "placed" in graph.needed(job.until):
         _check_character(knobs.get("placed", {}))
     require_writable(job.out)
-    recording = recording.intact()
+    with off_record():
+        recording = recording.intact()
     for damage in recording.damaged:
         log.warning("left out: %s", damage)
     run = graph.run(job.until, {"recording": recording}, job.cache or job.out / ".cache", knobs)

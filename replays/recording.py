@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import IntArray
+from motorcade.ga.files import off_record
 from motorcade.replays.errors import refusal
 
 if TYPE_CHECKING:
@@ -46,6 +47,8 @@ DepthArray = NDArray[np.float32]
 class Frame:
     """One picture of a recording; nothing is read before it is asked for.
 
+    What is read then stays off the record of files: a recording's digest covers its pictures.
+
     Fields:
         time_ns: stamp.
         name: file name, or "frame 12" of a video; opens error messages.
@@ -70,7 +73,8 @@ class Frame:
         Raises:
             RecordingError: missing, truncated, corrupt, or not of the camera's size.
         """
-        return self.read_image()
+        with off_record():
+            return self.read_image()
 
     def gray(self) -> ImageArray:
         """Read the picture as luma (ITU-R BT.601), uint8 ``(height, width)``; raises as `image`."""
@@ -83,11 +87,13 @@ class Frame:
 
     def depth_m(self) -> DepthArray | None:
         """Read the depth, metres ``(height, width)``, NaN where unknown; None without depth."""
-        return None if self.read_depth is None else self.read_depth()
+        with off_record():
+            return None if self.read_depth is None else self.read_depth()
 
     def right(self) -> ImageArray | None:
         """Read the right picture of a rectified pair, grey ``(height, width)``; None without."""
-        return None if self.read_right is None else self.read_right()
+        with off_record():
+            return None if self.read_right is None else self.read_right()
 
 
 class FrameSequence(Protocol):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -14,6 +15,7 @@ from motorcade.animation.place import GroundPath, on_the_spot, walk_along
 from motorcade.animation.retarget import legs_of, retarget
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
+from motorcade.ga.files import files_now, files_read, is_there, put_on_record
 from motorcade.replays.errors import did_you_mean
 
 __all__ = ["MANNEQUIN", "character_named", "clip_named", "path_of", "walked"]
@@ -33,17 +35,24 @@ def character_named(name: str) -> Character:
     path = Path(name)
     if name == MANNEQUIN:
         return mannequin()
-    if not path.is_file():
+    if not is_there(path):
         raise ValueError(f"placed.character: expected 'mannequin' or a file, came {name!r}")
-    return _read(path, path.stat().st_mtime_ns)
+    character, files = _read(path.absolute())
+    if files_now(files) != files:
+        _read.cache_clear()
+        character, files = _read(path.absolute())
+    put_on_record(files)
+    return character
 
 
 @lru_cache(maxsize=2)
-def _read(path: Path, changed_ns: int) -> Character:
+def _read(path: Path) -> tuple[Character, Mapping[Path, str]]:
+    """A character, and the files that it was read from."""
     from motorcade.animation.formats import FormatError, read_character
 
     try:
-        return read_character(path)
+        with files_read() as files:
+            return read_character(path), files
     except FormatError as fault:
         raise ValueError(f"placed.character: {fault}") from fault
 

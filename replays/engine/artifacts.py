@@ -2,9 +2,10 @@
 
 An artifact is a folder: `value.json` (the tree), `arrays.npz` (its arrays), `files/` (whatever the
 value points to with a `Path`), `aside.json` (fields that say how the value came about, such as
-seconds, and do not belong to its content) and `artifact.json` (format version, content digest, and
-a seal over all that the digest does not cover), written last. The folder is built apart and
-renamed: a reader sees all or nothing. One that is not as it was written is computed again.
+seconds, and do not belong to its content) and `artifact.json` (format version, content digest, the
+files that it was made from, and a seal over all that the digest does not cover), written last. The
+folder is built apart and renamed: a reader sees all or nothing. One that is not as it was written
+is computed again.
 
 Reading is driven by the type asked for, never by names found in the file; nothing is unpickled.
 """
@@ -24,10 +25,10 @@ import shutil
 import tempfile
 import types
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -39,7 +40,7 @@ from motorcade.ga.unfinished import unfinished
 
 log = logging.getLogger("motorcade.artifacts")
 
-FORMAT_VERSION = 3
+FORMAT_VERSION = 4
 
 
 class ArtifactError(ValueError):
@@ -48,42 +49,59 @@ class ArtifactError(ValueError):
 
 @dataclass(frozen=True)
 class Stored:
-    """A value as it lies on disk: its folder, the SHA-256 of its content, how long it took."""
+    """A value as it lies on disk.
+
+    Fields:
+        folder: where it lies.
+        digest: SHA-256 of its content.
+        seconds: how long it took to make.
+        files: those that it was made from, with the state that they were in (see `ga.files`).
+    """
 
     folder: Path
     digest: str
     seconds: float
+    files: Mapping[Path, str]
 
 
-def write_artifact(value: object, folder: Path, seconds: float) -> Stored:
-    """Store a frozen dataclass, which took `seconds` to make, in `folder`, all or nothing.
+def write_artifact(
+    value: object,
+    folder: Path,
+    seconds: float,
+    files: Mapping[Path, str] = types.MappingProxyType({}),
+) -> Stored:
+    """Store a frozen dataclass, which took `seconds` to make from `files`, all or nothing.
 
-    Files that the value points to are moved into the artifact. Raises TypeError for a field of
-    a kind that cannot be stored, and OSError naming the folder where it cannot be written.
+    Files that the value points to are moved into the artifact. Where another run was faster, what
+    that one stored is given. Raises TypeError for a field of a kind that cannot be stored, and
+    OSError naming the folder where it cannot be written.
     """
     try:
         with unfinished(folder.parent) as place:
-            return _built(value, folder, place / "artifact", seconds)
+            made = Stored(folder, "", float(seconds), dict(files))
+            return _built(value, place / "artifact", made)
     except OSError as fault:
         problem = f"cannot be written: {fault.strerror or fault}"
         raise OSError(fault.errno or errno.EIO, problem, str(folder)) from fault
 
 
-def _built(value: object, folder: Path, building: Path, seconds: float) -> Stored:
+def _built(value: object, building: Path, made: Stored) -> Stored:
     (building / "files").mkdir(parents=True)
     encoder = _Encoder(building / "files")
     tree = encoder.encode(value, "value")
     _write_json(building / "value.json", tree)
     _write_json(building / "aside.json", encoder.aside)
     np.savez(building / "arrays.npz", allow_pickle=False, **encoder.joined())
+    made = replace(made, digest=_content_digest(building))
     about: dict[str, Any] = {
         "version": FORMAT_VERSION,
-        "name": folder.name,
-        "digest": _content_digest(building),
-        "seconds": float(seconds),
+        "name": made.folder.name,
+        "digest": made.digest,
+        "seconds": made.seconds,
+        "files": {str(path): state for path, state in made.files.items()},
     }
     _write_json(building / "artifact.json", about | {"seal": _seal(building, about)})
-    return _publish(building, folder) or Stored(folder, about["digest"], about["seconds"])
+    return _publish(building, made.folder) or made
 
 
 def find_artifact(folder: Path) -> Stored | None:
@@ -104,9 +122,16 @@ def _as_written(folder: Path, name: str) -> Stored | None:
         sealed = about.pop("seal") == _seal(folder, about)
         if not sealed or about["name"] != name or _content_digest(folder) != about["digest"]:
             return None
-        return Stored(folder, about["digest"], about["seconds"])
+        files = {Path(path): state for path, state in about["files"].items()}
+        return Stored(folder, about["digest"], about["seconds"], files)
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
+
+
+def discard_artifact(folder: Path) -> None:
+    """Take an artifact away in one step."""
+    with unfinished(folder.parent) as place, contextlib.suppress(FileNotFoundError):
+        folder.rename(place / "aside")
 
 
 def _remove(folder: Path) -> None:

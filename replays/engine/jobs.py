@@ -1,7 +1,8 @@
 """Many jobs by one executor: what is done is kept, and never done again.
 
 A job's result lies in a folder of its own, as an artifact. A command that was stopped, by Ctrl-C or
-by a crash, goes on where it was; jobs that failed are tried again.
+by a crash, goes on where it was; jobs that failed are tried again, and so are those that opened a
+file which has changed since.
 """
 
 from __future__ import annotations
@@ -17,8 +18,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from motorcade.replays.engine.artifacts import find_artifact, read_artifact, write_artifact
+from motorcade.ga.files import files_read
+from motorcade.replays.engine.artifacts import (
+    Stored,
+    discard_artifact,
+    find_artifact,
+    read_artifact,
+    write_artifact,
+)
 from motorcade.replays.engine.executors import outcomes
+from motorcade.replays.engine.kept import holds
 from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.provenance import code_digest
 
@@ -72,7 +81,7 @@ def run_jobs(
     executor: str,
     what: str,
 ) -> Batch[JobType, Result]:
-    """Call `function` on every job that has no result yet, and gather the results of all.
+    """Call `function` on every job that has no result which holds, and gather the results of all.
 
     The same jobs give the same results with any executor. Ctrl-C ends what is running, and what is
     done by then is gathered.
@@ -88,7 +97,7 @@ def run_jobs(
         ValueError, RuntimeError: the executor is unknown or cannot be reached.
         ArtifactError: a result that cannot be read as the type that the function returns.
     """
-    waiting = {job: folder for job, folder in jobs.items() if find_artifact(folder) is None}
+    waiting = {job: folder for job, folder in jobs.items() if _done(folder) is None}
     failures: dict[JobType, str] = {}
     running = outcomes(functools.partial(_kept, function), list(waiting.items()), executor)
     try:
@@ -99,7 +108,7 @@ def run_jobs(
     except KeyboardInterrupt:
         running.close()
     kind = typing.get_type_hints(function)["return"]
-    done = {job: at for job, folder in jobs.items() if (at := find_artifact(folder)) is not None}
+    done = {job: at for job, folder in jobs.items() if (at := _done(folder)) is not None}
     results = {job: read_artifact(at, kind) for job, at in done.items()}
     failures = {job: why for job, why in failures.items() if job not in done}
     left = len(jobs) - len(done) - len(failures)
@@ -109,10 +118,18 @@ def run_jobs(
 def _kept(function: Callable[[JobType], Any], task: tuple[JobType, Path]) -> None:
     """Do a job where this is called, unless a worker that was given up for lost had done it."""
     job, folder = task
-    if find_artifact(folder) is None:
+    if _done(folder) is None:
         start = time.perf_counter()
-        result = function(job)
-        write_artifact(result, folder, time.perf_counter() - start)
+        with files_read() as files:
+            result = function(job)
+        discard_artifact(folder)
+        write_artifact(result, folder, time.perf_counter() - start, files)
+
+
+def _done(folder: Path) -> Stored | None:
+    """A job's result; None where there is none, or a file that it was made from has changed."""
+    stored = find_artifact(folder)
+    return stored if holds(stored) else None
 
 
 def job_key(function: Callable[..., Any], about: object) -> str:

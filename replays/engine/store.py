@@ -1,4 +1,8 @@
-"""The outputs of a run: taken from the cache where they are there, computed and kept otherwise."""
+"""The outputs of a run: taken from the cache where they are there, computed and kept otherwise.
+
+A key covers the content of the inputs, the knobs and the code; files that a stage opens are kept
+with its output, which holds for as long as they are as they were (see `kept`).
+"""
 
 from __future__ import annotations
 
@@ -11,8 +15,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from motorcade.ga.files import files_read, off_record
 from motorcade.ga.unfinished import remove_unfinished
 from motorcade.replays.engine import artifacts
+from motorcade.replays.engine.kept import find_kept
 from motorcade.replays.engine.progress import working
 from motorcade.replays.engine.provenance import code_digest
 from motorcade.replays.engine.stage import AUTO, Choice, Chosen, NotOffered, Stage, StageError
@@ -26,11 +32,21 @@ _MISSING = "none"
 
 @dataclass(frozen=True)
 class Computed:
-    """How one stage of a run came to its output: its key, knobs, and the seconds it took then."""
+    """How one stage of a run came to its output.
+
+    Fields:
+        stage: its name.
+        key: the name of the output in the cache.
+        knobs: their values.
+        files: those that it opened beside the recording, with the state that they were in.
+        seconds: how long it took when it was computed.
+        cached: whether that was in an earlier run.
+    """
 
     stage: str
     key: str
     knobs: Mapping[str, str]
+    files: Mapping[str, str]
     seconds: float
     cached: bool
 
@@ -59,7 +75,8 @@ class StageStore:
         self.outputs: dict[str, Any] = dict(sources)
         self.records: list[Computed] = []
         self._cache, self._knobs = cache, knobs
-        self._digests = {name: source.digest() for name, source in sources.items()}
+        with off_record():  # what they read is in their digests
+            self._digests = {name: source.digest() for name, source in sources.items()}
 
     def obtain(self, stage: Stage) -> None:
         """Have the output of a stage whose inputs are there; raises whatever the stage raises."""
@@ -115,9 +132,9 @@ class StageStore:
         Raises:
             NotOffered: the stage does, and something is skipped.
         """
-        settings = stage.settings(self._knobs.get(stage.name, {}))
-        folder = self._cache / f"{stage.name}-{self._key(stage, settings)}"
-        found = artifacts.find_artifact(folder)
+        chosen = stage.settings(self._knobs.get(stage.name, {}))
+        settings = {knob: _from_anywhere(value) for knob, value in chosen.items()}
+        folder, found = find_kept(self._cache / f"{stage.name}-{self._key(stage, settings)}")
         if found:
             log.info("%s: kept from before", stage.name)
         stored = found or self._compute(stage, settings, folder, skips)
@@ -131,15 +148,16 @@ class StageStore:
             stored = self._compute(stage, settings, folder, skips)
             output = artifacts.read_artifact(stored, kind)
         texts = {knob: repr(value) for knob, value in settings.items()}
-        record = Computed(stage.name, folder.name, texts, stored.seconds, cached=found is not None)
-        self.records.append(record)
+        files = {str(path): state for path, state in stored.files.items()}
+        name, cached = stored.folder.name, found is not None
+        self.records.append(Computed(stage.name, name, texts, files, stored.seconds, cached))
         return output, stored.digest
 
     def _key(self, stage: Stage, settings: Mapping[str, Any]) -> str:
-        """Content of the inputs, knobs and code, as the name under which the output is cached."""
+        """Content of the inputs, knobs and code, as the name under which outputs are cached."""
         parts = {
             "inputs": {name: self._digests[name] for name in stage.inputs},
-            "knobs": {name: _content(value) for name, value in settings.items()},
+            "knobs": {name: repr(value) for name, value in settings.items()},
             "code": code_digest(stage.function, [self.outputs[name] for name in stage.inputs]),
             "format": artifacts.FORMAT_VERSION,
         }
@@ -156,7 +174,8 @@ class StageStore:
         start = time.perf_counter()
         with artifacts.workspace(folder.parent), working(stage.name):
             try:
-                value = stage.function(*(self.outputs[one] for one in stage.inputs), **settings)
+                with files_read() as files:
+                    value = stage.function(*(self.outputs[one] for one in stage.inputs), **settings)
             except (ValueError, OverflowError, MemoryError) as error:
                 if skips is None or not isinstance(error, (skips, NotOffered)):
                     raise StageError(f"{stage.name}: {error}") from error
@@ -164,13 +183,13 @@ class StageStore:
                     raise
                 value = _NothingFound(str(error))
             seconds = time.perf_counter() - start
-            stored = artifacts.write_artifact(value, folder, seconds)
+            stored = artifacts.write_artifact(value, folder, seconds, files)
         log.info("%s: %.1f s", stage.name, seconds)
+        if stored.files != files:  # another run was faster, with other files under the same names
+            return self._compute(stage, settings, find_kept(folder)[0], skips)
         return stored
 
 
-def _content(value: Any) -> str:
-    """A knob's value as text; of a file its content as well."""
-    if isinstance(value, Path) and value.is_file():
-        return f"{value!r} {hashlib.sha256(value.read_bytes()).hexdigest()}"
-    return repr(value)
+def _from_anywhere(value: Any) -> Any:
+    """A knob's value; of a file its whole name, as a cache may be used from several folders."""
+    return value.absolute() if isinstance(value, Path) and value.exists() else value

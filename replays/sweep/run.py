@@ -1,8 +1,9 @@
 """Runs a sweep: each run in a folder of its own, finished ones never again, failures kept apart.
 
 The folder's name is a digest of the recording's content, the settings and the code; in it lies
-`outcome` once the run is finished, and only then. Stages' outputs are cached for all runs of
-one machine together, so that runs that differ in a late stage share the early ones.
+`outcome` once the run is finished, and only then. It holds for as long as the files that the run
+opened beside the recording, such as a character's, are as they were. Stages' outputs are cached for
+all runs of one machine together, so that runs that differ in a late stage share the early ones.
 """
 
 from __future__ import annotations
@@ -88,23 +89,24 @@ def run_sweep(plan: Sweep, out: Path, executor: str) -> Summary:
 
 
 def _tasks(plan: Sweep, out: Path) -> Iterator[_Task]:
-    contents: dict[tuple[Path, Path | None], str] = {}
+    contents: dict[tuple[Path, Path | None], list[str]] = {}
     for run in plan.runs():
         place = (run.recording, run.manifest)
         if place not in contents:
             contents[place] = _content(*place)
-        about = [contents[place], str(run.recording.resolve()), *run.settings, run.until]
+        about = [*contents[place], str(run.recording.resolve()), *run.settings, run.until]
         name = f"{run.recording.resolve().stem}-{job_key(run_job, about)}"
         yield _Task(run, out / "runs" / name, out / ".cache")
 
 
-def _content(recording: Path, manifest: Path | None) -> str:
-    """Digest of a recording; one that cannot be read has none, and its runs will tell why."""
+def _content(recording: Path, manifest: Path | None) -> list[str]:
+    """Digest and settings of a recording; one that cannot be read has none: its runs tell why."""
     try:
-        return open_recording(recording, manifest).digest()
+        opened = open_recording(recording, manifest)
+        return [opened.digest(), *opened.settings]
     except Exception as fault:  # its runs meet the same fault, and tell it in the table
         log.info("%s: %s", recording, fault)
-        return "unreadable"
+        return ["unreadable"]
 
 
 def _run_task(task: _Task) -> PathFigures:

@@ -24,7 +24,6 @@ class PlacedCharacter:
         clip: name of what it plays.
         placement: where it stands.
         stands_on: the same in words.
-        content: SHA-256 of the character's file; empty for the mannequin.
         path_m: where it walks, ``(P, 2)`` points of the plane; else none.
         plane_T_character: where the placement stands in that plane.
         ground_motion: on a marker that moves, what moves the placement along: the pose
@@ -35,7 +34,6 @@ class PlacedCharacter:
     clip: str
     placement: Placement
     stands_on: str
-    content: str = ""
     path_m: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
     plane_T_character: Motor = field(default_factory=Motor.identity)
     ground_motion: Trajectory | None = None

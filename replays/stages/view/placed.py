@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from dataclasses import replace
-from hashlib import sha256
 from pathlib import Path
 from typing import Literal
 
@@ -130,9 +129,8 @@ def placed(
     if way is not None:  # refused here rather than when it is drawn
         walked(who, motion, points, placement.scale, inside)
         _warn_of_points_off(points, ground)
-    content = sha256(character.read_bytes()).hexdigest() if character.is_file() else ""
     return PlacedCharacter(
-        str(character), clip, placement, ground.name, content, frozen(points), inside, ground_motion
+        str(character), clip, placement, ground.name, frozen(points), inside, ground_motion
     )
 
 
