@@ -9,18 +9,25 @@ from contextvars import copy_context
 from fractions import Fraction
 from itertools import islice
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import IntArray
+from motorcade.ga.files import admit_file
 from motorcade.ga.unfinished import unfinished
 from motorcade.render.scene import ImageArray
 
-__all__ = ["ahead", "contact_sheet", "read_frames", "write_pictures", "write_video"]
+if TYPE_CHECKING:
+    from av.container import InputContainer
 
+__all__ = ["ahead", "contact_sheet", "open_video", "read_frames", "write_pictures", "write_video"]
+
+MAX_FILE_BYTES = 1 << 40
+MAX_PIXELS = 100_000_000
+_CONTAINERS = "mov,matroska,avi,mpeg,mpegts,mpegvideo,m4v"
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -81,6 +88,28 @@ def write_video(path: Path, frames: Iterable[ImageArray], time_ns: ArrayLike) ->
         part.replace(path)
 
 
+def open_video(path: Path) -> InputContainer:
+    """Open a video that others made; close it, or use it as a context manager.
+
+    Nothing but the file is opened: it must be a container of video itself (MP4, Matroska, AVI,
+    MPEG), as playlists name other files, pipes and addresses. Pictures of more than `MAX_PIXELS`
+    are not decoded.
+
+    Raises:
+        FileError: what the door refuses (`ga.files.admit_file`).
+        av.FFmpegError: no such container.
+    """
+    import av
+
+    admit_file(path, MAX_FILE_BYTES)
+    limits = {"protocol_whitelist": "file", "format_whitelist": _CONTAINERS}
+    container = av.open(str(path.resolve()), options=limits, metadata_errors="replace")
+    for stream in container.streams.video:
+        if stream.codec_context is not None:  # None where the coding is unknown
+            stream.codec_context.options = {"max_pixels": str(MAX_PIXELS)}
+    return container
+
+
 def read_frames(path: Path, every: int = 1) -> Iterator[tuple[int, ImageArray]]:
     """The frames of a video file, decoded.
 
@@ -92,14 +121,13 @@ def read_frames(path: Path, every: int = 1) -> Iterator[tuple[int, ImageArray]]:
         stamp in ns from the start of the video, and the uint8 RGB picture (h, w, 3).
 
     Raises:
-        OSError: a file that cannot be read or holds no video.
+        FileError: a file that cannot be read.
+        OSError: one that holds no video.
         ValueError: `every` below 1.
     """
-    import av
-
     if every < 1:
         raise ValueError(f"read_frames(every): expected 1 or more, got {every}")
-    with av.open(str(path)) as container:
+    with open_video(path) as container:
         if not container.streams.video:
             raise OSError(f"{path}: expected a video stream, got none")
         for frame in islice(container.decode(video=0), None, None, every):

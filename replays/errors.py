@@ -25,6 +25,7 @@ __all__ = [
     "open_bounded",
     "read_bounded",
     "refusal",
+    "refused",
 ]
 
 
@@ -100,7 +101,7 @@ def did_you_mean(name: str, allowed: Iterable[str]) -> str:
 
 def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> bytes:
     """Read a whole regular file of at most `limit_bytes`; raises as `open_bounded`."""
-    with _refused(field):
+    with refused(field):
         return files.read_bounded(path, limit_bytes)
 
 
@@ -113,19 +114,19 @@ def open_bounded(path: Path, limit_bytes: int, field: str | None = None) -> Iter
         RecordingError: missing, not a regular file (a pipe would hang), larger than the limit, or
             unreadable, also within the block.
     """
-    with _refused(field), files.open_bounded(path, limit_bytes) as file:
+    with refused(field), files.open_bounded(path, limit_bytes) as file:
         yield file
 
 
 def admit_file(path: Path, limit_bytes: int, field: str | None = None) -> None:
     """Check a file that a library is about to open; raises as `open_bounded`."""
-    with _refused(field):
+    with refused(field):
         files.admit_file(path, limit_bytes)
 
 
 @contextmanager
-def _refused(field: str | None) -> Iterator[None]:
-    """What the door refuses, as this room's errors."""
+def refused(field: str | None = None) -> Iterator[None]:
+    """Turn what the door refuses (`ga.files`) into this room's errors."""
     try:
         yield
     except EmptyFileError as fault:

@@ -22,13 +22,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-import av
 import numpy as np
 from av.error import FFmpegError
 
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.errors import refusal
+from motorcade.render.video import open_video
+from motorcade.replays.errors import refusal, refused
 
 __all__ = ["Item", "items", "read_telemetry"]
 
@@ -110,11 +110,7 @@ def _packets(path: Path) -> Iterator[tuple[float, float, bytes]]:
     """Start, duration (s) and bytes of the packets of the telemetry track."""
     size = 0
     try:
-        with av.open(
-            str(path.resolve()),
-            options={"protocol_whitelist": "file"},
-            metadata_errors="replace",
-        ) as container:
+        with refused(), open_video(path) as container:
             tracks = [one for one in container.streams if one.type == "data"]
             for count, packet in enumerate(container.demux(tracks) if tracks else ()):
                 data = bytes(packet)

@@ -1,6 +1,7 @@
 """Video files, with ffprobe and PyAV as witnesses."""
 
 import json
+import os
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -10,7 +11,8 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.render import read_frames, write_video
+from motorcade.ga.files import FileError
+from motorcade.render import read_frames, video, write_video
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import contact_sheet, write_pictures
 
@@ -166,3 +168,39 @@ def test_a_contact_sheet_holds_every_frame_in_order() -> None:
         contact_sheet([], 3, 40)
     with pytest.raises(ValueError, match="a label a frame"):
         contact_sheet(frames, 3, 40, labels=["a"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "ffconcat version 1.0\nfile pipe.mp4\n",
+        "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\npipe.ts\n#EXT-X-ENDLIST\n",
+    ],
+    ids=["ffconcat", "m3u8"],
+)
+def test_lists_of_other_files_are_no_videos(tmp_path: Path, text: str) -> None:
+    """Opening what such a list names would wait for a pipe without end."""
+    os.mkfifo(tmp_path / "pipe.mp4")
+    os.mkfifo(tmp_path / "pipe.ts")
+    (tmp_path / "list.mp4").write_text(text)
+    with pytest.raises((OSError, ValueError), match="Invalid"):
+        next(read_frames(tmp_path / "list.mp4"))
+
+
+def test_pipes_and_missing_files_are_refused_as_videos(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.mp4")
+    with pytest.raises(FileError, match="expected a file, got a folder or a device"):
+        next(read_frames(tmp_path / "pipe.mp4"))
+    with pytest.raises(FileError, match="the file is missing"):
+        next(read_frames(tmp_path / "none.mp4"))
+
+
+def test_pictures_beyond_the_limit_are_not_decoded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    picture = np.zeros((64, 96, 3), np.uint8)
+    write_video(tmp_path / "v.mp4", [picture] * 3, np.arange(3) * 40_000_000)
+    assert len(list(read_frames(tmp_path / "v.mp4"))) == 3
+    monkeypatch.setattr(video, "MAX_PIXELS", 64 * 96 - 1)
+    with pytest.raises((OSError, ValueError)):
+        next(read_frames(tmp_path / "v.mp4"))

@@ -15,7 +15,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import av
 import numpy as np
 from av.container import InputContainer
 from av.error import FFmpegError
@@ -23,10 +22,10 @@ from av.video.frame import VideoFrame
 from av.video.stream import VideoStream
 
 from motorcade.ga.arrays import IntArray
-from motorcade.replays.errors import one_line, refusal
+from motorcade.render.video import MAX_FILE_BYTES, MAX_PIXELS, open_video
+from motorcade.replays.errors import one_line, open_bounded, refusal, refused
 from motorcade.replays.readers.frames.decoded import DecodedFrames
 from motorcade.replays.readers.frames.files import FRAME_LIMIT
-from motorcade.replays.readers.frames.pictures import PIXEL_LIMIT
 from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.recording import ImageArray, Recording
 
@@ -117,11 +116,8 @@ class VideoFrames(DecodedFrames):
 
     @cached_property
     def _digest(self) -> bytes:
-        try:
-            with self._path.open("rb") as file:
-                return hashlib.file_digest(file, "sha256").digest()
-        except OSError as fault:
-            raise refusal(self._path, f"cannot be read: {fault.strerror or fault}") from fault
+        with open_bounded(self._path, MAX_FILE_BYTES) as file:
+            return hashlib.file_digest(file, "sha256").digest()
 
     def _image(self, index: int) -> ImageArray:
         with self._lock:
@@ -161,7 +157,7 @@ class _Decoder:
 
     def __init__(self, path: Path, pts: IntArray, key: int) -> None:
         self._pts = pts
-        self._container = _open(path)
+        self._container = open_video(path)
         stream = self._container.streams.video[0]
         stream.thread_type = "AUTO"
         if key > 0:
@@ -183,18 +179,11 @@ class _Decoder:
         self._container.close()
 
 
-def _open(path: Path) -> InputContainer:
-    """Open a file as a video; a playlist in its place may not reach for the network."""
-    return av.open(
-        str(path.resolve()), options={"protocol_whitelist": "file"}, metadata_errors="replace"
-    )
-
-
 def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
     """Read all packets: pts in the order shown, indices of keyframes, time base, size."""
     try:
         _refuse_cut_boxes(path)
-        with _open(path) as container:
+        with refused(), open_video(path) as container:
             if not container.streams.video:
                 raise refusal(path, "expected a video stream, got none")
             stream = container.streams.video[0]
@@ -208,8 +197,8 @@ def _scan(path: Path) -> tuple[IntArray, IntArray, Fraction, tuple[int, int]]:
         raise refusal(
             path, f"cannot be read as a video: {reason}", advice="is the copy complete?"
         ) from fault
-    if not (width > 0 and height > 0 and width * height <= PIXEL_LIMIT) or time_base is None:
-        raise refusal(path, f"expected at most {PIXEL_LIMIT} pixels, got {width} x {height}")
+    if not (width > 0 and height > 0 and width * height <= MAX_PIXELS) or time_base is None:
+        raise refusal(path, f"expected at most {MAX_PIXELS} pixels, got {width} x {height}")
     if not shown or len(shown) < stated:
         raise refusal(
             path,
@@ -225,7 +214,7 @@ def _refuse_cut_boxes(path: Path) -> None:
     """Walk the outermost boxes of an MP4 or MOV file: each must end inside the file."""
     end = path.stat().st_size
     at = 0
-    with path.open("rb") as file:
+    with open_bounded(path, MAX_FILE_BYTES) as file:
         while at + 8 <= end:
             file.seek(at)
             header = file.read(16)
