@@ -95,7 +95,7 @@ def _interval() -> Any:
     # Gravity and the first velocity taken back: the pose and the velocity that force alone makes.
     place = ~pose0 * _translator(-(v0 * dt + 0.5 * fall * dt**2)) * pose1
     speed = ~_turned(pose0, v0) * _translator(-fall * dt) * _turned(pose1, v1)
-    summed = [on.motor_of(_listed(motion[8 * i : 8 * i + 8])) for i in range(2)]
+    summed = [on.MOTOR.of(_listed(motion[8 * i : 8 * i + 8])) for i in range(2)]
     shifted, gained = (_difference(a, b) for a, b in zip(summed, (place, speed), strict=True))
     by_bias = ca.reshape(jacobian, 9, 6) @ step[9:15]
     residual = ca.vertcat(shifted, gained[3:]) - by_bias
@@ -115,9 +115,9 @@ def _pose() -> Any:
     expected = later * _retract(imu_T_camera, step[7:13])
     # The expected place shrinks where the scale grows, not the measured one grows: its noise would
     # grow with it, and the scale come out too small.
-    numbers = on.motor_numbers(expected)
-    shrunk = on.motor_of(numbers[:4] + [(1 - step[13]) * number for number in numbers[4:]])
-    residual = _difference(on.motor_of(_listed(measured)), shrunk)
+    numbers = on.MOTOR.numbers(expected)
+    shrunk = on.MOTOR.of(numbers[:4] + [(1 - step[13]) * number for number in numbers[4:]])
+    residual = _difference(on.MOTOR.of(_listed(measured)), shrunk)
     return _with_derivative("pose", inputs, residual, step)
 
 
@@ -136,18 +136,18 @@ def _listed(column: Any) -> list[Any]:
 
 def _retract(motor: Any, twist: Any) -> Multivector:
     """``M (1 - ½ twist)``."""
-    made: Multivector = on.motor_of(_listed(motor)) * (1 + on.bivector_of(_listed(-0.5 * twist)))
+    made: Multivector = on.MOTOR.of(_listed(motor)) * (1 + on.BIVECTOR.of(_listed(-0.5 * twist)))
     return made
 
 
 def _translator(shift: Any) -> Multivector:
-    made: Multivector = 1 + on.moved_of(_listed(-0.5 * shift))
+    made: Multivector = 1 + on.MOVED.of(_listed(-0.5 * shift))
     return made
 
 
 def _turned(pose: Multivector, velocity: Any) -> Multivector:
     """The motor of a pose's rotor, with the velocity in place of the position."""
-    made: Multivector = _translator(velocity) * on.rotor_of(on.motor_numbers(pose)[:4])
+    made: Multivector = _translator(velocity) * on.ROTOR.of(on.MOTOR.numbers(pose)[:4])
     return made
 
 
@@ -155,6 +155,6 @@ def _difference(measured: Multivector, expected: Multivector) -> Any:
     """Twist from one motor to the other, with the sign that turns the short way."""
     import casadi as ca
 
-    between = on.motor_numbers(~measured * expected)
+    between = on.MOTOR.numbers(~measured * expected)
     sign = ca.if_else(between[0] < 0, -1, 1)
     return -2 * sign * ca.vertcat(*between[1:7])

@@ -33,29 +33,29 @@ _ONE = [1.0, *[0.0] * 7]
 
 
 def _pose(pose: Numbers, imu_T_camera: Numbers, measured: Numbers) -> list[Numbers]:
-    predicted = on.motor_of(pose) * on.motor_of(imu_T_camera)
-    bivector = logarithm(DOUBLE, ~predicted * on.motor_of(measured), short_way=True)
-    return [[-2 * value for value in on.bivector_numbers(bivector)]]
+    predicted = on.MOTOR.of(pose) * on.MOTOR.of(imu_T_camera)
+    bivector = logarithm(DOUBLE, ~predicted * on.MOTOR.of(measured), short_way=True)
+    return [[-2 * value for value in on.BIVECTOR.numbers(bivector)]]
 
 
 def _pose_effect(imu_T_camera: Numbers) -> list[Numbers]:
     xi = symbols("xi", 6)
-    camera = on.motor_of(imu_T_camera)
-    perturbed = ~camera * disturbed(on.motor_of(_ONE), [xi[i] for i in range(6)]) * camera
+    camera = on.MOTOR.of(imu_T_camera)
+    perturbed = ~camera * disturbed(on.MOTOR.of(_ONE), [xi[i] for i in range(6)]) * camera
     return [blocks(derivative(error_of(perturbed), xi), slice(0, 6), slice(0, 6))]
 
 
 def _point(pose: Numbers, arm: Numbers) -> list[Numbers]:
     """Where a point fixed to the IMU is in the world, and how that moves with the pose's error."""
     xi = symbols("xi", 6)
-    at = _placed(on.motor_of(pose), arm)
-    perturbed = disturbed(on.motor_of(pose), [xi[i] for i in range(6)])
+    at = _placed(on.MOTOR.of(pose), arm)
+    perturbed = disturbed(on.MOTOR.of(pose), [xi[i] for i in range(6)])
     effect = derivative(_placed(perturbed, arm), xi)
     return [at, blocks(effect, slice(0, 3), slice(0, 6))]
 
 
 def _placed(motor: Multivector, point: Numbers) -> Numbers:
-    _, rotor, _ = motor_at(on.motor_numbers(motor))
+    _, rotor, _ = motor_at(on.MOTOR.numbers(motor))
     turned = rotated(rotor, point)
     shift = on.translation_numbers(motor * ~rotor)
     return [a + b for a, b in zip(turned, shift, strict=True)]
@@ -63,14 +63,14 @@ def _placed(motor: Multivector, point: Numbers) -> Numbers:
 
 def _velocity_effect(pose: Numbers) -> list[Numbers]:
     nu = symbols("nu", 3)
-    perturbed = rotated(on.rotor_of(pose[:4]), [nu[i] for i in range(3)])
+    perturbed = rotated(on.ROTOR.of(pose[:4]), [nu[i] for i in range(3)])
     return [blocks(derivative(perturbed, nu), slice(0, 3), slice(0, 3))]
 
 
 def _corner(pose: Numbers, imu_T_camera: Numbers, point: Numbers) -> list[Numbers]:
     """A point of the world on the plane z = 1 of the camera, its depth, and the effects of both."""
     xi, eta = symbols("xi", 6), symbols("eta", 6)
-    motor, camera = on.motor_of(pose), on.motor_of(imu_T_camera)
+    motor, camera = on.MOTOR.of(pose), on.MOTOR.of(imu_T_camera)
     seen = _seen(motor * camera, point)
     perturbed = _seen(disturbed(motor, [xi[i] for i in range(6)]) * camera, point)
     shifted = _seen(motor * disturbed(camera, [eta[i] for i in range(6)]), point)
@@ -88,28 +88,28 @@ def _seen(camera: Multivector, point: Numbers) -> Numbers:
 
 def _retract(pose: Numbers, error: Numbers) -> list[Numbers]:
     """``M Exp(ξ)``, unit to rounding whatever the pose was; turns are held below π."""
-    half = on.bivector_of([-0.5 * value for value in error])
-    motor: Any = on.motor_of(pose) * exponential(DOUBLE, half)
-    excess = on.dual_of(on.dual_numbers(motor * ~motor))
-    return [on.motor_numbers(motor * (1.5 - 0.5 * excess))]
+    half = on.BIVECTOR.of([-0.5 * value for value in error])
+    motor: Any = on.MOTOR.of(pose) * exponential(DOUBLE, half)
+    excess = on.DUAL.of(on.DUAL.numbers(motor * ~motor))
+    return [on.MOTOR.numbers(motor * (1.5 - 0.5 * excess))]
 
 
 def _corrected(pose: Numbers, velocity: Numbers, error: Numbers) -> list[Numbers]:
     """Pose and velocity retracted as one extended pose: each as the pose of a motor of its own."""
-    carrier = translated(velocity) * on.rotor_of(pose[:4])
-    faster = motor_at(_retract(on.motor_numbers(carrier), [*error[:3], *error[6:]])[0])[2]
+    carrier = translated(velocity) * on.ROTOR.of(pose[:4])
+    faster = motor_at(_retract(on.MOTOR.numbers(carrier), [*error[:3], *error[6:]])[0])[2]
     return [*_retract(pose, error[:6]), faster]
 
 
 def _start(measured: Numbers, imu_T_camera: Numbers) -> list[Numbers]:
     """The IMU's pose by a measured one of the camera, and how that one's error turns up in it."""
     return [
-        on.motor_numbers(on.motor_of(measured) * ~on.motor_of(imu_T_camera)),
-        *_pose_effect(on.motor_numbers(~on.motor_of(imu_T_camera))),
+        on.MOTOR.numbers(on.MOTOR.of(measured) * ~on.MOTOR.of(imu_T_camera)),
+        *_pose_effect(on.MOTOR.numbers(~on.MOTOR.of(imu_T_camera))),
     ]
 
 
-_POSE, _EXTRINSICS = on.motor("pose"), on.motor("imu_T_camera")
+_POSE, _EXTRINSICS = on.MOTOR.operand("pose"), on.MOTOR.operand("imu_T_camera")
 _ERROR = Operand("error", tuple(f"{kind}_{axis}" for kind in ("turn", "shift") for axis in "xyz"))
 _FASTER = ("speed_x", "speed_y", "speed_z")
 
@@ -118,28 +118,28 @@ MEASUREMENTS = (
         "motorcade_retract",
         ("A motor with an error (rad, m) on its right.",),
         (_POSE, _ERROR),
-        (on.motor("out"),),
+        (on.MOTOR.operand("out"),),
         _retract,
     ),
     Definition(
         "motorcade_corrected",
         ("Pose and velocity with an error (rad, m, m/s) on the right of the extended pose.",),
-        (_POSE, on.points("velocity"), Operand("error", (*_ERROR.components, *_FASTER))),
-        (on.motor("out"), on.points("out_velocity")),
+        (_POSE, on.VECTOR.operand("velocity"), Operand("error", (*_ERROR.components, *_FASTER))),
+        (on.MOTOR.operand("out"), on.VECTOR.operand("out_velocity")),
         _corrected,
     ),
     Definition(
         "motorcade_start",
         ("The IMU's pose by a measured one of the camera, and how an error on the right of the",
          "measured one turns up on its right, 6x6 by rows."),
-        (on.motor("measured"), _EXTRINSICS),
-        (on.motor("pose"), on.components("effect", 6, 6)),
+        (on.MOTOR.operand("measured"), _EXTRINSICS),
+        (on.MOTOR.operand("pose"), on.components("effect", 6, 6)),
         _start,
     ),
     Definition(
         "motorcade_pose_residual",
         ("Twist (rad, m) to the measured pose of the camera from pose times extrinsics.",),
-        (_POSE, _EXTRINSICS, on.motor("measured")),
+        (_POSE, _EXTRINSICS, on.MOTOR.operand("measured")),
         (Operand("residual", _ERROR.components),),
         _pose,
     ),
@@ -153,8 +153,8 @@ MEASUREMENTS = (
     Definition(
         "motorcade_point",
         ("A point (m) fixed to the IMU, in the world, and how the pose's error moves it, 3x6.",),
-        (_POSE, on.points("arm")),
-        (on.points("at"), on.components("effect", 3, 6)),
+        (_POSE, on.VECTOR.operand("arm")),
+        (on.VECTOR.operand("at"), on.components("effect", 3, 6)),
         _point,
     ),
     Definition(
@@ -168,7 +168,7 @@ MEASUREMENTS = (
         "motorcade_corner",
         ("A point (m) of the world on the camera's plane z = 1, its depth (m) there, and how the",
          "errors of the pose and of the extrinsics move it, 2x6 each."),
-        (_POSE, _EXTRINSICS, on.points("point")),
+        (_POSE, _EXTRINSICS, on.VECTOR.operand("point")),
         (Operand("seen", ("x", "y")), on.numbers("depth"), on.components("pose_effect", 2, 6),
          on.components("extrinsics_effect", 2, 6)),
         _corner,

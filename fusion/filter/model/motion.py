@@ -48,7 +48,7 @@ def increment(
     """
     turn = [value * dt for value in rate]
     cosine, sinc, third, fourth = turn_functions(sum(value * value for value in turn))
-    rotor = on.rotor_of([cosine, *(-0.5 * sinc * value for value in turn)])
+    rotor = on.ROTOR.of([cosine, *(-0.5 * sinc * value for value in turn)])
     if held:
         gained = [dt * f for f in force]
         return rotor, gained, [0.5 * dt * v for v in gained]
@@ -91,8 +91,8 @@ def _step(
     """The next pose, kept unit by ``m (3 - m ~m) / 2``, and the next velocity."""
     plain = _less(rate, bias[:3]), _less(force, bias[3:])
     motor, faster = advanced(pose, velocity, *plain, dt[0], gravity, held=held)
-    excess = on.dual_of(on.dual_numbers(motor * ~motor))
-    return [on.motor_numbers(motor * (1.5 - 0.5 * excess)), faster]
+    excess = on.DUAL.of(on.DUAL.numbers(motor * ~motor))
+    return [on.MOTOR.numbers(motor * (1.5 - 0.5 * excess)), faster]
 
 
 def _transition(
@@ -105,7 +105,7 @@ def _transition(
     sensed = _less(plain[0], error[_BG]), _less(plain[1], error[_BA])
     still = [0.0, 0.0, 0.0]
     # Unit to first order only, which is all that a derivative needs.
-    begun = on.motor_numbers(disturbed(on.motor_of(_AT_REST), error[:6]))
+    begun = on.MOTOR.numbers(disturbed(on.MOTOR.of(_AT_REST), error[:6]))
     ended, _ = advanced(_AT_REST, still, *plain, dt[0], still, held=held)
     reached, faster = advanced(begun, error[_V], *sensed, dt[0], still, held=held)
     turn, gained, _ = increment(*plain, dt[0], held=held)
@@ -118,7 +118,7 @@ def _transition(
 
 def _gravity(gravity_rotor: Numbers, size: Numbers) -> list[Numbers]:
     """Gravity in the world: ``-z`` of the world turned by a rotor."""
-    return [rotated(on.rotor_of(gravity_rotor), [0.0, 0.0, -size[0]])]
+    return [rotated(on.ROTOR.of(gravity_rotor), [0.0, 0.0, -size[0]])]
 
 
 def _gravity_effect(
@@ -126,8 +126,8 @@ def _gravity_effect(
 ) -> list[Numbers]:
     """What tilting that rotor does to the error's velocity, in the axes of the pose at the end."""
     tilt = symbols("tilt", 2)
-    rotor, upright = on.rotor_of(pose[:4]), on.rotor_of(gravity_rotor)
-    tilted = upright + upright * on.angles_of([-0.5 * tilt[0], -0.5 * tilt[1], 0.0])
+    rotor, upright = on.ROTOR.of(pose[:4]), on.ROTOR.of(gravity_rotor)
+    tilted = upright + upright * on.ANGLES.of([-0.5 * tilt[0], -0.5 * tilt[1], 0.0])
     fall = rotated(~rotor, rotated(tilted, [0.0, 0.0, -size[0]]))
     matrix = derivative(fall, tilt)
     return [[dt[0] * value for value in blocks(matrix, slice(0, 3), slice(0, 2))]]
@@ -137,13 +137,13 @@ def _matrix(name: str, columns: int = 3) -> Operand:
     return on.components(name, 3, columns)
 
 
-_POSE, _VELOCITY = on.motor("pose"), on.points("velocity")
+_POSE, _VELOCITY = on.MOTOR.operand("pose"), on.VECTOR.operand("velocity")
 _BIAS = Operand("bias", tuple(f"{kind}_{axis}" for kind in ("gyro", "accel") for axis in "xyz"))
-_RATE, _FORCE, _DT = on.points("rate"), on.points("force"), on.numbers("dt")
-_GRAVITY, _SIZE = on.rotor("gravity_rotor"), on.numbers("size")
+_RATE, _FORCE, _DT = on.VECTOR.operand("rate"), on.VECTOR.operand("force"), on.numbers("dt")
+_GRAVITY, _SIZE = on.ROTOR.operand("gravity_rotor"), on.numbers("size")
 
-_STEP_IN = (_POSE, _VELOCITY, _BIAS, _RATE, _FORCE, _DT, on.points("gravity"))
-_STEP_OUT = on.motor("next_pose"), on.points("next_velocity")
+_STEP_IN = (_POSE, _VELOCITY, _BIAS, _RATE, _FORCE, _DT, on.VECTOR.operand("gravity"))
+_STEP_OUT = on.MOTOR.operand("next_pose"), on.VECTOR.operand("next_velocity")
 _BLOCKS = tuple(
     _matrix(name)
     for name in (
@@ -180,7 +180,7 @@ MOTION = (
         "motorcade_gravity",
         ("Gravity (m/s²) in the world: its size along -z turned by a rotor.",),
         (_GRAVITY, _SIZE),
-        (on.points("gravity"),),
+        (on.VECTOR.operand("gravity"),),
         _gravity,
     ),
     Definition(

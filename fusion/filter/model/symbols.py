@@ -57,34 +57,34 @@ def symbols(name: str, count: int) -> Any:
 
 def disturbed(pose: Multivector, error: Numbers) -> Multivector:
     """The motor with an error ``(6,)`` on its right, to first order."""
-    half = on.bivector_of([-0.5 * value for value in error])
+    half = on.BIVECTOR.of([-0.5 * value for value in error])
     return pose + pose * half
 
 
 def error_of(motor: Multivector) -> Numbers:
     """The twist ``(6,)`` of a motor near one, to first order."""
-    return [-2 * value for value in on.bivector_numbers(motor)]
+    return [-2 * value for value in on.BIVECTOR.numbers(motor)]
 
 
 def translated(by: Numbers) -> Multivector:
     """The translator ``1 - ½ t∞``."""
-    return on.motor_of([1.0, 0.0, 0.0, 0.0, *(-0.5 * value for value in by), 0.0])
+    return on.MOTOR.of([1.0, 0.0, 0.0, 0.0, *(-0.5 * value for value in by), 0.0])
 
 
 def rotated(rotor: Multivector, vector: Numbers) -> Numbers:
     """``R x ~R``."""
-    return on.vector_numbers(rotor * on.vector(vector) * ~rotor)
+    return on.VECTOR.numbers(rotor * on.VECTOR.of(vector) * ~rotor)
 
 
 def cross(turn: Numbers, vector: Numbers) -> Numbers:
     """``φ × x``, the commutator of a vector with the bivector of a turn."""
-    plane, x = on.angles_of(turn), on.vector(vector)
-    return on.vector_numbers(0.5 * (x * plane - plane * x))
+    plane, x = on.ANGLES.of(turn), on.VECTOR.of(vector)
+    return on.VECTOR.numbers(0.5 * (x * plane - plane * x))
 
 
 def motor_at(numbers: Numbers) -> tuple[Multivector, Multivector, Numbers]:
     """A motor of eight coefficients, its rotor and its translation."""
-    motor, rotor = on.motor_of(numbers), on.rotor_of(numbers[:4])
+    motor, rotor = on.MOTOR.of(numbers), on.ROTOR.of(numbers[:4])
     return motor, rotor, on.translation_numbers(motor * ~rotor)
 
 

@@ -29,8 +29,7 @@ def library_files() -> dict[str, str]:
     Raises:
         ModuleNotFoundError: without CasADi or mpmath, which only this needs.
     """
-    from motorcade.ga.kernels.definitions import KERNELS
-    from motorcade.ga.kernels.definitions.single import FUNCTIONS
+    from motorcade.ga.kernels.definitions.library import FUNCTIONS, KERNELS
 
     groups: dict[str, list[Kernel]] = {}
     for kernel in KERNELS:

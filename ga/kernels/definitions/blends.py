@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import casadi as ca
+
 from motorcade.ga.algebra import Multivector
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.conversions import matrix_rows
 from motorcade.ga.kernels.definitions.functions import angle_over_sine, select, sinc_of_square
-
-__all__ = ["KERNELS", "linear", "screw"]
 
 Numbers = list[Any]
 
@@ -29,8 +29,8 @@ def screw(precision: Precision, a: Numbers, b: Numbers, fraction: Any) -> Multiv
     The same motor as ``a exp(f log(~a b))`` for fractions in [0, 1], in half the operations.
     With ``Θ² = y`` and ``Θ / sin Θ = p`` the weight of b is ``f p sin(√(f² y)) / √(f² y)``.
     """
-    first, second = on.motor_of(a), on.motor_of(b)
-    c, d = on.dual_numbers(~first * second)
+    first, second = on.MOTOR.of(a), on.MOTOR.of(b)
+    c, d = on.DUAL.numbers(~first * second)
     sign = select(c < 0, -1, 1)
     c, d = sign * c, sign * d
     p, slope = angle_over_sine(precision, c)
@@ -42,12 +42,12 @@ def screw(precision: Precision, a: Numbers, b: Numbers, fraction: Any) -> Multiv
         derivative = sinc * slope + 2 * part * part * sinc_slope * p * p
         weights.append((part * sinc * p, -part * derivative * d))
     (u, du), (v, dv) = weights
-    return on.dual_of((u, du)) * first + on.dual_of((sign * v, sign * dv)) * second
+    return on.DUAL.of((u, du)) * first + on.DUAL.of((sign * v, sign * dv)) * second
 
 
 def _blend(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
     """Linear blend of two motors, the short way round, made unit."""
-    return [on.motor_numbers(projected(on.motor_of(linear(a, b, fraction[0]))))]
+    return [on.MOTOR.numbers(projected(on.MOTOR.of(linear(a, b, fraction[0]))))]
 
 
 def _blend_matrix(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
@@ -57,26 +57,24 @@ def _blend_matrix(precision: Precision, a: Numbers, b: Numbers, fraction: Number
 
 def _screw(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
     """Screw interpolation for fractions in [0, 1]."""
-    return [on.motor_numbers(screw(precision, a, b, fraction[0]))]
+    return [on.MOTOR.numbers(screw(precision, a, b, fraction[0]))]
 
 
 def _screw_matrix(precision: Precision, a: Numbers, b: Numbers, fraction: Numbers) -> list[Numbers]:
     """Screw interpolation for fractions in [0, 1] as a 3×4 matrix."""
-    return [matrix_rows(on.motor_numbers(screw(precision, a, b, fraction[0])), unit=True)]
+    return [matrix_rows(on.MOTOR.numbers(screw(precision, a, b, fraction[0])), unit=True)]
 
 
 def projected(m: Multivector) -> Multivector:
     """The motor nearest to an even element: ``m α^(-½) (1 - β J / 2α)`` of ``m ~m = α + β J``."""
-    import casadi as ca
-
-    alpha, beta = on.dual_numbers(m * ~m)
+    alpha, beta = on.DUAL.numbers(m * ~m)
     root = 1 / ca.sqrt(alpha)
-    return on.dual_of((root, -0.5 * beta / alpha * root)) * m
+    return on.DUAL.of((root, -0.5 * beta / alpha * root)) * m
 
 
 def _normalize(precision: Precision, m: Numbers) -> list[Numbers]:
     """The motor nearest to an even element."""
-    return [on.motor_numbers(projected(on.motor_of(m)))]
+    return [on.MOTOR.numbers(projected(on.MOTOR.of(m)))]
 
 
 def _normalize_matrix(precision: Precision, m: Numbers) -> list[Numbers]:
@@ -93,7 +91,12 @@ def _accumulate(
     return [[x + signed * y for x, y in zip(total, m, strict=True)]]
 
 
-_A, _B, _M, _OUT = on.motor("a"), on.motor("b"), on.motor("m"), on.motor("out")
+_A, _B, _M, _OUT = (
+    on.MOTOR.operand("a"),
+    on.MOTOR.operand("b"),
+    on.MOTOR.operand("m"),
+    on.MOTOR.operand("out"),
+)
 _F, _ROWS = on.numbers("fraction"), on.components("out", 3, 4)
 
 KERNELS = (
@@ -104,7 +107,7 @@ KERNELS = (
     Kernel(
         "accumulate",
         "linear_blends",
-        (on.motor("total"), on.motor("pivot"), _M, on.numbers("weight")),
+        (on.MOTOR.operand("total"), on.MOTOR.operand("pivot"), _M, on.numbers("weight")),
         (_OUT,),
         _accumulate,
     ),

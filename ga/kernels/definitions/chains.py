@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import casadi as ca
+
 from motorcade.ga.algebra import CGA3, Multivector
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.kernels.definitions import elements as on
-
-__all__ = ["KERNELS"]
 
 Numbers = list[Any]
 
@@ -23,7 +23,7 @@ _INFINITY = CGA3.multivector({"einf": 1})
 
 def _point(x: Numbers) -> Multivector:
     """``x + ½ x² e∞ + e0``."""
-    return _ORIGIN + on.vector(x) + on.scaled(_INFINITY, 0.5 * sum(a * a for a in x))
+    return _ORIGIN + on.VECTOR.of(x) + on.scaled(_INFINITY, 0.5 * sum(a * a for a in x))
 
 
 def _reach(precision: Precision, p: Numbers, q: Numbers, length: Numbers) -> list[Numbers]:
@@ -32,8 +32,6 @@ def _reach(precision: Precision, p: Numbers, q: Numbers, length: Numbers) -> lis
     The line through both points and the sphere around the first meet in a pair of points; of
     these the one on the side of q is ``(B - √B²) / (e∞ · B)``.
     """
-    import casadi as ca
-
     away = [b - a for a, b in zip(p, q, strict=True)]
     line = _ORIGIN ^ _point(away) ^ _INFINITY
     sphere = _ORIGIN - on.scaled(_INFINITY, 0.5 * length[0] * length[0])
@@ -43,9 +41,9 @@ def _reach(precision: Precision, p: Numbers, q: Numbers, length: Numbers) -> lis
     size = (weight * weight).coefficient("1")
     met = (pair - root) * weight * (1 / size)
     scale = met.coefficient("e0")
-    return [[a + b / scale for a, b in zip(p, on.vector_numbers(met), strict=True)]]
+    return [[a + b / scale for a, b in zip(p, on.VECTOR.numbers(met), strict=True)]]
 
 
-_RAY = on.points("p"), on.points("q"), on.numbers("length")
+_RAY = on.VECTOR.operand("p"), on.VECTOR.operand("q"), on.numbers("length")
 
-KERNELS = (Kernel("reach", "chains", _RAY, (on.points("out"),), _reach),)
+KERNELS = (Kernel("reach", "chains", _RAY, (on.VECTOR.operand("out"),), _reach),)

@@ -6,9 +6,8 @@ from typing import Any
 
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.precision import Precision
+from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.kernels.definitions import elements as on
-
-__all__ = ["KERNELS", "matrix_rows"]
 
 Numbers = list[Any]
 
@@ -20,9 +19,9 @@ def matrix_rows(m: Numbers, unit: bool) -> Numbers:
     unit they come out ``R ~R`` times as long, and what is off the motors falls away with the
     scalar part of the dual half, so dividing is all the projection that a matrix needs.
     """
-    rotor, motor = on.rotor_of(m[:4]), on.motor_of(m)
-    axes = [on.vector([float(i == k) for i in range(3)]) for k in range(3)]
-    columns = [on.vector_numbers(rotor * axis * ~rotor) for axis in axes]
+    rotor, motor = on.ROTOR.of(m[:4]), on.MOTOR.of(m)
+    axes = [on.VECTOR.of([float(i == k) for i in range(3)]) for k in range(3)]
+    columns = [on.VECTOR.numbers(rotor * axis * ~rotor) for axis in axes]
     columns.append(on.translation_numbers(motor * ~rotor))
     if not unit:
         scale = 1 / (rotor * ~rotor).coefficient("1")
@@ -32,8 +31,8 @@ def matrix_rows(m: Numbers, unit: bool) -> Numbers:
 
 def _apply(precision: Precision, m: Numbers, x: Numbers) -> list[Numbers]:
     """Points moved by motors."""
-    rotor, motor = on.rotor_of(m[:4]), on.motor_of(m)
-    turned = on.vector_numbers(rotor * on.vector(x) * ~rotor)
+    rotor, motor = on.ROTOR.of(m[:4]), on.MOTOR.of(m)
+    turned = on.VECTOR.numbers(rotor * on.VECTOR.of(x) * ~rotor)
     moved = on.translation_numbers(motor * ~rotor)
     return [[a + b for a, b in zip(turned, moved, strict=True)]]
 
@@ -54,12 +53,18 @@ def _dual_quaternion(precision: Precision, m: Numbers) -> list[Numbers]:
     return [[m[0], -m[1], -m[2], -m[3], -m[7], -m[4], -m[5], -m[6]]]
 
 
-_M, _ROWS = on.motor("m"), on.components("out", 3, 4)
-_POINTS, _MOVED = on.points("x"), on.points("out")
+_M, _ROWS = on.MOTOR.operand("m"), on.components("out", 3, 4)
+_POINTS, _MOVED = on.VECTOR.operand("x"), on.VECTOR.operand("out")
 
 KERNELS = (
     Kernel("apply", "products", (_M, _POINTS), (_MOVED,), _apply),
     Kernel("matrix34", "conversions", (_M,), (_ROWS,), _matrix34),
     Kernel("matrix44", "conversions", (_M,), (on.components("out", 4, 4),), _matrix44),
-    Kernel("dual_quaternion", "conversions", (_M,), (on.dual_quaternion("out"),), _dual_quaternion),
+    Kernel(
+        "dual_quaternion",
+        "conversions",
+        (_M,),
+        (Operand("out", on.DUAL_QUATERNION),),
+        _dual_quaternion,
+    ),
 )

@@ -12,15 +12,15 @@ and ``sin √y / √y`` and its derivative are smooth in ``y`` everywhere.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import pi
 from typing import Any
 
+import casadi as ca
+import mpmath as mp
+
 from motorcade.ga.codegen.library_kernels.fit import fitted, horner
 from motorcade.ga.codegen.precision import Precision
-
-__all__ = [
-    "Dual", "angle_over_sine", "angle_over_sine_beyond", "cosine_sinc", "select", "sinc_of_square",
-]  # fmt: skip
 
 Dual = tuple[Any, Any]
 
@@ -31,21 +31,25 @@ _QUARTER_TURN_SQUARED = (pi / 2) ** 2 + 1e-3
 _SMALL = 0.05
 
 
+def polynomial(
+    precision: Precision, function: Callable[[Any], Any], last: float, x: Any, first: float = 0.0
+) -> Any:
+    """A function at `x` in ``[first, last]``, as a polynomial that fits it to the precision."""
+    return horner(fitted(function, first, last, precision.epsilon * _SHARE), x)
+
+
 def select(condition: Any, chosen: Any, otherwise: Any) -> Any:
     """One of two values, both computed."""
-    import casadi as ca
-
     return ca.if_else(condition, chosen, otherwise)
 
 
 def angle_over_sine(precision: Precision, w: Any) -> Dual:
     """``θ / sin θ`` and its derivative by ``1 - w``, for ``w = cos θ`` in [0, 1]."""
-    error = precision.epsilon * _SHARE
     x = 1 - w
 
     def up_to(last: float) -> Dual:
-        value = horner(fitted(_angle_over_sine, 0, last, error), x)
-        return value, horner(fitted(_angle_over_sine_slope, 0, last, error), x)
+        value = polynomial(precision, _angle_over_sine, last, x)
+        return value, polynomial(precision, _angle_over_sine_slope, last, x)
 
     if not precision.branches:
         return up_to(1)
@@ -59,8 +63,6 @@ def angle_over_sine_beyond(precision: Precision, w: Any, sine_squared: Any) -> D
     Beyond a quarter turn ``θ`` is ``π`` less the angle of ``-w``. At ``w = -1`` the axis is lost;
     the value there is large and finite.
     """
-    import casadi as ca
-
     value, slope = angle_over_sine(precision, ca.fabs(w))
     square = ca.fmax(sine_squared, precision.epsilon**3)
     from_pi = pi / ca.sqrt(square)
@@ -72,9 +74,8 @@ def angle_over_sine_beyond(precision: Precision, w: Any, sine_squared: Any) -> D
 
 def sinc_of_square(precision: Precision, y: Any) -> Dual:
     """``sin √y / √y`` and its derivative by ``y``, for ``√y`` in [0, π/2]."""
-    error = precision.epsilon * _SHARE
-    value = horner(fitted(_sinc, 0, _QUARTER_TURN_SQUARED, error), y)
-    return value, horner(fitted(_sinc_slope, 0, _QUARTER_TURN_SQUARED, error), y)
+    value = polynomial(precision, _sinc, _QUARTER_TURN_SQUARED, y)
+    return value, polynomial(precision, _sinc_slope, _QUARTER_TURN_SQUARED, y)
 
 
 def cosine_sinc(precision: Precision, y: Any) -> tuple[Any, Any, Any]:
@@ -83,8 +84,6 @@ def cosine_sinc(precision: Precision, y: Any) -> tuple[Any, Any, Any]:
     The angle is brought to [-π/2, π/2] by a multiple of π that is subtracted in parts. Up to
     2^26 turns in float64 and 2^11 in float32 nothing is lost beyond the angle's own rounding.
     """
-    import casadi as ca
-
     h = ca.sqrt(y)
     turns = ca.floor(h * (1 / pi) + 0.5)
     for part in _parts_of_pi(precision):
@@ -106,15 +105,12 @@ def cosine_sinc(precision: Precision, y: Any) -> tuple[Any, Any, Any]:
 
 def _series(precision: Precision, z: Any) -> list[Any]:
     """``cos √z``, ``sin √z / √z`` and its derivative for ``√z`` in [0, π/2]."""
-    error = precision.epsilon * _SHARE
-    fits = (_cosine, _sinc, _sinc_slope)
-    return [horner(fitted(fit, 0, _QUARTER_TURN_SQUARED, error), z) for fit in fits]
+    functions = (_cosine, _sinc, _sinc_slope)
+    return [polynomial(precision, each, _QUARTER_TURN_SQUARED, z) for each in functions]
 
 
 def _parts_of_pi(precision: Precision) -> list[float]:
     """π in four parts, all but the last with half the bits, so that their products are exact."""
-    import mpmath as mp
-
     bits = precision.bits // 2
     parts: list[float] = []
     with mp.workdps(60):
@@ -129,15 +125,11 @@ def _parts_of_pi(precision: Precision) -> list[float]:
 
 
 def _angle_over_sine(x: Any) -> Any:
-    import mpmath as mp
-
     angle = mp.acos(1 - x)
     return angle / mp.sin(angle)
 
 
 def _angle_over_sine_slope(x: Any) -> Any:
-    import mpmath as mp
-
     with mp.extradps(30):
         angle = mp.acos(1 - x)
         sine = mp.sin(angle)
@@ -145,21 +137,15 @@ def _angle_over_sine_slope(x: Any) -> Any:
 
 
 def _cosine(y: Any) -> Any:
-    import mpmath as mp
-
     return mp.cos(mp.sqrt(y))
 
 
 def _sinc(y: Any) -> Any:
-    import mpmath as mp
-
     root = mp.sqrt(y)
     return mp.sin(root) / root
 
 
 def _sinc_slope(y: Any) -> Any:
-    import mpmath as mp
-
     with mp.extradps(30):
         root = mp.sqrt(y)
         return (mp.cos(root) - mp.sin(root) / root) / (2 * y)

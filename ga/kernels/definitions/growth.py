@@ -10,14 +10,13 @@ from __future__ import annotations
 from math import log
 from typing import Any
 
-from motorcade.ga.codegen.library_kernels.fit import fitted, horner
+import casadi as ca
+import mpmath as mp
+
 from motorcade.ga.codegen.library_kernels.powers_of_two import exponent, power_of_two
 from motorcade.ga.codegen.precision import Precision
-from motorcade.ga.kernels.definitions.functions import select
+from motorcade.ga.kernels.definitions.functions import polynomial, select
 
-__all__ = ["growth_means", "hyperbolic", "inverse_hyperbolic"]
-
-_SHARE = 1 / 16
 # Where the polynomials end, with room for rounding: squares of ½ ln 2 and of sinh ½ ln 2 = √⅛.
 _HALF_OCTAVE = 0.5 * log(2) + 1e-3
 _LOG_SQUARED = (0.5 * log(2)) ** 2 + 1e-3
@@ -28,15 +27,12 @@ _NEAR = 1.0
 
 def hyperbolic(precision: Precision, h: Any) -> tuple[Any, Any, Any]:
     """``cosh h``, ``sinh h`` and ``sinh h / h``; infinite or NaN where ``e^|h|`` is too large."""
-    import casadi as ca
-
-    error = precision.epsilon * _SHARE
     n = ca.floor(h * (1 / log(2)) + 0.5)
     high, low = _parts_of_log_two(precision)
     r = h - n * high - n * low
     square = r * r
-    near = horner(fitted(_sinh_over, 0, _LOG_SQUARED, error), square)
-    cosine, sine = horner(fitted(_cosh, 0, _LOG_SQUARED, error), square), r * near
+    near = polynomial(precision, _sinh_over, _LOG_SQUARED, square)
+    cosine, sine = polynomial(precision, _cosh, _LOG_SQUARED, square), r * near
     grown, shrunk = power_of_two(n), power_of_two(-n)
     even, odd = 0.5 * (grown + shrunk), 0.5 * (grown - shrunk)
     cosh, sinh = even * cosine + odd * sine, odd * cosine + even * sine
@@ -45,8 +41,8 @@ def hyperbolic(precision: Precision, h: Any) -> tuple[Any, Any, Any]:
     if not precision.branches:
         return cosh, sinh, over
     small = h * h < _LOG_SQUARED
-    own = horner(fitted(_sinh_over, 0, _LOG_SQUARED, error), h * h)
-    series = horner(fitted(_cosh, 0, _LOG_SQUARED, error), h * h), h * own, own
+    own = polynomial(precision, _sinh_over, _LOG_SQUARED, h * h)
+    series = polynomial(precision, _cosh, _LOG_SQUARED, h * h), h * own, own
     a, b, c = map(select, [small] * 3, series, (cosh, sinh, over))
     return a, b, c
 
@@ -56,37 +52,32 @@ def inverse_hyperbolic(precision: Precision, cosh: Any, sinh: Any) -> tuple[Any,
 
     ``e^|h|`` is ``2^n e^r``, and ``r`` has the hyperbolic sine ``½ (e^r - e^-r)``.
     """
-    import casadi as ca
-
     size = ca.fabs(sinh)
     whole = cosh + size
     n = exponent(2**0.5 * whole)
     rest = whole * power_of_two(-n)
     still = n < 0.5
     sine = select(still, size, 0.5 * (rest - 1 / rest))
-    near = horner(fitted(_asinh_over, 0, _SINE_SQUARED, precision.epsilon * _SHARE), sine * sine)
+    near = polynomial(precision, _asinh_over, _SINE_SQUARED, sine * sine)
     high, low = _parts_of_log_two(precision)
     h = n * high + (n * low + sine * near)
     quotient = select(still, near, h / ca.fmax(size, 0.25))
     if precision.branches:
         small = sinh * sinh < _SINE_SQUARED
-        own = horner(fitted(_asinh_over, 0, _SINE_SQUARED, precision.epsilon * _SHARE), sinh * sinh)
+        own = polynomial(precision, _asinh_over, _SINE_SQUARED, sinh * sinh)
         quotient = select(small, own, quotient)
     return quotient * sinh, quotient
 
 
 def growth_means(precision: Precision, x: Any) -> tuple[Any, Any, Any]:
     """``e^x``, ``(e^x - 1) / x`` and ``(e^x - 1 - x) / x²``."""
-    import casadi as ca
-
-    error = precision.epsilon * _SHARE
     n = ca.floor(x * (1 / log(2)) + 0.5)
     high, low = _parts_of_log_two(precision)
     r = x - n * high - n * low
-    whole = power_of_two(n) * horner(fitted(_exp, -_HALF_OCTAVE, _HALF_OCTAVE, error), r)
+    whole = power_of_two(n) * polynomial(precision, mp.exp, _HALF_OCTAVE, r, -_HALF_OCTAVE)
     near = ca.fmax(ca.fmin(x, _NEAR), -_NEAR)
     far = select(x < 0, ca.fmin(x, -_NEAR), ca.fmax(x, _NEAR))
-    second_near = horner(fitted(_exp_rest, -_NEAR - 1e-3, _NEAR + 1e-3, error), near)
+    second_near = polynomial(precision, _exp_rest, _NEAR + 1e-3, near, -_NEAR - 1e-3)
     first_far = (whole - 1) / far
     small = ca.fabs(x) < _NEAR
     first = select(small, 1 + near * second_near, first_far)
@@ -95,8 +86,6 @@ def growth_means(precision: Precision, x: Any) -> tuple[Any, Any, Any]:
 
 def _parts_of_log_two(precision: Precision) -> tuple[float, float]:
     """Two parts of ln 2, the first with so few bits that multiples of it are exact."""
-    import mpmath as mp
-
     with mp.workdps(60):
         scale = mp.mpf(2) ** (precision.bits // 2)
         high = mp.floor(mp.log(2) * scale) / scale
@@ -104,33 +93,19 @@ def _parts_of_log_two(precision: Precision) -> tuple[float, float]:
 
 
 def _sinh_over(y: Any) -> Any:
-    import mpmath as mp
-
     root = mp.sqrt(y)
     return mp.sinh(root) / root
 
 
 def _cosh(y: Any) -> Any:
-    import mpmath as mp
-
     return mp.cosh(mp.sqrt(y))
 
 
 def _asinh_over(y: Any) -> Any:
-    import mpmath as mp
-
     root = mp.sqrt(y)
     return mp.asinh(root) / root
 
 
-def _exp(x: Any) -> Any:
-    import mpmath as mp
-
-    return mp.exp(x)
-
-
 def _exp_rest(x: Any) -> Any:
-    import mpmath as mp
-
     with mp.extradps(40):
         return (mp.expm1(x) - x) / x**2 if x else mp.mpf(1) / 2

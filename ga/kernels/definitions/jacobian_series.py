@@ -15,13 +15,12 @@ from __future__ import annotations
 from math import pi
 from typing import Any, NamedTuple
 
-from motorcade.ga.codegen.library_kernels.fit import fitted, horner
+import casadi as ca
+import mpmath as mp
+
 from motorcade.ga.codegen.precision import Precision
-from motorcade.ga.kernels.definitions.functions import Dual, cosine_sinc, select
+from motorcade.ga.kernels.definitions.functions import Dual, cosine_sinc, polynomial, select
 
-__all__ = ["HalfTurn", "forward_series", "half_turn", "inverse_series"]
-
-_SHARE = 1 / 16
 _QUARTER_TURN_SQUARED = (pi / 2) ** 2
 _FITTED_UP_TO = _QUARTER_TURN_SQUARED + 1e-3
 
@@ -52,8 +51,6 @@ def forward_series(precision: Precision, half: HalfTurn) -> tuple[Dual, Dual]:
 
 def inverse_series(precision: Precision, half: HalfTurn) -> Dual:
     """``c`` and its derivative by z."""
-    import casadi as ca
-
     z, cosine, sinc, _ = half
     far = _beyond_half_a_turn(z)
     size = ca.fmax(ca.fabs(sinc), precision.epsilon**2)
@@ -65,50 +62,37 @@ def inverse_series(precision: Precision, half: HalfTurn) -> Dual:
 
 
 def _beyond_half_a_turn(z: Any) -> Any:
-    import casadi as ca
-
     return ca.fmax(z, _QUARTER_TURN_SQUARED)
 
 
 def _joined(precision: Precision, z: Any, functions: tuple[Any, Any], beyond: Dual) -> Dual:
-    import casadi as ca
-
     near = ca.fmin(z, _QUARTER_TURN_SQUARED)
-    error = precision.epsilon * _SHARE
     made = [
-        select(z < _QUARTER_TURN_SQUARED, horner(fitted(f, 0, _FITTED_UP_TO, error), near), far)
+        select(z < _QUARTER_TURN_SQUARED, polynomial(precision, f, _FITTED_UP_TO, near), far)
         for f, far in zip(functions, beyond, strict=True)
     ]
     return made[0], made[1]
 
 
 def _sine_rest(z: Any) -> Any:
-    import mpmath as mp
-
     with mp.extradps(40):
         angle = 2 * mp.sqrt(z)
         return (angle - mp.sin(angle)) / angle**3
 
 
 def _sine_rest_slope(z: Any) -> Any:
-    import mpmath as mp
-
     with mp.extradps(60):
         angle = 2 * mp.sqrt(z)
         return 2 * (3 * mp.sin(angle) / angle - 2 - mp.cos(angle)) / angle**4
 
 
 def _cotangent_rest(z: Any) -> Any:
-    import mpmath as mp
-
     with mp.extradps(40):
         half = mp.sqrt(z)
         return (1 - half * mp.cot(half)) / (4 * z)
 
 
 def _cotangent_rest_slope(z: Any) -> Any:
-    import mpmath as mp
-
     with mp.extradps(60):
         half = mp.sqrt(z)
         return (half * mp.cot(half) + (half / mp.sin(half)) ** 2 - 2) / (8 * z**2)

@@ -18,6 +18,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import casadi as ca
+
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.growth import growth_means
@@ -32,13 +34,9 @@ from motorcade.ga.kernels.definitions.similarities import (
     exponential,
     joined,
     logarithm,
-    product,
-    reverse,
     split,
 )
-from motorcade.ga.kernels.definitions.tangents import Definitions, kernels_of, matrix_rows
-
-__all__ = ["KERNELS"]
+from motorcade.ga.kernels.definitions.versors import Versors, matrix_rows
 
 Numbers = list[Any]
 # ``p0 + p1 Ω + p2 Ω²``
@@ -57,8 +55,6 @@ class _Means(NamedTuple):
 
 
 def _means(precision: Precision, twist: Numbers) -> _Means:
-    import casadi as ca
-
     growth = twist[6]
     square = sum(value * value for value in twist[:3])
     half = half_turn(precision, 0.25 * square)
@@ -82,7 +78,7 @@ def _means(precision: Precision, twist: Numbers) -> _Means:
 
 def _cross(a: Numbers, b: Numbers) -> Numbers:
     # Bivectors are duals of vectors; half their commutator is minus the cross product's.
-    return on.angle_numbers(-on.angles_of(a).commutator(on.angles_of(b)))
+    return on.ANGLES.numbers(-on.ANGLES.of(a).commutator(on.ANGLES.of(b)))
 
 
 def _sum(*vectors: Numbers) -> Numbers:
@@ -118,7 +114,7 @@ def _shift_of_turn(means: _Means, twist: Numbers) -> Callable[[Numbers, Numbers]
     return column
 
 
-def _left_jacobian(precision: Precision, twist: Numbers) -> list[Numbers]:
+def _left_jacobian(precision: Precision, twist: Numbers) -> Numbers:
     means = _means(precision, twist)
     turn, push = twist[:3], twist[3:6]
     shift_of_turn = _shift_of_turn(means, twist)
@@ -130,10 +126,10 @@ def _left_jacobian(precision: Precision, twist: Numbers) -> list[Numbers]:
         shift = _sum(moved, shift_of_turn(y[:3], turned), _scaled(-y[6], of_growth))
         return [*turned, *shift, y[6]]
 
-    return [matrix_rows(column, 7)]
+    return matrix_rows(column, 7)
 
 
-def _left_jacobian_inverse(precision: Precision, twist: Numbers) -> list[Numbers]:
+def _left_jacobian_inverse(precision: Precision, twist: Numbers) -> Numbers:
     means = _means(precision, twist)
     turn, push = twist[:3], twist[3:6]
     shift_of_turn = _shift_of_turn(means, twist)
@@ -147,7 +143,7 @@ def _left_jacobian_inverse(precision: Precision, twist: Numbers) -> list[Numbers
         shift = _polynomial(back_shift, turn, _sum(y[3:6], _scaled(-1, rest)))
         return [*turned, *shift, y[6]]
 
-    return [matrix_rows(column, 7)]
+    return matrix_rows(column, 7)
 
 
 def _inverse(means: _Means) -> Polynomial:
@@ -158,40 +154,41 @@ def _inverse(means: _Means) -> Polynomial:
     return 1 / a0, -a1 / size, (a1 * a1 - a2 * p) / (a0 * size)
 
 
-def _transformed(s: Parts, twist: Numbers) -> Numbers:
+def _transform_twist(s: Parts, twist: Numbers) -> Numbers:
     """``S Y ~S``; on rotations and shifts ``A + B`` is ``√ρ R``, its partner ``R / √ρ``."""
     grown, shrunk = s.turned + s.grown, s.turned - s.grown
-    turn, push = on.angles_of(twist[:3]), on.moved_of(twist[3:6])
-    turned = on.angle_numbers(grown * turn * ~shrunk)
+    turn, push = on.ANGLES.of(twist[:3]), on.MOVED.of(twist[3:6])
+    turned = on.ANGLES.numbers(grown * turn * ~shrunk)
     moved = (
         grown * turn * ~s.moved + s.moved * turn * ~grown + grown * push * ~grown
         + (-twist[6]) * (grown * ~s.moved - s.moved * ~grown)
     )  # fmt: skip
-    return [*turned, *on.moved_numbers(moved)[:3], twist[6]]
+    return [*turned, *on.MOVED.numbers(moved)[:3], twist[6]]
 
 
-def _transform_twist(precision: Precision, m: Numbers, twist: Numbers) -> list[Numbers]:
-    return [_transformed(split(m), twist)]
+def _of_twist(twist: Numbers) -> Numbers:
+    return [*_scaled(-0.5, twist[:3]), 0.5 * twist[6], *_scaled(-0.5, twist[3:6])]
 
 
-def _adjoint(precision: Precision, m: Numbers) -> list[Numbers]:
-    s = split(m)
-    return [matrix_rows(lambda y: _transformed(s, y), 7)]
+def _as_twist(log: Numbers) -> Numbers:
+    return [*_scaled(-2, log[:3]), *_scaled(-2, log[4:]), 2 * log[3]]
 
 
-def _retract(precision: Precision, m: Numbers, twist: Numbers) -> list[Numbers]:
-    log = [*_scaled(-0.5, twist[:3]), 0.5 * twist[6], *_scaled(-0.5, twist[3:6])]
-    return [joined(product(split(m), exponential(precision, log)))]
-
-
-def _local(precision: Precision, a: Numbers, b: Numbers) -> list[Numbers]:
-    log = logarithm(precision, product(reverse(split(a)), split(b)), True)
-    return [[*_scaled(-2, log[:3]), *_scaled(-2, log[4:]), 2 * log[3]]]
-
-
-KERNELS = kernels_of(
-    "similarity", on.similarity, 7,
-    Definitions(
-        _adjoint, _transform_twist, _left_jacobian, _left_jacobian_inverse, _retract, _local
-    ),
-)  # fmt: skip
+SIMILARITIES = Versors(
+    "similarity_",
+    "similarity",
+    "similarities",
+    "Spiral",
+    on.SIMILARITY,
+    on.GROWING_BIVECTOR,
+    7,
+    split,
+    joined,
+    exponential,
+    logarithm,
+    _of_twist,
+    _as_twist,
+    _transform_twist,
+    _left_jacobian,
+    _left_jacobian_inverse,
+)

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import casadi as ca
+
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.tape import Operand
@@ -16,14 +18,10 @@ from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.similarities import projected, split
 from motorcade.ga.kernels.definitions.similarity_conversions import grown_rotor
 
-__all__ = ["KERNELS"]
-
 Numbers = list[Any]
 
 
 def _unit(v: Numbers) -> Numbers:
-    import casadi as ca
-
     scale = 1 / ca.sqrt(sum(x * x for x in v))
     return [scale * x for x in v]
 
@@ -34,11 +32,11 @@ def _carry_motor(precision: Precision, m: Numbers, x: Numbers, n: Numbers) -> li
     ``M X ~M`` of a motor that is as long as ``α``: what is off the motors falls away, as in
     `conversions.matrix_rows`, and dividing by ``α`` is all the projection that is left.
     """
-    rotor, motor = on.rotor_of(m[:4]), on.motor_of(m)
+    rotor, motor = on.ROTOR.of(m[:4]), on.MOTOR.of(m)
     scale = 1 / (rotor * ~rotor).coefficient("1")
     moved = on.translation_numbers(motor * ~rotor)
-    turned = on.vector_numbers(rotor * on.vector(x) * ~rotor)
-    normal = on.vector_numbers(rotor * on.vector(n) * ~rotor)
+    turned = on.VECTOR.numbers(rotor * on.VECTOR.of(x) * ~rotor)
+    normal = on.VECTOR.numbers(rotor * on.VECTOR.of(n) * ~rotor)
     return [
         [scale * (a + b) for a, b in zip(turned, moved, strict=True)] + [scale * a for a in normal]
     ]
@@ -53,8 +51,8 @@ def _carry_similarity(precision: Precision, s: Numbers, x: Numbers, n: Numbers) 
     rotor = grown_rotor(parts)
     scale = 1 / (rotor * ~rotor).coefficient("1")
     moved = on.translation_numbers(parts.moved * ~rotor)
-    turned = on.vector_numbers(rotor * on.vector(x) * ~rotor)
-    normal = on.vector_numbers(rotor * on.vector(n) * ~rotor)
+    turned = on.VECTOR.numbers(rotor * on.VECTOR.of(x) * ~rotor)
+    normal = on.VECTOR.numbers(rotor * on.VECTOR.of(n) * ~rotor)
     return [[a + b for a, b in zip(turned, moved, strict=True)] + [scale * a for a in normal]]
 
 
@@ -95,18 +93,24 @@ def _carry_matrix(precision: Precision, m: Numbers, x: Numbers, n: Numbers) -> l
     return [moved + _unit([sum(a * b for a, b in zip(row[:3], n, strict=True)) for row in rows])]
 
 
-_X, _N = on.points("x"), on.points("n")
+_X, _N = on.VECTOR.operand("x"), on.VECTOR.operand("n")
 _OUT = (Operand("out", ("x", "y", "z", "nx", "ny", "nz")),)
 
 KERNELS = (
-    Kernel("carry_motor", "skinning", (on.motor("m"), _X, _N), _OUT, _carry_motor),
+    Kernel("carry_motor", "skinning", (on.MOTOR.operand("m"), _X, _N), _OUT, _carry_motor),
     Kernel(
         "carry_dual_quaternion",
         "skinning",
-        (on.dual_quaternion("q"), _X, _N),
+        (Operand("q", on.DUAL_QUATERNION), _X, _N),
         _OUT,
         _carry_dual_quaternion,
     ),
-    Kernel("carry_similarity", "skinning", (on.similarity("s"), _X, _N), _OUT, _carry_similarity),
+    Kernel(
+        "carry_similarity",
+        "skinning",
+        (Operand("s", on.SIMILARITY), _X, _N),
+        _OUT,
+        _carry_similarity,
+    ),
     Kernel("carry_matrix", "skinning", (on.components("m", 3, 4), _X, _N), _OUT, _carry_matrix),
 )

@@ -19,8 +19,7 @@ from motorcade.ga.codegen.library_kernels.kernel import Kernel
 from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.precision import DOUBLE
 from motorcade.ga.codegen.tape import Operand
-from motorcade.ga.kernels.definitions import KERNELS
-from motorcade.ga.kernels.definitions.single import FUNCTIONS
+from motorcade.ga.kernels.definitions.library import FUNCTIONS, KERNELS
 from motorcade.ga.kernels.numpy_backend import function
 
 COUNT = 400

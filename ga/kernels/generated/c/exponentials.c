@@ -3,7 +3,7 @@
 
 #include "support.h"
 
-/* exp: Motor of a bivector of any size
+/* exp: Motor of a bivector of any angle
  * in log: e23 e31 e12 e1∞ e2∞ e3∞
  * out out: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞ */
 

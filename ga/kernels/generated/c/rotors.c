@@ -4,7 +4,7 @@
 
 #include "support.h"
 
-/* rotor_compose: Product a b of rotors
+/* rotor_compose: Geometric product a b of rotors
  * in a: 1 e23 e31 e12
  * in b: 1 e23 e31 e12
  * out out: 1 e23 e31 e12 */
@@ -54,46 +54,46 @@ void motorcade_rotor_compose_f64(MOTORCADE_ARGUMENTS(double))
 }
 
 /* rotor_inverse: Reverse of a rotor: its inverse
- * in r: 1 e23 e31 e12
+ * in m: 1 e23 e31 e12
  * out out: 1 e23 e31 e12 */
 
 MOTORCADE_SIMD
 void motorcade_rotor_inverse_f32(MOTORCADE_ARGUMENTS(float))
 {
-    const float *restrict r_at = inputs[0];
-    const ptrdiff_t r_step = input_steps[0];
+    const float *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
     float *restrict out_at = outputs[0];
     const ptrdiff_t out_step = output_steps[0];
     MOTORCADE_INDEPENDENT
     for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
-        const float r0 = r_at[i], r1 = r_at[r_step + i], r2 = r_at[2 * r_step + i];
-        const float r3 = r_at[3 * r_step + i];
-        out_at[i] = r0;
-        out_at[out_step + i] = -r1;
-        out_at[2 * out_step + i] = -r2;
-        out_at[3 * out_step + i] = -r3;
+        const float m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const float m3 = m_at[3 * m_step + i];
+        out_at[i] = m0;
+        out_at[out_step + i] = -m1;
+        out_at[2 * out_step + i] = -m2;
+        out_at[3 * out_step + i] = -m3;
     }
 }
 
 MOTORCADE_SIMD
 void motorcade_rotor_inverse_f64(MOTORCADE_ARGUMENTS(double))
 {
-    const double *restrict r_at = inputs[0];
-    const ptrdiff_t r_step = input_steps[0];
+    const double *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
     double *restrict out_at = outputs[0];
     const ptrdiff_t out_step = output_steps[0];
     MOTORCADE_INDEPENDENT
     for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
-        const double r0 = r_at[i], r1 = r_at[r_step + i], r2 = r_at[2 * r_step + i];
-        const double r3 = r_at[3 * r_step + i];
-        out_at[i] = r0;
-        out_at[out_step + i] = -r1;
-        out_at[2 * out_step + i] = -r2;
-        out_at[3 * out_step + i] = -r3;
+        const double m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const double m3 = m_at[3 * m_step + i];
+        out_at[i] = m0;
+        out_at[out_step + i] = -m1;
+        out_at[2 * out_step + i] = -m2;
+        out_at[3 * out_step + i] = -m3;
     }
 }
 
-/* rotor_exp: Rotor of a bivector of any size
+/* rotor_exp: Rotor of a bivector of any angle
  * in log: e23 e31 e12
  * out out: 1 e23 e31 e12 */
 
@@ -162,46 +162,46 @@ void motorcade_rotor_exp_f64(MOTORCADE_ARGUMENTS(double))
 }
 
 /* rotor_log: Bivector of a rotor, by the sign that turns by at most π
- * in r: 1 e23 e31 e12
+ * in m: 1 e23 e31 e12
  * out out: e23 e31 e12 */
 
 MOTORCADE_SIMD
 void motorcade_rotor_log_f32(MOTORCADE_ARGUMENTS(float))
 {
-    const float *restrict r_at = inputs[0];
-    const ptrdiff_t r_step = input_steps[0];
+    const float *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
     float *restrict out_at = outputs[0];
     const ptrdiff_t out_step = output_steps[0];
     MOTORCADE_INDEPENDENT
     for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
-        const float r0 = r_at[i], r1 = r_at[r_step + i], r2 = r_at[2 * r_step + i];
-        const float r3 = r_at[3 * r_step + i];
-        const float t0 = ((r0 < 0.0f) ? -1.0f : 1.0f);
-        const float t1 = 1.0f - r0 * t0;
+        const float m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const float m3 = m_at[3 * m_step + i];
+        const float t0 = ((m0 < 0.0f) ? -1.0f : 1.0f);
+        const float t1 = 1.0f - m0 * t0;
         const float t2 = t1 * (t1 * (t1 * (0.007290418f * t1 + -0.024990348f) + 0.04353618f) +
             -0.037681058f) + 0.02876297f;
         const float t3 = t1 * (t1 * (t1 * (t1 * t2 + 0.00298998f) + 0.02730914f) + 0.056896698f) +
             0.13334942f;
         const float t4 = t1 * (t1 * t3 + 0.33333293f) + 1.0f;
-        out_at[i] = t4 * (t0 * r1);
-        out_at[out_step + i] = t4 * (t0 * r2);
-        out_at[2 * out_step + i] = t4 * (t0 * r3);
+        out_at[i] = t4 * (t0 * m1);
+        out_at[out_step + i] = t4 * (t0 * m2);
+        out_at[2 * out_step + i] = t4 * (t0 * m3);
     }
 }
 
 MOTORCADE_SIMD
 void motorcade_rotor_log_f64(MOTORCADE_ARGUMENTS(double))
 {
-    const double *restrict r_at = inputs[0];
-    const ptrdiff_t r_step = input_steps[0];
+    const double *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
     double *restrict out_at = outputs[0];
     const ptrdiff_t out_step = output_steps[0];
     MOTORCADE_INDEPENDENT
     for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
-        const double r0 = r_at[i], r1 = r_at[r_step + i], r2 = r_at[2 * r_step + i];
-        const double r3 = r_at[3 * r_step + i];
-        const double t0 = ((r0 < 0.0) ? -1.0 : 1.0);
-        const double t1 = 1.0 - r0 * t0;
+        const double m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const double m3 = m_at[3 * m_step + i];
+        const double t0 = ((m0 < 0.0) ? -1.0 : 1.0);
+        const double t1 = 1.0 - m0 * t0;
         const double t2 = t1 * (t1 * (8.121007252839173e-05 * t1 + -0.0007281273643381516) +
             0.0030973904722135883);
         const double t3 = t1 * (t1 * (t2 + -0.00821750089765482) + 0.015180613767041282) +
@@ -217,55 +217,55 @@ void motorcade_rotor_log_f64(MOTORCADE_ARGUMENTS(double))
         const double t8 = t1 * (t1 * (t1 * (t1 * t7 + 0.0571428571878089) + 0.1333333333326277) +
             0.3333333333333377);
         const double t9 = 1.0 + t8;
-        out_at[i] = t9 * (t0 * r1);
-        out_at[out_step + i] = t9 * (t0 * r2);
-        out_at[2 * out_step + i] = t9 * (t0 * r3);
+        out_at[i] = t9 * (t0 * m1);
+        out_at[out_step + i] = t9 * (t0 * m2);
+        out_at[2 * out_step + i] = t9 * (t0 * m3);
     }
 }
 
 /* rotor_log_long: Bivector of a rotor by its own sign, turning by up to 2π
- * in r: 1 e23 e31 e12
+ * in m: 1 e23 e31 e12
  * out out: e23 e31 e12 */
 
 MOTORCADE_SIMD
 void motorcade_rotor_log_long_f32(MOTORCADE_ARGUMENTS(float))
 {
-    const float *restrict r_at = inputs[0];
-    const ptrdiff_t r_step = input_steps[0];
+    const float *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
     float *restrict out_at = outputs[0];
     const ptrdiff_t out_step = output_steps[0];
     MOTORCADE_INDEPENDENT
     for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
-        const float r0 = r_at[i], r1 = r_at[r_step + i], r2 = r_at[2 * r_step + i];
-        const float r3 = r_at[3 * r_step + i];
-        const float t0 = 1.0f - fabsf(r0);
+        const float m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const float m3 = m_at[3 * m_step + i];
+        const float t0 = 1.0f - fabsf(m0);
         const float t1 = t0 * (t0 * (t0 * (0.007290418f * t0 + -0.024990348f) + 0.04353618f) +
             -0.037681058f) + 0.02876297f;
         const float t2 = t0 * (t0 * (t0 * (t0 * t1 + 0.00298998f) + 0.02730914f) + 0.056896698f) +
             0.13334942f;
         const float t3 = t0 * (t0 * t2 + 0.33333293f) + 1.0f;
-        const float t4 = ((r0 < 0.0f) ? 3.1415927f / sqrtf(largerf(r1 * r1 + r2 * r2 + r3 * r3,
+        const float t4 = ((m0 < 0.0f) ? 3.1415927f / sqrtf(largerf(m1 * m1 + m2 * m2 + m3 * m3,
             1.6940659e-21f)) - t3 : t3);
-        out_at[i] = r1 * t4;
-        out_at[out_step + i] = r2 * t4;
-        out_at[2 * out_step + i] = r3 * t4;
+        out_at[i] = m1 * t4;
+        out_at[out_step + i] = m2 * t4;
+        out_at[2 * out_step + i] = m3 * t4;
     }
 }
 
 MOTORCADE_SIMD
 void motorcade_rotor_log_long_f64(MOTORCADE_ARGUMENTS(double))
 {
-    const double *restrict r_at = inputs[0];
-    const ptrdiff_t r_step = input_steps[0];
+    const double *restrict m_at = inputs[0];
+    const ptrdiff_t m_step = input_steps[0];
     double *restrict out_at = outputs[0];
     const ptrdiff_t out_step = output_steps[0];
     MOTORCADE_INDEPENDENT
     for (size_t i = 0; i < MOTORCADE_LANES * blocks; ++i) {
-        const double r0 = r_at[i], r1 = r_at[r_step + i], r2 = r_at[2 * r_step + i];
-        const double r3 = r_at[3 * r_step + i];
-        const double t0 = 3.141592653589793 / sqrt(larger(r1 * r1 + r2 * r2 + r3 * r3,
+        const double m0 = m_at[i], m1 = m_at[m_step + i], m2 = m_at[2 * m_step + i];
+        const double m3 = m_at[3 * m_step + i];
+        const double t0 = 3.141592653589793 / sqrt(larger(m1 * m1 + m2 * m2 + m3 * m3,
             1.0947644252537633e-47));
-        const double t1 = 1.0 - fabs(r0);
+        const double t1 = 1.0 - fabs(m0);
         const double t2 = t1 * (t1 * (8.121007252839173e-05 * t1 + -0.0007281273643381516) +
             0.0030973904722135883);
         const double t3 = t1 * (t1 * (t2 + -0.00821750089765482) + 0.015180613767041282) +
@@ -281,10 +281,10 @@ void motorcade_rotor_log_long_f64(MOTORCADE_ARGUMENTS(double))
         const double t8 = t1 * (t1 * (t1 * (t1 * t7 + 0.0571428571878089) + 0.1333333333326277) +
             0.3333333333333377);
         const double t9 = 1.0 + t8;
-        const double t10 = ((r0 < 0.0) ? t0 - t9 : t9);
-        out_at[i] = r1 * t10;
-        out_at[out_step + i] = r2 * t10;
-        out_at[2 * out_step + i] = r3 * t10;
+        const double t10 = ((m0 < 0.0) ? t0 - t9 : t9);
+        out_at[i] = m1 * t10;
+        out_at[out_step + i] = m2 * t10;
+        out_at[2 * out_step + i] = m3 * t10;
     }
 }
 

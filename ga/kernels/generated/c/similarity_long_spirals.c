@@ -53,7 +53,7 @@ void motorcade_similarity_interpolate_long_f32(MOTORCADE_ARGUMENTS(float))
         const float t14 = t11 * (t11 * (t13 + 0.13334942f) + 0.33333293f) + 1.0f;
         const float t15 = ((t6 < 0.0f) ? 3.1415927f / sqrtf(largerf(t10, 1.6940659e-21f)) - t14 :
             t14);
-        const float t16 = fraction * (t7 * t15);
+        const float t16 = t7 * t15 * fraction;
         const float t17 = fraction * (t8 * t15);
         const float t18 = fraction * (t9 * t15);
         const float t19 = t16 * t16 + t17 * t17 + t18 * t18;
@@ -254,7 +254,7 @@ void motorcade_similarity_interpolate_long_f64(MOTORCADE_ARGUMENTS(double))
         const double t19 = 1.0 + t11 * t18;
         const double t20 = ((t6 < 0.0) ? 3.141592653589793 / sqrt(larger(t10,
             1.0947644252537633e-47)) - t19 : t19);
-        const double t21 = fraction * (t7 * t20);
+        const double t21 = t7 * t20 * fraction;
         const double t22 = fraction * (t8 * t20);
         const double t23 = fraction * (t9 * t20);
         const double t24 = t21 * t21 + t22 * t22 + t23 * t23;

@@ -50,7 +50,7 @@ void motorcade_similarity_interpolate_f32(MOTORCADE_ARGUMENTS(float))
             0.13334942f;
         const float t12 = t9 * (t9 * t11 + 0.33333293f) + 1.0f;
         const float t13 = t5 * t7;
-        const float t14 = fraction * (t12 * t13);
+        const float t14 = t12 * t13 * fraction;
         const float t15 = t4 * t7;
         const float t16 = fraction * (t12 * t15);
         const float t17 = t3 * t7;
@@ -255,7 +255,7 @@ void motorcade_similarity_interpolate_f64(MOTORCADE_ARGUMENTS(double))
             0.3333333333333377;
         const double t17 = 1.0 + t9 * t16;
         const double t18 = t5 * t7;
-        const double t19 = fraction * (t17 * t18);
+        const double t19 = t17 * t18 * fraction;
         const double t20 = t4 * t7;
         const double t21 = fraction * (t17 * t20);
         const double t22 = t3 * t7;

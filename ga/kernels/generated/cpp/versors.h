@@ -11,7 +11,7 @@
 namespace motorcade::versors {
 
 /*
- * Product a b of rotors
+ * Geometric product a b of rotors
  * a: 1 e23 e31 e12
  * b: 1 e23 e31 e12
  * returns: 1 e23 e31 e12
@@ -95,18 +95,18 @@ inline std::array<Real, 12> compose(const std::array<Real, 12> &a, const std::ar
 
 /*
  * Reverse of a rotor: its inverse
- * r: 1 e23 e31 e12
+ * m: 1 e23 e31 e12
  * returns: 1 e23 e31 e12
  */
 template <class Real>
-inline std::array<Real, 4> inverse(const std::array<Real, 4> &r)
+inline std::array<Real, 4> inverse(const std::array<Real, 4> &m)
 {
-    const Real r0 = r[0], r1 = r[1], r2 = r[2], r3 = r[3];
+    const Real m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
     return {
-        r0,
-        -r1,
-        -r2,
-        -r3,
+        m0,
+        -m1,
+        -m2,
+        -m3,
     };
 }
 
@@ -160,7 +160,7 @@ inline std::array<Real, 12> inverse(const std::array<Real, 12> &m)
 }
 
 /*
- * Rotor of a bivector of any size
+ * Rotor of a bivector of any angle
  * log: e23 e31 e12
  * returns: 1 e23 e31 e12
  */
@@ -211,7 +211,7 @@ inline std::array<double, 4> exp(const std::array<double, 3> &log)
 }
 
 /*
- * Motor of a bivector of any size
+ * Motor of a bivector of any angle
  * log: e23 e31 e12 e1∞ e2∞ e3∞
  * returns: 1 e23 e31 e12 e1∞ e2∞ e3∞ e123∞
  */
@@ -387,14 +387,14 @@ inline std::array<double, 12> exp(const std::array<double, 7> &log)
 
 /*
  * Bivector of a rotor, by the sign that turns by at most π
- * r: 1 e23 e31 e12
+ * m: 1 e23 e31 e12
  * returns: e23 e31 e12
  */
-inline std::array<double, 3> log(const std::array<double, 4> &r)
+inline std::array<double, 3> log(const std::array<double, 4> &m)
 {
-    const double r0 = r[0], r1 = r[1], r2 = r[2], r3 = r[3];
-    const double t0 = ((r0 < 0.0) ? -1.0 : 1.0);
-    const double t1 = 1.0 - r0 * t0;
+    const double m0 = m[0], m1 = m[1], m2 = m[2], m3 = m[3];
+    const double t0 = ((m0 < 0.0) ? -1.0 : 1.0);
+    const double t1 = 1.0 - m0 * t0;
     double t11;
     if (t1 < 0.05) {
         const double t2 = t1 * (t1 * (t1 * 0.002734180087163666 + 0.005307498678423399) +
@@ -420,9 +420,9 @@ inline std::array<double, 3> log(const std::array<double, 4> &r)
         t11 = 1.0 + t10;
     }
     return {
-        t11 * (t0 * r1),
-        t11 * (t0 * r2),
-        t11 * (t0 * r3),
+        t11 * (t0 * m1),
+        t11 * (t0 * m2),
+        t11 * (t0 * m3),
     };
 }
 

@@ -12,7 +12,7 @@ import numpy as np
 
 
 def exp_f32(log: Any) -> tuple[Any, ...]:
-    """Motor of a bivector of any size"""
+    """Motor of a bivector of any angle"""
     log0, log1, log2, log3, log4, log5 = (log[..., i] for i in range(6))
     t0 = log2 * log2 + log1 * log1 + log0 * log0
     t1 = np.sqrt(t0)
@@ -41,7 +41,7 @@ def exp_f32(log: Any) -> tuple[Any, ...]:
 
 
 def exp_f64(log: Any) -> tuple[Any, ...]:
-    """Motor of a bivector of any size"""
+    """Motor of a bivector of any angle"""
     log0, log1, log2, log3, log4, log5 = (log[..., i] for i in range(6))
     t0 = log2 * log2 + log1 * log1 + log0 * log0
     t1 = np.sqrt(t0)

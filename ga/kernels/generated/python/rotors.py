@@ -13,7 +13,7 @@ import numpy as np
 
 
 def rotor_compose_f32(a: Any, b: Any) -> tuple[Any, ...]:
-    """Product a b of rotors"""
+    """Geometric product a b of rotors"""
     a0, a1, a2, a3 = (a[..., i] for i in range(4))
     b0, b1, b2, b3 = (b[..., i] for i in range(4))
     return (
@@ -25,7 +25,7 @@ def rotor_compose_f32(a: Any, b: Any) -> tuple[Any, ...]:
 
 
 def rotor_compose_f64(a: Any, b: Any) -> tuple[Any, ...]:
-    """Product a b of rotors"""
+    """Geometric product a b of rotors"""
     a0, a1, a2, a3 = (a[..., i] for i in range(4))
     b0, b1, b2, b3 = (b[..., i] for i in range(4))
     return (
@@ -36,30 +36,30 @@ def rotor_compose_f64(a: Any, b: Any) -> tuple[Any, ...]:
     )
 
 
-def rotor_inverse_f32(r: Any) -> tuple[Any, ...]:
+def rotor_inverse_f32(m: Any) -> tuple[Any, ...]:
     """Reverse of a rotor: its inverse"""
-    r0, r1, r2, r3 = (r[..., i] for i in range(4))
+    m0, m1, m2, m3 = (m[..., i] for i in range(4))
     return (
-        r0,
-        -r1,
-        -r2,
-        -r3,
+        m0,
+        -m1,
+        -m2,
+        -m3,
     )
 
 
-def rotor_inverse_f64(r: Any) -> tuple[Any, ...]:
+def rotor_inverse_f64(m: Any) -> tuple[Any, ...]:
     """Reverse of a rotor: its inverse"""
-    r0, r1, r2, r3 = (r[..., i] for i in range(4))
+    m0, m1, m2, m3 = (m[..., i] for i in range(4))
     return (
-        r0,
-        -r1,
-        -r2,
-        -r3,
+        m0,
+        -m1,
+        -m2,
+        -m3,
     )
 
 
 def rotor_exp_f32(log: Any) -> tuple[Any, ...]:
-    """Rotor of a bivector of any size"""
+    """Rotor of a bivector of any angle"""
     log0, log1, log2 = (log[..., i] for i in range(3))
     t0 = np.sqrt(log2 * log2 + log1 * log1 + log0 * log0)
     t1 = np.floor(0.31830987 * t0 + 0.5)
@@ -78,7 +78,7 @@ def rotor_exp_f32(log: Any) -> tuple[Any, ...]:
 
 
 def rotor_exp_f64(log: Any) -> tuple[Any, ...]:
-    """Rotor of a bivector of any size"""
+    """Rotor of a bivector of any angle"""
     log0, log1, log2 = (log[..., i] for i in range(3))
     t0 = np.sqrt(log2 * log2 + log1 * log1 + log0 * log0)
     t1 = np.floor(0.3183098861837907 * t0 + 0.5)
@@ -102,11 +102,11 @@ def rotor_exp_f64(log: Any) -> tuple[Any, ...]:
     )
 
 
-def rotor_log_f32(r: Any) -> tuple[Any, ...]:
+def rotor_log_f32(m: Any) -> tuple[Any, ...]:
     """Bivector of a rotor, by the sign that turns by at most π"""
-    r0, r1, r2, r3 = (r[..., i] for i in range(4))
-    t0 = np.where((r0 < 0.0), np.float32(-1.0), np.float32(1.0))
-    t1 = 1.0 - r0 * t0
+    m0, m1, m2, m3 = (m[..., i] for i in range(4))
+    t0 = np.where((m0 < 0.0), np.float32(-1.0), np.float32(1.0))
+    t1 = 1.0 - m0 * t0
     t2 = (
         t1 * (t1 * (t1 * (0.007290418 * t1 + -0.024990348) + 0.04353618) + -0.037681058) +
             0.02876297
@@ -114,17 +114,17 @@ def rotor_log_f32(r: Any) -> tuple[Any, ...]:
     t3 = t1 * (t1 * (t1 * (t1 * (t1 * t2 + 0.00298998) + 0.02730914) + 0.056896698) + 0.13334942)
     t4 = t1 * (t3 + 0.33333293) + 1.0
     return (
-        t4 * (t0 * r1),
-        t4 * (t0 * r2),
-        t4 * (t0 * r3),
+        t4 * (t0 * m1),
+        t4 * (t0 * m2),
+        t4 * (t0 * m3),
     )
 
 
-def rotor_log_f64(r: Any) -> tuple[Any, ...]:
+def rotor_log_f64(m: Any) -> tuple[Any, ...]:
     """Bivector of a rotor, by the sign that turns by at most π"""
-    r0, r1, r2, r3 = (r[..., i] for i in range(4))
-    t0 = np.where((r0 < 0.0), np.float64(-1.0), np.float64(1.0))
-    t1 = 1.0 - r0 * t0
+    m0, m1, m2, m3 = (m[..., i] for i in range(4))
+    t0 = np.where((m0 < 0.0), np.float64(-1.0), np.float64(1.0))
+    t1 = 1.0 - m0 * t0
     t2 = t1 * (t1 * (8.121007252839173e-05 * t1 + -0.0007281273643381516) + 0.0030973904722135883)
     t3 = t1 * (t1 * (t2 + -0.00821750089765482) + 0.015180613767041282) + -0.020647830091351717
     t4 = t1 * (t1 * (t1 * t3 + 0.02139495485791656) + -0.017185237019630522) + 0.010890803896660979
@@ -139,16 +139,16 @@ def rotor_log_f64(r: Any) -> tuple[Any, ...]:
     t8 = t1 * (t1 * (t1 * (t1 * t7 + 0.0571428571878089) + 0.1333333333326277) + 0.3333333333333377)
     t9 = 1.0 + t8
     return (
-        t9 * (t0 * r1),
-        t9 * (t0 * r2),
-        t9 * (t0 * r3),
+        t9 * (t0 * m1),
+        t9 * (t0 * m2),
+        t9 * (t0 * m3),
     )
 
 
-def rotor_log_long_f32(r: Any) -> tuple[Any, ...]:
+def rotor_log_long_f32(m: Any) -> tuple[Any, ...]:
     """Bivector of a rotor by its own sign, turning by up to 2π"""
-    r0, r1, r2, r3 = (r[..., i] for i in range(4))
-    t0 = 1.0 - np.abs(r0)
+    m0, m1, m2, m3 = (m[..., i] for i in range(4))
+    t0 = 1.0 - np.abs(m0)
     t1 = (
         t0 * (t0 * (t0 * (0.007290418 * t0 + -0.024990348) + 0.04353618) + -0.037681058) +
             0.02876297
@@ -156,23 +156,23 @@ def rotor_log_long_f32(r: Any) -> tuple[Any, ...]:
     t2 = t0 * (t0 * (t0 * (t0 * (t0 * t1 + 0.00298998) + 0.02730914) + 0.056896698) + 0.13334942)
     t3 = t0 * (t2 + 0.33333293) + 1.0
     t4 = (
-        np.where((r0 < 0.0), 3.1415927 / np.sqrt(np.maximum(r1 * r1 + r2 * r2 + r3 * r3,
+        np.where((m0 < 0.0), 3.1415927 / np.sqrt(np.maximum(m1 * m1 + m2 * m2 + m3 * m3,
             1.6940659e-21)) - t3, t3)
     )
     return (
-        r1 * t4,
-        r2 * t4,
-        r3 * t4,
+        m1 * t4,
+        m2 * t4,
+        m3 * t4,
     )
 
 
-def rotor_log_long_f64(r: Any) -> tuple[Any, ...]:
+def rotor_log_long_f64(m: Any) -> tuple[Any, ...]:
     """Bivector of a rotor by its own sign, turning by up to 2π"""
-    r0, r1, r2, r3 = (r[..., i] for i in range(4))
+    m0, m1, m2, m3 = (m[..., i] for i in range(4))
     t0 = (
-        3.141592653589793 / np.sqrt(np.maximum(r1 * r1 + r2 * r2 + r3 * r3, 1.0947644252537633e-47))
+        3.141592653589793 / np.sqrt(np.maximum(m1 * m1 + m2 * m2 + m3 * m3, 1.0947644252537633e-47))
     )
-    t1 = 1.0 - np.abs(r0)
+    t1 = 1.0 - np.abs(m0)
     t2 = t1 * (t1 * (8.121007252839173e-05 * t1 + -0.0007281273643381516) + 0.0030973904722135883)
     t3 = t1 * (t1 * (t2 + -0.00821750089765482) + 0.015180613767041282) + -0.020647830091351717
     t4 = t1 * (t1 * (t1 * t3 + 0.02139495485791656) + -0.017185237019630522) + 0.010890803896660979
@@ -186,11 +186,11 @@ def rotor_log_long_f64(r: Any) -> tuple[Any, ...]:
     t7 = t1 * (t1 * (t1 * t6 + 0.005327576046333906) + 0.011544042766655997) + 0.02539682388201735
     t8 = t1 * (t1 * (t1 * (t1 * t7 + 0.0571428571878089) + 0.1333333333326277) + 0.3333333333333377)
     t9 = 1.0 + t8
-    t10 = np.where((r0 < 0.0), t0 - t9, t9)
+    t10 = np.where((m0 < 0.0), t0 - t9, t9)
     return (
-        r1 * t10,
-        r2 * t10,
-        r3 * t10,
+        m1 * t10,
+        m2 * t10,
+        m3 * t10,
     )
 
 

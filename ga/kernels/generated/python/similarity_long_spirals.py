@@ -37,7 +37,7 @@ def similarity_interpolate_long_f32(a: Any, b: Any, fraction: Any) -> tuple[Any,
     t13 = t11 * (t11 * (t11 * (t11 * t12 + 0.00298998) + 0.02730914) + 0.056896698) + 0.13334942
     t14 = t11 * (t11 * t13 + 0.33333293) + 1.0
     t15 = np.where((t6 < 0.0), 3.1415927 / np.sqrt(np.maximum(t10, 1.6940659e-21)) - t14, t14)
-    t16 = fraction * (t7 * t15)
+    t16 = t7 * t15 * fraction
     t17 = fraction * (t8 * t15)
     t18 = fraction * (t9 * t15)
     t19 = t16 * t16 + t17 * t17 + t18 * t18
@@ -224,7 +224,7 @@ def similarity_interpolate_long_f64(a: Any, b: Any, fraction: Any) -> tuple[Any,
         np.where((t6 < 0.0), 3.141592653589793 / np.sqrt(np.maximum(t10, 1.0947644252537633e-47)) -
             t19, t19)
     )
-    t21 = fraction * (t7 * t20)
+    t21 = t7 * t20 * fraction
     t22 = fraction * (t8 * t20)
     t23 = fraction * (t9 * t20)
     t24 = t21 * t21 + t22 * t22 + t23 * t23

@@ -35,7 +35,7 @@ def similarity_interpolate_f32(a: Any, b: Any, fraction: Any) -> tuple[Any, ...]
     t11 = t9 * (t9 * (t9 * (t9 * (t9 * t10 + 0.00298998) + 0.02730914) + 0.056896698) + 0.13334942)
     t12 = t9 * (t11 + 0.33333293) + 1.0
     t13 = t5 * t7
-    t14 = fraction * (t12 * t13)
+    t14 = t12 * t13 * fraction
     t15 = t4 * t7
     t16 = fraction * (t12 * t15)
     t17 = t3 * t7
@@ -217,7 +217,7 @@ def similarity_interpolate_f64(a: Any, b: Any, fraction: Any) -> tuple[Any, ...]
     t16 = t9 * (t9 * (t9 * t15 + 0.0571428571878089) + 0.1333333333326277) + 0.3333333333333377
     t17 = 1.0 + t9 * t16
     t18 = t5 * t7
-    t19 = fraction * (t17 * t18)
+    t19 = t17 * t18 * fraction
     t20 = t4 * t7
     t21 = fraction * (t17 * t20)
     t22 = t3 * t7
