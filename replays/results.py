@@ -72,12 +72,17 @@ def trajectories(run: GraphRun) -> dict[str, Trajectory]:
 
 
 def _run_log(run: GraphRun, about: Mapping[str, Any]) -> dict[str, Any]:
-    """What was run, how each stage came to its output, and the errors."""
+    """What was run, how each stage came to its output and what time that took, and the errors."""
     run_log = dict(about) | {
         "stages": {record.stage: asdict(record) for record in run.records},
         "chosen": dict(run.chosen),
         "unavailable": dict(run.unavailable),
     }
+    poses, film = run.outputs.get("camera_poses"), run.outputs.get("overlay")
+    if poses is not None:
+        run_log["tracking"] = {"seconds": poses.seconds, "frames_per_s": poses.frames_per_s}
+    if film is not None:
+        run_log["drawing"] = {"seconds": film.seconds}
     if "errors" in run.outputs:
         judged = run.outputs["errors"]
         run_log |= {"align": judged.align, "errors": without_nan(judged.figures)}

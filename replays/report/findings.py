@@ -37,12 +37,6 @@ class Findings:
     overlay: OverlayVideo | None
 
     @property
-    def frames_per_second(self) -> float | None:
-        """Rate of tracking, reading included; None where nothing was tracked."""
-        poses = self.camera_poses
-        return len(poses.frame_times_ns) / poses.seconds if poses.seconds > 0 else None
-
-    @property
     def nis_per_dimension(self) -> float | None:
         """Mean normalised innovation squared over its 6 dimensions: 1 where the noise fits.
 

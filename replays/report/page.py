@@ -140,8 +140,8 @@ def _facts(findings: Findings) -> list[dict[str, str]]:
     poses = findings.camera_poses
     measured = len(poses.measurements.trajectory)
     facts = [("frames with a pose", f"{measured} of {len(poses.frame_times_ns)}")]
-    if findings.frames_per_second is not None:
-        facts.append(("frames/s tracked, reading included", f"{findings.frames_per_second:.0f}"))
+    if poses.frames_per_s is not None:
+        facts.append(("frames/s tracked, reading included", f"{poses.frames_per_s:.0f}"))
     if np.any(np.isfinite(poses.reprojection_px)):
         median = float(np.nanmedian(poses.reprojection_px))
         facts.append(("median reprojection error", f"{median:.2f} px"))

@@ -1,4 +1,8 @@
-"""`report.json` and its short form for a terminal; keys carry units."""
+"""`report.json` and its short form for a terminal; keys carry units.
+
+The same recording, knobs and code give the same bytes: what a machine or an hour adds, such as how
+long a stage took, stands in the run log instead.
+"""
 
 from __future__ import annotations
 
@@ -45,8 +49,6 @@ def summarise(findings: Findings) -> dict[str, Any]:
             "measured": len(poses.measurements.trajectory),
             "reprojection_median_px": float(np.median(poses.reprojection_px)),
             "damaged_pictures": list(findings.recording.damaged),
-            "seconds": poses.seconds,
-            "frames_per_s": findings.frames_per_second,
         },
         "imu": {
             "origin": findings.imu.origin,
@@ -77,7 +79,6 @@ def summarise(findings: Findings) -> dict[str, Any]:
             "frames": film.frames,
             "frames_with_character": film.frames_with_character,
             "stands_on": film.stands_on,
-            "seconds": film.seconds,
         },
     }
     cleaned: dict[str, Any] = without_nan(tree)

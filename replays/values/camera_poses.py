@@ -59,3 +59,8 @@ class CameraPoses:
     scale_sigma: float | None = None
     skipped: tuple[str, ...] = ()
     seconds: float = field(default=0.0, metadata=ASIDE)
+
+    @property
+    def frames_per_s(self) -> float | None:
+        """Rate of tracking, reading included; None where nothing was tracked."""
+        return len(self.frame_times_ns) / self.seconds if self.seconds > 0 else None

@@ -46,6 +46,27 @@ def test_a_run_leaves_report_video_and_trajectories(finished: Path) -> None:
     assert set(json.loads((finished / "run.json").read_text())["stages"]) >= {"fused", "report"}
 
 
+def test_the_report_holds_no_time_and_the_run_log_does(finished: Path) -> None:
+    def keys(tree: object) -> set[str]:
+        if not isinstance(tree, dict):
+            return set()
+        return set(tree).union(*map(keys, tree.values()))
+
+    timed = {"seconds", "frames_per_s", "cached"}
+    assert not timed & keys(json.loads((finished / "report.json").read_text()))
+    run_log = json.loads((finished / "run.json").read_text())
+    assert timed <= keys(run_log)
+    assert run_log["tracking"]["seconds"] > 0.0
+
+
+def test_the_same_inputs_leave_the_same_report(
+    board_recording: Path, finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(board_recording.parent)
+    assert run("run", board_recording.name, "--out", tmp_path) == 0
+    assert (tmp_path / "report.json").read_bytes() == (finished / "report.json").read_bytes()
+
+
 def test_the_page_needs_nothing_beside_it(finished: Path) -> None:
     page = (finished / "report.html").read_text()
     assert 'src="data:video/mp4;base64,' in page or "No video" in page
