@@ -29,6 +29,14 @@ class Drag:
 
     Raises:
         ValueError: an unknown kind or frame, an axis without direction.
+
+    >>> from motorcade.animation.authoring import Drag, VersorObjectPose
+    >>> from motorcade.ga import Similarity
+    >>> table_T_cup = VersorObjectPose(Similarity.identity())
+    >>> lift = Drag("cup", "translate", axis=[0.0, 0.0, 1.0], frame="parent")
+    >>> world_T_table = Similarity.identity()
+    >>> lift.applied(table_T_cup, 0.2, world_T_table).parent_T_object.translation_m
+    array([0. , 0. , 0.2])
     """
 
     object_name: str
@@ -67,6 +75,11 @@ class Snapping:
 
     Raises:
         ValueError: a step that is negative or not finite.
+
+    >>> from motorcade.animation.authoring import Snapping
+    >>> snapping = Snapping(distance_m=0.25, scale=0.1)
+    >>> snapping.rounded("translate", 0.6), round(snapping.rounded("scale", 1.28), 6)
+    (0.5, 1.3)
     """
 
     angle_rad: float = 0.0

@@ -25,7 +25,19 @@ Frame = Literal["local", "parent", "global"]
 
 
 class ObjectPose(ABC):
-    """Where an object is in its parent; values never change, verbs return new ones."""
+    """Where an object is in its parent; values never change, verbs return new ones.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.authoring import EulerObjectPose, VersorObjectPose
+    >>> from motorcade.ga import Similarity
+    >>> world_T_table, up = Similarity.identity(), np.array([0.0, 0.0, 1.0])
+    >>> cup = VersorObjectPose(Similarity.identity())
+    >>> for pose in (cup, EulerObjectPose.from_similarity(cup.as_similarity())):
+    ...     turned = pose.rotated(up, np.pi / 2, "local", world_T_table)
+    ...     print(turned.as_similarity().apply([1.0, 0.0, 0.0]).round(6) + 0.0)
+    [0. 1. 0.]
+    [0. 1. 0.]
+    """
 
     @abstractmethod
     def as_similarity(self) -> Similarity:
@@ -59,6 +71,14 @@ class VersorObjectPose(ObjectPose):
 
     Raises:
         ValueError: a batch.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.authoring import VersorObjectPose
+    >>> from motorcade.ga import Similarity
+    >>> small = VersorObjectPose(Similarity.identity()).scaled(0.5)
+    >>> halfway = small.towards(small.scaled(4.0), np.array(0.5))
+    >>> float(halfway.scale.round(6))  # even in the logarithm: the geometric mean of 0.5 and 2
+    1.0
     """
 
     parent_T_object: Similarity

@@ -43,6 +43,14 @@ class Scene:
 
     Raises:
         ValueError: a parent that is not named before its child, or poses of other objects.
+
+    >>> from motorcade.animation.authoring import Scene, VersorObjectPose
+    >>> from motorcade.ga import Motor, Similarity
+    >>> up = Similarity.from_motor_scale(Motor.from_translation([0.0, 0.0, 0.7]), 1.0)
+    >>> poses = {name: VersorObjectPose(up) for name in ("table", "cup")}
+    >>> scene = Scene({"table": None, "cup": "table"}, poses)
+    >>> scene.world_T_object("cup").translation_m  # world_T_table @ table_T_cup
+    array([0. , 0. , 1.4])
     """
 
     parents: Mapping[str, str | None]

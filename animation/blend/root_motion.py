@@ -33,6 +33,14 @@ class RootMotion:
 
     Raises:
         ValueError: times that do not increase, shapes that do not fit.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.blend import RootMotion
+    >>> from motorcade.ga import Motor
+    >>> start_T_now = Motor.from_translation([[0.0, 0.0, 0.0], [1.2, 0.0, 0.0]])
+    >>> walk = RootMotion(np.array([0.0, 1.0]), start_T_now, repeated=True)
+    >>> walk.at(2.5).translation_m  # two cycles and a half
+    array([3., 0., 0.])
     """
 
     time_s: FloatArray

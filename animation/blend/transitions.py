@@ -26,7 +26,18 @@ _STEP_S = 1e-3
 
 
 class PoseSource(Protocol):
-    """Local poses ``(*, J)`` at times ``(*)`` in seconds."""
+    """Local poses ``(*, J)`` at times ``(*)`` in seconds.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Clip
+    >>> from motorcade.animation.blend import PoseSource, Shifted
+    >>> from motorcade.ga import Motor
+    >>> def shape_of(motion: PoseSource) -> tuple[int, ...]:
+    ...     return motion.at([0.0, 0.5]).shape
+    >>> wave = Clip("wave", np.array([0.0, 1.0]), Motor.identity((2, 3)))  # of three joints
+    >>> shape_of(wave), shape_of(Shifted(wave, start_s=4.0))
+    ((2, 3), (2, 3))
+    """
 
     def at(self, time_s: ArrayLike) -> Poses:
         """Local poses at times on the motion's own clock."""
@@ -39,6 +50,16 @@ class Shifted:
 
     Raises:
         ValueError: times that are not finite, or a rate that is not positive.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Clip
+    >>> from motorcade.animation.blend import Shifted
+    >>> from motorcade.ga import Motor
+    >>> parent_T_joint = Motor.from_translation([[[0.0, 0.0, 0.0]], [[1.0, 0.0, 0.0]]])
+    >>> ahead = Clip("ahead", np.array([0.0, 1.0]), parent_T_joint)
+    >>> late = Shifted(ahead, start_s=10.0, rate=2.0)  # begins at 10 s, twice as fast
+    >>> late.at(10.25).translation_m
+    array([[0.5, 0. , 0. ]])
     """
 
     motion: PoseSource

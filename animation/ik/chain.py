@@ -29,6 +29,14 @@ class Chain:
 
     Raises:
         ValueError: fewer than two joints.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Chain, Skeleton
+    >>> from motorcade.ga import Motor
+    >>> rest = Motor.from_translation([[0.0, 0.0, 1.4], [0.3, 0.0, 0.0], [0.3, 0.0, 0.0]])
+    >>> arm = Skeleton(("shoulder", "elbow", "wrist"), np.array([-1, 0, 1]), rest)
+    >>> Chain(("elbow", "wrist"), max_bend_rad=2.5).numbers(arm)
+    [1, 2]
     """
 
     joints: tuple[str, ...]

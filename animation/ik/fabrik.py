@@ -35,6 +35,11 @@ class Reached:
         points: ``(*, N, 3)`` joints, base first; bones keep their lengths.
         error_m: ``(*)`` distance of the end from the target.
         rounds: the most rounds that any of the chains took.
+
+    >>> from motorcade.animation.ik import fabrik
+    >>> reached = fabrik([[0, 0, 0], [1.0, 0, 0], [2.0, 0, 0]], [0, 3.0, 0])  # 1 m out of reach
+    >>> float(reached.error_m.round(3))
+    1.0
     """
 
     points: FloatArray

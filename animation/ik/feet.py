@@ -140,6 +140,12 @@ class GroundHeights:
     Args:
         height_m: takes positions ``(*, 2)`` of the world's x and y, gives heights ``(*)``; flat at
             z = 0 by default.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.ik import GroundHeights
+    >>> ramp = GroundHeights(lambda at: 0.1 * at[..., 0])  # rises 10 cm a metre along x
+    >>> ramp.height_m(np.array([[0.0, 0.0], [2.0, 5.0]]))
+    array([0. , 0.2])
     """
 
     height_m: Callable[[FloatArray], FloatArray] = lambda at: np.zeros(at.shape[:-1])
@@ -196,6 +202,21 @@ def plant_feet(
 
     Raises:
         ValueError: joints that are no leg, shapes that do not fit.
+
+    >>> import numpy as np
+    >>> from motorcade.animation import Leg, Skeleton, plant_feet
+    >>> from motorcade.ga import Motor
+    >>> rest = Motor.from_translation([[0, 0, 0.9], [0, 0, 0], [0.02, 0, -0.45], [-0.02, 0, -0.45]])
+    >>> skeleton = Skeleton(("hips", "thigh", "calf", "foot"), np.array([-1, 0, 1, 2]), rest)
+    >>> time_s, still = np.linspace(0.0, 1.0, 21), Motor.stack([rest] * 21)
+    >>> world_T_character = Motor.from_translation(time_s[:, None] * [0.1, 0.0, 0.0])  # it leans
+    >>> planted = plant_feet(skeleton, time_s, still, [Leg("thigh", "calf", "foot")],
+    ...     world_T_character=world_T_character, stances=[np.ones(21, bool)])
+    >>> for poses in (still, planted):
+    ...     world_T_joint = world_T_character.reshape(-1, 1) @ skeleton.world(poses)
+    ...     print(np.ptp(world_T_joint[:, 3].translation_m, axis=0).round(3) + 0.0)  # foot, metres
+    [0.1 0.  0. ]
+    [0. 0. 0.]
     """
     if poses.shape != (len(time_s), len(skeleton)):
         raise ValueError(

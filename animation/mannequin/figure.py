@@ -40,6 +40,11 @@ def mannequin(height_m: float = REFERENCE_HEIGHT_M, triangles: int = 27_000) -> 
         ValueError: a height that is not positive, or a number of triangles outside 5,000 to
             140,000.
         ModuleNotFoundError: scikit-image, which makes the surface, is not installed.
+
+    >>> from motorcade.animation import mannequin
+    >>> figure = mannequin(height_m=0.2, triangles=5000)  # a small one to stand on a table
+    >>> len(figure.skeleton), [clip.name for clip in figure.clips]
+    (52, ['idle', 'walk', 'jog', 'run', 'wave', 'turn'])
     """
     if not (np.isfinite(height_m) and height_m > 0.0):
         raise ValueError(f"mannequin(height_m): expected a positive height, got {height_m}")

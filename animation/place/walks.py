@@ -107,6 +107,15 @@ class Walk:
         time_s: ``(F,)``.
         plane_T_character: Motor ``(F,)`` where it is, soles in the plane.
         poses: Motor ``(F, J)``, local poses with planted feet.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.place import Walk
+    >>> from motorcade.ga import Motor
+    >>> plane_T_character = Motor.from_translation([[0.0, 0.0, 0.0], [1.2, 0.0, 0.0]])
+    >>> character_T_hips = Motor.from_translation([[[0.0, 0.0, 0.9]], [[0.0, 0.0, 0.88]]])
+    >>> walk = Walk(np.array([0.0, 1.0]), plane_T_character, character_T_hips)
+    >>> (walk.plane_T_character.reshape(-1, 1) @ walk.poses).translation_m[1]  # the hips after 1 s
+    array([[1.2 , 0.  , 0.88]])
     """
 
     time_s: FloatArray

@@ -30,12 +30,27 @@ CONSTANT_SCALE = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class SkeletalMotion:
-    """A skeleton with clips, and no mesh.
+    r"""A skeleton with clips, and no mesh.
 
     Args:
         skeleton: with J joints; its rest pose is that in which the file's nodes stand.
         clips: motions of this skeleton.
         notices: what was left out or assumed when it was read.
+
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from motorcade.animation import read_motion
+    >>> lines = [
+    ...     "HIERARCHY", "ROOT hips {", "OFFSET 0 0 0", "CHANNELS 3 Xposition Yposition Zposition",
+    ...     "End Site {", "OFFSET 0 100 0", "}", "}",
+    ...     "MOTION", "Frames: 2", "Frame Time: 0.5", "0 0 0", "0 0 90",
+    ... ]
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, "step.bvh")
+    ...     _ = path.write_text("\n".join(lines))
+    ...     motion = read_motion(path)
+    >>> len(motion.skeleton), [clip.duration_s for clip in motion.clips]
+    (1, [0.5])
     """
 
     skeleton: Skeleton

@@ -34,6 +34,15 @@ class Transforms:
         translation: (*, 3) in the file's unit.
         scale: (*) not zero; negative with a point reflection.
         blocks: (*, 3, 3) the true blocks where some are no multiple of a rotation, else None.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.formats.rig import Transforms
+    >>> wxyz, translation = np.array([1.0, 0.0, 0.0, 0.0]), np.array([0.0, 100.0, 0.0])
+    >>> parent_T_node = Transforms.from_parts(wxyz, translation, scales=np.array([2.0, 2.0, 2.0]))
+    >>> parent_T_node.as_matrices()[:3]
+    array([[  2.,   0.,   0.,   0.],
+           [  0.,   2.,   0., 100.],
+           [  0.,   0.,   2.,   0.]])
     """
 
     wxyz: FloatArray

@@ -27,6 +27,13 @@ class NodeTree:
 
     Raises:
         FormatError: no nodes, more than the limit, or deeper than the limit.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.formats.rig import NodeTree, Transforms
+    >>> rest = Transforms.from_matrices(np.broadcast_to(np.eye(4), (3, 4, 4)))
+    >>> tree = NodeTree(("hips", "thigh_l", "thigh_r"), np.array([-1, 0, 0]), rest)
+    >>> [level.tolist() for level in tree.levels]
+    [[0], [1, 2]]
     """
 
     names: tuple[str, ...]
@@ -62,6 +69,14 @@ class Skin:
     Args:
         nodes: (M,) node numbers.
         inverse_bind: (M, 4, 4), `joint_T_mesh` in the pose in which the mesh was bound.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.formats.rig import Skin
+    >>> mesh_T_joint = np.stack([np.eye(4), np.eye(4)])
+    >>> mesh_T_joint[1, :3, 3] = [0.0, 0.0, 0.4]  # where the second joint stood when it was bound
+    >>> skin = Skin(np.array([3, 4]), np.linalg.inv(mesh_T_joint))
+    >>> skin.inverse_bind[1, :3, 3]
+    array([ 0. ,  0. , -0.4])
     """
 
     nodes: IntArray
@@ -82,6 +97,13 @@ class RigSurface:
         skin: what carries it, or None.
         influences: (V, K) numbers of joints of the skin.
         weights: (V, K) their shares, 0 or more.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.formats.rig import RigSurface
+    >>> corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    >>> flag = RigSurface("flag", 0, corners, None, np.array([[0, 1, 2]]), np.ones((3, 3)))
+    >>> flag.skin is None  # it hangs on node 0
+    True
     """
 
     name: str
@@ -108,6 +130,14 @@ class RigClip:
         straight: whether between keys turns follow the great arc and translations a line.
         looped: whether the file says that it repeats.
         key_count: how many keys the fullest channel has; by default the number of `key_times`.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.formats.rig import RigClip
+    >>> turns = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (2, 1, 4))  # two keys, one node
+    >>> places = np.array([[[0.0, 0.0, 0.0]], [[10.0, 0.0, 0.0]]])
+    >>> clip = RigClip.of_all_nodes("slide", np.array([0.0, 1.0]), turns, places)
+    >>> clip.at(np.array([0.25])).translation
+    array([[[2.5, 0. , 0. ]]])
     """
 
     name: str
@@ -146,6 +176,17 @@ class Rig:
         unit_m: length of one unit in metres, or None where the file does not say.
         unit_checked: whether `unit_m` is only believed of figures of a plausible height.
         notices: what was left out or assumed so far.
+
+    >>> import numpy as np
+    >>> from motorcade.animation.formats.rig import NodeTree, Rig, Transforms, assemble_motion
+    >>> file_T_node = np.stack([np.eye(4), np.eye(4)])
+    >>> file_T_node[1, :3, 3] = [0.0, 0.5, 0.0]  # y is up in this file
+    >>> tree = NodeTree(("hips", "head"), np.array([-1, 0]), Transforms.from_matrices(file_T_node))
+    >>> up, forward = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    >>> rig = Rig(tree, (0, 1), (), (), up, forward, unit_m=1.0)
+    >>> assemble_motion(rig, unit_m=1.0).skeleton.rest_world.translation_m.round(6) + 0.0
+    array([[0. , 0. , 0. ],
+           [0. , 0. , 0.5]])
     """
 
     tree: NodeTree
