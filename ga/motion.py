@@ -37,6 +37,15 @@ class TwistSample(Generic[V]):
 
     ``pose`` is ``parent_T_child``; ``body_twist`` and its derivative ``body_twist_rate`` are
     ``(*, 6)``, or ``(*, 7)`` for similarities, in the child's frame.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Motor, TwistSample
+        >>> parent_T_child = Motor.from_translation([2.0, 0.0, 0.0])
+        >>> turning = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])  # 1 rad/s about the child's z
+        >>> sample = TwistSample(parent_T_child, turning, np.zeros(6))
+        >>> sample.pose.transform_twist(sample.body_twist)  # about the parent's origin
+        array([ 0., -0.,  1.,  0., -2.,  0.])
     """
 
     pose: V
@@ -50,6 +59,14 @@ class SplineSample:
 
     ``pose`` is ``parent_T_child``. Rates are in the child's (body) frame, velocity and
     acceleration are of the child's origin in the parent's (world) frame, without gravity.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Motor, ScrewPath, Trajectory
+        >>> world_T_body = Motor.from_euler_translation([[0, 0, 0], [0, 0, 0.5]], np.zeros((2, 3)))
+        >>> path = ScrewPath(Trajectory(np.array([0, 1_000_000_000]), world_T_body))
+        >>> path.evaluate(0.5).body_angular_rate_rad_s.round(6) + 0.0
+        array([0. , 0. , 0.5])
     """
 
     pose: Motor

@@ -77,6 +77,10 @@ class Sun:
         direction: (3,) the way the light travels.
         intensity: irradiance in pyrender's units; about 3 lights white paper fully.
         color: linear RGB.
+
+    >>> from motorcade.render import Sun
+    >>> Sun(direction=(0.0, 0.0, -1.0), intensity=3.0).color  # from the zenith; white
+    (1.0, 1.0, 1.0)
     """
 
     direction: Triple
@@ -92,6 +96,11 @@ class Lamp:
         position_m: (3,) world.
         intensity: falls off with the square of the distance in metres.
         color: linear RGB.
+
+    >>> from motorcade.render import Lamp
+    >>> lamp = Lamp(position_m=(0.0, 0.0, 3.0), intensity=9.0)
+    >>> lamp.intensity / lamp.position_m[2] ** 2, lamp.color  # on the floor below it; white
+    (1.0, (1.0, 1.0, 1.0))
     """
 
     position_m: Triple

@@ -42,6 +42,11 @@ class ShadowLook:
         lamp_radius_rad: apparent radius of the lamp; larger is softer.
         contact: share that the hidden sky takes away at the feet, 0 to 1.
         contact_height: height up to which the body hides sky, as a share of the grid's half-width.
+
+    >>> from motorcade.render import ShadowLook
+    >>> overcast = ShadowLook(strength=0.1, lamp_radius_rad=0.5)  # faint and soft
+    >>> overcast.contact  # dark at the feet all the same
+    0.5
     """
 
     strength: float | None = None

@@ -170,6 +170,19 @@ class Recording:
 
     Raises:
         RecordingError: no frames, or a pose that is not a single one.
+
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> from motorcade.ga import Motor, Trajectory
+    >>> from motorcade.replays import Recording
+    >>> from motorcade.replays.readers.frames.files import PictureFrames
+    >>> time_ns = np.array([0, 50_000_000])
+    >>> frames = PictureFrames((Path("0.png"), Path("1.png")), time_ns)  # read when they are used
+    >>> world_T_camera = Motor.from_translation([[0.0, 0.0, 1.5], [0.1, 0.0, 1.5]])
+    >>> truth = Trajectory(time_ns, world_T_camera, "world", "camera")
+    >>> recording = Recording("by hand", Path(), "images", frames, truth=truth)
+    >>> recording.duration_s, recording.imu is None
+    (0.05, True)
     """
 
     name: str

@@ -64,6 +64,19 @@ class Versor(CoefficientBatch):
 
     Raises:
         ValueError: wrong last dimension, NaN or infinity, or a norm more than 1e-6 from 1.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Motor, Rotor, Similarity, Versor
+        >>> def halfway(start: Versor, end: Versor) -> Versor:
+        ...     return start.retract(0.5 * start.local(end))
+        >>> rng = np.random.default_rng(0)
+        >>> for kind in (Rotor, Motor, Similarity):
+        ...     a, b = kind.random(rng), kind.random(rng)
+        ...     print(halfway(a, b).isclose(a.interpolate(b, 0.5)))
+        True
+        True
+        True
     """
 
     _log_size: ClassVar[int]

@@ -31,7 +31,15 @@ from motorcade.tracking.cameras.camera import Camera
 
 
 class OffscreenRenderer(Renderer):
-    """The renderer on pyrender; used as every `Renderer`."""
+    """The renderer on pyrender; used as every `Renderer`.
+
+    >>> from motorcade.render import OffscreenRenderer, Renderer
+    >>> issubclass(OffscreenRenderer, Renderer)
+    True
+    >>> OffscreenRenderer(640, 0)
+    Traceback (most recent call last):
+    ValueError: renderer: expected a size of 1 pixel or more, got 640 x 0
+    """
 
     def _set_up(self) -> None:
         self._pyrender = _import_pyrender()

@@ -75,6 +75,15 @@ class Renderer(ABC):
     Raises:
         RenderUnavailable: this machine has no OpenGL, or no memory for the pictures.
         ValueError: a size that is not positive, or larger than OpenGL's largest.
+
+    >>> from motorcade.render import Renderer, new_renderer
+    >>> def drawn(renderer: Renderer, surfaces, lighting, camera, world_T_camera):
+    ...     renderer.show(surfaces, lighting)
+    ...     return renderer.render(camera, world_T_camera)  # a Layer
+    >>> with new_renderer("fast", 640, 0) as renderer:
+    ...     pass
+    Traceback (most recent call last):
+    ValueError: renderer: expected a size of 1 pixel or more, got 640 x 0
     """
 
     def __init__(self, width: int, height: int) -> None:

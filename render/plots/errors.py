@@ -33,7 +33,15 @@ TINT = "#999999"
 
 @dataclass(frozen=True, eq=False)
 class Band:
-    """A middle and what lies about it, each ``(N,)``: percentiles over runs, for example."""
+    """A middle and what lies about it, each ``(N,)``: percentiles over runs, for example.
+
+    >>> import numpy as np
+    >>> from motorcade.render.plots import Band
+    >>> nees = np.random.default_rng(0).chisquare(6, (100, 50))  # 100 runs, 50 stamps
+    >>> band = Band(np.arange(50) / 10.0, *np.percentile(nees, [5, 50, 95], axis=0))
+    >>> bool(np.all(band.low < band.middle) and np.all(band.middle < band.high))
+    True
+    """
 
     time_s: FloatArray
     low: FloatArray

@@ -46,6 +46,12 @@ class GraphRun:
         unavailable: stages that could not run here, with the reason.
         chosen: the stage that each choice took.
         records: how every output came about, in the order of the stages.
+
+    >>> from motorcade.replays import GraphRun
+    >>> outputs = {"text": "banana", "counted": 3, "drawn": None}
+    >>> run = GraphRun(outputs, {"drawn": "no OpenGL"}, {}, ())
+    >>> [name for name, output in run.outputs.items() if output is not None], run.unavailable
+    (['text', 'counted'], {'drawn': 'no OpenGL'})
     """
 
     outputs: Mapping[str, Any]

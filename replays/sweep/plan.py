@@ -45,6 +45,14 @@ class PlannedRun:
         varied: (knob, value) of the knobs that differ between runs, as text.
         settings: all settings, each "stage.knob=value".
         until: the last stage.
+
+    >>> from pathlib import Path
+    >>> from motorcade.replays.sweep import PlannedRun
+    >>> setting = "smoothed.window_s=0.4"
+    >>> run = PlannedRun(Path("V1_01_easy"), None, None, (("smoothed.window_s", "0.4"),),
+    ...     (setting,), until="errors")
+    >>> dict(run.varied)
+    {'smoothed.window_s': '0.4'}
     """
 
     recording: Path
@@ -64,6 +72,13 @@ class Sweep:
         seeds: (None,) where the file names none.
         knobs: knob and its alternatives, as text.
         until: the last stage of every run.
+
+    >>> from pathlib import Path
+    >>> from motorcade.replays.sweep import Sweep
+    >>> knobs = (("smoothed.window_s", ("0.2", "0.4")),)
+    >>> sweep = Sweep(((Path("V1_01_easy"), None),), seeds=(1, 2), knobs=knobs, until="errors")
+    >>> len(sweep), [(run.varied[0][1], run.seed) for run in sweep.runs()]
+    (4, [('0.2', 1), ('0.2', 2), ('0.4', 1), ('0.4', 2)])
     """
 
     recordings: tuple[tuple[Path, Path | None], ...]

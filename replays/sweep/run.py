@@ -36,6 +36,11 @@ class Summary:
     """How a sweep went: runs done now, done before, and failed; its rows and where they lie.
 
     Where it was stopped, `left` is how many runs have no row yet.
+
+    >>> from motorcade.replays.sweep import Summary
+    >>> stopped = Summary(done=3, done_before=2, failed=1, rows=(), files=(), left=4)
+    >>> stopped.done + stopped.done_before + stopped.failed + stopped.left
+    10
     """
 
     done: int

@@ -45,6 +45,18 @@ class BoardTrack:
 
     Raises:
         ValueError: lengths or stamps that do not agree, or an unknown state.
+
+    >>> from motorcade.tracking import Camera, SingleMarker, track_board
+    >>> board = SingleMarker("tag36h11", 7, side_m=0.1)
+    >>> picture, _ = board.draw(pixels_per_m=1000.0)
+    >>> camera = Camera(picture.shape[1], picture.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> blank = picture * 0 + 255
+    >>> track = track_board([(0, picture), (33_000_000, blank)], camera, board)
+    >>> len(track), track.count("lost"), len(track.observations)
+    (2, 1, 1)
+    >>> world_T_camera = track.measurements.trajectory.motors  # the board's frame is the world
+    >>> world_T_camera.translation_m[:, 2].round(2)
+    array([0.2])
     """
 
     time_ns: IntArray

@@ -61,6 +61,18 @@ class Calibration:
             was left out, after its pose alone was fitted; infinite where it has none.
         residuals_px: ``(N, 2)`` reprojection minus corner, of the used views' corners in order.
         camera_T_board: Motor ``(U,)``, of the used views.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking import Calibration, Camera
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    >>> deviation = np.array([0.4, 0.4, 0.3, 0.3])  # of fx, fy, cx, cy; no distortion
+    >>> camera_T_board = Motor.from_euler_translation([[3.1, 0, 0], [2.6, 0, 0]], [[0, 0, 0.5]] * 2)
+    >>> residuals_px = np.full((60, 2), 0.1)  # of two views with 30 corners each
+    >>> used, view_error_px = np.array([True, True]), np.array([0.14, 0.14])
+    >>> found = Calibration(camera, deviation, used, view_error_px, residuals_px, camera_T_board)
+    >>> round(found.rmse_px, 3), round(found.turn_deg, 1)
+    (0.141, 28.6)
     """
 
     camera: Camera

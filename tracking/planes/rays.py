@@ -98,6 +98,16 @@ class Hit:
         point_m: ``(3,)`` in the world.
         distance_m: from the ray's origin.
         inside: whether that is within the plane's outline.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking import Camera
+    >>> from motorcade.tracking.planes import Rays, fit_plane, hit_test
+    >>> wall = fit_plane(np.array([[-1.0, -1, 2], [1, -1, 2], [1, 1, 2], [-1, 1, 2]]))
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    >>> [hit] = hit_test([wall], Rays.through_pixels(camera, Motor.identity(), [319.5, 239.5]))
+    >>> round(hit.distance_m, 6), hit.inside
+    (2.0, True)
     """
 
     plane: Plane

@@ -32,6 +32,13 @@ class SlamFrame:
         covariance: ``(6, 6)`` of the right perturbation, rotation (rad) then translation.
         inliers: how many corners the pose explains.
         keyframe: whether it became a keyframe of the map.
+
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking.slam import SlamFrame
+    >>> lost = SlamFrame(0, "lost")
+    >>> found = SlamFrame(50_000_000, "tracking", Motor.from_translation([0.1, 0, 0]), inliers=250)
+    >>> [frame.time_ns for frame in (lost, found) if frame.world_T_camera is not None]
+    [50000000]
     """
 
     time_ns: int
@@ -56,6 +63,14 @@ class SlamResult:
         metric: whether lengths are metres.
         loops: how many loops were closed.
         seconds: time spent a part: "tracking", "mapping".
+
+    >>> import numpy as np
+    >>> from motorcade.tracking import Camera, VisualSlam
+    >>> slam = VisualSlam(Camera(320, 240, 250.0, 250.0, 159.5, 119.5))
+    >>> frame = slam.track(0, np.full((240, 320), 128, np.uint8))  # a grey wall shows no corners
+    >>> result = slam.finish()
+    >>> result.trajectory is None, result.states, len(result.map.points)
+    (True, ('initialising',), 0)
     """
 
     trajectory: Trajectory | None

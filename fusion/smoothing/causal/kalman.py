@@ -20,11 +20,9 @@ R. E. Kalman, A new approach to linear filtering and prediction problems, J. Bas
 noise models as in Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with applications to tracking
 and navigation (2001), 6.2.2 and 6.2.3.
 
-The Rauch-Tung-Striebel smoother: a Kalman filter forward, its estimates corrected backward.
-
-H. E. Rauch, F. Tung, C. T. Striebel, Maximum likelihood estimates of linear dynamic systems, AIAA
-J. 3 (1965). Every pose is told by all others, so there is no lag. The model, its noise and where it
-breaks down are those of the filters.
+The Rauch-Tung-Striebel smoother runs the filter forward and corrects its estimates backward (H. E.
+Rauch, F. Tung, C. T. Striebel, Maximum likelihood estimates of linear dynamic systems, AIAA J. 3,
+1965). All poses inform every one, so there is no lag. Model, noise and limits are the filters'.
 """
 
 from __future__ import annotations
@@ -63,7 +61,14 @@ NOISE_M, NOISE_RAD, NOISE_SCALE = 0.005, 0.01, 0.005
 
 
 class KalmanFilter(CausalFilter):
-    """What the two filters share; see the module and them."""
+    """What the two filters share; see the module and them.
+
+    Examples:
+        >>> from motorcade.fusion.smoothing.causal import ConstantVelocityFilter, KalmanFilter
+        >>> live = ConstantVelocityFilter(noise_m=0.005, noise_rad=0.01)
+        >>> isinstance(live, KalmanFilter), live.order  # the velocity is estimated
+        (True, 1)
+    """
 
     order: ClassVar[int]
     """How many derivatives of the pose are estimated."""

@@ -32,6 +32,20 @@ class CausalFilter(ABC):
 
     Raises:
         ValueError: an unknown representation.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import MOTIONS
+        >>> from motorcade.fusion.smoothing.causal import CausalFilter, ConstantVelocityFilter
+        >>> from motorcade.fusion.smoothing.causal import OneEuro
+        >>> path = MOTIONS["handheld"].sampled(rate_hz=30.0, duration_s=1.0)
+        >>> def streamed(live: CausalFilter) -> list:
+        ...     return [live.update(*one) for one in zip(path.motors, path.time_ns, strict=True)]
+        >>> for live in (OneEuro(), ConstantVelocityFilter(noise_m=0.005, noise_rad=0.01)):
+        ...     last = live.smooth(path).motors[-1]
+        ...     print(np.array_equal(last.coefficients, streamed(live)[-1].coefficients))
+        True
+        True
     """
 
     _cutoffs_hz: ClassVar[tuple[str, ...]] = ()

@@ -33,6 +33,16 @@ class Resolution:
 
     Raises:
         ValueError: shapes that do not agree, choices other than 0 and 1.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking.markers.disambiguate import Resolution, Sightings
+    >>> two = Motor.from_euler_translation([[3, 0.2, 0], [3, -0.2, 0]], [[0, 0, 0.6]] * 2)
+    >>> seen = Sightings([0, 50_000_000], [0, 1], [7, 7], Motor.stack([two, two]),
+    ...     [[0.2, 0.9], [0.3, 0.4]], np.broadcast_to(1e-4 * np.eye(3), (2, 2, 3, 3)))
+    >>> chosen = Resolution(seen, [0, 1], [0.99, 0.75])
+    >>> chosen.camera_T_marker.shape, chosen.frame_ambiguity.round(2)
+    ((2,), array([0.01, 0.25]))
     """
 
     sightings: Sightings

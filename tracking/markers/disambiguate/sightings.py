@@ -45,6 +45,15 @@ class Sightings:
     Raises:
         ValueError: shapes that do not agree, frames or stamps out of order, an id twice in a
             frame, numbers that are not finite.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking.markers.disambiguate import Sightings
+    >>> two = Motor.from_euler_translation([[3, 0.2, 0], [3, -0.2, 0]], [[0, 0, 0.6]] * 2)
+    >>> seen = Sightings([0, 50_000_000], [0, 1], [7, 7], Motor.stack([two, two]),
+    ...     [[0.2, 0.9], [0.3, 0.4]], np.broadcast_to(1e-4 * np.eye(3), (2, 2, 3, 3)))
+    >>> len(seen), seen.of_frame(1)  # two sightings of marker 7, the second one nearly ambiguous
+    (2, array([1]))
     """
 
     time_ns: IntArray

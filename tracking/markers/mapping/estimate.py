@@ -40,6 +40,19 @@ class MappedRecording:
         time_ns: ``(F,)`` stamps of all frames.
         error_px: ``(N,)`` root mean square reprojection errors of all sightings that took part.
         left_out: ids that were seen, but never beside a marker of the map.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor, Trajectory
+    >>> from motorcade.tracking import MarkerMap
+    >>> from motorcade.tracking.markers.mapping import MappedRecording
+    >>> room = MarkerMap([4], [0.1], Motor.identity((1,)).rotor, [[0.0, 0.0, 0.0]])
+    >>> time_ns = np.array([0, 50_000_000, 100_000_000])
+    >>> world_T_rig = Motor.from_translation([[0.0, 0.0, 0.5], [0.1, 0.0, 0.5]])
+    >>> path, covariance = Trajectory(time_ns[:2], world_T_rig), np.stack([1e-6 * np.eye(6)] * 2)
+    >>> mapped = MappedRecording(room, path, covariance, np.array([0.1, 0.2]),
+    ...     {"camera": Motor.identity()}, time_ns, np.array([0.1, 0.2]), left_out=(9,))
+    >>> len(mapped.trajectory), len(mapped.time_ns)  # the last frame shows no marker of the map
+    (2, 3)
     """
 
     marker_map: MarkerMap

@@ -73,6 +73,14 @@ class PhotometricPoses:
         mismatch: ``(m, 2)`` share of the picture's contrast that the print leaves unexplained.
         refined: ``(m, 2)`` whether the pose was changed; otherwise it is the one given.
         pixels: ``(m,)`` how many pixels of the picture each marker covers.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking.markers.photometric import PhotometricPoses
+    >>> refined = PhotometricPoses(Motor.identity((1, 2)), mismatch=np.array([[0.04, 0.31]]),
+    ...     refined=np.array([[True, True]]), pixels=np.array([2500.0]))
+    >>> refined.mismatch.argmin(axis=1)  # the first candidate explains the print
+    array([0])
     """
 
     camera_T_marker: Motor

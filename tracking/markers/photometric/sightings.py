@@ -37,6 +37,15 @@ class RefinedFrame:
             other candidate if corners with `SIGMA_FLOOR_PX` of noise had it.
 
     Where refinement failed (see `refine_photometric`) all of these are what the corners say.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking.markers.photometric import RefinedFrame
+    >>> corners_px = np.array([[[10.0, 10.0], [60.0, 10.0], [60.0, 60.0], [10.0, 60.0]]])
+    >>> frame = RefinedFrame(np.array([7]), np.array([0.1]), corners_px,
+    ...     Motor.identity((1, 2)), error_px=np.array([[0.0, 3.2]]))
+    >>> frame.marker_ids, float(frame.error_px[0, 1])  # the other candidate is clearly worse
+    (array([7]), 3.2)
     """
 
     marker_ids: IntArray
