@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-CONTAINER = ["unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc"]
+from tests.end_to_end.shared_storage import CONTAINER, can_contain
 
 STAGES = """
 import sys, time
@@ -54,13 +54,6 @@ print(made.outputs["film"].path.read_text())
 """
 
 
-def contained() -> bool:
-    """Whether containers may be made here."""
-    if shutil.which("unshare") is None:
-        return False
-    return subprocess.run([*CONTAINER, "true"], capture_output=True, check=False).returncode == 0
-
-
 def started(*arguments: object) -> subprocess.Popen[str]:
     """The run, in a container in which it is process 1."""
     return subprocess.Popen(
@@ -72,7 +65,7 @@ def started(*arguments: object) -> subprocess.Popen[str]:
     )
 
 
-needs_containers = pytest.mark.skipif(not contained(), reason="no PID namespaces are permitted")
+needs_containers = pytest.mark.skipif(not can_contain(), reason="no PID namespaces are permitted")
 
 
 @needs_containers
@@ -102,3 +95,52 @@ def test_what_a_killed_container_left_is_removed_by_the_next(tmp_path: Path) -> 
     assert len(list(cache.glob(".*"))) == 1
     assert started(cache).communicate(timeout=60)[0] == "first half, second half\n"
     assert not list(cache.glob(".*"))
+
+
+FULL = """
+import os, subprocess, sys
+from pathlib import Path
+from motorcade.replays.files.atomic import write_bytes
+from tests.replays.engine import test_cache_laws as laws
+
+disk = Path(sys.argv[1])
+subprocess.run(["mount", "-t", "tmpfs", "-o", "size=128k", "none", disk], check=True)
+expected = laws.without_cache("abba", None, 2.0)
+write_bytes(disk / "path.tum", b"earlier")
+page = os.sysconf("SC_PAGE_SIZE")
+for pages in range(0, 31, 2):
+    with (disk / "filler").open("wb") as filler:
+        filler.truncate(0)
+        os.posix_fallocate(filler.fileno(), 0, 128 * 1024 - (pages + 1) * page)
+    for attempt in (
+        lambda: write_bytes(disk / "path.tum", b"later" * 2000),
+        lambda: laws.run(disk / "cache", "abba", None, 2.0) == expected or 1 / 0,
+    ):
+        try:
+            attempt()
+            print("done")
+        except OSError as told:
+            print(str(told).replace(str(disk), "DISK"))
+    left = [path.name for path in disk.rglob(".*")]
+    assert not left, left
+    assert (disk / "path.tum").read_bytes() in (b"earlier", b"later" * 2000)
+"""
+
+
+@needs_containers
+def test_a_full_disk_is_told_in_one_line_and_leaves_what_was_there(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [*CONTAINER, sys.executable, "-c", FULL, tmp_path],
+        cwd=Path(__file__).parents[3],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=240,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    written, run = done.stdout.splitlines()[::2], done.stdout.splitlines()[1::2]
+    for lines in (written, run):
+        assert lines[-1] == "done"
+        full = [line for line in lines if line != "done"]
+        assert full
+        assert all("No space left on device: 'DISK" in line for line in full), full
