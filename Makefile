@@ -2,7 +2,7 @@
 # make test   the test suite         make test-slow   its tests that take longer
 # make lint   ruff, clang-format and mypy          make wheel   build and check the wheel
 # make mutation   whether the tests notice small faults in MUTATED (hours; resumes)
-# make fuzz   broken scripts, rigs and recordings by the thousand (FUZZ_INPUTS of each)
+# make fuzz   hostile files, manifests and command lines by the thousand (FUZZ_SECONDS of each kind)
 # make bench   performance beside other libraries, into the terminal (SUITE=blend; JSON=FILE)
 # make docs   the documentation site, into build/site
 # make kernels   generate the kernels from their definitions
@@ -38,13 +38,13 @@ mutation: $(READY)
 bench: $(READY)
 	$(BIN)/python -m tests.bench $(SUITE) $(if $(JSON),--json $(JSON))
 
-# Every input must end in an own error or a valid value, within bounds of time and memory.
-FUZZ_INPUTS ?= 5000
+# Every input must end in an own error or a valid value, within bounds of time and memory. Each
+# kind is fed for FUZZ_SECONDS.
+FUZZ_SECONDS ?= 12
+FUZZ_SEED ?= 1
 
 fuzz: $(READY)
-	$(BIN)/python -m tests.ga.script.fuzz --inputs $(FUZZ_INPUTS)
-	$(BIN)/python -m tests.animation.formats.fuzz --inputs $(FUZZ_INPUTS)
-	$(BIN)/python -m tests.replays.readers.fuzz --inputs $(FUZZ_INPUTS)
+	$(BIN)/python -m tests.fuzz --seconds $(FUZZ_SECONDS) --seed $(FUZZ_SEED)
 
 lint: $(READY) names
 	$(BIN)/ruff check .

@@ -10,7 +10,7 @@ import pytest
 from motorcade.animation.formats import FormatError, read_character
 from motorcade.animation.formats.limits import beside
 from motorcade.ga.files import files_now, files_read
-from tests.animation.formats import fuzz, samples
+from tests.animation.formats import samples
 from tests.animation.formats.samples import Write
 
 BOMB = b"""<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a "aaaaaaaaaa">
@@ -233,10 +233,3 @@ def test_messages_keep_to_one_line(write: Write) -> None:
     assert "\n" not in str(caught.value)
     assert "\x1b" not in str(caught.value)
     assert len(str(caught.value)) < 600
-
-
-def test_mutated_files_end_in_an_own_error_or_a_valid_character() -> None:
-    ended, faults = fuzz.run(1200, 11, None, lambda text: None)
-    assert not faults
-    assert ended["character"] > 50
-    assert ended["refused"] > 300

@@ -1,21 +1,12 @@
-"""Feeds scripts of any kind to the parser and to evaluation: only ScriptError may come out.
-
-    python -m tests.ga.script.fuzz --inputs 200000 --seed 1
+"""Scripts of any kind: a ScriptError that points into the text, or finite values.
 
 Inputs are random bytes, tokens in any order, changed examples, scripts grown from the grammar,
-deep nesting and huge texts; free variables are numbers, batches or symbols. What comes out must be
-a ScriptError that points into the text, or finite values. An input that takes too long is a fault.
+deep nesting and huge texts; free variables are numbers, batches or symbols.
 """
 
 from __future__ import annotations
 
-import argparse
-import resource
-import sys
-import time
-from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +16,9 @@ from motorcade.ga.algebra.scalars import is_numeric
 from motorcade.ga.script import Script, ScriptError, evaluate, parse
 from motorcade.ga.script.functions import FUNCTIONS
 from motorcade.ga.script.meaning import ALGEBRAS, algebra_of, free_variables
+from tests.fuzz.runner import Feed
 
-__all__ = ["MAKERS", "Counts", "run"]
-
-SLOWEST_S = 60.0
+__all__ = ["MAKERS", "prepare"]
 
 Generator = np.random.Generator
 EXAMPLES = Path(__file__).parents[3] / "docs" / "scripts"
@@ -46,16 +36,6 @@ m = { y = _P(1)^e1; y / 2 } x = 3; ?x = x*m(e2) . -~*e3 + VecN3(1,2,3)/(e1 - 2);
 B = 0.3*e1^e2 + e1^einf; ?R = exp(t*log(exp(B))) * sqrt(1 + B);
 //#pragma output x e1
 """
-
-
-@dataclass
-class Counts:
-    """What came out: results, errors by the kind of input, and faults."""
-
-    results: Counter[str] = field(default_factory=Counter)
-    errors: Counter[str] = field(default_factory=Counter)
-    faults: list[tuple[str, str, str]] = field(default_factory=list)
-    slowest_s: float = 0.0
 
 
 def chosen(rng: Generator, items: list[str], count: int) -> list[str]:
@@ -182,59 +162,22 @@ def check_error(error: ScriptError, text: str) -> None:
         raise AssertionError("no caret")
 
 
-def feed(kind: str, text: str, rng: Generator, counts: Counts) -> None:
-    """One input: a result, a ScriptError, or a fault."""
-    begun = time.perf_counter()
-    try:
-        script = parse(text)
-        made = evaluate(script, **variables_of(script, rng))
+def prepare(folder: Path) -> Feed:
+    """Scripts, parsed and evaluated."""
+    names = list(MAKERS)
+    shares = [MAKERS[name][0] for name in names]
+
+    def feed(rng: Generator) -> str:
+        text = MAKERS[str(rng.choice(names, p=shares))][1](rng)
+        try:
+            script = parse(text)
+            made = evaluate(script, **variables_of(script, rng))
+        except ScriptError as error:
+            check_error(error, text)
+            return "refused"
         for x in made.values():
             if not all(bool(np.isfinite(v).all()) for v in x.values if is_numeric(v)):
                 raise AssertionError(f"got {x}")
-        counts.results[kind] += 1
-    except ScriptError as error:
-        counts.errors[kind] += 1
-        check_error(error, text)
-    took = time.perf_counter() - begun
-    counts.slowest_s = max(counts.slowest_s, took)
-    if took > SLOWEST_S:
-        raise AssertionError(f"took {took:.1f} s")
+        return "valid"
 
-
-def run(inputs: int, seed: int) -> Counts:
-    """Feed so many inputs; the same seed gives the same ones."""
-    rng, counts = np.random.default_rng(seed), Counts()
-    names = list(MAKERS)
-    shares = [MAKERS[name][0] for name in names]
-    for index in rng.choice(len(names), size=inputs, p=shares):
-        kind = names[index]
-        text = MAKERS[kind][1](rng)
-        try:
-            feed(kind, text, rng, counts)
-        except Exception as fault:  # whatever else comes out is what this looks for
-            counts.faults.append((kind, f"{type(fault).__name__}: {fault}", text[:2000]))
-    return counts
-
-
-def main() -> int:
-    """Run as a command; exits with 1 where there is a fault."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--inputs", type=int, default=200_000)
-    parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
-    begun = time.perf_counter()
-    counts = run(arguments.inputs, arguments.seed)
-    for kind in MAKERS:
-        print(f"{kind:9} {counts.results[kind]:7} results {counts.errors[kind]:7} script errors")
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    print(
-        f"{arguments.inputs} inputs, {len(counts.faults)} faults, "
-        f"{time.perf_counter() - begun:.0f} s, slowest {counts.slowest_s:.2f} s, {peak:.0f} MiB"
-    )
-    for kind, fault, text in counts.faults[:10]:
-        print(f"--- {kind}: {fault}\n{text!r}")
-    return 1 if counts.faults else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return feed

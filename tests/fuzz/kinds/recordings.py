@@ -1,29 +1,14 @@
-"""Broken recordings by the thousand: every reader must give its own error or a valid recording.
+"""Broken recordings: every reader gives a recording or one line of refusal.
 
-    python -m tests.replays.readers.fuzz --inputs 20000 --seed 1
-
-Small recordings of every layout are made here (folders, bags, videos, telemetry, corners,
-manifests, trajectory files). One file of one of them is mutated: bytes, words, lines, paths. Then
-the recording is opened, checked, digested, and its first pictures are read. The program ends with 1
-where anything but a `RecordingError` of one line came out, a number is not finite, a file outside
-the recording is named, an input took too long, or memory grew beyond bounds; it then names the
-input, which the same seed makes again.
+Small recordings of every layout, a described folder, ROS bags, a video, TagSLAM's bag and loose
+trajectories are made here; one of their files is mutated: bytes, words, lines, paths. Then the
+recording is opened, checked, digested, and its first pictures are read. A file outside the
+recording that is named is a fault.
 """
 
 from __future__ import annotations
 
-import argparse
 import bz2
-import faulthandler
-import logging
-import os
-import resource
-import signal
-import sys
-import tempfile
-import time
-import warnings
-from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -37,14 +22,13 @@ from motorcade.replays.readers import gpmf
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
-from tests.animation.formats.fuzz import mutated
+from tests.fuzz.mutations import mutated
+from tests.fuzz.runner import Feed
 from tests.replays import conftest as layouts
 from tests.replays.readers import test_gopro, test_ros_recordings, test_tagslam
 
-__all__ = ["Samples", "run"]
+__all__ = ["Samples", "ended", "expect_inside", "look", "opened", "prepare"]
 
-SLOWEST_S = 20
-MEMORY_BYTES = 6 << 30
 LONGEST = 700
 SECRET = "secret.png"
 TRUTH = "state_groundtruth_estimate0/data.csv"
@@ -112,19 +96,19 @@ class Samples:
         layouts.write_pictures(folder, [SECRET])
         self.made: list[tuple[Reader, Path]] = []
         for name in layouts.MAKERS:
-            self.made.append((_recording, layouts.MAKERS[name](_new(folder / name)).root))
+            self.made.append((opened, layouts.MAKERS[name](_new(folder / name)).root))
         euroc, described = folder / "euroc" / "mav0", folder / "folder"
         (described / "motorcade.toml").write_text(MANIFEST)
         imu = (euroc / "imu0" / "data.csv").read_text().replace("14037152732", "0")
         (described / "imu.csv").write_text(imu)
         (described / "imu.yaml").write_bytes((euroc / "imu0" / "sensor.yaml").read_bytes())
-        self.made.append((_recording, described))
+        self.made.append((opened, described))
         for kind in test_ros_recordings.KINDS:
             path = test_ros_recordings.write_bag(folder / f"ros_{kind}", kind)
-            self.made.append((_recording, path))
-        self.made.append((_recording, _tagslam(_new(folder / "tagslam"))))
+            self.made.append((opened, path))
+        self.made.append((opened, _tagslam(_new(folder / "tagslam"))))
         video = layouts.video_file.__wrapped__(_new(folder / "video"))
-        self.made.append((_recording, video))
+        self.made.append((opened, video))
         loose = _new(folder / "loose")
         truth = folder / "tum_rgbd" / "groundtruth.txt"
         for name, reader, content in (
@@ -155,74 +139,32 @@ class Samples:
         return reader, root, path, whole
 
 
-def run(inputs: int, seed: int, tell: Callable[[str], None]) -> tuple[Counter[str], list[str]]:
-    """Read so many mutated recordings; how they ended, and what is wrong."""
-    rng = np.random.default_rng(seed)
-    ended: Counter[str] = Counter()
-    faults: list[str] = []
-    signal.signal(signal.SIGALRM, _too_long)
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
-        warnings.simplefilter("error")
-        samples = Samples(Path(folder))
-        for number in range(inputs):
-            reader, root, path, whole = samples.broken(rng)
-            start = time.perf_counter()
-            signal.alarm(SLOWEST_S)
-            try:
-                reader(root)
-                ended["valid"] += 1
-            except RecordingError as refused:
-                ended["refused"] += 1
-                told = str(refused)
-                if "\n" in told or len(told) > LONGEST:
-                    faults.append(f"input {number} ({path.name}): told in {told[:300]!r}")
-            except Exception as fault:  # whatever else comes out is what this looks for
-                ended["FAULT"] += 1
-                where = path.relative_to(folder)
-                faults.append(f"input {number} ({where}): {type(fault).__name__}: {fault}"[:600])
-                tell(faults[-1])
-                kept = os.environ.get("FUZZ_KEEP")
-                if kept:
-                    (Path(kept) / f"{number}_{path.name}").write_bytes(path.read_bytes())
-            finally:
-                signal.alarm(0)
-                path.write_bytes(whole)
-            seconds = time.perf_counter() - start
-            if seconds > SLOWEST_S / 2:
-                tell(f"input {number} ({path.name}) took {seconds:.1f} s")
-            if number % 2000 == 1999:
-                tell(f"{number + 1} inputs: {dict(ended)}, {memory_bytes() >> 20} MiB at most")
-    return ended, faults
+def prepare(folder: Path) -> Feed:
+    """Recordings of every layout, one file mutated, opened."""
+    samples = Samples(folder)
+    whole: dict[Path, bytes] = {}
+
+    def feed(rng: np.random.Generator) -> str:
+        for path, content in whole.items():
+            path.write_bytes(content)
+        whole.clear()
+        reader, root, path, content = samples.broken(rng)
+        whole[path] = content
+        return ended(reader, root)
+
+    return feed
 
 
-def memory_bytes() -> int:
-    """Most memory that this process has held."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-
-
-def main() -> int:
-    """Run as the module says; 0 where every input ended well."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--inputs", type=int, default=20_000)
-    parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
-    faulthandler.enable()
-    logging.getLogger("motorcade").setLevel(logging.CRITICAL)
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
-    start = time.perf_counter()
-    ended, faults = run(arguments.inputs, arguments.seed, lambda line: print(line, flush=True))
-    seconds = time.perf_counter() - start
-    print(
-        f"{arguments.inputs} inputs in {seconds:.0f} s: {dict(ended)}; {len(faults)} faults; "
-        f"{memory_bytes() >> 20} MiB at most"
-    )
-    for fault in faults[:20]:
-        print(fault)
-    return 1 if faults else 0
-
-
-def _too_long(number: int, frame: object) -> None:
-    raise TimeoutError(f"took more than {SLOWEST_S} s")
+def ended(reader: Callable[[Path], None], root: Path) -> str:
+    """How reading ended; a refusal must be one line of no great length."""
+    try:
+        reader(root)
+    except RecordingError as refused:
+        told = str(refused)
+        if "\n" in told or len(told) > LONGEST:
+            raise AssertionError(f"told in {told[:300]!r}") from refused
+        return "refused"
+    return "valid"
 
 
 def _new(folder: Path) -> Path:
@@ -278,9 +220,15 @@ def _lines(data: bytes, rng: np.random.Generator) -> bytes:
     return b"\n".join(lines)
 
 
-def _recording(root: Path) -> None:
+def opened(root: Path) -> None:
+    """Open a recording and look at all that it holds."""
     recording = open_recording(root).intact()
-    _expect_inside(recording)
+    expect_inside(recording)
+    look(recording)
+
+
+def look(recording: Recording) -> None:
+    """Look at all that a recording holds."""
     recording.digest()
     for index in {0, len(recording.frames) - 1}:
         frame = recording.frames[index]
@@ -292,7 +240,8 @@ def _recording(root: Path) -> None:
         raise AssertionError("specific force is not finite")
 
 
-def _expect_inside(recording: Recording) -> None:
+def expect_inside(recording: Recording) -> None:
+    """A recording that was opened by its own word names no file outside of it."""
     root = recording.root.resolve()
     if isinstance(recording.frames, PictureFrames):
         frames = recording.frames
@@ -332,7 +281,3 @@ def _telemetry(path: Path) -> None:
     found = gpmf._sensors(path.read_bytes(), path)
     if not all(np.isfinite(values).all() for values in found.values()):
         raise AssertionError("telemetry is not finite")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

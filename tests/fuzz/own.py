@@ -1,0 +1,57 @@
+"""Which errors are ours: raised by a `raise` of the product, of a type meant for users."""
+
+from __future__ import annotations
+
+import linecache
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+__all__ = ["RefusedError", "ended", "is_own", "refusals"]
+
+REPOSITORY = Path(__file__).parents[2]
+ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
+LONGEST = 2000
+
+
+class RefusedError(Exception):
+    """An input was refused by an error of ours."""
+
+
+def is_own(fault: BaseException) -> bool:
+    """Whether the product raised this itself, as a `ValueError` or a type of its own.
+
+    An error of another library, or of the interpreter, that passes through is not.
+    """
+    kind = type(fault)
+    named = kind.__module__.startswith("motorcade.") or kind in (ValueError, TypeError, OSError)
+    last = traceback.extract_tb(fault.__traceback__)[-1]
+    place = Path(last.filename)
+    inside = any(place.is_relative_to(REPOSITORY / room) for room in ROOMS)
+    line = linecache.getline(last.filename, last.lineno or 0).strip()
+    return named and inside and line.startswith("raise")
+
+
+@contextmanager
+def refusals() -> Iterator[None]:
+    """Errors of ours as `RefusedError`; all others pass."""
+    try:
+        yield
+    except Exception as fault:
+        if not is_own(fault):
+            raise
+        told = str(fault)
+        if not told or "\n" in told or len(told) > LONGEST:
+            raise AssertionError(f"told in {told[:300]!r}") from fault
+        raise RefusedError(told) from fault
+
+
+def ended(act: Callable[[], object]) -> str:
+    """How something ended: "valid" or "refused"; faults pass."""
+    try:
+        with refusals():
+            act()
+    except RefusedError:
+        return "refused"
+    return "valid"
