@@ -68,11 +68,11 @@ def load_arrays(
     """
     arrays = read_arrays(path, what)
     try:
-        if str(arrays["format"]) != form:
-            raise ValueError(f"expected the format '{form}', got '{arrays['format']}'")
+        if arrays["format"].shape != () or str(arrays["format"]) != form:
+            raise ValueError(f"expected the format '{form}', got {arrays['format']!s:.60}")
         return make(arrays)
     except (ValueError, KeyError, TypeError) as fault:
-        raise FileError(path, f"not {what}: {fault}") from fault
+        raise FileError(path, f"not {what}: {_reason(fault)}") from fault
 
 
 def read_arrays(
@@ -92,7 +92,12 @@ def read_arrays(
         except FileError:
             raise
         except _FAULTS as fault:
-            raise FileError(path, f"not {what}: {fault}") from fault
+            raise FileError(path, f"not {what}: {_reason(fault)}") from fault
+
+
+def _reason(fault: Exception) -> str:
+    """What a library found wrong, in one line; it may quote whatever bytes stand in the file."""
+    return " ".join(str(fault)[:200].split())
 
 
 def _check_directory(file: BinaryIO, size: int) -> None:

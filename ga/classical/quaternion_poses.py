@@ -59,7 +59,8 @@ class QuaternionPose(Pose):
     _size: ClassVar[int] = 7
 
     def _check(self, coefficients: FloatArray) -> None:
-        norm = np.linalg.norm(coefficients[..., :4], axis=-1)
+        with np.errstate(over="ignore"):  # an infinite norm is refused like any other
+            norm = np.linalg.norm(coefficients[..., :4], axis=-1)
         worst = float(np.max(np.abs(norm - 1.0), initial=0.0))
         if worst > UNIT_TOLERANCE:
             raise ValueError(
@@ -195,11 +196,12 @@ class DualQuaternion(Pose):
 
     def _check(self, coefficients: FloatArray) -> None:
         real, dual = coefficients[..., :4], coefficients[..., 4:]
-        off = np.abs(np.linalg.norm(real, axis=-1) - 1.0)
         length = np.maximum(1.0, np.max(np.abs(dual), axis=-1))
-        off = np.maximum(off, np.abs(np.sum(real * dual, axis=-1)) / length)
+        with np.errstate(over="ignore", invalid="ignore"):
+            off = np.abs(np.linalg.norm(real, axis=-1) - 1.0)
+            off = np.maximum(off, np.abs(np.sum(real * dual, axis=-1)) / length)
         worst = float(np.max(off, initial=0.0))
-        if worst > UNIT_TOLERANCE:
+        if not worst <= UNIT_TOLERANCE:
             raise ValueError(
                 "DualQuaternion.coefficients: expected unit dual quaternions (within "
                 f"{UNIT_TOLERANCE:g}), got one off by {worst:.3g}; normalize divides by the norm"

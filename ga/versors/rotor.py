@@ -106,7 +106,8 @@ class Rotor(Versor):
                 1e-5) from 1.
         """
         given = cls._checked(wxyz, "Rotor.from_quaternion(wxyz)", (4,))
-        norm = np.sqrt(np.sum(given**2, axis=-1))
+        with np.errstate(over="ignore"):  # an infinite norm is refused like any other
+            norm = np.sqrt(np.sum(given**2, axis=-1))
         worst = float(np.max(np.abs(norm - 1.0), initial=0.0))
         tolerance = cls._tolerance(given)
         if worst > tolerance:
@@ -180,9 +181,10 @@ class Rotor(Versor):
 
 
 def _check_rotation(matrix: FloatArray) -> None:
-    gram = np.swapaxes(matrix, -1, -2) @ matrix
-    worst = float(np.max(np.abs(gram - np.eye(3)), initial=0.0))
-    if worst > _MATRIX_TOLERANCE:
+    with np.errstate(over="ignore", invalid="ignore"):
+        gram = np.swapaxes(matrix, -1, -2) @ matrix
+        worst = float(np.max(np.abs(gram - np.eye(3)), initial=0.0))
+    if not worst <= _MATRIX_TOLERANCE:
         raise ValueError(
             f"Rotor.from_matrix(matrix): expected R^T R within {_MATRIX_TOLERANCE:g} of the "
             f"identity, got a difference of {worst:.3g}; orthonormalise it first"

@@ -153,7 +153,7 @@ def read_artifact(stored: Stored, kind: Any) -> Any:
         with np.load(stored.folder / "arrays.npz", allow_pickle=False) as arrays:
             decoder = _Decoder(stored.folder / "files", dict(arrays), aside)
         return decoder.decode(tree, kind, "value")
-    except (OSError, KeyError, TypeError, ValueError, BadZipFile) as error:
+    except (OSError, KeyError, TypeError, ValueError, AttributeError, BadZipFile) as error:
         raise ArtifactError(
             f"{stored.folder}: cannot be read as {kind}: {error}; delete the folder to recompute it"
         ) from error

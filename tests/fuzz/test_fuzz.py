@@ -13,7 +13,6 @@ from tests.fuzz.__main__ import recorded, table
 from tests.fuzz.kinds import manifests, scripts
 from tests.fuzz.own import RefusedError, ended, is_own, refusals
 
-
 QUICK = {"scripts": 700, "rigs": 1000}
 
 

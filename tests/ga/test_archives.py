@@ -105,6 +105,13 @@ def test_long_directories_are_refused_unread(tmp_path: Path) -> None:
         read_arrays(tmp_path / "a.npz")
 
 
+def test_a_format_that_is_no_single_text_is_refused_in_one_line(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", format=np.full((9, 3), "points 1"))
+    with pytest.raises(FileError, match="expected the format 'points 1', got ") as caught:
+        load_arrays(tmp_path / "a.npz", "points", "points 1", dict)
+    assert "\n" not in str(caught.value)
+
+
 @pytest.mark.parametrize("flags", [1, 1 << 6], ids=["encrypted", "strongly encrypted"])
 def test_encrypted_archives_are_refused(tmp_path: Path, flags: int) -> None:
     data = bytearray(archive(tmp_path / "a.npz", member((0,))).read_bytes())

@@ -8,6 +8,7 @@ import pytest
 
 from motorcade.ga import Motor, Rotor, Similarity, Versor
 from motorcade.ga.arrays import checked_floats, frozen
+from motorcade.ga.classical import DualQuaternion, QuaternionPose
 
 
 @pytest.mark.parametrize("shape", [(), (3,), (5,), (4, 1), (2, 7), (9,)])
@@ -141,6 +142,21 @@ def test_matrices_that_are_no_rotations_are_refused() -> None:
     bottom[3, 0] = 1e-3
     with pytest.raises(ValueError, match="expected the last row 0 0 0 1"):
         Motor.from_matrix(bottom)
+
+
+@pytest.mark.parametrize("value", [1e200, 1e308])
+def test_numbers_whose_squares_overflow_are_refused_without_a_warning(value: float) -> None:
+    for make in (
+        lambda: Rotor.from_quaternion([value] * 4),
+        lambda: Motor.from_quaternion_translation([value] * 4, [0.0, 0.0, 0.0]),
+        lambda: Rotor.from_matrix(np.full((3, 3), value)),
+        lambda: Rotor.from_matrix([[value, 0, 0], [0, -value, 0], [value, value, 1]]),
+        lambda: QuaternionPose([value] * 7),
+        lambda: DualQuaternion([value] * 8),
+        lambda: DualQuaternion([1.0, 0.0, 0.0, 0.0, value, -value, value, value]),
+    ):
+        with pytest.raises(ValueError, match="expected"):
+            make()
 
 
 def test_quaternions_that_are_not_unit_are_refused() -> None:

@@ -1,5 +1,6 @@
 """Artifacts: what is written is read back, all or nothing, and only as the type asked for."""
 
+import json
 import os
 import subprocess
 import sys
@@ -94,6 +95,15 @@ def test_content_that_does_not_fit_the_type_is_refused(tmp_path: Path) -> None:
     stored = artifacts.write_artifact(outer(tmp_path), tmp_path / "kept", 0.5)
     with pytest.raises(artifacts.ArtifactError, match="cannot be read as"):
         artifacts.read_artifact(stored, Inner)
+
+
+def test_text_in_place_of_a_table_is_refused(tmp_path: Path) -> None:
+    stored = artifacts.write_artifact(outer(tmp_path), tmp_path / "kept", 0.5)
+    value = stored.folder / "value.json"
+    tree = json.loads(value.read_text())
+    value.write_text(json.dumps(tree | {"parts": "none"}))
+    with pytest.raises(artifacts.ArtifactError, match="cannot be read as"):
+        artifacts.read_artifact(stored, Outer)
 
 
 def test_what_cannot_be_stored_is_refused(tmp_path: Path) -> None:
