@@ -6,9 +6,11 @@ grows with the square of open brackets; both are refused before anything is buil
 
 from __future__ import annotations
 
-__all__ = ["MAX_LISTS", "YamlError", "parse_yaml"]
+import yaml
 
-MAX_LISTS = 2000
+__all__ = ["MAX_DEPTH", "YamlError", "parse_yaml"]
+
+MAX_DEPTH = 32
 
 
 class YamlError(ValueError):
@@ -22,11 +24,8 @@ class YamlError(ValueError):
 def parse_yaml(text: str) -> object:
     r"""The value that a YAML text stands for; OpenCV's `%YAML:1.0` and its matrices are allowed.
 
-    Args:
-        text: at most `MAX_LISTS` lists and tables in it.
-
     Raises:
-        YamlError: no YAML, an alias, or too many lists.
+        YamlError: no YAML, an alias, or lists and tables of more than `MAX_DEPTH` levels.
 
     >>> from motorcade.ga.plain_yaml import parse_yaml
     >>> parse_yaml("%YAML:1.0\n---\nrate_hz: 200.0")
@@ -35,17 +34,10 @@ def parse_yaml(text: str) -> object:
     Traceback (most recent call last):
     motorcade.ga.plain_yaml.YamlError: expected plain values, got a YAML alias
     """
-    import yaml
-
     if text.startswith("%YAML:"):  # no directive of YAML's; an empty line keeps the count
         text = "\n" + text.partition("\n")[2].removeprefix("---")
-    text = text.replace("!!opencv-matrix", "")
-    if sum(map(text.count, "[{-?")) > MAX_LISTS:
-        raise YamlError(f"expected at most {MAX_LISTS} lists, got more")
     try:
-        if any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text, yaml.SafeLoader)):
-            raise YamlError("expected plain values, got a YAML alias")
-        return yaml.safe_load(text)
+        return _PlainLoader(text.replace("!!opencv-matrix", "")).get_single_data()
     except YamlError:
         raise
     except (yaml.YAMLError, ValueError, RecursionError) as fault:  # also dates of no calendar
@@ -53,3 +45,22 @@ def parse_yaml(text: str) -> object:
         problem = getattr(fault, "problem", None) or str(fault) or type(fault).__name__
         line = None if mark is None else mark.line + 1
         raise YamlError(f"expected YAML: {' '.join(problem.split())}", line) from fault
+
+
+class _PlainLoader(yaml.SafeLoader):
+    """Stops at the first alias, and where lists nest too deeply."""
+
+    _depth = 0
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        if self.check_event(yaml.AliasEvent):
+            raise YamlError("expected plain values, got a YAML alias", self._line())
+        self._depth += 1
+        if self._depth > MAX_DEPTH:
+            raise YamlError(f"expected at most {MAX_DEPTH} levels, got more", self._line())
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        return node
+
+    def _line(self) -> int:
+        return int(self.peek_event().start_mark.line) + 1

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.errors import RecordingError, one_line, read_bounded, refusal
+from motorcade.replays.errors import RecordingError, admit_file, one_line, read_bounded, refusal
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -65,7 +65,7 @@ def read_bag(path: Path, types: Sequence[str]) -> Iterator[tuple[str, str, Any]]
 def _plain(path: Path, folder: Path) -> Path:
     """The bag itself, unpacked into `folder` where it is packed."""
     if path.suffix != ".bz2":
-        read_bounded(path, BAG_LIMIT)
+        admit_file(path, BAG_LIMIT)
         return path
     packed = read_bounded(path, PACKED_LIMIT)
     unpacker = bz2.BZ2Decompressor()

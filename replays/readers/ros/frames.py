@@ -17,10 +17,16 @@ from typing import TYPE_CHECKING, Any, Self
 import cv2
 import numpy as np
 
-from motorcade.replays.errors import RecordingError, one_line, refusal
+from motorcade.replays.errors import RecordingError, one_line, open_bounded, refusal
 from motorcade.replays.readers.frames.decoded import DecodedFrames
 from motorcade.replays.readers.frames.files import FRAME_LIMIT
-from motorcade.replays.readers.frames.pictures import PIXEL_LIMIT
+from motorcade.replays.readers.frames.pictures import PIXEL_LIMIT, picture_size
+from motorcade.replays.readers.ros.admission import (
+    FILE_LIMIT,
+    admit_bag,
+    bound_chunks,
+    check_overlaps,
+)
 from motorcade.replays.recording import ImageArray
 
 if TYPE_CHECKING:
@@ -54,14 +60,18 @@ class Bag:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._ros1 = path.suffix.lower() == ".bag"
+        admit_bag(path)
+        bound_chunks()
         try:
             self._reader: Any = _reader(path, ros1=self._ros1)
             self._reader.open()
         except Exception as fault:  # the parsers' errors have no common base
             raise self._refusal(fault) from fault
-        if not self._ros1 and self._reader.compression_mode:
-            problem = "expected plain storage, got compressed files"
-            raise refusal(path, problem, advice="`ros2 bag convert` or zstd unpacks them")
+        try:
+            check_overlaps(self._reader)
+        except RecordingError:
+            self.close()
+            raise
 
     def __enter__(self) -> Self:
         return self
@@ -178,8 +188,8 @@ class BagFrames(DecodedFrames):
     def _digests(self) -> list[bytes]:
         root, found = self._path, []
         for path in sorted(root.iterdir()) if root.is_dir() else [root]:
-            if path.is_file():
-                with path.open("rb") as file:
+            if path.is_file() and path.stat().st_size:
+                with open_bounded(path, FILE_LIMIT) as file:
                     found.append(hashlib.file_digest(file, "sha256").digest())
         return found
 
@@ -224,6 +234,10 @@ def _raw(message: Any, path: Path, field: str) -> ImageArray:
 
 def _compressed(message: Any, path: Path, field: str) -> ImageArray:
     flags = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
+    try:
+        picture_size(bytes(message.data))
+    except ValueError as fault:
+        raise refusal(path, str(fault), field=field) from fault
     try:
         picture = cv2.imdecode(np.asarray(message.data, dtype=np.uint8), flags)
     except cv2.error as fault:
