@@ -101,7 +101,7 @@ class Skeleton:
             )
         poses = np.array(local.coefficients)
         growing = isinstance(local, Similarity)
-        compose = kernels.similarity_compose if growing else kernels.compose
+        compose = (kernels.SIMILARITIES if growing else kernels.MOTORS).compose
         for joints in self._levels[1:]:
             above = poses[..., self.parents[joints], :]
             poses[..., joints, :] = compose(above, poses[..., joints, :])

@@ -38,11 +38,11 @@ from motorcade.ga.classical import (
     nearest_sign,
     quaternion_normalize,
 )
-from motorcade.ga.kernels.batches import (
-    MOTOR_TANGENTS,
-    ROTOR_TANGENTS,
-    SIMILARITY_TANGENTS,
-    TangentKernels,
+from motorcade.ga.kernels import (
+    MOTORS,
+    ROTORS,
+    SIMILARITIES,
+    VersorKernels,
 )
 
 __all__ = ["REPRESENTATIONS", "Representation", "representation_named", "restored"]
@@ -167,13 +167,13 @@ class MotorTwists(Representation):
         return Motor(coordinates)
 
     def _rigid_local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
-        return MOTOR_TANGENTS.local(base, coordinates)
+        return MOTORS.local(base, coordinates)
 
     def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
-        return MOTOR_TANGENTS.retract(base, vector)
+        return MOTORS.retract(base, vector)
 
     def _rigid_local_jacobians(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return _inverse_jacobians(MOTOR_TANGENTS, vector)
+        return _inverse_jacobians(MOTORS, vector)
 
 
 class SimilarityTwists(Representation):
@@ -208,7 +208,7 @@ class SimilarityTwists(Representation):
 
     def local_jacobians(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Of twists ``(N, 7)``, the logarithm of the scale among them."""
-        return _inverse_jacobians(SIMILARITY_TANGENTS, vector)
+        return _inverse_jacobians(SIMILARITIES, vector)
 
 
 class Rotors(Representation):
@@ -226,23 +226,23 @@ class Rotors(Representation):
         return Motor.from_rotor_translation(Rotor(coordinates[..., :4]), coordinates[..., 4:])
 
     def _rigid_local(self, coordinates: FloatArray, base: FloatArray) -> FloatArray:
-        turn = ROTOR_TANGENTS.local(base[..., :4], coordinates[..., :4])
+        turn = ROTORS.local(base[..., :4], coordinates[..., :4])
         return np.concatenate([turn, coordinates[..., 4:] - base[..., 4:]], axis=-1)
 
     def _rigid_retract(self, base: FloatArray, vector: FloatArray) -> FloatArray:
-        turned = ROTOR_TANGENTS.retract(base[..., :4], vector[..., :3])
+        turned = ROTORS.retract(base[..., :4], vector[..., :3])
         return np.concatenate([turned, base[..., 4:] + vector[..., 3:]], axis=-1)
 
     def _rigid_local_jacobians(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         made = [np.zeros((len(vector), 6, 6)) for _ in range(2)]
-        turning = _inverse_jacobians(ROTOR_TANGENTS, vector[..., :3])
+        turning = _inverse_jacobians(ROTORS, vector[..., :3])
         for whole, part, sign in zip(made, turning, (-1.0, 1.0), strict=True):
             whole[:, :3, :3], whole[:, 3:, 3:] = part, sign * np.eye(3)
         return made[0], made[1]
 
 
 def _inverse_jacobians(
-    tangents: TangentKernels, vector: FloatArray
+    tangents: VersorKernels, vector: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """How a twist to a pose changes with moves of its base and of the pose."""
     return -tangents.left_jacobian_inverse(vector), tangents.left_jacobian_inverse(-vector)

@@ -1,15 +1,16 @@
 """Versor kernels over batches, float32 and float64, written by the project's own generator.
 
-`backend` says which code runs, "compiled" or "numpy" (see `motorcade.ga.kernels.backend`). The
-functions here take arrays ``(*, n)`` whose batches broadcast; nothing is validated: versors are
-taken for unit, numbers for finite. For repeated calls on the same storage `Block` holds operands
-as the kernels want them and `function` gives the kernel itself: ``function("compose")(a, b, out)``.
+`backend` says which code runs, "compiled" or "numpy" (see `motorcade.ga.kernels.backend`).
+`ROTORS`, `MOTORS` and `SIMILARITIES` have the verbs of all versors; other functions work on one
+kind. They take arrays ``(*, n)`` whose batches broadcast; nothing is validated: versors are taken
+for unit, numbers for finite. For repeated calls on the same storage `Block` holds operands as the
+kernels want them and `function` gives the kernel itself: ``function("compose")(a, b, out)``.
 Batches of more than 65536 rows are shared among `threads()` threads; `set_threads` says how many.
 
 >>> import numpy as np
 >>> from motorcade.ga import Motor, kernels
 >>> turn, step = Motor.from_twist([[0, 0, np.pi / 2, 0, 0, 0], [0, 0, 0, 1, 0, 0]]).coefficients
->>> kernels.apply(kernels.compose(step, turn), np.array([1.0, 0.0, 0.0])).round(6)
+>>> kernels.MOTORS.apply(kernels.MOTORS.compose(step, turn), np.array([1.0, 0.0, 0.0])).round(6)
 array([1., 1., 0.])
 >>> motors, inverses = kernels.Block(8, 2), kernels.Block(8, 2)
 >>> motors.array[:] = turn, step
@@ -22,47 +23,46 @@ from __future__ import annotations
 
 from motorcade.ga.kernels.backend import Block, backend, function, set_threads, threads
 from motorcade.ga.kernels.batches import (
-    apply,
+    MOTORS,
+    ROTORS,
+    SIMILARITIES,
+    PoseKernels,
+    VersorKernels,
     blend,
     blend_many,
     blend_many_matrix,
     blend_matrix,
-    compose,
     dual_quaternion,
-    exp,
-    interpolate,
-    inverse,
-    log,
-    matrix34,
-    matrix44,
     normalize,
-    rotor_compose,
-    rotor_exp,
-    rotor_interpolate,
-    rotor_inverse,
-    rotor_log,
     rotor_translation_scale,
     screw_blend,
     screw_blend_matrix,
-    similarity_apply,
     similarity_blend,
-    similarity_compose,
-    similarity_exp,
-    similarity_interpolate,
-    similarity_inverse,
-    similarity_log,
-    similarity_matrix34,
-    similarity_matrix44,
     similarity_normalize,
     similarity_of_motor,
 )
 
 __all__ = [
-    "Block", "apply", "backend", "blend", "blend_many", "blend_many_matrix", "blend_matrix",
-    "compose", "dual_quaternion", "exp", "function", "interpolate", "inverse", "log", "matrix34",
-    "matrix44", "normalize", "rotor_compose", "rotor_exp", "rotor_interpolate", "rotor_inverse",
-    "rotor_log", "rotor_translation_scale", "screw_blend", "screw_blend_matrix", "set_threads",
-    "similarity_apply", "similarity_blend", "similarity_compose", "similarity_exp",
-    "similarity_interpolate", "similarity_inverse", "similarity_log", "similarity_matrix34",
-    "similarity_matrix44", "similarity_normalize", "similarity_of_motor", "threads",
-]  # fmt: skip
+    "MOTORS",
+    "ROTORS",
+    "SIMILARITIES",
+    "Block",
+    "PoseKernels",
+    "VersorKernels",
+    "backend",
+    "blend",
+    "blend_many",
+    "blend_many_matrix",
+    "blend_matrix",
+    "dual_quaternion",
+    "function",
+    "normalize",
+    "rotor_translation_scale",
+    "screw_blend",
+    "screw_blend_matrix",
+    "set_threads",
+    "similarity_blend",
+    "similarity_normalize",
+    "similarity_of_motor",
+    "threads",
+]

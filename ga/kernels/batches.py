@@ -4,11 +4,13 @@ Inputs are float32 or float64, all of one kind, and are read where they lie. Res
 rows and more are views ``(*, n)`` onto storage that holds one component after the other, so that
 the next kernel reads them without copying; smaller ones are in C order.
 
-Similarities ``(*, 12)`` stand on ``1, e23, e31, e12, E, e23E, e31E, e12E, e1∞, e2∞, e3∞, e123∞``
-with ``E = e0∧e∞``. A scale ``ρ`` leaves the difference of the first two quadruples with a relative
+Rotors ``(*, 4)`` stand on ``1, e23, e31, e12``, motors ``(*, 8)`` on ``1, e23, e31, e12, e1∞, e2∞,
+e3∞, e123∞``, similarities ``(*, 12)`` on ``1, e23, e31, e12, E, e23E, e31E, e12E, e1∞, e2∞, e3∞,
+e123∞`` with ``E = e0∧e∞``; logarithms on ``e23, e31, e12``, then ``E``, then ``e1∞, e2∞, e3∞``, as
+many as there are. A scale ``ρ`` leaves the difference of the first two quadruples with a relative
 error of ``max(ρ, 1/ρ)`` roundings, so scales are meant to lie in 1e-12 … 1e12 (float64) or
 1e-5 … 1e5 (float32). A twist is ``-2 log``: rotation vector (rad), then translational part (m),
-then, of similarities, logarithm of the scale; ``(*, 3)``, ``(*, 6)``, ``(*, 7)``.
+then, of similarities, logarithm of the scale.
 """
 
 from __future__ import annotations
@@ -22,45 +24,18 @@ from numpy.typing import NDArray
 
 from motorcade.ga.kernels.backend import function
 
-__all__ = [
-    "MOTOR_TANGENTS", "ROTOR_TANGENTS", "SIMILARITY_TANGENTS", "TangentKernels", "apply", "blend",
-    "blend_many", "blend_many_matrix", "blend_matrix", "compose", "dual_quaternion", "exp",
-    "interpolate", "inverse", "log", "matrix34", "matrix44", "normalize", "rotor_compose",
-    "rotor_exp", "rotor_interpolate", "rotor_inverse", "rotor_log", "rotor_translation_scale",
-    "screw_blend", "screw_blend_matrix", "similarity_apply", "similarity_blend",
-    "similarity_compose", "similarity_exp", "similarity_interpolate", "similarity_inverse",
-    "similarity_log", "similarity_matrix34", "similarity_matrix44", "similarity_normalize",
-    "similarity_of_motor",
-]  # fmt: skip
-
 _BLOCK = 16
 
 # float32 or float64, one kind throughout a call.
 Array = NDArray[Any]
 
-_compose, _inverse, _apply = function("compose"), function("inverse"), function("apply")
-_exp, _log, _log_long = function("exp"), function("log"), function("log_long")
-_interpolate, _interpolate_long = function("interpolate"), function("interpolate_long")
 _blend, _blend_matrix = function("blend"), function("blend_matrix")
 _screw_blend, _screw_blend_matrix = function("screw_blend"), function("screw_blend_matrix")
 _accumulate = function("accumulate")
 _normalize, _normalize_matrix = function("normalize"), function("normalize_matrix")
-_matrix34, _matrix44 = function("matrix34"), function("matrix44")
 _dual_quaternion = function("dual_quaternion")
-_rotor_compose, _rotor_inverse = function("rotor_compose"), function("rotor_inverse")
-_rotor_exp, _rotor_log = function("rotor_exp"), function("rotor_log")
-_rotor_log_long, _rotor_interpolate = function("rotor_log_long"), function("rotor_interpolate")
-_rotor_interpolate_long = function("rotor_interpolate_long")
-_similarity_compose = function("similarity_compose")
-_similarity_inverse = function("similarity_inverse")
-_similarity_apply, _similarity_exp = function("similarity_apply"), function("similarity_exp")
-_similarity_log, _similarity_log_long = function("similarity_log"), function("similarity_log_long")
-_similarity_interpolate = function("similarity_interpolate")
-_similarity_interpolate_long = function("similarity_interpolate_long")
 _similarity_normalize = function("similarity_normalize")
 _similarity_blend = function("similarity_blend")
-_similarity_matrix34 = function("similarity_matrix34")
-_similarity_matrix44 = function("similarity_matrix44")
 _similarity_parts = function("rotor_translation_scale")
 _similarity_of_motor = function("similarity_of_motor")
 
@@ -140,43 +115,6 @@ def _of_fraction(
     return made
 
 
-def compose(a: Array, b: Array) -> Array:
-    """Geometric product ``a b`` of motors, ``(*, 8)``."""
-    return _of_two(_compose, a, b, 8)
-
-
-def inverse(m: Array) -> Array:
-    """Reverse of motors, ``(*, 8)``: the inverse where they are unit."""
-    return _of_one(_inverse, m, 8)
-
-
-def apply(m: Array, points: Array) -> Array:
-    """Points ``(*, 3)`` moved by motors ``(*, 8)``."""
-    return _of_two(_apply, m, points, 3)
-
-
-def exp(log: Array) -> Array:
-    """Motors ``(*, 8)`` from bivectors ``(*, 6)`` on ``e23, e31, e12, e1∞, e2∞, e3∞``.
-
-    Of half angles up to 2e8 (float64) or 6e3 (float32) nothing is lost beyond their own rounding.
-    """
-    return _of_one(_exp, log, 8)
-
-
-def log(m: Array, short_way: bool = True) -> Array:
-    """Bivectors ``(*, 6)`` of unit motors ``(*, 8)``.
-
-    With ``short_way`` the sign is flipped first where ``m0 < 0``, so half the rotation angle is at
-    most π/2; without, it runs up to π, where the axis is lost.
-    """
-    return _of_one(_log if short_way else _log_long, m, 6)
-
-
-def interpolate(a: Array, b: Array, fraction: Array | float, short_way: bool = True) -> Array:
-    """Screw interpolation ``a exp(fraction log(~a b))``; ``fraction`` is any number."""
-    return _of_fraction(_interpolate if short_way else _interpolate_long, a, b, fraction, 8)
-
-
 def blend(a: Array, b: Array, fraction: Array | float) -> Array:
     """Linear blend of motors the short way round, projected to motors ``(*, 8)``."""
     return _of_fraction(_blend, a, b, fraction, 8)
@@ -188,7 +126,7 @@ def blend_matrix(a: Array, b: Array, fraction: Array | float) -> Array:
 
 
 def screw_blend(a: Array, b: Array, fraction: Array | float) -> Array:
-    """`interpolate` for fractions in [0, 1], faster; outside it loses accuracy."""
+    """`MOTORS.interpolate` for fractions in [0, 1], faster; outside it loses accuracy."""
     return _of_fraction(_screw_blend, a, b, fraction, 8)
 
 
@@ -230,16 +168,6 @@ def normalize(m: Array) -> Array:
     return _of_one(_normalize, m, 8)
 
 
-def matrix34(m: Array) -> Array:
-    """Matrices ``(*, 3, 4)`` of motors."""
-    return _matrices(_of_one(_matrix34, m, 12), 3)
-
-
-def matrix44(m: Array) -> Array:
-    """Homogeneous matrices ``(*, 4, 4)`` of motors."""
-    return _matrices(_of_one(_matrix44, m, 16), 4)
-
-
 def _matrices(rows: Array, height: int) -> Array:
     return rows.reshape(*rows.shape[:-1], height, 4)
 
@@ -247,70 +175,6 @@ def _matrices(rows: Array, height: int) -> Array:
 def dual_quaternion(m: Array) -> Array:
     """Hamilton dual quaternions ``(*, 8)``, real wxyz then dual wxyz."""
     return _of_one(_dual_quaternion, m, 8)
-
-
-def rotor_compose(a: Array, b: Array) -> Array:
-    """Geometric product ``a b`` of rotors, ``(*, 4)``."""
-    return _of_two(_rotor_compose, a, b, 4)
-
-
-def rotor_inverse(r: Array) -> Array:
-    """Reverse of rotors, ``(*, 4)``: the inverse where they are unit."""
-    return _of_one(_rotor_inverse, r, 4)
-
-
-def rotor_exp(log: Array) -> Array:
-    """Rotors ``(*, 4)`` from bivectors ``(*, 3)`` on ``e23, e31, e12``."""
-    return _of_one(_rotor_exp, log, 4)
-
-
-def rotor_log(r: Array, short_way: bool = True) -> Array:
-    """Bivectors ``(*, 3)`` of unit rotors ``(*, 4)``; the sign rule of `log`."""
-    return _of_one(_rotor_log if short_way else _rotor_log_long, r, 3)
-
-
-def rotor_interpolate(a: Array, b: Array, fraction: Array | float, short_way: bool = True) -> Array:
-    """Great-circle interpolation ``a exp(fraction log(~a b))``."""
-    return _of_fraction(
-        _rotor_interpolate if short_way else _rotor_interpolate_long, a, b, fraction, 4
-    )
-
-
-def similarity_compose(a: Array, b: Array) -> Array:
-    """Geometric product ``a b`` of similarities, ``(*, 12)``."""
-    return _of_two(_similarity_compose, a, b, 12)
-
-
-def similarity_inverse(m: Array) -> Array:
-    """Reverse of similarities, ``(*, 12)``: the inverse where they are unit."""
-    return _of_one(_similarity_inverse, m, 12)
-
-
-def similarity_apply(m: Array, points: Array) -> Array:
-    """Points ``(*, 3)`` moved by similarities ``(*, 12)``."""
-    return _of_two(_similarity_apply, m, points, 3)
-
-
-def similarity_exp(log: Array) -> Array:
-    """Similarities ``(*, 12)`` from bivectors ``(*, 7)`` on ``e23, e31, e12, E, e1∞, e2∞, e3∞``.
-
-    Angles as for `exp`; where ``e^|E|`` is too large, the result is not finite.
-    """
-    return _of_one(_similarity_exp, log, 12)
-
-
-def similarity_log(m: Array, short_way: bool = True) -> Array:
-    """Bivectors ``(*, 7)`` of unit similarities ``(*, 12)``; the sign rule of `log`."""
-    return _of_one(_similarity_log if short_way else _similarity_log_long, m, 7)
-
-
-def similarity_interpolate(
-    a: Array, b: Array, fraction: Array | float, short_way: bool = True
-) -> Array:
-    """Spirals ``a exp(fraction log(~a b))``; ``fraction`` is any number."""
-    return _of_fraction(
-        _similarity_interpolate if short_way else _similarity_interpolate_long, a, b, fraction, 12
-    )
 
 
 def similarity_blend(a: Array, b: Array, fraction: Array | float) -> Array:
@@ -331,16 +195,6 @@ def similarity_normalize(m: Array) -> tuple[Array, Array]:
     return made[..., :12], made[..., 12]
 
 
-def similarity_matrix34(m: Array) -> Array:
-    """Matrices ``(*, 3, 4)`` of similarities."""
-    return _matrices(_of_one(_similarity_matrix34, m, 12), 3)
-
-
-def similarity_matrix44(m: Array) -> Array:
-    """Homogeneous matrices ``(*, 4, 4)`` of similarities."""
-    return _matrices(_of_one(_similarity_matrix44, m, 16), 4)
-
-
 def rotor_translation_scale(m: Array) -> tuple[Array, Array, Array]:
     """Rotors ``(*, 4)``, translations ``(*, 3)`` and scales ``(*)`` of similarities."""
     made: Any = _of_one(_similarity_parts, m, 8)
@@ -353,47 +207,116 @@ def similarity_of_motor(m: Array, scale: Array) -> Array:
     return _of_two(_similarity_of_motor, m, scale[..., None], 12)
 
 
-class TangentKernels:
-    """The kernels of one kind of versor, found by the prefix of their names."""
+class VersorKernels:
+    """The verbs of one kind of versor, whose kernels are called `prefix` and the verb.
 
-    def __init__(self, prefix: str, versor_size: int, twist_size: int) -> None:
-        self.versor_size = versor_size
-        self.twist_size = twist_size
+    Versors are ``(*, size)``, bivectors and twists ``(*, d)``.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Rotor
+    >>> from motorcade.ga.kernels import ROTORS
+    >>> quarter = Rotor.from_rotation_vector([0.0, 0.0, np.pi / 2]).coefficients
+    >>> (-2 * ROTORS.log(ROTORS.compose(quarter, quarter))).round(6)
+    array([-0.      , -0.      ,  3.141593])
+    """
+
+    def __init__(self, prefix: str, size: int, twist_size: int) -> None:
+        self._size = size
+        self._twist_size = twist_size
+        self._compose, self._inverse = function(f"{prefix}compose"), function(f"{prefix}inverse")
+        self._exp, self._log = function(f"{prefix}exp"), function(f"{prefix}log")
+        self._log_long = function(f"{prefix}log_long")
+        self._interpolate = function(f"{prefix}interpolate")
+        self._interpolate_long = function(f"{prefix}interpolate_long")
         self._adjoint = function(f"{prefix}adjoint")
         self._transform_twist = function(f"{prefix}transform_twist")
         self._left_jacobian = function(f"{prefix}left_jacobian")
         self._left_jacobian_inverse = function(f"{prefix}left_jacobian_inverse")
-        self._retract = function(f"{prefix}retract")
-        self._local = function(f"{prefix}local")
+        self._retract, self._local = function(f"{prefix}retract"), function(f"{prefix}local")
+
+    def compose(self, a: Array, b: Array) -> Array:
+        """Geometric product ``a b``."""
+        return _of_two(self._compose, a, b, self._size)
+
+    def inverse(self, m: Array) -> Array:
+        """The reverse: the inverse where versors are unit."""
+        return _of_one(self._inverse, m, self._size)
+
+    def exp(self, log: Array) -> Array:
+        """Versors of bivectors.
+
+        Of half angles up to 2e8 (float64) or 6e3 (float32) nothing is lost beyond their own
+        rounding. Where ``e^|E|`` is too large, similarities are not finite.
+        """
+        return _of_one(self._exp, log, self._size)
+
+    def log(self, m: Array, short_way: bool = True) -> Array:
+        """Bivectors of unit versors.
+
+        With ``short_way`` the sign is flipped first where ``m0 < 0``, so half the rotation angle
+        is at most π/2; without, it runs up to π, where the axis is lost.
+        """
+        return _of_one(self._log if short_way else self._log_long, m, self._twist_size)
+
+    def interpolate(
+        self, a: Array, b: Array, fraction: Array | float, short_way: bool = True
+    ) -> Array:
+        """Great circles, screws and spirals ``a exp(fraction log(~a b))`` for any fraction."""
+        kernel = self._interpolate if short_way else self._interpolate_long
+        return _of_fraction(kernel, a, b, fraction, self._size)
 
     def adjoint(self, m: Array) -> Array:
         """Matrices ``(*, d, d)`` with ``m exp(x) ~m = exp(Ad x)``."""
-        return self._square(_of_one(self._adjoint, m, self.twist_size**2))
+        return self._square(_of_one(self._adjoint, m, self._twist_size**2))
 
     def transform_twist(self, m: Array, twist: Array) -> Array:
         """Twists ``Ad x``, without the matrix."""
-        return _of_two(self._transform_twist, m, twist, self.twist_size)
+        return _of_two(self._transform_twist, m, twist, self._twist_size)
 
     def left_jacobian(self, twist: Array) -> Array:
         """Matrices with ``exp(x + y) ≈ exp(J y) exp(x)``; the right one is that of ``-x``."""
-        return self._square(_of_one(self._left_jacobian, twist, self.twist_size**2))
+        return self._square(_of_one(self._left_jacobian, twist, self._twist_size**2))
 
     def left_jacobian_inverse(self, twist: Array) -> Array:
         """The inverse of `left_jacobian`; not finite or huge at full turns."""
-        return self._square(_of_one(self._left_jacobian_inverse, twist, self.twist_size**2))
+        return self._square(_of_one(self._left_jacobian_inverse, twist, self._twist_size**2))
 
     def retract(self, m: Array, twist: Array) -> Array:
         """Versors ``m exp(x)``."""
-        return _of_two(self._retract, m, twist, self.versor_size)
+        return _of_two(self._retract, m, twist, self._size)
 
     def local(self, a: Array, b: Array) -> Array:
         """Twists from ``a`` to ``b``, seen from ``a``, which turn by at most π."""
-        return _of_two(self._local, a, b, self.twist_size)
+        return _of_two(self._local, a, b, self._twist_size)
 
     def _square(self, rows: Array) -> Array:
-        return rows.reshape(*rows.shape[:-1], self.twist_size, self.twist_size)
+        return rows.reshape(*rows.shape[:-1], self._twist_size, self._twist_size)
 
 
-ROTOR_TANGENTS = TangentKernels("rotor_", 4, 3)
-MOTOR_TANGENTS = TangentKernels("", 8, 6)
-SIMILARITY_TANGENTS = TangentKernels("similarity_", 12, 7)
+class PoseKernels(VersorKernels):
+    """What versors do that move points too: motors and similarities."""
+
+    def __init__(self, prefix: str, size: int, twist_size: int) -> None:
+        super().__init__(prefix, size, twist_size)
+        self._apply = function(f"{prefix}apply")
+        self._matrix34, self._matrix44 = (
+            function(f"{prefix}matrix34"),
+            function(f"{prefix}matrix44"),
+        )
+
+    def apply(self, m: Array, points: Array) -> Array:
+        """Points ``(*, 3)`` moved."""
+        return _of_two(self._apply, m, points, 3)
+
+    def matrix34(self, m: Array) -> Array:
+        """Matrices ``(*, 3, 4)``."""
+        return _matrices(_of_one(self._matrix34, m, 12), 3)
+
+    def matrix44(self, m: Array) -> Array:
+        """Homogeneous matrices ``(*, 4, 4)``."""
+        return _matrices(_of_one(self._matrix44, m, 16), 4)
+
+
+ROTORS = VersorKernels("rotor_", 4, 3)
+MOTORS = PoseKernels("", 8, 6)
+SIMILARITIES = PoseKernels("similarity_", 12, 7)

@@ -20,10 +20,9 @@ from motorcade.ga.arrays import (
     checked_floats,
     common_precision,
 )
-from motorcade.ga.kernels import compose, exp, interpolate, inverse, log
-from motorcade.ga.kernels.batches import MOTOR_TANGENTS
+from motorcade.ga.kernels import MOTORS
 from motorcade.ga.versors.rotor import Rotor
-from motorcade.ga.versors.versor import Versor, VersorKernels
+from motorcade.ga.versors.versor import Versor
 
 __all__ = ["Motor"]
 
@@ -54,7 +53,7 @@ class Motor(Versor):
 
     _size = 8
     _log_size = 6
-    _kernels = VersorKernels(compose, inverse, exp, log, interpolate, MOTOR_TANGENTS)
+    _kernels = MOTORS
 
     @classmethod
     def _check_unit(cls, coefficients: FloatArray) -> None:
@@ -130,7 +129,7 @@ class Motor(Versor):
         """
         x = checked_floats(points, "Motor.apply(points)", (3,)).astype(self.dtype, copy=False)
         broadcast_batch("Motor.apply", self.shape, x.shape[:-1])
-        return kernels.apply(self.coefficients, x)
+        return MOTORS.apply(self.coefficients, x)
 
     # Conversions -------------------------------------------------------------------------------
 
@@ -177,7 +176,7 @@ class Motor(Versor):
 
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
-        return kernels.matrix44(self.coefficients)
+        return MOTORS.matrix44(self.coefficients)
 
     @classmethod
     def from_quaternion_translation(cls, wxyz: ArrayLike, translation_m: ArrayLike) -> Motor:

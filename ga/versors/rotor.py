@@ -11,16 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, broadcast_batch, checked_floats
-from motorcade.ga.kernels import (
-    rotor_compose,
-    rotor_exp,
-    rotor_interpolate,
-    rotor_inverse,
-    rotor_log,
-)
-from motorcade.ga.kernels.batches import ROTOR_TANGENTS
+from motorcade.ga.kernels import ROTORS
 from motorcade.ga.versors.euler_angles import euler_from_matrix, matrix_from_euler
-from motorcade.ga.versors.versor import Versor, VersorKernels
+from motorcade.ga.versors.versor import Versor
 
 __all__ = ["Rotor"]
 
@@ -50,9 +43,7 @@ class Rotor(Versor):
 
     _size = 4
     _log_size = 3
-    _kernels = VersorKernels(
-        rotor_compose, rotor_inverse, rotor_exp, rotor_log, rotor_interpolate, ROTOR_TANGENTS
-    )
+    _kernels = ROTORS
 
     @classmethod
     def normalize(cls, coefficients: ArrayLike) -> Rotor:
@@ -126,7 +117,7 @@ class Rotor(Versor):
     def from_rotation_vector(cls, vector_rad: ArrayLike) -> Rotor:
         """Rotors from rotation vectors ``(*, 3)``: axis times right-handed angle in radians."""
         vector = cls._checked(vector_rad, "Rotor.from_rotation_vector(vector_rad)", (3,))
-        return cls._trusted(rotor_exp(-0.5 * vector))
+        return cls._trusted(ROTORS.exp(-0.5 * vector))
 
     def as_rotation_vector(self) -> FloatArray:
         """Rotation vectors ``(*, 3)`` of length at most π; at π the sign of `self` decides."""

@@ -25,10 +25,10 @@ from motorcade.ga.arrays import (
     checked_floats,
     common_precision,
 )
-from motorcade.ga.kernels.batches import SIMILARITY_TANGENTS
+from motorcade.ga.kernels import SIMILARITIES
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.rotor import Rotor
-from motorcade.ga.versors.versor import Versor, VersorKernels
+from motorcade.ga.versors.versor import Versor
 
 __all__ = ["Similarity"]
 
@@ -58,10 +58,7 @@ class Similarity(Versor):
 
     _size = 12
     _log_size = 7
-    _kernels = VersorKernels(
-        kernels.similarity_compose, kernels.similarity_inverse, kernels.similarity_exp,
-        kernels.similarity_log, kernels.similarity_interpolate, SIMILARITY_TANGENTS,
-    )  # fmt: skip
+    _kernels = SIMILARITIES
 
     @classmethod
     def _check_unit(cls, coefficients: FloatArray) -> None:
@@ -97,7 +94,7 @@ class Similarity(Versor):
         """
         given = cls._checked(log, "Similarity.exp(log)", (7,))
         with np.errstate(over="ignore", invalid="ignore"):  # as the NumPy kernels would warn
-            made = kernels.similarity_exp(given)
+            made = SIMILARITIES.exp(given)
         if not np.isfinite(made).all():
             raise ValueError(
                 f"Similarity.exp(log): expected scales that {given.dtype} can hold, got E up to "
@@ -175,7 +172,7 @@ class Similarity(Versor):
         """
         x = checked_floats(points, "Similarity.apply(points)", (3,)).astype(self.dtype, copy=False)
         broadcast_batch("Similarity.apply", self.shape, x.shape[:-1])
-        return kernels.similarity_apply(self.coefficients, x)
+        return SIMILARITIES.apply(self.coefficients, x)
 
     # Conversions -------------------------------------------------------------------------------
 
@@ -251,7 +248,7 @@ class Similarity(Versor):
 
     def as_matrix(self) -> FloatArray:
         """Homogeneous matrices ``(*, 4, 4)`` that act on columns."""
-        return kernels.similarity_matrix44(self.coefficients)
+        return SIMILARITIES.matrix44(self.coefficients)
 
     @classmethod
     def from_twist(cls, twist: ArrayLike) -> Similarity:

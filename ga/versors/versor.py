@@ -21,10 +21,9 @@ no precision of their own.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -38,24 +37,13 @@ from motorcade.ga.arrays import (
     common_precision,
     sealed,
 )
-from motorcade.ga.kernels.batches import TangentKernels
+from motorcade.ga.kernels.batches import VersorKernels
 
-__all__ = ["Versor", "VersorKernels"]
+__all__ = ["Versor"]
 
 # Below this sine of half the angle the long way round has lost its axis.
 _LONG_WAY_SINE = 1e-7
 _UNIT_TOLERANCE_SINGLE = 1e-5
-
-
-class VersorKernels(NamedTuple):
-    """What a versor type computes with, on coefficient arrays whose batches broadcast."""
-
-    compose: Callable[[FloatArray, FloatArray], FloatArray]
-    inverse: Callable[[FloatArray], FloatArray]
-    exp: Callable[[FloatArray], FloatArray]
-    log: Callable[[FloatArray], FloatArray]
-    interpolate: Callable[[FloatArray, FloatArray, FloatArray, bool], FloatArray]
-    tangents: TangentKernels
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -298,7 +286,7 @@ class Versor(CoefficientBatch):
             ValueError: wrong last dimension, NaN or infinity, batches that do not broadcast.
         """
         given = self._twists(twist, "retract(twist)")
-        return self._trusted(self._kernels.tangents.retract(self.coefficients, given))
+        return self._trusted(self._kernels.retract(self.coefficients, given))
 
     def local(self, other: Self) -> FloatArray:
         """Twist ``(*, d)`` that takes this versor to `other`, which turns by at most π.
@@ -311,14 +299,14 @@ class Versor(CoefficientBatch):
         """
         name = f"{type(self).__name__}.local"
         self._check_partner(other, name)
-        return self._kernels.tangents.local(self.coefficients, other.coefficients)
+        return self._kernels.local(self.coefficients, other.coefficients)
 
     def adjoint(self) -> FloatArray:
         """Matrices ``(*, d, d)`` on twists with ``S exp(x) ~S = exp(Ad x)``.
 
         ``world_T_body.adjoint()`` takes a body's twist in its own frame to that in the world's.
         """
-        return self._kernels.tangents.adjoint(self.coefficients)
+        return self._kernels.adjoint(self.coefficients)
 
     def transform_twist(self, twist: ArrayLike) -> FloatArray:
         """Twists ``(*, d)`` from the frame on the right to the one on the left: `adjoint` of them.
@@ -327,7 +315,7 @@ class Versor(CoefficientBatch):
             ValueError: wrong last dimension, NaN or infinity, batches that do not broadcast.
         """
         given = self._twists(twist, "transform_twist(twist)")
-        return self._kernels.tangents.transform_twist(self.coefficients, given)
+        return self._kernels.transform_twist(self.coefficients, given)
 
     @classmethod
     def left_jacobian(cls, twist: ArrayLike) -> FloatArray:
@@ -336,7 +324,7 @@ class Versor(CoefficientBatch):
         Raises:
             ValueError: wrong last dimension, NaN or infinity.
         """
-        return cls._kernels.tangents.left_jacobian(cls._checked_twist(twist, "left_jacobian"))
+        return cls._kernels.left_jacobian(cls._checked_twist(twist, "left_jacobian"))
 
     @classmethod
     def right_jacobian(cls, twist: ArrayLike) -> FloatArray:
@@ -345,7 +333,7 @@ class Versor(CoefficientBatch):
         Raises:
             ValueError: wrong last dimension, NaN or infinity.
         """
-        return cls._kernels.tangents.left_jacobian(-cls._checked_twist(twist, "right_jacobian"))
+        return cls._kernels.left_jacobian(-cls._checked_twist(twist, "right_jacobian"))
 
     @classmethod
     def left_jacobian_inverse(cls, twist: ArrayLike) -> FloatArray:
@@ -357,7 +345,7 @@ class Versor(CoefficientBatch):
             ValueError: wrong last dimension, NaN or infinity.
         """
         given = cls._checked_twist(twist, "left_jacobian_inverse")
-        return cls._kernels.tangents.left_jacobian_inverse(given)
+        return cls._kernels.left_jacobian_inverse(given)
 
     @classmethod
     def right_jacobian_inverse(cls, twist: ArrayLike) -> FloatArray:
@@ -369,7 +357,7 @@ class Versor(CoefficientBatch):
             ValueError: wrong last dimension, NaN or infinity.
         """
         given = cls._checked_twist(twist, "right_jacobian_inverse")
-        return cls._kernels.tangents.left_jacobian_inverse(-given)
+        return cls._kernels.left_jacobian_inverse(-given)
 
     @classmethod
     def _checked_twist(cls, twist: ArrayLike, verb: str) -> FloatArray:

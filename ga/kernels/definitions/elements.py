@@ -13,9 +13,9 @@ class Coefficients(NamedTuple):
     """The names of an element's coefficients, and for each the basis blade and its sign.
 
     >>> from motorcade.ga.kernels.definitions.elements import ROTOR
-    >>> half_turn = ROTOR.of([0.0, 0.0, 0.0, 1.0])
-    >>> ROTOR.numbers(half_turn * half_turn)
-    [-1.0, 0.0, 0.0, 0.0]
+    >>> quarter_turn = ROTOR.of([0.5**0.5, 0, 0, -(0.5**0.5)])
+    >>> [round(value, 6) + 0.0 for value in ROTOR.numbers(quarter_turn * quarter_turn)]
+    [0.0, 0.0, 0.0, -1.0]
     """
 
     names: tuple[str, ...]

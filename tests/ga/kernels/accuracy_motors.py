@@ -15,12 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga.kernels.batches import (
+from motorcade.ga.kernels import (
+    MOTORS,
     blend_matrix,
-    compose,
-    exp,
-    interpolate,
-    log,
     screw_blend,
     screw_blend_matrix,
 )
@@ -61,10 +58,10 @@ def largest_errors(dtype: str, seed: int = 0) -> dict[str, float]:
     rng = np.random.default_rng(seed)
     a = hard_motors(rng).astype(dtype)
     # Pairs whose difference is hard, and pairs anywhere.
-    near = compose(hard_motors(rng).astype("float64"), a.astype("float64")).astype(dtype)
+    near = MOTORS.compose(hard_motors(rng).astype("float64"), a.astype("float64")).astype(dtype)
     b = np.where(rng.uniform(size=(len(a), 1)) < 0.8, near, a[::-1])
     fractions = rng.choice(_FRACTIONS, len(a)).astype(dtype)
-    logs = log(a)
+    logs = MOTORS.log(a)
     tie = 4 * float(np.finfo(dtype).eps)
     with mp.workdps(50):
         first, second = [_motor(row) for row in a], [_motor(row) for row in b]
@@ -73,10 +70,16 @@ def largest_errors(dtype: str, seed: int = 0) -> dict[str, float]:
         arcs = [[_between(x, y, f, sign) for sign in signs(x, y, tie)] for x, y, f in pairs]
         lines = [[_mixed(x, y, f, sign) for sign in signs(x, y, tie)] for x, y, f in pairs]
         compared: dict[str, tuple[Any, list[list[Numbers]]]] = {
-            "compose": (compose(a, b), [[_row(_times(x, y))] for x, y, _ in pairs]),
+            "compose": (MOTORS.compose(a, b), [[_row(_times(x, y))] for x, y, _ in pairs]),
             "log": (logs, [[_log(x, sign) for sign in signs(_ONE, x, 0)] for x in first]),
-            "exp": (exp(logs), [[_row(_exp([mp.mpf(v) for v in row.tolist()]))] for row in logs]),
-            "interpolate": (interpolate(a, b, fractions), [[*map(_row, both)] for both in arcs]),
+            "exp": (
+                MOTORS.exp(logs),
+                [[_row(_exp([mp.mpf(v) for v in row.tolist()]))] for row in logs],
+            ),
+            "interpolate": (
+                MOTORS.interpolate(a, b, fractions),
+                [[*map(_row, both)] for both in arcs],
+            ),
             "screw_blend": (screw_blend(a, b, fractions), [[*map(_row, both)] for both in arcs]),
             "screw_blend_matrix": (
                 screw_blend_matrix(a, b, fractions),

@@ -15,14 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga.kernels.batches import (
-    similarity_apply,
+from motorcade.ga.kernels import (
+    SIMILARITIES,
     similarity_blend,
-    similarity_compose,
-    similarity_exp,
-    similarity_interpolate,
-    similarity_log,
-    similarity_matrix34,
     similarity_normalize,
     similarity_of_motor,
 )
@@ -63,12 +58,12 @@ def similarity_errors(dtype: str, seed: int = 0) -> dict[str, float]:
     rng = np.random.default_rng(seed)
     a = hard_similarities(rng).astype(dtype)
     # Pairs whose difference is hard, and pairs anywhere.
-    near = similarity_compose(hard_similarities(rng), a.astype("float64")).astype(dtype)
+    near = SIMILARITIES.compose(hard_similarities(rng), a.astype("float64")).astype(dtype)
     b = np.where(rng.uniform(size=(len(a), 1)) < 0.8, near, a[::-1])
     fractions = rng.choice(_FRACTIONS, len(a)).astype(dtype)
     points = rng.standard_normal((len(a), 3)).astype(dtype)
     elements = (a + 0.2 * rng.standard_normal(a.shape)).astype(dtype)
-    logs, tie = similarity_log(a), 4 * float(np.finfo(dtype).eps)
+    logs, tie = SIMILARITIES.log(a), 4 * float(np.finfo(dtype).eps)
     with mp.workdps(50):
         first, second = [_similarity(row) for row in a], [_similarity(row) for row in b]
         steps = [mp.mpf(fraction) for fraction in fractions.tolist()]
@@ -78,20 +73,20 @@ def similarity_errors(dtype: str, seed: int = 0) -> dict[str, float]:
             return [[_row(path(*pair, sign)) for sign in signs(*pair[:2], tie)] for pair in pairs]
 
         compared: dict[str, tuple[Any, list[list[Numbers]]]] = {
-            "compose": (similarity_compose(a, b), [[_row(_times(x, y))] for x, y, _ in pairs]),
+            "compose": (SIMILARITIES.compose(a, b), [[_row(_times(x, y))] for x, y, _ in pairs]),
             "log": (logs, [[_log(x, sign) for sign in signs(_ONE, x, tie)] for x in first]),
-            "exp": (similarity_exp(logs), [[_row(_exp(_digits(row)))] for row in logs]),
-            "interpolate": (similarity_interpolate(a, b, fractions), both(_between)),
+            "exp": (SIMILARITIES.exp(logs), [[_row(_exp(_digits(row)))] for row in logs]),
+            "interpolate": (SIMILARITIES.interpolate(a, b, fractions), both(_between)),
             "blend": (similarity_blend(a, b, fractions), both(_mixed)),
             "normalize": (
                 similarity_normalize(elements)[0],
                 [[_row(_similarity(row))] for row in elements],
             ),
             "apply": (
-                similarity_apply(a, points),
+                SIMILARITIES.apply(a, points),
                 [[_moved(_matrix(x), _digits(p))] for x, p in zip(first, points, strict=True)],
             ),
-            "matrix34": (similarity_matrix34(a), [[_matrix(x)] for x in first]),
+            "matrix34": (SIMILARITIES.matrix34(a), [[_matrix(x)] for x in first]),
         }
         return {f"similarity_{name}": worst_error(*pair) for name, pair in compared.items()}
 

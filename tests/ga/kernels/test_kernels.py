@@ -182,9 +182,9 @@ def test_batches_broadcast_as_arrays_do(
     witness = np.empty((len(a_all), 8))
     part = np.broadcast_to(fraction, shape).reshape(-1)
     numpy_backend.function("interpolate")(a_all, b_all, part, witness)
-    assert_close(kernels.interpolate(a, b, fraction), witness.reshape(*shape, 8))
+    assert_close(kernels.MOTORS.interpolate(a, b, fraction), witness.reshape(*shape, 8))
     pairs = np.broadcast_shapes(first, second)
-    assert kernels.compose(a, b).shape == (*pairs, 8)
+    assert kernels.MOTORS.compose(a, b).shape == (*pairs, 8)
 
 
 def test_results_do_not_depend_on_the_place_in_the_batch(rng: np.random.Generator) -> None:
@@ -198,9 +198,9 @@ def test_results_do_not_depend_on_the_place_in_the_batch(rng: np.random.Generato
 
 def test_threads_share_large_batches_without_changing_a_bit(rng: np.random.Generator) -> None:
     a, b = (Motor.random(rng, (150_001,)).coefficients for _ in range(2))
-    alone = kernels.compose(a, b)
+    alone = kernels.MOTORS.compose(a, b)
     kernels.set_threads(3)
-    np.testing.assert_array_equal(kernels.compose(a, b), alone)
+    np.testing.assert_array_equal(kernels.MOTORS.compose(a, b), alone)
 
 
 def test_chained_results_are_read_where_they_lie(rng: np.random.Generator) -> None:
@@ -273,7 +273,7 @@ def test_an_output_that_overlaps_an_input_is_refused_and_one_that_lies_between_i
     ):
         with pytest.raises(ValueError, match="overlap"):
             inverse(given, out)
-    witness = kernels.inverse(table[:, :8].copy())
+    witness = kernels.MOTORS.inverse(table[:, :8].copy())
     inverse(table[:, :8], table[::-1, 16:])
     np.testing.assert_array_equal(table[::-1, 16:], witness)
     inverse(table[:20, :8], table[10:30, 8:16])
@@ -287,9 +287,9 @@ def test_what_is_no_array_is_refused_by_name(rng: np.random.Generator) -> None:
     motors = Motor.random(rng, (3,)).coefficients
     rows = motors.tolist()
     for call in (
-        lambda: kernels.compose(rows, rows),
-        lambda: kernels.compose(motors, rows),
-        lambda: kernels.log(rows),
+        lambda: kernels.MOTORS.compose(rows, rows),
+        lambda: kernels.MOTORS.compose(motors, rows),
+        lambda: kernels.MOTORS.log(rows),
         lambda: kernels.blend(motors, motors, "0.5"),
         lambda: kernels.blend_many(rows, [0.5, 0.5]),
         lambda: kernels.blend_many(motors[:2], [0.5, 0.5]),
@@ -301,7 +301,7 @@ def test_what_is_no_array_is_refused_by_name(rng: np.random.Generator) -> None:
 
 def test_a_fraction_may_be_a_whole_number(rng: np.random.Generator) -> None:
     a, b = Motor.random(rng, (2, 3)).coefficients
-    for kernel in (kernels.interpolate, kernels.blend, kernels.screw_blend_matrix):
+    for kernel in (kernels.MOTORS.interpolate, kernels.blend, kernels.screw_blend_matrix):
         np.testing.assert_array_equal(kernel(a, b, 1), kernel(a, b, 1.0))
 
 

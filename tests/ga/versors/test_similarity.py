@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor, Rotor, Similarity
-from motorcade.ga.kernels import similarity_compose
+from motorcade.ga import Motor, Rotor, Similarity, kernels
 
 SCALES = (1e-12, 1e-3, 0.01, 0.25, 1 - 1e-7, 1.0, 1 + 1e-12, 2.0, 4.0, 30.0, 1e3, 1e12)
 EPS = float(np.finfo(float).eps)
@@ -149,7 +148,9 @@ def test_projection_is_a_versor_and_the_projection_of_itself(rng: np.random.Gene
 def test_projection_moves_with_the_versors(rng: np.random.Generator) -> None:
     elements = np.eye(12)[0] + 0.2 * rng.standard_normal((50, 12))
     left, right = Similarity.random(rng, (50,)), Similarity.random(rng, (50,))
-    moved = similarity_compose(similarity_compose(left.coefficients, elements), right.coefficients)
+    moved = kernels.SIMILARITIES.compose(
+        kernels.SIMILARITIES.compose(left.coefficients, elements), right.coefficients
+    )
     witness = left @ Similarity.normalize(elements) @ right
     assert off(Similarity.normalize(moved).coefficients, witness.coefficients) < 1e-12
 
