@@ -17,10 +17,10 @@ from .filter.settings import FilterSettings as FilterSettings
 from .graph.fuse import fuse_by_graph as fuse_by_graph
 from .graph.odometry import fuse_odometry as fuse_odometry
 from .imu.allan import estimate_noise as estimate_noise
+from .imu.continuous_path import ContinuousPath as ContinuousPath
 from .imu.noise import ADIS16448 as ADIS16448
 from .imu.noise import ImuNoise as ImuNoise
 from .imu.screening import screen_imu as screen_imu
-from .imu.simulate import ContinuousPath as ContinuousPath
 from .imu.simulate import simulate_imu as simulate_imu
 from .imu.stream import ImuStream as ImuStream
 from .metrics.evaluation import Evaluation as Evaluation

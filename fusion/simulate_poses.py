@@ -11,6 +11,7 @@ import numpy as np
 from motorcade.fusion.motions.degradations import Degradation
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import checked_positive
+from motorcade.ga.stamps import stamps_at_rate
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["simulate_camera_poses"]
@@ -28,7 +29,8 @@ def simulate_camera_poses(
 
     Args:
         truth: ``world_T_camera``; between its stamps it follows the screw.
-        rate_hz: measurements a second, from the first stamp of `truth` to its last.
+        rate_hz: measurements a second, from the first stamp of `truth` to its last, but none in
+            gaps of more than ten seconds (see `motorcade.ga.stamps`).
         sigma_m: deviation of the position an axis, above zero.
         sigma_rad: deviation of the rotation an axis; both also make the measurements' covariance.
         rng: source of the errors.
@@ -37,7 +39,8 @@ def simulate_camera_poses(
             covariances do not tell of it.
 
     Raises:
-        ValueError: a rate or deviation that is not positive.
+        ValueError: a rate or deviation that is not positive, or a rate that makes more than
+            200,000 poses and 1,000 more a pose of `truth`.
 
     Examples:
         >>> import numpy as np
@@ -54,12 +57,10 @@ def simulate_camera_poses(
     """
     for name, value in (("rate_hz", rate_hz), ("sigma_m", sigma_m), ("sigma_rad", sigma_rad)):
         checked_positive(value, name)
-    count = int(np.floor(truth.duration_s * rate_hz + 1e-6)) + 1
-    offsets = np.round(np.arange(count) * (1e9 / rate_hz)).astype(np.int64)
-    offsets = np.minimum(offsets, truth.time_ns[-1] - truth.time_ns[0])
+    stamps = stamps_at_rate(truth.time_ns, rate_hz, "rate_hz")
     sigma = np.repeat([sigma_rad, sigma_m], 3)
-    noise = Motor.from_twist(sigma * rng.standard_normal((count, 6)))
-    measured = truth.resampled(truth.time_ns[0] + offsets).transformed_by(right=noise)
+    noise = Motor.from_twist(sigma * rng.standard_normal((len(stamps), 6)))
+    measured = truth.resampled(stamps).transformed_by(right=noise)
     if degradation is not None:
         measured = degradation.apply(measured, rng)
     return PoseMeasurements(measured, np.tile(np.diag(sigma**2), (len(measured), 1, 1)))

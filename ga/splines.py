@@ -28,6 +28,7 @@ from motorcade.ga.motion import (
     twist_bracket,
 )
 from motorcade.ga.spline_fit import fit_controls
+from motorcade.ga.stamps import GAP_STEPS
 from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.similarity import Similarity
@@ -37,9 +38,10 @@ __all__ = ["CumulativeBSpline", "SimilaritySpline"]
 V = TypeVar("V", Motor, Similarity)
 
 ORDER = 6
-# An interval between poses longer than both of these is a gap: nothing tells how to curve there.
+# A gap that is longer than this too is bridged by the screw: nothing tells how to curve there.
 _GAP_KNOTS = 4.0
-_GAP_MEDIANS = 3.0
+# More knots than these are none that poses could tell.
+_MOST_KNOTS, _MOST_KNOTS_A_POSE = 2_000, 20
 # Steps whose median tells the rate of a motion.
 _RATE_STEPS = 15
 
@@ -206,7 +208,8 @@ class CumulativeBSpline(_CumulativeBSpline[Motor]):
             knot_spacing_s: seconds; handheld motion wants 0.05 to 0.1.
 
         Raises:
-            ValueError: a spacing that is not positive, a single pose, or motion too fast for it.
+            ValueError: a spacing that is not positive or makes more than 2,000 knots and 20 more a
+                pose, a single pose, or motion too fast for it.
             ModuleNotFoundError: scipy is missing.
         """
         _check_spacing(knot_spacing_s)
@@ -259,15 +262,27 @@ def _check_spacing(knot_spacing_s: float) -> None:
 
 
 def segments_of(trajectory: Trajectory, knot_spacing_s: float) -> tuple[int, float]:
-    """How many segments span a trajectory, and their spacing, which is at most the given one."""
-    segments = max(1, ceil(trajectory.duration_s / knot_spacing_s - 1e-9))
+    """How many segments span a trajectory, and their spacing, which is at most the given one.
+
+    Raises:
+        ValueError: more than 2,000 and 20 a pose.
+    """
+    wanted = trajectory.duration_s / knot_spacing_s - 1e-9
+    most = _MOST_KNOTS + _MOST_KNOTS_A_POSE * len(trajectory)
+    if not wanted <= most:
+        raise ValueError(
+            f"knot_spacing_s: expected at most {most} knots for {len(trajectory)} poses "
+            f"({_MOST_KNOTS}, {_MOST_KNOTS_A_POSE} a pose), got {wanted:.6g} over "
+            f"{trajectory.duration_s:.6g} s; set them farther apart, or cut the path at its gaps"
+        )
+    segments = max(1, ceil(wanted))
     return segments, trajectory.duration_s / segments
 
 
 def bridged_gaps(trajectory: Trajectory, spacing_s: float) -> Trajectory:
     """The trajectory with poses along the screw, one a knot, across its gaps."""
     intervals_s = np.diff(trajectory.time_ns) * 1e-9
-    longest_s = max(_GAP_KNOTS * spacing_s, _GAP_MEDIANS * float(np.median(intervals_s)))
+    longest_s = max(_GAP_KNOTS * spacing_s, GAP_STEPS * float(np.median(intervals_s)))
     added = [
         np.arange(start, end, spacing_s * 1e9)[1:].astype(np.int64)
         for start, end in zip(trajectory.time_ns[:-1][intervals_s > longest_s],

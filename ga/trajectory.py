@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from motorcade.ga.archives import load_arrays, save_arrays
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import checked_increasing, checked_stamps, stamps_at_rate
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.similarity import Similarity
 from motorcade.ga.versors.versor import Versor
@@ -40,7 +41,8 @@ class Trajectory:
         child: name of the frame that moves.
 
     Raises:
-        ValueError: stamps that are no integers or do not increase, or lengths that differ.
+        ValueError: stamps that are no integers, do not increase or lie 146 years or more from
+            zero, or lengths that differ.
 
     Examples:
         >>> import numpy as np
@@ -59,11 +61,7 @@ class Trajectory:
     child: str = "camera"
 
     def __post_init__(self) -> None:
-        stamps = _checked_stamps(self.time_ns, "Trajectory.time_ns")
-        if stamps.ndim != 1 or stamps.size == 0:
-            raise ValueError(
-                f"Trajectory.time_ns: expected shape (N,) with N >= 1, got {stamps.shape}"
-            )
+        stamps = checked_increasing(self.time_ns, "Trajectory.time_ns", 1)
         if not isinstance(self.poses, Motor | Similarity):
             raise ValueError(
                 "Trajectory.poses: expected a Motor or a Similarity, got "
@@ -74,16 +72,7 @@ class Trajectory:
                 f"Trajectory.poses: expected shape {stamps.shape} to match time_ns, "
                 f"got {self.poses.shape}"
             )
-        backwards = np.flatnonzero(np.diff(stamps) <= 0)
-        if backwards.size:
-            at = int(backwards[0]) + 1
-            raise ValueError(
-                "Trajectory.time_ns: expected strictly increasing stamps, got "
-                f"{int(stamps[at])} at index {at} after {int(stamps[at - 1])}"
-            )
-        own = stamps.copy()
-        own.setflags(write=False)
-        object.__setattr__(self, "time_ns", own)
+        object.__setattr__(self, "time_ns", stamps)
 
     def __len__(self) -> int:
         return int(self.time_ns.size)
@@ -150,7 +139,7 @@ class Trajectory:
         Raises:
             ValueError: stamps that are no integers, or outside the span of the trajectory.
         """
-        stamps = _checked_stamps(time_ns, "Trajectory.at(time_ns)")
+        stamps = checked_stamps(time_ns, "Trajectory.at(time_ns)")
         first, last = int(self.time_ns[0]), int(self.time_ns[-1])
         outside = (stamps < first) | (stamps > last)
         if np.any(outside):
@@ -168,22 +157,21 @@ class Trajectory:
 
     def resampled(self, time_ns: ArrayLike) -> Trajectory:
         """The trajectory at other stamps ``(M,)`` inside its span; see `at`."""
-        stamps = _checked_stamps(time_ns, "Trajectory.resampled(time_ns)")
+        stamps = checked_stamps(time_ns, "Trajectory.resampled(time_ns)")
         return Trajectory(stamps, self.at(stamps), self.parent, self.child)
 
     def at_rate(self, rate_hz: float) -> Trajectory:
-        """The trajectory at even stamps from the first on, `rate_hz` a second; see `at`.
+        """The trajectory at even stamps, `rate_hz` a second from the first on; see `at`.
+
+        A gap of more than ten seconds (and three median intervals) stays a gap: nothing is invented
+        within, and the stamps begin anew after it.
 
         Raises:
-            ValueError: a rate that is not positive, or of more than one pose a nanosecond.
+            ValueError: a rate that is not positive, or that makes more than 200,000 poses and
+                1,000 more for each that there is.
         """
-        if not 0.0 < rate_hz <= 1e9:
-            raise ValueError(
-                f"Trajectory.at_rate: rate_hz: expected a positive number up to 1e9, got {rate_hz}"
-            )
-        count = int((self.time_ns[-1] - self.time_ns[0]) * 1e-9 * rate_hz + 1e-9) + 1
-        offset_ns = np.rint(np.arange(count) * (1e9 / rate_hz)).astype(np.int64)
-        return self.resampled(np.minimum(self.time_ns[0] + offset_ns, self.time_ns[-1]))
+        stamps = stamps_at_rate(self.time_ns, rate_hz, "Trajectory.at_rate: rate_hz")
+        return self.resampled(stamps)
 
     def transformed_by(
         self,
@@ -233,13 +221,6 @@ class Trajectory:
             return cls(stored["time_ns"], kind(coefficients), *frames)
 
         return load_arrays(path, "a saved trajectory", _FORMAT, make)
-
-
-def _checked_stamps(value: ArrayLike, name: str) -> IntArray:
-    given = np.asarray(value)
-    if given.dtype.kind != "i":
-        raise ValueError(f"{name}: expected integer nanoseconds, got dtype {given.dtype}")
-    return given.astype(np.int64, copy=False)
 
 
 def _between(poses: V, before: IntArray, fraction: FloatArray) -> V:

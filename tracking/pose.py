@@ -13,16 +13,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.cameras.reprojection import reproject
 from motorcade.tracking.optimise import NormalEquations, Stop, minimise
+
+if TYPE_CHECKING:
+    from motorcade.tracking.boards.corners import BoardCorners  # whose package imports this module
 
 __all__ = [
     "SIGMA_FLOOR_PX",

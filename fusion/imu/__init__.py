@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from motorcade.fusion.imu.allan import AllanCurve, StreamNoise, allan_deviation, estimate_noise
+from motorcade.fusion.imu.continuous_path import ContinuousPath
 from motorcade.fusion.imu.noise import ADIS16448, ImuNoise
 from motorcade.fusion.imu.screening import screen_imu
-from motorcade.fusion.imu.simulate import ContinuousPath, ImuFaults, SimulatedImu, simulate_imu
+from motorcade.fusion.imu.simulate import ImuFaults, SimulatedImu, simulate_imu
 from motorcade.fusion.imu.stream import ImuStream
 
 __all__ = [

@@ -1,9 +1,6 @@
 """An IMU simulated along a path: what the sensor would have read, with its noise and its faults.
 
-A path in continuous time gives a pose and its exact derivatives at any moment of a span. It is a
-spline fitted to poses or an analytic motion; the simulated sensor rides on it. All is in twists of
-the moving frame, so a lever arm is one adjoint: the sensor's twist is that of the frame it is
-bolted to, seen from the sensor.
+The simulated sensor rides on a path in continuous time, see `ContinuousPath`.
 
 Readings pass through the sensor's faults in the order of the hardware: the axes mix and scale the
 truth, biases and noise are added, the amplifier saturates, the converter rounds, and the wire loses
@@ -15,105 +12,20 @@ differencing. The world has z up; an accelerometer at rest reads +g upward.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from motorcade.fusion.imu.continuous_path import ContinuousPath
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.fusion.motions import Motion
-from motorcade.ga import Motor, Trajectory, TwistSample
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 from motorcade.ga.motion import SplineSample, sampled_motion
-from motorcade.ga.splines import CumulativeBSpline
+from motorcade.ga.stamps import check_count, checked_span_ns
 
-__all__ = ["PERFECT", "ContinuousPath", "ImuFaults", "SimulatedImu", "simulate_imu"]
-
-
-@dataclass(frozen=True, eq=False)
-class ContinuousPath:
-    """A moving frame over a span of time.
-
-    Args:
-        start_ns: stamp at which the span begins.
-        duration_s: its length, above 0.
-        twists: from seconds after the start ``(*)`` to pose, body twist and its derivative.
-        parent: name of the frame that poses map to.
-        child: name of the frame that moves.
-
-    Raises:
-        ValueError: a duration that is not above 0.
-
-    Examples:
-        >>> from motorcade.fusion import ContinuousPath
-        >>> from motorcade.fusion.motions import gimbal_crossing
-        >>> path = ContinuousPath.along(gimbal_crossing(), duration_s=3.0)
-        >>> path.twists(0.0).pose.shape
-        ()
-    """
-
-    start_ns: int
-    duration_s: float
-    twists: Callable[[FloatArray], TwistSample[Motor]]
-    parent: str = "world"
-    child: str = "imu"
-
-    def __post_init__(self) -> None:
-        checked_positive(self.duration_s, "ContinuousPath.duration_s")
-
-    @classmethod
-    def through(cls, trajectory: Trajectory, knot_spacing_s: float = 0.1) -> ContinuousPath:
-        """A spline fitted to poses; the spline, not the poses, is then the true path.
-
-        Args:
-            trajectory: two poses or more.
-            knot_spacing_s: the spline follows motion up to about 1 / (4 spacing) Hz and averages
-                what is faster; where poses stand farther apart than knots it only joins them.
-
-        Raises:
-            ValueError: a spacing that is not positive, a single pose, or motion too fast for it.
-        """
-        spline = CumulativeBSpline.fit(trajectory, knot_spacing_s)
-        span_s = float(trajectory.time_ns[-1] - trajectory.time_ns[0]) * 1e-9
-        return cls(spline.start_ns, span_s, spline.twists, trajectory.parent, trajectory.child)
-
-    @classmethod
-    def along(
-        cls, motion: Motion[Motor], duration_s: float, start_ns: int = 0, child: str = "imu"
-    ) -> ContinuousPath:
-        """An analytic motion, from its time 0 on, without any fit.
-
-        Raises:
-            ValueError: a duration that is not above 0.
-        """
-        return cls(start_ns, duration_s, motion.at, "world", child)
-
-    def seen_from(self, imu_T_child: Motor, child: str = "imu") -> ContinuousPath:
-        """The path of a frame bolted to this one: another place (the lever arm), other axes.
-
-        Args:
-            imu_T_child: pose of this path's frame in the frame wanted, one Motor; for the path of
-                a camera it is ``imu_T_camera``, the extrinsics of camera and IMU.
-            child: name of the frame wanted.
-
-        Raises:
-            ValueError: a batch of poses.
-        """
-        if imu_T_child.shape != ():
-            raise ValueError(f"imu_T_child: expected a single pose, got shape {imu_T_child.shape}")
-        child_T_imu = imu_T_child.inverse()
-
-        def twists(time_s: FloatArray) -> TwistSample[Motor]:
-            given = self.twists(time_s)
-            return TwistSample(
-                given.pose @ child_T_imu,
-                imu_T_child.transform_twist(given.body_twist),
-                imu_T_child.transform_twist(given.body_twist_rate),
-            )
-
-        return ContinuousPath(self.start_ns, self.duration_s, twists, self.parent, child)
+__all__ = ["PERFECT", "ImuFaults", "SimulatedImu", "simulate_imu"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,7 +192,8 @@ def simulate_imu(
 
     Args:
         world_T_imu: poses, two or more, or a path; world z up.
-        rate_hz: samples a second, from the first stamp to the last.
+        rate_hz: samples a second, from the first stamp to the last; none where gaps split the
+            path, see `ContinuousPath.through`.
         noise: white noise σ/√Δt and bias walks σ_b√Δt (Kalibr); None for none.
         rng: source of the noise; the same seed gives the same bytes.
         gravity_m_s2: size of gravity, which pulls along -z of the world.
@@ -292,9 +205,9 @@ def simulate_imu(
             ``t_imu = t_camera + offset``; rounded to nanoseconds.
 
     Raises:
-        ValueError: a rate, gravity or spacing that is not positive, an offset that is not finite,
-            a rate or losses that leave fewer than two samples, a single pose, or motion too fast
-            for the knots.
+        ValueError: a rate, gravity or spacing that is not positive, an offset of more than thirty
+            years, a rate or losses that leave fewer than two samples or make more than ten
+            million, a single pose, or motion too fast for the knots.
 
     Examples:
         >>> import numpy as np
@@ -307,21 +220,23 @@ def simulate_imu(
         >>> sensor.stream
         ImuStream(301 samples, 100.0 Hz, 3.000 s)
     """
-    _check(rate_hz, gravity_m_s2, time_offset_s)
+    checked_positive(rate_hz, "rate_hz")
+    checked_positive(gravity_m_s2, "gravity_m_s2")
     path = world_T_imu
     if isinstance(path, Trajectory):
         path = ContinuousPath.through(path, knot_spacing_s)
     if imu_T_child is not None:
         path = path.seen_from(imu_T_child)
     true_ns = _stamps(path, rate_hz)
+    offset_ns = checked_span_ns(time_offset_s, "time_offset_s")
     seconds = np.minimum((true_ns - path.start_ns) * 1e-9, path.duration_s)
     exact = sampled_motion(path.twists(seconds))
-    gyro_bias, accel_bias, white = _errors(noise, 1.0 / rate_hz, len(true_ns), faults, rng)
+    gyro_bias, accel_bias, white = _errors(noise, 1.0 / rate_hz, true_ns, faults, rng)
     rate = exact.body_angular_rate_rad_s @ faults.gyro_matrix.T + gyro_bias + white[0]
     force = specific_force_m_s2(exact, gravity_m_s2) @ faults.accel_matrix.T + accel_bias + white[1]
     kept = _kept(len(true_ns), faults.dropped_share, rng)
     stream = ImuStream(
-        true_ns[kept] + round(time_offset_s * 1e9),
+        true_ns[kept] + offset_ns,
         faults.converted_rate(rate[kept]),
         faults.converted_force(force[kept]),
     )
@@ -337,44 +252,55 @@ def specific_force_m_s2(motion: SplineSample, gravity_m_s2: float) -> FloatArray
     return motion.pose.rotor.inverse().apply(motion.world_acceleration_m_s2 + up)
 
 
-def _check(rate_hz: float, gravity_m_s2: float, time_offset_s: float) -> None:
-    checked_positive(rate_hz, "rate_hz")
-    checked_positive(gravity_m_s2, "gravity_m_s2")
-    if not np.isfinite(time_offset_s):
-        raise ValueError(f"time_offset_s: expected a finite number, got {time_offset_s}")
-
-
 def _stamps(path: ContinuousPath, rate_hz: float) -> IntArray:
-    count = int(np.floor(path.duration_s * rate_hz + 1e-6)) + 1
-    if count < 2:
+    """Even stamps in every stretch, from its start on."""
+    count = sum((last - first) * rate_hz for first, last in path.stretches_s)
+    check_count(count, f"rate_hz of {rate_hz:g}")
+    made = np.concatenate([_even(path, *span, rate_hz) for span in path.stretches_s])
+    if len(made) < 2:
         raise ValueError(
             f"rate_hz: expected two samples or more within {path.duration_s} s, got {rate_hz} Hz"
         )
+    return made
+
+
+def _even(path: ContinuousPath, first_s: float, last_s: float, rate_hz: float) -> IntArray:
+    count = int(np.floor((last_s - first_s) * rate_hz + 1e-6)) + 1
     offsets = np.round(np.arange(count) * (1e9 / rate_hz)).astype(np.int64)
-    stamps: IntArray = path.start_ns + np.minimum(offsets, round(path.duration_s * 1e9))
+    start_ns = path.start_ns + round(first_s * 1e9)
+    stamps: IntArray = start_ns + np.minimum(offsets, round((last_s - first_s) * 1e9))
     return stamps
 
 
 def _errors(
-    noise: ImuNoise | None, step_s: float, count: int, faults: ImuFaults, rng: np.random.Generator
+    noise: ImuNoise | None,
+    step_s: float,
+    time_ns: IntArray,
+    faults: ImuFaults,
+    rng: np.random.Generator,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Biases of both sensors ``(count, 3)`` and their white noise ``(2, count, 3)``."""
+    """Biases of both sensors ``(N, 3)`` and their white noise ``(2, N, 3)``."""
+    count = len(time_ns)
     gyro, accel = (
         np.tile(np.asarray(first, dtype=np.float64), (count, 1))
         for first in (faults.gyro_bias_rad_s, faults.accel_bias_m_s2)
     )
     if noise is None:
         return gyro, accel, np.zeros((2, count, 3))
-    gyro += _walk(noise.gyro_walk_rad_s2_rthz, step_s, count, rng)
-    accel += _walk(noise.accel_walk_m_s3_rthz, step_s, count, rng)
+    gyro += _walk(noise.gyro_walk_rad_s2_rthz, step_s, time_ns, rng)
+    accel += _walk(noise.accel_walk_m_s3_rthz, step_s, time_ns, rng)
     white = rng.standard_normal((2, count, 3)) / np.sqrt(step_s)
     white[0] *= noise.gyro_density_rad_s_rthz
     white[1] *= noise.accel_density_m_s2_rthz
     return gyro, accel, white
 
 
-def _walk(density: float, step_s: float, count: int, rng: np.random.Generator) -> FloatArray:
-    steps = density * np.sqrt(step_s) * rng.standard_normal((count - 1, 3))
+def _walk(density: float, step_s: float, time_ns: IntArray, rng: np.random.Generator) -> FloatArray:
+    """Random walks ``(N, 3)`` from zero; through a gap they go on for as long as it lasts."""
+    steps = density * np.sqrt(step_s) * rng.standard_normal((len(time_ns) - 1, 3))
+    longer = np.diff(time_ns) * (1e-9 / step_s)
+    gaps = longer > 1.5
+    steps[gaps] *= np.sqrt(longer[gaps])[:, None]
     return np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
 
 

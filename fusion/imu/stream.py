@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.stamps import checked_increasing
 
 __all__ = ["ImuStream"]
 
@@ -28,8 +29,8 @@ class ImuStream:
         specific_force_m_s2: ``(N, 3)``.
 
     Raises:
-        ValueError: stamps that are no integers or do not increase, lengths that differ, NaN,
-            infinity or readings beyond 1e9.
+        ValueError: stamps that are no integers, do not increase or lie 146 years or more from
+            zero, lengths that differ, NaN, infinity or readings beyond 1e9.
 
     Examples:
         >>> import numpy as np
@@ -41,7 +42,7 @@ class ImuStream:
         >>> imu.at(np.array([7_500_000])).time_ns  # at least two
         Traceback (most recent call last):
         ...
-        ValueError: ImuStream.time_ns: expected integer nanoseconds (N,) with N >= 2, got ...
+        ValueError: ImuStream.time_ns: expected shape (N,) with N >= 2, got (1,)
     """
 
     time_ns: IntArray
@@ -49,21 +50,7 @@ class ImuStream:
     specific_force_m_s2: FloatArray
 
     def __post_init__(self) -> None:
-        given = np.asarray(self.time_ns)
-        if given.dtype.kind != "i" or given.ndim != 1 or given.size < 2:
-            raise ValueError(
-                "ImuStream.time_ns: expected integer nanoseconds (N,) with N >= 2, "
-                f"got dtype {given.dtype}, shape {given.shape}"
-            )
-        stamps = given.astype(np.int64)
-        backwards = np.flatnonzero(np.diff(stamps) <= 0)
-        if backwards.size:
-            at = int(backwards[0]) + 1
-            raise ValueError(
-                "ImuStream.time_ns: expected strictly increasing stamps, got "
-                f"{int(stamps[at])} at index {at} after {int(stamps[at - 1])}"
-            )
-        stamps.setflags(write=False)
+        stamps = checked_increasing(self.time_ns, "ImuStream.time_ns", 2)
         object.__setattr__(self, "time_ns", stamps)
         for name in ("angular_rate_rad_s", "specific_force_m_s2"):
             values = checked_floats(getattr(self, name), f"ImuStream.{name}", (3,))

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from motorcade.ga import Motor, Similarity, Trajectory, TwistSample
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 from motorcade.ga.motion import twist_bracket
+from motorcade.ga.stamps import check_count
 
 __all__ = ["Factor", "Motion", "Polynomial", "Signal", "Sines", "Stops", "even_stamps"]
 
@@ -325,7 +326,8 @@ def even_stamps(rate_hz: float, duration_s: float) -> IntArray:
     """Stamps ``(N,)`` in nanoseconds from zero to at most `duration_s`, rounded each for itself.
 
     Raises:
-        ValueError: a rate or duration that is not positive and finite.
+        ValueError: a rate or duration that is not positive and finite, or more than ten million
+            stamps.
 
     Examples:
         >>> from motorcade.fusion.motions import even_stamps
@@ -334,5 +336,6 @@ def even_stamps(rate_hz: float, duration_s: float) -> IntArray:
     """
     for name, value in (("rate_hz", rate_hz), ("duration_s", duration_s)):
         checked_positive(value, name)
+    check_count(duration_s * rate_hz, f"rate_hz of {rate_hz:g} over {duration_s:g} s")
     count = int(np.floor(duration_s * rate_hz + 1e-6)) + 1
     return np.round(np.arange(count) * (1e9 / rate_hz)).astype(np.int64)

@@ -5,6 +5,8 @@ Imports inside functions and those for type checkers alone count as any other.
 
 import ast
 import functools
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -119,3 +121,9 @@ def test_imports_in_functions_and_for_type_checkers_are_seen() -> None:
     )
     names = {use.name for use in used_names(tree, "motorcade.tracking.pose")}
     assert names == {"Motor", "Rotor"}
+
+
+@pytest.mark.parametrize("module", ["motorcade.tracking.pose", "motorcade.replays.report.pictures"])
+def test_modules_that_a_package_leads_back_to_can_be_imported_first(module: str) -> None:
+    """Packages run on the way to a module: what they import must not need it yet."""
+    subprocess.run([sys.executable, "-c", f"import {module}"], check=True)

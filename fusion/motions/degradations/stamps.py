@@ -130,8 +130,7 @@ class Blackouts(Degradation):
 
         Poses are missing from each start on, up to but not at the end.
         """
-        count = max(0, int(np.floor((duration_s - self.length_s) / self.every_s + 1e-9)))
-        starts: FloatArray = self.every_s * np.arange(1.0, count + 1.0)
+        starts: FloatArray = self.every_s * np.arange(1.0, self._count(duration_s) + 1.0)
         return np.stack([starts, starts + self.length_s], axis=-1)
 
     def dark(self, offset_s: FloatArray, duration_s: float) -> NDArray[np.bool_]:
@@ -139,10 +138,17 @@ class Blackouts(Degradation):
 
         Times within half a microsecond of an edge count as on it.
         """
-        seconds = np.round(offset_s, 6)[:, None]
-        start, end = self.spans_s(duration_s).T
-        dark: NDArray[np.bool_] = ((seconds >= start) & (seconds < end)).any(axis=1)
+        at = np.round(offset_s, 6)[:, None]
+        # Which blackout began last, or the neighbours of that by rounding.
+        number = np.floor(at / self.every_s) + np.arange(-1.0, 2.0)
+        start = self.every_s * number
+        end = start + self.length_s
+        there = (number >= 1.0) & (number <= self._count(duration_s))
+        dark: NDArray[np.bool_] = (there & (at >= start) & (at < end)).any(axis=1)
         return dark
+
+    def _count(self, duration_s: float) -> int:
+        return max(0, int(np.floor((duration_s - self.length_s) / self.every_s + 1e-9)))
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from motorcade.fusion.smoothing.representations import Representation, restored
 from motorcade.ga import CumulativeBSpline, Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.ga.splines import ORDER, bridged_gaps, cumulative_weights, located, segments_of
+from motorcade.ga.stamps import stretches
 
 __all__ = ["spline"]
 
@@ -29,18 +30,34 @@ def spline(
 
     Args:
         trajectory: two poses or more, at any sampling. A gap longer than four knots and three
-            median intervals is bridged by the screw between its ends.
+            median intervals is bridged by the screw between its ends; one of more than ten seconds
+            splits the path, and each stretch has a spline of its own.
         representation: what is fitted; see the module. Turns must stay below π from knot to knot.
         knot_spacing_s: seconds from knot to knot. Motion faster than about 1 / (3 spacing) Hz is
             smoothed away; as dense as the poses, the spline follows their noise.
 
     Raises:
-        ValueError: a spacing that is not positive, a single pose, or motion too fast for it.
+        ValueError: a spacing that is not positive or makes more than 2,000 knots and 20 more a
+            pose, a single pose, or motion too fast for it.
         ModuleNotFoundError: scipy is missing.
     """
     spacing_s = checked_positive(knot_spacing_s, "knot_spacing_s", "seconds")
     checked_length(trajectory, 2, "spline")
     trajectory = in_double(trajectory)
+    parts = [trajectory[part] for part in stretches(trajectory.time_ns)]
+    made = [
+        _smoothed(part, representation, spacing_s).poses.coefficients
+        if len(part) > 1
+        else part.poses.coefficients
+        for part in parts
+    ]
+    return _with_poses(trajectory, type(trajectory.poses)(np.concatenate(made)))
+
+
+def _smoothed(
+    trajectory: Trajectory, representation: Representation, spacing_s: float
+) -> Trajectory:
+    """One spline over all poses."""
     poses = trajectory.poses
     if representation.coupled > 3:
         if not isinstance(poses, Similarity):
