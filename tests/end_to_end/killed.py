@@ -4,9 +4,10 @@
 
 A small recording of a board is run once undisturbed. Then it is run, killed by SIGKILL at a random
 moment, and run again, until it comes to its end; then anew in another folder, until so many kills
-have struck. After every end the trajectories and the video are the same bytes, and the report is
-the same but for the seconds that stages took. A stage whose output lay in the cache after a kill is
-never computed again, and nothing half-written is left. The program ends with 1 where that fails.
+have struck. After every end the trajectories, the video and `report.json` are the same bytes, and
+the run log is the same but for times and for what lay in the cache. A stage whose output lay in the
+cache after a kill is never computed again, and nothing half-written is left. The program ends with
+1 where that fails.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import argparse
 import hashlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -37,7 +39,7 @@ store.code_digest = lambda function, given: "the same code"
 from motorcade.replays.cli import main
 sys.exit(main(sys.argv[1:]))
 """
-TIMES = ("seconds", "frames_per_s")
+OF_ONE_RUN = ("seconds", "frames_per_s", "cached")
 SLOWEST_S = 600.0
 
 
@@ -59,20 +61,21 @@ def started(recording: Path, out: Path) -> subprocess.Popen[bytes]:
 
 
 def results(out: Path) -> dict[str, Any]:
-    """Digests of the files, and the report without times."""
+    """Digests of the files by name, and the run log without what differs from run to run."""
+    files = [*(out / "trajectories").glob("*.tum"), *out.glob("*.mp4"), out / "report.json"]
     found: dict[str, Any] = {
-        path.name: hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in sorted([*(out / "trajectories").glob("*.tum"), *out.glob("*.mp4")])
+        path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(files)
     }
-    found["report"] = _without_times(json.loads((out / "report.json").read_text()))
+    run_log = re.sub(r'"[^"]*/\.cache/', '"OUT/.cache/', (out / "run.json").read_text())
+    found["run.json"] = _of_any_run(json.loads(run_log))
     return found
 
 
-def _without_times(tree: Any) -> Any:
+def _of_any_run(tree: Any) -> Any:
     if isinstance(tree, dict):
-        return {key: _without_times(item) for key, item in tree.items() if key not in TIMES}
+        return {key: _of_any_run(item) for key, item in tree.items() if key not in OF_ONE_RUN}
     if isinstance(tree, list):
-        return [_without_times(item) for item in tree]
+        return [_of_any_run(item) for item in tree]
     return tree
 
 
