@@ -29,7 +29,10 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
+
+from motorcade.ga.files import off_record, read_bounded
 
 __all__ = ["remove_unfinished", "unfinished"]
 
@@ -41,6 +44,8 @@ MOUNTS = Path("/proc/self/mountinfo")
 MARKED_WITHIN_S = 3600.0
 """A place without a mark is one whose builder has just begun, or, after so long, died there."""
 
+MARK_BYTES = 4096
+
 _OF_ONE_HOST = {"ext2", "ext3", "ext4", "xfs", "btrfs", "f2fs", "zfs", "overlay", "tmpfs"}
 _LOCKED_BY_SERVERS = {"nfs", "nfs4", "cifs", "smb3", "ceph", "gfs2", "ocfs2", "gpfs", "lustre"}
 _LOCKS_HELD_BACK = {"nolock", "local_lock=all", "local_lock=flock", "localflock", "nobrl"}
@@ -51,7 +56,8 @@ _LOCKS_HELD_BACK = {"nolock", "local_lock=all", "local_lock=flock", "localflock"
 def unfinished(folder: Path) -> Iterator[Path]:
     """A place in `folder` to build in, under any names but `lock` and `mark`.
 
-    Rename what is done out of it; what is left there at the end of the block is removed.
+    Rename what is done out of it; what is left there at the end of the block is removed. Whoever
+    first builds in a folder removes what dead processes left in it.
 
     Raises:
         OSError: nothing can be written to `folder`, which is made where it is missing.
@@ -66,6 +72,7 @@ def unfinished(folder: Path) -> Iterator[Path]:
     ...     [path.name for path in Path(folder).iterdir()]
     ['poses.txt']
     """
+    _remove_once(folder.absolute())
     place = folder / f".unfinished-{secrets.token_hex(8)}"
     try:
         lock = _begin(place)
@@ -82,6 +89,12 @@ def remove_unfinished(folder: Path) -> None:
     for place in folder.glob(".unfinished-*"):
         if NAME.fullmatch(place.name) and _is_abandoned(place):
             shutil.rmtree(place, ignore_errors=True)
+
+
+@cache
+def _remove_once(folder: Path) -> None:
+    """So that no command leaves what an earlier one left, though most write to a folder often."""
+    remove_unfinished(folder)
 
 
 @dataclass(frozen=True)
@@ -108,10 +121,19 @@ class _Mark:
 
     @staticmethod
     def read(place: Path) -> _Mark | None:
-        """That of a place; None where none is written yet."""
+        """That of a place; None where none is written yet, or it is not one."""
         try:
-            return _Mark(**json.loads((place / "mark").read_bytes()))
-        except (OSError, ValueError, TypeError):
+            with off_record():
+                given = json.loads(read_bounded(place / "mark", MARK_BYTES))
+            boot, namespace = given["boot"], given["pid_namespace"]
+            return _Mark(
+                str(given["host"]),
+                None if boot is None else str(boot),
+                None if namespace is None else int(namespace),
+                int(given["process"]),
+                bool(given["locked"]),
+            )
+        except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
             return None
 
 
@@ -137,7 +159,7 @@ def _is_abandoned(place: Path) -> bool:
     try:
         if mark is None and time.time() - place.stat().st_mtime < MARKED_WITHIN_S:
             return False
-        lock = os.open(place / "lock", os.O_RDWR)
+        lock = os.open(place / "lock", os.O_RDWR | os.O_NOFOLLOW)
     except FileNotFoundError:
         return True  # its builder, or another run, has begun to remove it
     except OSError:
@@ -155,7 +177,7 @@ def _is_abandoned(place: Path) -> bool:
     if of_this_boot and mark.pid_namespace == ours.pid_namespace:
         return not _runs(mark.process)
     log.warning(
-        "%s: left by process %d of %s, which may still run; delete it when it does not",
+        "%s: left by process %d of %r, which may still run; delete it when it does not",
         place,
         mark.process,
         mark.host,

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from motorcade.ga import Trajectory
-from motorcade.ga.unfinished import remove_unfinished
 from motorcade.replays.engine.graph import GraphRun
 from motorcade.replays.files.atomic import copy_file, write_bytes
 from motorcade.replays.files.trajectories import write_trajectory
@@ -41,8 +40,6 @@ def write_results(run: GraphRun, out: Path, about: Mapping[str, Any]) -> dict[st
     Files of an earlier run that this one did not make are removed, so that what lies in `out`
     belongs together. Returns the report, or the run log of a run that stopped before it.
     """
-    for folder in (out, out / "trajectories"):
-        remove_unfinished(folder)
     run_log = _run_log(run, about)
     written = _write_trajectories(run, out / "trajectories") | _write_files(run, out)
     write_bytes(out / "run.json", (json.dumps(run_log, indent=2) + "\n").encode())

@@ -149,10 +149,18 @@ def test_another_hosts_free_lock_counts_where_hosts_see_each_others(
     remove_unfinished(shared)
     assert theirs.exists() != removed
     assert not ours.exists()  # of this boot: one kernel keeps the lock
-    assert ("process 4194999 of other, which may still run" in caplog.text) != removed
+    assert ("process 4194999 of 'other', which may still run" in caplog.text) != removed
 
 
-@pytest.mark.parametrize("mark", [None, b"", b'{"host": "a"', b"[]", b'{"host": "a"}'])
+HOSTILE = [
+    b"[" * 4000,
+    b'{"host": "' + b"a" * 9000 + b'"}',
+    b'{"host": "a", "boot": null, "pid_namespace": 1e999, "process": 1, "locked": true}',
+    b'{"host": "a", "boot": null, "pid_namespace": {}, "process": [], "locked": true}',
+]
+
+
+@pytest.mark.parametrize("mark", [None, *HOSTILE, b"", b'{"host": "a"', b"[]", b'{"host": "a"}'])
 def test_a_place_without_a_mark_is_left_to_a_builder_that_has_just_begun(
     mark: bytes | None, tmp_path: Path
 ) -> None:
@@ -169,6 +177,28 @@ def test_a_place_without_a_mark_is_left_to_a_builder_that_has_just_begun(
         assert place.exists()
     remove_unfinished(tmp_path)
     assert not place.exists()
+
+
+@pytest.mark.parametrize("name", ["mark", "lock"])
+def test_pipes_and_links_in_a_place_neither_hang_nor_lead_elsewhere(
+    name: str, tmp_path: Path
+) -> None:
+    place, kept = left(tmp_path), tmp_path / "kept"
+    (place / name).unlink()
+    os.mkfifo(place / name)
+    remove_unfinished(tmp_path)
+    linked = left(tmp_path)
+    (linked / name).rename(kept)
+    (linked / name).symlink_to(kept)
+    remove_unfinished(tmp_path)
+    assert kept.exists()
+    assert linked.exists() == (name == "lock")
+
+
+def test_the_first_who_builds_in_a_folder_removes_what_the_dead_left(tmp_path: Path) -> None:
+    place = left(tmp_path / "earlier").rename(tmp_path / ".unfinished-0123456789abcdef")
+    with unfinished(tmp_path):
+        assert not place.exists()
 
 
 def test_nothing_of_another_name_is_removed(tmp_path: Path) -> None:
