@@ -122,8 +122,9 @@ def _kept(function: Callable[[JobType], Any], task: tuple[JobType, Path]) -> Non
         start = time.perf_counter()
         with files_read() as files:
             result = function(job)
-        discard_artifact(folder)
-        write_artifact(result, folder, time.perf_counter() - start, files)
+        if _done(folder) is None:  # else another run was faster, and may be reading it
+            discard_artifact(folder)
+            write_artifact(result, folder, time.perf_counter() - start, files)
 
 
 def _done(folder: Path) -> Stored | None:

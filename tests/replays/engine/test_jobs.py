@@ -70,6 +70,21 @@ def test_a_damaged_result_is_computed_again(tmp_path: Path) -> None:
     assert batch.whole("sums")[JOBS[0]].total == 3
 
 
+def test_what_another_run_has_done_meanwhile_is_kept_where_it_is(tmp_path: Path) -> None:
+    """A reader of it must not find it gone, as it would while one took the other's place."""
+    places = {JOBS[0]: tmp_path / job_key(added, JOBS[0].numbers)}
+    numbers = []
+
+    def beaten(job: Sum) -> Added:
+        run_jobs(added, places, "local", "sums")
+        numbers.append(places[job].stat().st_ino)
+        return added(job)
+
+    batch = run_jobs(beaten, places, "local", "sums")
+    assert batch.whole("sums")[JOBS[0]].total == 3
+    assert [places[JOBS[0]].stat().st_ino] == numbers
+
+
 def test_a_key_covers_the_function_and_the_fields() -> None:
     assert job_key(added, [1, 2]) == job_key(added, (1, 2))
     assert len({job_key(added, [1, 2]), job_key(added, [2, 1]), job_key(run, [1, 2])}) == 3
