@@ -26,5 +26,6 @@ from .sweep.plan import read_sweep as read_sweep
 from .sweep.run import run_sweep as run_sweep
 from .values.camera_poses import CameraPoses as CameraPoses
 from .values.errors import PathErrors as PathErrors
+from .values.integrity import Integrity as Integrity
 from .values.paths import FusedPath as FusedPath
 from .values.paths import SmoothedPaths as SmoothedPaths

@@ -107,7 +107,7 @@ def open_run(folder: Path) -> Shown:
         recording,
         recording.camera.undistorted(),
         trajectories(run),
-        next(iter(run.outputs["smoothed"].trajectories.values())),
+        run.outputs["integrity"].drawn,
         character,
         clip,
         placed.placement,

@@ -2,8 +2,8 @@
 
 board_poses ─────┐
 marker_poses ────┤
-slam_poses ──────┼─ tracked ── camera_poses ─┬─ fused ── smoothed ─┬─ errors ──────────┬─ report
-simulated_poses ─┘                     imu ──┘                     └─ placed ─ overlay ┄┘
+slam_poses ──────┼ tracked ─ camera_poses ┬─ fused ─ smoothed ─ integrity ┬─ errors ────────┬ report
+simulated_poses ─┘                   imu ─┘                               └ placed ─ overlay┄┘
 """
 
 from __future__ import annotations
@@ -33,13 +33,14 @@ from motorcade.replays.stages.errors import errors
 from motorcade.replays.stages.inertial.convergence import convergence
 from motorcade.replays.stages.inertial.fused import fused
 from motorcade.replays.stages.inertial.imu import imu
+from motorcade.replays.stages.integrity import integrity
 from motorcade.replays.stages.report import report
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.stages.view.overlay import overlay
 from motorcade.replays.stages.view.placed import placed
 from motorcade.tracking import TrackingError
 
-__all__ = ["STAGES", "Job", "pipeline_graph", "run_job"]
+__all__ = ["STAGES", "Job", "pipeline_graph", "require_integrity", "run_job"]
 
 log = logging.getLogger("motorcade.pipeline")
 
@@ -57,6 +58,7 @@ STAGES = (
     imu,  # the recorded inertial stream, or a simulated one
     fused,  # one path between frames and through blackouts
     smoothed,  # the same without noise, in every representation
+    integrity,  # whether all that agrees
     convergence,  # how the filter recovers from a wrong start
     errors,  # every path against the ground truth
     placed,  # who stands where
@@ -95,6 +97,19 @@ def pipeline_graph() -> Graph:
     ['order', 'representations', 'window_s']
     """
     return Graph(STAGES, {"recording": Recording})
+
+
+def require_integrity(until: str) -> None:
+    """Refuse a run that stops before anything judges whether its result can be relied on.
+
+    Raises:
+        ValueError: no stage of that name, or one that does not need `integrity`.
+    """
+    if "integrity" not in pipeline_graph().needed(until):
+        raise ValueError(
+            f"--strict: expected a run up to integrity or a later stage, got one until {until}, "
+            "where nothing has been checked yet"
+        )
 
 
 def run_job(job: Job) -> dict[str, Any]:

@@ -80,6 +80,8 @@ def _run_log(run: GraphRun, about: Mapping[str, Any]) -> dict[str, Any]:
         run_log["tracking"] = {"seconds": poses.seconds, "frames_per_s": poses.frames_per_s}
     if film is not None:
         run_log["drawing"] = {"seconds": film.seconds}
+    if "integrity" in run.outputs:
+        run_log["integrity"] = run.outputs["integrity"].as_dict()
     if "errors" in run.outputs:
         judged = run.outputs["errors"]
         run_log |= {"align": judged.align, "errors": without_nan(judged.figures)}

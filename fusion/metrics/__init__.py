@@ -20,7 +20,12 @@ from motorcade.fusion.metrics.artifacts import (
     rotation_overshoot_rad,
     rotation_path_rad,
 )
-from motorcade.fusion.metrics.consistency import Consistency, chi2_bounds, normalised_squared
+from motorcade.fusion.metrics.consistency import (
+    Consistency,
+    chi2_bounds,
+    most_by_chance,
+    normalised_squared,
+)
 from motorcade.fusion.metrics.cost import seconds_per_pose
 from motorcade.fusion.metrics.evaluation import Evaluation, evaluate
 from motorcade.fusion.metrics.jitter import (
@@ -86,6 +91,7 @@ __all__ = [
     "jitter_above",
     "log_dimensionless_jerk",
     "log_scales",
+    "most_by_chance",
     "normalised_squared",
     "path_over_geodesic",
     "position_lag_s",

@@ -15,7 +15,7 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = ["Consistency", "chi2_bounds", "normalised_squared"]
+__all__ = ["Consistency", "chi2_bounds", "most_by_chance", "normalised_squared"]
 
 
 def normalised_squared(errors: FloatArray, covariances: FloatArray) -> FloatArray:
@@ -71,6 +71,34 @@ def chi2_bounds(freedom: int, runs: int, probability: float = 0.95) -> tuple[flo
     # χ² with n degrees of freedom is a gamma distribution of shape n / 2 and scale 2.
     low, high = 2.0 * gammaincinv(0.5 * runs * freedom, [tail, 1.0 - tail]) / runs
     return float(low), float(high)
+
+
+def most_by_chance(trials: int, share: float, probability: float = 0.999) -> int:
+    """How many of independent trials come up at most, with a probability: a binomial's quantile.
+
+    Args:
+        trials: from 0 on.
+        share: that comes up in the long run, from 0 to 1.
+        probability: above 0 and below 1.
+
+    Raises:
+        ValueError: a number out of its range.
+
+    Examples:
+        >>> from motorcade.fusion.metrics import most_by_chance
+        >>> [most_by_chance(trials, 0.1) for trials in (0, 10, 100, 1000)]
+        [0, 5, 20, 130]
+    """
+    from scipy.special import bdtr
+
+    if trials < 0:
+        raise ValueError(f"trials: expected 0 or more, got {trials}")
+    if not 0.0 <= share <= 1.0:
+        raise ValueError(f"share: expected 0 to 1, got {share}")
+    if not 0.0 < probability < 1.0:
+        raise ValueError(f"probability: expected above 0 and below 1, got {probability}")
+    counts = np.arange(trials + 1)
+    return int(np.argmax(bdtr(counts, trials, share) >= probability))
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.convergence import Convergence
 from motorcade.replays.values.errors import PathErrors
 from motorcade.replays.values.imu import UsedImu
+from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
 from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
 
@@ -31,6 +32,7 @@ class Findings:
     imu: UsedImu
     fused: FusedPath
     smoothed: SmoothedPaths
+    integrity: Integrity
     convergence: Convergence
     errors: PathErrors
     placed: PlacedCharacter

@@ -129,13 +129,25 @@ def _video_caption(findings: Findings) -> str:
     film = findings.overlay
     where = f" It is too large for this page, and lies beside it as {BESIDE}."
     return (
-        f"{film.frames} {film.footage} frames, the character drawn from the smoothed path; it or "
-        f"its shadow is in view in {film.frames_with_character} of them. It stands on "
+        f"{film.frames} {film.footage} frames, the character drawn along the {film.along} path; it "
+        f"or its shadow is in view in {film.frames_with_character} of them. It stands on "
         f"{film.stands_on}, in {film.lit_by}.{where if _beside(findings) else ''}"
     )
 
 
-def _facts(findings: Findings) -> list[dict[str, str]]:
+def _verdict(findings: Findings) -> dict[str, Any]:
+    """The first tile: whether the result can be relied on, and what speaks against it."""
+    found = findings.integrity
+    names = ", ".join(check.name for check in found.checks)
+    if not found.doubts:
+        return {"value": "consistent", "label": f"stages and pictures agree ({names})"}
+    reasons = "; ".join(found.doubts)
+    drawn = f"The character stands along the {found.drawn_is} path."
+    label = f"{reasons[:1].upper()}{reasons[1:]}. {drawn}"
+    return {"value": "doubtful", "label": label, "wrong": True}
+
+
+def _facts(findings: Findings) -> list[dict[str, Any]]:
     """The few figures that stand large at the top."""
     poses = findings.camera_poses
     measured = len(poses.measurements.trajectory)
@@ -157,7 +169,7 @@ def _facts(findings: Findings) -> list[dict[str, str]]:
     if findings.nis_per_dimension is not None:
         fact = f"{findings.nis_per_dimension:.2f}"
         facts.append(("mean NIS a dimension (1: the noise model fits)", fact))
-    return [{"label": label, "value": value} for label, value in facts]
+    return [_verdict(findings), *({"label": label, "value": value} for label, value in facts)]
 
 
 def _errors_caption(findings: Findings) -> str:

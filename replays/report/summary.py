@@ -63,6 +63,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
             "left_out": int(np.count_nonzero(~findings.fused.accepted)),
         },
         "smoothed": {"window_s": findings.smoothed.window_s},
+        "integrity": findings.integrity.as_dict(),
         "align": findings.errors.align,
         "errors": findings.errors.figures,
         "convergence": {

@@ -19,11 +19,10 @@ from motorcade.fusion.metrics import (
 )
 from motorcade.ga import Trajectory
 from motorcade.replays.recording import Recording
-from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.errors import AccelerationSeries, ErrorSeries, PathErrors
+from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
-from motorcade.tracking import registration_px
 
 
 def errors(
@@ -31,7 +30,7 @@ def errors(
     camera_poses: CameraPoses,
     fused: FusedPath,
     smoothed: SmoothedPaths,
-    board_poses: BoardPoses | None = None,
+    integrity: Integrity,
     *,
     align: Literal["auto", "none", "se3", "sim3"] = "auto",
     jitter_above_hz: float = 5.0,
@@ -46,7 +45,7 @@ def errors(
     paths = {"measured": camera_poses.measurements.trajectory, "fused": fused.trajectory}
     paths |= smoothed.trajectories
     start_ns = int(paths["measured"].time_ns[0])
-    stuck = {name: _registration(path, recording, board_poses) for name, path in paths.items()}
+    stuck = {name: _registration(name, integrity) for name in paths}
     acceleration = {name: _acceleration(path, start_ns) for name, path in paths.items()}
     truth = recording.truth
     if truth is None:
@@ -87,19 +86,11 @@ def _figures_without_truth(path: Trajectory, frequency_hz: float) -> dict[str, f
     }
 
 
-def _registration(
-    path: Trajectory, recording: Recording, board_poses: BoardPoses | None
-) -> dict[str, float | None]:
+def _registration(name: str, integrity: Integrity) -> dict[str, float | None]:
     """How far what is drawn along the path moves against the footage; nothing without corners."""
-    if board_poses is None or recording.board is None or recording.camera is None:
+    found = integrity.registration_px.get(name)
+    if found is None:
         return {}
-    found = registration_px(
-        path,
-        board_poses.track,
-        recording.board,
-        recording.camera,
-        recording.world_T_board,
-    )
     seen = found[np.isfinite(found)]  # a corner behind the camera has no distance
     return {"registration_rmse_px": float(np.sqrt(np.mean(seen**2))) if seen.size else None}
 

@@ -13,6 +13,7 @@ from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.convergence import Convergence
 from motorcade.replays.values.errors import PathErrors
 from motorcade.replays.values.imu import UsedImu
+from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
 from motorcade.replays.values.report import ReportFiles
 from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
@@ -24,6 +25,7 @@ def report(
     imu: UsedImu,
     fused: FusedPath,
     smoothed: SmoothedPaths,
+    integrity: Integrity,
     convergence: Convergence,
     errors: PathErrors,
     placed: PlacedCharacter,
@@ -36,6 +38,7 @@ def report(
         imu=imu,
         fused=fused,
         smoothed=smoothed,
+        integrity=integrity,
         convergence=convergence,
         errors=errors,
         placed=placed,

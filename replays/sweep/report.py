@@ -28,6 +28,7 @@ _DRAWN = ("ape_rmse_m", "rotation_rmse_deg", "linear_jitter_m_s2", "angular_jitt
 def report_page(plan: Sweep, rows: Sequence[Row], left: int = 0) -> str:
     """The page as HTML text; it needs nothing beside it. `left` runs have no rows yet."""
     failures = [row for row in rows if row["status"] == "failed"]
+    doubtful = list({row["run"]: row for row in rows if row["status"] == "doubtful"}.values())
     knobs = [name for name, values in plan.knobs if len(values) > 1]
     judged = [row for row in rows if row["path"] is not None]
     figures = [key for key in FIGURES if any(row[key] is not None for row in judged)]
@@ -40,11 +41,13 @@ def report_page(plan: Sweep, rows: Sequence[Row], left: int = 0) -> str:
             facts=[
                 {"label": "runs", "value": len(plan)},
                 {"label": "failed", "value": len(failures)},
+                {"label": "doubtful", "value": len(doubtful)},
                 *([{"label": "not run yet", "value": left}] if left else []),
                 {"label": "recordings", "value": len(plan.recordings)},
                 {"label": "seeds", "value": len(plan.seeds)},
             ],
             failures=failures[:_MOST_SHOWN],
+            doubtful=doubtful[:_MOST_SHOWN],
             medians=_medians(judged, knobs, figures),
             groups=_groups(judged, _axes(plan, knobs), figures),
             every=_every(shown, knobs, figures),

@@ -22,7 +22,7 @@ from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.results import require_writable
 from motorcade.replays.sweep.plan import PlannedRun, Sweep
 from motorcade.replays.sweep.report import report_page
-from motorcade.replays.sweep.table import FIGURES, PathFigures, Row, rows_of, write_parquet
+from motorcade.replays.sweep.table import FIGURES, Row, RunFigures, rows_of, write_parquet
 
 __all__ = ["Summary", "run_sweep"]
 
@@ -35,7 +35,8 @@ _OUTCOME = "outcome"
 class Summary:
     """How a sweep went: runs done now, done before, and failed; its rows and where they lie.
 
-    Where it was stopped, `left` is how many runs have no row yet.
+    Of those done, `doubtful` contradict themselves or the pictures. Where it was stopped, `left` is
+    how many runs have no row yet.
 
     >>> from motorcade.replays.sweep import Summary
     >>> stopped = Summary(done=3, done_before=2, failed=1, rows=(), files=(), left=4)
@@ -49,6 +50,7 @@ class Summary:
     rows: tuple[Row, ...]
     files: tuple[Path, ...]
     left: int = 0
+    doubtful: int = 0
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,8 @@ def run_sweep(plan: Sweep, out: Path, executor: str) -> Summary:
     )
     files = _write(plan, rows, batch.left, out) if rows else ()
     done = len(batch.results) - batch.done_before
-    return Summary(done, batch.done_before, len(batch.failures), rows, files, batch.left)
+    doubtful = sum(bool(one.doubts) for one in batch.results.values())
+    return Summary(done, batch.done_before, len(batch.failures), rows, files, batch.left, doubtful)
 
 
 def _tasks(plan: Sweep, out: Path) -> Iterator[_Task]:
@@ -114,14 +117,17 @@ def _content(recording: Path, manifest: Path | None) -> list[str]:
         return ["unreadable"]
 
 
-def _run_task(task: _Task) -> PathFigures:
+def _run_task(task: _Task) -> RunFigures:
     """Do a run where this is called; the figures of the paths that it judged."""
     run = task.run
     # Machines of a cluster may have processes of equal numbers, which caches are kept apart by.
     cache = task.cache / one_line(platform.node() or "here").strip("'").replace("/", "_")
     report = run_job(Job(run.recording, task.folder, run.manifest, cache, run.until, run.settings))
     judged = report.get("errors", {})
-    return {path: {key: of.get(key) for key in FIGURES} for path, of in judged.items()}
+    return RunFigures(
+        {path: {key: of.get(key) for key in FIGURES} for path, of in judged.items()},
+        tuple(report.get("integrity", {}).get("doubts", ())),
+    )
 
 
 def _write(plan: Sweep, rows: Sequence[Row], left: int, out: Path) -> tuple[Path, ...]:

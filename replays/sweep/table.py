@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.sweep.plan import PlannedRun
 
-__all__ = ["FIGURES", "PathFigures", "Row", "rows_of", "write_parquet"]
+__all__ = ["FIGURES", "PathFigures", "Row", "RunFigures", "rows_of", "write_parquet"]
 
 Row = Mapping[str, str | int | float | None]
 """One row; all rows of a sweep have the same columns."""
@@ -29,16 +30,34 @@ FIGURES = (
 """Columns of figures; None where a run has none of them."""
 
 
+@dataclass(frozen=True)
+class RunFigures:
+    """What stands in the table of a run: figures of its paths, and why they are doubtful if so.
+
+    >>> RunFigures({"motor": {"ape_rmse_m": 0.01}}, doubts=()).status
+    'done'
+    """
+
+    paths: PathFigures
+    doubts: tuple[str, ...]
+
+    @property
+    def status(self) -> str:
+        """Done or doubtful."""
+        return "doubtful" if self.doubts else "done"
+
+
 def rows_of(
-    run: PlannedRun, folder: str, judged: PathFigures | None, error: str | None
+    run: PlannedRun, folder: str, judged: RunFigures | None, error: str | None
 ) -> list[Row]:
     """A run's rows: one a path that it judged, or a single one where it failed or judged none."""
     about: dict[str, str | int | float | None] = {"recording": str(run.recording), "seed": run.seed}
     about |= dict(run.varied)
-    about["status"] = "failed" if judged is None else "done"
+    about["status"] = "failed" if judged is None else judged.status
+    about["doubts"] = "; ".join(judged.doubts) if judged and judged.doubts else None
     end: dict[str, str | int | float | None] = {"error": error, "run": folder}
     rows: list[Row] = []
-    for path, figures in (judged or {}).items():
+    for path, figures in (judged.paths if judged else {}).items():
         rows.append(about | {"path": path} | figures | end)
     return rows or [about | {"path": None} | dict.fromkeys(FIGURES) | end]
 

@@ -49,6 +49,7 @@ class OverlayVideo:
         frames: how many there are.
         stands_on, lit_by: on what the character stands, and what lights it.
         footage: "original", or "undistorted".
+        along: which path it was drawn along: "measured", or "smoothed".
         seconds: what drawing took.
     """
 
@@ -58,4 +59,5 @@ class OverlayVideo:
     stands_on: str
     lit_by: str
     footage: str
+    along: str
     seconds: float = field(metadata=ASIDE)

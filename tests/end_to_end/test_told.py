@@ -30,14 +30,15 @@ def test_a_line_a_stage_and_one_of_the_result_where_there_is_no_terminal(
 ) -> None:
     asked = (board_recording, "--out", tmp_path, "--until", "errors", "--json")
     first, again = told(*asked), told(*asked)
-    assert set(json.loads(first.stdout)["stages"]) == {*STAGES, "errors"}
+    every = [*STAGES, "integrity", "errors"]
+    assert set(json.loads(first.stdout)["stages"]) == set(every)
     assert json.loads(again.stdout)["errors"] == json.loads(first.stdout)["errors"]
     *lines, last = first.stderr.splitlines()
-    for line, stage in zip(lines, [*STAGES, "errors"], strict=True):
+    for line, stage in zip(lines, every, strict=True):
         assert re.fullmatch(rf"{stage}: \d+\.\d s", line)
     assert last == f"done as far as errors; look into {tmp_path}"
     assert again.stderr.splitlines() == [
-        *(f"{stage}: kept from before" for stage in [*STAGES, "errors"]),
+        *(f"{stage}: kept from before" for stage in every),
         last,
     ]
 

@@ -28,7 +28,10 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def demo(arguments: argparse.Namespace) -> None:
     """Render the recording where it is not there yet, then run it as any other."""
     from motorcade.replays.demo import ensure_demo_recording
-    from motorcade.replays.pipeline import Job
+    from motorcade.replays.pipeline import Job, require_integrity
+
+    if arguments.strict:
+        require_integrity(arguments.until)
 
     cache = arguments.cache or arguments.out / ".cache"
     start = time.perf_counter()
@@ -43,4 +46,4 @@ def demo(arguments: argparse.Namespace) -> None:
         until=arguments.until,
         settings=tuple(arguments.settings),
     )
-    run_one(job, as_json=arguments.json)
+    run_one(job, as_json=arguments.json, strict=arguments.strict)

@@ -57,14 +57,26 @@ def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:
     )
     parser.add_argument("--cache", type=Path, metavar="DIR", help="stage outputs (OUT/.cache)")
     parser.add_argument("--json", action="store_true", help="print the error report as JSON")
+    add_strict(parser)
+
+
+def add_strict(parser: argparse.ArgumentParser) -> None:
+    """The option that makes a failure of a doubtful result."""
+    parser.add_argument(
+        "--strict",
+        action="store_true",
+        help="exit with 1 where a result is doubtful; the results are there all the same",
+    )
 
 
 def run_recordings(arguments: argparse.Namespace) -> None:
     """Run one recording here, or several by the executor asked for."""
     from motorcade.replays.engine.executors import check_executor, outcomes
-    from motorcade.replays.pipeline import Job
+    from motorcade.replays.pipeline import Job, require_integrity
 
     check_executor(arguments.executor)
+    if arguments.strict:
+        require_integrity(arguments.until)
     _refuse_equal_names(arguments.recordings)
     jobs = [
         Job(
@@ -80,9 +92,9 @@ def run_recordings(arguments: argparse.Namespace) -> None:
         for path in arguments.recordings
     ]
     if len(jobs) == 1:
-        run_one(jobs[0], as_json=arguments.json)
+        run_one(jobs[0], as_json=arguments.json, strict=arguments.strict)
         return
-    done: dict[str, object] = {}
+    done: dict[str, dict[str, Any]] = {}
     for job, outcome in outcomes(_run_one_of_several, jobs, arguments.executor):
         if isinstance(outcome, BaseException):
             print(f"motorcade: {job.recording}: {one_line(outcome)}", file=sys.stderr)
@@ -96,16 +108,27 @@ def run_recordings(arguments: argparse.Namespace) -> None:
     if len(done) < len(jobs):
         failed = len(jobs) - len(done)
         raise RuntimeError(f"{failed} of {len(jobs)} recordings failed; the others are done")
+    doubtful = [name for name, summary in done.items() if doubts(summary)]
+    if arguments.strict and doubtful:
+        raise RuntimeError(
+            f"{len(doubtful)} of {len(jobs)} results are doubtful: {', '.join(doubtful)}"
+        )
 
 
-def run_one(job: Job, *, as_json: bool) -> None:
-    """Run a recording here: a line a stage, then its figures, then a line what came of it."""
+def run_one(job: Job, *, as_json: bool, strict: bool) -> None:
+    """Run a recording here: a line a stage, then its figures, then a line what came of it.
+
+    Raises:
+        RuntimeError: a doubtful result, where that is asked to be strict.
+    """
     from motorcade.replays.pipeline import run_job
 
     with log_stages() as lines:
         summary = run_job(job)
         print_summary(summary, job.out, as_json=as_json)
         lines.info(result(summary, job.out))
+    if strict and doubts(summary):
+        raise RuntimeError(f"{job.recording}: the result is doubtful, see above")
 
 
 def _run_one_of_several(job: Job) -> dict[str, Any]:
@@ -141,14 +164,30 @@ def print_summary(summary: Mapping[str, Any], out: Path, *, as_json: bool) -> No
     print(f"results in {out}", flush=True)
 
 
+def doubts(summary: Mapping[str, Any]) -> list[str]:
+    """Why a run's result is doubtful; empty where it is not, or where nothing was checked."""
+    return list(summary.get("integrity", {}).get("doubts", ()))
+
+
 def result(summary: Mapping[str, Any], out: Path) -> str:
-    """What came of a run in one line: the poses, their distance from the truth, where to look."""
+    """What came of a run in one line.
+
+    Whether it is doubtful and why, the poses, their distance from the ground truth, where to look.
+    """
     from motorcade.replays.report.summary import shown_value
 
+    doubtful = "; ".join(doubts(summary))
+    if doubtful:
+        doubtful = f"DOUBTFUL: {doubtful}; "
+        if summary["integrity"]["drawn"] == "measured":
+            doubtful += "the character stands along the measured path; "
     poses = summary.get("camera_poses")
     if poses is None:
-        return f"done as far as {summary['until']}; look into {out}"
-    told = f"{poses['measured']} of {poses['frames']} frames have a pose ({poses['origin']})"
+        return f"{doubtful}done as far as {summary['until']}; look into {out}"
+    told = (
+        doubtful
+        + f"{poses['measured']} of {poses['frames']} frames have a pose ({poses['origin']})"
+    )
     smoothed = next(row for path, row in summary["errors"].items() if path not in UNSMOOTHED)
     off_m, off_deg = smoothed.get("ape_rmse_m"), smoothed.get("rotation_rmse_deg")
     if off_m is not None:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from motorcade.replays.cli.arguments import Subparsers, add_executor, new_command, print_json
+from motorcade.replays.cli.recordings.run import add_strict
 
 DESCRIPTION = """\
 Run every combination of recordings, knobs and seeds; leave one table and a comparative report.
@@ -38,15 +39,18 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     )
     add_executor(parser, "processes")
     parser.add_argument("--json", action="store_true", help="print the table as JSON")
+    add_strict(parser)
 
 
 def sweep_recordings(arguments: argparse.Namespace) -> None:
     """Read the file, run what is missing, say where the results lie; failures end with status 1."""
     from motorcade.replays.engine.executors import check_executor
-    from motorcade.replays.pipeline import pipeline_graph
+    from motorcade.replays.pipeline import pipeline_graph, require_integrity
     from motorcade.replays.sweep import read_sweep, run_sweep
 
     plan = read_sweep(arguments.config, pipeline_graph())
+    if arguments.strict:
+        require_integrity(plan.until)
     summary = run_sweep(plan, arguments.out, check_executor(arguments.executor))
     if summary.left:
         done = len(plan) - summary.left
@@ -57,7 +61,12 @@ def sweep_recordings(arguments: argparse.Namespace) -> None:
         print_json({"rows": [dict(row) for row in summary.rows]})
     else:
         print(f"{summary.done} runs done, {summary.done_before} were done before")
+        if summary.doubtful:
+            print(f"{summary.doubtful} of them are DOUBTFUL; the table says why")
         print("results in " + ", ".join(map(str, summary.files)))
     if summary.failed:
         told = f"{summary.failed} of {len(plan)} runs failed; the table says why"
         raise RuntimeError(told + (", the others are done" if summary.failed < len(plan) else ""))
+    if arguments.strict and summary.doubtful:
+        told = f"{summary.doubtful} of {len(plan)} results are doubtful; the table says why"
+        raise RuntimeError(told)

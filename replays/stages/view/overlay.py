@@ -28,6 +28,7 @@ from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Frame, Recording
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.marker_poses import MarkerPoses
 from motorcade.replays.values.paths import SmoothedPaths
 from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
@@ -42,6 +43,7 @@ def overlay(
     recording: Recording,
     camera_poses: CameraPoses,
     smoothed: SmoothedPaths,
+    integrity: Integrity,
     placed: PlacedCharacter,
     marker_poses: MarkerPoses | None = None,
     *,
@@ -53,16 +55,16 @@ def overlay(
     exposure_s: float = 0.0,
     noise: float | None = 0.0,
 ) -> OverlayVideo:
-    """Draw the placed character into every frame that has a smoothed pose.
+    """Draw the placed character into every frame that has a pose.
 
-    `representation` says along which of the smoothed paths; without it, the first of them.
+    `representation` says along which of the smoothed paths; without it, what `integrity` chose.
     `renderer` draws: "fast", or "pyrender" (docs/rendering.md says when to take which).
     `light=estimated` takes sun and ambient light from frames with depth; without depth it takes
     brightness and colour from board or markers, else from the pictures' mean, and no direction.
     `lens=distort` leaves the footage as it was taken and distorts what is drawn as the lens does;
     otherwise the footage is undistorted. `gain` brightens what is drawn, `exposure_s` blurs it by
     the motion in that time, `noise` (of 255; none: each frame's own) grains it.
-    The smoothed path is extrapolated to measured poses within 0.1 s of its ends, as fusion may
+    The path is extrapolated to measured poses within 0.1 s of its ends, as fusion may
     end before them; frames without a pose (before the first, after the last) are shown as they
     are. Where the recording has depth, what is nearer hides the character; where it has none,
     the board, markers and the ground do. Raises `Unavailable` without OpenGL and for recordings
@@ -73,7 +75,9 @@ def overlay(
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
     if isinstance(recording.frames, CornerFrames):
         raise Unavailable("the recording holds corners of markers and no pictures to draw into")
-    path = extrapolated(_chosen(smoothed, representation), camera_poses.measurements.trajectory)
+    path = extrapolated(
+        _chosen(smoothed, integrity, representation), camera_poses.measurements.trajectory
+    )
     character = character_named(placed.character)
     clip = clip_named(character, placed.clip)
     if len(placed.path_m):
@@ -119,6 +123,7 @@ def overlay(
         placed.stands_on,
         lit_by,
         "original" if lens == "distort" else "undistorted",
+        integrity.drawn_is if representation is None else "smoothed",
         time.perf_counter() - start,
     )
 
@@ -204,9 +209,11 @@ def extrapolated(path: Trajectory, measured: Trajectory) -> Trajectory:
     return Trajectory(np.concatenate(stamps), Motor.concatenate(poses), path.parent, path.child)
 
 
-def _chosen(smoothed: SmoothedPaths, representation: str | None) -> Trajectory:
+def _chosen(
+    smoothed: SmoothedPaths, integrity: Integrity, representation: str | None
+) -> Trajectory:
     if representation is None:
-        return next(iter(smoothed.trajectories.values()))
+        return integrity.drawn
     if representation not in smoothed.trajectories:
         known = ", ".join(smoothed.trajectories)
         raise ValueError(f"overlay.representation: expected one of {known}, got {representation!r}")

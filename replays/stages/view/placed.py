@@ -29,8 +29,8 @@ from motorcade.replays.stages.view.ground import (
 )
 from motorcade.replays.stages.view.moving_marker import find_marker
 from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.marker_poses import MarkerPoses
-from motorcade.replays.values.paths import SmoothedPaths
 from motorcade.replays.values.view import PlacedCharacter
 
 log = logging.getLogger("motorcade.placed")
@@ -39,7 +39,7 @@ log = logging.getLogger("motorcade.placed")
 def placed(
     recording: Recording,
     camera_poses: CameraPoses,
-    smoothed: SmoothedPaths,
+    integrity: Integrity,
     marker_poses: MarkerPoses | None = None,
     *,
     character: Path = Path(MANNEQUIN),
@@ -79,7 +79,7 @@ def placed(
         raise ValueError(f"placed.position_m: expected x,y, got {len(position_m)} numbers")
     marker_map = None if marker_poses is None else marker_poses.marker_map
     way = path_of(path) if path else None
-    seen_from = next(iter(smoothed.trajectories.values()))
+    seen_from = integrity.drawn
     first_camera = seen_from.motors[0]
     ground, ground_motion = None, None
     if (on == "marker") != (marker is not None):

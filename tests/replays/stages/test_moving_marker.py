@@ -18,7 +18,7 @@ from motorcade.replays.recording import Frame, FrameSequence, ImageArray, Record
 from motorcade.replays.stages.camera.marker_poses import marker_poses
 from motorcade.replays.stages.view.placed import placed
 from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.replays.values.paths import SmoothedPaths
+from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.view import PlacedCharacter
 from motorcade.tracking import Board, Camera, MarkerGrid, PoseMeasurements, SingleMarker
 from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
@@ -86,7 +86,7 @@ def drawn(where: Callable[[int], Motor], hidden: range) -> tuple[ImageArray, ...
 
 def recorded(
     where: Callable[[int], Motor], hidden: range = range(0), board: Board | None = None
-) -> tuple[Recording, SmoothedPaths, CameraPoses]:
+) -> tuple[Recording, Integrity, CameraPoses]:
     """Pictures of one marker by a camera whose path is known."""
     pictures = drawn(where, hidden)
     recording = Recording(
@@ -104,7 +104,7 @@ def recorded(
     nothing = np.full(FRAMES, np.nan)
     origin = "slam" if board is None else "board"
     found = CameraPoses(measured, TIME_NS, nothing, origin, "as given")
-    return recording, SmoothedPaths({"motor": path}, None), found
+    return recording, Integrity((), {}, path, "smoothed"), found
 
 
 def feet_m(made: PlacedCharacter) -> FloatArray:
@@ -125,7 +125,7 @@ def pixels(points_m: FloatArray) -> FloatArray:
     return CAMERA.project(handheld_path(FRAMES, 0.7).inverse().apply(points_m))
 
 
-def on_marker(given: tuple[Recording, SmoothedPaths, CameraPoses]) -> PlacedCharacter:
+def on_marker(given: tuple[Recording, Integrity, CameraPoses]) -> PlacedCharacter:
     recording, smoothed, found = given
     return placed(recording, found, smoothed, on="marker", marker=ID, heading_deg=30.0)
 
@@ -148,7 +148,7 @@ def test_it_is_drawn_where_the_marker_is() -> None:
     """What differs from the footage stands over the marker's middle in every frame."""
     recording, smoothed, _ = given = recorded(wandering)
     made = on_marker(given)
-    path = smoothed.trajectories["motor"]
+    path = smoothed.drawn
     figure = character_named(made.character)
     clip = clip_named(figure, made.clip)
     frames = [(frame.time_ns, frame.image()) for frame in recording.frames][::8]

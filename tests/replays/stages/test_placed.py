@@ -17,7 +17,7 @@ from motorcade.replays.recording import Recording
 from motorcade.replays.stages.view.ground import upward
 from motorcade.replays.stages.view.placed import placed
 from motorcade.replays.values.camera_poses import CameraPoses, PoseOrigin
-from motorcade.replays.values.paths import SmoothedPaths
+from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.view import PlacedCharacter
 from motorcade.tracking import Board, Checkerboard, MarkerGrid, PoseMeasurements
 from tests.textured_room.paths import handheld
@@ -33,15 +33,15 @@ def looking_down(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     return open_recording(folder)
 
 
-def smoothed(recording: Recording, left: Motor | None = None) -> SmoothedPaths:
+def drawn(recording: Recording, left: Motor | None = None) -> Integrity:
     path = recording.truth
     assert path is not None
-    return SmoothedPaths({"motor": path if left is None else path.transformed_by(left=left)}, None)
+    return Integrity((), {}, path if left is None else path.transformed_by(left=left), "smoothed")
 
 
-def poses(path: SmoothedPaths, origin: PoseOrigin = "slam", **more: Any) -> CameraPoses:
+def poses(path: Integrity, origin: PoseOrigin = "slam", **more: Any) -> CameraPoses:
     """The same path as the stage before would give it."""
-    trajectory = path.trajectories["motor"]
+    trajectory = path.drawn
     sure = np.tile(np.eye(6) * 1e-6, (len(trajectory), 1, 1))
     nothing = np.full(len(trajectory), np.nan)
     measured = PoseMeasurements(trajectory, sure)
@@ -49,7 +49,7 @@ def poses(path: SmoothedPaths, origin: PoseOrigin = "slam", **more: Any) -> Came
 
 
 def stood(
-    recording: Recording, path: SmoothedPaths, origin: PoseOrigin = "slam", **knobs: Any
+    recording: Recording, path: Integrity, origin: PoseOrigin = "slam", **knobs: Any
 ) -> PlacedCharacter:
     """What the stage makes of a path that another source measured."""
     return placed(recording, poses(path, origin), path, **knobs)
@@ -58,7 +58,7 @@ def stood(
 def test_with_depth_and_no_board_it_stands_on_a_plane_that_was_found(
     looking_down: Recording,
 ) -> None:
-    made = stood(looking_down, smoothed(looking_down))
+    made = stood(looking_down, drawn(looking_down))
     # The room's floor, and its box tops, are level.
     up = made.placement.world_T_character.rotor.apply([0.0, 0.0, 1.0])
     assert up[2] > 0.9999
@@ -72,8 +72,8 @@ def test_the_plane_is_found_however_the_world_is_turned(
     looking_down: Recording, rng: np.random.Generator
 ) -> None:
     other_T_world = Motor.random(rng)
-    upright = stood(looking_down, smoothed(looking_down)).placement
-    turned = stood(looking_down, smoothed(looking_down, other_T_world)).placement
+    upright = stood(looking_down, drawn(looking_down)).placement
+    turned = stood(looking_down, drawn(looking_down, other_T_world)).placement
     wanted = other_T_world @ upright.world_T_character
     np.testing.assert_allclose(turned.world_T_character.as_matrix(), wanted.as_matrix(), atol=1e-9)
     assert turned.scale == pytest.approx(upright.scale)
@@ -84,7 +84,7 @@ def test_a_board_goes_before_the_plane_and_the_floor_can_be_asked_for(
 ) -> None:
     board = Checkerboard(columns=7, rows=5, square_m=0.03)
     with_board = replace(looking_down, board=board)
-    path = smoothed(looking_down)
+    path = drawn(looking_down)
     assert stood(with_board, path, "board").stands_on == "the board"
     assert "a plane of" in stood(with_board, path, on="plane").stands_on
     floor = stood(with_board, path, on="floor", floor_m=0.25)
@@ -108,15 +108,15 @@ def test_the_floor_is_chosen_against_gravity_where_an_imu_tells_it(
         looking_down, imu=ImuStream(stamps, np.zeros_like(force), noisy), imu_T_camera=imu_T_camera
     )
     other_T_world = Motor.random(rng)
-    path = smoothed(with_imu, other_T_world)
-    found = upward(with_imu, poses(path), path.trajectories["motor"])
+    path = drawn(with_imu, other_T_world)
+    found = upward(with_imu, poses(path), path.drawn)
     assert found is not None
     true_up = other_T_world.rotor.apply([0.0, 0.0, 1.0])
     assert found[0] @ true_up > np.cos(np.deg2rad(1.0))
     made = stood(with_imu, path)
     assert "up being against gravity" in made.stands_on
     assert made.placement.world_T_character.rotor.apply([0.0, 0.0, 1.0]) @ true_up > 0.999
-    upright = stood(looking_down, smoothed(looking_down), "simulated")
+    upright = stood(looking_down, drawn(looking_down), "simulated")
     assert "up being the world's" in upright.stands_on
 
 
@@ -129,7 +129,7 @@ def test_on_a_map_without_unit_the_size_follows_the_scene(
     blind = replace(looking_down, frames=replace(frames, depth_files=()))
     truth = looking_down.truth
     assert truth is not None
-    path = SmoothedPaths({"motor": truth.transformed_by(left=truth.motors[0].inverse())}, None)
+    path = Integrity((), {}, truth.transformed_by(left=truth.motors[0].inverse()), "smoothed")
     for unit in (0.01, 1.0, 100.0):
         ground = rng.uniform([-3.0, 1.5, 3.0], [3.0, 1.5, 9.0], (400, 3))
         points = unit * (ground + rng.normal(0.0, 0.003, ground.shape))
@@ -153,22 +153,22 @@ def test_without_depth_it_stands_on_the_floor_and_a_plane_is_refused(
     frames = looking_down.frames
     assert isinstance(frames, PictureFrames)
     blind = replace(looking_down, frames=replace(frames, depth_files=()))
-    assert stood(blind, smoothed(blind)).stands_on == "the world's z = 0 m"
+    assert stood(blind, drawn(blind)).stands_on == "the world's z = 0 m"
     covered = Scenario(handheld, 3, covered=(0, 3))
     write_recording(tmp_path / "covered", covered, name="room")
     unseen = open_recording(tmp_path / "covered")
-    assert stood(unseen, smoothed(unseen)).stands_on == "the world's z = 0 m"
+    assert stood(unseen, drawn(unseen)).stands_on == "the world's z = 0 m"
     with pytest.raises(ValueError, match=r"room: placed\.on=plane, but no plane"):
-        stood(blind, smoothed(blind), on="plane")
+        stood(blind, drawn(blind), on="plane")
     with pytest.raises(ValueError, match=r"room: placed\.on=board, but no board is known"):
-        stood(blind, smoothed(blind), on="board")
+        stood(blind, drawn(blind), on="board")
 
 
 def test_in_a_real_kitchen_it_stands_upright_on_the_table(data_dir: Path) -> None:
     recording = open_recording(data_dir / "replays" / "7scenes_redkitchen")
     truth = recording.truth
     assert isinstance(truth, Trajectory)
-    made = stood(recording, SmoothedPaths({"motor": truth}, None))
+    made = stood(recording, Integrity((), {}, truth, "smoothed"))
     first = truth.motors[0].inverse() @ made.placement.world_T_character
     up = first.rotor.apply([0.0, 0.0, 1.0])
     # The table as frame 0 sees it: 0.66 m from the lens, tilted by 29 degrees.
@@ -187,7 +187,7 @@ def test_a_files_character_plays_its_own_clips_and_the_mannequins(
     file = tmp_path / "figure.glb"
     figure = mannequin()
     write_gltf(file, figure, [figure.clip("wave")])
-    made = stood(looking_down, smoothed(looking_down), character=file, clip="wave")
+    made = stood(looking_down, drawn(looking_down), character=file, clip="wave")
     assert (made.character, made.clip) == (str(file), "wave")
     read = character_named(str(file))
     assert clip_named(read, "wave").duration_s == pytest.approx(figure.clip("wave").duration_s)
@@ -197,12 +197,12 @@ def test_a_files_character_plays_its_own_clips_and_the_mannequins(
         for s, c in ((read, lent), (figure, figure.clip("walk")))
     )
     np.testing.assert_allclose(moved, own, atol=1e-4)
-    assert stood(looking_down, smoothed(looking_down), character=file).clip == "idle"
+    assert stood(looking_down, drawn(looking_down), character=file).clip == "idle"
 
 
 def test_along_a_path_it_walks_with_planted_feet_and_stays(looking_down: Recording) -> None:
     points = (0.0, 0.0, 0.3, 0.1, 0.5, 0.4)
-    seen = smoothed(looking_down)
+    seen = drawn(looking_down)
     made = placed(looking_down, poses(seen), seen, path=points, height_m=0.3)
     assert made.clip == "walk"
     np.testing.assert_allclose(made.path_m, np.reshape(points, (3, 2)))
@@ -237,7 +237,7 @@ def test_along_a_path_it_walks_with_planted_feet_and_stays(looking_down: Recordi
 def test_a_path_off_the_board_is_told_with_the_boards_outline(
     looking_down: Recording, caplog: pytest.LogCaptureFixture, board: Board, outline: str
 ) -> None:
-    seen = smoothed(looking_down)
+    seen = drawn(looking_down)
     with_board = replace(looking_down, board=board)
     height_m = 0.05
     on = (0.02, -0.14, 0.2, -0.01)
@@ -266,7 +266,7 @@ def test_a_path_off_the_board_is_told_with_the_boards_outline(
 def test_refusals_name_the_knob(
     looking_down: Recording, knobs: dict[str, Any], message: str
 ) -> None:
-    seen = smoothed(looking_down)
+    seen = drawn(looking_down)
     with pytest.raises(ValueError, match=message):
         placed(looking_down, poses(seen), seen, **knobs)
 

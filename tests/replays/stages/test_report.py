@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from motorcade.fusion.motions import MOTIONS
 from motorcade.render.plots import plot_series
 from motorcade.replays.report import page
 from motorcade.replays.report.page import _rows
@@ -18,6 +19,7 @@ from motorcade.replays.report.summary import (
     shown_value,
     without_nan,
 )
+from motorcade.replays.values.integrity import Integrity, IntegrityCheck
 from motorcade.replays.values.view import OverlayVideo
 
 FIGURES = {
@@ -94,11 +96,28 @@ def test_a_video_too_large_for_a_page_lies_beside_it(
     monkeypatch.setattr(page, "VIDEO_LIMIT", limit)
     film = tmp_path / "film.mp4"
     film.write_bytes(b"not long.")
-    told = OverlayVideo(film, 3, 4, "the board", "a fixed light", "original", seconds=1.0)
+    told = OverlayVideo(
+        film, 3, 4, "the board", "a fixed light", "original", "smoothed", seconds=1.0
+    )
     found: Any = SimpleNamespace(overlay=told)
     data = "data:video/mp4;base64,bm90IGxvbmcu"
     assert page._video(found) == (data if inside else "overlay.mp4")
     assert ("beside it as overlay.mp4" in page._video_caption(found)) is not inside
+
+
+@pytest.mark.parametrize(("failures", "value"), [(100, "consistent"), (101, "doubtful")])
+def test_the_first_tile_says_whether_the_result_can_be_relied_on(failures: int, value: str) -> None:
+    path = MOTIONS["handheld"].sampled(rate_hz=10.0, duration_s=1.0)
+    check = IntegrityCheck("coverage", failures, 200, 100, "so many of 200 frames have no pose")
+    drawn_is: Any = "smoothed" if check.passed else "measured"
+    tile = page._verdict(SimpleNamespace(integrity=Integrity((check,), {}, path, drawn_is)))  # type: ignore[arg-type]
+    assert tile["value"] == value
+    if check.passed:
+        assert tile["label"] == "stages and pictures agree (coverage)"
+    else:
+        assert tile["label"] == (
+            "So many of 200 frames have no pose. The character stands along the measured path."
+        )
 
 
 def test_plots_take_their_ink_from_the_page_and_are_reproducible() -> None:

@@ -1,6 +1,7 @@
 """A sweep gives what single runs give; failures stay apart; what is finished is not run again."""
 
 import csv
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -127,3 +128,24 @@ def test_a_cluster_that_is_not_there_is_told_in_one_line(
     monkeypatch.setattr("motorcade.replays.engine.executors._ANSWERS_WITHIN_S", 0.5)
     with pytest.raises(RuntimeError, match="no Dask scheduler answers at tcp:"):
         swept(config('["one"]', seeds="[0]"), tmp_path / "out", "tcp://127.0.0.1:9")
+
+
+def test_a_sweep_names_doubtful_runs_and_fails_where_strict(
+    config: Config, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    knobs = "camera_poses.blackouts_s = ['', '0.2,1.9']\nsmoothed.representations = 'motor'"
+    asked = ("sweep", config('["one"]', knobs, "[0]"), "--out", tmp_path, "--executor", "local")
+    assert main([*map(str, asked)]) == 0
+    assert "1 of them are DOUBTFUL" in capsys.readouterr().out
+    for _ in range(2):  # whether it was done just now or before
+        assert main([*map(str, asked), "--strict", "--json"]) == 1
+        told = capsys.readouterr()
+        assert "1 of 2 results are doubtful" in told.err
+        rows = json.loads(told.out)["rows"]
+        assert {(row["camera_poses.blackouts_s"], row["status"]) for row in rows} == {
+            ("", "done"),
+            ("0.2,1.9", "doubtful"),
+        }
+        (doubt,) = {row["doubts"] for row in rows if row["doubts"]}
+        assert "frames have no pose" in doubt
+    assert "<h2>Doubtful</h2>" in (tmp_path / "sweep.html").read_text()

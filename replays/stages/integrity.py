@@ -1,0 +1,169 @@
+"""Stage `integrity`: whether the stages agree with each other and with the pictures.
+
+No check needs a ground truth, and none has a constant that was chosen on a recording: a frame or a
+measurement fails by the probability of the filter's gate, or by a pixel; so many may fail as
+ordinary data hold gross errors, and chance adds to them. What all stages believe alike is not seen:
+a wrong size of the board's squares scales the whole world, and the pictures with it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.filter import FilterSettings
+from motorcade.fusion.metrics import most_by_chance, normalised_squared
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray
+from motorcade.replays.recording import Recording
+from motorcade.replays.values.board_poses import BoardPoses
+from motorcade.replays.values.camera_poses import CameraPoses
+from motorcade.replays.values.imu import UsedImu
+from motorcade.replays.values.integrity import Integrity, IntegrityCheck
+from motorcade.replays.values.paths import FusedPath, SmoothedPaths
+from motorcade.tracking import registration_px
+
+GROSS_ERRORS = 0.1
+"""Share of gross errors that ordinary data hold at most: 1 to 10 % are the rule (F. R. Hampel,
+E. M. Ronchetti, P. J. Rousseeuw and W. A. Stahel, Robust Statistics, 1986, section 1.2c)."""
+UNCOVERED = 0.5
+"""Share of the frames that may lack a pose: beyond it, more of a path is bridged than measured."""
+VISIBLE_PX = 1.0
+"""Below this nobody sees that something drawn does not stand still in the footage."""
+SIGMAS = 3.0
+"""Registration counts as worse beyond so many times that of the measured poses."""
+FREEDOM = 6
+"""Of a pose."""
+
+
+def integrity(
+    recording: Recording,
+    camera_poses: CameraPoses,
+    imu: UsedImu,
+    fused: FusedPath,
+    smoothed: SmoothedPaths,
+    board_poses: BoardPoses | None = None,
+) -> Integrity:
+    """Check the run, and choose the path that the character is placed and drawn along.
+
+    Coverage: frames without a pose, half of which may be. Innovations: measured poses that the
+    filter's gate would not let pass; without a filter, and with an IMU simulated along the tracked
+    path, there are none to judge. Then the pictures decide, where a board's corners are known:
+    registration, frames in which a board drawn along the first smoothed path lies off its corners
+    by more than a pixel and three times as far as along the measured poses. Elsewhere agreement:
+    measured poses that the smoothed path misses by more than the gate allows them. Of these three a
+    tenth may fail, and what chance adds to that. The measured path is drawn along where the
+    smoothed one fails in the pictures more often than it does, or misses most of the measured
+    poses.
+    """
+    measured = camera_poses.measurements.trajectory
+    name, path = next(iter(smoothed.trajectories.items()))
+    checks = [_coverage(camera_poses, path)]
+    if imu.origin != "tracked" and np.any(np.isfinite(fused.nis)):
+        checks.append(_innovations(fused))
+    paths = {"measured": measured, "fused": fused.trajectory} | smoothed.trajectories
+    registration = _registrations(paths, recording, board_poses)
+    if registration:
+        limit_px = _limit_px(registration["measured"])
+        checks.append(_registration(registration, name, limit_px))
+        kept = checks[-1].failures > _off(registration["measured"], limit_px)
+    else:
+        checks.append(_agreement(camera_poses, path))
+        kept = 2 * checks[-1].failures > checks[-1].count
+    kept = kept and not checks[-1].passed
+    return Integrity(
+        tuple(checks),
+        registration,
+        measured if kept else path,
+        "measured" if kept else "smoothed",
+    )
+
+
+def _coverage(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
+    times_ns = camera_poses.frame_times_ns
+    posed = np.isin(times_ns, camera_poses.measurements.trajectory.time_ns)
+    posed &= (times_ns >= path.time_ns[0]) & (times_ns <= path.time_ns[-1])
+    count, missing = len(times_ns), int(np.count_nonzero(~posed))
+    allowed = int(UNCOVERED * count)
+    summary = f"{missing} of {count} frames have no pose (up to {allowed} may)"
+    return IntegrityCheck("coverage", missing, count, allowed, summary)
+
+
+def _innovations(fused: FusedPath) -> IntegrityCheck:
+    nis = fused.nis[np.isfinite(fused.nis)]
+    beyond, refused = _beyond_gate(nis), int(np.count_nonzero(~fused.accepted))
+    allowed = most_by_chance(len(nis), GROSS_ERRORS)
+    summary = (
+        f"{beyond} of {len(nis)} measured poses contradict the IMU (up to {allowed} may): the "
+        f"mean NIS is {np.mean(nis) / FREEDOM:.3g} a dimension where 1 is expected; {refused} were "
+        "refused"
+    )
+    return IntegrityCheck("innovations", beyond, len(nis), allowed, summary)
+
+
+def _registration(
+    registration: dict[str, FloatArray], name: str, limit_px: float
+) -> IntegrityCheck:
+    found = registration[name]
+    off, allowed = _off(found, limit_px), most_by_chance(len(found), GROSS_ERRORS)
+    summary = (
+        f"in {off} of {len(found)} frames (up to {allowed} may) the board drawn along the smoothed "
+        f"path lies more than {limit_px:.2g} px off: {_median(found):.3g} px in the median, "
+        f"{_median(registration['measured']):.3g} px along the measured poses"
+    )
+    return IntegrityCheck("registration", off, len(found), allowed, summary)
+
+
+def _agreement(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
+    measured, covariance = (
+        camera_poses.measurements.trajectory,
+        camera_poses.measurements.covariance,
+    )
+    inside = (measured.time_ns >= path.time_ns[0]) & (measured.time_ns <= path.time_ns[-1])
+    apart = path.motors_at(measured.time_ns[inside]).local(measured.motors[inside])
+    beyond = _beyond_gate(normalised_squared(apart, covariance[inside]))
+    allowed = most_by_chance(len(apart), GROSS_ERRORS)
+    turned = np.rad2deg(np.median(np.linalg.norm(apart[:, :3], axis=-1)))
+    shifted = np.median(np.linalg.norm(apart[:, 3:], axis=-1))
+    unit = "m" if camera_poses.metric else "units"
+    summary = (
+        f"the smoothed path misses {beyond} of {len(apart)} measured poses (up to {allowed} may): "
+        f"by {shifted:.3g} {unit} and {turned:.3g}° in the median"
+    )
+    return IntegrityCheck("agreement", beyond, len(apart), allowed, summary)
+
+
+def _registrations(
+    paths: dict[str, Trajectory], recording: Recording, board_poses: BoardPoses | None
+) -> dict[str, FloatArray]:
+    """Of every path, how far what is drawn along it lies from the footage; none without corners."""
+    board, camera = recording.board, recording.camera
+    if board_poses is None or board is None or camera is None:
+        return {}
+    seen, world_T_board = board_poses.track, recording.world_T_board
+    return {
+        name: registration_px(path, seen, board, camera, world_T_board)
+        for name, path in paths.items()
+    }
+
+
+def _limit_px(measured: FloatArray) -> float:
+    """How far off counts as a failure, by how well the measured poses register."""
+    usual = SIGMAS * _median(measured)
+    return max(VISIBLE_PX, usual) if np.isfinite(usual) else VISIBLE_PX
+
+
+def _median(registration: FloatArray) -> float:
+    """Median over frames; NaN, a corner behind the camera, counts as infinitely far."""
+    if not registration.size:
+        return 0.0
+    return float(np.median(np.where(np.isnan(registration), np.inf, registration)))
+
+
+def _off(registration: FloatArray, limit_px: float) -> int:
+    inside: NDArray[np.bool_] = registration <= limit_px
+    return int(np.count_nonzero(~inside))
+
+
+def _beyond_gate(squared: FloatArray) -> int:
+    return int(np.count_nonzero(squared > FilterSettings().gate_limit(FREEDOM)))

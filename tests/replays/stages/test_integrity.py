@@ -1,0 +1,243 @@
+"""Runs whose stages contradict each other or the pictures are called doubtful, others are not."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
+from motorcade.fusion.simulate_poses import simulate_camera_poses
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import IntArray
+from motorcade.replays.engine.stage import Chosen
+from motorcade.replays.recording import Frame, Recording
+from motorcade.replays.stages.camera.camera_poses import camera_poses
+from motorcade.replays.stages.inertial.fused import fused
+from motorcade.replays.stages.inertial.imu import imu
+from motorcade.replays.stages.integrity import integrity
+from motorcade.replays.stages.smoothed import smoothed
+from motorcade.replays.synthetic_room.furniture import BOARD, world_T_board
+from motorcade.replays.synthetic_room.recording import CAMERA, IMU_T_CAMERA, HandheldPath
+from motorcade.replays.values.board_poses import BoardPoses
+from motorcade.replays.values.integrity import Integrity
+from motorcade.tracking import BoardTrack, PoseMeasurements, registration_px
+from motorcade.tracking.measurements import MarkerObservation
+
+FRAMES, RATE_HZ = 120, 30.0
+SIGMA_M, SIGMA_RAD, CORNER_PX = 0.0005, 0.0005, 0.1
+SEEDS = range(3)
+
+
+class Stamps:
+    """Frames of which nothing but the stamps is asked."""
+
+    def __init__(self, time_ns: IntArray) -> None:
+        self.time_ns = time_ns
+
+    def __len__(self) -> int:
+        return len(self.time_ns)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return iter(())
+
+
+@dataclass(frozen=True)
+class Given:
+    """A recording with an IMU, and what was measured by a board in it."""
+
+    recording: Recording
+    poses: BoardPoses
+
+
+@functools.cache
+def given(seed: int) -> Given:
+    """The demo's camera, its board's corners and its IMU, without any picture."""
+    rng = np.random.default_rng(seed)
+    path = HandheldPath.of(rng)
+    stamps = np.rint(np.arange(FRAMES) / RATE_HZ * 1e9).astype(np.int64)
+    fine = np.arange(0, stamps[-1] + 50_000_000, 2_500_000)
+    world_T_imu = path.trajectory(fine).transformed_by(right=IMU_T_CAMERA.inverse(), child="imu")
+    stream = simulate_imu(world_T_imu, 200.0, ADIS16448, rng, knot_spacing_s=0.03).stream
+    truth = path.trajectory(stamps)
+    found = simulate_camera_poses(truth, RATE_HZ, SIGMA_M, SIGMA_RAD, rng)
+    at = truth.motors_at(found.trajectory.time_ns)
+    recording = Recording(
+        "made up",
+        Path(),
+        "images",
+        Stamps(found.trajectory.time_ns),  # type: ignore[arg-type]
+        CAMERA,
+        imu=stream,
+        imu_noise=ADIS16448,
+        imu_T_camera=IMU_T_CAMERA,
+        board=BOARD,
+        world_T_board=world_T_board(),
+    )
+    return Given(recording, by_board(found, at, rng))
+
+
+def by_board(found: PoseMeasurements, truth: Motor, rng: np.random.Generator) -> BoardPoses:
+    """The poses, with corners as the camera saw them from where it really was."""
+    time_ns, ids = found.trajectory.time_ns, np.arange(len(BOARD.points_m))
+    observations = []
+    for k, stamp in enumerate(time_ns.tolist()):
+        seen = CAMERA.project((truth[k].inverse() @ world_T_board()).apply(BOARD.points_m))
+        corners = seen + CORNER_PX * rng.standard_normal(seen.shape)
+        both = Motor.stack([found.trajectory.motors[k]] * 2)
+        observations.append(MarkerObservation(stamp, ids, corners, both, np.full(2, CORNER_PX)))
+    errors = np.full(len(found), CORNER_PX)
+    states = np.full(len(found), "tracked")
+    track = BoardTrack(time_ns, states, tuple(observations), found, errors)
+    return BoardPoses(found, time_ns, errors, "board", "as given", track=track)
+
+
+def judged(one: Given, **knobs: Any) -> tuple[Integrity, Integrity]:
+    """What the stages make of it, as judged by the pictures and without them."""
+    poses = camera_poses(Chosen(one.poses), **knobs)
+    sensor = imu(one.recording, poses)
+    joined = fused(one.recording, poses, sensor, noise_factor=1.0)
+    paths = smoothed(joined, representations=("motor",))
+    by_pictures, blind = (
+        integrity(one.recording, poses, sensor, joined, paths, board) for board in (one.poses, None)
+    )
+    return by_pictures, blind
+
+
+def with_imu(one: Given, stream: ImuStream | None, imu_T_camera: Motor = IMU_T_CAMERA) -> Given:
+    return replace(one, recording=replace(one.recording, imu=stream, imu_T_camera=imu_T_camera))
+
+
+def wrong(one: Given, fault: str) -> Given:
+    """The same with one thing about its IMU as users get it wrong."""
+    stream = one.recording.imu
+    assert stream is not None
+    time_ns, rate, force = (
+        stream.time_ns,
+        stream.angular_rate_rad_s,
+        stream.specific_force_m_s2,
+    )
+    swapped = [1, 0, 2]
+    turned = Motor.from_rotor_translation(
+        Rotor.from_rotation_vector([0.0, 0.0, 0.5 * np.pi]), np.zeros(3)
+    )
+    return {
+        "degrees": lambda: with_imu(one, ImuStream(time_ns, np.rad2deg(rate), force)),
+        "units of g": lambda: with_imu(one, ImuStream(time_ns, rate, force / 9.81)),
+        "axes": lambda: with_imu(one, ImuStream(time_ns, rate[:, swapped], force[:, swapped])),
+        "clock": lambda: with_imu(one, ImuStream(time_ns + 10**9, rate, force)),
+        "extrinsics": lambda: with_imu(one, stream, IMU_T_CAMERA @ turned),
+    }[fault]()
+
+
+def failed(found: Integrity) -> set[str]:
+    return {check.name for check in found.checks if not check.passed}
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_healthy_run_is_not_doubted(seed: int) -> None:
+    for found, last in zip(judged(given(seed)), ("registration", "agreement"), strict=True):
+        assert found.doubts == ()
+        assert found.drawn_is == "smoothed"
+        assert [check.name for check in found.checks] == ["coverage", "innovations", last]
+
+
+@pytest.mark.parametrize("fault", ["degrees", "units of g", "axes", "clock", "extrinsics"])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_an_imu_that_contradicts_the_camera_is_never_silent(seed: int, fault: str) -> None:
+    one = wrong(given(seed), fault)
+    by_pictures, blind = judged(one)
+    for found in (by_pictures, blind):
+        assert "innovations" in failed(found)
+        assert any("measured poses contradict the IMU" in doubt for doubt in found.doubts)
+    if fault == "units of g":  # the bias takes up what it can: the path is bad, not absurd
+        return
+    # What is drawn holds to the board, whatever the filter made of its IMU.
+    assert "registration" in failed(by_pictures)
+    assert by_pictures.drawn_is == "measured"
+    seen = registration_px(
+        by_pictures.drawn, one.poses.track, BOARD, CAMERA, one.recording.world_T_board
+    )
+    assert np.max(seen) < 3.0
+
+
+def test_degrees_a_second_are_told_with_numbers() -> None:
+    found, blind = judged(wrong(given(0), "degrees"))
+    assert failed(blind) == {"innovations", "agreement"}
+    assert blind.drawn_is == "measured"
+    assert failed(found) == {"innovations", "registration"}
+    innovations, registration = found.doubts
+    assert " refused" in innovations
+    assert "mean NIS is" in innovations
+    assert "px along the measured poses" in registration
+    told = found.as_dict()
+    assert told["doubts"] == list(found.doubts)
+    assert told["drawn"] == "measured"
+    assert [check["passed"] for check in told["checks"]] == [True, False, False]
+
+
+def outliers(one: Given, share: float) -> Given:
+    """A share of the measured poses is off by centimetres and degrees."""
+    rng = np.random.default_rng(7)
+    found = one.poses.measurements
+    path = found.trajectory
+    bad = rng.permutation(len(path)) < share * len(path)
+    twist = rng.standard_normal((len(path), 6)) * 0.1 * bad[:, None]
+    off = Trajectory(path.time_ns, path.motors @ Motor.from_twist(twist), path.parent, path.child)
+    return replace(
+        one, poses=replace(one.poses, measurements=PoseMeasurements(off, found.covariance))
+    )
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_tracked_path_with_many_outliers_is_doubted_and_one_with_few_is_not(seed: int) -> None:
+    for found in judged(outliers(given(seed), 0.05)):
+        assert found.doubts == ()
+    by_pictures, blind = judged(outliers(given(seed), 0.3))
+    assert failed(by_pictures) == {"innovations"}
+    assert failed(blind) == {"innovations", "agreement"}
+    # The filter left them out: its path is the better one.
+    assert by_pictures.drawn_is == blind.drawn_is == "smoothed"
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_pictures_deny_outliers_where_no_imu_does(seed: int) -> None:
+    found, _ = judged(outliers(with_imu(given(seed), None), 0.3))
+    assert failed(found) == {"registration"}
+
+
+def scaled(one: Given, factor: float) -> Given:
+    """The same with squares taken to be `factor` times as large as they are."""
+    found, path = one.poses.measurements, one.poses.measurements.trajectory
+    origin = one.recording.world_T_board
+    on_board = path.transformed_by(left=origin.inverse()).motors
+    motors = origin @ Motor.from_rotor_translation(on_board.rotor, factor * on_board.translation_m)
+    spread = np.diag(np.repeat([1.0, factor], 3))
+    measurements = PoseMeasurements(
+        Trajectory(path.time_ns, motors, path.parent, path.child),
+        spread @ found.covariance @ spread,
+    )
+    board = replace(BOARD, marker_m=factor * BOARD.marker_m, gap_m=factor * BOARD.gap_m)
+    return Given(replace(one.recording, board=board), replace(one.poses, measurements=measurements))
+
+
+def test_a_wrong_size_of_the_board_is_not_seen_but_by_an_imu() -> None:
+    """Board, poses and pictures scale together: no picture tells metres, an accelerometer does."""
+    one = scaled(given(0), 2.0)
+    for found in judged(with_imu(one, None)):
+        assert found.doubts == ()
+    for found in judged(one):
+        assert "innovations" in failed(found)
+
+
+def test_a_path_that_is_mostly_bridged_is_doubted() -> None:
+    one = given(1)
+    assert judged(one, blackouts_s=(1.0, 1.5))[0].doubts == ()
+    found, _ = judged(one, blackouts_s=(0.5, 3.5))
+    assert "coverage" in failed(found)
+    assert "90 of 120 frames have no pose (up to 60 may)" in found.doubts
