@@ -2,7 +2,7 @@
 
 No check needs a ground truth, and none has a constant that was chosen on a recording: a frame or a
 measurement fails by the probability of the filter's gate, or by a pixel; so many may fail as
-ordinary data hold gross errors, and chance adds to them. What all stages believe alike is not seen:
+ordinary data hold outliers, and chance adds to them. What all stages believe alike is not seen:
 a wrong size of the board's squares scales the whole world, and the pictures with it.
 """
 
@@ -23,8 +23,8 @@ from motorcade.replays.values.integrity import Integrity, IntegrityCheck
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
 from motorcade.tracking import registration_px
 
-GROSS_ERRORS = 0.1
-"""Share of gross errors that ordinary data hold at most: 1 to 10 % are the rule (F. R. Hampel,
+CONTAMINATION = 0.1
+"""Share of outliers that ordinary data hold at most: 1 to 10 % are the rule (F. R. Hampel,
 E. M. Ronchetti, P. J. Rousseeuw and W. A. Stahel, Robust Statistics, 1986, section 1.2c)."""
 UNCOVERED = 0.5
 """Share of the frames that may lack a pose: beyond it, more of a path is bridged than measured."""
@@ -92,7 +92,7 @@ def _coverage(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
 def _innovations(fused: FusedPath) -> IntegrityCheck:
     nis = fused.nis[np.isfinite(fused.nis)]
     beyond, refused = _beyond_gate(nis), int(np.count_nonzero(~fused.accepted))
-    allowed = most_by_chance(len(nis), GROSS_ERRORS)
+    allowed = most_by_chance(len(nis), CONTAMINATION)
     summary = (
         f"{beyond} of {len(nis)} measured poses contradict the IMU (up to {allowed} may): the "
         f"mean NIS is {np.mean(nis) / FREEDOM:.3g} a dimension where 1 is expected; {refused} were "
@@ -105,7 +105,7 @@ def _registration(
     registration: dict[str, FloatArray], name: str, limit_px: float
 ) -> IntegrityCheck:
     found = registration[name]
-    off, allowed = _off(found, limit_px), most_by_chance(len(found), GROSS_ERRORS)
+    off, allowed = _off(found, limit_px), most_by_chance(len(found), CONTAMINATION)
     summary = (
         f"in {off} of {len(found)} frames (up to {allowed} may) the board drawn along the smoothed "
         f"path lies more than {limit_px:.2g} px off: {_median(found):.3g} px in the median, "
@@ -122,7 +122,7 @@ def _agreement(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
     inside = (measured.time_ns >= path.time_ns[0]) & (measured.time_ns <= path.time_ns[-1])
     apart = path.motors_at(measured.time_ns[inside]).local(measured.motors[inside])
     beyond = _beyond_gate(normalised_squared(apart, covariance[inside]))
-    allowed = most_by_chance(len(apart), GROSS_ERRORS)
+    allowed = most_by_chance(len(apart), CONTAMINATION)
     turned = np.rad2deg(np.median(np.linalg.norm(apart[:, :3], axis=-1)))
     shifted = np.median(np.linalg.norm(apart[:, 3:], axis=-1))
     unit = "m" if camera_poses.metric else "units"
