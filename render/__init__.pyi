@@ -8,9 +8,9 @@ from .backends.platform import ContextLost as ContextLost
 from .backends.platform import RenderUnavailable as RenderUnavailable
 from .backends.pyrender_backend import OffscreenRenderer as OffscreenRenderer
 from .backends.renderer import Renderer as Renderer
+from .composite import Matching as Matching
 from .composite import over as over
 from .lens import LensWarp as LensWarp
-from .matching import Matching as Matching
 from .overlay import render_overlay as render_overlay
 from .scene import Lamp as Lamp
 from .scene import Layer as Layer

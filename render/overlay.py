@@ -16,10 +16,18 @@ from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.render.backends.choice import RendererName, new_renderer
 from motorcade.render.backends.renderer import Renderer
-from motorcade.render.composite import as_rgb, darken, over
+from motorcade.render.composite import (
+    Matching,
+    as_rgb,
+    blended,
+    darken,
+    exposed,
+    frame_noise,
+    noisy,
+    over,
+)
 from motorcade.render.lens import LensWarp
 from motorcade.render.light import Prints, character_lighting, sun_share, sunlight_direction
-from motorcade.render.matching import Matching, blended, exposed, frame_noise, noisy
 from motorcade.render.occluders import known_depth, raised, share_on_ground
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting, Surface
 from motorcade.render.shadow import (

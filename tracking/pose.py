@@ -20,8 +20,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import reproject
+from motorcade.tracking.cameras.camera import Camera, reproject
 from motorcade.tracking.optimise import NormalEquations, Stop, minimise
 
 if TYPE_CHECKING:

@@ -1,7 +1,6 @@
 """Scene authoring: objects turned, moved and grown by drags, on rotors or on Euler angles."""
 
-from motorcade.animation.authoring.editor import Drag, SceneEditor, Snapping
-from motorcade.animation.authoring.gestures import read_gestures, replay
+from motorcade.animation.authoring.editor import Drag, SceneEditor, Snapping, read_gestures, replay
 from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose, VersorObjectPose
 from motorcade.animation.authoring.scene import Scene, read_scene
 

@@ -9,8 +9,7 @@ import numpy as np
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.mannequin.motions.gait import GAITS, gait_clip
-from motorcade.animation.mannequin.motions.idle import idle, waving
-from motorcade.animation.mannequin.motions.turning import turning
+from motorcade.animation.mannequin.motions.standing import idle, turning, waving
 from motorcade.animation.mannequin.proportions import REFERENCE_HEIGHT_M, mannequin_skeleton
 from motorcade.animation.mannequin.shape.anatomy import body_field
 from motorcade.animation.mannequin.shape.surface import colors, meshed

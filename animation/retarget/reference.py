@@ -6,7 +6,12 @@ Each of the target's joints follows ``turned_source @ constant``. Three ways lea
 - resting poses that can be compared, T or A: the constant is between the two, after the target's
   resting limbs are laid along the source's, each joint going along with the one above it, hands
   and fingers by their knuckles and the axes about which they bend (`hands`);
-- any other rest, such as the first frame of a walk: the motion itself tells (`motion`).
+- any other rest, such as the first frame of a walk: the motion itself tells.
+
+By motion, limbs are matched by their bones and by the hinges about which knees and elbows bend;
+hands and fingers as `hands` lays them; feet by how they stand; the trunk by its frames, where these
+are near the world's axes, or else by its mean over the clip, its forward lean kept; the head by its
+mean.
 """
 
 from __future__ import annotations
@@ -16,14 +21,155 @@ from collections.abc import Mapping
 import numpy as np
 
 from motorcade.animation.retarget.hands import FINGERS, Seen, hand_turn, is_of_hand
-from motorcade.animation.retarget.motion import from_motion
-from motorcade.animation.retarget.roles import NO_BONE_M, SIDES, Match
+from motorcade.animation.retarget.roles import LIMBS, NO_BONE_M, SIDES, Match, along_axes, body_of
 from motorcade.animation.skeleton import Skeleton
-from motorcade.animation.vectors import shortest_turn
-from motorcade.ga import Rotor
+from motorcade.animation.vectors import UP, axes_along, shortest_turn, turn_z, unit
+from motorcade.ga import Rotor, mean
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["constants"]
+# How much the way in which a limb should bend counts beside how it does.
+ASSUMED_BEND = 0.15
+# The share of a clip, its lowest moments, in which a foot is taken to stand flat.
+FLAT_SHARE = 0.12
+# How far a trunk may lean and twist on average, that is built along the world's axes.
+BUILT_RAD = np.radians(44.0)
+AHEAD = np.array([1.0, 0.0, 0.0])
+
+
+def from_motion(match: Match) -> dict[int, Rotor]:
+    """The constant turn of each matched joint of the target, told by the source's motion alone."""
+    return _Motion(match).constants()
+
+
+class _Motion:
+    """The source's motion seen from its own heading, and what it tells of each joint."""
+
+    def __init__(self, match: Match) -> None:
+        self.match, self.roles = match, match.roles
+        at = match.source_world.translation_m
+        self.heading = _headings(match, at)
+        self.at = self.heading.reshape(-1, 1).apply(at)
+        self.rotors = self.heading.reshape(-1, 1) @ match.source_world.rotor
+        self.upright = self._upright()
+        self.lean = self._lean()
+        rest = match.target.rest_world.reshape(1, -1)
+        self.seen = (
+            Seen(rest.translation_m, rest.rotor, match.roles),
+            Seen(self.at, self.rotors, match.source_roles),
+        )
+        self.made: dict[int, Rotor] = {}
+
+    def constants(self) -> dict[int, Rotor]:
+        """Joint after joint, those above first."""
+        role_of = {joint: role for role, joint in self.roles.items()}
+        for joint, other in self.match.joints.items():
+            side, _, part = role_of.get(joint, "").partition("_")
+            made = None
+            if side in ("hips", "spine", "neck"):
+                made = self._as_it_is_built(joint, other)
+            elif side == "head":
+                made = self._as_on_average(joint, other, Rotor.identity())
+            elif part in ("foot", "toes"):
+                made = self._as_it_stands(joint, other, side)
+            elif is_of_hand(role_of.get(joint, "")):
+                made = hand_turn(role_of[joint], *self.seen)
+            elif part in ("thigh", "calf", "upper_arm", "forearm"):
+                made = self._as_it_bends(side, part, joint, other)
+            self.made[joint] = self._along(joint, other) if made is None else made
+        return self.made
+
+    def _as_it_is_built(self, joint: int, other: int) -> Rotor:
+        """As where its frame lies along the world's axes, which trunks are built in, or on average.
+
+        Biped's, Mixamo's and captured skeletons' trunks stand upright so, whatever the motion.
+        """
+        if not self.upright:
+            return self._as_on_average(joint, other, self.lean)
+        return along_axes(mean(self.rotors[:, other])).inverse() @ self._rest(joint)
+
+    def _upright(self) -> bool:
+        """Whether frames of the whole trunk are on average near the world's axes."""
+        for role, joint in self.roles.items():
+            if role.startswith(("hips", "spine", "neck")):
+                average = mean(self.rotors[:, self.match.joints[joint]])
+                if float((along_axes(average).inverse() @ average).angle()) > BUILT_RAD:
+                    return False
+        return True
+
+    def _as_on_average(self, joint: int, other: int, lean: Rotor) -> Rotor:
+        return mean(self.rotors[:, other]).inverse() @ lean @ self._rest(joint)
+
+    def _as_it_stands(self, joint: int, other: int, side: str) -> Rotor:
+        """Flat on the ground at the foot's lowest moments."""
+        low = sum(
+            self.at[:, self.match.joints[self.roles[f"{side}_{part}"]], 2]
+            for part in ("foot", "toes")
+            if f"{side}_{part}" in self.roles
+        )
+        count = max(1, int(FLAT_SHARE * len(self.at)))
+        standing = np.argsort(low)[:count]
+        return mean(self.rotors[standing, other]).inverse() @ self._rest(joint)
+
+    def _as_it_bends(self, side: str, part: str, joint: int, other: int) -> Rotor | None:
+        """By the limb's bone, and by the hinge of its middle joint."""
+        limb = next(limb for limb in LIMBS if part in limb)
+        joints = [self.roles.get(f"{side}_{one}", -1) for one in limb]
+        if min(joints) < 0:
+            return None
+        bend = -AHEAD if limb[0] == "thigh" else AHEAD
+        first = limb.index(part)
+        frames = []
+        rest = self.match.target.rest_world
+        for at, rotor, numbers in (
+            (rest.translation_m[None], rest.rotor[joint : joint + 1], joints),
+            (self.at, self.rotors[:, other], [self.match.joints[k] for k in joints]),
+        ):
+            upper, lower = (at[:, numbers[k + 1]] - at[:, numbers[k]] for k in (0, 1))
+            upper, lower = unit(upper), unit(lower)
+            hinge = np.cross(upper, lower) + ASSUMED_BEND * np.cross(upper, bend)
+            inside = rotor.inverse()
+            bone = np.mean(inside.apply((upper, lower)[first]), axis=0)
+            frames.append(axes_along(bone, np.mean(inside.apply(hinge), axis=0)))
+        return frames[1] @ frames[0].inverse()
+
+    def _along(self, joint: int, other: int) -> Rotor:
+        """As the target's joint rests in the one above it, so the source's does on average."""
+        above = self.match.above(joint)
+        if above < 0:
+            return self._as_on_average(joint, other, self.lean)
+        parent = self.rotors[:, self.match.joints[above]]
+        inside = mean(parent.inverse() @ self.rotors[:, other])
+        resting = self._rest(above).inverse() @ self._rest(joint)
+        return inside.inverse() @ self.made[above] @ resting
+
+    def _lean(self) -> Rotor:
+        """How the trunk leans forward on average, from hips to neck or head."""
+        body = body_of(self.match.source)
+        top = body.get("neck", body.get("head"))
+        if top is None or "hips" not in body:
+            return Rotor.identity()
+        line = np.mean(self.at[:, top] - self.at[:, body["hips"]], axis=0)
+        return shortest_turn(UP, line * [1.0, 0.0, 1.0])
+
+    def _rest(self, joint: int) -> Rotor:
+        return self.match.target.rest_world[joint].rotor
+
+
+def _headings(match: Match, at: FloatArray) -> Rotor:
+    """Turns ``(F,)`` about z that bring where the hips face to +x."""
+    body = body_of(match.source)
+    pair = next(
+        (
+            (f"left_{part}", f"right_{part}")
+            for part in ("thigh", "upper_arm", "clavicle")
+            if {f"left_{part}", f"right_{part}"} <= set(body)
+        ),
+        None,
+    )
+    if pair is None:
+        return Rotor.identity((len(at),))
+    across = at[:, body[pair[0]]] - at[:, body[pair[1]]]
+    return turn_z(np.arctan2(across[:, 0], across[:, 1]))
 
 
 def constants(match: Match) -> dict[int, Rotor]:

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
+from motorcade.render.composite import Matching, blended, exposed, frame_noise, noisy
 from motorcade.render.lens import LensWarp
-from motorcade.render.matching import Matching, blended, exposed, frame_noise, noisy
 from motorcade.render.scene import Layer
 from motorcade.tracking.cameras.camera import Camera
 

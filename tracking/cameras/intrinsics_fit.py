@@ -14,8 +14,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras import lenses
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import reproject
+from motorcade.tracking.cameras.camera import Camera, reproject
 from motorcade.tracking.optimise import BlockEquations, Stop, minimise
 
 __all__ = ["Fit", "Observations", "fit_camera"]

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import reproject, to_frame
+from motorcade.tracking.cameras.camera import Camera, reproject, to_frame
 from motorcade.tracking.optimise import NormalEquations, Stop, huber_cauchy, minimise
 
 __all__ = [

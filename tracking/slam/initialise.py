@@ -18,8 +18,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import project
+from motorcade.tracking.cameras.camera import Camera, project
 from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.slam.features import Corners, SlamPicture, find_corners
 from motorcade.tracking.slam.geometry import (

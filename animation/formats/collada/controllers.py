@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.animation.formats.collada.geometry import PolygonGroup, read_geometry
+from motorcade.animation.formats.collada.geometry import (
+    ColladaMaterials,
+    PolygonGroup,
+    read_geometry,
+)
 from motorcade.animation.formats.collada.library import Library, inputs_of, matrices_of, number
-from motorcade.animation.formats.collada.materials import ColladaMaterials
 from motorcade.animation.formats.collada.scene import ColladaScene
 from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import expected

@@ -12,8 +12,7 @@ from motorcade.animation.clip import Clip
 from motorcade.animation.formats.errors import FormatError, NoMeshError
 from motorcade.animation.formats.rig.axes import axes_of, guessed_unit_m, is_plausible
 from motorcade.animation.formats.rig.binding import Binding, bind
-from motorcade.animation.formats.rig.joints import Joints, joints_of
-from motorcade.animation.formats.rig.poses import JointPoses, World, joint_poses
+from motorcade.animation.formats.rig.joints import JointPoses, Joints, World, joint_poses, joints_of
 from motorcade.animation.formats.rig.sampling import Sampler
 from motorcade.animation.formats.rig.surfaces import BoundMesh, bound_mesh
 from motorcade.animation.formats.rig.transforms import scaled_matrices

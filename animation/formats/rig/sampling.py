@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from motorcade.animation.formats.errors import FormatError
 from motorcade.animation.formats.limits import MAX_POSES
 from motorcade.animation.formats.rig.curves import JUMP_S
-from motorcade.animation.formats.rig.joints import Joints
-from motorcade.animation.formats.rig.poses import JointPoses, World, joint_poses
+from motorcade.animation.formats.rig.joints import JointPoses, Joints, World, joint_poses
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, RigClip
 from motorcade.ga import Motor

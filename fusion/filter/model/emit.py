@@ -12,7 +12,7 @@ from motorcade.fusion.filter.model.measurements import MEASUREMENTS
 from motorcade.fusion.filter.model.motion import MOTION
 from motorcade.fusion.filter.model.symbols import Definition
 from motorcade.ga.codegen.expressions import statements
-from motorcade.ga.codegen.library_kernels.like_terms import collected
+from motorcade.ga.codegen.library_kernels.kernel import collected
 from motorcade.ga.codegen.precision import DOUBLE
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.c import c_dialect

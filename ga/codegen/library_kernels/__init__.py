@@ -2,5 +2,5 @@
 
 A `kernel` has a name and a definition; `library` has the files written by `targets`.
 Definitions approximate with `fit` and scale with `powers_of_two`; as they are written with their
-operations in mind, `like_terms` is all that is simplified.
+operations in mind, adding up like terms is all that is simplified.
 """

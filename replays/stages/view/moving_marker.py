@@ -24,7 +24,7 @@ from motorcade.tracking import MarkerGrid, SingleMarker
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import pose_stream
-from motorcade.tracking.markers.disambiguate.chains import most_probable
+from motorcade.tracking.markers.disambiguate.states import most_probable
 from motorcade.tracking.markers.families import marker_points_m
 
 __all__ = ["FoundMarker", "find_marker"]

@@ -16,8 +16,8 @@ from motorcade.render import (
     render_overlay,
     write_video,
 )
+from motorcade.render.composite import Matching
 from motorcade.render.light import Prints, lighting_of_footage, lighting_without_depth
-from motorcade.render.matching import Matching
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
 from motorcade.render.video import ahead
 from motorcade.replays.characters.acting import character_named, clip_named, walked

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.animation.authoring.editor import SceneEditor
-from motorcade.animation.authoring.gestures import read_gestures, replay
+from motorcade.animation.authoring.editor import SceneEditor, read_gestures, replay
 from motorcade.animation.authoring.scene import Scene, read_scene
 from motorcade.ga import Rotor
 from tests.fuzz.mutations import changed_tree, mutated, one_of

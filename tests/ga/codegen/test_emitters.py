@@ -16,9 +16,8 @@ pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is
 import casadi as ca
 
 from motorcade.ga.codegen.library_kernels.fit import fitted, horner
-from motorcade.ga.codegen.library_kernels.kernel import Kernel
+from motorcade.ga.codegen.library_kernels.kernel import Kernel, collected
 from motorcade.ga.codegen.library_kernels.library import GENERATED
-from motorcade.ga.codegen.library_kernels.like_terms import collected
 from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, SINGLE, Precision
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets import c_batch

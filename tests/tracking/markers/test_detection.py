@@ -18,9 +18,8 @@ import pytest
 
 from motorcade.tracking import Camera, MarkerGrid, SingleMarker
 from motorcade.tracking.markers import APRILTAG_FAMILIES, FAMILIES, detect_markers
-from motorcade.tracking.markers.detection import apriltag_detector
+from motorcade.tracking.markers.detection import apriltag_detector, read_markers
 from motorcade.tracking.markers.families import marker_cells
-from motorcade.tracking.markers.reading import read_markers
 
 REVIEWED: dict[str, list[list[int]]] = json.loads(
     (Path(__file__).parent / "reviewed.json").read_text()

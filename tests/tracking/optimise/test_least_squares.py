@@ -6,7 +6,7 @@ from scipy.optimize import least_squares
 
 from motorcade.ga import Motor
 from motorcade.tracking import Camera
-from motorcade.tracking.cameras.reprojection import project, reproject
+from motorcade.tracking.cameras.camera import project, reproject
 from motorcade.tracking.optimise import (
     BlockEquations,
     NormalEquations,

@@ -6,7 +6,7 @@ import pytest
 
 from motorcade.ga import Motor
 from motorcade.tracking import Camera
-from motorcade.tracking.cameras.reprojection import project
+from motorcade.tracking.cameras.camera import project
 from motorcade.tracking.slam.mapping.adjustment import Bundle, adjust
 
 CAMERA = Camera(640, 480, 400.0, 400.0, 320.0, 240.0)

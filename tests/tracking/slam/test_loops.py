@@ -4,7 +4,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.tracking import Camera
-from motorcade.tracking.cameras.reprojection import project
+from motorcade.tracking.cameras.camera import project
 from motorcade.tracking.slam.mapping.loops import LoopClosure, close_loop
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 

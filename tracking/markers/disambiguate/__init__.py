@@ -6,14 +6,19 @@ motion of the camera over several, which all markers share, can.
 
 from __future__ import annotations
 
-from motorcade.tracking.markers.disambiguate.chains import (
+from motorcade.tracking.markers.disambiguate.resolving import (
+    FixedLagResolver,
+    Resolution,
+    best_single,
+    resolve,
+    resolve_online,
+)
+from motorcade.tracking.markers.disambiguate.sightings import Sightings, pose_stream
+from motorcade.tracking.markers.disambiguate.states import (
     chain_probabilities,
     forward_messages,
     most_probable,
 )
-from motorcade.tracking.markers.disambiguate.online import FixedLagResolver, resolve_online
-from motorcade.tracking.markers.disambiguate.resolving import Resolution, best_single, resolve
-from motorcade.tracking.markers.disambiguate.sightings import Sightings, pose_stream
 
 __all__ = [
     "FixedLagResolver",

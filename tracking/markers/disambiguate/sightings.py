@@ -13,8 +13,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import reproject
+from motorcade.tracking.cameras.camera import Camera, reproject
 from motorcade.tracking.markers.corner_stream import (
     CornerStream,
     checked_numbers,

@@ -12,12 +12,6 @@ import numpy as np
 
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.markers.disambiguate.chains import (
-    chain_cost,
-    chain_probabilities,
-    forward_messages,
-    most_probable,
-)
 from motorcade.tracking.markers.disambiguate.orientations import (
     Orientations,
     seeded,
@@ -25,7 +19,14 @@ from motorcade.tracking.markers.disambiguate.orientations import (
     updated,
     weighed,
 )
-from motorcade.tracking.markers.disambiguate.states import Chains, chains_of
+from motorcade.tracking.markers.disambiguate.states import (
+    Chains,
+    chain_cost,
+    chain_probabilities,
+    chains_of,
+    forward_messages,
+    most_probable,
+)
 from motorcade.tracking.markers.disambiguate.window import Memory, Window
 
 __all__ = ["Recent", "Solution", "remembered", "solve", "vote"]

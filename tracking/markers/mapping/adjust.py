@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.cameras.reprojection import reproject
+from motorcade.tracking.cameras.camera import reproject
 from motorcade.tracking.markers.mapping.rig import RigSightings
 from motorcade.tracking.optimise import (
     BlockEquations,

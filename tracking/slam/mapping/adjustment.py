@@ -15,8 +15,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import by_twist
+from motorcade.tracking.cameras.camera import Camera, by_twist
 from motorcade.tracking.optimise import BlockEquations, Stop, huber, minimise, sum_by
 from motorcade.tracking.slam.geometry import BoolArray
 

@@ -18,8 +18,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import to_frame
+from motorcade.tracking.cameras.camera import Camera, to_frame
 from motorcade.tracking.slam.features import Corners, find_corners
 from motorcade.tracking.slam.geometry import BoolArray, refine_pose
 from motorcade.tracking.slam.mapping.map import SlamMap

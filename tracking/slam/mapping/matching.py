@@ -21,8 +21,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.reprojection import project, to_frame
+from motorcade.tracking.cameras.camera import Camera, project, to_frame
 from motorcade.tracking.slam.features import Corners, Descriptors
 from motorcade.tracking.slam.geometry import BoolArray, FittedPose, pose_by_sampling
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap

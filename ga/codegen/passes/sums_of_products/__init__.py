@@ -1,5 +1,5 @@
 """Passes that see nodes as sums of products (`forms`) and write these with fewer operations.
 
 `expand` multiplies out where like terms join or cancel; `factor` takes out and shares common
-factors, on a `network` of sums; `divisions` shares reciprocals.
+factors; `divisions` shares reciprocals.
 """
