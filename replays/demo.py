@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 from pathlib import Path
 
+from motorcade.ga.files import read_bounded
 from motorcade.ga.unfinished import unfinished
 from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.provenance import code_digest
@@ -40,4 +41,4 @@ def ensure_demo_recording(folder: Path, seed: int) -> Path:
 
 def _is_made_from(origin: str, folder: Path) -> bool:
     marker = folder / MARKER
-    return marker.is_file() and marker.read_text(encoding="utf-8") == origin
+    return marker.is_file() and read_bounded(marker, 1 << 12) == origin.encode()

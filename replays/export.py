@@ -17,6 +17,7 @@ from motorcade.animation import Character, Clip, Placement
 from motorcade.animation.formats import CameraPath, write_gltf
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
+from motorcade.ga.files import FileError, is_there, read_bounded
 from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.pipeline import pipeline_graph
@@ -27,6 +28,7 @@ from motorcade.tracking.cameras.camera import Camera
 
 __all__ = ["Shown", "open_run", "write_rrd", "write_run_gltf"]
 
+MAX_LOG_BYTES = 1 << 24
 POINTS_SHOWN = 200_000
 
 
@@ -77,15 +79,9 @@ def open_run(folder: Path) -> Shown:
             recording without a camera.
         OSError: its recording is gone.
     """
-    file = folder / "run.json"
-    if not file.is_file():
-        raise ValueError(
-            f"{folder}: expected a folder that `motorcade run` wrote; run.json is not there"
-        )
-    run_log = json.loads(file.read_text(encoding="utf-8"))
-    manifest = None if run_log["manifest"] is None else Path(run_log["manifest"])
-    recording = open_recording(Path(run_log["recording"]), manifest).intact()
-    if recording.digest() != run_log["content"]:
+    origin = _read_origin(folder)
+    recording = open_recording(origin.recording, origin.manifest).intact()
+    if recording.digest() != origin.content:
         raise ValueError(f"{folder}: its recording has changed since; run it again")
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
@@ -94,7 +90,7 @@ def open_run(folder: Path) -> Shown:
         "placed",
         {"recording": recording},
         folder / ".cache",
-        parse_knobs(run_log["settings"], graph),
+        parse_knobs(origin.settings, graph),
     )
     placed, found = run.outputs["placed"], run.outputs["camera_poses"]
     character = character_named(placed.character)
@@ -114,6 +110,36 @@ def open_run(folder: Path) -> Shown:
         placed.ground_motion,
         np.asarray(found.points, dtype=np.float64),
     )
+
+
+@dataclass(frozen=True)
+class _Origin:
+    """What a folder's `run.json` says was run."""
+
+    recording: Path
+    manifest: Path | None
+    content: str
+    settings: list[str]
+
+
+def _read_origin(folder: Path) -> _Origin:
+    file = folder / "run.json"
+    if not is_there(file):
+        raise ValueError(
+            f"{folder}: expected a folder that `motorcade run` wrote; run.json is not there"
+        )
+    try:
+        told = json.loads(read_bounded(file, MAX_LOG_BYTES))
+        manifest, settings = told["manifest"], list(map(str, told["settings"]))
+        place = None if manifest is None else Path(manifest)
+        return _Origin(Path(told["recording"]), place, str(told["content"]), settings)
+    except FileError:
+        raise
+    except (ValueError, KeyError, TypeError, RecursionError) as fault:
+        raise ValueError(
+            f"{file}: expected what `motorcade run` wrote of a recording, got another file: "
+            f"{type(fault).__name__} {fault}"
+        ) from fault
 
 
 def write_run_gltf(shown: Shown, path: Path) -> None:

@@ -32,15 +32,19 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
+from motorcade.ga.archives import read_arrays
+from motorcade.ga.files import EmptyFileError, off_record, open_bounded, read_bounded
 from motorcade.ga.unfinished import unfinished
 
 log = logging.getLogger("motorcade.artifacts")
 
 FORMAT_VERSION = 4
+MAX_TREE_BYTES = 1 << 30
+MAX_ARRAYS_BYTES = 1 << 32
+MAX_FILE_BYTES = 1 << 40
 
 
 class ArtifactError(ValueError):
@@ -115,10 +119,11 @@ def find_artifact(folder: Path) -> Stored | None:
     return stored
 
 
+@off_record()
 def _as_written(folder: Path, name: str) -> Stored | None:
     """What lies in a folder, if it is what was once written under that name."""
     try:
-        about = json.loads((folder / "artifact.json").read_bytes())
+        about = json.loads(read_bounded(folder / "artifact.json", MAX_TREE_BYTES))
         sealed = about.pop("seal") == _seal(folder, about)
         if not sealed or about["name"] != name or _content_digest(folder) != about["digest"]:
             return None
@@ -142,18 +147,19 @@ def _remove(folder: Path) -> None:
             (place / "aside").rename(folder)
 
 
+@off_record()
 def read_artifact(stored: Stored, kind: Any) -> Any:
     """Read the value back as `kind`, running the constructor's checks again.
 
     Raises ArtifactError where the folder's content does not fit the type.
     """
     try:
-        tree = json.loads((stored.folder / "value.json").read_text())
-        aside = json.loads((stored.folder / "aside.json").read_text())
-        with np.load(stored.folder / "arrays.npz", allow_pickle=False) as arrays:
-            decoder = _Decoder(stored.folder / "files", dict(arrays), aside)
+        tree = json.loads(read_bounded(stored.folder / "value.json", MAX_TREE_BYTES))
+        aside = json.loads(read_bounded(stored.folder / "aside.json", MAX_TREE_BYTES))
+        arrays = read_arrays(stored.folder / "arrays.npz", limit_bytes=MAX_ARRAYS_BYTES)
+        decoder = _Decoder(stored.folder / "files", arrays, aside)
         return decoder.decode(tree, kind, "value")
-    except (OSError, KeyError, TypeError, ValueError, AttributeError, BadZipFile) as error:
+    except (OSError, KeyError, TypeError, ValueError, AttributeError) as error:
         raise ArtifactError(
             f"{stored.folder}: cannot be read as {kind}: {error}; delete the folder to recompute it"
         ) from error
@@ -303,20 +309,22 @@ class _Decoder:
         return kind(**values)
 
 
+@off_record()
 def _content_digest(folder: Path) -> str:
     content = hashlib.sha256()
     parts = [folder / "value.json", folder / "arrays.npz", *sorted((folder / "files").iterdir())]
     for path in parts:
         content.update(path.name.encode())
-        with path.open("rb") as file:
+        with contextlib.suppress(EmptyFileError), open_bounded(path, MAX_FILE_BYTES) as file:
             content.update(hashlib.file_digest(file, "sha256").digest())
     return content.hexdigest()
 
 
+@off_record()
 def _seal(folder: Path, about: dict[str, Any]) -> str:
     """SHA-256 over what is told about an artifact beside its content."""
     sealed = hashlib.sha256(json.dumps(about, sort_keys=True).encode())
-    sealed.update((folder / "aside.json").read_bytes())
+    sealed.update(read_bounded(folder / "aside.json", MAX_TREE_BYTES))
     return sealed.hexdigest()
 
 

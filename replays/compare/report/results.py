@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,11 +13,14 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from motorcade.ga.files import read_bounded
 from motorcade.replays.compare.figures.statistics import PRACTICAL_SHARE
 from motorcade.replays.compare.figures.tables import FORMAT
 from motorcade.replays.compare.report.names import listed
 
 __all__ = ["REFERENCE", "Figure", "Ratio", "Results", "grid_ends", "tied"]
+
+MAX_FILE_BYTES = 1 << 28
 
 REFERENCE = "motor"
 """The representation that the tables hold all others against."""
@@ -70,15 +74,16 @@ class Results:
         """Read the folder of a comparison.
 
         Raises:
-            OSError: a file that is missing or cannot be read.
+            FileError: a file that is missing or cannot be read.
             ValueError: a ``results.json`` of another format.
         """
         path = folder / "results.json"
-        told = json.loads(path.read_text(encoding="utf-8"))
+        told = json.loads(read_bounded(path, MAX_FILE_BYTES))
         if not isinstance(told, dict) or told.get("format") != FORMAT:
             raise ValueError(f"{path}: expected format {FORMAT!r}")
-        with (folder / "groups.csv").open(encoding="utf-8", newline="") as file:
-            figures = {_key(row): _figure(row) for row in csv.DictReader(file)}
+        groups = read_bounded(folder / "groups.csv", MAX_FILE_BYTES).decode("utf-8")
+        rows = csv.DictReader(io.StringIO(groups, newline=""))
+        figures = {_key(row): _figure(row) for row in rows}
         return cls(told, figures)
 
     @property

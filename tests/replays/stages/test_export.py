@@ -148,3 +148,16 @@ def test_a_folder_without_a_run_is_refused(
 ) -> None:
     assert main(["export", str(tmp_path), "--gltf", "x.glb"]) == 1
     assert "run.json is not there" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["[]", "{}", "7", '"run"', "{", '{"manifest": 7, "settings": [], "recording": 7}', "[" * 9000],
+)
+def test_a_run_log_of_another_program_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str
+) -> None:
+    (tmp_path / "run.json").write_text(text)
+    assert main(["export", str(tmp_path), "--gltf", "x.glb"]) == 1
+    told = capsys.readouterr().err
+    assert f"{tmp_path / 'run.json'}: expected what `motorcade run` wrote of a recording" in told
