@@ -3,19 +3,17 @@
 The folder's name is a digest of the recording's content, the settings and the code; in it lies
 `outcome` once the run is finished, and only then. It holds for as long as the files that the run
 opened beside the recording, such as a character's, are as they were. Stages' outputs are cached for
-all runs of one machine together, so that runs that differ in a late stage share the early ones.
+all runs together, so that runs that differ in a late stage share the early ones.
 """
 
 from __future__ import annotations
 
 import logging
-import platform
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from motorcade.replays.engine.jobs import job_key, run_jobs
-from motorcade.replays.errors import one_line
 from motorcade.replays.files.atomic import write_bytes, write_csv
 from motorcade.replays.pipeline import Job, run_job
 from motorcade.replays.readers.opening import open_recording
@@ -120,9 +118,8 @@ def _content(recording: Path, manifest: Path | None) -> list[str]:
 def _run_task(task: _Task) -> RunFigures:
     """Do a run where this is called; the figures of the paths that it judged."""
     run = task.run
-    # Machines of a cluster may have processes of equal numbers, which caches are kept apart by.
-    cache = task.cache / one_line(platform.node() or "here").strip("'").replace("/", "_")
-    report = run_job(Job(run.recording, task.folder, run.manifest, cache, run.until, run.settings))
+    job = Job(run.recording, task.folder, run.manifest, task.cache, run.until, run.settings)
+    report = run_job(job)
     judged = report.get("errors", {})
     return RunFigures(
         {path: {key: of.get(key) for key in FIGURES} for path, of in judged.items()},

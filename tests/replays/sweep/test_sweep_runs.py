@@ -3,6 +3,8 @@
 import csv
 import json
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from motorcade.replays.engine.executors import outcomes
 from motorcade.replays.pipeline import Job, pipeline_graph, run_job
 from motorcade.replays.sweep import Summary, read_sweep, run_sweep
 from motorcade.replays.sweep import run as runner
+from tests.end_to_end.shared_storage import CONTAINER, can_contain
 
 Config = Callable[..., Path]
 
@@ -60,6 +63,32 @@ def test_parquet_and_csv_hold_the_same(config: Config, tmp_path: Path) -> None:
         {name: "" if value is None else str(value) for name, value in row.items()}
         for row in from_parquet
     ]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not can_contain(), reason="no containers are permitted")
+def test_two_containers_at_once_leave_the_table_of_one(config: Config, tmp_path: Path) -> None:
+    path = config(knobs="smoothed.representations = 'motor'\nsmoothed.order = [1, 2]")
+    swept(path, tmp_path / "alone")
+    script = "import sys; from motorcade.replays.cli import main; sys.exit(main(sys.argv[1:]))"
+    arguments = ["sweep", path, "--out", tmp_path / "shared", "--executor", "local"]
+    both = [
+        subprocess.Popen(
+            [*CONTAINER, sys.executable, "-c", script, *arguments],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        for _ in range(2)
+    ]
+    for one in both:
+        _, told = one.communicate(timeout=300)
+        assert one.returncode == 0, told[-2000:]
+    for name in ("sweep.csv", "sweep.html"):
+        expected = (tmp_path / "alone" / name).read_bytes()
+        assert (tmp_path / "shared" / name).read_bytes() == expected
+    left = [path for path in (tmp_path / "shared").rglob(".*") if path.name != ".cache"]
+    assert not left
 
 
 def test_a_failed_recording_stands_in_the_table_and_is_tried_again(
