@@ -3,7 +3,7 @@
     python -m tests.end_to_end.killed --kills 50 --seed 1
 
 A small recording of a board is run once undisturbed. Then it is run, killed by SIGKILL at a random
-moment, and run again, until it comes to its end; then anew in another folder, until so many kills
+moment, and run again, after four kills to its end; then anew in another folder, until so many kills
 have struck. After every end the trajectories, the video and `report.json` are the same bytes, and
 the run log is the same but for times and for what lay in the cache. A stage whose output lay in the
 cache after a kill is never computed again, and nothing half-written is left. The program ends with
@@ -41,6 +41,7 @@ sys.exit(main(sys.argv[1:]))
 """
 OF_ONE_RUN = ("seconds", "frames_per_s", "cached")
 SLOWEST_S = 600.0
+KILLS_A_RUN = 4
 
 
 @dataclass(frozen=True)
@@ -103,9 +104,10 @@ def killed_at_random(
     struck, ends, faults = 0, 0, list[str]()
     while struck < kills:
         out, before = folder / f"run{ends}", dict[str, tuple[int, int]]()
+        last = min(struck + KILLS_A_RUN, kills)
         while True:
             process = started(recording, out)
-            moment_s = float(rng.uniform(0.0, whole_s)) if struck < kills else SLOWEST_S
+            moment_s = float(rng.uniform(0.0, whole_s)) if struck < last else SLOWEST_S
             try:
                 _, complaint = process.communicate(timeout=moment_s)
                 break
