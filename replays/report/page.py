@@ -140,7 +140,8 @@ def _verdict(findings: Findings) -> dict[str, Any]:
     found = findings.integrity
     names = ", ".join(check.name for check in found.checks)
     if not found.doubts:
-        return {"value": "consistent", "label": f"stages and pictures agree ({names})"}
+        agreed = f"stages and pictures agree ({names})"
+        return {"value": "consistent", "label": agreed, "wrong": False}
     reasons = "; ".join(found.doubts)
     drawn = f"The character stands along the {found.drawn_is} path."
     label = f"{reasons[:1].upper()}{reasons[1:]}. {drawn}"
@@ -169,7 +170,8 @@ def _facts(findings: Findings) -> list[dict[str, Any]]:
     if findings.nis_per_dimension is not None:
         fact = f"{findings.nis_per_dimension:.2f}"
         facts.append(("mean NIS a dimension (1: the noise model fits)", fact))
-    return [_verdict(findings), *({"label": label, "value": value} for label, value in facts)]
+    tiles = [{"label": label, "value": value, "wrong": False} for label, value in facts]
+    return [_verdict(findings), *tiles]
 
 
 def _errors_caption(findings: Findings) -> str:
