@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -276,10 +276,10 @@ class Recording:
             yield label, b"" if motor is None else _bytes(motor.coefficients)
         yield "markers", b"" if self.markers is None else self.markers.content()
         if self.slam_map is not None:
-            known = self.slam_map
-            yield "slam map poses", _bytes(known.world_T_camera.coefficients)
-            yield "slam map points", _bytes(known.points).tobytes() + known.descriptors.tobytes()
-            yield "slam map pixels", _bytes(known.px).tobytes() + _bytes(known.depth).tobytes()
+            for name in (one.name for one in fields(self.slam_map)):
+                value = getattr(self.slam_map, name)
+                array = value.coefficients if isinstance(value, Motor) else np.asarray(value)
+                yield f"slam map {name}", _bytes(array)
         yield "damaged", repr(self.damaged).encode()
         if self.baseline_m is not None:
             yield "baseline", repr(self.baseline_m).encode()
@@ -299,5 +299,5 @@ class Recording:
             yield "truth poses", _bytes(self.truth.poses.coefficients)
 
 
-def _bytes(array: NDArray[np.int64] | NDArray[np.float64]) -> memoryview:
+def _bytes(array: NDArray[Any]) -> memoryview:
     return np.ascontiguousarray(array).reshape(-1).view(np.uint8).data
