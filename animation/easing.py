@@ -6,8 +6,6 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["smootherstep", "smoothstep"]
-
 
 def smoothstep(x: FloatArray) -> FloatArray:
     """``3 x² - 2 x³`` of x (*), 0 below 0 and 1 above 1: no velocity at its ends.

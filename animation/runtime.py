@@ -17,8 +17,6 @@ from motorcade.animation.native._runtime import Rig
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor
 
-__all__ = ["PoseRuntime"]
-
 Floats32 = NDArray[np.float32]
 Layers = Sequence[tuple[int, float, float]]
 

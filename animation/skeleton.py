@@ -15,8 +15,6 @@ import numpy as np
 from motorcade.ga import Motor, Rotor, Similarity, Versor, kernels
 from motorcade.ga.arrays import IntArray
 
-__all__ = ["Poses", "Skeleton", "local_poses", "turned_joint", "with_joint"]
-
 Poses = TypeVar("Poses", bound=Versor)
 
 

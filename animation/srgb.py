@@ -6,8 +6,6 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["to_linear", "to_srgb"]
-
 
 def to_linear(srgb: FloatArray) -> FloatArray:
     """Linear light of sRGB values from 0 to 1.

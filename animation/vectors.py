@@ -8,19 +8,6 @@ from numpy.typing import ArrayLike
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, frozen
 
-__all__ = [
-    "UP",
-    "axes_along",
-    "box_corners",
-    "length",
-    "perpendicular",
-    "shortest_turn",
-    "turn_x",
-    "turn_y",
-    "turn_z",
-    "unit",
-]
-
 UP = frozen(np.array([0.0, 0.0, 1.0]))
 """Of characters and worlds."""
 

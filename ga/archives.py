@@ -20,8 +20,6 @@ from numpy.typing import NDArray
 
 from motorcade.ga.files import FileError, open_bounded
 
-__all__ = ["load_arrays", "read_arrays", "save_arrays"]
-
 T = TypeVar("T")
 
 MAX_FILE_BYTES = 1 << 30

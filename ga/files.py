@@ -21,21 +21,6 @@ from os import stat_result
 from pathlib import Path
 from typing import BinaryIO
 
-__all__ = [
-    "MISSING",
-    "UNSETTLED",
-    "EmptyFileError",
-    "FileError",
-    "admit_file",
-    "files_now",
-    "files_read",
-    "is_there",
-    "off_record",
-    "open_bounded",
-    "put_on_record",
-    "read_bounded",
-]
-
 MISSING = "missing"
 """The state of a file that was looked for in vain."""
 UNSETTLED = "unsettled"

@@ -19,15 +19,6 @@ from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.similarity import Similarity
 
-__all__ = [
-    "ScrewPath",
-    "SplineSample",
-    "TwistSample",
-    "check_within",
-    "sampled_motion",
-    "twist_bracket",
-]
-
 V = TypeVar("V", Motor, Similarity)
 
 

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import yaml
 
-__all__ = ["MAX_DEPTH", "YamlError", "parse_yaml"]
-
 MAX_DEPTH = 32
 
 

@@ -20,8 +20,6 @@ import numpy as np
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.versors.motor import Motor
 
-__all__ = ["fit_controls"]
-
 _MAX_STEPS = 100
 # Damping of steps that would raise the sum of squares, as a share of the diagonal.
 _LEAST_DAMPING = 1e-3

@@ -33,8 +33,6 @@ from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.similarity import Similarity
 
-__all__ = ["CumulativeBSpline", "SimilaritySpline"]
-
 V = TypeVar("V", Motor, Similarity)
 
 ORDER = 6

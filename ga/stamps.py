@@ -20,20 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = [
-    "GAP_STEPS",
-    "LONGEST_BRIDGE_S",
-    "LONGEST_SPAN_S",
-    "STAMP_LIMIT_NS",
-    "check_count",
-    "checked_increasing",
-    "checked_span_ns",
-    "checked_stamps",
-    "near_steps",
-    "stamps_at_rate",
-    "stretches",
-]
-
 STAMP_LIMIT_NS = 2**62
 """Stamps lie nearer to zero than this."""
 GAP_STEPS = 3.0

@@ -23,8 +23,6 @@ from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.similarity import Similarity
 from motorcade.ga.versors.versor import Versor
 
-__all__ = ["Trajectory"]
-
 V = TypeVar("V", bound=Versor)
 
 _FORMAT = "motorcade trajectory 1"

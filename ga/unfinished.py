@@ -34,8 +34,6 @@ from pathlib import Path
 
 from motorcade.ga.files import off_record, read_bounded
 
-__all__ = ["remove_unfinished", "unfinished"]
-
 log = logging.getLogger("motorcade.unfinished")
 
 NAME = re.compile(r"\.unfinished-[0-9a-f]{16}")

@@ -19,8 +19,6 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render.scene import DepthArray, Layer
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["LensWarp", "plane_homography", "seen_extent"]
-
 
 def plane_homography(camera: Camera, camera_T_plane: Motor) -> FloatArray:
     """(3, 3) from (x, y, 1) of a plane z = 0 to depth times (column, row, 1).

@@ -18,8 +18,6 @@ from motorcade.render.scene import DepthArray
 from motorcade.render.shadow import ground_depth
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["known_depth", "raised", "share_on_ground"]
-
 # What has sunk into a plane by less than this is held to stand on it.
 SUNK_M = 1e-3
 # A rectangle with a corner nearer than this, or behind the camera, has no outline to go by.

@@ -14,8 +14,6 @@ from motorcade.render.overlay import render_overlay
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["show_clip"]
-
 # The stage in heights of the character: where the camera stands, and what it looks at.
 DISTANCE, EYE, AIM = 2.3, 0.75, 0.48
 FLOOR, WALL, LINE = (205, 206, 208), (238, 239, 241), (186, 188, 191)

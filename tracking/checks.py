@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["GrayImage", "check_count", "check_length", "checked_gray"]
-
 GrayImage = NDArray[np.uint8]
 
 

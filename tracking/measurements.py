@@ -18,8 +18,6 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.archives import load_arrays, save_arrays
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
-__all__ = ["MarkerObservation", "PoseMeasurements"]
-
 _FORMAT = "motorcade pose measurements 1"
 _ASYMMETRY = 1e-9
 

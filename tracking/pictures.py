@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.checks import GrayImage
 
-__all__ = ["grey_levels", "track_corners"]
-
 
 def grey_levels(image: GrayImage, px: FloatArray) -> FloatArray:
     """Bilinear grey levels ``(*, n)`` at pixels ``(*, n, 2)``; beyond the edge those of the edge.

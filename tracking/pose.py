@@ -26,16 +26,6 @@ from motorcade.tracking.optimise import NormalEquations, Stop, minimise
 if TYPE_CHECKING:
     from motorcade.tracking.boards.corners import BoardCorners  # whose package imports this module
 
-__all__ = [
-    "SIGMA_FLOOR_PX",
-    "PlanarCandidates",
-    "RefinedPose",
-    "TrackingError",
-    "planar_candidates",
-    "refine",
-    "reprojection_px",
-]
-
 # No corner finder is better than this on real pictures, however small the residuals are.
 SIGMA_FLOOR_PX = 0.1
 _STOP = Stop(steps=50, gain=1e-12, damping=1e-6, most_damping=1e6)

@@ -19,8 +19,6 @@ import numpy as np
 from motorcade.ga import EulerPose, Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
-__all__ = ["EulerObjectPose", "Frame", "ObjectPose", "VersorObjectPose"]
-
 Frame = Literal["local", "parent", "global"]
 
 

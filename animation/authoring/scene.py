@@ -26,8 +26,6 @@ from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.ga.files import read_bounded
 
-__all__ = ["Scene", "number", "read_json_lines", "read_scene", "vector"]
-
 MOST_BYTES = 16 * 2**20
 MOST_OBJECTS = 10_000
 _FIELDS = {"name", "parent", "position_m", "wxyz", "euler_deg", "scale"}

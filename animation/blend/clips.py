@@ -12,8 +12,6 @@ from motorcade.animation.clip import Clip
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = ["blend_clips", "differences_m"]
-
 MOST_SAMPLES = 100_000
 """Of a blended clip: half an hour at 60 Hz."""
 

@@ -18,8 +18,6 @@ from motorcade.animation.clip import Clip
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
-__all__ = ["PoseLayer", "added", "additive", "blend_layers", "closed"]
-
 
 @dataclass(frozen=True, eq=False)
 class PoseLayer:

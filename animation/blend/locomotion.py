@@ -18,8 +18,6 @@ from motorcade.animation.clip import Clip
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
-__all__ = ["BlendSpace", "phase_between"]
-
 
 @dataclass(frozen=True, eq=False)
 class BlendSpace:

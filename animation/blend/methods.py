@@ -45,8 +45,6 @@ from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.ga.classical.dual_quaternion import dual_quaternion_mean
 from motorcade.ga.classical.quaternion import quaternion_mean
 
-__all__ = ["BLEND_METHODS", "BlendMethod", "Poses", "blend_poses", "stacked"]
-
 BlendMethod = Literal[
     "motor",
     "motor_linear",

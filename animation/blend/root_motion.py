@@ -19,8 +19,6 @@ from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
-__all__ = ["RootMotion", "split_root_motion"]
-
 
 @dataclass(frozen=True, eq=False)
 class RootMotion:

@@ -19,8 +19,6 @@ from motorcade.animation.easing import smoothstep
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = ["CrossFade", "Inertialized", "PoseSource", "Shifted"]
-
 # Step of the differences from which the velocity at a switch is taken.
 _STEP_S = 1e-3
 

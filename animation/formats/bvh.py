@@ -26,8 +26,6 @@ from motorcade.animation.vectors import turn_x, turn_y, turn_z
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["read_bvh"]
-
 POSITIONS = {"Xposition": 0, "Yposition": 1, "Zposition": 2}
 ROTATIONS = {"Xrotation": turn_x, "Yrotation": turn_y, "Zrotation": turn_z}
 

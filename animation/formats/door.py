@@ -14,8 +14,6 @@ from motorcade.animation.formats.gltf import read_gltf
 from motorcade.animation.formats.md5 import read_md5_mesh, read_md5_motion
 from motorcade.animation.formats.rig import Rig, SkeletalMotion, assemble_character, assemble_motion
 
-__all__ = ["SUFFIXES", "read_character", "read_motion"]
-
 READERS: dict[str, Callable[[Path], Rig]] = {
     ".glb": read_gltf,
     ".gltf": read_gltf,

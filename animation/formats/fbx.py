@@ -22,8 +22,6 @@ from motorcade.animation.formats.limits import MAX_FILE_BYTES, read_bounded
 from motorcade.animation.formats.rig.values import Rig
 from motorcade.ga.files import off_record
 
-__all__ = ["read_fbx"]
-
 TIME_LIMIT_S = 60.0
 MEMORY_LIMIT_BYTES = 4 << 30
 BINARY_UNIT = re.compile(

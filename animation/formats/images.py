@@ -16,8 +16,6 @@ from motorcade.animation.formats.errors import FormatError, shown
 from motorcade.animation.formats.limits import MAX_IMAGE_PIXELS
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Texture", "Textures", "decode_texture"]
-
 FORMATS = ("PNG", "JPEG", "TGA", "BMP")
 
 

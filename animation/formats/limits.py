@@ -13,21 +13,6 @@ from motorcade.animation.formats.errors import FormatError, expected, shown
 from motorcade.ga import files
 from motorcade.ga.files import UNSETTLED, FileError, put_on_record
 
-__all__ = [
-    "MAX_CLIPS",
-    "MAX_DEPTH",
-    "MAX_FILE_BYTES",
-    "MAX_IMAGE_PIXELS",
-    "MAX_NODES",
-    "MAX_POSES",
-    "MAX_TEXT_BYTES",
-    "MAX_VALUES",
-    "MAX_VERTICES",
-    "beside",
-    "check_count",
-    "read_bounded",
-]
-
 MAX_FILE_BYTES = 256 << 20
 MAX_TEXT_BYTES = 64 << 20
 """Of files, and parts of files, that are taken apart word by word."""

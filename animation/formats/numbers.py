@@ -10,8 +10,6 @@ from motorcade.animation.formats.errors import FormatError, expected, shown
 from motorcade.animation.formats.limits import MAX_VALUES
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["numbers_in"]
-
 PIECE = 1 << 20
 SPACE = re.compile(r"\s")
 

@@ -15,8 +15,6 @@ from motorcade.animation.vectors import shortest_turn
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = ["Chain", "laid_along", "reach_with"]
-
 
 @dataclass(frozen=True)
 class Chain:

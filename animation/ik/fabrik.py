@@ -20,8 +20,6 @@ from motorcade.animation.vectors import length, perpendicular, shortest_turn, un
 from motorcade.ga import Rotor, kernels
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = ["Reached", "fabrik"]
-
 ROUNDS, PERTURBATIONS, HALVINGS = 40, 12, 48
 # Bones and distances shorter than this share of the chain have no direction.
 _NOTHING = 1e-9

@@ -25,8 +25,6 @@ from motorcade.animation.vectors import UP, shortest_turn, turn_z
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["GroundHeights", "Leg", "find_stances", "plant_feet", "stretches", "swing_lift_m"]
-
 # The clearance of a swinging foot as a share of the leg's length, as toes of walkers have it at the
 # least (13 mm, Winter 1992), and at most so much of the way that the foot goes in the swing.
 CLEAR, CLEAR_OF_WAY = 0.014, 0.05

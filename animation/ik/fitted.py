@@ -10,8 +10,6 @@ import numpy as np
 from motorcade.animation.character import Character
 from motorcade.animation.ik.feet import Leg
 
-__all__ = ["fitted_legs"]
-
 # What lies lower, as a share of the height, is sole.
 LOW = 0.02
 

@@ -16,8 +16,6 @@ from motorcade.animation.vectors import shortest_turn
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Sole", "raised_soles", "sole_clearance_m"]
-
 Heights = Callable[[FloatArray], FloatArray]
 
 

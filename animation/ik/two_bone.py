@@ -16,8 +16,6 @@ from motorcade.animation.vectors import length, perpendicular, shortest_turn, un
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = ["aim", "bend_limb"]
-
 # A limb is never quite stretched or folded: there its bend would have no direction.
 SLACK = 1e-6
 

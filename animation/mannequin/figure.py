@@ -17,8 +17,6 @@ from motorcade.animation.mannequin.shape.weights import influences
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity
 
-__all__ = ["ground_speed_m_s", "mannequin"]
-
 FEWEST, MOST = 5_000, 140_000
 
 

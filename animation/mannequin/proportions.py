@@ -11,8 +11,6 @@ from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_x, turn_y
 from motorcade.ga import Motor, Rotor
 
-__all__ = ["mannequin_skeleton"]
-
 REFERENCE_HEIGHT_M = 1.75
 ARM_SPREAD_RAD = math.radians(40.0)
 

@@ -15,8 +15,6 @@ from motorcade.animation.vectors import axes_along, unit
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Anchor", "followed", "plane_anchor"]
-
 # What a hand turns no marker faster than, and how long it may be unseen and still count as seen.
 _FASTEST_RAD_S, _UNSEEN_S = 12.0, 0.15
 

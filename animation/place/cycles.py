@@ -15,8 +15,6 @@ from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["on_the_spot"]
-
 # Less than this share of the highest joint's height is no way for a cycle to go.
 NO_WAY = 0.1
 # Of the time, the lowest moments of a foot, by which the ground's speed is first guessed.

@@ -21,8 +21,6 @@ from motorcade.animation.vectors import UP
 from motorcade.ga import Motor, Rotor, mean
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Pace", "passing_s", "standing_pose"]
-
 # Speeding up or slowing down takes half a cycle, but is no faster than this.
 MOST_M_S2 = 4.0
 # Of slowing down, when the walk is left for standing; and of a cycle, when after it that is done.

@@ -23,8 +23,6 @@ from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
-__all__ = ["GroundPath", "Walk", "walk_along"]
-
 # Samples a metre of the curve on which its length is measured.
 SAMPLES_A_METRE = 200.0
 # Strides are shorter than the cycle's by this factor at most; feet that hold still make up for it.

@@ -17,8 +17,6 @@ from motorcade.animation.vectors import axes_along, unit
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["FINGERS", "Seen", "hand_turn", "is_of_hand"]
-
 # How much the way in which a finger should bend counts beside how it is bent.
 ASSUMED_BEND = 0.05
 FINGERS = ("thumb", "index", "middle", "ring", "little")

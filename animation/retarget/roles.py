@@ -21,17 +21,6 @@ from motorcade.animation.vectors import UP
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
-__all__ = [
-    "LIMBS",
-    "NO_BONE_M",
-    "Match",
-    "along_axes",
-    "angle_rad",
-    "body_of",
-    "joints_alike",
-    "legs_of",
-]
-
 SIDES = ("left", "right")
 # Words for parts, where several name joints of one limb the one nearest to the trunk is taken.
 CENTRAL = {

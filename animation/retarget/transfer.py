@@ -30,8 +30,6 @@ from motorcade.animation.vectors import UP
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["retarget", "spread_spine"]
-
 # Joints whose bones lie nearer, as a share of the spine's length, are taken for alike.
 ALIKE = 0.01
 

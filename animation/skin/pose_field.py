@@ -18,8 +18,6 @@ from numpy.typing import ArrayLike
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
-__all__ = ["PoseField"]
-
 
 @dataclass(frozen=True, eq=False)
 class PoseField:

@@ -31,16 +31,6 @@ from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity, kernels
 from motorcade.ga.arrays import FloatArray
 
-__all__ = [
-    "SKIN_KERNELS",
-    "SKIN_METHODS",
-    "SkinMethod",
-    "Skinner",
-    "checked_method",
-    "palette",
-    "skin",
-]
-
 SkinMethod = Literal["linear", "dual_quaternion", "motor", "similarity"]
 SKIN_METHODS: tuple[SkinMethod, ...] = get_args(SkinMethod)
 

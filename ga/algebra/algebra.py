@@ -13,8 +13,6 @@ from typing import Any
 from motorcade.ga.algebra.multivector import Multivector
 from motorcade.ga.algebra.signature import Signature
 
-__all__ = ["CGA3", "EGA3", "PGA3", "Algebra"]
-
 
 class Algebra(Signature):
     """The geometric algebra of `p` vectors that square to 1, `q` to -1 and `r` to 0.

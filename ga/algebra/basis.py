@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-__all__ = ["Basis", "Terms", "grade_of", "indices_of", "order_of", "reorder_sign"]
-
 # A sum of blades: mask and coefficient.
 Terms = tuple[tuple[int, float], ...]
 

@@ -19,8 +19,6 @@ from motorcade.ga.algebra.signature import Signature
 from motorcade.ga.algebra.value import Value
 from motorcade.ga.arrays import sealed
 
-__all__ = ["BladeSum"]
-
 
 class BladeSum(Value):
     """A sum of basis blades of one algebra, the base of `Multivector`.

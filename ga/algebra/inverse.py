@@ -22,8 +22,6 @@ from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.products import Plan, apply_plan, majorant
 from motorcade.ga.algebra.scalars import is_numeric, is_zero_somewhere, scaled
 
-__all__ = ["inverse", "norm_squared_with_bound"]
-
 # Roundings that a divisor may have gone through, in units of its largest intermediate terms.
 _ROUNDINGS = 16.0
 

@@ -19,8 +19,6 @@ from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.inverse import inverse
 from motorcade.ga.algebra.scalars import checked_scalar, is_zero_somewhere
 
-__all__ = ["Multivector"]
-
 
 class Multivector(BladeSum):
     """A sum of basis blades of one algebra; see `Algebra.multivector`.

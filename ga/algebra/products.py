@@ -12,8 +12,6 @@ from typing import Any, NamedTuple
 from motorcade.ga.algebra.basis import Basis, Terms, grade_of, order_of
 from motorcade.ga.algebra.scalars import scaled
 
-__all__ = ["PRODUCTS", "Masks", "Plan", "apply_plan", "majorant", "plan_product", "symmetric"]
-
 Masks = tuple[int, ...]
 
 

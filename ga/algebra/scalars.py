@@ -14,15 +14,6 @@ import numpy as np
 
 from motorcade.ga.arrays import sealed
 
-__all__ = [
-    "checked_scalar",
-    "is_numeric",
-    "is_zero_somewhere",
-    "magnitude",
-    "scaled",
-    "square_root",
-]
-
 
 def checked_scalar(value: Any, name: str) -> Any:
     """Refuse what is no real, finite scalar; arrays become read-only copies of floats.

@@ -14,8 +14,6 @@ from typing import Any
 from motorcade.ga.algebra.basis import Basis, Terms, indices_of, order_of, reorder_sign
 from motorcade.ga.algebra.products import Masks, Plan, plan_product, symmetric
 
-__all__ = ["MAX_DIMENSION", "Signature"]
-
 MAX_DIMENSION = 10
 _NAME = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["Value"]
-
 
 class Value:
     """Attributes are set once, by ``object.__setattr__``; only coefficients can be compared.

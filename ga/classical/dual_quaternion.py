@@ -17,20 +17,6 @@ from motorcade.ga.classical.quaternion import (
     quaternion_multiply,
 )
 
-__all__ = [
-    "dual_quaternion_apply",
-    "dual_quaternion_as_quaternion_translation",
-    "dual_quaternion_blend",
-    "dual_quaternion_conjugate",
-    "dual_quaternion_exp",
-    "dual_quaternion_from_quaternion_translation",
-    "dual_quaternion_log",
-    "dual_quaternion_mean",
-    "dual_quaternion_multiply",
-    "dual_quaternion_normalize",
-    "dual_quaternion_screw",
-]
-
 # Below this sine of half the angle a screw has no axis left and is a plain translation.
 _NO_AXIS = 1e-12
 _MEAN_STEPS = 100

@@ -19,8 +19,6 @@ from motorcade.ga.classical.pose import Pose, random_pose
 from motorcade.ga.classical.quaternion import quaternion_as_matrix, quaternion_from_matrix
 from motorcade.ga.versors.euler_angles import SEQUENCES, euler_from_matrix, matrix_from_euler
 
-__all__ = ["EulerPose", "euler_rates_from_body", "interpolate_euler", "nearest_branch"]
-
 # Euler rates are divided by the cosine of the middle angle, kept at least this far from zero.
 _LEAST_COSINE = 1e-3
 

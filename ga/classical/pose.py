@@ -22,8 +22,6 @@ from motorcade.ga.arrays import (
 )
 from motorcade.ga.classical.quaternion import quaternion_as_matrix, quaternion_from_matrix
 
-__all__ = ["Pose", "checked_method", "random_pose"]
-
 
 def checked_method(what: str, method: str, allowed: tuple[str, ...]) -> str:
     """The method, or ValueError that lists those there are."""

@@ -12,21 +12,6 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = [
-    "nearest_sign",
-    "quaternion_apply",
-    "quaternion_as_matrix",
-    "quaternion_as_rotation_vector",
-    "quaternion_conjugate",
-    "quaternion_from_matrix",
-    "quaternion_from_rotation_vector",
-    "quaternion_mean",
-    "quaternion_multiply",
-    "quaternion_nlerp",
-    "quaternion_normalize",
-    "quaternion_slerp",
-]
-
 # Below this angle between two quaternions the sines of slerp cancel, and the chord is the arc.
 _PARALLEL_RAD = 1e-8
 _MEAN_STEPS = 100

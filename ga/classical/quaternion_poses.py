@@ -41,8 +41,6 @@ from motorcade.ga.classical.quaternion import (
     quaternion_slerp,
 )
 
-__all__ = ["DualQuaternion", "QuaternionPose"]
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class QuaternionPose(Pose):

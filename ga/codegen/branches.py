@@ -9,8 +9,6 @@ from dataclasses import dataclass
 
 from motorcade.ga.codegen.tape import Node, Tape
 
-__all__ = ["Branch", "Plan", "branched"]
-
 # Sides with fewer operations than this are computed and chosen from, without a jump.
 _WORTH_A_JUMP = 4
 

@@ -15,17 +15,6 @@ from itertools import count
 from motorcade.ga.codegen.branches import Branch, Plan, branched
 from motorcade.ga.codegen.tape import BOOLEANS, Node, Tape
 
-__all__ = [
-    "Body",
-    "BranchStatement",
-    "Dialect",
-    "Statement",
-    "Statements",
-    "branching_statements",
-    "component_name",
-    "statements",
-]
-
 _LONGEST_EXPRESSION = 84
 _SUM, _PRODUCT, _SIGN, _ATOM = 1, 2, 3, 4
 _INFIX = {"add": ("+", _SUM), "sub": ("-", _SUM), "mul": ("*", _PRODUCT), "div": ("/", _PRODUCT)}

@@ -15,8 +15,6 @@ from motorcade.ga.codegen.interpret import run_tape
 from motorcade.ga.codegen.programs import Program, checked_identifier, program_of
 from motorcade.ga.codegen.tape import Operand
 
-__all__ = ["CompiledFunction", "compile_function", "program"]
-
 _HINT = "both ways can be computed and one be chosen: motorcade.ga.algebra.functions.elementary"
 
 

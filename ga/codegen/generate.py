@@ -16,8 +16,6 @@ from motorcade.ga.script import Script, parse
 from motorcade.ga.script.meaning import algebra_named
 from motorcade.ga.script.reading.lexer import MAX_SCRIPT_CHARACTERS
 
-__all__ = ["STRATEGIES", "Generated", "generate", "read_script"]
-
 _LONGEST_CHARACTER = 4
 
 WriteCalls = Callable[[Script, Program, Precision | None], dict[str, str]]

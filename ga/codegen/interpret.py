@@ -9,8 +9,6 @@ import numpy as np
 
 from motorcade.ga.codegen.tape import Tape
 
-__all__ = ["NUMPY_OPERATIONS", "run_tape"]
-
 NUMPY_OPERATIONS: dict[str, Callable[..., Any]] = {
     "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative,
     "sqrt": np.sqrt, "abs": np.abs, "floor": np.floor, "ceil": np.ceil, "min": np.minimum,

@@ -16,8 +16,6 @@ from motorcade.ga.codegen.trace import tape_of
 from motorcade.ga.script import Script, evaluate
 from motorcade.ga.script.meaning import algebra_of, free_variables
 
-__all__ = ["Program", "compile_script"]
-
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 

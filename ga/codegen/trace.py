@@ -10,8 +10,6 @@ from typing import Any
 from motorcade.ga.codegen.library_kernels.powers_of_two import power_of_two_node
 from motorcade.ga.codegen.tape import Operand, Tape, TapeBuilder
 
-__all__ = ["casadi_function", "tape_of", "trace"]
-
 Definition = Callable[..., Sequence[Sequence[Any]]]
 
 # CasADi's names of the operations that have one node here.

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from motorcade.ga.kernels.generated.python import KERNELS
 
-__all__ = ["Block", "function", "set_threads", "threads"]
-
 _SUFFIXES = {"float32": "f32", "float64": "f64"}
 
 

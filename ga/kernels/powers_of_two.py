@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["exp2_of_integer", "exponent"]
-
 
 def exp2_of_integer(n: NDArray[Any]) -> NDArray[Any]:
     """``2^n`` of whole numbers; 0 and infinity where that is no normal number."""

@@ -18,8 +18,6 @@ from motorcade.ga.algebra import Multivector
 from motorcade.ga.algebra.functions import elementary
 from motorcade.ga.algebra.scalars import is_numeric, is_zero_somewhere, magnitude
 
-__all__ = ["COMMON_MACROS", "CONFORMAL_MACROS", "FUNCTIONS", "Function", "is_finite"]
-
 
 class Function(NamedTuple):
     """A function of scripts and how many arguments it takes."""

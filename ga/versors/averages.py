@@ -25,8 +25,6 @@ from numpy.typing import ArrayLike
 from motorcade.ga.arrays import FloatArray, broadcast_batch, checked_floats
 from motorcade.ga.versors.versor import Versor
 
-__all__ = ["blend", "mean"]
-
 V = TypeVar("V", bound=Versor)
 
 # A sum this much shorter than its terms has lost its direction to rounding.

@@ -24,8 +24,6 @@ from motorcade.ga.kernels import MOTORS
 from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.versor import Versor
 
-__all__ = ["Motor"]
-
 _TO_DUAL_QUATERNION = np.array([1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0])
 _BOTTOM_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 

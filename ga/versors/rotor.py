@@ -15,8 +15,6 @@ from motorcade.ga.kernels import ROTORS
 from motorcade.ga.versors.euler_angles import euler_from_matrix, matrix_from_euler
 from motorcade.ga.versors.versor import Versor
 
-__all__ = ["Rotor"]
-
 # How far R^T R of a given matrix may be from the identity: room for six printed digits.
 _MATRIX_TOLERANCE = 1e-5
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])

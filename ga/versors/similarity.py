@@ -30,8 +30,6 @@ from motorcade.ga.versors.motor import Motor
 from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.versor import Versor
 
-__all__ = ["Similarity"]
-
 _BOTTOM_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 # However large the scale, S ~S must be told from zero.
 _LOOSEST = 0.1

@@ -39,8 +39,6 @@ from motorcade.ga.arrays import (
 )
 from motorcade.ga.kernels.batches import VersorKernels
 
-__all__ = ["Versor"]
-
 # Below this sine of half the angle the long way round has lost its axis.
 _LONG_WAY_SINE = 1e-7
 _UNIT_TOLERANCE_SINGLE = 1e-5

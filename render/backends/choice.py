@@ -8,8 +8,6 @@ from motorcade.render.backends.fast.renderer import FastRenderer
 from motorcade.render.backends.pyrender_backend import OffscreenRenderer
 from motorcade.render.backends.renderer import Renderer
 
-__all__ = ["RENDERERS", "RendererName", "new_renderer"]
-
 RendererName = Literal["fast", "pyrender"]
 RENDERERS: tuple[RendererName, ...] = get_args(RendererName)
 

@@ -16,18 +16,6 @@ from motorcade.render.backends.platform import ContextLost, choose_platform, new
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = [
-    "FAR_M",
-    "NEAR_M",
-    "OPENCV_T_OPENGL",
-    "Renderer",
-    "check_size",
-    "check_vertices",
-    "looking_along",
-    "projection",
-    "shadow_camera",
-]
-
 NEAR_M, FAR_M = 0.02, 60.0
 OPENCV_T_OPENGL = Motor.from_quaternion_translation((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 

@@ -24,8 +24,6 @@ from motorcade.render.light.harmonics import harmonics, rotate_harmonics
 from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["LightEstimate", "ShadedPoints", "estimate_light", "shaded_points"]
-
 HUE_STEP = 0.05
 """Width of a cell of log red and log blue over brightness that counts as one paint."""
 BRIGHT_ALBEDO = 0.8

@@ -14,8 +14,6 @@ from motorcade.render.light.lamps import certainty, estimated_lighting, sunlight
 from motorcade.render.scene import DepthArray, ImageArray, Lighting
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["lighting_of_footage"]
-
 ENOUGH = 500
 """Points; fewer say more about the sensor than about the light."""
 

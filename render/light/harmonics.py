@@ -22,8 +22,6 @@ from numpy.typing import ArrayLike, NDArray
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = ["MOST_BANDS", "band_of", "harmonics", "irradiance_factors", "rotate_harmonics"]
-
 MOST_BANDS = 12
 """Highest band: the sums lose about one digit in three bands."""
 

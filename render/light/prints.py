@@ -26,8 +26,6 @@ from motorcade.render.light.lamps import character_lighting, light_on, sunlight_
 from motorcade.render.scene import DepthArray, ImageArray, Lamp, Lighting
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["Prints", "lighting_without_depth"]
-
 PAPER, INK = 0.85, 0.05
 MIDDLE_GREY = 0.18
 MINKOWSKI = 6.0

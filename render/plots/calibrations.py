@@ -19,8 +19,6 @@ from motorcade.render.plots.style import (
     new_figure,
 )
 
-__all__ = ["plot_coverage"]
-
 Curve = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
 
 

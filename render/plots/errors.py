@@ -25,8 +25,6 @@ from motorcade.render.plots.style import (
     thinned,
 )
 
-__all__ = ["Band", "Series", "plot_bands", "plot_series", "plot_squares", "plot_within_sigma"]
-
 Series = tuple[NDArray[Any], NDArray[Any]]
 TINT = "#999999"
 

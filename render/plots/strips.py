@@ -7,8 +7,6 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from statistics import median
 
-__all__ = ["strip"]
-
 _WIDTH, _HEIGHT = 300, 170
 _LEFT, _RIGHT, _TOP, _BOTTOM = 46, 8, 10, 34
 _LONGEST = 14

@@ -20,14 +20,6 @@ from motorcade.render.plots.style import (
     thinned,
 )
 
-__all__ = [
-    "plot_path_3d",
-    "plot_plan_and_elevation",
-    "plot_rotation_and_twist",
-    "rotation_vectors_rad",
-    "twists",
-]
-
 # Corners of a camera's picture and its centre, in the camera's axes, for a size of 1.
 _PYRAMID = np.array(
     [[-0.6, -0.45, 1.0], [0.6, -0.45, 1.0], [0.6, 0.45, 1.0], [-0.6, 0.45, 1.0], [0.0, 0.0, 0.0]]

@@ -25,8 +25,6 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
 from motorcade.tracking.pose import TrackingError
 
-__all__ = ["FRAME_STATES", "BoardTrack", "registration_px", "track_board"]
-
 FRAME_STATES = ("lost", "detected", "tracked")
 _FORMAT = "motorcade board track 2"
 

@@ -34,8 +34,6 @@ from motorcade.tracking.pose import (
     refine,
 )
 
-__all__ = ["BoardFrame", "BoardTracker", "PoseChoice", "choose_pose", "inliers"]
-
 # Corner noise a coordinate, and how fast a camera in the hand turns; both decide only between
 # candidates that the pixels hardly tell apart.
 _SIGMA_PX = 0.2

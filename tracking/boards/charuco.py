@@ -19,8 +19,6 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray
 from motorcade.tracking.markers.families import dictionary, family_size, marker_cells
 
-__all__ = ["CharucoBoard"]
-
 
 @dataclass(frozen=True)
 class CharucoBoard(SquaresBoard):

@@ -28,8 +28,6 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length, checked_gray
 from motorcade.tracking.measurements import MarkerObservation
 
-__all__ = ["Checkerboard", "extent_in_picture", "extent_seen"]
-
 _QUICK = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_FAST_CHECK
 _CLEAR_SHARE = 0.45
 

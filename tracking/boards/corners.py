@@ -24,8 +24,6 @@ from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 
-__all__ = ["Board", "BoardCorners", "Pattern", "draw"]
-
 
 @dataclass(frozen=True)
 class Pattern:

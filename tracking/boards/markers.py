@@ -25,8 +25,6 @@ from motorcade.tracking.markers.families import (
     marker_points_m,
 )
 
-__all__ = ["MarkerGrid", "SingleMarker"]
-
 
 class _MarkerBoard(ABC):
     """What grids and single markers share; markers are numbered from the printed top left."""

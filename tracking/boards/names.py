@@ -10,8 +10,6 @@ from motorcade.tracking.boards.corners import Board
 from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
 from motorcade.tracking.markers.families import FAMILIES
 
-__all__ = ["BOARD_NAMES", "board_named"]
-
 BOARD_NAMES = (
     "checkerboard_9x6_40mm (inner corners, square)",
     "charuco_aruco_5x5_100_7x5_40mm_30mm (squares, square, marker)",

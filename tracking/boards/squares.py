@@ -23,8 +23,6 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.pictures import grey_levels
 
-__all__ = ["SquaresBoard", "contrast", "refine_saddles"]
-
 # Up-left, up-right, down-right, down-left of a corner, in the board frame.
 _DIAGONALS = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
 _RIGHT, _UP = np.eye(2)

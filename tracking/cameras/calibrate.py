@@ -21,8 +21,6 @@ from motorcade.tracking.cameras.camera import Camera, CameraModel
 from motorcade.tracking.cameras.intrinsics_fit import Fit, Observations, fit_camera
 from motorcade.tracking.pose import SIGMA_FLOOR_PX, TrackingError, planar_candidates, refine
 
-__all__ = ["Calibration", "CalibrationError", "calibrate", "spread_views"]
-
 LEAST_VIEWS = 3
 # Focal lengths to start from, in picture widths.
 _FOCAL_STARTS = (0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 3.0, 5.0)

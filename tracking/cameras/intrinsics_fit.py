@@ -17,8 +17,6 @@ from motorcade.tracking.cameras import lenses
 from motorcade.tracking.cameras.camera import Camera, reproject
 from motorcade.tracking.optimise import BlockEquations, Stop, minimise
 
-__all__ = ["Fit", "Observations", "fit_camera"]
-
 _STOP = Stop(steps=100, gain=1e-10)
 
 

@@ -11,8 +11,6 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["distort", "distort_jacobian", "undistort"]
-
 _ITERATIONS = 30
 _CONVERGED = 1e-12
 

@@ -13,8 +13,6 @@ import numpy as np
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["CornerStream", "checked_numbers", "checked_stamps"]
-
 
 @dataclass(frozen=True, eq=False)
 class CornerStream:

@@ -18,8 +18,6 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.pictures import grey_levels
 
-__all__ = ["refine_quads"]
-
 _ALONG = np.linspace(0.12, 0.88, 20)
 _ACROSS = np.linspace(-1.0, 1.0, 15)
 _REACH_PX = (1.0, 3.5)

@@ -16,16 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from motorcade.ga.arrays import FloatArray
 
-__all__ = [
-    "FAMILIES",
-    "border_share",
-    "dictionary",
-    "family_size",
-    "marker_cells",
-    "marker_points_m",
-    "side_cells",
-]
-
 # The topmost row of bits of tag 0 as printed officially (AprilRobotics/apriltag-imgs).
 _OFFICIAL_TOP_ROW = {
     "tag16h5": (0, 0, 1, 0),

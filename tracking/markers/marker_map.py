@@ -17,8 +17,6 @@ from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.ga.files import read_bounded
 from motorcade.tracking.markers.families import marker_points_m
 
-__all__ = ["MarkerMap"]
-
 _FORMAT = "motorcade marker map 1"
 _UNITS = {"side_m": "metres", "translation_m": "metres", "quaternion_wxyz": "1"}
 MAX_FILE_BYTES = 16 << 20

@@ -19,8 +19,6 @@ from motorcade.tracking.markers.detection import Detection
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.pose import PlanarCandidates, TrackingError, planar_candidates
 
-__all__ = ["PosedMarker", "planar_poses", "pose_marker"]
-
 
 @dataclass(frozen=True, eq=False)
 class PosedMarker:

@@ -31,8 +31,6 @@ from motorcade.tracking.planes.fitting import (
 )
 from motorcade.tracking.planes.plane import Plane
 
-__all__ = ["STRIDE", "FoundPlanes", "depth_sigma_m", "find_planes", "find_planes_in_depth"]
-
 FEWEST = 12
 _INLIER = 3.0  # sigma
 _ASIDE = 6.0  # sigma: nearer points are not searched again, so that no plane is found twice

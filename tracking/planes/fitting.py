@@ -16,8 +16,6 @@ from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.tracking.planes.plane import Plane
 
-__all__ = ["checked_points", "checked_sigma", "fit_plane", "spread_axes"]
-
 # Points that spread less than this many times their noise across a line fix no plane.
 LEAST_SPREAD = 3.0
 _CELLS = 40

@@ -16,8 +16,6 @@ from motorcade.ga import Motor, Multivector
 from motorcade.ga.algebra import conformal
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 
-__all__ = ["Plane", "choose_floor", "choose_stage"]
-
 _INSIDE_M = 1e-9
 
 

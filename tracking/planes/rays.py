@@ -13,8 +13,6 @@ from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.planes.plane import Plane
 
-__all__ = ["Hit", "Rays", "hit_test"]
-
 # Rays that climb less than this over their own length are taken as parallel to the plane.
 _PARALLEL = 1e-9
 

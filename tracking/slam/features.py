@@ -19,15 +19,6 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.pictures import track_corners
 
-__all__ = [
-    "Corners",
-    "SlamPicture",
-    "depth_at",
-    "find_corners",
-    "grid_cells",
-    "stereo_depth",
-]
-
 DepthImage = NDArray[np.float32]
 Descriptors = NDArray[np.uint8]
 

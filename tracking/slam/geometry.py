@@ -21,15 +21,6 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera, reproject, to_frame
 from motorcade.tracking.optimise import NormalEquations, Stop, huber_cauchy, minimise
 
-__all__ = [
-    "FittedPose",
-    "parallax_rad",
-    "pose_by_sampling",
-    "pose_from_opencv",
-    "refine_pose",
-    "triangulate",
-]
-
 BoolArray = NDArray[np.bool_]
 
 OUTLIER_PX = 3.0

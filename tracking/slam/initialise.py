@@ -28,8 +28,6 @@ from motorcade.tracking.slam.geometry import (
     triangulate,
 )
 
-__all__ = ["TwoViewInitialiser", "TwoViewStart", "TwoViews", "flow_beyond_rotation_px", "two_views"]
-
 FEWEST_CORNERS = 80
 _FEWEST_POINTS = 50
 _LEAST_FLOW_PX = 4.0  # what must remain of the motion when the rotation is taken out

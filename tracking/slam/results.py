@@ -16,8 +16,6 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
 
-__all__ = ["SLAM_STATES", "RunLog", "SlamFrame", "SlamResult", "SlamState"]
-
 SlamState = Literal["initialising", "tracking", "lost", "relocalised"]
 SLAM_STATES: tuple[SlamState, ...] = ("initialising", "tracking", "lost", "relocalised")
 

@@ -6,8 +6,6 @@ from dataclasses import dataclass, replace
 
 from motorcade.tracking.checks import check_count, check_length
 
-__all__ = ["SlamSettings"]
-
 _USUAL_PIXELS = 640 * 480
 
 

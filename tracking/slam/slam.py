@@ -27,8 +27,6 @@ from motorcade.tracking.slam.results import RunLog, SlamFrame, SlamResult, SlamS
 from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.tracker import TrackedPoints, Tracker, is_reliable
 
-__all__ = ["VisualSlam"]
-
 _FEWEST_WITH_DEPTH = 60
 _CANDIDATES = 4
 

@@ -23,8 +23,6 @@ from motorcade.tracking.slam.geometry import (
     refine_pose,
 )
 
-__all__ = ["TrackedPoints", "Tracker", "is_reliable"]
-
 _FEWEST_INLIERS = 25
 _LEAST_SHARE = 0.4
 _GOOD_SHARE = 0.75

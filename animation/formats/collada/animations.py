@@ -21,8 +21,6 @@ from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import RigClip, transforms_over
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["read_clip"]
-
 MEMBERS = {"X": 0, "Y": 1, "Z": 2, "ANGLE": 3}
 ELEMENTS = re.compile(r"\((\d{1,2})\)")
 BISECTIONS = 40

@@ -17,8 +17,6 @@ from motorcade.animation.formats.limits import MAX_VERTICES, check_count
 from motorcade.animation.formats.rig.values import RigSurface, Skin
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["Controllers"]
-
 MOST_INFLUENCES = 64
 
 

@@ -9,8 +9,6 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_VALUES
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Library", "inputs_of", "matrices_of", "number"]
-
 
 class Library:
     """Looks up what a document refers to.

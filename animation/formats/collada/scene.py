@@ -20,8 +20,6 @@ from motorcade.animation.vectors import unit
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["ColladaScene", "TransformStep", "matrix_of_steps", "read_scene"]
-
 SIZES = {"matrix": 16, "translate": 3, "rotate": 4, "scale": 3}
 
 

@@ -15,8 +15,6 @@ from motorcade.animation.formats.limits import MAX_DEPTH
 from motorcade.animation.formats.numbers import numbers_in
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["Element", "parse_xml"]
-
 MAX_ELEMENTS = 500_000
 
 

@@ -17,8 +17,6 @@ from motorcade.animation.formats.gltf.fields import integer, table
 from motorcade.animation.formats.limits import MAX_VALUES
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["Accessors", "widened"]
-
 TYPES: dict[int, np.dtype[Any]] = {
     5120: np.dtype("<i1"),
     5121: np.dtype("<u1"),

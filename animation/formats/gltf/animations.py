@@ -31,8 +31,6 @@ from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, RigClip
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["read_animations"]
-
 PATHS = {"rotation": "VEC4", "translation": "VEC3", "scale": "VEC3"}
 INTERPOLATIONS = ("LINEAR", "STEP", "CUBICSPLINE")
 

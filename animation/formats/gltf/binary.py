@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["BinaryBuffer", "write_glb"]
-
 KINDS = {"<f4": 5126, "<u4": 5125, "<u2": 5123, "|u1": 5121}
 TYPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 VERTICES, INDICES = 34962, 34963

@@ -13,8 +13,6 @@ from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.fields import integer, listed, table, text
 from motorcade.animation.formats.limits import MAX_FILE_BYTES, MAX_TEXT_BYTES, beside, read_bounded
 
-__all__ = ["Document", "load", "open_gltf"]
-
 MAGIC = b"glTF"
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 UNDERSTOOD = {

@@ -9,8 +9,6 @@ import numpy as np
 from motorcade.animation.formats.errors import expected
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["floats", "integer", "listed", "table", "text"]
-
 
 def table(value: object, field: str) -> dict[str, Any]:
     """A JSON object."""

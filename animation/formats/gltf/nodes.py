@@ -15,8 +15,6 @@ from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["Nodes", "read_nodes"]
-
 
 @dataclass(frozen=True, eq=False)
 class Nodes:

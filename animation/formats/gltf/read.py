@@ -11,8 +11,6 @@ from motorcade.animation.formats.gltf.meshes import Meshes
 from motorcade.animation.formats.gltf.nodes import read_nodes
 from motorcade.animation.formats.rig.values import Rig
 
-__all__ = ["read_gltf"]
-
 KEEPS_UNITS = "Open Asset Import Library"
 """A generator that copies numbers from files in other units without converting them."""
 

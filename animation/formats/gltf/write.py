@@ -21,8 +21,6 @@ from motorcade.animation.srgb import to_linear
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["CameraPath", "write_gltf"]
-
 PARTING_M = 5e-6
 """How far between keys a written joint may leave its screw, in metres; see MOST_PARTS."""
 UPRIGHT_XYZW = [-0.5, -0.5, -0.5, 0.5]

@@ -18,8 +18,6 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import is_there
 
-__all__ = ["read_md5_mesh"]
-
 MOST = 1 << 21
 MOST_INFLUENCES = 64
 PLAIN = (0.8, 0.8, 0.8)

@@ -13,8 +13,6 @@ from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["read_clip", "read_md5_motion"]
-
 
 def read_md5_motion(path: Path) -> Rig:
     """Read a `.md5anim` alone; the rest pose is its base frame.

@@ -11,8 +11,6 @@ from motorcade.animation.formats.errors import FormatError, expected, shown
 from motorcade.animation.formats.limits import MAX_TEXT_BYTES, read_bounded
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Words", "opened", "orientation"]
-
 WORD = re.compile(r'//[^\n]*|"([^"\n]*)"|([(){}])|([^\s(){}"]+)')
 
 

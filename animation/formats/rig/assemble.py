@@ -21,8 +21,6 @@ from motorcade.animation.skeleton import Skeleton, local_poses
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["SkeletalMotion", "assemble_character", "assemble_motion"]
-
 CONSTANT_SCALE = 1e-4
 """Scales that stay this near to the rest's, as a share of it, count as constant."""
 

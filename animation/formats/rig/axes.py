@@ -16,8 +16,6 @@ from motorcade.animation.formats.rig.values import Rig
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Axes", "axes_of", "guessed_unit_m", "is_plausible"]
-
 TOES = re.compile(r"toe|ball|foot.?thumb", re.IGNORECASE)
 FEET = re.compile(r"foot|ankle", re.IGNORECASE)
 HEAD = re.compile(r"head|neck", re.IGNORECASE)

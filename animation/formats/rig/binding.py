@@ -24,8 +24,6 @@ from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["Binding", "bind"]
-
 # Placings that differ by less, as a share of the mesh's size, are one.
 AGREEING = 1e-3
 

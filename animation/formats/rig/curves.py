@@ -7,16 +7,6 @@ import numpy as np
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.classical.quaternion import quaternion_slerp
 
-__all__ = [
-    "JUMP_S",
-    "between",
-    "great_arc",
-    "hermite",
-    "key_times",
-    "stepped",
-    "with_times",
-]
-
 JUMP_S = 1e-6
 """How long before a step its old value is sampled last."""
 

@@ -22,8 +22,6 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.classical.quaternion import quaternion_slerp
 
-__all__ = ["Sampled", "Sampler", "divided", "parts_of_steps"]
-
 PARTING_TOLERANCE = 2e-5
 """How far screws and the file may part between samples, as a share of the figure's height."""
 MOST_PARTS = 128

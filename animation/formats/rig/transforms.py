@@ -16,8 +16,6 @@ from motorcade.animation.formats.errors import FormatError
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Transforms", "scaled_matrices"]
-
 # How far from one uniform scale the axes may be, as a share of it, before a block counts as
 # sheared. Files with six printed digits, and matrices split into float32 parts, stay below.
 UNIFORM_TOLERANCE = 1e-4

@@ -13,8 +13,6 @@ from motorcade.animation.formats.rig.curves import great_arc, with_times
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["NodeTree", "Rig", "RigClip", "RigSurface", "Skin", "transforms_over"]
-
 
 @dataclass(frozen=True, eq=False)
 class NodeTree:

@@ -44,8 +44,6 @@ from motorcade.animation.vectors import turn_x, turn_y, turn_z
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["GAITS", "Gait", "gait_clip"]
-
 # Toes ahead of their joint, and how softly a swinging foot is lifted clear of the ground.
 TOE_LENGTH_M, SOFT_M = 0.080, 0.006
 HEIGHT = 2  # among the curves of a step: ahead, out, height, pitch

@@ -24,8 +24,6 @@ from motorcade.animation.mannequin.proportions import (
 from motorcade.animation.mannequin.shape.fields import BodyBlock, BodyField, block
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["SHOULDER_M", "arm", "arm_axes", "body_field"]
-
 UP = np.eye(3)
 DOWN = np.diag([1.0, 1.0, -1.0])
 # a foot lies along x: its first cross axis is z

@@ -18,8 +18,6 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["BodyBlock", "BodyField", "block", "smooth_curve"]
-
 SAMPLES = 129
 FAR_M = 1.0
 

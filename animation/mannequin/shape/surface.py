@@ -27,8 +27,6 @@ from motorcade.animation.mannequin.shape.fields import BodyField
 from motorcade.animation.vectors import box_corners
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["SymmetricMesh", "colors", "meshed"]
-
 SKIN, SUIT = (0.80, 0.62, 0.48), (0.24, 0.37, 0.49)
 DARK, BRIGHT = (0.12, 0.14, 0.18), (0.90, 0.45, 0.15)
 WRIST_M, KNEE_Z = UPPER_ARM_M + FOREARM_M, ANKLE_HEIGHT_M + SHIN_M

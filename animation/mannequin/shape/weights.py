@@ -18,8 +18,6 @@ from motorcade.animation.mannequin.shape.surface import SymmetricMesh
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["influences"]
-
 # How sharply weights fall off across a joint; 1 in the source.
 SHARPNESS = 1.6
 FINGERS = ("thumb", "index", "middle", "ring", "little")

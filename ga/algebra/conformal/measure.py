@@ -29,24 +29,6 @@ from motorcade.ga.algebra.inverse import norm_squared_with_bound
 from motorcade.ga.algebra.multivector import Multivector
 from motorcade.ga.algebra.scalars import is_numeric, square_root
 
-__all__ = [
-    "carrier",
-    "center",
-    "coordinates",
-    "direction",
-    "distance_to_line",
-    "distance_to_plane",
-    "distance_to_point",
-    "distance_to_sphere",
-    "flat_position",
-    "nearest_to_origin",
-    "normal",
-    "plane_distance",
-    "radius",
-    "radius_squared",
-    "two_points",
-]
-
 _DEGENERATE = 1e-12
 # How much more than a single rounding may make a moved point's square differ from zero.
 _POINT_ROUNDINGS = 1e6

@@ -35,22 +35,6 @@ from motorcade.ga.algebra.conformal.triples import (
 from motorcade.ga.algebra.multivector import Multivector
 from motorcade.ga.algebra.scalars import is_numeric, magnitude
 
-__all__ = [
-    "circle",
-    "circle_through",
-    "infinity",
-    "join",
-    "line",
-    "line_through",
-    "meet",
-    "plane",
-    "plane_through",
-    "point",
-    "point_pair",
-    "sphere",
-    "sphere_through",
-]
-
 # What is smaller than this beside the terms that it is made of, counts as zero.
 _DEGENERATE = 1e-12
 

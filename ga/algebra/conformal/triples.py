@@ -13,21 +13,6 @@ import numpy as np
 from motorcade.ga.algebra.scalars import is_numeric, square_root
 from motorcade.ga.arrays import checked_floats
 
-__all__ = [
-    "Triple",
-    "add",
-    "cross",
-    "dot",
-    "length",
-    "normalized",
-    "number",
-    "scale",
-    "size_of",
-    "subtract",
-    "triple",
-    "unit_triple",
-]
-
 # How far from 1 the length of a direction may be before it is refused.
 _UNIT_TOLERANCE = 1e-6
 

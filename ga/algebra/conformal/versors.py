@@ -20,8 +20,6 @@ from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.similarity import Similarity
 from motorcade.ga.versors.versor import Versor
 
-__all__ = ["as_motor", "as_rotor", "as_similarity", "of_versor"]
-
 V = TypeVar("V", bound=Versor)
 
 _ROTOR = ("1", "e2^e3", "e3^e1", "e1^e2")

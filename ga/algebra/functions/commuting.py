@@ -17,20 +17,6 @@ from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.functions.elementary import apply, larger, where
 from motorcade.ga.algebra.scalars import is_numeric, magnitude
 
-__all__ = [
-    "Square",
-    "any_holds",
-    "commuting_product",
-    "nonzero",
-    "numeric",
-    "parts_of_sum",
-    "plus",
-    "roundings",
-    "square_of",
-    "weights",
-    "without_scalar",
-]
-
 
 class Square(NamedTuple):
     """``y² = scalar + rest`` and ``rest² = rest_squared``, None where that is zero by structure."""

@@ -13,17 +13,6 @@ import numpy as np
 
 from motorcade.ga.algebra.scalars import is_numeric
 
-__all__ = [
-    "apply",
-    "arctangent",
-    "larger",
-    "power_series",
-    "sign",
-    "smaller",
-    "step",
-    "where",
-]
-
 
 def apply(name: str, *values: Any) -> Any:
     """The function that NumPy calls `name`, of scalars of any kind.

@@ -30,8 +30,6 @@ from motorcade.ga.algebra.functions.commuting import (
 from motorcade.ga.algebra.functions.elementary import apply, larger, power_series, where
 from motorcade.ga.algebra.scalars import magnitude
 
-__all__ = ["LARGEST_NORM", "exp"]
-
 # Of a multivector without closed form, as the sum of its coefficients' sizes.
 LARGEST_NORM = 2.0**20
 _TAYLOR = 16

@@ -38,8 +38,6 @@ from motorcade.ga.algebra.functions.elementary import (
 )
 from motorcade.ga.algebra.scalars import magnitude
 
-__all__ = ["EvenParts", "by_structure", "check_versor", "log", "without_rounding"]
-
 _NEAR = 0.02
 _TERMS = 10
 _RATIO = tuple((-1) ** n * math.comb(2 * n, n) / (4.0**n * (2 * n + 1)) for n in range(_TERMS))

@@ -29,8 +29,6 @@ from motorcade.ga.algebra.functions.logarithm import (
 )
 from motorcade.ga.algebra.scalars import magnitude
 
-__all__ = ["normalize", "sqrt", "versor"]
-
 
 def normalize(x: BladeSum) -> BladeSum:
     """``x / √|⟨x ~x⟩₀|``.

@@ -6,8 +6,6 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-__all__ = ["fitted", "horner"]
-
 _MOST_TERMS = 40
 
 

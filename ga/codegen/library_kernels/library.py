@@ -12,8 +12,6 @@ from motorcade.ga.codegen.library_kernels.kernel import NOTE, Kernel
 from motorcade.ga.codegen.targets import c_batch, glsl, numpy
 from motorcade.ga.codegen.targets.cpp import cpp_header
 
-__all__ = ["GENERATED", "library_files", "write_library", "written_files"]
-
 GENERATED = Path(__file__).resolve().parents[2] / "kernels" / "generated"
 # The groups that shaders use.
 _IN_SHADERS = ("skinning",)

@@ -12,8 +12,6 @@ from typing import Any
 
 from motorcade.ga.codegen.tape import TapeBuilder
 
-__all__ = ["exponent", "power_of_two", "power_of_two_node"]
-
 _LOG_TWO = log(2.0)
 _WHOLE_IF_ARGUMENTS_ARE = frozenset({"add", "sub", "mul", "neg", "min", "max"})
 

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
-__all__ = ["copied", "folded_tape", "product_of"]
-
 
 def copied(tape: Tape, index: int, args: tuple[int, ...], builder: TapeBuilder) -> int:
     """A node of a tape on new arguments, in a builder."""

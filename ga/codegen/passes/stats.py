@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from motorcade.ga.codegen.tape import Tape
 
-__all__ = ["Operations", "PassStats", "cost_of", "count_operations", "table_of_passes"]
-
 _KINDS = {"add": 0, "sub": 0, "mul": 1, "div": 2} | dict.fromkeys(
     ("sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2"), 3
 )

@@ -16,8 +16,6 @@ from motorcade.ga.algebra.products import Masks
 from motorcade.ga.algebra.scalars import is_numeric
 from motorcade.ga.script import Script, evaluate
 
-__all__ = ["Record", "Step", "record"]
-
 
 @dataclass(frozen=True)
 class Step:

@@ -19,8 +19,6 @@ from motorcade.ga.codegen.strategies.record import Step
 from motorcade.ga.codegen.targets.shared.c_family import indented
 from motorcade.ga.script import Script
 
-__all__ = ["write"]
-
 
 def write(script: Script, program: Program, precision: Precision | None) -> dict[str, str]:
     """Names and texts of the source and the header of a script; `program` is what it compiles to.

@@ -30,8 +30,6 @@ from motorcade.ga.codegen.targets.shared.text import (
     variables,
 )
 
-__all__ = ["c_dialect", "c_files", "write"]
-
 _CALLING = (
     "",
     "Variables are parameters of their own name; output A fills out_A, one number a blade, and",

@@ -33,8 +33,6 @@ from motorcade.ga.codegen.targets.shared.c_family import (
 )
 from motorcade.ga.codegen.targets.shared.text import description, unread, variables
 
-__all__ = ["library_source", "library_table", "write"]
-
 _NAMES = replace(C_NAMES, words=C_NAMES.words | {"row", "rows"})
 _LIBRARY_FUNCTIONS = {
     "min": "smaller",

@@ -23,8 +23,6 @@ from motorcade.ga.codegen.targets.shared.text import (
     wrapped,
 )
 
-__all__ = ["write"]
-
 _FUNCTIONS = SAME_NAMES | {
     "abs": "fabs", "min": "fmin", "max": "fmax", "and": "logic_and", "or": "logic_or",
     "not": "logic_not", "select": "if_else",

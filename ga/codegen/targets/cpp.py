@@ -17,8 +17,6 @@ from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, indented, loads
 from motorcade.ga.codegen.targets.shared.text import C_LOGIC, Templates, call, wrapped
 
-__all__ = ["cpp_header"]
-
 _FUNCTIONS = {
     "sqrt": "std::sqrt",
     "abs": "std::abs",

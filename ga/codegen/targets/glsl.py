@@ -36,8 +36,6 @@ from motorcade.ga.codegen.targets.shared.text import (
     wrapped,
 )
 
-__all__ = ["library_source", "write"]
-
 # Drivers make rough asin and acos (Mesa errs by 2e-4); atan and sqrt are good everywhere.
 _TEMPLATES = C_LOGIC | {
     "asin": "atan({0}, sqrt((1.0 - ({0})) * (1.0 + ({0}))))",

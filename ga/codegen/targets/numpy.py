@@ -28,8 +28,6 @@ from motorcade.ga.codegen.targets.shared.python_module import (
 )
 from motorcade.ga.codegen.targets.shared.text import COMPARISONS, SAME_NAMES, WIDTH, wrapped
 
-__all__ = ["library_source", "library_table", "write"]
-
 _FUNCTIONS = SAME_NAMES | {
     "asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "abs": "abs",
     "min": "fmin", "max": "fmax", "and": "logical_and", "or": "logical_or", "not": "logical_not",

@@ -14,8 +14,6 @@ from motorcade.ga.codegen.targets.names import python_names
 from motorcade.ga.codegen.targets.shared.python_module import ArrayLibrary, array_module, listed
 from motorcade.ga.codegen.targets.shared.text import SAME_NAMES
 
-__all__ = ["write"]
-
 _FUNCTIONS = SAME_NAMES | {
     "abs": "abs", "min": "fmin", "max": "fmax", "and": "logical_and", "or": "logical_or",
     "not": "logical_not", "select": "where",

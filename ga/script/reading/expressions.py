@@ -21,8 +21,6 @@ from motorcade.ga.script.reading.syntax import (
     Unary,
 )
 
-__all__ = ["MAX_ARGUMENTS", "MAX_NESTING", "MAX_OPERATIONS", "Cursor", "parse_expression"]
-
 MAX_NESTING = 200
 MAX_ARGUMENTS = 100
 MAX_OPERATIONS = 20_000

@@ -13,8 +13,6 @@ from dataclasses import dataclass
 
 from motorcade.ga.script.errors import Place, ScriptError, Source
 
-__all__ = ["MAX_SCRIPT_CHARACTERS", "MAX_TOKENS", "Token", "tokenize"]
-
 MAX_SCRIPT_CHARACTERS = 1_000_000
 MAX_TOKENS = 200_000
 

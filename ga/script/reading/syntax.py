@@ -11,26 +11,6 @@ from dataclasses import dataclass
 
 from motorcade.ga.script.errors import Place, Source
 
-__all__ = [
-    "AlgebraPragma",
-    "Argument",
-    "Assignment",
-    "Binary",
-    "Call",
-    "Expression",
-    "Macro",
-    "Mark",
-    "Name",
-    "Number",
-    "OutputPragma",
-    "Pragma",
-    "RangePragma",
-    "Script",
-    "Statement",
-    "Unary",
-    "postorder",
-]
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Number:

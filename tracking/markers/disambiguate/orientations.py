@@ -15,8 +15,6 @@ from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.disambiguate.window import MODES, Memory, Window, influence, misfit
 
-__all__ = ["Orientations", "seeded", "settle", "updated", "weighed"]
-
 # Keeps what no sighting says anything about where it is.
 _SLACK = 1e-6
 

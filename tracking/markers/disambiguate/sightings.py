@@ -22,8 +22,6 @@ from motorcade.tracking.markers.corner_stream import (
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.poses import planar_poses
 
-__all__ = ["Sightings", "pose_stream"]
-
 # A pose whose pixels leave a direction quite free would be inverted to infinity.
 _LEAST_INFORMATION = 1e-9
 

@@ -29,8 +29,6 @@ from motorcade.tracking.markers.disambiguate.states import (
 )
 from motorcade.tracking.markers.disambiguate.window import Memory, Window
 
-__all__ = ["Recent", "Solution", "remembered", "solve", "vote"]
-
 # How far two true candidates of one marker disagree, whatever their noise.
 _AGREEMENT_RAD = np.radians(5.0)
 # A camera in the hand turns so fast; decides only where the votes are split.

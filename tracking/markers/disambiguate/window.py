@@ -16,8 +16,6 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.disambiguate.sightings import Sightings
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
-__all__ = ["MODES", "Memory", "Window", "corner_noise_px", "influence", "misfit"]
-
 # Orientations that are kept for a marker until the evidence has spoken.
 MODES = 4
 # Orientations are never taken as surer than this: lenses and paper bend.

@@ -29,8 +29,6 @@ from motorcade.tracking.optimise import (
 )
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
-__all__ = ["AdjustedRig", "adjust", "linearised", "pose_covariance", "residuals_px"]
-
 
 def residuals_px(seen: RigSightings, world_T_rig: Motor, world_T_marker: Motor) -> FloatArray:
     """Reprojection minus corner ``(N, 4, 2)``; NaN where a corner has no image.

@@ -21,8 +21,6 @@ from motorcade.tracking.markers.disambiguate import (
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.pose import TrackingError
 
-__all__ = ["RigSightings", "agreed", "gather"]
-
 _AGREE_RAD = np.radians(10.0)
 _MOST = 200
 

@@ -17,20 +17,6 @@ from motorcade.tracking.markers.families import marker_cells, side_cells
 if TYPE_CHECKING:
     from torch import Tensor
 
-__all__ = [
-    "MARGIN_CELLS",
-    "PhotometricUnavailable",
-    "best_device",
-    "blurred",
-    "grid_extent",
-    "grid_points",
-    "homography_warp",
-    "one_thread",
-    "prints",
-    "rectified",
-    "require",
-]
-
 
 class PhotometricUnavailable(RuntimeError):
     """Torch or kornia is not installed; the message says how to get them."""

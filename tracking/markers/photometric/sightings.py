@@ -18,8 +18,6 @@ from motorcade.tracking.markers.photometric.refine import refine_photometric
 from motorcade.tracking.markers.poses import planar_poses
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
-__all__ = ["RefinedFrame", "joined_frames", "refine_frame"]
-
 # Neighbouring pixels err together: so many of them tell as much as one.
 _ALIKE = 4.0
 

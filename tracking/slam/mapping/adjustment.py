@@ -19,8 +19,6 @@ from motorcade.tracking.cameras.camera import Camera, by_twist
 from motorcade.tracking.optimise import BlockEquations, Stop, huber, minimise, sum_by
 from motorcade.tracking.slam.geometry import BoolArray
 
-__all__ = ["AdjustedBundle", "Bundle", "adjust"]
-
 _HUBER = 1.5
 _NEAREST = 1e-3  # depths below it, and behind the camera, count as it
 _GAIN = 1e-4

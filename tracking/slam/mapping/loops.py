@@ -31,8 +31,6 @@ from motorcade.tracking.slam.mapping.matching import (
 )
 from motorcade.tracking.slam.tracker import is_reliable
 
-__all__ = ["LoopClosure", "close_loop", "find_loop"]
-
 _APART = 10  # keyframes between the two passes, at least
 _CANDIDATES = 3
 _FEWEST_INLIERS = 40

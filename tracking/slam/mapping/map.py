@@ -21,8 +21,6 @@ from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.slam.features import Descriptors
 from motorcade.tracking.slam.geometry import BoolArray
 
-__all__ = ["Keyframe", "MapSnapshot", "SlamMap"]
-
 _FORMAT = "motorcade slam map 2"
 
 

@@ -29,8 +29,6 @@ from motorcade.tracking.slam.mapping.matching import alike_where_expected, any_i
 from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.tracker import TrackedPoints
 
-__all__ = ["InsertedKeyframe", "Mapper"]
-
 _LOOP_ITERATIONS = 10
 _PARALLAX_RAD = np.deg2rad(1.0)
 _GOOD_PX = 2.0

@@ -26,16 +26,6 @@ from motorcade.tracking.slam.features import Corners, Descriptors
 from motorcade.tracking.slam.geometry import BoolArray, FittedPose, pose_by_sampling
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 
-__all__ = [
-    "RecognisedKeyframe",
-    "alike_where_expected",
-    "any_in_view",
-    "candidates",
-    "in_view",
-    "matched",
-    "verified",
-]
-
 _MOST_BITS = 64
 _SCALE_CHANGE = 1.5
 _BORDER_PX = 12.0

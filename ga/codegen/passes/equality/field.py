@@ -12,11 +12,6 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-__all__ = [
-    "ONE", "PRIME", "ZERO", "Element", "add", "canonical", "constant", "divide", "fraction",
-    "inverse", "magnitude", "multiply", "negative", "rational", "root", "subtract",
-]  # fmt: skip
-
 PRIME = (1 << 61) - 150993
 Element = tuple[int, int]
 ZERO: Element = (0, 0)

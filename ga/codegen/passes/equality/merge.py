@@ -22,8 +22,6 @@ from motorcade.ga.codegen.passes.equality.witness import Witness
 from motorcade.ga.codegen.passes.rebuild import copied
 from motorcade.ga.codegen.tape import BOOLEANS, Tape, TapeBuilder
 
-__all__ = ["merged"]
-
 _PARTIAL = frozenset({"div", "sqrt", "log", "asin", "acos", "tan"})
 _LARGEST_FACTOR = 1 << 10
 _LARGEST_CONSTANT = 1 << 16

@@ -12,8 +12,6 @@ from motorcade.ga.codegen.passes.rebuild import copied
 from motorcade.ga.codegen.passes.sums_of_products.forms import Coefficient, Form, Forms, Monomial
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
-__all__ = ["as_reciprocals", "with_quotients"]
-
 
 def as_reciprocals(tape: Tape) -> Tape:
     """The tape with ``x / d`` written ``x (1/d)``, every reciprocal once."""

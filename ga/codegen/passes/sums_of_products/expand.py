@@ -19,8 +19,6 @@ from motorcade.ga.codegen.passes.sums_of_products.forms import (
 )
 from motorcade.ga.codegen.tape import Tape, TapeBuilder
 
-__all__ = ["expanded"]
-
 # A level is given up where it has more terms than this, or than four times those of the sum.
 _MOST_TERMS = 96
 _FEW_TERMS = 16

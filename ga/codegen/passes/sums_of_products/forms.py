@@ -10,8 +10,6 @@ from fractions import Fraction
 
 from motorcade.ga.codegen.tape import Node, Tape
 
-__all__ = ["HIGHEST_DEGREE", "Coefficient", "Form", "Forms", "Monomial", "add_to", "form_cost"]
-
 Coefficient = int | Fraction
 # Positions of the factors, ascending.
 Monomial = tuple[int, ...]

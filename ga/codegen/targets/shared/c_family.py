@@ -10,19 +10,6 @@ from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.codegen.targets.shared.text import WIDTH, call, wrapped
 
-__all__ = [
-    "array_parameters",
-    "array_slots",
-    "array_stores",
-    "close_comment",
-    "comment",
-    "declarations",
-    "function",
-    "indented",
-    "loads",
-    "operand_lines",
-]
-
 
 def comment(lines: Sequence[str]) -> str:
     """A comment of these lines."""

@@ -20,15 +20,6 @@ from motorcade.ga.codegen.targets.shared.text import (
     wrapped,
 )
 
-__all__ = [
-    "ArrayLibrary",
-    "ArrayTemplates",
-    "array_module",
-    "assignments",
-    "listed",
-    "module",
-]
-
 _LITERAL = re.compile(r"-?[0-9.]+(e[+-]?[0-9]+)?")
 
 
