@@ -24,6 +24,7 @@ from motorcade.fusion.smoothing.window import shifted_windows
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.ga.motion import twist_bracket
+from motorcade.ga.stamps import checked_span_ns
 
 __all__ = ["PathDerivatives", "differentiated"]
 
@@ -119,7 +120,7 @@ def differentiated(
 
     Source: A. Savitzky and M. Golay, Analytical Chemistry 36 (1964), over time and on the tangent.
     """
-    width_ns = round(checked_positive(window_s, "window_s", "seconds") * 1e9)
+    width_ns = checked_span_ns(checked_positive(window_s, "window_s", "seconds"), "window_s")
     if not _LEAST_ORDER <= order <= _LARGEST_ORDER:
         raise ValueError(f"order: expected {_LEAST_ORDER} to {_LARGEST_ORDER}, got {order}")
     checked_length(trajectory, order + 1, f"differentiated of order {order}")

@@ -19,8 +19,11 @@ from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
+from motorcade.ga.stamps import LONGEST_BRIDGE_S
 
 __all__ = ["Preintegrated", "preintegrate"]
+
+_MOST_TURN_RAD = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,8 +135,8 @@ def preintegrate(
 ) -> Preintegrated:
     """Sum up the samples between each keyframe and the next.
 
-    Keyframes need not coincide with samples: the stream is interpolated linearly at them. Gaps in
-    the stream are bridged linearly too, which the covariance knows nothing of.
+    Keyframes need not coincide with samples: the stream is interpolated linearly at them. Gaps of
+    up to ten seconds are bridged linearly too, which the covariance knows nothing of.
 
     Args:
         imu: must cover the keyframes.
@@ -148,7 +151,8 @@ def preintegrate(
 
     Raises:
         ValueError: keyframes that are fewer than two, do not rise, are no integers or lie outside
-            the stream; biases of another shape, NaN or infinity; an unknown rule.
+            the stream; samples more than ten seconds apart, or between which the sensor turns by
+            more than a thousand radians; biases of another shape, NaN or infinity; an unknown rule.
 
     Examples:
         >>> import numpy as np
@@ -183,18 +187,36 @@ def preintegrate(
         values[:-1] if rule == "held" else 0.5 * (values[1:] + values[:-1])
         for values in (data.angular_rate_rad_s, data.specific_force_m_s2)
     )
+    steps_s = np.diff(data.time_ns) * 1e-9
+    of_steps = np.repeat(biases, np.diff(first), axis=0)
+    _check_steps(steps_s, rate - of_steps[:, :3])
     motion, transition, covariance = increments(
         first[:-1],
-        np.diff(data.time_ns) * 1e-9,
+        steps_s,
         rate,
         force,
-        np.repeat(biases, np.diff(first), axis=0),
+        of_steps,
         noise,
         held=rule == "held",
     )
     return Preintegrated(
         np.diff(keys) * 1e-9, motion, biases[:, :3], biases[:, 3:], transition, covariance
     )
+
+
+def _check_steps(steps_s: FloatArray, rate_rad_s: FloatArray) -> None:
+    """Refuse steps that nothing tells of, and those of too many parts to be integrated."""
+    longest_s = float(steps_s.max())
+    if longest_s > LONGEST_BRIDGE_S:
+        raise ValueError(
+            f"imu: expected samples at most {LONGEST_BRIDGE_S:g} s apart between keyframes, got a "
+            f"gap of {longest_s:.6g} s; sum up each side of it for itself"
+        )
+    turn_rad = float(np.max(np.linalg.norm(rate_rad_s, axis=-1) * steps_s))
+    if not turn_rad <= _MOST_TURN_RAD:
+        raise ValueError(
+            f"imu: expected turns up to {_MOST_TURN_RAD:g} rad between samples, got {turn_rad:.6g}"
+        )
 
 
 def _checked_keyframes(keyframes_ns: IntArray, imu: ImuStream) -> IntArray:

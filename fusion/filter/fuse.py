@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import checked_span_ns
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["Fused", "camera_covariance", "covered", "fuse", "wanted_stamps"]
@@ -61,6 +63,41 @@ def wanted_stamps(
     if wanted.size == 0:
         raise ValueError(f"stamps_ns: expected some within [{start}, {last}], got none")
     return wanted
+
+
+def by_stretch(
+    fused: Callable[[PoseMeasurements, ImuStream, IntArray | None], Fused],
+    measurements: PoseMeasurements,
+    imu: ImuStream,
+    stamps_ns: IntArray | None,
+    shift_ns: int = 0,
+) -> Fused:
+    """Fuse each stretch of a stream that gaps split for itself, and join the results.
+
+    Raises:
+        ValueError: what `fused` refuses, or no measurement in any stretch.
+    """
+    parts = imu.stretches()
+    if len(parts) == 1:
+        return fused(measurements, parts[0], stamps_ns)
+    measured_ns = measurements.trajectory.time_ns + shift_ns
+    wanted = measured_ns if stamps_ns is None else wanted_stamps(measured_ns, imu, stamps_ns)
+    made = []
+    for part in parts:
+        first, last = part.time_ns[[0, -1]]
+        inside = np.flatnonzero((measured_ns >= first) & (measured_ns <= last))
+        if not inside.size:
+            continue
+        here = wanted[(wanted >= measured_ns[inside[0]]) & (wanted <= last)]
+        if here.size:
+            own = PoseMeasurements(measurements.trajectory[inside], measurements.covariance[inside])
+            made.append(fused(own, part, here))
+    if not made:
+        raise ValueError(
+            f"measurements and imu: expected stamps in one of the {len(parts)} stretches between "
+            "gaps of the imu, got none"
+        )
+    return made[0] if len(made) == 1 else Fused.joined(made)
 
 
 _EXTRINSICS = slice(17, 23)
@@ -117,6 +154,23 @@ class Fused:
     imu_T_camera: Motor
     time_offset_s: FloatArray
 
+    @classmethod
+    def joined(cls, parts: Sequence[Fused]) -> Fused:
+        """One path of several, one after another."""
+        first = parts[0].trajectory
+        whole = {
+            field.name: np.concatenate([getattr(one, field.name) for one in parts])
+            for field in fields(cls)
+            if field.name not in ("trajectory", "imu_T_camera")
+        }
+        poses = Motor.concatenate([one.trajectory.motors for one in parts])
+        stamps = np.concatenate([one.trajectory.time_ns for one in parts])
+        return cls(
+            trajectory=Trajectory(stamps, poses, first.parent, first.child),
+            imu_T_camera=Motor.concatenate([one.imu_T_camera for one in parts]),
+            **whole,
+        )
+
 
 def fuse(
     measurements: PoseMeasurements,
@@ -142,7 +196,8 @@ def fuse(
         measurements: ``world_T_camera`` with covariances; the world's z is up.
         imu: must cover the measurements that are to be used: the others are left out. A gap in
             it is bridged by the line between the samples on both sides, with the uncertainty that
-            `FilterSettings` states.
+            `FilterSettings` states; a gap of more than ten seconds splits the stream, and each
+            stretch is fused for itself: stamps between them are left out.
         noise: the IMU's densities and bias walks. Those of a data sheet are too small for a
             sensor in the hand or in flight; `ImuNoise.scaled` until the mean NIS is about 6.
         imu_T_camera: pose of the camera on the IMU.
@@ -158,7 +213,8 @@ def fuse(
 
     Raises:
         ValueError: the IMU and the measurements do not overlap in time, or `stamps_ns` are no
-            rising integers or none of them can be served.
+            rising integers or none of them can be served; samples more than ten seconds apart; an
+            offset of more than thirty years.
 
     Examples:
         >>> import numpy as np
@@ -179,6 +235,29 @@ def fuse(
         0.2°
     """
     chosen = settings or FilterSettings()
+    shift_ns = checked_span_ns(time_offset_s, "time_offset_s")
+
+    def one(given: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
+        return _fused(
+            given, stream, noise, imu_T_camera, stamps, chosen, smoothed, time_offset_s,
+            state_covariances,
+        )  # fmt: skip
+
+    return by_stretch(one, measurements, imu, stamps_ns, shift_ns)
+
+
+def _fused(
+    measurements: PoseMeasurements,
+    imu: ImuStream,
+    noise: ImuNoise,
+    imu_T_camera: Motor,
+    stamps_ns: IntArray | None,
+    chosen: FilterSettings,
+    smoothed: bool,
+    time_offset_s: float,
+    state_covariances: bool,
+) -> Fused:
+    """Fuse along one stretch of the stream."""
     shift_ns = round(time_offset_s * 1e9)
     used = covered(measurements, imu, shift_ns)
     wanted = wanted_stamps(used.trajectory.time_ns + shift_ns, imu, stamps_ns)

@@ -10,6 +10,7 @@ from motorcade.fusion.filter.native import _filter
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.ga import Motor
 from motorcade.ga.arrays import checked_positive
+from motorcade.ga.stamps import checked_span_ns
 
 __all__ = [
     "ACCEL_BIAS_SIGMA_M_S2",
@@ -115,6 +116,7 @@ class FilterSettings:
     rest: RestDetection | None = None
 
     def __post_init__(self) -> None:
+        checked_span_ns(self.gap_s, "FilterSettings.gap_s")
         positive = ("gravity_m_s2", "gap_s")
         not_negative = (
             "gravity_sigma_rad",

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, Fused
-from motorcade.fusion.filter.fuse import camera_covariance, covered, wanted_stamps
+from motorcade.fusion.filter.fuse import by_stretch, camera_covariance, covered, wanted_stamps
 from motorcade.fusion.graph.inertial import InertialGraph
 from motorcade.fusion.graph.smoothers import smooth_all, smooth_with_lag
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import IntArray
+from motorcade.ga.arrays import IntArray, checked_positive
+from motorcade.ga.stamps import checked_span_ns
 from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["fuse_by_graph"]
@@ -38,7 +39,8 @@ def fuse_by_graph(
     Args:
         measurements: ``world_T_camera`` with covariances; the world's z is up.
         imu: must cover the measurements that are to be used: the others are left out. Gaps are
-            bridged linearly, which nothing accounts for.
+            bridged linearly, which nothing accounts for; those of more than ten seconds split the
+            stream, as for `fuse`.
         noise: the IMU's densities and bias walks.
         imu_T_camera: pose of the camera on the IMU.
         stamps_ns: as for `fuse`.
@@ -70,8 +72,25 @@ def fuse_by_graph(
     chosen = settings or FilterSettings()
     if chosen.error_size != 15 or chosen.rest is not None:
         raise ValueError("settings: expected only motion and biases to estimate, got more")
-    if lag_s is not None and not 0.0 < lag_s < np.inf:
-        raise ValueError(f"lag_s: expected seconds above 0, got {lag_s}")
+    if lag_s is not None:
+        checked_span_ns(checked_positive(lag_s, "lag_s", "seconds"), "lag_s")
+
+    def one(given: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
+        return _fused(given, stream, noise, imu_T_camera, stamps, chosen, lag_s)
+
+    return by_stretch(one, measurements, imu, stamps_ns)
+
+
+def _fused(
+    measurements: PoseMeasurements,
+    imu: ImuStream,
+    noise: ImuNoise,
+    imu_T_camera: Motor,
+    stamps_ns: IntArray | None,
+    chosen: FilterSettings,
+    lag_s: float | None,
+) -> Fused:
+    """Fuse along one stretch of the stream."""
     used = covered(measurements, imu)
     wanted = wanted_stamps(used.trajectory.time_ns, imu, stamps_ns)
     graph = InertialGraph.of(

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
-from motorcade.ga.stamps import checked_increasing
+from motorcade.ga.stamps import LONGEST_BRIDGE_S, checked_increasing, stretches
 
 __all__ = ["ImuStream"]
 
@@ -85,6 +85,23 @@ class ImuStream:
     def rate_hz(self) -> float:
         """Sampling rate: one over the median interval."""
         return float(1e9 / np.median(np.diff(self.time_ns)))
+
+    def stretches(self) -> list[ImuStream]:
+        """The stream without its gaps of more than ten seconds; stretches have two samples or more.
+
+        Raises:
+            ValueError: samples that are farther apart than that without being gaps.
+        """
+        parts = [part for part in stretches(self.time_ns) if part.stop - part.start > 1]
+        longest_s = max(1e-9 * float(np.diff(self.time_ns[part]).max()) for part in parts)
+        if longest_s > LONGEST_BRIDGE_S:
+            raise ValueError(
+                f"imu: expected samples at most {LONGEST_BRIDGE_S:g} s apart, got {longest_s:.6g} s"
+            )
+        if len(parts) == 1 and parts[0].stop - parts[0].start == len(self):
+            return [self]
+        rate, force = self.angular_rate_rad_s, self.specific_force_m_s2
+        return [ImuStream(self.time_ns[part], rate[part], force[part]) for part in parts]
 
     def at(self, time_ns: IntArray) -> ImuStream:
         """The samples at other stamps ``(M,)``, interpolated linearly between neighbours.

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.metrics.smooth_path import GAP_INTERVALS, NotObservableError, SmoothPath
+from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
+from motorcade.ga.stamps import near_steps
 
 __all__ = [
     "EnergyExcess",
@@ -171,7 +172,7 @@ def _whole_triples(time_s: FloatArray, covered: NDArray[np.bool_]) -> NDArray[np
     if time_s.size < 3:
         return np.zeros(0, dtype=np.bool_)
     steps = np.diff(time_s)
-    near = steps <= GAP_INTERVALS * np.median(steps)
+    near = near_steps(steps)
     return np.asarray(covered[:-2] & covered[1:-1] & covered[2:] & near[:-1] & near[1:])
 
 

@@ -14,9 +14,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.metrics.smooth_path import GAP_INTERVALS, NotObservableError, SmoothPath
+from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
 from motorcade.ga import Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
+from motorcade.ga.stamps import near_steps
 
 __all__ = ["angular_rate_lag_s", "position_lag_s"]
 
@@ -25,6 +26,7 @@ _GRID_S = 0.005
 _PEAK_TOLERANCE_S = 1e-5
 _ROOT_TOLERANCE_S = 1e-12
 _BATCHES = 20
+_MOST_LAG_S = 60.0
 # Changes smaller than this part of the values may be rounding.
 _EVEN = 1e-9
 # Over longer steps a mean rate in the moving frame says little about the moment.
@@ -79,7 +81,7 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
     time_s = path.seconds(estimate.time_ns)
     steps = np.diff(time_s)
     _, kept, limit_s = _inner(path, time_s[:-1], time_s[1:], max_lag_s)
-    near = steps <= min(GAP_INTERVALS * float(np.median(steps)), _LONGEST_STEP_S)
+    near = near_steps(steps) & (steps <= _LONGEST_STEP_S)
     chosen = np.flatnonzero(kept & near)
     if chosen.size < _FEWEST_STAMPS:
         raise NotObservableError(
@@ -95,7 +97,7 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
         turns = rotors[first].inverse() @ rotors[second]
         return np.asarray(turns.as_rotation_vector() / steps, dtype=np.float64)
 
-    rough = _even_rates(path, usual_s)
+    rough = _even_rates(path, usual_s, time_s[chosen], limit_s)
 
     return _peak(
         rates(estimate.motors.rotor[ends]),
@@ -106,10 +108,20 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
     )
 
 
-def _even_rates(path: SmoothPath, step_s: float) -> Callable[[FloatArray], FloatArray]:
-    """Mean angular rates of the truth over a step from any time on, between those of a grid."""
+def _even_rates(
+    path: SmoothPath, step_s: float, around_s: FloatArray, reach_s: float
+) -> Callable[[FloatArray], FloatArray]:
+    """Mean angular rates of the truth over a step from any time on, between those of a grid.
+
+    The grid stands within a reach of increasing times ``(N,)``: gaps between them cost nothing.
+    """
     first_s, last_s = path.span_s
-    grid_s = np.arange(first_s, last_s - step_s, _GRID_S)
+    most = int(np.ceil((last_s - step_s - first_s) / _GRID_S))
+    begin = np.floor((around_s - reach_s - first_s) / _GRID_S).astype(np.int64)
+    end = np.ceil((around_s + reach_s - first_s) / _GRID_S).astype(np.int64) + 1
+    begin = np.maximum(begin, np.append(0, np.maximum.accumulate(end)[:-1]))  # each place once
+    places = np.concatenate([np.arange(a, b) for a, b in zip(begin, end, strict=True)])
+    grid_s = first_s + _GRID_S * places[places < most]
     turns = path.poses(grid_s).rotor.inverse() @ path.poses(grid_s + step_s).rotor
     grid = turns.as_rotation_vector() / step_s
     return lambda time_s: np.stack([np.interp(time_s, grid_s, column) for column in grid.T], -1)
@@ -123,8 +135,8 @@ def _inner(
     path: SmoothPath, start_s: FloatArray, end_s: FloatArray, max_lag_s: float
 ) -> tuple[FloatArray, NDArray[np.bool_], float]:
     """Start times that stay inside the truth for every lag tried, their mask, and the limit."""
-    if not max_lag_s > 0.0:
-        raise ValueError(f"max_lag_s: expected above 0, got {max_lag_s}")
+    if not 0.0 < max_lag_s <= _MOST_LAG_S:
+        raise ValueError(f"max_lag_s: expected above 0 and up to {_MOST_LAG_S:g}, got {max_lag_s}")
     first, last = path.span_s
     overlap = min(last, float(end_s.max(initial=first))) - max(
         first, float(start_s.min(initial=last))

@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import near_steps
 
-__all__ = ["GAP_INTERVALS", "NotObservableError", "SmoothPath"]
-
-# Steps of more than so many median intervals are gaps.
-GAP_INTERVALS = 3.0
+__all__ = ["NotObservableError", "SmoothPath"]
 
 
 class NotObservableError(ValueError):
@@ -79,7 +77,7 @@ class SmoothPath:
     def covers(self, time_s: FloatArray) -> NDArray[np.bool_]:
         """Which times lie between two stamps at most three median intervals apart."""
         steps = np.diff(self._time_s)
-        close = steps <= GAP_INTERVALS * np.median(steps)
+        close = near_steps(steps)
         before = np.clip(np.searchsorted(self._time_s, time_s, side="right") - 1, 0, steps.size - 1)
         inside = (time_s >= self._time_s[0]) & (time_s <= self._time_s[-1])
         return np.asarray(inside & close[before], dtype=np.bool_)

@@ -23,6 +23,7 @@ from motorcade.fusion.smoothing.checks import checked_length, checked_order
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
+from motorcade.ga.stamps import checked_span_ns
 
 __all__ = [
     "automatic_window_s",
@@ -105,16 +106,16 @@ def savitzky_golay(
 
 def centred_windows(time_ns: IntArray, width_ns: int) -> tuple[IntArray, IntArray]:
     """Rows ``(N,)`` that begin and end the open windows of a width around every stamp."""
-    double = 2 * (time_ns - time_ns[0])  # widths may be odd
-    first = np.searchsorted(double, double - width_ns, side="right")
-    return first, np.searchsorted(double, double + width_ns, side="left")
+    reach_ns = (width_ns - 1) // 2  # whole nanoseconds below half the width, which may be odd
+    first = np.searchsorted(time_ns, time_ns - reach_ns, side="left")
+    return first, np.searchsorted(time_ns, time_ns + reach_ns, side="right")
 
 
 def shifted_windows(time_ns: IntArray, width_ns: int) -> tuple[IntArray, IntArray]:
     """The same windows, shifted to stay on the path."""
     first, last = centred_windows(time_ns, width_ns)
-    early = 2 * (time_ns - time_ns[0]) < width_ns
-    late = 2 * (time_ns[-1] - time_ns) < width_ns
+    early = time_ns - time_ns[0] <= (width_ns - 1) // 2
+    late = time_ns[-1] - time_ns <= (width_ns - 1) // 2
     first[late] = np.searchsorted(time_ns, time_ns[-1] - width_ns, side="right")
     last[early] = np.searchsorted(time_ns, time_ns[0] + width_ns, side="left")
     first[early], last[late] = 0, len(time_ns)
@@ -135,7 +136,7 @@ def white_noise_removed(neighbours: int, order: int) -> float:
 
 
 def _settings(window_s: float, order: int) -> tuple[int, int]:
-    width_ns = round(checked_positive(window_s, "window_s", "seconds") * 1e9)
+    width_ns = checked_span_ns(checked_positive(window_s, "window_s", "seconds"), "window_s")
     if width_ns < 1:
         raise ValueError(f"window_s: expected at least 1e-9 seconds, got {window_s}")
     return width_ns, checked_order(order)
@@ -179,7 +180,7 @@ def gaussian(
     sigma = checked_positive(sigma_s, "sigma_s", "seconds")
     if not 0.0 < truncate <= _FARTHEST:
         raise ValueError(f"truncate: expected above 0 and at most {_FARTHEST:g}, got {truncate}")
-    reach_ns = round(truncate * sigma * 1e9)
+    reach_ns = checked_span_ns(truncate * sigma, "sigma_s times truncate")
     degree = checked_order(order)
     time_ns = trajectory.time_ns
     first = np.searchsorted(time_ns, time_ns - reach_ns, side="left")

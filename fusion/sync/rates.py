@@ -157,9 +157,7 @@ class _CameraRates:
     def inside(self, turned: _Turned, offset_s: float, margin_s: float) -> _CameraRates:
         """Those over spans that the IMU covers, with a margin."""
         shift, margin = round(offset_s * 1e9), round(margin_s * 1e9)
-        covered = (self.start_ns + shift - margin >= turned.first_ns) & (
-            self.end_ns + shift + margin <= turned.last_ns
-        )
+        covered = turned.covers(self.start_ns + shift - margin, self.end_ns + shift + margin)
         return _CameraRates(self.start_ns[covered], self.end_ns[covered], self.rate_rad_s[covered])
 
 
@@ -167,11 +165,19 @@ class _Turned:
     """The gyroscope's running integral: good for mean rates over short times."""
 
     def __init__(self, imu: ImuStream) -> None:
-        self.first_ns, self.last_ns = int(imu.time_ns[0]), int(imu.time_ns[-1])
+        self.first_ns = int(imu.time_ns[0])
+        parts = imu.stretches()
+        self._begin_ns = np.array([one.time_ns[0] for one in parts])
+        self._end_ns = np.array([one.time_ns[-1] for one in parts])
         rate = imu.angular_rate_rad_s
         steps = 0.5 * (rate[1:] + rate[:-1]) * (np.diff(imu.time_ns) * 1e-9)[:, None]
         self._angle = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
         self._time = (imu.time_ns - self.first_ns).astype(np.float64)
+
+    def covers(self, first_ns: IntArray, last_ns: IntArray) -> NDArray[np.bool_]:
+        """Which spans ``(m,)`` lie in one stretch of the stream."""
+        number = np.searchsorted(self._begin_ns, first_ns, side="right") - 1
+        return np.asarray((number >= 0) & (last_ns <= self._end_ns[number]), dtype=np.bool_)
 
     def at(self, time_ns: IntArray) -> FloatArray:
         """Angles ``(m, 3)`` turned since the start."""

@@ -29,6 +29,7 @@ _STANDARD_GRAVITY_M_S2 = 9.81
 _GRAVITY_SIGMA_M_S2 = 0.02
 _LEVER_SIGMA_M = 1.0
 _MARGIN_S = 0.1
+_MOST_SEARCH_S = 60.0
 # Of the deviation that rates state for the offset: the estimate believes them no more than this,
 # since it uses the same data again, and does not leave it.
 _DOUBT = 6.0
@@ -130,12 +131,12 @@ def synchronise(
         camera: ``world_T_camera``, metres, on the camera's clock; its world may lean.
         imu: the stream, on its own clock.
         noise: the IMU's densities and bias walks.
-        search_s: how far from zero the offset may be.
+        search_s: how far from zero the offset may be, up to 60 s.
 
     Raises:
         ValueError: streams that overlap for less than 2 s or 20 poses, angular rates that do not
             match (too little rotation, or another motion), an estimate that does not settle or
-            leaves the offset that rates tell, or a search that is not above zero.
+            leaves the offset that rates tell, or a search that is not above zero or too far.
 
     Examples:
         >>> import numpy as np
@@ -156,10 +157,13 @@ def synchronise(
         >>> bool(abs(found.offset_s - 0.03) < 0.005)
         True
     """
-    if not 0.0 < search_s < np.inf:
-        raise ValueError(f"search_s: expected seconds above 0, got {search_s}")
+    if not 0.0 < search_s <= _MOST_SEARCH_S:
+        raise ValueError(
+            f"search_s: expected seconds above 0 and up to {_MOST_SEARCH_S:g}, got {search_s}; "
+            "shift the stamps of one stream first where clocks differ by more"
+        )
     match = match_rates(camera, imu, search_s)
-    used = covered(camera, imu, match.offset_s, _MARGIN_S)
+    used, imu = covered(camera, imu, match.offset_s, _MARGIN_S)
     used = used[plausible(used, imu, match)]
     imu_T_camera = Motor.from_rotor_translation(match.imu_R_camera, np.zeros(3))
     start = Shared(match.offset_s, imu_T_camera, _gravity(used, imu, match.offset_s, imu_T_camera))

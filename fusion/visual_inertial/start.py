@@ -113,7 +113,7 @@ def start_inertial(
         >>> bool(abs(started.world_T_visual.scale - 1.0) < 0.02)
         True
     """
-    used = covered(measurements.trajectory, imu, 0.0, 0.0)
+    used, imu = covered(measurements.trajectory, imu, 0.0, 0.0)
     scale, gravity = linear_start(_spaced(used), imu, noise, imu_T_camera)
     fall = _GRAVITY_M_S2 / float(np.linalg.norm(gravity)) * gravity
     beliefs = Beliefs(0.0, 0.0, 0.0, _GRAVITY_SIGMA_M_S2, np.inf)

@@ -111,6 +111,8 @@ def _named(ended: Exception) -> str:
         return "refused"
     if isinstance(ended, ValueError) and type(ended).__module__.startswith("motorcade."):
         return "refused"
+    if type(ended) is RuntimeError and " failed; the others are kept" in str(ended):
+        return "refused"  # by jobs, which say what each was refused for
     where = traceback.extract_tb(ended.__traceback__)[-1]
     return f"{type(ended).__name__}: {str(ended)[:80]} ({Path(where.filename).name}:{where.lineno})"
 

@@ -45,7 +45,7 @@ class StampJitter(Degradation):
     sigma_s: float
 
     def __post_init__(self) -> None:
-        check_number(self, "sigma_s")
+        check_number(self, "sigma_s", high=1e6)
 
     def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
         """Move the stamps."""
@@ -179,8 +179,8 @@ class Latency(Degradation):
     known: bool = False
 
     def __post_init__(self) -> None:
-        check_number(self, "delay_s", 1e-9)
-        check_number(self, "spread_s")
+        check_number(self, "delay_s", 1e-9, 1e6)
+        check_number(self, "spread_s", high=1e6)
 
     def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
         """Stamp the poses with their arrival, or what is thought to be their time."""

@@ -15,6 +15,7 @@ import numpy as np
 from motorcade.fusion.metrics.artifacts import stops, winding_count
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import near_steps
 from motorcade.replays.compare.measure.lag import LagTable
 from motorcade.replays.compare.measure.truth import Truth
 
@@ -41,8 +42,6 @@ METRICS = (
 )
 """What `PathEvaluator.measure` tells, in order."""
 
-_GAP_INTERVALS = 3.0
-
 
 class PathEvaluator:
     """Measures paths at given stamps against the truth there.
@@ -57,7 +56,7 @@ class PathEvaluator:
         self.time_s = truth.seconds(time_ns)
         self.true, self.true_log_scale = truth.poses(self.time_s)
         steps = np.diff(self.time_s)
-        near = steps <= _GAP_INTERVALS * float(np.median(steps))
+        near = near_steps(steps)
         self._whole = near[1:] & near[:-1]
         self._true_accelerations = self._accelerations(self.true)
 

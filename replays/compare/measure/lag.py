@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import near_steps
 from motorcade.replays.compare.measure.truth import Truth
 
 __all__ = ["LagTable"]
@@ -25,7 +26,6 @@ _FEWEST = 4
 _EVEN = 1e-6
 _BATCHES = 20
 _LONGEST_STEP_S = 0.25
-_GAP_INTERVALS = 3.0
 _AROUND = np.arange(-2, 3)
 # Coefficients of the quartic through values at -2 ... 2.
 _QUARTIC = np.linalg.inv(np.vander(_AROUND.astype(np.float64), 5, increasing=True))
@@ -56,7 +56,7 @@ class LagTable:
     def of_rates(cls, truth: Truth, time_s: FloatArray) -> LagTable:
         """For mean angular rates over the steps between stamps ``(N,)``."""
         steps = np.diff(time_s)
-        near = steps <= min(_GAP_INTERVALS * float(np.median(steps)), _LONGEST_STEP_S)
+        near = near_steps(steps) & (steps <= _LONGEST_STEP_S)
         lag_s, kept = _inner(truth, time_s[:-1], time_s[1:], near)
         _, first = truth.between_rows(time_s[kept] - lag_s[:, None])
         _, second = truth.between_rows(time_s[kept + 1] - lag_s[:, None])

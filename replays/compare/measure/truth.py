@@ -13,6 +13,7 @@ from motorcade.fusion.metrics.smooth_path import SmoothPath
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import check_count, stretches
 
 __all__ = ["AnalyticTruth", "RecordedTruth", "Truth", "truth_of"]
 
@@ -30,10 +31,12 @@ class Truth(ABC):
     Fields:
         origin_ns: the stamp at which its time is zero.
         span_s: first and last time at which it is known.
+        stretches_s: ``(S, 2)`` first and last time of the stretches between long gaps.
     """
 
     origin_ns: int
     span_s: tuple[float, float]
+    stretches_s: FloatArray
 
     @abstractmethod
     def poses(self, time_s: FloatArray) -> tuple[Motor, FloatArray | None]:
@@ -45,8 +48,9 @@ class Truth(ABC):
 
     def between_rows(self, time_s: FloatArray) -> tuple[FloatArray, Rotor]:
         """Positions ``(*, 3)`` and orientations ``(*)`` at times ``(*)``, from the table."""
-        start_s, positions, rotors = self._table
-        row = (time_s - start_s) / _TABLE_STEP_S
+        first_s, offset, positions, rotors = self._table
+        part = np.clip(np.searchsorted(first_s, time_s, side="right") - 1, 0, None)
+        row = (time_s - first_s[part]) / _TABLE_STEP_S + offset[part]
         before = np.clip(row.astype(np.int64), 0, len(positions) - 2)
         share = (row - before)[..., None]
         position = positions[before] + share * (positions[before + 1] - positions[before])
@@ -54,15 +58,24 @@ class Truth(ABC):
         return position, Rotor.normalize(rotor)
 
     @functools.cached_property
-    def _table(self) -> tuple[float, FloatArray, FloatArray]:
-        first_s, last_s = self.span_s
-        count = int(np.ceil((last_s - first_s) / _TABLE_STEP_S)) + 1
-        time_s = np.minimum(first_s + _TABLE_STEP_S * np.arange(count), last_s)
+    def _table(self) -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
+        """First times ``(S,)`` of the stretches, their first rows, positions and rotors."""
+        first_s = np.maximum(self.stretches_s[:, 0] - _MARGIN_S, self.span_s[0])
+        last_s = np.minimum(self.stretches_s[:, 1] + _MARGIN_S, self.span_s[1])
+        counts = np.ceil((last_s - first_s) / _TABLE_STEP_S).astype(np.int64) + 1
+        check_count(int(counts.sum()), f"truth of {self.span_s[1]:.6g} s in milliseconds")
+        time_s = np.concatenate(
+            [
+                np.minimum(first + _TABLE_STEP_S * np.arange(count), last)
+                for first, last, count in zip(first_s, last_s, counts, strict=True)
+            ]
+        )
         motors, _ = self.poses(time_s)
         rotors = motors.rotor.coefficients
         flips = np.sum(rotors[1:] * rotors[:-1], axis=-1) < 0.0
         signs = np.where(np.concatenate([[False], np.cumsum(flips) % 2 == 1]), -1.0, 1.0)
-        return first_s, motors.translation_m, signs[:, None] * rotors
+        offset = np.append(0, np.cumsum(counts)[:-1])
+        return first_s, offset, motors.translation_m, signs[:, None] * rotors
 
 
 class AnalyticTruth(Truth):
@@ -72,6 +85,7 @@ class AnalyticTruth(Truth):
         self.motion = MOTIONS[name]
         self.origin_ns = 0
         self.span_s = (-_MARGIN_S, duration_s + _MARGIN_S)
+        self.stretches_s = np.array([self.span_s])
 
     @property
     def has_scale(self) -> bool:
@@ -97,6 +111,8 @@ class RecordedTruth(Truth):
         self._path = SmoothPath.through(trajectory)
         self.origin_ns = self._path.origin_ns
         self.span_s = self._path.span_s
+        ends = [(part.start, part.stop - 1) for part in stretches(trajectory.time_ns)]
+        self.stretches_s = self._path.seconds(trajectory.time_ns[np.array(ends)])
         self._kept = trajectory  # the interpolation lives as long as this does
 
     def covers(self, time_s: FloatArray) -> NDArray[np.bool_]:

@@ -232,7 +232,7 @@ def test_gross_errors_are_found_by_their_neighbours(rng):
     twists = np.zeros((len(camera), 6))
     twists[wrong, 0], twists[np.arange(len(camera)) % 40 == 10, 4] = 0.3, 0.6
     degraded = camera.transformed_by(right=Motor.from_twist(twists))
-    used = covered(degraded, imu, 0.0, 0.0)
+    used, _ = covered(degraded, imu, 0.0, 0.0)
     kept = plausible(used, imu, match_rates(degraded, imu, 0.2))
     known = wrong[np.isin(degraded.time_ns, used.time_ns)]
     assert not np.any(kept & known)
