@@ -94,6 +94,7 @@ def test_the_lock_says_whether_a_builder_lives_and_its_number_does_not(
         (OTHER_HOST, DEAD, False),
         ({"boot": None}, DEAD, False),
     ],
+    ids=["dead", "alive", "container", "host", "boot unknown"],
 )
 @pytest.mark.parametrize("later", [True, False])
 def test_without_locks_only_a_dead_process_of_ours_is_gone(
