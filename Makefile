@@ -3,6 +3,7 @@
 # make lint   ruff, clang-format and mypy          make wheel   build and check the wheel
 # make mutation   whether the tests notice small faults in MUTATED (hours; resumes)
 # make fuzz   hostile files, manifests and command lines by the thousand (FUZZ_SECONDS of each kind)
+# make sanitize   tests of compiled code under AddressSanitizer and UBSan
 # make bench   performance beside other libraries, into the terminal (SUITE=blend; JSON=FILE)
 # make docs   the documentation site, into build/site
 # make kernels   generate the kernels from their definitions
@@ -18,7 +19,7 @@ NATIVE  := CMakeLists.txt pyproject.toml constraints.txt $(wildcard ga/kernels/g
 # C and C++ that people write.
 WRITTEN := $(foreach kind,c cpp h,$(wildcard */native/*.$(kind) */*/native/*.$(kind) tests/bench/*/*.$(kind) tests/bench/*/*/*.$(kind)))
 
-.PHONY: demo test test-slow bench mutation fuzz docs lint wheel kernels names system browser clean
+.PHONY: demo test test-slow bench mutation fuzz sanitize docs lint wheel kernels names system browser clean
 .DEFAULT_GOAL := demo
 
 demo: $(READY) system
@@ -45,6 +46,10 @@ FUZZ_SEED ?= 1
 
 fuzz: $(READY)
 	$(BIN)/python -m tests.fuzz --seconds $(FUZZ_SECONDS) --seed $(FUZZ_SEED)
+
+# Builds all modules apart from the environment's own, into build/sanitized.
+sanitize: $(READY)
+	$(BIN)/python -m tests.sanitized
 
 lint: $(READY) names
 	$(BIN)/ruff check .
