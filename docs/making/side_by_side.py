@@ -67,19 +67,19 @@ def smoothed_paths(measured: Trajectory) -> dict[str, Trajectory]:
 def paths_side_by_side(
     truth: Trajectory, paths: Mapping[str, Trajectory], highest_deg: float | None = None
 ) -> Iterator[ImageArray]:
-    """The synthetic room as the truth sees it, and the character drawn along each path.
+    """The synthetic room as the ground truth sees it, and the character drawn along each path.
 
     Args:
         truth: `world_T_camera` of the pictures.
-        paths: by names of `plots.style.COLOURS`; each covers the truth's stamps.
+        paths: by names of `plots.style.COLOURS`; each covers the ground truth's stamps.
         highest_deg: upper end of the axis of errors.
 
     Yields:
-        uint8 (h, W, 3), one a stamp of the truth.
+        uint8 (h, W, 3), one a stamp of the ground truth.
 
     Raises:
         RenderUnavailable: this machine has no OpenGL.
-        ValueError: a path that does not cover the truth's stamps.
+        ValueError: a path that does not cover the ground truth's stamps.
     """
     figure = mannequin()
     placement = place_on_plane(figure, (0.0, 0.0), np.pi, height_m=CHARACTER_HEIGHT_M)
@@ -134,7 +134,7 @@ def _room(truth: Trajectory) -> Iterator[tuple[int, ImageArray]]:
 
 
 def rotation_errors_deg(path: Trajectory, truth: Trajectory) -> FloatArray:
-    """Angle between a path's turns and the truth's, at the truth's stamps: (N,) degrees."""
+    """Angle (N,) between a path and the ground truth at the latter's stamps, in degrees."""
     rotor = path.motors_at(truth.time_ns).rotor.inverse() @ truth.motors.rotor
     angle = np.linalg.norm(rotor.as_rotation_vector(), axis=-1)
     return np.asarray(np.rad2deg(np.minimum(angle, 2.0 * np.pi - angle)))

@@ -6,23 +6,23 @@ A smoother that is one of motions, not of numbers, commutes with a change of the
 (left, ``L pose``) and of the sensor's (right, ``pose R``). The defect is how far smoothing first
 and changing the frame first are apart.
 
-Gimbal index: how much more, how much faster and how often an estimate turns than the truth.
+Gimbal index: how much more, how much faster and how often an estimate turns than the ground truth.
 
 What smoothing or interpolating Euler angles does near gimbal lock shows here: detours, bursts of
 speed, and full revolutions that never happened. All three are 1, 1 and 0 for a perfect estimate,
 and do not depend on the frames.
 
-Overshoot: how far an estimate runs on where the truth stops or turns back.
+Overshoot: how far an estimate runs on where the ground truth stops or turns back.
 
-A stop or turn is a local minimum of the truth's speed (linear, or angular) that lies below a fifth
-of the speed's peaks on both sides; the end of the trajectory may stand for the second. The
-direction is that of the truth's way from the peak before to the minimum. From the peak before to
-the peak after, overshoot is the farthest the estimate gets in that direction, less the farthest
-the truth gets, and never below zero. As whole stretches are compared, an estimate that is merely
-late has none; noise has some, and so has a constant offset: compare with the raw poses. For
-rotations the way is the rotation vector seen from the pose at the minimum. It is the maximum
-overshoot of a step response (K. Ogata, Modern Control Engineering), in metres or radians and for
-any motion.
+A stop or turn is a local minimum of the ground truth's speed (linear, or angular) that lies below a
+fifth of the speed's peaks on both sides; the end of the trajectory may stand for the second. The
+direction is that of the ground truth's way from the peak before to the minimum. From the peak
+before to the peak after, overshoot is the farthest the estimate gets in that direction, less the
+farthest the ground truth gets, and never below zero. As whole stretches are compared, an estimate
+that is merely late has none; noise has some, and so has a constant offset: compare with the raw
+poses. For rotations the way is the rotation vector seen from the pose at the minimum. It is the
+maximum overshoot of a step response (K. Ogata, Modern Control Engineering), in metres or radians
+and for any motion.
 """
 
 from __future__ import annotations
@@ -127,22 +127,22 @@ def _apart(first: Trajectory, second: Trajectory) -> tuple[float, float]:
     return float(np.max(np.linalg.norm(shift, axis=-1))), float(np.max(turn.angle()))
 
 
-# Within this angle (a quarter of a turn) of the truth an estimate is at home again.
+# Within this angle (a quarter of a turn) of the ground truth an estimate is at home again.
 _HOME_COSINE = float(np.cos(0.25 * np.pi))
 _STILL_RAD = 1e-9
 
 
 @dataclass(frozen=True)
 class GimbalIndex:
-    """An estimate's rotation beside the truth's, at the estimate's stamps.
+    """An estimate's rotation beside the ground truth's, at the estimate's stamps.
 
     Fields:
         path_ratio: length of the path of orientations (sum of the angles between neighbours) over
-            the truth's; noise lengthens it too.
-        peak_rate_ratio: largest angular rate from stamp to stamp over the truth's largest.
-        spurious_turns: full revolutions that the estimate makes and the truth does not: how often
-            the error, followed continuously, left the truth and came back to within 90° of it after
-            going all the way round. Noise of less than half a turn makes none.
+            the ground truth's; noise lengthens it too.
+        peak_rate_ratio: largest angular rate from stamp to stamp over the ground truth's largest.
+        spurious_turns: full revolutions that the estimate makes and the ground truth does not: how
+            often the error, followed continuously, left the ground truth and came back to within
+            90° of it after going all the way round. Noise of less than half a turn makes none.
 
     Examples:
         >>> from motorcade.fusion import smooth
@@ -163,10 +163,11 @@ class GimbalIndex:
 def gimbal_index(estimate: Trajectory, truth: Trajectory) -> GimbalIndex:
     """Compare the turning of two trajectories; steps must turn by less than half a turn.
 
-    Stamps that the truth does not cover are left out.
+    Stamps that the ground truth does not cover are left out.
 
     Raises:
-        NotObservableError: fewer than two stamps within the truth, or a truth that does not turn.
+        NotObservableError: fewer than two stamps within the ground truth, or one that does not
+            turn.
 
     Examples:
         >>> from motorcade.fusion.metrics import gimbal_index
@@ -181,14 +182,16 @@ def gimbal_index(estimate: Trajectory, truth: Trajectory) -> GimbalIndex:
     kept = np.flatnonzero(path.covers(time_s))
     if kept.size < 2:
         raise NotObservableError(
-            f"gimbal index: expected 2 or more stamps within the truth, got {kept.size}"
+            f"gimbal index: expected 2 or more stamps within the ground truth, got {kept.size}"
         )
     ours, true = estimate.motors[kept].rotor, path.poses(time_s[kept]).rotor
     steps_s = np.diff(time_s[kept])
     turned, true_turned = _steps_rad(ours), _steps_rad(true)
     length = float(np.sum(true_turned))
     if length <= _STILL_RAD:
-        raise NotObservableError("gimbal index: expected a truth that turns, got one that does not")
+        raise NotObservableError(
+            "gimbal index: expected a ground truth that turns, got one that does not"
+        )
     return GimbalIndex(
         path_ratio=float(np.sum(turned)) / length,
         peak_rate_ratio=float(np.max(turned / steps_s) / np.max(true_turned / steps_s)),
@@ -255,8 +258,8 @@ def position_overshoot_m(estimate: Trajectory, truth: Trajectory) -> float:
     """Largest overshoot of the position in metres; the worlds must be aligned.
 
     Raises:
-        NotObservableError: fewer than five stamps within the truth, or a truth that neither stops
-            nor turns back on its way.
+        NotObservableError: fewer than five stamps within the ground truth, or one that neither
+            stops nor turns back on its way.
 
     Examples:
         >>> from motorcade.fusion import smooth
@@ -273,7 +276,7 @@ def position_overshoot_m(estimate: Trajectory, truth: Trajectory) -> float:
 
 
 def rotation_overshoot_rad(estimate: Trajectory, truth: Trajectory) -> float:
-    """Largest overshoot of the orientation in radians, in the moving frame of the truth.
+    """Largest overshoot of the orientation in radians, in the moving frame of the ground truth.
 
     Turns between neighbouring peaks of the angular rate must stay below half a turn.
 
@@ -302,7 +305,7 @@ def _overshoot(estimate: Trajectory, truth: Trajectory, way: Way) -> float:
     kept = np.flatnonzero(path.covers(time_s))
     if kept.size < 5:
         raise NotObservableError(
-            f"overshoot: expected 5 or more stamps within the truth, got {kept.size}"
+            f"overshoot: expected 5 or more stamps within the ground truth, got {kept.size}"
         )
     ours, true = estimate.motors[kept], path.poses(time_s[kept])
     speed = np.linalg.norm(way(true[:-1], true[1:]), axis=-1) / np.diff(time_s[kept])
@@ -316,7 +319,7 @@ def _overshoot(estimate: Trajectory, truth: Trajectory, way: Way) -> float:
             found.append(float(np.max(our_way) - np.max(true_way)) / length)
     if not found:
         raise NotObservableError(
-            "overshoot: expected a truth that stops or turns back on its way, got none"
+            "overshoot: expected a ground truth that stops or turns back on its way, got none"
         )
     return max(0.0, *found)
 

@@ -173,7 +173,7 @@ def evaluate(
     Args:
         estimate: the trajectory to judge, at any rate; of similarities the rigid part is judged,
             and the scale apart.
-        reference: the truth, at any rate; stamps are paired as in `associate`.
+        reference: the ground truth, at any rate; stamps are paired as in `associate`.
         align: "none", "se3" (turn and shift the estimate's world) or "sim3" (and scale it).
         max_difference_s: how far apart paired stamps may be, in seconds.
         rpe_length_m: length of path for the relative error by length, above zero.

@@ -1,10 +1,10 @@
 """How much a trajectory jitters: jitter, log dimensionless jerk, spectral energy.
 
-Jitter is acceleration that the true motion does not have. With a truth it is the RMS of
+Jitter is acceleration that the true motion does not have. With a ground truth it is the RMS of
 (acceleration - true acceleration), angular and linear apart; without one, the RMS acceleration
 above a stated frequency. Accelerations are second differences at the stamps as they are, even or
-not: linear ones in the world, angular ones in the moving frame. The truth is differenced at the
-same stamps, so the error of differencing cancels.
+not: linear ones in the world, angular ones in the moving frame. The ground truth is differenced at
+the same stamps, so the error of differencing cancels.
 """
 
 from __future__ import annotations
@@ -80,11 +80,12 @@ def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
     """RMS of acceleration minus true acceleration, over the estimate's stamps.
 
     The trajectories must share their frames: align first where the worlds differ. Stamps in gaps
-    of the truth, and differences across gaps of the estimate (more than three median
+    of the ground truth, and differences across gaps of the estimate (more than three median
     intervals), are left out.
 
     Raises:
-        NotObservableError: no three consecutive stamps of the estimate that the truth covers.
+        NotObservableError: no three consecutive stamps of the estimate that the ground truth
+            covers.
 
     Examples:
         >>> import numpy as np
@@ -103,7 +104,8 @@ def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
     usable = _whole_triples(time_s, path.covers(time_s))
     if not np.any(usable):
         raise NotObservableError(
-            "jitter: expected three consecutive stamps of the estimate within the truth, got none"
+            "jitter: expected three consecutive stamps of the estimate within the ground truth, "
+            "got none"
         )
     first = int(np.argmax(usable))
     last = usable.size - int(np.argmax(usable[::-1])) + 2
@@ -119,7 +121,7 @@ def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
 
 
 def jitter_above(trajectory: Trajectory, frequency_hz: float) -> Jitter:
-    """RMS acceleration above `frequency_hz`, where no truth is at hand.
+    """RMS acceleration above `frequency_hz`, where no ground truth is at hand.
 
     Stretches without gaps are brought to an even rate and the power of their periodograms
     (straight line removed, Hann window) above the frequency is summed; longer stretches weigh
@@ -220,7 +222,7 @@ def log_dimensionless_jerk(trajectory: Trajectory) -> Smoothness:
     Velocity is that of the origin in the world, angular rate that of the moving frame in its own
     axes; both and their derivatives are differences at the stamps as they are, even or not. Of a
     minimum-jerk movement it is -ln 204.8 = -5.32. Noise makes it fall as the rate rises: compare
-    trajectories at the same stamps, or an estimate with its truth.
+    trajectories at the same stamps, or an estimate with its ground truth.
 
     Source: Balasubramanian, Melendez-Calderon, Burdet, A robust and sensitive metric for
     quantifying movement smoothness, IEEE TBME 59(8), 2012; for vectors, Balasubramanian,
@@ -278,7 +280,7 @@ def _score(
 
 @dataclass(frozen=True)
 class EnergyExcess:
-    """Mean square acceleration above a frequency, the estimate's less the truth's.
+    """Mean square acceleration above a frequency, the estimate's less the ground truth's.
 
     Zero for a perfect estimate, below zero where smoothing took away true motion.
 
@@ -299,17 +301,17 @@ class EnergyExcess:
 def energy_excess_above(
     estimate: Trajectory, truth: Trajectory, frequency_hz: float
 ) -> EnergyExcess:
-    """Power of the acceleration above `frequency_hz`, integrated, as excess over the truth.
+    """Power of the acceleration above `frequency_hz`, integrated, as excess over the ground truth.
 
-    Both are differenced at the estimate's stamps within the truth, and their periodograms (see
-    `jitter_above`) are summed above the frequency. Unlike jitter it is blind to phase: what is
+    Both are differenced at the estimate's stamps within the ground truth, and their periodograms
+    (see `jitter_above`) are summed above the frequency. Unlike jitter it is blind to phase: what is
     smooth but late or wrong has no excess. The measure is that of vibration analysis, the band
     power of a one-sided spectral density (P. D. Welch, The use of fast Fourier transform for the
     estimation of power spectra, IEEE Trans. Audio Electroacoustics 15(2), 1967).
 
     Raises:
         ValueError: a frequency that is not positive or not below half the sampling rate.
-        NotObservableError: no stretch of 16 poses without a gap within the truth.
+        NotObservableError: no stretch of 16 poses without a gap within the ground truth.
 
     Examples:
         >>> import numpy as np
@@ -327,7 +329,7 @@ def energy_excess_above(
     kept = np.flatnonzero(path.covers(time_s))
     if kept.size < 2:
         raise NotObservableError(
-            f"spectral energy: expected 2 or more stamps within the truth, got {kept.size}"
+            f"spectral energy: expected 2 or more stamps within the ground truth, got {kept.size}"
         )
     ours = estimate[kept]
     true = Trajectory(ours.time_ns, path.poses(time_s[kept]), truth.parent, truth.child)

@@ -1,10 +1,10 @@
-"""Lag: how much later than the truth an estimate moves, from the peak of their cross-correlation.
+"""Lag: how much later an estimate moves than the ground truth, from their cross-correlation.
 
-Positive lag is late; poses ahead of the truth have negative lag. The truth is read at the
-estimate's stamps minus the lag tried, so uneven stamps and gaps do no harm, and both sides are
-differenced over the same steps, so an estimate equal to the truth has no lag at all. Position and
-angular rate are correlated apart: one shows what smoothing did to translations, the other what it
-did to rotations.
+Positive lag is late; poses ahead of the ground truth have negative lag. The ground truth is read at
+the estimate's stamps minus the lag tried, so uneven stamps and gaps do no harm, and both sides are
+differenced over the same steps, so an estimate equal to the ground truth has no lag at all.
+Position and angular rate are correlated apart: one shows what smoothing did to translations, the
+other what it did to rotations.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
 def _even_rates(
     path: SmoothPath, step_s: float, around_s: FloatArray, reach_s: float
 ) -> Callable[[FloatArray], FloatArray]:
-    """Mean angular rates of the truth over a step from any time on, between those of a grid.
+    """Mean angular rates of the ground truth over a step from any time, between those of a grid.
 
     The grid stands within a reach of increasing times ``(N,)``: gaps between them cost nothing.
     """
@@ -134,7 +134,7 @@ def _half_step(estimate: Trajectory) -> float:
 def _inner(
     path: SmoothPath, start_s: FloatArray, end_s: FloatArray, max_lag_s: float
 ) -> tuple[FloatArray, NDArray[np.bool_], float]:
-    """Start times that stay inside the truth for every lag tried, their mask, and the limit."""
+    """Start times that stay inside the ground truth at every lag tried, their mask, the limit."""
     if not 0.0 < max_lag_s <= _MOST_LAG_S:
         raise ValueError(f"max_lag_s: expected above 0 and up to {_MOST_LAG_S:g}, got {max_lag_s}")
     first, last = path.span_s

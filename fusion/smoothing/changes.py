@@ -1,4 +1,4 @@
-"""What smoothing did to a path, in figures that need no truth."""
+"""What smoothing did to a path, in figures that need no ground truth."""
 
 from __future__ import annotations
 

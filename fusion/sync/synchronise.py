@@ -119,10 +119,10 @@ def synchronise(
     stated uncertainty believes that errors of the camera's poses are independent from one to the
     next: those of a smoothed path are not, and it is then too small. Faults of scale, axes and
     linearity of the sensor are seen only as noise, and can pull the extrinsics further than noise
-    does: by 0.9° on EuRoC's V1_02, whose accelerometer strays by 0.04 m/s² from its truth for a
-    third of a second and longer, while its gyroscope alone fits within 0.1°. So the extrinsics
-    is estimated without the accelerometer as well, and where both differ by more than noise
-    explains, the deviations of its rotation cover the difference. A direction in which
+    does: by 0.9° on EuRoC's V1_02, whose accelerometer strays by 0.04 m/s² from the true force
+    for a third of a second and longer, while its gyroscope alone fits within 0.1°. So the
+    extrinsics is estimated without the accelerometer as well, and where both differ by more than
+    noise explains, the deviations of its rotation cover the difference. A direction in which
     the motion tells nothing (the lever arm along the only axis of rotation) keeps the uncertainty
     that it starts with: 1 m, half a turn. A motion that repeats itself within `search_s` can be
     matched a period off.

@@ -135,7 +135,7 @@ def new_figure(
 
 
 def line_style(name: str) -> dict[str, Any]:
-    """Colour and weight of the line called `name`; the truth lies thin on top of the others."""
+    """Colour and weight of the line called `name`; the ground truth is thin and on top."""
     emphasis = {"truth": 0.9, "measured": 0.7, "motor": 1.7}
     return {
         "label": name,

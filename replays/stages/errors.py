@@ -1,4 +1,4 @@
-"""Stage `errors`: every path of the run against the truth, as figures and over time."""
+"""Stage `errors`: every path of the run against the ground truth, as figures and over time."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Writes the synthetic room as a recording: pictures, truth, IMU and a manifest, like any user's.
 
 The world has z up and its origin on the table top, z = 0, where a character may stand. Pictures
-are 640 x 480 from a pinhole camera at 30 Hz, with vignetting and sensor noise; the truth is exact,
-four poses a frame. The same seed writes the same bytes on the same machine.
+are 640 x 480 from a pinhole camera at 30 Hz, with vignetting and sensor noise; the ground truth is
+exact, four poses a frame. The same seed writes the same bytes on the same machine.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A small recording of a checkerboard, drawn through exact homographies, with its truth."""
+"""A small recording of a checkerboard, drawn through exact homographies, with its ground truth."""
 
 from pathlib import Path
 

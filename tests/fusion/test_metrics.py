@@ -185,7 +185,7 @@ def test_jitter_without_truth_counts_only_what_is_faster(handheld):
 
 @pytest.mark.parametrize("lag_ms", [-37.3, 0.0, 3.7, 61.25])
 def test_lag_is_found_to_a_tenth_of_a_millisecond(handheld, lag_ms):
-    """An estimate that shows at t where the truth was at t - lag is late by lag."""
+    """An estimate that shows at t where the ground truth was at t - lag is late by lag."""
     truth = handheld.trajectory(100.0, 20.0)
     stamps = handheld.time_ns(30.0, 18.0) + 1_000_000_000
     late = Trajectory(stamps, handheld.poses(stamps - round(lag_ms * 1e6)))
@@ -211,7 +211,7 @@ def test_uneven_stamps_alone_make_no_lag(handheld, jittered, rng, longest_step_m
 
 
 def test_a_known_shift_is_found_on_real_motion(data_dir):
-    """Read between the truth's stamps on screws, so not by the interpolant of the metric."""
+    """Read between the ground truth's stamps on screws, so not by the interpolant of the metric."""
     truth = read_trajectory(data_dir / "trajectories" / FREIBURG)
     stamps = read_trajectory(data_dir / "trajectories" / REAL_ESTIMATES[0]).time_ns[5:-5]
     late = Trajectory(stamps, truth.at(stamps - 3_700_000))
@@ -259,7 +259,7 @@ def test_metrics_do_not_depend_on_the_world_of_both(handheld, jittered, rng):
     after = evaluate(estimate.transformed_by(elsewhere), truth, "se3").as_dict()
     assert after.pop("align") == before.pop("align")
     for name, value in before.items():
-        if value is None:  # the truth neither stops nor turns back
+        if value is None:  # the ground truth neither stops nor turns back
             assert after[name] is None, name
         else:
             assert after[name] == pytest.approx(value, rel=1e-6, abs=1e-9), name

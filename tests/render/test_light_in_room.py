@@ -1,7 +1,8 @@
 """A figure in the synthetic room, painted with the room's own light: who guesses it better.
 
-The truth is the room's own irradiance at every vertex of the figure, developed as the room is. The
-same light in other colours and strengths is the same picture developed from other amounts of light.
+The ground truth is the room's own irradiance at every vertex of the figure, developed as the room
+is. The same light in other colours and strengths is the same picture developed from other amounts
+of light.
 """
 
 from collections.abc import Sequence

@@ -13,8 +13,7 @@ things are neglected: what one step's length does to its effect across the axis 
 |u|²/24 for a twist u, and (of constant acceleration) the bracket of velocity and acceleration
 within a step. Errors remain as large as stated at 1 rad a step. The update is linear: on motors a
 turn of θ in the innovation swings a step of length s by up to sθ/2, which counts where positions
-are far better known than rotations (`robust_map` iterates). Poses half a turn or more apart are
-taken for the short way round, which nothing tells.
+are far better known than rotations (`robust_map` iterates). Half a turn or more is read as less.
 
 R. E. Kalman, A new approach to linear filtering and prediction problems, J. Basic Eng. 82 (1960);
 noise models as in Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with applications to tracking

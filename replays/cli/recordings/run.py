@@ -192,5 +192,5 @@ def result(summary: Mapping[str, Any], out: Path) -> str:
     off_m, off_deg = smoothed.get("ape_rmse_m"), smoothed.get("rotation_rmse_deg")
     if off_m is not None:
         off = f"{shown_value('ape_rmse_m', off_m)} mm, {shown_value('rotation_rmse_deg', off_deg)}°"
-        told += f", smoothed {off} from the truth (RMSE)"
+        told += f", smoothed {off} from the ground truth (RMSE)"
     return f"{told}; open {out / 'report.html'}"

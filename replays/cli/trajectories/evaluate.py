@@ -39,7 +39,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         example="motorcade evaluate estimate.tum truth.tum --align se3 --json errors.json",
     )
     parser.add_argument("estimate", type=Path, metavar="EST", help="TUM, EuRoC or KITTI file")
-    parser.add_argument("reference", type=Path, metavar="REF", help="the same, with the truth")
+    parser.add_argument("reference", type=Path, metavar="REF", help="the same: the ground truth")
     parser.add_argument(
         "--align",
         choices=("none", "se3", "sim3"),

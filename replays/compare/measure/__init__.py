@@ -1,1 +1,1 @@
-"""What is measured of a smoother: errors against the truth, lag, cost, frames, ties of theory."""
+"""What is measured of a smoother: errors against ground truth, lag, cost, frames, exact ties."""

@@ -1,8 +1,9 @@
-"""The metrics of many paths at the same stamps at once, the truth's side computed a single time.
+"""The metrics of many paths at the same stamps; the ground truth's side is computed once.
 
 Definitions are those of `motorcade.fusion.metrics`, to which the tests hold every figure; what is
-shared is the truth at the stamps, its accelerations, stops and turns, and its path at all lags that
-are tried. A path costs a fraction of a millisecond so, where each metric alone takes a hundred.
+shared is the ground truth at the stamps, its accelerations, stops and turns, and its path at all
+lags that are tried. A path costs a fraction of a millisecond so, where each metric alone takes a
+hundred.
 """
 
 from __future__ import annotations
@@ -44,10 +45,10 @@ METRICS = (
 
 
 class PathEvaluator:
-    """Measures paths at given stamps against the truth there.
+    """Measures paths at given stamps against the ground truth there.
 
     Args:
-        time_ns: stamps ``(N,)``, five or more, that the truth knows.
+        time_ns: stamps ``(N,)``, five or more, that the ground truth knows.
         truth: in the world of the paths.
     """
 

@@ -1,9 +1,9 @@
-"""Lags of many paths at once, from a table of the truth at every lag that is tried.
+"""Lags of many paths at once, from a table of the ground truth at every lag that is tried.
 
 The lag is that of `motorcade.fusion.metrics.lag`: the peak of the correlation of what was measured
-with the truth read earlier, unknown where the truth does not move, the peak lies at the edge, or
-it is too flat to place. Between the lags of the table, 10 ms apart, the correlation is the quartic
-through five of them, which places the peak to some microseconds.
+with the ground truth read earlier, unknown where the ground truth does not move, the peak lies at
+the edge, or it is too flat to place. Between the lags of the table, 10 ms apart, the correlation is
+the quartic through five of them, which places the peak to some microseconds.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _PARABOLA = np.linalg.inv(np.vander(np.arange(-1.0, 2.0), 3, increasing=True))
 
 @dataclass(frozen=True, eq=False)
 class LagTable:
-    """The truth ``(L, K, 3)`` at lags ``(L,)`` for the stamps (or steps) `kept` ``(K,)``.
+    """The ground truth ``(L, K, 3)`` at lags ``(L,)`` for the stamps (or steps) `kept` ``(K,)``.
 
     `largest_error_s`, half the median interval, is how badly a peak may be known.
     """
@@ -96,7 +96,7 @@ class LagTable:
 def _inner(
     truth: Truth, start_s: FloatArray, end_s: FloatArray, usable: NDArray[np.bool_]
 ) -> tuple[FloatArray, IntArray]:
-    """Lags to try, and which stretches stay in the truth at all of them."""
+    """Lags to try, and which stretches stay in the ground truth at all of them."""
     first, last = truth.span_s
     overlap = min(last, float(end_s.max())) - max(first, float(start_s.min()))
     count = int(min(_LARGEST_S, 0.25 * overlap) / _STEP_S + 1e-9)
@@ -135,8 +135,8 @@ def _top(height: FloatArray, start: float) -> float:
 def _standard_error_s(ours: FloatArray, true: FloatArray, x: float) -> float:
     """Standard error of a peak, by batch means; see `fusion.metrics.lag`.
 
-    `ours` ``(K, 3)`` is centred, and so is the truth ``(3, K, 3)`` at the lags around the peak,
-    which lies `x` steps from the middle one.
+    `ours` ``(K, 3)`` is centred, and so is the ground truth ``(3, K, 3)`` at the lags around the
+    peak, which lies `x` steps from the middle one.
     """
     value = np.array([1.0, x, x * x]) @ _PARABOLA
     rate = np.array([0.0, 1.0, 2.0 * x]) @ _PARABOLA / _STEP_S

@@ -25,8 +25,8 @@ _MARGIN_S = 1.5
 class Truth(ABC):
     """True poses over time; times are seconds after `origin_ns`.
 
-    Lags are found from a table of the truth at 1 kHz, between whose rows positions are taken on
-    straight lines and rotations on normalised ones: off by 1e-7 s² of the acceleration.
+    Lags are found from a table of the ground truth at 1 kHz, between whose rows positions are taken
+    on straight lines and rotations on normalised ones: off by 1e-7 s² of the acceleration.
 
     Fields:
         origin_ns: the stamp at which its time is zero.
@@ -43,7 +43,7 @@ class Truth(ABC):
         """Rigid poses ``(N,)`` at times ``(N,)``, and logarithms of scales where there are some."""
 
     def seconds(self, time_ns: IntArray) -> FloatArray:
-        """Stamps ``(N,)`` as times of this truth."""
+        """Stamps ``(N,)`` as times of this ground truth."""
         return np.asarray((time_ns - self.origin_ns) * 1e-9, dtype=np.float64)
 
     def between_rows(self, time_s: FloatArray) -> tuple[FloatArray, Rotor]:
@@ -126,5 +126,5 @@ class RecordedTruth(Truth):
 
 @functools.cache
 def truth_of(motion: str, duration_s: float) -> AnalyticTruth:
-    """The truth of a named motion, made once in a process."""
+    """The ground truth of a named motion, made once in a process."""
     return AnalyticTruth(motion, duration_s)

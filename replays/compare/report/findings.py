@@ -216,7 +216,7 @@ def _wins(results: Results) -> Iterator[str]:
 
 
 def _artifacts(results: Results) -> Iterator[str]:
-    """Where each representation turns fastest beside the truth, and the same method on motors."""
+    """Where each representation turns fastest beside ground truth; the same method on motors."""
     if REFERENCE not in results.representations:
         return
     for name in results.representations:

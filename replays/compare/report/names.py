@@ -74,7 +74,8 @@ METRICS = {
         "lag",
         "ms",
         1.0,
-        "where the cross-correlation of positions with the truth peaks, to a fraction of a sample; "
+        "where the cross-correlation of positions with the ground truth peaks, to a fraction of a "
+        "sample; "
         "positive is late",
         "C. H. Knapp, G. C. Carter, The generalized correlation method, 1976",
     ),
@@ -89,7 +90,7 @@ METRICS = {
         "overshoot",
         "mm",
         1e3,
-        "how far positions run on where the truth stops or turns back; noise has some too",
+        "how far positions run on where the ground truth stops or turns back; noise has some too",
         "K. Ogata, Modern control engineering: maximum overshoot",
     ),
     "rotation_overshoot_deg": Metric(
@@ -113,7 +114,7 @@ METRICS = {
         "spurious turns",
         "",
         1.0,
-        "full revolutions that the path makes and the truth does not",
+        "full revolutions that the path makes and the ground truth does not",
         "gimbal index, defined here",
     ),
     "log_scale_rmse": Metric(

@@ -61,7 +61,7 @@ class Replayed:
         }
 
     def turning_deg_s(self) -> dict[str, FloatArray]:
-        """Angular rates from stamp to stamp ``(N-1,)``, the truth's first."""
+        """Angular rates from stamp to stamp ``(N-1,)``, the ground truth's first."""
         paths = {"truth": self.true, **self.paths}
         return {
             name: np.rad2deg(
@@ -85,7 +85,7 @@ def method_to_draw(results: Results, causal: bool = False) -> str | None:
 
 
 def method_apart(results: Results, motion: str, degradation: str) -> str | None:
-    """The method with which some representation turns furthest from the truth beside motors."""
+    """The method with which some representation turns furthest from ground truth, beside motors."""
 
     def apart(method: str) -> float:
         at = {
@@ -175,7 +175,7 @@ def large_panels(drawn: Replayed) -> list[PagePlot]:
 
 
 def _nested(values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """The truth on top, then what is drawn widest at the bottom first."""
+    """The ground truth on top, then what is drawn widest at the bottom first."""
     return {n: v for n, v in values.items() if n != "truth"} | {
         n: v for n, v in values.items() if n == "truth"
     }

@@ -44,7 +44,7 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
 
     Args:
         root: folder or file.
-        own_truth: whether to read the truth that lies there; a manifest may name another.
+        own_truth: whether to read the ground truth that lies there; a manifest may name another.
 
     Raises:
         RecordingError: no known layout, with what was looked for; or what its reader refuses.

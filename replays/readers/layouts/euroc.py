@@ -8,7 +8,7 @@ the set's first release, is off by about 1 degree of frame and 1.8 degrees of gr
 `X.txt` and `X_original.txt` both stand, the former is taken; a manifest can say otherwise.
 
 TUM-VI keeps the same folders without `sensor.yaml`: cameras and noise stand in Kalibr's files
-in `dso` (`camchain.yaml`, `imu_config.yaml`), the truth, of the IMU, in `mav0/mocap0`.
+in `dso` (`camchain.yaml`, `imu_config.yaml`), the ground truth, of the IMU, in `mav0/mocap0`.
 """
 
 from __future__ import annotations

@@ -51,7 +51,7 @@ OPENCV_BOARD = Motor.from_rotor_translation(
 def read_truth(
     section: Section, recording: Recording, file_of: Callable[[Section, str], Path]
 ) -> Trajectory:
-    """Read the truth that a manifest names.
+    """Read the ground truth that a manifest names.
 
     Args:
         section: the manifest's truth table.

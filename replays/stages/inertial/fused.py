@@ -46,7 +46,7 @@ def fused(
 
     The rest is the filter's. `look_ahead` adds the backward pass; without it every estimate knows
     only its past. `noise_factor` multiplies the IMU's white densities: by default 10 for a recorded
-    IMU, 1 for one simulated from the truth, 1000 for one simulated along the tracked path;
+    IMU, 1 for one simulated from the ground truth, 1000 for one simulated along the tracked path;
     `walk_factor` its bias walks: 1, 1, 1000. `alignment_sigma_deg` above zero has the vertical of
     the world and the attitude of the camera on the IMU estimated, from so much doubt about each
     axis: by default 1 for a recorded IMU, else 0. `gate` is the probability with which a good

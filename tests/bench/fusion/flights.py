@@ -75,7 +75,7 @@ def _by_graph(one: Flight, poses: PoseMeasurements) -> tuple[Fused, Fused | None
 
 
 def flight_figures(one: Flight, seeds: range, fused: Fusing = _by_filter) -> dict[str, Any]:
-    """Errors of a flight fused with the poses of every seed, at the truth's stamps.
+    """Errors of a flight fused with the poses of every seed, at the ground truth's stamps.
 
     "Ends" are the last stamps of blackouts, "gaps" their worst ones. A window reaches from the
     start of one blackout to that of the next, the first from the first pose; it has diverged
@@ -146,7 +146,7 @@ def _rms(values: FloatArray) -> float:
 def flights_table(found: Mapping[str, Any]) -> str:
     """A line a figure and flight."""
     lines = [
-        "camera poses simulated from the truth (20 Hz, 1 cm, 0.5°, 2 % outliers, blackouts of 2 s)",
+        "poses simulated from ground truth (20 Hz, 1 cm, 0.5°, 2 % outliers, blackouts of 2 s)",
         f"gyroscope {NOISE.gyro_density_rad_s_rthz:.3g} rad/s/√Hz, walk "
         f"{NOISE.gyro_walk_rad_s2_rthz:.3g}; accelerometer {NOISE.accel_density_m_s2_rthz:.3g} "
         f"m/s²/√Hz, walk {NOISE.accel_walk_m_s3_rthz:.3g}",

@@ -28,8 +28,8 @@ def bench_inclination() -> dict[str, Any]:
         imu, truth, moves = _trial(path)
     except ModuleNotFoundError as fault:
         return {"rows": [], "left_out": [f"BROAD 02: needs the Python package {fault.name}"]}
-    # Its truth is aligned to gyros that are integrated sample by sample: a reading is the mean
-    # over the interval before it.
+    # Its ground truth is aligned to gyros that are integrated sample by sample: a reading is the
+    # mean over the interval before it.
     model = OrientationModel(readings="interval")
     rows, left_out = [], []
     for way, smooth in (("online", False), ("offline", True)):

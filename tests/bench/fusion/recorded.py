@@ -38,18 +38,19 @@ NOISE = ImuNoise(
 biases that hardly walk within minutes."""
 
 SETTINGS = FilterSettings(gravity_sigma_rad=float(np.deg2rad(1.0)))
-"""The truth's world may lean: its vertical is estimated, from 1° of doubt."""
+"""The ground truth's world may lean: its vertical is estimated, from 1° of doubt."""
 
 
 @dataclass(frozen=True, eq=False)
 class Flight:
-    """A recorded IMU with its truth.
+    """A recorded IMU with its ground truth.
 
     Fields:
         name: of the recording.
         imu: its stream.
         truth: ``world_T_imu``.
-        gyro_bias_rad_s, accel_bias_m_s2: ``(N, 3)`` at the truth's stamps, None where not recorded.
+        gyro_bias_rad_s, accel_bias_m_s2: ``(N, 3)`` at the ground truth's stamps, None where not
+        recorded.
     """
 
     name: str
@@ -59,7 +60,7 @@ class Flight:
     accel_bias_m_s2: FloatArray | None = None
 
     def thinned(self, rate_hz: float) -> Flight:
-        """The same flight with a truth at a rate, at the stamps of poses measured at it."""
+        """The same flight with a ground truth at a rate, at the stamps of poses measured at it."""
         count = int(self.truth.duration_s * rate_hz + 1e-6) + 1
         start = self.truth.time_ns[0]
         stamps = start + np.round(np.arange(count) * 1e9 / rate_hz).astype(np.int64)

@@ -72,7 +72,7 @@ def synthetic(duration_s: float = 40.0) -> Flight:
 
 
 def test_a_sensor_that_lies_is_seen_as_divergence():
-    """A gyroscope that reads a fifth too much: in the dark the path leaves the truth."""
+    """A gyroscope that reads a fifth too much: in the dark the path leaves the ground truth."""
     one = synthetic()
     honest = flight_figures(one, range(1))
     assert (honest["gaps"], honest["windows"], honest["windows_diverged"]) == (2, 3, 0)

@@ -60,7 +60,7 @@ class Case:
         )
 
     def excess(self, estimate: Trajectory) -> tuple[FloatArray, FloatArray]:
-        """Accelerations that the truth does not have, linear and angular: jitter is their RMS."""
+        """Accelerations that ground truth lacks, linear and angular: jitter is their RMS."""
         ours = accelerations(estimate.time_s, estimate.poses.rigid)
         true = accelerations(self.truth.time_s, self.motors)
         return ours[0] - true[0], ours[1] - true[1]

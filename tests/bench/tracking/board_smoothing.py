@@ -70,7 +70,7 @@ def bench_board(folder: Path | None = None) -> list[dict[str, Any]]:
 
 def _row(name: str, path: Trajectory, truth: Trajectory | None, seconds: float) -> dict[str, Any]:
     if truth is None:
-        raise ValueError("vamr_board: expected a truth, got none")
+        raise ValueError("vamr_board: expected a ground truth, got none")
     judged = evaluate(path, truth, align="se3")
     return {
         "path": name,

@@ -69,7 +69,7 @@ def _run(recording: Recording, name: str, kind: str, switch: str) -> dict[str, A
     from motorcade.tracking.slam import SlamSettings, VisualSlam
 
     if recording.camera is None or recording.truth is None:
-        raise ValueError(f"{name}: expected a camera and a truth, got a recording without")
+        raise ValueError(f"{name}: expected a camera and a ground truth, got a recording without")
     baseline_m = recording.baseline_m if kind == "pair" else None
     settings = SlamSettings(baseline_m=baseline_m, **_LOOP[switch])
     slam, spent = VisualSlam(recording.camera, settings), []

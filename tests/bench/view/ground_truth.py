@@ -201,7 +201,7 @@ def tracked_path(shots: Shots) -> Trajectory:
 
 
 def sheet(shots: Shots, true: list[ImageArray], tracked: list[ImageArray]) -> ImageArray:
-    """A row a stamp: rendered with the character, set in by the truth, set in by what was found."""
+    """A row a stamp: rendered with the character, set in by ground truth, and by what was found."""
     rows = zip(shots.direct, true, tracked, strict=True)
     frames = [_about(shots.silhouette[k], frame) for k, row in enumerate(rows) for frame in row]
     labels = ["rendered as a whole", "set in, true pose and light", "set in, tracked and estimated"]

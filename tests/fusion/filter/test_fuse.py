@@ -341,7 +341,7 @@ def test_a_recorded_imu_converges_from_a_wrong_tilt_with_no_bias_known(flight, r
 
 
 def test_the_flights_truth_is_that_of_the_imu(flight):
-    """The truth turns as the gyroscope says, axis by axis: its moving frame is the IMU's."""
+    """The ground truth turns as the gyroscope says, axis by axis: its moving frame is the IMU's."""
     fitted, _ = gyroscope_against_truth(flight)
     np.testing.assert_allclose(fitted, np.eye(3), atol=2e-3)
 

@@ -83,12 +83,12 @@ def test_a_final_stop_counts_and_even_motion_has_none():
     even = MOTIONS["screw"].sampled(30.0, 10.0)
     with pytest.raises(NotObservableError, match="stops or turns back"):
         position_overshoot_m(even, even)
-    with pytest.raises(NotObservableError, match="5 or more stamps within the truth, got 2"):
+    with pytest.raises(NotObservableError, match="5 or more stamps within the ground truth, got 2"):
         rotation_overshoot_rad(even[:2], even)
 
 
 def spun(truth, turns, start, stop):
-    """The truth with `turns` whole turns about its x axis added between two stamps."""
+    """The ground truth with `turns` whole turns about its x axis added between two stamps."""
     added = 2.0 * np.pi * turns * np.clip((truth.time_s - start) / (stop - start), 0.0, 1.0)
     extra = Motor.from_twist(added[:, None] * np.eye(6)[0])
     return truth.transformed_by(right=extra)
@@ -129,7 +129,7 @@ def test_paths_of_rotation(rng):
     with pytest.raises(NotObservableError, match="expected ends that differ"):
         path_over_geodesic(Rotor.identity((3,)))
     still = Trajectory(np.arange(3), Motor.identity((3,)))
-    with pytest.raises(NotObservableError, match="a truth that turns"):
+    with pytest.raises(NotObservableError, match="a ground truth that turns"):
         gimbal_index(still, still)
 
 

@@ -61,7 +61,7 @@ def test_differences_across_more_than_three_intervals_do_not_count(gap_ms, told)
 
 @pytest.mark.parametrize(("row", "told"), [(4, False), (5, True), (14, True), (15, False)])
 def test_only_triples_within_the_truth_count(row, told):
-    """Poses at 0 to 190 ms, a truth from 50 to 140."""
+    """Poses at 0 to 190 ms, a ground truth from 50 to 140."""
     found = jitter(spiked(np.arange(20) * 10, row), still(np.arange(50, 141, 10)))
     assert (found.linear_m_s2 > 1.0) is told
 
@@ -150,16 +150,16 @@ def test_frequencies_lie_between_zero_and_half_the_rate():
 def test_energy_needs_a_stretch_within_the_truth():
     truth = still(np.arange(0, 1000, 10))
     for stamps, message in [
-        ([990, 1000, 1010], "expected 2 or more stamps within the truth, got 1"),
+        ([990, 1000, 1010], "expected 2 or more stamps within the ground truth, got 1"),
         ([980, 990, 1000], "a stretch of 16 poses without a gap, got none"),
-        ([2000, 2010], "expected 2 or more stamps within the truth, got 0"),
+        ([2000, 2010], "expected 2 or more stamps within the ground truth, got 0"),
     ]:
         with pytest.raises(NotObservableError, match=message):
             energy_excess_above(still(stamps), truth, 10.0)
 
 
 def test_energy_is_compared_over_the_common_stamps_alone():
-    """The estimate jitters outside the truth; within it stands still, as the truth does."""
+    """The estimate jitters outside the ground truth; within, both stand still."""
     stamps = np.arange(0, 1000, 10)
     wild = along(stamps, 1e-3 * ((-1.0) ** np.arange(100)) * (stamps < 300))
     truth = still(np.arange(400, 1000, 10))

@@ -86,7 +86,7 @@ def test_overshoot_takes_the_way_from_peak_to_peak_and_no_more():
 
 def test_a_stop_back_at_the_start_tells_no_direction():
     there_and_back = walking([1.0, -1.0, 0.0, 0.0])
-    with pytest.raises(NotObservableError, match="a truth that stops or turns back on its way"):
+    with pytest.raises(NotObservableError, match="that stops or turns back on its way"):
         position_overshoot_m(there_and_back, there_and_back)
 
 
@@ -95,14 +95,14 @@ def test_overshoot_reads_speeds_at_the_stamps_as_they_are():
     seconds = np.array([0.0, 0.1, 0.2, 0.21, 0.22, 0.32, 0.42])
     stamps = np.round(1e9 * seconds).astype(np.int64)
     even = Trajectory(stamps, Motor.from_twist(seconds[:, None] * np.eye(6)[3]))
-    with pytest.raises(NotObservableError, match="a truth that stops or turns back on its way"):
+    with pytest.raises(NotObservableError, match="that stops or turns back on its way"):
         position_overshoot_m(even, even)
 
 
 def test_five_stamps_within_the_truth_are_enough_for_overshoot():
     truth = walking([1.0, 1.0, 0.0, 0.0])
     assert position_overshoot_m(truth, truth) == 0.0
-    with pytest.raises(NotObservableError, match="5 or more stamps within the truth, got 4"):
+    with pytest.raises(NotObservableError, match="5 or more stamps within the ground truth, got 4"):
         position_overshoot_m(truth[:4], truth)
 
 
@@ -116,7 +116,7 @@ def test_a_whole_turn_ends_within_a_quarter_of_the_truth(end_deg, turns):
 
 
 def test_errors_that_leave_a_quarter_and_come_back_the_other_way_are_counted_once():
-    """From 80° (at home) all the way round to 275°, which is 85° short of the truth."""
+    """From 80° (at home) all the way round to 275°, which is 85° short of the ground truth."""
     assert winding_count(about(np.deg2rad(np.linspace(80.0, 275.0, 100)))) == 1
     assert winding_count(about(np.deg2rad(np.linspace(95.0, 275.0, 100)))) == 0  # never at home
 
@@ -133,7 +133,7 @@ def test_two_stamps_within_the_truth_are_enough_for_turning():
     found = gimbal_index(truth[10:12], truth)
     assert found.path_ratio == pytest.approx(1.0, abs=1e-9)
     assert found.peak_rate_ratio == pytest.approx(1.0, abs=1e-9)
-    with pytest.raises(NotObservableError, match="2 or more stamps within the truth, got 1"):
+    with pytest.raises(NotObservableError, match="2 or more stamps within the ground truth, got 1"):
         gimbal_index(truth[10:11], truth)
 
 
@@ -156,7 +156,7 @@ def test_a_nanoradian_is_no_turn(turn_rad, still):
     stamps = np.arange(5) * 100_000_000
     path = Trajectory(stamps, Motor.from_rotor_translation(rotors, np.zeros((5, 3))))
     if still:
-        with pytest.raises(NotObservableError, match="a truth that turns, got one that does not"):
+        with pytest.raises(NotObservableError, match="that turns, got one that does not"):
             gimbal_index(path, path)
         with pytest.raises(NotObservableError, match="ends that differ, got equal ones"):
             path_over_geodesic(rotors)

@@ -1,4 +1,4 @@
-"""Orientation of simulated sensors: the truth is known, and VQF runs beside."""
+"""Orientation of simulated sensors: the ground truth is known, and VQF runs beside."""
 
 from __future__ import annotations
 

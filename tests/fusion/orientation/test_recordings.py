@@ -12,10 +12,10 @@ from motorcade.replays.files.imu import read_imu
 
 
 def test_slow_rotation_of_broad(data_dir, smooth, by_vqf, inclination_rms_deg):
-    """Trial 02: moving samples that have a truth, by the data set's own definition.
+    """Trial 02: moving samples that have a ground truth, by the data set's own definition.
 
-    Its truth is aligned to gyros that are integrated sample by sample, as VQF does: a reading is
-    the mean over the interval before it.
+    Its ground truth is aligned to gyros that are integrated sample by sample, as VQF does: a
+    reading is the mean over the interval before it.
     """
     h5py = pytest.importorskip("h5py")
     with h5py.File(data_dir / "imu" / "02_undisturbed_slow_rotation_B.hdf5") as file:
@@ -40,7 +40,7 @@ def test_a_flight_of_euroc(data_dir, smooth, by_vqf, inclination_rms_deg):
     imu = read_imu(folder / "V102_imu.txt")
     lines = (folder / "V1_02_medium.csv").read_text().splitlines()
     poses = [row.split(",") for row in lines if row[:1].isdigit()]
-    # stamps of the truth are rounded otherwise, by less than 0.1 µs
+    # stamps of the ground truth are rounded otherwise, by less than 0.1 µs
     at = np.searchsorted(imu.time_ns, [int(row[0]) - 1000 for row in poses])
     assert np.max(np.abs(imu.time_ns[at] - [int(row[0]) for row in poses])) < 1000
     wxyz = np.array([row[4:8] for row in poses], dtype=np.float64)

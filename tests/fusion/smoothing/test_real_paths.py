@@ -1,4 +1,4 @@
-"""Real paths, smoothed as `auto` picks: no farther from the truth, and smoother."""
+"""Real paths, smoothed as `auto` picks: no farther from the ground truth, and smoother."""
 
 from pathlib import Path
 

@@ -30,7 +30,7 @@ SIZES = Sizes(MODEL["noise_rad"], 0.6), Sizes(MODEL["noise_m"], 0.3)
 def measured(
     name: str, rng: np.random.Generator, outliers: bool = True, duration_s: float = 10.0
 ) -> tuple[Trajectory, Trajectory, Trajectory]:
-    """The truth, and it with noise, and with wrong poses besides."""
+    """The ground truth, and it with noise, and with wrong poses besides."""
     truth = MOTIONS[name].sampled(30.0, duration_s)
     noisy = NOISE.apply(truth, rng)
     if not outliers:

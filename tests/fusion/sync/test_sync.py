@@ -215,7 +215,8 @@ def test_outliers_and_blackouts_leave_offset_and_mount_within_what_is_said(
 ):
     """V1_02, whose accelerometer pulls the extrinsics from where its gyroscope has it.
 
-    The gyroscope is turned by up to 0.1° from the recorded truth's axes, and so is an estimate.
+    The gyroscope is turned by up to 0.1° from the recorded ground truth's axes, and so is an
+    estimate.
     """
     one = flight("V1_02", data_dir)
     assert one is not None

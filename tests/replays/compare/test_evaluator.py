@@ -48,7 +48,7 @@ def test_every_figure_is_the_metric_s_own(motion: str) -> None:
 
 @pytest.mark.parametrize("degradation", ["dropped_frames", "latency", "stamp_jitter"])
 def test_uneven_stamps_are_measured_alike(degradation: str) -> None:
-    # Errors are left out: `evaluate` pairs stamps, here the truth is known at every one.
+    # Errors are left out: `evaluate` pairs stamps, here the ground truth is known at every one.
     paths, evaluator = paths_of("walk_and_look", degradation)
     truth = MOTIONS["walk_and_look"].sampled(
         150.0, DURATION_S + 2.0, start_ns=-(10**9), start_s=-1.0

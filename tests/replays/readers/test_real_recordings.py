@@ -50,7 +50,7 @@ def test_euroc_frames_that_were_left_out_are_left_out(data_dir: Path) -> None:
 
 
 def test_euroc_truth_is_of_the_frame_that_the_imu_measures_in(data_dir: Path) -> None:
-    """Rates of the truth against the gyroscope, gravity against the accelerometer."""
+    """Rates of the ground truth against the gyroscope, gravity against the accelerometer."""
     recording = open_recording(data_dir / "replays" / "euroc_V1_01")
     truth, imu = recording.truth, recording.imu
     assert truth is not None

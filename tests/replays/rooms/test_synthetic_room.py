@@ -1,4 +1,4 @@
-"""The synthetic room: its path, its pictures against its truth, and the files it leaves."""
+"""The synthetic room: its path, its pictures against its ground truth, and the files it leaves."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path

@@ -81,7 +81,7 @@ def test_lengths_without_unit_are_not_told_in_metres() -> None:
     assert "ang. jitter (rad/s²)" in head
     assert "m/s²" in as_table(free | {"camera_poses": {"scale": "metric"}})
     judged = {"motor": jitter["motor"] | {"ape_rmse_m": 0.1}}
-    assert "m/s²" in as_table(free | {"errors": judged}), "the truth gives the metre"
+    assert "m/s²" in as_table(free | {"errors": judged}), "the ground truth gives the metre"
 
 
 def test_what_json_cannot_say_becomes_null() -> None:

@@ -78,7 +78,7 @@ def test_alignment_is_that_of_the_errors() -> None:
     told.errors.align = "se3"
     found = filter_errors(told)
     assert found is not None
-    # The truth's stamps lie 3 ms away: so much of the motion is left in the alignment.
+    # The ground truth's stamps lie 3 ms away: so much of the motion is left in the alignment.
     assert np.abs(found.errors).max() < 2e-3
     told.errors.align = "none"
     again = filter_errors(told)
@@ -204,7 +204,7 @@ def test_elsewhere_the_world_is_drawn_as_it_is() -> None:
 
 
 def test_the_truth_is_drawn_while_the_recording_lasts_and_up_with_it() -> None:
-    """Stamps of the truth reach from 0 to 2.99 s, those of the poses from 0.5 to 1.5 s."""
+    """Stamps of the ground truth reach from 0 to 2.99 s, those of the poses from 0.5 to 1.5 s."""
     told = drawn_by_slam(np.array([0.0, -1.0, 0.0]))
     told.camera_poses.frame_times_ns = np.arange(500, 1501, 50) * 1_000_000
     right = told.recording.truth.motors_at(told.camera_poses.frame_times_ns)

@@ -1,4 +1,4 @@
-"""Scenes of markers seen by a moving camera, with the truth beside what was seen."""
+"""Scenes of markers seen by a moving camera, with the ground truth beside what was seen."""
 
 from dataclasses import dataclass
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""Planar flips over time: the optimum is the optimum, the truth is found, the doubt is honest."""
+"""Planar flips over time: the optimum is the optimum, truth is found, the doubt is honest."""
 
 from itertools import pairwise, product
 

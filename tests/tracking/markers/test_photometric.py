@@ -1,4 +1,4 @@
-"""Photometric refinement: nearer to the truth than corners, by derivatives that others confirm."""
+"""Photometric refinement: nearer to truth than corners, by derivatives that others confirm."""
 
 import cv2
 import numpy as np

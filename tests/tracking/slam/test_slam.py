@@ -1,4 +1,4 @@
-"""Visual SLAM in a rendered room with truth, and what it says when it cannot know."""
+"""Visual SLAM in a rendered room with ground truth, and what it says when it cannot know."""
 
 from collections import Counter
 from collections.abc import Callable
