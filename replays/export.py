@@ -17,7 +17,7 @@ from motorcade.animation import Character, Clip, Placement
 from motorcade.animation.formats import CameraPath, write_gltf
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.ga.files import FileError, is_there, read_bounded
+from motorcade.ga.files import FileError, read_bounded
 from motorcade.replays.characters.acting import character_named, clip_named, walked
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.pipeline import pipeline_graph
@@ -124,7 +124,7 @@ class _Origin:
 
 def _read_origin(folder: Path) -> _Origin:
     file = folder / "run.json"
-    if not is_there(file):
+    if not file.exists():
         raise ValueError(
             f"{folder}: expected a folder that `motorcade run` wrote; run.json is not there"
         )

@@ -50,9 +50,11 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
     try:
         if not root.exists():
             raise refusal(root, "no such file or folder")
+        if not (root.is_dir() or root.is_file()):
+            raise refusal(root, "expected a folder or a file, got a pipe or a device")
         if manifest is not None:
             return manifests.read(root, Path(manifest), may_leave=True)
-        if (root / manifests.LOCAL_NAME).is_file():
+        if (root / manifests.LOCAL_NAME).exists():
             return manifests.read(root, root / manifests.LOCAL_NAME, may_leave=False)
         return read_layout(root)
     except OSError as fault:
