@@ -117,10 +117,6 @@ class CharucoBoard(SquaresBoard):
         sharp = self.refine_corners(image, found)
         return sharp if sharp.spanning else None
 
-    def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
-        """The corners as they are: they are numbered by the markers around them."""
-        return corners
-
     def _edges(self, count: int) -> FloatArray:
         side = len(marker_cells(self.family, 0))
         margin = 0.5 * (self.square_m - self.marker_m)

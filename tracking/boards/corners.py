@@ -14,8 +14,8 @@ the top-left pixel, 0 is black.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -145,7 +145,7 @@ class BoardCorners:
         return BoardCorners(self.ids, corners_px, self.points_m)
 
 
-class Board(Protocol):
+class Board(ABC):
     """A printed, flat pattern whose corners can be found, refined and drawn.
 
     >>> from motorcade.tracking import Board, board_named
@@ -155,24 +155,30 @@ class Board(Protocol):
     """
 
     @property
+    @abstractmethod
     def name(self) -> str:
         """A short description that is unique to the board's numbers."""
 
     @property
+    @abstractmethod
     def size_m(self) -> tuple[float, float]:
         """Width and height of the printed area without its quiet zone, metres."""
 
     @property
+    @abstractmethod
     def points_m(self) -> FloatArray:
         """All corners ``(n, 3)`` in the board frame, metres; z is 0."""
 
     @property
+    @abstractmethod
     def pattern(self) -> Pattern:
         """The printed pattern as black and white cells."""
 
+    @abstractmethod
     def detect(self, image: GrayImage, camera: Camera | None = None) -> BoardCorners | None:
         """Find the board in a whole grey picture, corners refined; None where it is not seen."""
 
+    @abstractmethod
     def refine_corners(
         self, image: GrayImage, corners: BoardCorners, camera: Camera | None = None
     ) -> BoardCorners:
@@ -186,7 +192,10 @@ class Board(Protocol):
         """Of the numberings that the pattern's symmetry allows, the one nearest to expectation.
 
         ``expected_px`` is ``(len(points_m), 2)``: where each corner of the board is expected.
+        Corners that are numbered by markers stay as they are.
         """
+        return corners
 
     def draw(self, pixels_per_m: float) -> tuple[GrayImage, tuple[float, float]]:
         """The printed picture with its quiet zone, and the pixel of the board's origin in it."""
+        return draw(self.pattern, pixels_per_m)

@@ -6,14 +6,14 @@ sides (see `markers.detection`).
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.boards.corners import BoardCorners, Pattern, draw
+from motorcade.tracking.boards.corners import Board, BoardCorners, Pattern
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, check_count, check_length
 from motorcade.tracking.markers.detection import detect_markers
@@ -26,7 +26,7 @@ from motorcade.tracking.markers.families import (
 )
 
 
-class _MarkerBoard(ABC):
+class _MarkerBoard(Board):
     """What grids and single markers share; markers are numbered from the printed top left."""
 
     family: str
@@ -35,11 +35,6 @@ class _MarkerBoard(ABC):
     @abstractmethod
     def marker_ids(self) -> IntArray:
         """Ids ``(m,)`` of the markers, in the board's order."""
-
-    @property
-    @abstractmethod
-    def pattern(self) -> Pattern:
-        """The printed pattern as black and white cells."""
 
     @property
     @abstractmethod
@@ -97,14 +92,6 @@ class _MarkerBoard(ABC):
         quads = whole.corners_px.reshape(-1, 4, 2)
         sharp, good = refine_quads(image, quads, self._clear_share, camera)
         return whole.at(sharp.reshape(-1, 2)).keep(np.repeat(good, 4))
-
-    def aligned(self, corners: BoardCorners, expected_px: FloatArray) -> BoardCorners:
-        """The corners as they are: markers are numbered by their ids."""
-        return corners
-
-    def draw(self, pixels_per_m: float) -> tuple[GrayImage, tuple[float, float]]:
-        """The printed picture with its quiet zone, and the pixel of the first corner in it."""
-        return draw(self.pattern, pixels_per_m)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ exact for saddles under symmetric blur.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from functools import cached_property
 from typing import cast
 
@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.boards.corners import BoardCorners, Pattern, draw
+from motorcade.tracking.boards.corners import Board, BoardCorners
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.pictures import grey_levels
@@ -132,15 +132,10 @@ def _inside(image: GrayImage, places: FloatArray, margin: int) -> NDArray[np.boo
     return cast("NDArray[np.bool_]", ((places >= margin) & (places <= limit)).all(axis=-1))
 
 
-class SquaresBoard(ABC):
+class SquaresBoard(Board):
     """Inner corners in rows and columns, numbered row by row as printed."""
 
     square_m: float
-
-    @property
-    @abstractmethod
-    def pattern(self) -> Pattern:
-        """The printed pattern as black and white cells."""
 
     @property
     @abstractmethod
@@ -182,10 +177,6 @@ class SquaresBoard(ABC):
             self._clear_m,
         )
         return corners.at(refined_px).keep(good)
-
-    def draw(self, pixels_per_m: float) -> tuple[GrayImage, tuple[float, float]]:
-        """The printed picture with its quiet zone, and the pixel of the first inner corner."""
-        return draw(self.pattern, pixels_per_m)
 
     def _black_up_left(self, ids: IntArray) -> NDArray[np.bool_]:
         row, column = np.divmod(ids, self._inner[0])
