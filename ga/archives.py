@@ -10,8 +10,9 @@ import math
 import struct
 import zlib
 from collections.abc import Callable, Mapping
+from io import BufferedReader
 from pathlib import Path
-from typing import Any, BinaryIO, TypeVar
+from typing import Any, TypeVar
 from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile
 
 import numpy as np
@@ -98,7 +99,7 @@ def _reason(fault: Exception) -> str:
     return " ".join(str(fault)[:200].split())
 
 
-def _check_directory(file: BinaryIO, size: int) -> None:
+def _check_directory(file: BufferedReader, size: int) -> None:
     """Refuse an archive by what its directory and its arrays' headers say, and nothing more."""
     _check_end(file, size)
     with ZipFile(file) as archive:
@@ -122,7 +123,7 @@ def _check_directory(file: BinaryIO, size: int) -> None:
     file.seek(0)
 
 
-def _check_end(file: BinaryIO, size: int) -> None:
+def _check_end(file: BufferedReader, size: int) -> None:
     """The record that ends an archive tells how large a directory `ZipFile` would take in."""
     length = min(size, _ZIP64_LOCATOR.size + _END.size)
     file.seek(size - length)

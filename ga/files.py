@@ -17,9 +17,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import lru_cache
+from io import BufferedReader
 from os import stat_result
 from pathlib import Path
-from typing import BinaryIO
 
 MISSING = "missing"
 """The state of a file that was looked for in vain."""
@@ -75,7 +75,7 @@ def read_bounded(path: Path, limit_bytes: int) -> bytes:
 
 
 @contextmanager
-def open_bounded(path: Path, limit_bytes: int) -> Iterator[BinaryIO]:
+def open_bounded(path: Path, limit_bytes: int) -> Iterator[BufferedReader]:
     """Open a regular file of 1 to `limit_bytes` bytes, to be read within the block.
 
     Raises:

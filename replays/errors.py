@@ -10,8 +10,8 @@ import difflib
 import reprlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO
 
 from motorcade.ga import files
 from motorcade.ga.files import EmptyFileError, FileError
@@ -106,7 +106,9 @@ def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> byte
 
 
 @contextmanager
-def open_bounded(path: Path, limit_bytes: int, field: str | None = None) -> Iterator[BinaryIO]:
+def open_bounded(
+    path: Path, limit_bytes: int, field: str | None = None
+) -> Iterator[BufferedReader]:
     """Open a regular file of 1 to `limit_bytes` bytes, to be read within the block.
 
     Raises:

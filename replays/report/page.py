@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import kernels
+from motorcade.ga.files import off_record, read_bounded
 from motorcade.replays.pages import page_environment
 from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.report.findings import Findings
@@ -86,12 +87,13 @@ def _imu(findings: Findings) -> str:
     return text
 
 
+@off_record()  # it lies in the cache
 def _video(findings: Findings) -> str | None:
     if findings.overlay is None:
         return None
     if _beside(findings):
         return BESIDE
-    return _data_address("video/mp4", findings.overlay.path.read_bytes())
+    return _data_address("video/mp4", read_bounded(findings.overlay.path, VIDEO_LIMIT))
 
 
 def _beside(findings: Findings) -> bool:
@@ -100,6 +102,7 @@ def _beside(findings: Findings) -> bool:
     return film is not None and film.path.stat().st_size > VIDEO_LIMIT
 
 
+@off_record()
 def _sheet(findings: Findings) -> str | None:
     """Frames of the video on one sheet; None where one frame is all there is."""
     film = findings.overlay

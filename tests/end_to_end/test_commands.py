@@ -59,6 +59,11 @@ def test_the_report_holds_no_time_and_the_run_log_does(finished: Path) -> None:
     assert run_log["tracking"]["seconds"] > 0.0
 
 
+def test_a_run_with_the_mannequin_depends_on_no_file_beside_the_recording(finished: Path) -> None:
+    stages = json.loads((finished / "run.json").read_text())["stages"]
+    assert {name: stage["files"] for name, stage in stages.items() if stage["files"]} == {}
+
+
 def test_the_same_inputs_leave_the_same_report(
     board_recording: Path, finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
