@@ -16,12 +16,14 @@ from motorcade.fusion.metrics import most_by_chance, normalised_squared
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.registration import registrations
 from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import UsedImu
 from motorcade.replays.values.integrity import Integrity, IntegrityCheck
+from motorcade.replays.values.marker_poses import MarkerPoses
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
-from motorcade.tracking import registration_px
+from motorcade.replays.values.slam_poses import SlamPoses
 
 CONTAMINATION = 0.1
 """Share of outliers that ordinary data hold at most: 1 to 10 % are the rule (F. R. Hampel,
@@ -43,18 +45,20 @@ def integrity(
     fused: FusedPath,
     smoothed: SmoothedPaths,
     board_poses: BoardPoses | None = None,
+    marker_poses: MarkerPoses | None = None,
+    slam_poses: SlamPoses | None = None,
 ) -> Integrity:
     """Check the run, and choose the path that the character is placed and drawn along.
 
     Coverage: frames without a pose, half of which may be. Innovations: measured poses that the
     filter's gate would not let pass; without a filter, and with an IMU simulated along the tracked
-    path, there are none to judge. Then the pictures decide, where a board's corners are known:
-    registration, frames in which a board drawn along the first smoothed path lies off its corners
-    by more than a pixel and three times as far as along the measured poses. Elsewhere agreement:
-    measured poses that the smoothed path misses by more than the gate allows them. Of these three a
-    tenth may fail, and what chance adds to that. The measured path is drawn along where the
-    smoothed one fails in the pictures more often than it does, or misses most of the measured
-    poses.
+    path, there are none to judge. Then the pictures decide, where poses were measured in them.
+    Registration: frames in which what is drawn along the first smoothed path lies off the corners
+    of board or markers, or off the points of SLAM's map, by more than a pixel and three times as
+    far as along the measured poses. Elsewhere agreement: measured poses that the smoothed path
+    misses by more than the gate allows them. Of these three a tenth may fail, and what chance adds
+    to that. The measured path is drawn along where the smoothed one fails in the pictures more
+    often than it does, or misses most of the measured poses.
     """
     measured = camera_poses.measurements.trajectory
     name, path = next(iter(smoothed.trajectories.items()))
@@ -62,7 +66,7 @@ def integrity(
     if imu.origin != "tracked" and np.any(np.isfinite(fused.nis)):
         checks.append(_innovations(fused))
     paths = {"measured": measured, "fused": fused.trajectory} | smoothed.trajectories
-    registration = _registrations(paths, recording, board_poses)
+    registration = registrations(paths, recording, board_poses, marker_poses, slam_poses)
     if registration:
         limit_px = _limit_px(registration["measured"])
         checks.append(_registration(registration, name, limit_px))
@@ -95,8 +99,8 @@ def _innovations(fused: FusedPath) -> IntegrityCheck:
     allowed = most_by_chance(len(nis), CONTAMINATION)
     summary = (
         f"{beyond} of {len(nis)} measured poses contradict the IMU (up to {allowed} may): the "
-        f"mean NIS is {np.mean(nis) / FREEDOM:.3g} a dimension where 1 is expected; {refused} were "
-        "refused"
+        f"mean NIS is {_shown(np.mean(nis) / FREEDOM)} a dimension where 1 is expected; {refused} "
+        "were refused"
     )
     return IntegrityCheck("innovations", beyond, len(nis), allowed, summary)
 
@@ -107,9 +111,9 @@ def _registration(
     found = registration[name]
     off, allowed = _off(found, limit_px), most_by_chance(len(found), CONTAMINATION)
     summary = (
-        f"in {off} of {len(found)} frames (up to {allowed} may) the board drawn along the smoothed "
-        f"path lies more than {limit_px:.2g} px off: {_median(found):.3g} px in the median, "
-        f"{_median(registration['measured']):.3g} px along the measured poses"
+        f"in {off} of {len(found)} frames (up to {allowed} may) what is drawn along the smoothed "
+        f"path lies more than {limit_px:.2g} px off: {_shown(_median(found))} px in the median, "
+        f"{_shown(_median(registration['measured']))} px along the measured poses"
     )
     return IntegrityCheck("registration", off, len(found), allowed, summary)
 
@@ -128,23 +132,14 @@ def _agreement(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
     unit = "m" if camera_poses.metric else "units"
     summary = (
         f"the smoothed path misses {beyond} of {len(apart)} measured poses (up to {allowed} may): "
-        f"by {shifted:.3g} {unit} and {turned:.3g}° in the median"
+        f"by {_shown(shifted)} {unit} and {_shown(turned)}° in the median"
     )
     return IntegrityCheck("agreement", beyond, len(apart), allowed, summary)
 
 
-def _registrations(
-    paths: dict[str, Trajectory], recording: Recording, board_poses: BoardPoses | None
-) -> dict[str, FloatArray]:
-    """Of every path, how far what is drawn along it lies from the footage; none without corners."""
-    board, camera = recording.board, recording.camera
-    if board_poses is None or board is None or camera is None:
-        return {}
-    seen, world_T_board = board_poses.track, recording.world_T_board
-    return {
-        name: registration_px(path, seen, board, camera, world_T_board)
-        for name, path in paths.items()
-    }
+def _shown(number: float) -> str:
+    """Three digits, or all before the point."""
+    return f"{number:,.0f}" if number >= 100.0 else f"{number:.3g}"
 
 
 def _limit_px(measured: FloatArray) -> float:

@@ -46,7 +46,7 @@ class Integrity:
     Fields:
         checks: those that this run allows.
         registration_px: of each path, ``(M,)`` how far what is drawn along it lies from the
-            footage, a frame; empty without a board.
+            footage, a frame; empty where no poses were measured in pictures.
         drawn: the first smoothed path, or the measured one where that contradicts the measurements.
         drawn_is: which of them.
 

@@ -88,6 +88,7 @@ def marker_poses(
         summary,
         seconds=time.perf_counter() - start,
         marker_map=found.marker_map,
+        corners=next(iter(streams.values())),
     )
 
 
