@@ -196,7 +196,7 @@ def outliers(one: Given, share: float) -> Given:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_tracked_path_with_many_outliers_is_doubted_and_one_with_few_is_not(seed: int) -> None:
-    for found in judged(outliers(given(seed), 0.05)):
+    for found in judged(outliers(given(seed), 0.1)):
         assert found.doubts == ()
     by_pictures, blind = judged(outliers(given(seed), 0.3))
     assert failed(by_pictures) == {"innovations"}
