@@ -220,7 +220,8 @@ from pathlib import Path
 from motorcade.ga.unfinished import unfinished
 
 with unfinished(Path(sys.argv[1])):
-    helper = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+    waiting = [sys.executable, "-c", "import sys; sys.stdin.read()"]
+    helper = subprocess.Popen(waiting, stdin=subprocess.PIPE)
     print(helper.pid, flush=True)
     time.sleep(600)
 """
