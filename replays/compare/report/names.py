@@ -131,13 +131,13 @@ SIZES = ("lag_ms", "angular_rate_lag_ms", "peak_rate_ratio", "spurious_turns")
 """Shown as they are, in their unit."""
 
 REPRESENTATIONS = {
-    "motor": "one screw motion from pose to pose, turn and shift together",
+    "motor": "one screw motion from pose to pose, rotation and translation together",
     "similarity": "the same with the scale in it",
-    "rotor": "rotation by logarithms, translation apart in the world",
+    "rotor": "rotation by logarithms, translation separately in the world",
     "dual_quaternion": "eight numbers averaged and projected back",
-    "quaternion": "four numbers averaged and renormalised, translation apart",
-    "euler_unwrapped": "three angles made continuous over time, translation apart",
-    "euler": "three angles as they come, wrapped at ±180°, translation apart",
+    "quaternion": "four numbers averaged and renormalised, translation separately",
+    "euler_unwrapped": "three angles made continuous over time, translation separately",
+    "euler": "three angles as they come, wrapped at ±180°, translation separately",
 }
 METHODS = {
     "auto": "estimates the noise and picks method and parameters",
