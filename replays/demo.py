@@ -12,6 +12,7 @@ from motorcade.replays.engine.provenance import code_digest
 from motorcade.replays.synthetic_room import write_recording
 
 MARKER = ".rendered"
+MAX_MARKER_BYTES = 1 << 12
 
 
 def ensure_demo_recording(folder: Path, seed: int) -> Path:
@@ -41,4 +42,4 @@ def ensure_demo_recording(folder: Path, seed: int) -> Path:
 
 def _is_made_from(origin: str, folder: Path) -> bool:
     marker = folder / MARKER
-    return marker.is_file() and read_bounded(marker, 1 << 12) == origin.encode()
+    return marker.is_file() and read_bounded(marker, MAX_MARKER_BYTES) == origin.encode()

@@ -16,7 +16,8 @@ from motorcade.ga.script import Script, parse
 from motorcade.ga.script.meaning import algebra_named
 from motorcade.ga.script.reading.lexer import MAX_SCRIPT_CHARACTERS
 
-_LONGEST_CHARACTER = 4
+_LONGEST_CHARACTER_BYTES = 4
+MAX_FILE_BYTES = _LONGEST_CHARACTER_BYTES * MAX_SCRIPT_CHARACTERS
 
 WriteCalls = Callable[[Script, Program, Precision | None], dict[str, str]]
 
@@ -78,7 +79,7 @@ def read_script(path: Path) -> Script:
         ValueError: it is no UTF-8.
         ScriptError: what is wrong with the script, and where.
     """
-    data = read_bounded(path, _LONGEST_CHARACTER * MAX_SCRIPT_CHARACTERS)
+    data = read_bounded(path, MAX_FILE_BYTES)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as refused:
