@@ -228,9 +228,9 @@ def fitted_noise(curve: AllanCurve, axis: int) -> NoiseEstimate:
     squares, spread = with_flicker if seen else _least_squares(curve, variance, [0, 2])
     # Of a square s ± d the root is √s ± d / 2√s; at zero it is known to be below √d.
     roots = np.sqrt(squares)
-    deviations = np.where(
-        squares > spread, spread / (2.0 * np.maximum(roots, 1e-300)), np.sqrt(spread)
-    )
+    at_zero = np.sqrt(spread)
+    least = np.maximum(np.maximum(roots, at_zero), 1e-300)
+    deviations = np.where(squares > spread, spread / (2.0 * least), at_zero)
     return NoiseEstimate(
         float(roots[0]),
         float(deviations[0]),

@@ -143,6 +143,17 @@ def test_what_has_no_allan_deviation_is_refused(rng):
         estimate_noise(ImuStream(stamps, 1e-150 * noise, noise))
 
 
+def test_one_reading_far_from_all_others_is_no_overflow():
+    force = np.tile([0.0, 0.0, 1e9], (400, 1))
+    force[200, 2] = 0.0
+    rate = np.random.default_rng(0).standard_normal((400, 3))
+    with pytest.raises(ValueError, match="expected"):
+        estimate_noise(ImuStream(1000 * np.arange(400), rate, force))
+    curve = allan_deviation(force, 1e6)
+    found = fitted_noise(curve, 2)
+    assert np.isfinite([found.density, found.density_deviation, found.walk_deviation]).all()
+
+
 @pytest.mark.parametrize("name", ["handheld", "walk_and_look", "distant_circle", "stop_and_go"])
 def test_a_sensor_that_moves_is_refused(name, rng):
     path = ContinuousPath.along(MOTIONS[name], 20.0)
