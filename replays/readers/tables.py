@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import logging
+import os
 from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -95,8 +96,10 @@ def data_rows(path: Path, separator: bytes | None) -> Iterator[tuple[int, list[b
     Raises:
         RecordingError: missing, empty, too large, or not text.
     """
-    size = path.stat().st_size if path.is_file() else 0
-    with reading(path.name, size) as advance, open_bounded(path, FILE_LIMIT) as file:
+    with (
+        open_bounded(path, FILE_LIMIT) as file,
+        reading(path.name, os.fstat(file.fileno()).st_size) as advance,
+    ):
         for number in itertools.count(1):
             if number % _TOLD_EVERY == 0:
                 advance(file.tell())

@@ -9,6 +9,7 @@ all runs together, so that runs that differ in a late stage share the early ones
 from __future__ import annotations
 
 import logging
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -100,8 +101,9 @@ def _tasks(plan: Sweep, out: Path) -> Iterator[_Task]:
         place = (run.recording, run.manifest)
         if place not in contents:
             contents[place] = _content(*place)
-        about = [*contents[place], str(run.recording.resolve()), *run.settings, run.until]
-        name = f"{run.recording.resolve().stem}-{job_key(run_job, about)}"
+        resolved = os.path.realpath(run.recording)  # of links in a circle too: the run tells of it
+        about = [*contents[place], resolved, *run.settings, run.until]
+        name = f"{Path(resolved).stem}-{job_key(run_job, about)}"
         yield _Task(run, out / "runs" / name, out / ".cache")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -82,9 +83,7 @@ def run_recordings(arguments: argparse.Namespace) -> None:
         Job(
             recording=path,
             manifest=arguments.manifest,
-            out=arguments.out / path.resolve().name
-            if len(arguments.recordings) > 1
-            else arguments.out,
+            out=arguments.out / _name(path) if len(arguments.recordings) > 1 else arguments.out,
             cache=arguments.cache,
             until=arguments.until,
             settings=tuple(arguments.settings),
@@ -135,15 +134,20 @@ def _run_one_of_several(job: Job) -> dict[str, Any]:
     """Run a recording, here or in another process; what is told of it begins with its name."""
     from motorcade.replays.pipeline import run_job
 
-    with log_stages(job.recording.resolve().name) as lines:
+    with log_stages(_name(job.recording)) as lines:
         summary = run_job(job)
         lines.info(result(summary, job.out))
     return summary
 
 
+def _name(recording: Path) -> str:
+    """The name of what a path leads to; links in a circle are told of when it is opened."""
+    return Path(os.path.realpath(recording)).name
+
+
 def _refuse_equal_names(recordings: list[Path]) -> None:
     """Several recordings write into folders of their names, which must differ."""
-    names = [path.resolve().name for path in recordings]
+    names = [_name(path) for path in recordings]
     for name in names:
         if names.count(name) > 1:
             raise ValueError(

@@ -12,6 +12,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import replace
+from os.path import realpath
 from pathlib import Path
 
 from motorcade.ga import Motor
@@ -132,7 +133,7 @@ class _Manifest:
         name = section.text(key)
         if not self.may_leave:
             path = inside(self.folder, name, self.path)
-            if not path.resolve().is_relative_to(self.folder.resolve()):
+            if not Path(realpath(path)).is_relative_to(realpath(self.folder)):
                 problem = f"expected a file inside {self.folder}, got a link out of it"
                 raise section.fault(key, problem)
             return path

@@ -75,6 +75,21 @@ def test_a_pipe_in_place_of_a_file_does_not_hang(make: Make) -> None:
     assert "expected a file" in refused(open_recording(made.root).check)
 
 
+def test_a_link_that_leads_to_itself_is_refused(make: Make) -> None:
+    made = make("folder")
+    (made.root / "endless.txt").symlink_to("endless.txt")
+    (made.root / "motorcade.toml").write_text(
+        '[frames]\nimages = "images/*.jpg"\nrate_hz = 25.0\n[truth]\nfile = "endless.txt"\n'
+        'format = "tum"\nconvention = "world_T_camera"\n'
+    )
+    assert "endless.txt" in refused(lambda: open_recording(made.root))
+    assert "no such file" in refused(lambda: open_recording(made.root / "endless.txt"))
+
+
+def test_a_name_longer_than_any_file_has_is_refused() -> None:
+    assert "File name too long" in refused(lambda: read_numbers(Path("x" * 5000)))
+
+
 def test_a_file_larger_than_its_limit_is_not_read(tmp_path: Path) -> None:
     path = tmp_path / "huge.txt"
     with path.open("wb") as file:
