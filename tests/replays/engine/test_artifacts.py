@@ -97,6 +97,13 @@ def test_content_that_does_not_fit_the_type_is_refused(tmp_path: Path) -> None:
         artifacts.read_artifact(stored, Inner)
 
 
+def test_arrays_that_unpack_to_far_more_are_refused(tmp_path: Path) -> None:
+    stored = artifacts.write_artifact(outer(tmp_path), tmp_path / "kept", 0.5)
+    np.savez_compressed(stored.folder / "arrays.npz", **{"<f8": np.zeros(1 << 24)})
+    with pytest.raises(artifacts.ArtifactError, match="expected at most"):
+        artifacts.read_artifact(stored, Outer)
+
+
 def test_text_in_place_of_a_table_is_refused(tmp_path: Path) -> None:
     stored = artifacts.write_artifact(outer(tmp_path), tmp_path / "kept", 0.5)
     value = stored.folder / "value.json"
