@@ -12,6 +12,7 @@ __all__ = ["RefusedError", "ended", "is_own", "refusals"]
 
 REPOSITORY = Path(__file__).parents[2]
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
+OURS = (ValueError, TypeError, OSError, RuntimeError)
 LONGEST = 2000
 
 
@@ -25,7 +26,7 @@ def is_own(fault: BaseException) -> bool:
     An error of another library, or of the interpreter, that passes through is not.
     """
     kind = type(fault)
-    named = kind.__module__.startswith("motorcade.") or kind in (ValueError, TypeError, OSError)
+    named = kind.__module__.startswith("motorcade.") or kind in OURS
     last = traceback.extract_tb(fault.__traceback__)[-1]
     place = Path(last.filename)
     inside = any(place.is_relative_to(REPOSITORY / room) for room in ROOMS)

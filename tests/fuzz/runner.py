@@ -35,9 +35,12 @@ KINDS = (
     "rigs",
     "recordings",
     "manifests",
+    "containers",
     "trajectories",
     "scenes",
+    "settings",
     "archives",
+    "commands",
 )
 """What is fed: modules of `tests.fuzz.kinds`, each with a `prepare(folder)` that gives a `Feed`."""
 
@@ -245,6 +248,8 @@ def _in_time() -> Iterator[None]:
 
 def _place(fault: BaseException) -> str:
     """File and line of ours where it came from."""
+    if isinstance(fault, AssertionError) and fault.__cause__ is not None:
+        fault = fault.__cause__
     frames = traceback.extract_tb(fault.__traceback__)
     ours = [one for one in frames if Path(one.filename).is_relative_to(REPOSITORY)]
     product = [one for one in ours if not Path(one.filename).is_relative_to(REPOSITORY / "tests")]

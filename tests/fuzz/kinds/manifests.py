@@ -33,7 +33,7 @@ from tests.fuzz.own import ended
 from tests.fuzz.runner import Feed
 from tests.replays import conftest as layouts
 
-__all__ = ["KEYS", "prepare", "write_maps"]
+__all__ = ["KEYS", "KNOBS", "MATRIX", "RIGHT", "prepare", "toml", "write_maps"]
 
 COUNT = 12
 KEYS: dict[str, tuple[str, ...]] = {
@@ -230,9 +230,9 @@ def _manifest(rng: np.random.Generator, names: tuple[str, ...], bare: bool) -> b
             table[key] = one_of(WRONG, rng)
         else:
             table[key] = one_of(RIGHT[key] if kind < 0.6 else names, rng)
-    lines = [f"{key} = {_toml(value)}" for key, value in tables.pop("").items()]
+    lines = [f"{key} = {toml(value)}" for key, value in tables.pop("").items()]
     for title, table in tables.items():
-        lines += [f"[{title}]", *(f"{key} = {_toml(value)}" for key, value in table.items())]
+        lines += [f"[{title}]", *(f"{key} = {toml(value)}" for key, value in table.items())]
     text = "\n".join(lines).encode("utf-8", "surrogatepass")
     return mutated(".toml", text, rng) if rng.random() < 0.1 else text
 
@@ -277,12 +277,12 @@ def _right(rng: np.random.Generator, bare: bool) -> dict[str, dict[str, Any]]:
     return made
 
 
-def _toml(value: Any) -> str:
+def toml(value: Any) -> str:
     """A value as TOML; JSON is near enough for all but these."""
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {_toml(one)}" for key, one in value.items()) + "}"
+        return "{" + ", ".join(f"{key} = {toml(one)}" for key, one in value.items()) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(map(_toml, value)) + "]"
+        return "[" + ", ".join(map(toml, value)) + "]"
     if isinstance(value, float):
         return repr(value)
     if isinstance(value, str) and "\ud800" in value:
