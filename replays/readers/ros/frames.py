@@ -68,6 +68,7 @@ class Bag:
         except Exception as fault:  # the parsers' errors have no common base
             raise self._refusal(fault) from fault
         try:
+            self._check_names()
             check_overlaps(self._reader)
         except RecordingError:
             self.close()
@@ -82,6 +83,14 @@ class Bag:
     def close(self) -> None:
         """Close the file."""
         self._reader.close()
+
+    def _check_names(self) -> None:
+        """Refuse topics that a description calls by numbers, as YAML reads them."""
+        for one in self._reader.connections:
+            for name in (one.topic, one.msgtype):
+                if not isinstance(name, str):
+                    problem = f"expected names of topics and types, got {one_line(name)}"
+                    raise refusal(self.path, problem)
 
     def topics(self, types: Sequence[str]) -> list[str]:
         """Names of topics of these types that hold messages, sorted."""
@@ -117,6 +126,9 @@ class Bag:
         take = store.deserialize_ros1 if self._ros1 else store.deserialize_cdr
         try:
             for connection, recorded_ns, raw in self._reader.messages(wanted, **span):
+                if connection.msgtype not in types:  # two connections of one number
+                    problem = f"expected {' or '.join(types)}, got {one_line(connection.msgtype)}"
+                    raise refusal(self.path, problem, field=one_line(connection.topic))
                 message: Any = take(raw, connection.msgtype)
                 stamp = message.header.stamp
                 yield recorded_ns, int(stamp.sec) * 10**9 + int(stamp.nanosec), message

@@ -17,6 +17,7 @@ from rosbags.typesys import Stores, get_typestore
 from motorcade.ga import Motor
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.readers.opening import open_recording
+from tests.fuzz.containers import join_bag, split_bag
 
 START_NS = 1_700_000_000_123_456_789
 COUNT, HEIGHT, WIDTH = 6, 16, 24
@@ -193,6 +194,25 @@ def test_damaged_bags_are_refused(
     path = write_bag(tmp_path / "bags", kind)
     damage(path)
     with pytest.raises(RecordingError, match="expected a whole ROS bag"):
+        open_recording(path)
+
+
+def test_topics_called_by_numbers_are_refused(tmp_path: Path) -> None:
+    path = write_bag(tmp_path / "bags", "folder")
+    about = path / "metadata.yaml"
+    about.write_text(about.read_text().replace("name: /cam0/image_raw", "name: 17"))
+    with pytest.raises(RecordingError, match="expected names of topics and types, got '17'"):
+        open_recording(path)
+
+
+def test_two_connections_of_one_number_are_refused(tmp_path: Path) -> None:
+    path = write_bag(tmp_path / "bags", "bag")
+    root = split_bag(path.read_bytes())
+    for one in root.inside:
+        if b"op=\x07" in one.body:
+            one.body = one.body.replace(b"conn=\0\0\0\0", b"conn=\1\0\0\0")
+    path.write_bytes(join_bag(root))
+    with pytest.raises(RecordingError, match="expected sensor_msgs/msg/Imu, got"):
         open_recording(path)
 
 
