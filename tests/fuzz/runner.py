@@ -41,6 +41,7 @@ KINDS = (
     "settings",
     "archives",
     "commands",
+    "kernels",
 )
 """What is fed: modules of `tests.fuzz.kinds`, each with a `prepare(folder)` that gives a `Feed`."""
 
