@@ -114,6 +114,9 @@ def refine_pose(
         px: ``(n, 2)`` where they were seen.
         camera: the pinhole that saw them.
 
+    The pose found is a unit motor however far rounding has taken the start from one: poses that
+    are moved along with a keyframe, which was made of such a pose, double their defect every time.
+
     Points behind the camera count as outliers. With fewer than six inliers, or points that do not
     fix the pose, the covariance is infinite.
 
@@ -129,9 +132,8 @@ def refine_pose(
     >>> bool(np.abs(fit.world_T_camera.local(world_T_camera)).max() < 1e-6)
     True
     """
-    found = minimise(
-        world_T_camera, partial(_Reprojection, points, px, camera), Motor.retract, _STOP
-    )
+    start = Motor.normalize(world_T_camera.coefficients)
+    found = minimise(start, partial(_Reprojection, points, px, camera), Motor.retract, _STOP)
     error = found.evaluation.error_px
     inliers = error <= OUTLIER_PX
     rms = float(np.sqrt(np.mean(error[inliers] ** 2))) if inliers.any() else float("inf")
