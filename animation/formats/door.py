@@ -30,8 +30,8 @@ SUFFIXES = tuple(READERS)
 def read_character(path: Path | str, *, unit_m: float | None = None) -> Character:
     """Read a skinned mesh with its skeleton and clips: metres, z up, facing +x, soles at z = 0.
 
-    Joint frames are rigid; constant scale of the rig ends in the mesh. What was left out or
-    assumed stands in `Character.notices`.
+    Joint frames are rigid; constant scale of the rig ends in the mesh. `Character.notices`
+    says what was left out or assumed.
 
     Args:
         path: `.glb`, `.gltf`, `.dae`, `.md5mesh` (with the `.md5anim` of the same name beside

@@ -1,7 +1,8 @@
 """Counts the files of the product whose functions run in a task: how far one has to read for it.
 
-    python -m tests.house.files_run             a whole run, one interpolation, one blended vertex
-    python -m tests.house.files_run --list      and their names
+    python -m tests.house.files_run                a whole run, one interpolation, one vertex
+    python -m tests.house.files_run --list         and their names, in the order of a reader
+    python -m tests.house.files_run --list vertex  of one task
 
 Imports do not count, only functions that are called.
 """
@@ -22,8 +23,11 @@ import numpy as np
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 
 
-def files_of(task: Callable[[], object]) -> set[str]:
-    """Product files, by path below the repository, in which a function ran during the task."""
+def files_of(task: Callable[[], object]) -> list[str]:
+    """Product files, by path below the repository, in which a function ran during the task.
+
+    They are in the order in which they were entered first.
+    """
     codes: dict[str, bool] = {}
 
     def note(frame: FrameType, event: str, argument: Any) -> None:
@@ -43,7 +47,7 @@ def files_of(task: Callable[[], object]) -> set[str]:
     root = Path(motorcade.ga.__file__).parents[1]
     paths = [Path(name) for name in codes if Path(name).is_relative_to(root)]
     below = [path.relative_to(root) for path in paths]
-    return {str(path) for path in below if path.parts[0] in ROOMS}
+    return [str(path) for path in below if path.parts[0] in ROOMS]
 
 
 def run() -> Callable[[], object]:
@@ -66,20 +70,43 @@ def interpolate() -> Callable[[], object]:
 
 
 def vertex() -> Callable[[], object]:
-    """A character's vertices skinned in one pose."""
-    from motorcade.animation import mannequin, skin
+    """A character's vertices, from a glTF file to pixels."""
+    from motorcade.animation import mannequin, read_character, skin, write_gltf
+    from motorcade.ga import Motor, Rotor
+    from motorcade.render import Lighting, Sun, Surface, new_renderer
+    from motorcade.tracking import Camera
 
-    figure = mannequin()
-    pose = figure.clips[0].poses[0]
-    return lambda: skin(figure, pose)
+    figure = mannequin(triangles=5000)
+    camera = Camera(320, 240, 250.0, 250.0, 159.5, 119.5)
+    upright = Rotor.from_rotation_vector([-np.pi / 2, 0.0, 0.0])
+    world_T_camera = Motor.from_rotor_translation(upright, [0.0, -3.0, 0.9])
+    folder = tempfile.TemporaryDirectory()
+    path = Path(folder.name, "figure.glb")
+    write_gltf(path, figure)
+    light = Lighting((0.3, 0.3, 0.3), Sun((0.3, 0.5, -0.8), 3.0), (), (0.0, 0.0, 0.9), 1.5)
+
+    def task() -> None:
+        read = read_character(path)
+        folder.cleanup()
+        vertices, normals = skin(read, read.clips[0].at(0.5))
+        surface = Surface(vertices, normals, read.triangles, read.colors)
+        with new_renderer("fast", camera.width, camera.height) as renderer:
+            renderer.show([surface], light)
+            renderer.render(camera, world_T_camera)
+
+    return task
+
+
+TASKS = {"run": run, "interpolate": interpolate, "vertex": vertex}
 
 
 def main() -> None:
-    for prepare in (run, interpolate, vertex):
+    named = [name for name in sys.argv[1:] if name != "--list"]
+    for prepare in (TASKS[name] for name in named or TASKS):
         task_files = files_of(prepare())
         print(f"{len(task_files):4} files  {prepare.__doc__}")
         if "--list" in sys.argv:
-            print("\n".join(f"       {name}" for name in sorted(task_files)))
+            print("\n".join(f"       {name}" for name in task_files))
 
 
 if __name__ == "__main__":

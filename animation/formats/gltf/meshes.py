@@ -1,6 +1,6 @@
 """Meshes and skins of a glTF document as surfaces.
 
-Colours are told at the vertices. Vertex colours, base colour textures and base colour factors are
+Every vertex has one colour. Vertex colours, base colour textures and base colour factors are
 multiplied, in linear light, as the format says; textures are sampled where the vertices are.
 """
 
@@ -21,10 +21,9 @@ from motorcade.animation.formats.rig.values import RigSurface, Skin
 from motorcade.animation.srgb import to_linear, to_srgb
 from motorcade.ga.arrays import FloatArray, IntArray
 
-PLAIN = 0.6
 STRIP, FAN, TRIANGLES = 5, 6, 4
-
-
+"""Primitive modes of glTF."""
+PLAIN = 0.6
 """Linear grey in the place of a texture that is missing."""
 SPECULAR = "KHR_materials_pbrSpecularGlossiness"
 
