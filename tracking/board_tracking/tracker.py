@@ -4,11 +4,11 @@ The board frame is called ``world``; poses are ``world_T_camera``. A frame is ``
 whole picture was searched, ``tracked`` where the corners came from the frame before, ``lost``
 where no pose was found. No random numbers: the same pictures give the same bytes.
 
-Which corners one pose explains (inliers), and which of the two planar poses is the true one.
-
-Frames and errors as in `pose`. The choice between candidates is a shortest path (Viterbi 1967) kept
-up online: each candidate costs what its pixels say against it, and each step what the camera would
-have had to turn. So clear pictures speak for the unclear ones after them.
+`BoardTracker` reads from `update` downward: `_located` tracks or detects corners, `_solved` fits a
+pose to them without outliers (`inliers`), and `choose_pose` decides which of the two poses that a
+flat board allows is the true one. That choice is a shortest path (Viterbi 1967), computed online:
+each candidate costs what its pixels say against it, and each step costs the rotation between the
+frames. So clear pictures decide for the unclear ones after them.
 """
 
 from __future__ import annotations
@@ -34,12 +34,28 @@ from motorcade.tracking.pose import (
     refine,
 )
 
-# Corner noise a coordinate, and how fast a camera in the hand turns; both decide only between
-# candidates that the pixels hardly tell apart.
+# Corner noise per coordinate, and how fast a hand-held camera rotates. Both only decide between
+# candidates that the pixels hardly separate.
 _SIGMA_PX = 0.2
 _TURN_RAD_S = np.radians(150.0)
+# Most that a step may cost, and the evidence from which on pixels alone decide; log likelihoods.
 _WORST_STEP = 20.0
 _CLEAR = 200.0
+
+# How long an earlier pose still helps to choose between candidates and numberings.
+_CONTINUITY_NS = 500_000_000
+# Search the whole picture again, at most every so many frames, where less than this share of the
+# corners of the last search is left; or at once where the error is above both limits.
+_RETRY_FRAMES = 5
+_GOOD_SHARE = 0.75
+_GOOD_ERROR_PX = 1.0
+_WORSE_FACTOR = 2.0
+# An outlier lies this far off, and this many times the median error; RANSAC allows more.
+_OUTLIER_PX = 0.5
+_OUTLIER_FACTOR = 5.0
+_RANSAC_PX = 1.5
+# How far from its expected place a corner that was missed may be found.
+_NEAR_PX = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,18 +134,6 @@ def inliers(corners: BoardCorners, camera: Camera, limit_px: float) -> BoardCorn
 def _evidence(better_px: float, worse_px: float, count: int) -> float:
     """Log likelihood ratio of two poses for root mean square errors over `count` corners."""
     return float(count * (worse_px**2 - better_px**2) / (2.0 * _SIGMA_PX**2))
-
-
-# How long an earlier pose still helps to choose between candidates and numberings.
-_CONTINUITY_NS = 500_000_000
-_RETRY_FRAMES = 5
-_GOOD_SHARE = 0.75
-_GOOD_ERROR_PX = 1.0
-_WORSE_FACTOR = 2.0
-_OUTLIER_PX = 0.5
-_RANSAC_PX = 1.5
-_NEAR_PX = 1.0
-_OUTLIER_FACTOR = 5.0
 
 
 @dataclass(frozen=True, eq=False)
