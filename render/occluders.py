@@ -1,8 +1,8 @@
 """What hides a character, and what takes its shadow: flat prints, the ground, what stands on it.
 
-Where no depth was measured, a board or a marker whose place in the world is known is a rectangle,
-and the ground is a plane; both have a depth in every picture. What they hide is hidden by the same
-rule as by measured depth. Where depth was measured, it tells how high things stand on the ground.
+Without measured depth, a board or a marker with a known pose is a rectangle and the ground is a
+plane; both have a depth in every picture, and hide things by the same rule as measured depth does.
+Measured depth also shows how high things stand on the ground.
 """
 
 from __future__ import annotations

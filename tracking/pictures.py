@@ -1,6 +1,6 @@
 """Grey levels between pixels, and corners of one picture found in the next.
 
-Corners are followed by pyramidal Lucas-Kanade flow. A corner counts as found if the flow back from
+Corners are tracked by pyramidal Lucas-Kanade flow. A corner counts as found if the flow back from
 its new place ends where it began. What is found is right to some tenths of a pixel.
 
 Sources: Lucas & Kanade 1981; Bouguet 2000 (pyramids); Kalal et al. 2010 (forward-backward check).

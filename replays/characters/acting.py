@@ -1,4 +1,4 @@
-"""Who plays in a scene and what: the mannequin or a file, its clips, walks along a path."""
+"""The character of a scene and its motion: the mannequin or a file, clips, walks along a path."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Markers of one family in a picture: found, refined to sub-pixels, read again, merged.
 
-Either library proposes quads; the sides are then fitted (`edges`), which on exact renderings puts
-corners nearer than AprilTag's own and than ``cornerSubPix``; last the print is read
-again, and what does not look like it is no detection.
+Two libraries propose quads. Their sides are then fitted (`edges`), which on exact renderings puts
+corners nearer than AprilTag's own and than ``cornerSubPix``. Last, the print is read again, and a
+quad that does not look like it is discarded.
 
 Both libraries know the position of a marker to a pixel or so only. OpenCV's `ArucoDetector` knows
 every family, `pupil_apriltags` (the AprilTag 3 library) three. On AprilTags the latter misses

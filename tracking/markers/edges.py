@@ -1,4 +1,4 @@
-"""Corners of square markers as the crossings of their four sides.
+"""Corners of square markers as the intersections of their four sides.
 
 The corner of a marker is rounded by blur, which draws any corner finder inward; its sides are
 straight. So points are searched across each side, a line is fitted to each, and neighbours are

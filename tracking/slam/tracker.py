@@ -1,8 +1,8 @@
 """Frame by frame: where the points of the map are in the next picture, and the pose that results.
 
-The pose is predicted at constant velocity, corners are tracked from where that puts them, and the
-pose is refined on them; where the prediction does not explain the picture it is searched from
-scratch. A pose is given only if enough corners, spread enough, are inliers.
+The pose is predicted at constant velocity, corners are tracked from their predicted places, and the
+pose is refined on them. If the prediction does not explain the picture, the pose is searched from
+scratch. A pose is returned only if there are enough inliers, spread widely enough.
 """
 
 from __future__ import annotations

@@ -115,7 +115,7 @@ def run_recordings(arguments: argparse.Namespace) -> None:
 
 
 def run_one(job: Job, *, as_json: bool, strict: bool) -> None:
-    """Run a recording here: a line a stage, then its figures, then a line what came of it.
+    """Run a recording here; print a line per stage, then its figures, then one line on the result.
 
     Raises:
         RuntimeError: a doubtful result, where that is asked to be strict.
@@ -131,7 +131,7 @@ def run_one(job: Job, *, as_json: bool, strict: bool) -> None:
 
 
 def _run_one_of_several(job: Job) -> dict[str, Any]:
-    """Run a recording, here or in another process; what is told of it begins with its name."""
+    """Run a recording, here or in another process; its log lines begin with its name."""
     from motorcade.replays.pipeline import run_job
 
     with log_stages(_name(job.recording)) as lines:

@@ -1,4 +1,4 @@
-"""`motorcade simulate-imu`: the IMU stream that a trajectory's carrier would have measured."""
+"""`motorcade simulate-imu`: the readings of an IMU that is moved along a trajectory."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Commands on the program and its machine: code generation, benchmarks, findings."""
+"""Commands on the program and its machine: code generation, and what the machine has."""

@@ -1,9 +1,9 @@
 """Ties that theory predicts, shown in figures: the largest difference over a path, and its bound.
 
-Beside them all other ties are matters of chance and size; these hold for every path. Kalman filters
-on motors and similarities have no such ties in rotation: they carry the errors of turn, shift and
-scale along the motion together, so that each weighs on the others. Splines fitted to motors weigh
-turns and shifts in one sum of squares.
+They hold for every path; all other ties depend on chance and on the data. Kalman filters on motors
+and similarities have no such ties in rotation: they propagate the errors of rotation, translation
+and scale together, so that each affects the others. Splines fitted to motors weigh rotations and
+translations in one sum of squares.
 """
 
 from __future__ import annotations

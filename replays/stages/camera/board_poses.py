@@ -1,6 +1,6 @@
 """Stage `board_poses`: camera poses by a board in view.
 
-Whether the board described is the one in the pictures is told in the log, never corrected.
+If the board in the pictures looks unlike the one described, the log says so; nothing is corrected.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a way of measuring poses needs of a recording, and how its absence is said."""
+"""What each way of measuring poses needs from a recording, and the message when it is missing."""
 
 from __future__ import annotations
 

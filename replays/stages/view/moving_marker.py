@@ -1,9 +1,9 @@
 """A marker to stand on that may move: where it is in every frame, smooth, and held while unseen.
 
-The camera's path comes from whatever stands still. The marker's two planar poses of each frame are
-carried into the world by it; the likeliest sequence of them is taken (a chain: small error, little
-turning), then it is smoothed between leaps. A marker that one pose explains in all frames does not
-move, and where that pose is known from a map it is that of the map.
+The camera's path comes from whatever stands still, and takes the marker's two planar poses of each
+frame to the world. The likeliest sequence of these is chosen (a chain: small error, little turning)
+and smoothed between jumps. A marker that one pose explains in all frames does not move; if a map
+holds its pose, that one is used.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Which of the two planar poses is true: over a whole recording, or a few frames late.
 
-The same thoughts as over a whole recording (`window`), on the last frames only. What lies further
-back is kept as one summary a marker, so neither memory nor time grow with the recording's length.
+`window` says what decides. The online resolver sees the last frames only. Earlier ones are kept as
+one summary per marker, so neither memory nor time grow with the length of the recording.
 """
 
 from __future__ import annotations

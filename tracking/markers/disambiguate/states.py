@@ -1,9 +1,9 @@
-"""A marker's states over time: hanging still in one of its orientations, or being moved.
+"""A marker's states over time: still in one of its orientations, or being moved.
 
 State ``2 h + c`` is "still, orientation h, candidate c is the true one"; the last two are "moved,
-candidate c". A marker that hangs still pays for what its candidate has to turn to fit the
-orientation; one that is moved pays for what it turns from one sighting to the next. Both are
-densities of the same noise, so that neither is the cheaper for being vaguer.
+candidate c". For a still marker the cost is the rotation from its candidate to the orientation; for
+a moved one it is the rotation from one sighting to the next. Both are densities of the same noise,
+so that neither is cheaper for being vaguer.
 
 Sequences of states in chains are found by dynamic programming. Costs are negative log likelihoods.
 ``first`` ``(*, S)`` is what it costs to begin in a state, ``unary`` ``(*, T, S)`` what the evidence

@@ -1,8 +1,8 @@
 """A stretch of frames with all that their sightings say, and what is remembered of earlier ones.
 
-Two thoughts carry the choice between candidates. Whatever the camera does, it does to all markers
-at once: candidates of many markers vote for one rotation between frames (`vote`). And most markers
-hang still: over many frames only one orientation in the world fits (`orientations`).
+Two facts decide between candidates. A motion of the camera moves all markers in view, so that
+candidates of many markers vote for one rotation between frames (`vote`). And most markers do not
+move: over many frames only one orientation in the world fits (`orientations`).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Maps of markers: estimated from recordings of one or several cameras, and tracked by."""
+"""Maps of markers, estimated from recordings of one or several cameras; rigs tracked by a map."""
 
 from __future__ import annotations
 

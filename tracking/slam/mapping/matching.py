@@ -1,12 +1,10 @@
 """Points of the map matched to corners of a picture: near where they should be, and alike.
 
-Likeness is the number of bits in which ORB's descriptors differ (Rublee et al. 2011).
+Likeness is the number of bits in which ORB's descriptors differ (Hamming distance).
 
-Finding the camera in a known map: keyframes that look alike, then a pose that many points back.
-
-Every corner of the picture is compared with every point of the map (Hamming distance of ORB), and
-votes for the keyframes that saw its nearest point; the best few are then matched one by one and
-verified by geometry, which alone decides.
+In a known map the camera is found in two steps. Every corner of the picture is compared with every
+point of the map, and votes for the keyframes that saw its nearest point. The best few keyframes are
+then matched one by one and verified by geometry, which alone decides.
 
 Sources: ORB: Rublee et al. 2011; ratio of distances: Lowe 2004.
 """
