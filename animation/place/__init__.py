@@ -1,8 +1,13 @@
 """Placement: characters on planes of the world, on anchors that tracking moves, and on paths."""
 
-from motorcade.animation.place.anchors import Anchor, followed, plane_anchor
+from motorcade.animation.place.anchors import (
+    Anchor,
+    Placement,
+    followed,
+    place_on_plane,
+    plane_anchor,
+)
 from motorcade.animation.place.cycles import on_the_spot
-from motorcade.animation.place.plane import Placement, place_on_plane
 from motorcade.animation.place.walks import GroundPath, Walk, walk_along
 
 __all__ = [

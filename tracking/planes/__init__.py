@@ -4,8 +4,7 @@ Also for whoever taps on a picture: `Rays.through_pixels`, then `hit_test`.
 """
 
 from motorcade.tracking.planes.finding import FoundPlanes, find_planes, find_planes_in_depth
-from motorcade.tracking.planes.fitting import fit_plane
-from motorcade.tracking.planes.plane import Plane, choose_floor, choose_stage
+from motorcade.tracking.planes.plane import Plane, choose_floor, choose_stage, fit_plane
 from motorcade.tracking.planes.rays import Hit, Rays, hit_test
 
 __all__ = [

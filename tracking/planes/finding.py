@@ -22,14 +22,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.planes.fitting import (
+from motorcade.tracking.planes.plane import (
     LEAST_SPREAD,
+    Plane,
     checked_points,
     checked_sigma,
     fit_plane,
     spread_axes,
 )
-from motorcade.tracking.planes.plane import Plane
 
 FEWEST = 12
 _INLIER = 3.0  # sigma

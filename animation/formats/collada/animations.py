@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.formats.collada.library import Library, inputs_of
+from motorcade.animation.formats.collada.library import Element, Library, inputs_of
 from motorcade.animation.formats.collada.scene import ColladaScene, matrix_of_steps
-from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.rig.curves import between, great_arc, key_times, with_times
 from motorcade.animation.formats.rig.transforms import Transforms

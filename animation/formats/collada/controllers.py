@@ -9,9 +9,14 @@ from motorcade.animation.formats.collada.geometry import (
     PolygonGroup,
     read_geometry,
 )
-from motorcade.animation.formats.collada.library import Library, inputs_of, matrices_of, number
+from motorcade.animation.formats.collada.library import (
+    Element,
+    Library,
+    inputs_of,
+    matrices_of,
+    number,
+)
 from motorcade.animation.formats.collada.scene import ColladaScene
-from motorcade.animation.formats.collada.xml import Element
 from motorcade.animation.formats.errors import expected
 from motorcade.animation.formats.limits import MAX_VERTICES, check_count
 from motorcade.animation.formats.rig.values import RigSurface, Skin

@@ -12,8 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.animation.formats.collada.library import Library, inputs_of, number
-from motorcade.animation.formats.collada.xml import Element
+from motorcade.animation.formats.collada.library import Element, Library, inputs_of, number
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.images import Texture, Textures
 from motorcade.animation.formats.limits import MAX_VALUES, beside, read_bounded

@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from motorcade.animation.formats.collada.library import Library
-from motorcade.animation.formats.collada.xml import Element
+from motorcade.animation.formats.collada.library import Element, Library
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.limits import MAX_NODES, check_count
 from motorcade.animation.formats.rig.transforms import Transforms

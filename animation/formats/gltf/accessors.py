@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.formats.errors import FormatError, expected
-from motorcade.animation.formats.gltf.container import Document
-from motorcade.animation.formats.gltf.fields import integer, table
+from motorcade.animation.formats.gltf.container import Document, integer, table
 from motorcade.animation.formats.limits import MAX_VALUES
 from motorcade.ga.arrays import FloatArray, IntArray
 

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.accessors import Accessors, widened
-from motorcade.animation.formats.gltf.container import Document
-from motorcade.animation.formats.gltf.fields import integer, listed, table
+from motorcade.animation.formats.gltf.container import Document, integer, listed, table
 from motorcade.animation.formats.gltf.nodes import Nodes
 from motorcade.animation.formats.limits import MAX_CLIPS, MAX_POSES, check_count
 from motorcade.animation.formats.rig.curves import (

@@ -12,8 +12,15 @@ import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, expected
 from motorcade.animation.formats.gltf.accessors import Accessors
-from motorcade.animation.formats.gltf.container import Document, load
-from motorcade.animation.formats.gltf.fields import floats, integer, listed, table, text
+from motorcade.animation.formats.gltf.container import (
+    Document,
+    floats,
+    integer,
+    listed,
+    load,
+    table,
+    text,
+)
 from motorcade.animation.formats.gltf.nodes import Nodes
 from motorcade.animation.formats.images import Texture, Textures
 from motorcade.animation.formats.limits import MAX_VERTICES, check_count

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation.formats.errors import FormatError, expected
-from motorcade.animation.formats.gltf.container import Document
-from motorcade.animation.formats.gltf.fields import floats, integer, listed, table
+from motorcade.animation.formats.gltf.container import Document, floats, integer, listed, table
 from motorcade.animation.formats.limits import MAX_NODES, check_count
 from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import NodeTree

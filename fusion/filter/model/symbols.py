@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from motorcade.ga.algebra import Multivector
-from motorcade.ga.codegen.library_kernels.fit import fitted, horner
 from motorcade.ga.codegen.precision import DOUBLE
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.kernels.definitions import elements as on
+from motorcade.ga.kernels.definitions.functions import fitted, horner
 
 __all__ = [
     "Definition",

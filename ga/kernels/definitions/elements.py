@@ -10,7 +10,7 @@ from motorcade.ga.codegen.tape import Operand
 
 
 class Coefficients(NamedTuple):
-    """The names of an element's coefficients, and for each the basis blade and its sign.
+    """The names of an element's coefficients, and the blades that they stand on.
 
     >>> from motorcade.ga.kernels.definitions.elements import ROTOR
     >>> quarter_turn = ROTOR.of([0.5**0.5, 0, 0, -(0.5**0.5)])
@@ -19,7 +19,7 @@ class Coefficients(NamedTuple):
     """
 
     names: tuple[str, ...]
-    signed: tuple[tuple[str, int], ...]
+    blades: tuple[str, ...]
 
     def operand(self, name: str) -> Operand:
         """An operand of these coefficients."""
@@ -27,35 +27,27 @@ class Coefficients(NamedTuple):
 
     def of(self, given: Sequence[Any]) -> Multivector:
         """The multivector of the first coefficients; those that are not given are zero."""
-        signed = zip(self.signed[: len(given)], given, strict=True)
-        return CGA3.multivector(
-            {blade: value if sign > 0 else -value for (blade, sign), value in signed}
-        )
+        return CGA3.multivector(dict(zip(self.blades[: len(given)], given, strict=True)))
 
     def numbers(self, element: Multivector) -> list[Any]:
         """The coefficients of a multivector; others that it has are left out."""
-        read = [(element.coefficient(blade), sign) for blade, sign in self.signed]
-        return [value if sign > 0 else -value for value, sign in read]
+        return [element.coefficient(blade) for blade in self.blades]
 
 
-# e31 is stored, e1^e3 is the basis blade.
 MOTOR = Coefficients(
     ("1", "e23", "e31", "e12", "e1∞", "e2∞", "e3∞", "e123∞"),
-    (
-        ("1", 1), ("e2^e3", 1), ("e1^e3", -1), ("e1^e2", 1),
-        ("e1^einf", 1), ("e2^einf", 1), ("e3^einf", 1), ("e1^e2^e3^einf", 1),
-    ),
-)  # fmt: skip
+    ("1", "e2^e3", "e3^e1", "e1^e2", "e1^einf", "e2^einf", "e3^einf", "e1^e2^e3^einf"),
+)
 
 
 def _part(first: int, last: int) -> Coefficients:
-    return Coefficients(MOTOR.names[first:last], MOTOR.signed[first:last])
+    return Coefficients(MOTOR.names[first:last], MOTOR.blades[first:last])
 
 
 ROTOR, BIVECTOR, ANGLES, MOVED = _part(0, 4), _part(1, 7), _part(1, 4), _part(4, 8)
-VECTOR = Coefficients(("x", "y", "z"), (("e1", 1), ("e2", 1), ("e3", 1)))
+VECTOR = Coefficients(("x", "y", "z"), ("e1", "e2", "e3"))
 # ``c + d e123∞``, which commutes with motors.
-DUAL = Coefficients(("1", "e123∞"), (MOTOR.signed[0], MOTOR.signed[7]))
+DUAL = Coefficients(("1", "e123∞"), (MOTOR.blades[0], MOTOR.blades[7]))
 
 # A similarity, its logarithm, and other names of components.
 SIMILARITY = (*ROTOR.names, "E", "e23E", "e31E", "e12E", *MOVED.names)

@@ -15,7 +15,6 @@ pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is
 
 import casadi as ca
 
-from motorcade.ga.codegen.library_kernels.fit import fitted, horner
 from motorcade.ga.codegen.library_kernels.kernel import Kernel, collected
 from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, SINGLE, Precision
@@ -23,6 +22,7 @@ from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets import c_batch
 from motorcade.ga.codegen.targets import numpy as numpy_target
 from motorcade.ga.codegen.trace import trace
+from motorcade.ga.kernels.definitions.functions import fitted, horner
 
 COMPILER = shutil.which("gcc") or shutil.which("cc")
 WARNINGS = ["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-fno-math-errno"]

@@ -145,7 +145,7 @@ def test_triangles_that_are_none_are_refused(write: Write, corners: str, message
         ("scene", "MAX_NODES", 2, "nodes: expected at most 2, got 3"),
         ("controllers", "MAX_VERTICES", 11, "vertices and triangles: expected at most 11"),
         ("controllers", "MOST_INFLUENCES", 1, "expected at most 1 a vertex, got 2"),
-        ("xml", "MAX_ELEMENTS", 5, "at most 5"),
+        ("library", "MAX_ELEMENTS", 5, "at most 5"),
     ],
 )
 def test_files_beyond_the_limits_are_refused(
