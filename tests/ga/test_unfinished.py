@@ -70,6 +70,19 @@ def test_a_folder_that_takes_nothing_is_named(tmp_path: Path) -> None:
         raise AssertionError
 
 
+def test_a_place_that_cannot_be_marked_is_not_begun(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(path: Path, text: str) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    monkeypatch.setattr(Path, "write_text", full)
+    folder = tmp_path / "results"
+    with pytest.raises(OSError, match=r"No space left on device: '.*/results'"), unfinished(folder):
+        raise AssertionError
+    assert list(folder.iterdir()) == []
+
+
 @pytest.mark.parametrize("of", [{}, OTHER_CONTAINER, OTHER_HOST], ids=["us", "container", "host"])
 @pytest.mark.parametrize("process", [DEAD, 1])
 def test_the_lock_says_whether_a_builder_lives_and_its_number_does_not(
@@ -112,6 +125,18 @@ def test_without_locks_only_a_dead_process_of_ours_is_gone(
     monkeypatch.setattr(fcntl, "flock", without_locks if later else fcntl.flock)
     remove_unfinished(tmp_path)
     assert place.exists() != removed
+
+
+def test_without_locks_another_users_process_lives(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def not_ours(process: int, signal: int) -> None:
+        raise PermissionError(errno.EPERM, os.strerror(errno.EPERM))
+
+    monkeypatch.setattr(os, "kill", not_ours)
+    place = left(tmp_path, locked=False)
+    remove_unfinished(tmp_path)
+    assert place.exists()
 
 
 def test_a_builder_without_locks_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
