@@ -61,4 +61,5 @@ class _PlainLoader(yaml.SafeLoader):
         return node
 
     def _line(self) -> int:
-        return int(self.peek_event().start_mark.line) + 1
+        event = self.peek_event()  # type: ignore[no-untyped-call]
+        return int(event.start_mark.line) + 1

@@ -42,7 +42,7 @@ from motorcade.ga.unfinished import unfinished
 log = logging.getLogger("motorcade.artifacts")
 
 FORMAT_VERSION = 4
-MAX_TREE_BYTES = 1 << 30
+MAX_TREE_BYTES = 1 << 28
 MAX_ARRAYS_BYTES = 1 << 32
 MAX_FILE_BYTES = 1 << 40
 

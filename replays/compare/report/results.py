@@ -20,7 +20,7 @@ from motorcade.replays.compare.report.names import listed
 
 __all__ = ["REFERENCE", "Figure", "Ratio", "Results", "grid_ends", "tied"]
 
-MAX_FILE_BYTES = 1 << 28
+MAX_FILE_BYTES = 1 << 26
 
 REFERENCE = "motor"
 """The representation that the tables hold all others against."""
