@@ -18,8 +18,6 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import files_now, files_read, is_there, put_on_record
 from motorcade.replays.errors import did_you_mean
 
-__all__ = ["MANNEQUIN", "character_named", "clip_named", "path_of", "walked"]
-
 MANNEQUIN = "mannequin"
 IDLE = "idle"
 # How a walker that has arrived idles: samples a second, and for how long.

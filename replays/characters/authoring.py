@@ -17,8 +17,6 @@ from motorcade.animation.authoring import (
     replay,
 )
 
-__all__ = ["Authored", "author"]
-
 
 @dataclass(frozen=True, eq=False)
 class Authored:

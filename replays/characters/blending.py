@@ -21,8 +21,6 @@ from motorcade.animation.blend import (
 from motorcade.animation.formats import read_character, read_motion, write_gltf
 from motorcade.animation.retarget import retarget
 
-__all__ = ["Blend", "blend_character", "character_with", "write_blend"]
-
 # Words by which feet are found among names of joints, ends of legs before toes.
 FEET = ("foot", "ankle", "toe")
 

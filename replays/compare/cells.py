@@ -20,17 +20,6 @@ from motorcade.replays.compare.measure.evaluator import METRICS, PathEvaluator
 from motorcade.replays.compare.measure.truth import truth_of
 from motorcade.replays.compare.plan import degradation_named
 
-__all__ = [
-    "RAW",
-    "ComparisonCell",
-    "MeasuredRow",
-    "Setting",
-    "inputs_of",
-    "measured_rows",
-    "run_cell",
-    "why",
-]
-
 RAW = ("raw", "none")
 """Method and representation of the row that measures the poses as they come."""
 # Digits that are kept: rounding of the last ones may differ from machine to machine.

@@ -33,8 +33,6 @@ from motorcade.replays.compare.measure.truth import RecordedTruth
 from motorcade.replays.compare.tuning import BORROWS, Tuned, borrowed, tuned
 from motorcade.replays.engine.jobs import job_key, run_jobs
 
-__all__ = ["compare_recorded"]
-
 _FEWEST_IN_BLOCK = 50
 _MOST_BLOCKS = 40
 _DEGRADATION = "recorded"

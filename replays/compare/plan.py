@@ -30,16 +30,6 @@ from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor
 from motorcade.replays.errors import did_you_mean
 
-__all__ = [
-    "DEGRADATIONS",
-    "SLOW",
-    "ComparisonPlan",
-    "LeftOut",
-    "degradation_named",
-    "quick",
-    "standard",
-]
-
 SLOW = ("auto", "robust_map")
 """Methods whose cells are computed apart; see `standard`."""
 

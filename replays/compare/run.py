@@ -23,8 +23,6 @@ from motorcade.replays.compare.plan import SLOW, ComparisonPlan
 from motorcade.replays.compare.tuning import BORROWS, Tuned, Tuning, borrowed, run_tuning
 from motorcade.replays.engine.jobs import job_key, run_jobs
 
-__all__ = ["run_comparison"]
-
 Task = TypeVar("Task", Tuning, ComparisonCell, Trait)
 Result = TypeVar("Result")
 

@@ -30,8 +30,6 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.cells import Setting, inputs_of
 from motorcade.replays.compare.measure.evaluator import PathEvaluator
 
-__all__ = ["GRIDS", "ParameterGrid", "Tuned", "Tuning", "borrowed", "run_tuning", "tuned"]
-
 NOISE = (("noise_m", 0.005), ("noise_rad", float(np.deg2rad(0.5))))
 """The noise that filters are told. Only its ratio to the process noise counts, which their grids
 change; but `robust_map` recognises outliers by it."""

@@ -36,8 +36,6 @@ from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
-__all__ = ["FILTERS", "PARTS", "Experiment", "Judged", "Simulated", "judge", "simulate"]
-
 PARTS: Mapping[str, slice] = MappingProxyType(
     {
         "pose": slice(0, 6),

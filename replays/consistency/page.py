@@ -15,8 +15,6 @@ from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.pages import page_environment
 from motorcade.replays.pages.parts import PageCell, PagePlot
 
-__all__ = ["write_page"]
-
 _HERE = Path(__file__).parent
 # Where 95 % of steps are expected within the bounds.
 _GOOD = (0.90, 0.99)

@@ -22,16 +22,6 @@ from motorcade.replays.consistency.experiment import (
 from motorcade.replays.engine.jobs import job_key, run_jobs
 from motorcade.replays.files.atomic import write_csv
 
-__all__ = [
-    "ConsistencyPlan",
-    "SeedRange",
-    "Verdict",
-    "as_json",
-    "as_table",
-    "run_plan",
-    "run_seeds",
-]
-
 _RUNS_A_JOB = 20
 _INNOVATION_FREEDOM = 6
 # Errors are told of once the wrong start is forgotten.

@@ -21,8 +21,6 @@ from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.calibrate import spread_views
 from motorcade.tracking.cameras.camera import CameraModel
 
-__all__ = ["CalibrationRun", "calibrate_pictures", "describe_calibration", "write_calibration"]
-
 # Frames of a video that are searched, and views that are fitted: more hardly change the result.
 _MOST_FRAMES = 300
 _MOST_VIEWS = 60

@@ -10,8 +10,6 @@ from motorcade.tracking.checks import check_length
 from motorcade.tracking.markers.families import dictionary
 from motorcade.tracking.markers.marker_map import MarkerMap
 
-__all__ = ["LooseMarkers"]
-
 
 @dataclass(frozen=True, eq=False)
 class LooseMarkers:

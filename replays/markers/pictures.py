@@ -19,8 +19,6 @@ from motorcade.tracking import Camera, Detection, TrackingError, detect_markers,
 from motorcade.tracking.checks import check_length
 from motorcade.tracking.markers.poses import PosedMarker
 
-__all__ = ["MarkerPicture", "describe", "draw", "drawing_names", "markers_in", "write_drawing"]
-
 _OUTLINE, _FIRST, _DOUBTFUL = (0, 200, 0), (0, 0, 255), (0, 165, 255)  # blue, green, red
 _AXES = ((0, 0, 255), (0, 255, 0), (255, 0, 0))
 _SUBPIXEL_BITS = 4

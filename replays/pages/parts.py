@@ -12,8 +12,6 @@ from motorcade.render.plots.style import ON_PAGES, page_colours
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-__all__ = ["PageCell", "PagePlot", "page_environment"]
-
 _TEMPLATES = Path(__file__).with_name("templates")
 
 

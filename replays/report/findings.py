@@ -18,8 +18,6 @@ from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
 from motorcade.replays.values.view import OverlayVideo, PlacedCharacter
 
-__all__ = ["Drawn", "as_drawn", "map_unit"]
-
 Spans = tuple[tuple[float, float], ...]
 
 

@@ -27,15 +27,6 @@ from motorcade.replays.pages.parts import PagePlot
 from motorcade.replays.report.findings import Findings, Spans, as_drawn, map_unit
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
-__all__ = [
-    "FilterErrors",
-    "ReportSection",
-    "filter_errors",
-    "filter_pictures",
-    "sections",
-    "sheet_jpeg",
-]
-
 _FREEDOM = 6
 # A one-sigma band holds this share of Gaussian errors.
 _WITHIN = 0.683

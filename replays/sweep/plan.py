@@ -27,8 +27,6 @@ from motorcade.replays.engine.stage import GraphError
 from motorcade.replays.errors import RecordingError, one_line, refusal
 from motorcade.replays.readers.manifest.section import Section, load_toml
 
-__all__ = ["SEEDED", "PlannedRun", "Sweep", "read_sweep"]
-
 MOST_RUNS = 100_000
 _KEYS = ("recordings", "seeds", "until", "knobs")
 SEEDED = ("simulated_poses.seed", "imu.seed")

@@ -16,8 +16,6 @@ from motorcade.replays.report.summary import COLUMNS, shown_value
 from motorcade.replays.sweep.plan import Sweep
 from motorcade.replays.sweep.table import FIGURES, Row
 
-__all__ = ["report_page"]
-
 _TEMPLATES = Path(__file__).with_name("templates")
 _MOST_SHOWN = 5_000
 _MOST_VALUES = 12

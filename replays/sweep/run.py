@@ -23,8 +23,6 @@ from motorcade.replays.sweep.plan import PlannedRun, Sweep
 from motorcade.replays.sweep.report import report_page
 from motorcade.replays.sweep.table import FIGURES, Row, RunFigures, rows_of, write_parquet
 
-__all__ = ["Summary", "run_sweep"]
-
 log = logging.getLogger("motorcade.sweep")
 
 _OUTCOME = "outcome"

@@ -9,8 +9,6 @@ from pathlib import Path
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.sweep.plan import PlannedRun
 
-__all__ = ["FIGURES", "PathFigures", "Row", "RunFigures", "rows_of", "write_parquet"]
-
 Row = Mapping[str, str | int | float | None]
 """One row; all rows of a sweep have the same columns."""
 

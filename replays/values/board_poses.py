@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.tracking import BoardTrack
 
-__all__ = ["BoardPoses"]
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BoardPoses(CameraPoses):

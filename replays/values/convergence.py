@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Convergence"]
-
 
 @dataclass(frozen=True, eq=False)
 class Convergence:

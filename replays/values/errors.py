@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from motorcade.fusion.metrics import Align
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["AccelerationSeries", "ErrorSeries", "PathErrors"]
-
 
 @dataclass(frozen=True, eq=False)
 class ErrorSeries:

@@ -11,8 +11,6 @@ from motorcade.ga import Motor
 if TYPE_CHECKING:
     from motorcade.replays.recording import Recording
 
-__all__ = ["ImuOrigin", "UsedImu"]
-
 ImuOrigin = Literal["recorded", "reference", "tracked"]
 
 

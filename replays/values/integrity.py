@@ -8,8 +8,6 @@ from typing import Any, Literal
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Integrity", "IntegrityCheck"]
-
 
 @dataclass(frozen=True)
 class IntegrityCheck:

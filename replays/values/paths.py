@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["FusedPath", "FusedWith", "SmoothedPaths"]
-
 FusedWith = Literal["imu", "odometry", "nothing"]
 
 

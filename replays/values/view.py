@@ -12,8 +12,6 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.engine.aside import ASIDE
 
-__all__ = ["OverlayVideo", "PlacedCharacter"]
-
 
 @dataclass(frozen=True, eq=False)
 class PlacedCharacter:

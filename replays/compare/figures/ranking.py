@@ -23,8 +23,6 @@ from motorcade.replays.compare.figures.statistics import (
 )
 from motorcade.replays.compare.measure.evaluator import METRICS
 
-__all__ = ["RANKED", "rankings", "ratios_to_motor"]
-
 RANKED = (
     "score",
     "ape_rmse_m",

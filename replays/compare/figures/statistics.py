@@ -26,19 +26,6 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.cells import RAW, ComparisonCell, MeasuredRow
 from motorcade.replays.compare.measure.evaluator import METRICS
 
-__all__ = [
-    "FLOORS",
-    "PRACTICAL_SHARE",
-    "Group",
-    "Intervals",
-    "Sample",
-    "bootstrap",
-    "cost",
-    "grouped",
-    "resampling",
-    "verdicts",
-]
-
 RESAMPLES = 2000
 _SEED = 20240229
 _LEVEL = (2.5, 97.5)

@@ -54,8 +54,6 @@ from motorcade.replays.compare.measure.evaluator import METRICS
 from motorcade.replays.compare.tuning import GRIDS, Tuned
 from motorcade.replays.files.atomic import write_bytes, write_csv
 
-__all__ = ["FORMAT", "Outcome", "write_tables"]
-
 FORMAT = "motorcade comparison 1"
 _PLACE = ("motion", "degradation", "method", "representation")
 _CELLS = (

@@ -20,8 +20,6 @@ from motorcade.ga.stamps import near_steps
 from motorcade.replays.compare.measure.lag import LagTable
 from motorcade.replays.compare.measure.truth import Truth
 
-__all__ = ["ERRORS", "METRICS", "PathEvaluator"]
-
 ERRORS = (
     "ape_rmse_m",
     "rotation_rmse_deg",

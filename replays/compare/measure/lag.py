@@ -17,8 +17,6 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import near_steps
 from motorcade.replays.compare.measure.truth import Truth
 
-__all__ = ["LagTable"]
-
 _STEP_S = 0.01
 _LARGEST_S = 0.5
 _FEWEST = 4

@@ -19,8 +19,6 @@ from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Motor, Trajectory, blend
 from motorcade.replays.compare.cells import why
 
-__all__ = ["exact_ties"]
-
 _BOUND = 1e-9
 _ONE_BY_ONE = (
     "exponential",

@@ -10,8 +10,6 @@ from motorcade.fusion.metrics import frame_change_defect, seconds_per_pose
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.compare.cells import Setting, inputs_of, why
 
-__all__ = ["Trait", "measured_trait", "run_trait"]
-
 _FRAMES_SEED = 20240229
 
 

@@ -15,8 +15,6 @@ from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import check_count, stretches
 
-__all__ = ["AnalyticTruth", "RecordedTruth", "Truth", "truth_of"]
-
 _TABLE_STEP_S = 1e-3
 # The motions go on before and after; lags are sought within half a second.
 _MARGIN_S = 1.5

@@ -16,8 +16,6 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.replays.compare.report.names import shown
 from motorcade.replays.compare.report.pictures import Replayed
 
-__all__ = ["Crossing", "crossing"]
-
 _SHOWN = ("euler", "euler_unwrapped", "quaternion", "motor")
 _SIZE = 100.0
 # Corners of the picture clockwise from the top left, the mark above it, and where it looks.

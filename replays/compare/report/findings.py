@@ -22,8 +22,6 @@ from motorcade.replays.compare.report.results import (
     tied,
 )
 
-__all__ = ["ComparisonFindings", "compared", "findings", "percent"]
-
 _FRAME_BOUND = 1e-10
 _FEW = 3
 

@@ -19,18 +19,6 @@ from motorcade.replays.compare.report.names import (
 from motorcade.replays.compare.report.results import REFERENCE, Ratio, Results, tied
 from motorcade.replays.pages.parts import PageCell
 
-__all__ = [
-    "Matrix",
-    "against_motor",
-    "best_of_each",
-    "exact_ties",
-    "matrices",
-    "place_rows",
-    "rotation_errors",
-    "trait_matrices",
-    "verdict_counts",
-]
-
 _STEPS_TO_RAW = (0.1, 0.2, 0.35, 0.6, 0.95, 1.05, 1.5, 2.5, 5.0, 10.0)
 _STEPS_TO_MOTOR = (0.5, 0.7, 0.85, 0.95, 0.99, 1.01, 1.05, 1.2, 1.5, 3.0)
 _STEPS = {

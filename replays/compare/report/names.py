@@ -5,22 +5,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-__all__ = [
-    "CAUSAL",
-    "DEGRADATIONS",
-    "LABELS",
-    "METHODS",
-    "METRICS",
-    "MOTIONS",
-    "RATIOS",
-    "REPRESENTATIONS",
-    "SIZES",
-    "Metric",
-    "listed",
-    "shown",
-    "shown_metric",
-]
-
 
 class Metric(NamedTuple):
     """Heading, shown unit, factor into it, one line of definition, and its source."""

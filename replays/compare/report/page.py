@@ -37,8 +37,6 @@ from motorcade.replays.pages.parts import PagePlot
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-__all__ = ["motion_file", "write_report"]
-
 _TEMPLATES = Path(__file__).with_name("templates")
 _CROSSINGS = (
     "gimbal_crossing",

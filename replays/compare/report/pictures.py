@@ -17,16 +17,6 @@ from motorcade.replays.compare.report.names import CAUSAL, LABELS
 from motorcade.replays.compare.report.results import REFERENCE, Results
 from motorcade.replays.pages.parts import PagePlot
 
-__all__ = [
-    "Replayed",
-    "can_be_drawn",
-    "large_panels",
-    "method_apart",
-    "method_to_draw",
-    "replay",
-    "small_panels",
-]
-
 
 @dataclass(frozen=True, eq=False)
 class Replayed:
