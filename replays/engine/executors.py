@@ -84,7 +84,7 @@ def outcomes(
 
 
 def _alone(function: Callable[[Job], Result], job: Job) -> Result:
-    """One job a process at a time, whatever threads a worker has: stages share its workspace."""
+    """One job a process at a time, whatever threads a worker has: it may take that with it."""
     with _one_at_a_time:
         return function(job)
 
