@@ -4,7 +4,7 @@
     python -m tests.house.files_run --list         and their names, in the order of a reader
     python -m tests.house.files_run --list vertex  of one task
 
-Imports do not count, only functions that are called.
+Imports do not count, nor what they call; only functions that the task itself calls.
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ import inspect
 import sys
 import tempfile
 import threading
-from collections.abc import Callable
 from pathlib import Path
-from types import FrameType
+from types import FrameType, FunctionType
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ import numpy as np
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 
 
-def files_of(task: Callable[[], object]) -> list[str]:
+def files_of(task: FunctionType) -> list[str]:
     """Product files, by path below the repository, in which a function ran during the task.
 
     They are in the order in which they were entered first.
@@ -32,8 +31,15 @@ def files_of(task: Callable[[], object]) -> list[str]:
 
     def note(frame: FrameType, event: str, argument: Any) -> None:
         # Bodies of modules and classes are no functions: they run when something is imported.
-        if event == "call" and frame.f_code.co_flags & inspect.CO_OPTIMIZED:
-            codes[frame.f_code.co_filename] = True
+        code = frame.f_code
+        if event != "call" or not code.co_flags & inspect.CO_OPTIMIZED or code.co_filename in codes:
+            return
+        above: FrameType | None = frame
+        while above is not None and above.f_code is not task.__code__:
+            if above.f_code.co_name == "<module>":
+                return
+            above = above.f_back
+        codes[code.co_filename] = True
 
     threading.setprofile(note)
     sys.setprofile(note)
@@ -50,7 +56,7 @@ def files_of(task: Callable[[], object]) -> list[str]:
     return [str(path) for path in below if path.parts[0] in ROOMS]
 
 
-def run() -> Callable[[], object]:
+def run() -> FunctionType:
     """The whole graph on the embedded recording, computed from the start."""
     from motorcade.replays.cli import main
 
@@ -61,7 +67,7 @@ def run() -> Callable[[], object]:
     return task
 
 
-def interpolate() -> Callable[[], object]:
+def interpolate() -> FunctionType:
     """One motor between two others."""
     from motorcade.ga import Motor
 
@@ -69,7 +75,7 @@ def interpolate() -> Callable[[], object]:
     return lambda: start.interpolate(end, 0.5)
 
 
-def vertex() -> Callable[[], object]:
+def vertex() -> FunctionType:
     """A character's vertices, from a glTF file to pixels."""
     from motorcade.animation import mannequin, read_character, skin, write_gltf
     from motorcade.ga import Motor, Rotor
