@@ -172,8 +172,9 @@ def test_a_recorded_truth_has_rows_where_it_has_poses(gap_s):
     truth = RecordedTruth(Trajectory(path.time_ns + leap, path.poses))
     time_s = truth.seconds(path.time_ns + leap)
     places, rotors = truth.between_rows(time_s)
-    assert np.abs(places - path.poses.translation_m).max() < 1e-4
-    assert (rotors.inverse() @ path.motors.rotor).angle().max() < 1e-4
+    # the last row of a table is less than a millisecond from the one before it
+    assert np.abs(places - path.poses.translation_m)[:-1].max() < 1e-5
+    assert (rotors.inverse() @ path.motors.rotor).angle()[:-1].max() < 1e-5
     assert len(truth._table[2]) < 12_000
 
 
