@@ -40,7 +40,7 @@ def simulate_camera_poses(
 
     Raises:
         ValueError: a rate or deviation that is not positive, or a rate that makes more than
-            200,000 poses and 1,000 more a pose of `truth`.
+            50,000 poses and 500 more a pose of `truth`.
 
     Examples:
         >>> import numpy as np

@@ -62,11 +62,11 @@ def read_bounded(path: Path, limit_bytes: int) -> bytes:
     ...     read_bounded(path, 100)
     b'0 0 0 1'
     """
-    _admitted(path, limit_bytes)
+    size = _admitted(path, limit_bytes).st_size
     with _told(path), path.open("rb") as file:
-        data = file.read(limit_bytes + 1)
-    if len(data) > limit_bytes:  # it grew since it was admitted
-        raise FileError(path, f"expected at most {limit_bytes} bytes, got more")
+        data = file.read(size + 1)  # not up to the limit, for which memory would be set aside
+    if len(data) > size:
+        raise FileError(path, f"expected {size} bytes, as when it was opened, got more")
     if _record.get() is not None:
         _note(path, f"{len(data)} bytes, SHA-256 {hashlib.sha256(data).hexdigest()}")
     if not data:

@@ -7,7 +7,7 @@ One rule for the whole product, so that work grows with the poses and not with t
 * a gap of more than ten seconds splits a path. Nothing tells what happened within, so nothing is
   computed there: each stretch is sampled, fitted and correlated for itself. Shorter gaps are
   bridged.
-* samples at an even rate may be at most 200,000, and 1,000 more for each pose that they are made
+* samples at an even rate may be at most 50,000, and 500 more for each pose that they are made
   from; ten million where they are made of nothing but a formula.
 """
 
@@ -28,7 +28,7 @@ LONGEST_BRIDGE_S = 10.0
 """A longer gap splits a path."""
 LONGEST_SPAN_S = 1e9
 """No window, shift or offset is longer than this, thirty years."""
-_MOST, _MOST_A_POSE, _MOST_OF_A_FORMULA = 200_000, 1_000, 10_000_000
+_MOST, _MOST_A_POSE, _MOST_OF_A_FORMULA = 50_000, 500, 10_000_000
 
 
 def checked_stamps(value: ArrayLike, name: str) -> IntArray:

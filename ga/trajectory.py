@@ -165,8 +165,8 @@ class Trajectory:
         within, and the stamps begin anew after it.
 
         Raises:
-            ValueError: a rate that is not positive, or that makes more than 200,000 poses and
-                1,000 more for each that there is.
+            ValueError: a rate that is not positive, or that makes more than 50,000 poses and
+                500 more for each that there is.
         """
         stamps = stamps_at_rate(self.time_ns, rate_hz, "Trajectory.at_rate: rate_hz")
         return self.resampled(stamps)

@@ -6,7 +6,9 @@ read 200 times a second, but not within gaps.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
+from contextlib import redirect_stderr
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -177,7 +179,9 @@ class Case:
             pictures.mkdir()
             rng = np.random.default_rng(3)
             for k in range(POSES):
-                cv2.imwrite(str(pictures / f"{k:03d}.png"), rng.integers(0, 255, (16, 24)))
+                cv2.imwrite(
+                    str(pictures / f"{k:03d}.png"), rng.integers(0, 255, (16, 24), dtype=np.uint8)
+                )
         self.file("imu.csv"), self.file("truth.csv")
         (self.folder / "stamps.txt").write_text("".join(f"{one}\n" for one in self.time_ns))
         (self.folder / "motorcade.toml").write_text(MANIFEST)
@@ -196,11 +200,13 @@ def command(*words: str | Callable[[Case], str]) -> Callable[[Case], object]:
     """A command line; callables make words of the case."""
 
     def run(case: Case) -> None:
-        said = motorcade([word if isinstance(word, str) else word(case) for word in words])
-        if said == 1 or said == 2:
-            raise ValueError("refused")
+        with redirect_stderr(io.StringIO()) as told:
+            said = motorcade([word if isinstance(word, str) else word(case) for word in words])
+        last = told.getvalue().strip().rpartition("\n")[2]
+        if said not in (0, None) and (said not in (1, 2) or "unexpected" in last):
+            raise CommandFailedError(f"exit code {said}: {last}")
         if said:
-            raise CommandFailedError(f"exit code {said}")
+            raise ValueError(last)
 
     return run
 
@@ -348,8 +354,16 @@ COMMANDS: dict[str, Callable[[Case], object]] = {
     "motorcade run --until convergence": command(
         *_RUN, "--until", "convergence", "--out", _out("converged")
     ),
-    "motorcade run": command(*_RUN, "--out", _out("run")),
-    "motorcade export": command("export", _out("run"), "--gltf", _out("run.glb")),
 }  # fmt: skip
 
 DOORS = FUNCTIONS | COMMANDS
+
+Line = tuple[str | Callable[[Case], str], ...]
+FRESH: dict[str, tuple[Line, ...]] = {
+    "motorcade run": ((*_RUN, "--out", _out("run")),),
+    "motorcade export": (
+        (*_RUN, "--until", "placed", "--out", _out("run")),
+        ("export", _out("run"), "--gltf", _out("run.glb")),
+    ),
+}
+"""Commands one after another that want a process of their own from the start: they draw."""

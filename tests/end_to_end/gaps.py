@@ -19,18 +19,20 @@ import argparse
 import os
 import resource
 import signal
+import subprocess
 import sys
 import tempfile
 import time
 import traceback
 import warnings
 from collections.abc import Callable, Iterable
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from tests.end_to_end.gap_doors import DOORS, STEP_NS, Case, shapes
+from tests.end_to_end.gap_doors import DOORS, FRESH, STEP_NS, Case, Line, shapes
 
 SECOND = 10**9
 GAPS = {
@@ -55,16 +57,52 @@ class Outcome:
     how: str
     seconds: float
     mib: float
+    reason: str = ""
 
     def fault(self, usual: Outcome) -> bool:
-        """Whether it ended otherwise than it may, or too late; memory is limited besides."""
-        return self.how not in ("result", "refused") or self.seconds > max(
-            MOST_S, MOST_TIMES * usual.seconds
-        )
+        """Whether it ended otherwise than it may, or was too dear."""
+        late = self.seconds > max(MOST_S, MOST_TIMES * usual.seconds)
+        large = self.mib > usual.mib + MOST_MIB
+        return self.how not in ("result", "refused") or late or large
 
 
-def tried(door: Callable[[Case], object], case: Case) -> Outcome:
+def tried(door: str, case: Case) -> Outcome:
     """Run a door on a path in a process of its own, bounded in time and memory."""
+    return _spawned(FRESH[door], case) if door in FRESH else _forked(DOORS[door], case)
+
+
+def _spawned(lines: Iterable[Line], case: Case) -> Outcome:
+    words = [[word if isinstance(word, str) else word(case) for word in line] for line in lines]
+    child = subprocess.Popen(
+        [sys.executable, "-c", _LINES.format(words)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert child.stderr is not None
+    last = child.stderr.read().strip().rpartition("\n")[2]
+    _, status, used = os.wait4(child.pid, 0)
+    code = os.waitstatus_to_exitcode(status)
+    how = "result" if code == 0 else "refused" if code in (1, 2) else f"ended by {code}"
+    if "unexpected" in last or "allocate" in last:
+        how = last
+    return Outcome(
+        how, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0, last if code else ""
+    )
+
+
+_LINES = """
+import signal, sys
+signal.alarm(120)
+from motorcade.replays.cli.main import main
+for words in {}:
+    code = main(words)
+    if code:
+        sys.exit(code)
+"""
+
+
+def _forked(door: Callable[[Case], object], case: Case) -> Outcome:
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
@@ -83,8 +121,8 @@ def tried(door: Callable[[Case], object], case: Case) -> Outcome:
     if not text:
         ended = os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
         return Outcome(f"ended by {ended}", seconds, float("nan"))
-    mib, how = text.split(" ", 1)
-    return Outcome(how, seconds, float(mib))
+    mib, how, reason = text.split("\n", 2)
+    return Outcome(how, seconds, float(mib), reason)
 
 
 def _in_the_child(door: Callable[[Case], object], case: Case, told: int) -> None:
@@ -101,7 +139,8 @@ def _in_the_child(door: Callable[[Case], object], case: Case, told: int) -> None
         ended = fault
     resource.setrlimit(resource.RLIMIT_AS, free)
     how = "result" if ended is None else _named(ended)
-    os.write(told, f"{(_kib('VmHWM') - held) / 1024.0} {how}".encode())
+    mib = (_kib("VmHWM") - held) / 1024.0
+    os.write(told, f"{mib}\n{how}\n{ended or ''}".encode())
 
 
 def _named(ended: Exception) -> str:
@@ -124,19 +163,21 @@ def _kib(name: str) -> int:
     raise KeyError(name)
 
 
-def table(doors: Iterable[str], gaps: Iterable[str], folder: Path) -> int:
+def table(doors: Iterable[str], gaps: Iterable[str], folder: Path, *, reasons: bool) -> int:
     """Print a row a door; the number of faults."""
     gaps = tuple(gaps)
     print(f"{'':34}" + "".join(f"{name:>16}" for name in ("no gap", *gaps, "0, then today")))
     faults = []
     for door in doors:
-        usual = _without_gaps(DOORS[door], folder)
+        usual = _without_gaps(door, folder)
         cells = [_cell(usual, fault=usual.how != "result")]
         for gap in (*gaps, None):
             worst = Outcome("refused", 0.0, 0.0)
             for shape, stamps in shapes(None if gap is None else GAPS[gap]).items():
-                case = Case.of(stamps, folder / "now")
-                found = tried(DOORS[door], case)
+                case = Case.of(stamps, folder / f"{gap} {shape}")
+                found = tried(door, case)
+                if reasons and found.reason:
+                    print(f"  {gap}, {shape}: {found.how}: {found.reason}")
                 if found.fault(usual):
                     faults.append(f"{door}, {gap}, {shape}: {found}")
                 worst = max(
@@ -156,27 +197,26 @@ def _cell(found: Outcome, fault: bool) -> str:
     return f"{mark} {found.seconds:.2f} s {found.mib:4.0f} MiB"
 
 
-def _without_gaps(door: Callable[[Case], object], folder: Path) -> Outcome:
+def _without_gaps(door: str, folder: Path) -> Outcome:
     """What a door takes for a path without gaps, once that what is imported late is there."""
     case = Case.of(next(iter(shapes(STEP_NS).values())), folder / "even")
-    with Path(os.devnull).open("w") as nothing:
-        out, sys.stdout = sys.stdout, nothing
-        try:
-            door(case)
-        finally:
-            sys.stdout = out
-    return tried(door, case)
+    if door in DOORS:
+        with Path(os.devnull).open("w") as nothing, redirect_stdout(nothing):
+            DOORS[door](case)
+    return tried(door, Case.of(case.time_ns, folder / "usual"))
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--doors", nargs="+", default=list(DOORS), choices=list(DOORS))
+    every = [*DOORS, *FRESH]
+    parser.add_argument("--doors", nargs="+", default=every, choices=every)
     parser.add_argument("--gaps", nargs="+", default=list(GAPS), choices=list(GAPS))
+    parser.add_argument("--reasons", action="store_true", help="say why paths are refused")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
     began = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
-        faults = table(arguments.doors, arguments.gaps, Path(folder))
+        faults = table(arguments.doors, arguments.gaps, Path(folder), reasons=arguments.reasons)
     print(f"{faults} faults; {time.monotonic() - began:.0f} s; '-': all such paths are refused")
     return 1 if faults else 0
 
