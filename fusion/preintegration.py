@@ -23,7 +23,7 @@ from motorcade.ga.stamps import LONGEST_BRIDGE_S
 
 __all__ = ["Preintegrated", "preintegrate"]
 
-_MOST_TURN_RAD = 1e3
+_MOST_TURN_RAD, _MOST_BIAS = 1e3, 1e9
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,6 +236,8 @@ def _checked_keyframes(keyframes_ns: IntArray, imu: ImuStream) -> IntArray:
 
 def _checked_bias(value: ArrayLike, name: str, count: int) -> FloatArray:
     checked = checked_floats(value, name, (3,))
+    if np.abs(checked).max(initial=0.0) > _MOST_BIAS:
+        raise ValueError(f"{name}: expected biases up to {_MOST_BIAS:g}, got {value!r}")
     if checked.shape not in ((3,), (count, 3)):
         raise ValueError(f"{name}: expected shape (3,) or {(count, 3)}, got {checked.shape}")
     return checked

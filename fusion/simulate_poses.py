@@ -16,6 +16,8 @@ from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["simulate_camera_poses"]
 
+_MOST = 1e9  # of any of the numbers, whose squares are covariances
+
 
 def simulate_camera_poses(
     truth: Trajectory,
@@ -56,7 +58,8 @@ def simulate_camera_poses(
         Trajectory(world_T_imu, 61 poses, 3.000 s)
     """
     for name, value in (("rate_hz", rate_hz), ("sigma_m", sigma_m), ("sigma_rad", sigma_rad)):
-        checked_positive(value, name)
+        if checked_positive(value, name) > _MOST:
+            raise ValueError(f"{name}: expected at most {_MOST:g}, got {value}")
     stamps = stamps_at_rate(truth.time_ns, rate_hz, "rate_hz")
     sigma = np.repeat([sigma_rad, sigma_m], 3)
     noise = Motor.from_twist(sigma * rng.standard_normal((len(stamps), 6)))

@@ -89,6 +89,17 @@ def checked_span_ns(seconds: float, name: str) -> int:
     return round(seconds * 1e9)
 
 
+def checked_rate(rate_hz: float, name: str) -> float:
+    """A rate of stamps, from one in thirty years to one a nanosecond.
+
+    Raises:
+        ValueError: another number.
+    """
+    if not 1e-9 <= rate_hz <= 1e9:
+        raise ValueError(f"{name}: expected a positive number from 1e-9 to 1e9, got {rate_hz}")
+    return rate_hz
+
+
 def near_steps(steps: FloatArray | IntArray) -> NDArray[np.bool_]:
     """Which of the steps ``(N - 1,)`` between stamps are no gaps."""
     if not steps.size:
@@ -114,19 +125,18 @@ def stamps_at_rate(time_ns: IntArray, rate_hz: float, name: str) -> IntArray:
 
     Args:
         time_ns: increasing.
-        rate_hz: stamps a second, above 0.
+        rate_hz: stamps a second.
         name: what the caller calls the rate.
 
     Raises:
-        ValueError: a rate that is not above 0 and at most 1e9, or more stamps than there may be.
+        ValueError: as `checked_rate`, or more stamps than there may be.
 
     >>> import numpy as np
     >>> stamps_at_rate(10**9 * np.array([0, 1, 86_400, 86_401]), 2.0, "rate_hz") * 1e-9
     array([0.00000e+00, 5.00000e-01, 1.00000e+00, 8.64000e+04, 8.64005e+04,
            8.64010e+04])
     """
-    if not 0.0 < rate_hz <= 1e9:
-        raise ValueError(f"{name}: expected a positive number up to 1e9, got {rate_hz}")
+    checked_rate(rate_hz, name)
     spans = [(int(time_ns[part.start]), int(time_ns[part.stop - 1])) for part in stretches(time_ns)]
     counts = [int((last - first) * 1e-9 * rate_hz + 1e-6) + 1 for first, last in spans]
     check_count(sum(counts), f"{name} of {rate_hz:g}", len(time_ns))

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga.arrays import IntArray
 from motorcade.ga.files import admit_file
+from motorcade.ga.stamps import LONGEST_BRIDGE_S, stretches
 from motorcade.ga.unfinished import unfinished
 from motorcade.render.scene import ImageArray
 
@@ -59,6 +60,7 @@ def ahead(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Res
 
 CLOCKS_HZ = {".mp4": 90_000, ".mkv": 1000}
 QUALITY = 18
+MOST_APART_S = 21_600.0  # MP4 counts a frame's ticks in 32 bits
 BT_709 = 1
 
 
@@ -72,16 +74,19 @@ def write_video(path: Path, frames: Iterable[ImageArray], time_ns: ArrayLike) ->
         path: a name that ends in ".mp4" (H.264) or ".mkv" (FFV1). The file appears complete or not
             at all.
         frames: uint8 RGB pictures (h, w, 3) of one size, one for each stamp.
-        time_ns: (N,) strictly increasing stamps in ns; the video starts at the first.
+        time_ns: (N,) strictly increasing stamps in ns; the video starts at the first. Through a
+            gap of more than ten seconds that splits them (see `motorcade.ga.stamps`) an MP4 shows
+            the frame before it for ten seconds, and goes on; Matroska keeps the stamps.
 
     Raises:
-        ValueError: another ending, stamps that do not increase, frames of other shapes, or
-            another number of frames than stamps.
+        ValueError: another ending, stamps that do not increase or are farther apart than six hours
+            without being gaps (MP4), frames of other shapes, or another number of frames than
+            stamps.
         OSError: the file cannot be written.
     """
     if path.suffix not in CLOCKS_HZ:
         raise ValueError(f"write_video(path): expected a name ending in .mp4 or .mkv, got {path}")
-    stamps = _ticks(time_ns, CLOCKS_HZ[path.suffix])
+    stamps = _ticks(time_ns, path.suffix)
     with unfinished(path.parent) as place:
         part = place / f"part{path.suffix}"
         _encode(part, frames, stamps)
@@ -137,20 +142,36 @@ def read_frames(path: Path, every: int = 1) -> Iterator[tuple[int, ImageArray]]:
             yield stamp_ns, np.asarray(frame.to_ndarray(format="rgb24"), dtype=np.uint8)
 
 
-def _ticks(time_ns: ArrayLike, clock_hz: int) -> IntArray:
+def _ticks(time_ns: ArrayLike, suffix: str) -> IntArray:
     """Stamps on the video's clock, from zero."""
-    stamps = np.asarray(time_ns)
+    clock_hz, stamps = CLOCKS_HZ[suffix], np.asarray(time_ns)
     if stamps.ndim != 1 or stamps.size == 0 or stamps.dtype.kind != "i":
         raise ValueError(
             "write_video(time_ns): expected integers of shape (N,), got "
             f"{stamps.dtype} {stamps.shape}"
         )
+    if suffix == ".mp4":
+        stamps = _without_long_gaps(stamps)
     ticks: IntArray = np.rint((stamps - stamps[0]) * (clock_hz * 1e-9)).astype(np.int64)
     if np.any(np.diff(ticks) <= 0):
         raise ValueError(
             f"write_video(time_ns): expected stamps at least 1/{clock_hz} s apart and increasing"
         )
     return ticks
+
+
+def _without_long_gaps(time_ns: IntArray) -> IntArray:
+    """Stamps whose splitting gaps are ten seconds long."""
+    steps = np.diff(time_ns)
+    for part in stretches(time_ns)[1:]:
+        steps[part.start - 1] = round(LONGEST_BRIDGE_S * 1e9)
+    longest_s = 1e-9 * float(steps.max(initial=0))
+    if longest_s > MOST_APART_S:
+        raise ValueError(
+            f"write_video(time_ns): expected stamps at most {MOST_APART_S:g} s apart, got "
+            f"{longest_s:.6g} s"
+        )
+    return time_ns[0] + np.append(0, np.cumsum(steps))
 
 
 def _encode(path: Path, frames: Iterable[ImageArray], ticks: IntArray) -> None:

@@ -14,10 +14,8 @@ import numpy as np
 from motorcade.animation import Character, Clip, Skeleton
 from motorcade.animation.formats import NoMeshError, read_character, read_motion
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import near_steps
 from motorcade.replays.recording import Recording
-
-GAP_FACTOR = 2.5
-"""A step between stamps this many times the median step counts as a gap."""
 
 
 def describe(recording: Recording) -> dict[str, Any]:
@@ -54,7 +52,7 @@ def _stream(name: str, time_ns: IntArray) -> dict[str, Any]:
     usual = float(np.median(steps_s))
     about[f"{name}_duration_s"] = float(steps_s.sum())
     about[f"{name}_rate_hz"] = 1.0 / usual
-    about[f"{name}_gaps"] = int(np.count_nonzero(steps_s > GAP_FACTOR * usual))
+    about[f"{name}_gaps"] = int(np.count_nonzero(~near_steps(steps_s)))
     about[f"{name}_longest_gap_s"] = float(steps_s.max())
     return about
 

@@ -64,6 +64,10 @@ class RestDetection:
             checked_positive(getattr(self, field.name), f"RestDetection.{field.name}")
 
 
+def _is_patience(value: float) -> bool:
+    return isinstance(value, int | np.integer) and 2 <= value <= 1_000_000
+
+
 @dataclass(frozen=True)
 class FilterSettings:
     """What the filter assumes beyond its data.
@@ -131,7 +135,7 @@ class FilterSettings:
             *((n, 0.0 <= getattr(self, n) < np.inf, "a number from 0 on") for n in not_negative),
             ("gate", 0.0 < self.gate <= 1.0, "a probability above 0 and up to 1"),
             ("outlier_threshold", 1.0 <= self.outlier_threshold < np.inf, "a number from 1 on"),
-            ("patience", self.patience >= 2, "a whole number from 2 on"),
+            ("patience", _is_patience(self.patience), "a whole number from 2 to 1e6"),
             ("initial_tilt_error_rad", np.isfinite(self.initial_tilt_error_rad), "a finite angle"),
         ):
             if not good:

@@ -26,6 +26,8 @@ _YAML_NAMES = {
     "accel_walk_m_s3_rthz": "accelerometer_random_walk",
 }
 
+_MOST = 1e9  # the squares of densities are variances
+
 
 @dataclass(frozen=True)
 class ImuNoise:
@@ -38,7 +40,7 @@ class ImuNoise:
         accel_walk_m_s3_rthz: random walk of its bias, m/s³/√Hz.
 
     Raises:
-        ValueError: a number that is not finite or not above zero, named by its field.
+        ValueError: a number that is not above zero or larger than 1e9, named by its field.
 
     Examples:
         >>> from motorcade.fusion import ImuNoise
@@ -57,6 +59,10 @@ class ImuNoise:
             value = getattr(self, field.name)
             if not _is_positive(value):
                 raise ValueError(f"ImuNoise.{field.name}: expected a number above 0, got {value!r}")
+            if value > _MOST:
+                raise ValueError(
+                    f"ImuNoise.{field.name}: expected at most {_MOST:g}, got {value!r}"
+                )
             object.__setattr__(self, field.name, float(value))
 
     @classmethod

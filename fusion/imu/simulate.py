@@ -23,7 +23,7 @@ from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 from motorcade.ga.motion import SplineSample, sampled_motion
-from motorcade.ga.stamps import check_count, checked_span_ns
+from motorcade.ga.stamps import check_count, checked_rate, checked_span_ns
 
 __all__ = ["PERFECT", "ImuFaults", "SimulatedImu", "simulate_imu"]
 
@@ -220,7 +220,7 @@ def simulate_imu(
         >>> sensor.stream
         ImuStream(301 samples, 100.0 Hz, 3.000 s)
     """
-    checked_positive(rate_hz, "rate_hz")
+    checked_rate(checked_positive(rate_hz, "rate_hz"), "rate_hz")
     checked_positive(gravity_m_s2, "gravity_m_s2")
     path = world_T_imu
     if isinstance(path, Trajectory):

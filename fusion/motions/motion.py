@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from motorcade.ga import Motor, Similarity, Trajectory, TwistSample
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 from motorcade.ga.motion import twist_bracket
-from motorcade.ga.stamps import check_count
+from motorcade.ga.stamps import check_count, checked_rate
 
 __all__ = ["Factor", "Motion", "Polynomial", "Signal", "Sines", "Stops", "even_stamps"]
 
@@ -180,7 +180,7 @@ class Stops(Signal):
         index = np.floor(time_s / stage)
         fraction = np.clip((time_s - index * stage) / self.move_s, 0.0, 1.0)
         levels = np.array(self.levels)
-        which = index.astype(np.int64) % levels.size
+        which = (index % levels.size).astype(np.int64)
         change = (np.roll(levels, -1) - levels)[which]
         made = np.stack([change * _STEP.deriv(k)(fraction) / self.move_s**k for k in range(4)])
         made[0] += levels[which]
@@ -334,8 +334,8 @@ def even_stamps(rate_hz: float, duration_s: float) -> IntArray:
         >>> even_stamps(rate_hz=30.0, duration_s=0.1)
         array([        0,  33333333,  66666667, 100000000])
     """
-    for name, value in (("rate_hz", rate_hz), ("duration_s", duration_s)):
-        checked_positive(value, name)
+    checked_rate(checked_positive(rate_hz, "rate_hz"), "rate_hz")
+    checked_positive(duration_s, "duration_s")
     check_count(duration_s * rate_hz, f"rate_hz of {rate_hz:g} over {duration_s:g} s")
     count = int(np.floor(duration_s * rate_hz + 1e-6)) + 1
     return np.round(np.arange(count) * (1e9 / rate_hz)).astype(np.int64)

@@ -204,3 +204,20 @@ def test_pictures_beyond_the_limit_are_not_decoded(
     monkeypatch.setattr(video, "MAX_PIXELS", 64 * 96 - 1)
     with pytest.raises((OSError, ValueError)):
         next(read_frames(tmp_path / "v.mp4"))
+
+
+@pytest.mark.parametrize("gap_s", [11.0, 86_400.0, 946_080_000.0])
+def test_a_film_does_not_stand_still_through_a_long_gap(tmp_path, rng, gap_s):
+    """Neither does it overflow the ticks of its format."""
+    stamps = np.arange(6) * 100_000_000
+    stamps[3:] += round(gap_s * 1e9)
+    frames = [rng.integers(0, 255, (16, 24, 3), dtype=np.uint8) for _ in stamps]
+    write_video(tmp_path / "film.mp4", frames, stamps)
+    shown = np.array([stamp for stamp, _ in read_frames(tmp_path / "film.mp4")])
+    assert np.allclose(np.diff(shown) * 1e-9, [0.1, 0.1, 10.0, 0.1, 0.1], atol=1e-4)
+
+
+def test_frames_that_are_days_apart_are_no_film(tmp_path, rng):
+    stamps = np.arange(4) * 86_400_000_000_000
+    with pytest.raises(ValueError, match="expected stamps at most 21600 s apart, got 86400 s"):
+        write_video(tmp_path / "film.mp4", [], stamps)

@@ -88,7 +88,8 @@ def write_gltf(
 
     Raises:
         ValueError: another suffix, clips for another skeleton or of one name, a camera or points
-            without a path, or points of another shape.
+            without a path, points of another shape, or a path so long that a looped clip has
+            more than 200,000 keys along it.
         OSError: the file cannot be written.
     """
     target = Path(path)
@@ -304,14 +305,28 @@ def _parts(poses: Motor | Similarity) -> tuple[FloatArray, FloatArray, FloatArra
     return poses.rotor.as_quaternion(), poses.translation_m, scale
 
 
+MOST_KEYS = 200_000
+"""Of a loop that is played again and again along a path."""
+
+
 def _repeated(
     times: FloatArray, span_s: float, *, looped: bool
 ) -> tuple[FloatArray, np.ndarray[tuple[int], np.dtype[np.int64]]]:
-    """Times and rows of a clip played again and again until `span_s`; once if it is no loop."""
+    """Times and rows of a clip played again and again until `span_s`; once if it is no loop.
+
+    Raises:
+        ValueError: more keys than `MOST_KEYS`.
+    """
     rows = np.arange(len(times))
     period = float(times[-1])
     if not looped or period <= 0.0:
         return times, rows
+    keys = span_s / period * (len(times) - 1)
+    if keys > MOST_KEYS:
+        raise ValueError(
+            f"write_gltf(world_T_character): expected a path along which the clip has at most "
+            f"{MOST_KEYS} keys, got {keys:.6g} over {span_s:.6g} s; cut it at its gaps"
+        )
     count = max(int(np.ceil(span_s / period)), 1)
     starts = np.repeat(np.arange(count) * period, len(times) - 1)
     made = np.concatenate([times[:1], starts + np.tile(times[1:], count)])

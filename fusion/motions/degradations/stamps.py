@@ -18,6 +18,7 @@ from motorcade.fusion.motions.degradations.base import (
 )
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import check_count
 
 __all__ = ["Blackouts", "DroppedFrames", "Latency", "StampJitter"]
 
@@ -129,7 +130,11 @@ class Blackouts(Degradation):
         """Start and end ``(K, 2)`` of every blackout on a path so long, in seconds from its start.
 
         Poses are missing from each start on, up to but not at the end.
+
+        Raises:
+            ValueError: more than ten million of them.
         """
+        check_count(duration_s / self.every_s, "Blackouts.spans_s(duration_s)")
         starts: FloatArray = self.every_s * np.arange(1.0, self._count(duration_s) + 1.0)
         return np.stack([starts, starts + self.length_s], axis=-1)
 
@@ -181,6 +186,8 @@ class Latency(Degradation):
     def __post_init__(self) -> None:
         check_number(self, "delay_s", 1e-9, 1e6)
         check_number(self, "spread_s", high=1e6)
+        if self.spread_s > 0.0:
+            check_number(self, "spread_s", 1e-9, 1e6)  # as fine as stamps
 
     def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
         """Stamp the poses with their arrival, or what is thought to be their time."""

@@ -88,6 +88,8 @@ def _overlap(time_s: FloatArray, sizes: Sequence[Sizes]) -> int:
     return min(len(time_s), ceil(reach) + _REJECTED_POSES)
 
 
+# Squares of sizes, and their products with those of the other kind, must not overflow.
+_SMALLEST = 1e-30
 LOSSES = ("cauchy", "huber", "squares")
 # Poses that count less are rejected; runs of them may be read otherwise so many times.
 _REJECTED, _READINGS = 0.1, 2
@@ -204,7 +206,7 @@ def estimate_path(
     checked_length(trajectory, 2, "robust_map")
     if loss not in LOSSES:
         raise ValueError(f"loss: expected one of {', '.join(LOSSES)}, got {loss!r}")
-    checked_positive(width, "width", "deviations")
+    _check_size(width, "width", "deviations")
     given = {
         "acceleration_m_s2": acceleration_m_s2,
         "angular_acceleration_rad_s2": angular_acceleration_rad_s2,
@@ -214,7 +216,7 @@ def estimate_path(
         "noise_scale": noise_scale,
     }
     for name, value in given.items():
-        checked_positive(value, name, "its unit")
+        _check_size(value, name, "its unit")
     sizes = (
         Sizes(noise_rad, angular_acceleration_rad_s2),
         Sizes(noise_m, acceleration_m_s2),
@@ -227,6 +229,13 @@ def estimate_path(
         last = made[-1].velocity[-1] if made else None
         made.append(_kept(found, part.kept, last, chosen.signed))
     return made[0] if len(made) == 1 else _joined(made, trajectory)
+
+
+def _check_size(value: float, name: str, unit: str) -> None:
+    if not _SMALLEST <= checked_positive(value, name, unit) <= 1.0 / _SMALLEST:
+        raise ValueError(
+            f"{name}: expected {_SMALLEST:g} to {1.0 / _SMALLEST:g} of {unit}, got {value}"
+        )
 
 
 def _kept(found: RobustPath, rows: slice, last: FloatArray | None, signed: int) -> RobustPath:

@@ -6,6 +6,7 @@ import numpy as np
 
 from motorcade.fusion.filter import fuse
 from motorcade.fusion.metrics import associate, tilt_rad
+from motorcade.ga.stamps import checked_span_ns
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.inertial.filter_input import assumed_noise, levelled
 from motorcade.replays.stages.inertial.fused import filter_settings
@@ -38,7 +39,7 @@ def convergence(
     reference = recording.truth if simulated else None
     if reference is None:
         reference = fused.trajectory.transformed_by(left=level.level_T_world)
-    end_ns = fused.trajectory.time_ns[0] + int(duration_s * 1e9)
+    end_ns = fused.trajectory.time_ns[0] + checked_span_ns(duration_s, "convergence.duration_s")
     stamps = fused.trajectory.time_ns[fused.trajectory.time_ns <= end_ns]
     again = fuse(
         level.measurements,
