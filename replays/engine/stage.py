@@ -7,6 +7,7 @@ import types
 import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Generic, Literal, TypeVar
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "StageError",
     "Unavailable",
     "first_of",
+    "from_anywhere",
 ]
 
 Value = TypeVar("Value")
@@ -105,8 +107,15 @@ class Stage:
         return inspect.getdoc(self.function) or ""
 
     def settings(self, chosen: Mapping[str, Any]) -> dict[str, Any]:
-        """Every knob's value: as chosen, or its default."""
-        return {name: chosen.get(name, knob.default) for name, knob in self.knobs.items()}
+        """Every knob's value: as chosen, or its default; of files their whole names."""
+        return {
+            name: from_anywhere(chosen.get(name, knob.default)) for name, knob in self.knobs.items()
+        }
+
+
+def from_anywhere(value: Any) -> Any:
+    """A knob's value; of a file its whole name, as a cache may be used from several folders."""
+    return value.absolute() if isinstance(value, Path) and value.exists() else value
 
 
 @dataclass(frozen=True)

@@ -132,8 +132,7 @@ class StageStore:
         Raises:
             NotOffered: the stage does, and something is skipped.
         """
-        chosen = stage.settings(self._knobs.get(stage.name, {}))
-        settings = {knob: _from_anywhere(value) for knob, value in chosen.items()}
+        settings = stage.settings(self._knobs.get(stage.name, {}))
         folder, found = find_kept(self._cache / f"{stage.name}-{self._key(stage, settings)}")
         if found:
             log.info("%s: kept from before", stage.name)
@@ -188,8 +187,3 @@ class StageStore:
         if stored.files != files:  # another run was faster, with other files under the same names
             return self._compute(stage, settings, find_kept(folder)[0], skips)
         return stored
-
-
-def _from_anywhere(value: Any) -> Any:
-    """A knob's value; of a file its whole name, as a cache may be used from several folders."""
-    return value.absolute() if isinstance(value, Path) and value.exists() else value

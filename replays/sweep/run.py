@@ -14,9 +14,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.jobs import job_key, run_jobs
+from motorcade.replays.engine.knobs import parse_knobs
+from motorcade.replays.engine.stage import from_anywhere
 from motorcade.replays.files.atomic import write_bytes, write_csv
-from motorcade.replays.pipeline import Job, run_job
+from motorcade.replays.pipeline import Job, pipeline_graph, run_job
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.results import require_writable
 from motorcade.replays.sweep.plan import PlannedRun, Sweep
@@ -94,25 +97,32 @@ def run_sweep(plan: Sweep, out: Path, executor: str) -> Summary:
 
 
 def _tasks(plan: Sweep, out: Path) -> Iterator[_Task]:
-    contents: dict[tuple[Path, Path | None], list[str]] = {}
+    graph = pipeline_graph()
+    contents: dict[tuple[Path, Path | None], tuple[str, ...]] = {}
     for run in plan.runs():
         place = (run.recording, run.manifest)
         if place not in contents:
-            contents[place] = _content(*place)
+            contents[place] = _content(*place, graph)
+        digest, *own = contents[place]
+        knobs = {
+            stage: {name: repr(from_anywhere(value)) for name, value in chosen.items()}
+            for stage, chosen in parse_knobs((*own, *run.settings), graph).items()
+        }
         resolved = os.path.realpath(run.recording)  # of links in a circle too: the run tells of it
-        about = [*contents[place], resolved, *run.settings, run.until]
+        about = [digest, resolved, knobs, run.until]
         name = f"{Path(resolved).stem}-{job_key(run_job, about)}"
         yield _Task(run, out / "runs" / name, out / ".cache")
 
 
-def _content(recording: Path, manifest: Path | None) -> list[str]:
+def _content(recording: Path, manifest: Path | None, graph: Graph) -> tuple[str, ...]:
     """Digest and settings of a recording; one that cannot be read has none: its runs tell why."""
     try:
         opened = open_recording(recording, manifest)
-        return [opened.digest(), *opened.settings]
+        parse_knobs(opened.settings, graph)
+        return (opened.digest(), *opened.settings)
     except Exception as fault:  # its runs meet the same fault, and tell it in the table
         log.info("%s: %s", recording, fault)
-        return ["unreadable"]
+        return ("unreadable",)
 
 
 def _run_task(task: _Task) -> RunFigures:

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.end_to_end.stale.__main__ import cases, row
-from tests.end_to_end.stale.kinds import Kind
+from tests.end_to_end.stale.__main__ import STEADY, cases, row, swept
+from tests.end_to_end.stale.kinds import CHARACTERS, Kind
+from tests.replays.tiny_recordings import write_tiny
 
 CASES = [
     pytest.param(kind, way, id=f"{kind.name}, {way}", marks=[pytest.mark.slow] * (way == "sweep"))
@@ -24,3 +25,25 @@ def test_what_read_a_changed_file_is_made_again_and_nothing_else(
 ) -> None:
     made = row(kind, way, tmp_path, cache)
     assert made.faults == (), made
+
+
+def test_a_sweep_that_stands_elsewhere_means_other_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    glb = next(kind for kind in CHARACTERS if kind.name == ".glb")
+    write_tiny(tmp_path / "recording", 0.1)
+    knobs = [f"{name} = {value!r}" for name, _, value in (one.partition("=") for one in STEADY)]
+    knobs += ["placed.character = 'hero.glb'", "placed.clip = 'bend'"]
+    plan = tmp_path / "sweep.toml"
+    plan.write_text(
+        "\n".join(["recordings = ['recording']", "until = 'placed'", "[knobs]", *knobs])
+    )
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        glb.write(tmp_path / name)
+    glb.change(tmp_path / "two" / "hero.glb")
+    done = []
+    for name in ("one", "two", "one", "two"):
+        monkeypatch.chdir(tmp_path / name)
+        done.append(swept(plan, tmp_path).done)
+    assert done == [1, 1, 0, 0]

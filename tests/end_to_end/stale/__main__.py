@@ -55,7 +55,7 @@ class Row:
         again = [name for name, whether in self.again.items() if whether]
         judged = "; ".join(self.faults) or "right"
         told = f"{len(self.again) - len(again)} kept, again: {' '.join(again) or 'none'}"
-        return f"{self.kind:<26}{self.way:<10}{judged:<8}{told}"
+        return f"{self.kind:<26}{self.way:<10}{judged:<7} {told}"
 
 
 def written(folder: Path, kind: Kind) -> tuple[Path, Path, tuple[str, ...]]:
