@@ -24,6 +24,7 @@ def test_a_handheld_checkerboard_is_tracked_throughout(data_dir: Path, tmp_path:
         tmp_path, data_dir / "replays" / "vamr_board", "--manifest", MANIFESTS / "vamr_board.toml"
     )
     assert found["camera_poses"]["measured"] == found["camera_poses"]["frames"] == 250
+    assert found["integrity"]["doubts"] == []
     motor, measured = found["errors"]["motor"], found["errors"]["measured"]
     assert motor["ape_rmse_m"] <= 0.8e-3
     assert motor["rotation_rmse_deg"] <= 0.25
@@ -45,6 +46,7 @@ def test_a_flight_is_held_through_a_blackout(
         f"fused.look_ahead={look_ahead}",
     )
     assert found["imu"]["origin"] == "recorded"
+    assert found["integrity"]["doubts"] == []
     measured, fused = found["errors"]["measured"], found["errors"]["fused"]
     for figure in ("ape_rmse_m", "rotation_rmse_deg"):
         assert fused[figure] < 0.5 * measured[figure]
