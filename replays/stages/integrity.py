@@ -16,14 +16,12 @@ from motorcade.fusion.metrics import most_by_chance, normalised_squared
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.registration import registrations
 from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import UsedImu
 from motorcade.replays.values.integrity import Integrity, IntegrityCheck
-from motorcade.replays.values.marker_poses import MarkerPoses
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
-from motorcade.replays.values.slam_poses import SlamPoses
+from motorcade.tracking import registration_px
 
 CONTAMINATION = 0.1
 """Share of outliers that ordinary data hold at most: 1 to 10 % are the rule (F. R. Hampel,
@@ -45,8 +43,6 @@ def integrity(
     fused: FusedPath,
     smoothed: SmoothedPaths,
     board_poses: BoardPoses | None = None,
-    marker_poses: MarkerPoses | None = None,
-    slam_poses: SlamPoses | None = None,
 ) -> Integrity:
     """Check the run, and choose the path that the character is placed and drawn along.
 
@@ -66,7 +62,7 @@ def integrity(
     if imu.origin != "tracked" and np.any(np.isfinite(fused.nis)):
         checks.append(_innovations(fused))
     paths = {"measured": measured, "fused": fused.trajectory} | smoothed.trajectories
-    registration = registrations(paths, recording, board_poses, marker_poses, slam_poses)
+    registration = _registrations(paths, recording, camera_poses, board_poses)
     if registration:
         limit_px = _limit_px(registration["measured"])
         checks.append(_registration(registration, name, limit_px))
@@ -135,6 +131,25 @@ def _agreement(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
         f"by {_shown(shifted)} {unit} and {_shown(turned)}° in the median"
     )
     return IntegrityCheck("agreement", beyond, len(apart), allowed, summary)
+
+
+def _registrations(
+    paths: dict[str, Trajectory],
+    recording: Recording,
+    camera_poses: CameraPoses,
+    board_poses: BoardPoses | None,
+) -> dict[str, FloatArray]:
+    """How far what is drawn lies from the footage; none where poses are not from pictures."""
+    board, camera, sighted = recording.board, recording.camera, camera_poses.sighted
+    if sighted is not None:
+        return {name: sighted.registration_px(path) for name, path in paths.items()}
+    if board_poses is None or board is None or camera is None:
+        return {}
+    seen, world_T_board = board_poses.track, recording.world_T_board
+    return {
+        name: registration_px(path, seen, board, camera, world_T_board)
+        for name, path in paths.items()
+    }
 
 
 def _shown(number: float) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.engine.aside import ASIDE
+from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.tracking import PoseMeasurements
 
 __all__ = ["CameraPoses", "PoseOrigin"]
@@ -31,6 +32,7 @@ class CameraPoses:
         points: ``(p, 3)`` of the map, where SLAM made one.
         metres_a_unit, scale_sigma: where an IMU gave the scale, what the map's unit was found to
             be, and the relative deviation of that.
+        sighted: points that the poses were measured by, where these are no board's.
         skipped: ways that were tried before this one, with the reason.
         seconds: what tracking took, reading and decoding the pictures included.
 
@@ -57,6 +59,7 @@ class CameraPoses:
     points: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     metres_a_unit: float | None = None
     scale_sigma: float | None = None
+    sighted: SightedPoints | None = None
     skipped: tuple[str, ...] = ()
     seconds: float = field(default=0.0, metadata=ASIDE)
 

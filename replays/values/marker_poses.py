@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from motorcade.replays.values.camera_poses import CameraPoses
-from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.marker_map import MarkerMap
 
 __all__ = ["MarkerPoses"]
@@ -13,10 +12,6 @@ __all__ = ["MarkerPoses"]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MarkerPoses(CameraPoses):
-    """Poses by loose markers.
-
-    `marker_map` says where these stand in the same world, `corners` where the camera saw them.
-    """
+    """Poses by loose markers; `marker_map` says where these stand in the same world."""
 
     marker_map: MarkerMap
-    corners: CornerStream

@@ -20,10 +20,12 @@ from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.replays.values.marker_poses import MarkerPoses
+from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.tracking import Detection, PoseMeasurements, TrackingError, detect_markers
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import Sightings
 from motorcade.tracking.markers.mapping import MappedRecording, map_markers, track_rig
+from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.markers.photometric import (
     PhotometricUnavailable,
     RefinedFrame,
@@ -88,7 +90,7 @@ def marker_poses(
         summary,
         seconds=time.perf_counter() - start,
         marker_map=found.marker_map,
-        corners=next(iter(streams.values())),
+        sighted=_sighted(next(iter(streams.values())), found.marker_map),
     )
 
 
@@ -179,6 +181,19 @@ def _standing(stream: CornerStream, moving: tuple[int, ...]) -> CornerStream:
         stream.frame[still],
         stream.marker_ids[still],
         stream.corners_px[still],
+    )
+
+
+def _sighted(seen: CornerStream, known: MarkerMap) -> SightedPoints:
+    """Four corners of every sighting of a mapped marker."""
+    mapped = np.isin(seen.marker_ids, known.marker_ids)
+    rows = np.searchsorted(known.marker_ids, seen.marker_ids[mapped])
+    return SightedPoints(
+        seen.camera,
+        seen.time_ns,
+        np.repeat(seen.frame[mapped], 4),
+        known.points_m.reshape(-1, 4, 3)[rows].reshape(-1, 3),
+        seen.corners_px[mapped].reshape(-1, 2),
     )
 
 

@@ -11,17 +11,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.engine.progress import track
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.metres import Metres, NoMetres, in_metres
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
+from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.replays.values.slam_poses import SlamPoses
 from motorcade.tracking import PoseMeasurements, TrackingError
 
 if TYPE_CHECKING:
-    from motorcade.tracking.slam import SlamResult
+    from motorcade.tracking.slam import MapSnapshot, SlamResult
 
 __all__ = ["slam_poses"]
 
@@ -90,14 +91,16 @@ def _as_mapped(recording: Recording, found: SlamResult, scale: str, start: float
     covariance: FloatArray = found.covariance + np.diag(floor)
     resumed = recording.slam_map is not None
     first_T_world = Motor.identity() if resumed else path.motors[0].inverse()
+    in_world = path.transformed_by(left=first_T_world)
     return SlamPoses(
-        PoseMeasurements(path.transformed_by(left=first_T_world), covariance),
+        PoseMeasurements(in_world, covariance),
         recording.frames.time_ns,
         np.full(len(path), np.nan),
         "slam",
         _summary(recording, scale),
         metric=found.metric,
         points=first_T_world.apply(found.map.points),
+        sighted=_sighted(recording, found.map, in_world),
         seconds=time.perf_counter() - start,
         slam_map=found.map,
     )
@@ -120,9 +123,29 @@ def _by_inertia(recording: Recording, found: SlamResult, metres: Metres, start: 
         points=metres.made.keyframes.landmarks_m,
         metres_a_unit=unit,
         scale_sigma=sigma,
+        sighted=_sighted(recording, found.map, measurements.trajectory, unit),
         seconds=time.perf_counter() - start,
         slam_map=found.map,
     )
+
+
+def _sighted(
+    recording: Recording, known: MapSnapshot, measured: Trajectory, unit: float = 1.0
+) -> SightedPoints | None:
+    """The map's points as this recording's keyframes saw them; None where it has no keyframes.
+
+    They hang on the measured poses, in their world and in metres where an IMU gave these.
+    """
+    own = np.flatnonzero(np.isin(known.time_ns, measured.time_ns))
+    kept = np.isin(known.keyframe_of, own)
+    if not np.any(kept):
+        return None
+    frame = known.keyframe_of[kept]
+    camera_T_map = known.world_T_camera[frame].inverse()
+    in_camera = unit * camera_T_map.apply(known.points[known.point_of[kept]])
+    points = measured.motors_at(known.time_ns[frame]).apply(in_camera)
+    pinhole = camera_of(recording).undistorted()
+    return SightedPoints(pinhole, known.time_ns, frame, points, known.px[kept])
 
 
 def _summary(recording: Recording, scale: str) -> str:
