@@ -93,10 +93,10 @@ def _innovations(fused: FusedPath) -> IntegrityCheck:
     nis = fused.nis[np.isfinite(fused.nis)]
     beyond, refused = _beyond_gate(nis), int(np.count_nonzero(~fused.accepted))
     allowed = most_by_chance(len(nis), CONTAMINATION)
+    mean = _shown(float(np.mean(nis)) / FREEDOM)
     summary = (
-        f"{beyond} of {len(nis)} measured poses contradict the IMU (up to {allowed} may): the "
-        f"mean NIS is {_shown(np.mean(nis) / FREEDOM)} a dimension where 1 is expected; {refused} "
-        "were refused"
+        f"{beyond} of {len(nis)} measured poses contradict the IMU (up to {allowed} may): the mean "
+        f"NIS is {mean} a dimension where 1 is expected; {refused} were refused"
     )
     return IntegrityCheck("innovations", beyond, len(nis), allowed, summary)
 
@@ -123,8 +123,8 @@ def _agreement(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
     apart = path.motors_at(measured.time_ns[inside]).local(measured.motors[inside])
     beyond = _beyond_gate(normalised_squared(apart, covariance[inside]))
     allowed = most_by_chance(len(apart), CONTAMINATION)
-    turned = np.rad2deg(np.median(np.linalg.norm(apart[:, :3], axis=-1)))
-    shifted = np.median(np.linalg.norm(apart[:, 3:], axis=-1))
+    turned = float(np.rad2deg(np.median(np.linalg.norm(apart[:, :3], axis=-1))))
+    shifted = float(np.median(np.linalg.norm(apart[:, 3:], axis=-1)))
     unit = "m" if camera_poses.metric else "units"
     summary = (
         f"the smoothed path misses {beyond} of {len(apart)} measured poses (up to {allowed} may): "
