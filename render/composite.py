@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.render.scene import DepthArray, ImageArray, Layer
 
 BLUR_SAMPLES = 7
@@ -46,8 +46,7 @@ class Matching:
     noise: float | None = 0.0
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.gain) and self.gain > 0.0):
-            raise ValueError(f"Matching.gain: expected a number above 0, got {self.gain}")
+        checked_positive(self.gain, "Matching.gain")
         for name in ("exposure_s", "noise"):
             value = getattr(self, name)
             if value is not None and not (np.isfinite(value) and value >= 0.0):

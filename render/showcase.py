@@ -9,7 +9,7 @@ import numpy as np
 from motorcade.animation import Character, Clip, place_on_plane
 from motorcade.animation.vectors import axes_along
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.render.overlay import render_overlay
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.cameras.camera import Camera
@@ -45,8 +45,7 @@ def show_clip(
         RenderUnavailable: this machine has no OpenGL.
         ValueError: a size or rate that is not positive.
     """
-    if not (np.isfinite(rate_hz) and rate_hz > 0.0):
-        raise ValueError(f"show_clip(rate_hz): expected a number above 0, got {rate_hz}")
+    checked_positive(rate_hz, "show_clip(rate_hz)")
     seconds = clip.duration_s if duration_s is None else duration_s
     count = max(1, round(seconds * rate_hz))
     stamps = np.round(np.arange(count) * 1e9 / rate_hz).astype(np.int64)

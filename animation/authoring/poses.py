@@ -17,7 +17,7 @@ from typing import Literal, Self
 import numpy as np
 
 from motorcade.ga import EulerPose, Motor, Rotor, Similarity
-from motorcade.ga.arrays import FloatArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive, frozen
 
 Frame = Literal["local", "parent", "global"]
 
@@ -157,8 +157,7 @@ class EulerObjectPose(ObjectPose):
             if given.shape != (3,):
                 raise ValueError(f"EulerObjectPose.{name}: expected (3,), got {given.shape}")
             object.__setattr__(self, name, frozen(given))
-        if not (np.isfinite(self.scale) and self.scale > 0.0):
-            raise ValueError(f"EulerObjectPose.scale: expected a number above 0, got {self.scale}")
+        checked_positive(self.scale, "EulerObjectPose.scale")
 
     @classmethod
     def from_similarity(cls, parent_T_object: Similarity) -> EulerObjectPose:

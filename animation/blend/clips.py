@@ -10,7 +10,7 @@ import numpy as np
 from motorcade.animation.blend.methods import BLEND_METHODS, BlendMethod, blend_poses, stacked
 from motorcade.animation.clip import Clip
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 
 MOST_SAMPLES = 100_000
 """Of a blended clip: half an hour at 60 Hz."""
@@ -67,8 +67,7 @@ def blend_clips(
         )
     if not 0.0 <= weight <= 1.0:
         raise ValueError(f"blend_clips(weight): expected 0 to 1, got {weight}")
-    if not (np.isfinite(rate_hz) and rate_hz > 0.0):
-        raise ValueError(f"blend_clips(rate_hz): expected a number above 0, got {rate_hz}")
+    checked_positive(rate_hz, "blend_clips(rate_hz)")
     lengths = np.array([first.duration_s, second.duration_s])
     length = float((1.0 - weight) * lengths[0] + weight * lengths[1] if in_phase else max(lengths))
     if length * rate_hz > MOST_SAMPLES:

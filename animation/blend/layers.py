@@ -16,7 +16,7 @@ import numpy as np
 from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
 from motorcade.animation.clip import Clip
 from motorcade.ga import Motor
-from motorcade.ga.arrays import FloatArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +93,7 @@ def blend_layers(
         ValueError: another number of joints, a threshold that is not positive, or what
             `blend_poses` refuses.
     """
-    if not (np.isfinite(threshold) and threshold > 0.0):
-        raise ValueError(f"blend_layers(threshold): expected a number above 0, got {threshold}")
+    checked_positive(threshold, "blend_layers(threshold)")
     for layer in (*layers, *additive_layers):
         if layer.pose.shape[-1:] != rest.shape:
             raise ValueError(

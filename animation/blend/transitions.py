@@ -17,7 +17,7 @@ from motorcade.animation.blend.layers import added, additive
 from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
 from motorcade.animation.easing import smoothstep
 from motorcade.ga import Motor, Similarity
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 
 # Step of the differences from which the velocity at a switch is taken.
 _STEP_S = 1e-3
@@ -198,5 +198,4 @@ def _decay(
 def _check(name: str, start_s: float, positive: float, field: str = "duration_s") -> None:
     if not np.isfinite(start_s):
         raise ValueError(f"{name}.start_s: expected seconds, got {start_s}")
-    if not (np.isfinite(positive) and positive > 0.0):
-        raise ValueError(f"{name}.{field}: expected a number above 0, got {positive}")
+    checked_positive(positive, f"{name}.{field}")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-import numpy as np
-
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.mannequin.motions.gait import GAITS, gait_clip
@@ -16,6 +14,7 @@ from motorcade.animation.mannequin.shape.surface import colors, meshed
 from motorcade.animation.mannequin.shape.weights import influences
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity
+from motorcade.ga.arrays import checked_positive
 
 FEWEST, MOST = 5_000, 140_000
 
@@ -43,8 +42,7 @@ def mannequin(height_m: float = REFERENCE_HEIGHT_M, triangles: int = 27_000) -> 
     >>> len(figure.skeleton), [clip.name for clip in figure.clips]
     (52, ['idle', 'walk', 'jog', 'run', 'wave', 'turn'])
     """
-    if not (np.isfinite(height_m) and height_m > 0.0):
-        raise ValueError(f"mannequin(height_m): expected a positive height, got {height_m}")
+    checked_positive(height_m, "mannequin(height_m)")
     if not FEWEST <= triangles <= MOST:
         raise ValueError(
             f"mannequin(triangles): expected {FEWEST:,} to {MOST:,}, got {triangles:,}"

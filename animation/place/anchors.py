@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from motorcade.animation.character import Character
 from motorcade.animation.vectors import UP, axes_along, turn_z, unit
 from motorcade.ga import Motor, Similarity
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 
 # What a hand turns no marker faster than, and how long it may be unseen and still count as seen.
 _FASTEST_RAD_S, _UNSEEN_S = 12.0, 0.15
@@ -52,8 +52,7 @@ class Placement:
                 "Placement.world_T_character: expected one pose, got a batch of shape "
                 f"{self.world_T_character.shape}"
             )
-        if not (np.isfinite(self.scale) and self.scale > 0.0):
-            raise ValueError(f"Placement.scale: expected a positive number, got {self.scale}")
+        checked_positive(self.scale, "Placement.scale")
 
     @property
     def up(self) -> FloatArray:
@@ -118,8 +117,7 @@ def place_on_plane(
             "place_on_plane: expected one position and one heading, got shapes "
             f"{position.shape} and {heading.shape}"
         )
-    if not (np.isfinite(height_m) and height_m > 0.0):
-        raise ValueError(f"place_on_plane(height_m): expected a positive height, got {height_m}")
+    checked_positive(height_m, "place_on_plane(height_m)")
     plane_T_character = Motor.from_rotor_translation(
         turn_z(heading),
         np.array([position[0], position[1], 0.0]),

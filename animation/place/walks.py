@@ -21,7 +21,7 @@ from motorcade.animation.place.pacing import Pace, passing_s, standing_pose
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor
-from motorcade.ga.arrays import FloatArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive, frozen
 
 # Samples a metre of the curve on which its length is measured.
 SAMPLES_A_METRE = 200.0
@@ -163,8 +163,7 @@ def walk_along(
     """
     _check(clip, standing, legs if starts or stops else None)
     for name, value in (("speed_m_s", speed_m_s), ("rate_hz", rate_hz), ("scale", scale)):
-        if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"walk_along({name}): expected a number above 0, got {value}")
+        checked_positive(value, f"walk_along({name})")
     passing: tuple[float, ...] = ()
     if starts or stops:
         standing = standing_pose(clip, skeleton, legs) if standing is None else standing

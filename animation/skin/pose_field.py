@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.ga import Motor
-from motorcade.ga.arrays import FloatArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +54,7 @@ class PoseField:
             )
         if len(np.unique(points, axis=0)) != len(points):
             raise ValueError("PoseField.points_m: expected points that all differ")
-        if not (np.isfinite(self.sharpness) and self.sharpness > 0.0):
-            raise ValueError(
-                f"PoseField.sharpness: expected a number above 0, got {self.sharpness}"
-            )
+        checked_positive(self.sharpness, "PoseField.sharpness")
         object.__setattr__(self, "points_m", frozen(points))
 
     def weights(self, points_m: ArrayLike) -> FloatArray:

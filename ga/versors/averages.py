@@ -22,7 +22,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.ga.arrays import FloatArray, broadcast_batch, checked_floats
+from motorcade.ga.arrays import FloatArray, broadcast_batch, checked_floats, checked_positive
 from motorcade.ga.versors.versor import Versor
 
 V = TypeVar("V", bound=Versor)
@@ -110,8 +110,7 @@ def mean(versors: V, weights: ArrayLike | None = None, tolerance: float = 1e-12)
         >>> np.round(mean(turns).as_rotation_vector(), 6) + 0.0
         array([0. , 0. , 0.3])
     """
-    if not (np.isfinite(tolerance) and tolerance > 0.0):
-        raise ValueError(f"mean(tolerance): expected a positive number, got {tolerance}")
+    checked_positive(tolerance, "mean(tolerance)")
     share = _shares(versors, weights)
     kind = type(versors)
     given = np.asarray(versors.coefficients, dtype=np.float64)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
 
@@ -56,8 +56,7 @@ def draw(pattern: Pattern, pixels_per_m: float) -> tuple[NDArray[np.uint8], tupl
     Raises:
         ValueError: a scale that is not above zero, or too small to give the pattern any pixel.
     """
-    if not np.isfinite(pixels_per_m) or pixels_per_m <= 0.0:
-        raise ValueError(f"pixels_per_m: expected a number above 0, got {pixels_per_m}")
+    checked_positive(pixels_per_m, "pixels_per_m")
     weights, origin = [], []
     for edges in (pattern.x_edges_m, pattern.y_edges_m):
         start = int(np.floor((edges[0] - pattern.quiet_m) * pixels_per_m))

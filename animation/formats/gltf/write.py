@@ -19,7 +19,7 @@ from motorcade.animation.formats.gltf.binary import INDICES, VERTICES, BinaryBuf
 from motorcade.animation.formats.rig.sampling import divided, parts_of_steps
 from motorcade.animation.srgb import to_linear
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, checked_positive
 
 PARTING_M = 5e-6
 """How far between keys a written joint may leave its screw, in metres; see MOST_PARTS."""
@@ -59,8 +59,7 @@ class CameraPath:
                 "CameraPath.vertical_field_rad: expected an angle between 0 and pi, got "
                 f"{self.vertical_field_rad}"
             )
-        if not (np.isfinite(self.aspect) and self.aspect > 0.0):
-            raise ValueError(f"CameraPath.aspect: expected a positive number, got {self.aspect}")
+        checked_positive(self.aspect, "CameraPath.aspect")
 
 
 def write_gltf(

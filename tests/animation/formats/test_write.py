@@ -234,7 +234,7 @@ def test_wrong_requests_are_refused(figure: Character, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="between 0 and pi"):
         CameraPath(still, 4.0, 1.0)
     for aspect in (0.0, -1.0, np.nan, np.inf):
-        with pytest.raises(ValueError, match=r"CameraPath\.aspect: expected a positive number"):
+        with pytest.raises(ValueError, match=r"CameraPath\.aspect: expected a number above 0"):
             CameraPath(still, 0.8, aspect)
     points = np.zeros((4, 3))
     with pytest.raises(ValueError, match=r"points_m\): expected a path of the character too"):

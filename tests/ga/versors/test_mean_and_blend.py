@@ -209,5 +209,5 @@ def test_weights_that_do_not_fit_are_refused(kind: type[Versor], rng: np.random.
         mean(three, [1.0, -0.1, 1.0])
     with pytest.raises(ValueError, match="all zero"):
         mean(three, [0.0, 0.0, 0.0])
-    with pytest.raises(ValueError, match="expected a positive number"):
+    with pytest.raises(ValueError, match="expected a number above 0"):
         mean(three, tolerance=0.0)
