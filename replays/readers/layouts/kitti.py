@@ -128,8 +128,7 @@ def _check_projection(path: Path, name: str, row: FloatArray) -> None:
 def _shift_m(row: FloatArray) -> FloatArray:
     """The `t` of a row K [I | t]."""
     intrinsic = row.reshape(3, 4)
-    shift: FloatArray = np.linalg.solve(intrinsic[:, :3], intrinsic[:, 3])
-    return shift
+    return np.asarray(np.linalg.solve(intrinsic[:, :3], intrinsic[:, 3]), dtype=np.float64)
 
 
 def _truth(root: Path, time_ns: IntArray, row: FloatArray) -> Trajectory | None:
