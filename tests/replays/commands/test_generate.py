@@ -124,7 +124,7 @@ def test_what_a_target_lacks_is_refused(
         ("2d.clu", b"?a = x;", "rename it to script_2d.clu"),
         ("orbit.clu", b"a = x;", "expected a script with outputs, got none: mark them with ?"),
         ("orbit.clu", b"?a = x; // \xff", "expected UTF-8 text, got the byte 0xff at offset 11"),
-        ("orbit.clu", b" " * 4_000_001, "expected a script of at most 4000000 bytes"),
+        ("orbit.clu", b" " * 4_000_001, "expected at most 4000000 bytes"),
         ("main.clu", b"?a = x;", "main is reserved in C or C++: rename main to main_"),
         ("orbit.clu", b"?a = int*e1;", "int is reserved in C or C++: rename int to int_"),
     ],
@@ -144,10 +144,10 @@ def test_files_that_cannot_be_read_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert generate(tmp_path / "gone.clu") == 1
-    assert "gone.clu: No such file or directory" in capsys.readouterr().err
+    assert "gone.clu: the file is missing" in capsys.readouterr().err
     (tmp_path / "folder").mkdir()
     assert generate(tmp_path / "folder") == 1
-    assert "folder: Is a directory" in capsys.readouterr().err
+    assert "folder: expected a file, got a folder" in capsys.readouterr().err
 
 
 def test_bad_usage_has_its_own_status(script: Path) -> None:
