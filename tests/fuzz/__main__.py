@@ -20,7 +20,12 @@ import tempfile
 from collections import Counter
 from pathlib import Path
 
+from tests.fuzz import guided
 from tests.fuzz.runner import KINDS, Result, SkippedError, feed_of, fresh, run
+
+EVERY = (*KINDS, *guided.TARGETS)
+GUIDED_SHARE = 0.25
+"""Of a kind's time: there are more of them, and they are short."""
 
 
 def main() -> int:
@@ -30,10 +35,10 @@ def main() -> int:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("kinds", nargs="*", metavar="KIND", help=", ".join(KINDS))
+    parser.add_argument("kinds", nargs="*", metavar="KIND", help=", ".join(EVERY))
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--inputs", type=int, default=100_000, help="of each kind, at most")
-    parser.add_argument("--seconds", type=float, default=12.0, help="for each kind (12)")
+    parser.add_argument("--seconds", type=float, default=6.0, help="for each kind (6)")
     parser.add_argument("--only", type=int, metavar="N", help="feed this input alone, unbounded")
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="where --only leaves its files")
     parser.add_argument("--record", type=Path, metavar="FILE", help="add the results to a file")
@@ -43,14 +48,14 @@ def main() -> int:
         print(table(arguments.table.read_text().splitlines()))
         return 0
     for kind in arguments.kinds:
-        if kind not in KINDS:
-            parser.error(f"expected kinds of {', '.join(KINDS)}, got {kind}")
+        if kind not in EVERY:
+            parser.error(f"expected kinds of {', '.join(EVERY)}, got {kind}")
     if arguments.only is not None:
         return _again(arguments.kinds[0], arguments.seed, arguments.only, arguments.keep)
     faults = 0
-    for kind in arguments.kinds or KINDS:
+    for kind in arguments.kinds or EVERY:
         try:
-            found = run(kind, arguments.seed, arguments.inputs, arguments.seconds, _tell)
+            found = _fed(kind, arguments.seed, arguments.inputs, arguments.seconds)
         except SkippedError as why:
             _tell(f"{kind:13} skipped: {why}")
             continue
@@ -60,6 +65,16 @@ def main() -> int:
             with arguments.record.open("a") as file:
                 file.write(json.dumps(recorded(found)) + "\n")
     return 1 if faults else 0
+
+
+def _fed(kind: str, seed: int, inputs: int, seconds: float) -> Result:
+    """Feed a kind, and tell of its faults."""
+    if kind not in guided.TARGETS:
+        return run(kind, seed, inputs, seconds, _tell)
+    found = guided.run(kind, seed, inputs, GUIDED_SHARE * seconds)
+    for fault in found.faults:
+        _tell(fault)
+    return found
 
 
 def described(found: Result) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import linecache
+import re
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,6 +15,8 @@ REPOSITORY = Path(__file__).parents[2]
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 OURS = (ValueError, TypeError, OSError, RuntimeError)
 LONGEST = 2000
+_COMPILED = re.compile(r"[\w.()\[\]]+: expected ")
+"""How errors of our compiled code begin, which no line of Python raises."""
 
 
 class RefusedError(Exception):
@@ -31,7 +34,8 @@ def is_own(fault: BaseException) -> bool:
     place = Path(last.filename)
     inside = any(place.is_relative_to(REPOSITORY / room) for room in ROOMS)
     line = linecache.getline(last.filename, last.lineno or 0).strip()
-    return named and inside and line.startswith("raise")
+    said = line.startswith("raise") or _COMPILED.match(str(fault)) is not None
+    return named and inside and said
 
 
 @contextmanager

@@ -50,6 +50,8 @@ Feed = Callable[[np.random.Generator], str]
 
 PROCESSOR_S = 10.0
 WALL_S = 60
+PATIENCE_S = 60
+"""How long beyond that an input may hold out against being interrupted."""
 ADDRESSES_BYTES = 6 << 30
 GROWTH_BYTES = 1 << 30
 FILE_BYTES = 1 << 30
@@ -164,7 +166,7 @@ def _listen(worker: Any, pipe: Any, at: Any, result: Result) -> None:
             continue
         if at.value != last:
             last, since = at.value, time.monotonic()
-        elif time.monotonic() - since > 2 * WALL_S:
+        elif time.monotonic() - since > WALL_S + PATIENCE_S:
             worker.kill()
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.fuzz import runner
+from tests.fuzz import guided, runner
 from tests.fuzz.__main__ import recorded, table
 from tests.fuzz.kinds import manifests, scripts
 from tests.fuzz.own import RefusedError, ended, is_own, refusals
@@ -70,7 +70,7 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("made_up")
 def test_faults_crashes_hangs_and_growth_are_counted_and_the_rest_goes_on() -> None:
     told: list[str] = []
-    found = runner.run("made up", seed=5, inputs=12, seconds=60.0, tell=told.append)
+    found = runner.run("made up", seed=5, inputs=12, seconds=300.0, tell=told.append)
     kinds = [int(runner.fresh(5, number).integers(6)) for number in range(12)]
     assert found.inputs >= 12 - kinds.count(1)  # what a crash takes along may be lost
     assert found.ended["FAULT"] >= sum(kind < 3 for kind in kinds)
@@ -95,6 +95,16 @@ def test_only_errors_that_the_product_raises_itself_are_own() -> None:
         assert not is_own(caught.value)
     with pytest.raises(RefusedError), refusals():
         Rotor(np.zeros(3))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", guided.TARGETS)
+def test_inputs_led_by_coverage_are_refused_or_read(target: str) -> None:
+    pytest.importorskip("atheris", reason="atheris, which leads by coverage, is not installed")
+    found = guided.run(target, seed=20, inputs=600, seconds=20.0)
+    assert not found.faults
+    assert found.inputs >= 500
+    assert set(found.ended) == {"valid", "refused"}
 
 
 def test_results_are_told_in_a_table() -> None:
