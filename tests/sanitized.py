@@ -32,6 +32,7 @@ MODULES = {
 }
 TESTS = (
     "tests/ga/kernels/test_kernels.py",
+    "tests/ga/kernels/test_odd_layouts.py",
     "tests/fusion/smoothing/test_native_verbs.py",
     "tests/fusion/smoothing/test_causal.py",
     "tests/fusion/smoothing/test_kalman.py",

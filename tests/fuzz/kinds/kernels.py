@@ -27,7 +27,6 @@ NUMBERS = (0.0, -0.0, 1.0, -1.0, 1e-300, 1e300, 1e-40, 1e38, np.nan, np.inf, -np
 
 def prepare(folder: Path) -> Feed:
     """Kernels called on operands of any layout."""
-    kernels.set_threads(2)
 
     def feed(rng: np.random.Generator) -> str:
         name = one_of(list(KERNELS), rng)
