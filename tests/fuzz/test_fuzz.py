@@ -118,3 +118,9 @@ def test_results_are_told_in_a_table() -> None:
     rows = table(lines).splitlines()
     assert rows[2] == "| rigs | 3 | 1 | 1 | 1 | 7, 9 | 0.3 s | 0 MiB |"
     assert rows[3].startswith("| all | 3 | 1 | 1 | 1 |")
+
+
+def test_the_page_shows_what_was_fed_last() -> None:
+    lines = Path(__file__).with_name("fuzzed.jsonl").read_text().splitlines()
+    page = Path(__file__).parents[2] / "SECURITY.md"
+    assert table(lines) in page.read_text()
