@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from motorcade.fusion import (
     ADIS16448,
+    ContinuousPath,
     ImuStream,
     differentiated,
     estimate_orientation,
@@ -35,8 +36,11 @@ from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.fusion.imu import estimate_noise, screen_imu
 from motorcade.fusion.imu.simulate import specific_force_m_s2
 from motorcade.fusion.metrics import (
+    alignment_of,
     angular_rate_lag_s,
+    associate,
     energy_excess_above,
+    frame_change_defect,
     gimbal_index,
     jitter,
     jitter_above,
@@ -44,6 +48,7 @@ from motorcade.fusion.metrics import (
     position_lag_s,
     position_overshoot_m,
     rotation_overshoot_rad,
+    without_scale,
 )
 from motorcade.fusion.motions import handheld
 from motorcade.fusion.motions.degradations import (
@@ -52,9 +57,19 @@ from motorcade.fusion.motions.degradations import (
     Gaussian,
     Latency,
     Outliers,
+    PlanarFlips,
+    Quantised,
     StampJitter,
 )
-from motorcade.fusion.smoothing import METHODS, automatic_window_s, choose, estimate_path, smooth
+from motorcade.fusion.smoothing import (
+    METHODS,
+    ConstantVelocityFilter,
+    automatic_window_s,
+    choose,
+    estimate_path,
+    smooth,
+    smoothed_states,
+)
 from motorcade.fusion.visual_inertial import start_inertial
 from motorcade.ga import CumulativeBSpline, Motor, ScrewPath, Trajectory
 from motorcade.ga.arrays import FloatArray
@@ -283,10 +298,21 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     **{f"smooth {name}": partial(lambda m, case: smooth(case.noisy, m), name) for name in METHODS},
     "smooth spline euler": lambda case: smooth(case.noisy, "spline", "euler"),
     "smooth spline rotor": lambda case: smooth(case.noisy, "spline", "rotor"),
-    "choose": lambda case: choose(case.noisy),
+    "choose": lambda case: choose(case.noisy).smooth(case.noisy),
+    "smoothed_states": lambda case: smoothed_states(case.noisy, ConstantVelocityFilter()),
+    "log_likelihood": lambda case: ConstantVelocityFilter().log_likelihood(case.noisy),
+    "frame_change_defect": lambda case: frame_change_defect(
+        partial(smooth, method="spline"), case.noisy, *Motor.random(_rng(), (2,))
+    ),
+    "associate": lambda case: alignment_of(associate(case.noisy, case.truth), "se3").apply_to(
+        without_scale(case.noisy)
+    ),
     "estimate_path": lambda case: estimate_path(case.noisy),
     "automatic_window_s": lambda case: automatic_window_s(case.noisy, case.measured.covariance),
     "differentiated": lambda case: differentiated(case.noisy),
+    "ContinuousPath.through": lambda case: ContinuousPath.through(case.truth).twists(
+        np.array([0.0, 1e-9 * float(case.time_ns[-1] - case.time_ns[0])])
+    ),
     "simulate_imu": lambda case: simulate_imu(case.truth, 200.0, ADIS16448, _rng()),
     "simulate_camera_poses": lambda case: simulate_camera_poses(
         case.truth, 20.0, 0.01, 0.01, _rng()
@@ -295,6 +321,8 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
         f"{type(one).__name__}.apply": partial(lambda d, case: d.apply(case.truth, _rng()), one)
         for one in (
             Outliers(0.05, 0.3, 0.5),
+            PlanarFlips(0.1),
+            Quantised(0.01, 0.01),
             StampJitter(0.002),
             DroppedFrames(0.2, 3.0),
             Blackouts(1.0, 4.0),
@@ -312,10 +340,12 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
         case.measured, case.imu, ADIS16448, Motor.identity(), lag_s=1.0
     ),
     "fuse_odometry": lambda case: fuse_odometry(case.measured, case.truth, Motor.identity()),
-    "synchronise": lambda case: synchronise(case.noisy, case.imu, ADIS16448),
+    "synchronise": lambda case: synchronise(case.noisy, case.imu, ADIS16448).on_imu_clock(
+        case.noisy
+    ),
     "start_inertial": lambda case: start_inertial(
         case.measured, case.imu, ADIS16448, Motor.identity()
-    ),
+    ).in_metres(case.noisy),
     "preintegrate": lambda case: preintegrate(case.imu, case.time_ns, ADIS16448),
     "estimate_noise": lambda case: estimate_noise(case.standing),
     "estimate_orientation": lambda case: estimate_orientation(case.imu),

@@ -1,0 +1,84 @@
+"""Whatever takes a path or a stream gives a result, or refuses, however long a gap is.
+
+`tests.end_to_end.gaps` measures what that costs, of commands too; here functions are tried once.
+"""
+
+import importlib
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.end_to_end import gap_doors
+from tests.end_to_end.gap_doors import FUNCTIONS, Case, shapes
+
+DAYS_NS = 30 * 86_400 * 10**9
+FACES = (
+    "fusion",
+    "fusion.filter",
+    "fusion.graph",
+    "fusion.imu",
+    "fusion.metrics",
+    "fusion.motions.degradations",
+    "fusion.smoothing",
+    "fusion.sync",
+    "fusion.visual_inertial",
+    "render.plots",
+)
+ELSEWHERE = {
+    # bases of what is tried
+    "CausalFilter", "Degradation", "InTurn", "KalmanFilter", "FilterMethod",
+    # results, whose methods are called where they are made
+    "Alignment", "InertialStart", "SmootherChoice", "Synchronised",
+    # they run what they are given
+    "seconds_per_pose",
+    # `start_inertial` and `preintegrate`, which refuse for them, are tried
+    "adjust_visual_inertial", "fuse_map", "metric_map",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("door", FUNCTIONS)
+@pytest.mark.parametrize("shape", ["one gap", "gaps alone"])
+@pytest.mark.filterwarnings("ignore")
+def test_a_gap_of_thirty_days_gives_a_result_or_a_refusal(door, shape, tmp_path):
+    try:
+        FUNCTIONS[door](Case.of(shapes(DAYS_NS)[shape], tmp_path / "case"))
+    except ValueError as refused:
+        message = str(refused)
+    except RuntimeError as refused:  # of jobs, which say what each was refused for
+        message = str(refused)
+        assert "failed; the others are kept" in message
+    else:
+        return
+    assert message
+
+
+@pytest.mark.parametrize("face", FACES)
+def test_every_public_function_that_takes_a_path_or_stream_is_tried(face):
+    tried = Path(gap_doors.__file__).read_text()
+    package = importlib.import_module(f"motorcade.{face}")
+    missing = {
+        name
+        for name in package.__all__
+        if _takes_paths(getattr(package, name)) and name not in tried and name not in ELSEWHERE
+    }
+    assert not missing
+
+
+def _takes_paths(public: object) -> bool:
+    """Whether a function, or a method of a class, takes a trajectory, stream or measurements."""
+    functions = [public]
+    if inspect.isclass(public):
+        functions = [
+            getattr(one, "__func__", one)
+            for name, one in vars(public).items()
+            if not name.startswith("_")
+        ]
+    kinds = re.compile("Trajectory|ImuStream|PoseMeasurements")
+    return any(
+        name != "return" and kinds.search(str(kind))
+        for function in functions
+        if inspect.isfunction(function)
+        for name, kind in function.__annotations__.items()
+    )
