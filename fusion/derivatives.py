@@ -119,6 +119,16 @@ def differentiated(
         ValueError: a window that is not positive, an order outside 3 to 8, or too few poses.
 
     Source: A. Savitzky and M. Golay, Analytical Chemistry 36 (1964), over time and on the tangent.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import differentiated
+        >>> from motorcade.ga import Motor, Trajectory
+        >>> time_s = np.arange(30) / 30.0
+        >>> falling = Motor.from_translation(np.outer(-4.905 * time_s**2, [0.0, 0.0, 1.0]))
+        >>> path = Trajectory((1e9 * time_s).astype(np.int64), falling)
+        >>> differentiated(path).world_acceleration_m_s2[15].round(2) + 0.0
+        array([ 0. ,  0. , -9.81])
     """
     width_ns = checked_span_ns(checked_positive(window_s, "window_s", "seconds"), "window_s")
     if not _LEAST_ORDER <= order <= _LARGEST_ORDER:

@@ -129,6 +129,18 @@ def read_frames(path: Path, every: int = 1) -> Iterator[tuple[int, ImageArray]]:
         FileError: a file that cannot be read.
         OSError: one that holds no video.
         ValueError: `every` below 1.
+
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> from motorcade.render import read_frames, write_video
+    >>> pictures = [np.full((48, 64, 3), grey, np.uint8) for grey in (0, 128)]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "grey.mkv")  # lossless; .mp4 is H.264
+    ...     write_video(path, pictures, np.array([0, 40_000_000]))
+    ...     again = [(time_ns, int(picture[0, 0, 0])) for time_ns, picture in read_frames(path)]
+    >>> again
+    [(0, 0), (40000000, 128)]
     """
     if every < 1:
         raise ValueError(f"read_frames(every): expected 1 or more, got {every}")

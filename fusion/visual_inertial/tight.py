@@ -55,6 +55,20 @@ class VisualInertial:
         seen: ``(L,)`` whether each took part.
         error_px: ``(N,)`` reprojection error of each sighting, infinite behind the camera and
             where the landmark did not take part.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.visual_inertial import VisualInertial
+        >>> from motorcade.ga import Motor, Trajectory
+        >>> world_T_camera = Motor.from_translation([[0.0, 0.0, 1.5], [0.1, 0.0, 1.5]])
+        >>> none, velocity_m_s = np.zeros((2, 3)), np.array([[0.2, 0.0, 0.0]] * 2)
+        >>> found = VisualInertial(
+        ...     Trajectory(np.array([0, 500_000_000]), world_T_camera), velocity_m_s, none, none,
+        ...     landmarks_m=np.array([[0.0, 2.0, 1.5], [0.0, 9.0, 1.5]]),
+        ...     seen=np.array([True, False]), error_px=np.array([0.2, 0.3, np.inf]),
+        ... )
+        >>> found.landmarks_m[found.seen], int(np.isfinite(found.error_px).sum())
+        (array([[0. , 2. , 1.5]]), 2)
     """
 
     trajectory: Trajectory

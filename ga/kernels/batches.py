@@ -294,7 +294,16 @@ class VersorKernels:
 
 
 class PoseKernels(VersorKernels):
-    """What versors do that move points too: motors and similarities."""
+    """What versors do that move points too: motors and similarities.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.ga import Motor
+        >>> from motorcade.ga.kernels import MOTORS
+        >>> world_T_camera = Motor.from_translation([0.0, 0.0, 1.5]).coefficients
+        >>> MOTORS.apply(world_T_camera, np.array([[0.0, 0.0, 2.0]]))
+        array([[0. , 0. , 3.5]])
+    """
 
     def __init__(self, prefix: str, size: int, twist_size: int) -> None:
         super().__init__(prefix, size, twist_size)

@@ -72,6 +72,19 @@ def write_imu(stream: ImuStream, path: Path) -> None:
 
     Raises:
         OSError: a file that cannot be written.
+
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> from motorcade.fusion import ImuStream
+    >>> from motorcade.replays import read_imu, write_imu
+    >>> at_rest = np.array([[0.0, 0.0, 9.81]] * 3)  # an accelerometer at rest reads +g upward
+    >>> stream = ImuStream(np.array([0, 5_000_000, 10_000_000]), np.zeros((3, 3)), at_rest)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_imu(stream, Path(folder, "imu.csv"))
+    ...     again = read_imu(Path(folder, "imu.csv"))
+    >>> np.array_equal(again.specific_force_m_s2, at_rest)
+    True
     """
     rows = zip(
         stream.time_ns.tolist(),

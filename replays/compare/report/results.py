@@ -64,6 +64,12 @@ class Results:
     Fields:
         told: all of ``results.json``.
         figures: ``groups.csv`` by (motion, degradation, method, representation, metric).
+
+    >>> from motorcade.replays.compare.report import Results
+    >>> plan = {"motions": ["handheld", "screw"], "degradations": ["gaussian"]}
+    >>> results = Results({"plan": plan}, figures={})  # `read` fills both from a folder
+    >>> results.places("motion:screw"), results.drawn_from
+    ([('screw', 'gaussian')], 'seeds')
     """
 
     told: Mapping[str, Any]
