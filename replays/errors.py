@@ -8,24 +8,15 @@ from __future__ import annotations
 
 import difflib
 import reprlib
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
-from io import BufferedReader
+from collections.abc import Iterable
 from pathlib import Path
-
-from motorcade.ga import files
-from motorcade.ga.files import EmptyFileError, FileError
 
 __all__ = [
     "DamagedError",
     "RecordingError",
-    "admit_file",
     "did_you_mean",
     "one_line",
-    "open_bounded",
-    "read_bounded",
     "refusal",
-    "refused",
 ]
 
 
@@ -97,44 +88,6 @@ def did_you_mean(name: str, allowed: Iterable[str]) -> str:
     shown = ", ".join(names[:_NAMES_SHOWN]) or "none"
     more = len(names) - _NAMES_SHOWN
     return f"known here: {shown}" + (f" and {more} more" if more > 0 else "")
-
-
-def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> bytes:
-    """Read a whole regular file of at most `limit_bytes`; raises as `open_bounded`."""
-    with refused(field):
-        return files.read_bounded(path, limit_bytes)
-
-
-@contextmanager
-def open_bounded(
-    path: Path, limit_bytes: int, field: str | None = None
-) -> Iterator[BufferedReader]:
-    """Open a regular file of 1 to `limit_bytes` bytes, to be read within the block.
-
-    Raises:
-        DamagedError: empty.
-        RecordingError: missing, not a regular file (a pipe would hang), larger than the limit, or
-            unreadable, also within the block.
-    """
-    with refused(field), files.open_bounded(path, limit_bytes) as file:
-        yield file
-
-
-def admit_file(path: Path, limit_bytes: int, field: str | None = None) -> None:
-    """Check a file that a library is about to open; raises as `open_bounded`."""
-    with refused(field):
-        files.admit_file(path, limit_bytes)
-
-
-@contextmanager
-def refused(field: str | None = None) -> Iterator[None]:
-    """Turn what the door refuses (`ga.files`) into this room's errors."""
-    try:
-        yield
-    except EmptyFileError as fault:
-        raise DamagedError(str(refusal(fault.path, fault.problem, field=field))) from fault
-    except FileError as fault:
-        raise refusal(fault.path, fault.problem, field=field) from fault
 
 
 def _printable(text: str) -> str:

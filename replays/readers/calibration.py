@@ -12,7 +12,8 @@ import numpy as np
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.plain_yaml import YamlError, parse_yaml
-from motorcade.replays.errors import one_line, read_bounded, refusal
+from motorcade.replays.errors import one_line, refusal
+from motorcade.replays.files.door import read_bounded
 from motorcade.replays.files.trajectories import UNIT_TOLERANCE
 from motorcade.replays.readers.tables import data_rows
 from motorcade.tracking.cameras.camera import Camera, CameraModel

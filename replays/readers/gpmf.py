@@ -28,7 +28,8 @@ from av.error import FFmpegError
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render.video import open_video
-from motorcade.replays.errors import refusal, refused
+from motorcade.replays.errors import refusal
+from motorcade.replays.files.door import refused
 
 __all__ = ["Item", "items", "read_telemetry"]
 

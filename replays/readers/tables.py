@@ -21,7 +21,8 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.engine.progress import reading
-from motorcade.replays.errors import one_line, open_bounded, refusal
+from motorcade.replays.errors import one_line, refusal
+from motorcade.replays.files.door import open_bounded
 
 __all__ = [
     "UNITS",

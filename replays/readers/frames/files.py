@@ -18,7 +18,8 @@ import numpy as np
 
 from motorcade.ga.arrays import IntArray
 from motorcade.replays.engine.progress import track
-from motorcade.replays.errors import DamagedError, one_line, read_bounded, refusal
+from motorcade.replays.errors import DamagedError, one_line, refusal
+from motorcade.replays.files.door import read_bounded
 from motorcade.replays.readers.frames import pictures
 from motorcade.replays.recording import Frame
 

@@ -16,7 +16,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.replays.errors import DamagedError, one_line, read_bounded, refusal
+from motorcade.replays.errors import DamagedError, one_line, refusal
+from motorcade.replays.files.door import read_bounded
 from motorcade.replays.recording import DepthArray, ImageArray
 
 __all__ = [

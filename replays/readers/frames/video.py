@@ -23,7 +23,8 @@ from av.video.stream import VideoStream
 
 from motorcade.ga.arrays import IntArray
 from motorcade.render.video import MAX_FILE_BYTES, MAX_PIXELS, open_video
-from motorcade.replays.errors import one_line, open_bounded, refusal, refused
+from motorcade.replays.errors import one_line, refusal
+from motorcade.replays.files.door import open_bounded, refused
 from motorcade.replays.readers.frames.decoded import DecodedFrames
 from motorcade.replays.readers.frames.files import FRAME_LIMIT
 from motorcade.replays.readers.gpmf import read_telemetry

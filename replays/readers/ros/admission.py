@@ -17,7 +17,8 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from motorcade.ga.plain_yaml import YamlError, parse_yaml
-from motorcade.replays.errors import admit_file, one_line, read_bounded, refusal
+from motorcade.replays.errors import one_line, refusal
+from motorcade.replays.files.door import admit_file, read_bounded
 
 __all__ = ["admit_bag", "bound_chunks", "check_overlaps"]
 

@@ -13,7 +13,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.errors import RecordingError, admit_file, one_line, read_bounded, refusal
+from motorcade.replays.errors import RecordingError, one_line, refusal
+from motorcade.replays.files.door import admit_file, read_bounded
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, Self
 import cv2
 import numpy as np
 
-from motorcade.replays.errors import RecordingError, one_line, open_bounded, refusal
+from motorcade.replays.errors import RecordingError, one_line, refusal
+from motorcade.replays.files.door import open_bounded
 from motorcade.replays.readers.frames.decoded import DecodedFrames
 from motorcade.replays.readers.frames.files import FRAME_LIMIT
 from motorcade.replays.readers.frames.pictures import PIXEL_LIMIT, picture_size

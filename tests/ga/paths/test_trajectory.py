@@ -150,7 +150,9 @@ def test_a_trajectory_tells_its_frames_length_and_span() -> None:
 
 def test_another_format_of_file_is_named(trajectory: Trajectory, tmp_path: Path) -> None:
     np.savez(tmp_path / "next.npz", format=np.array("motorcade trajectory 2"))
-    with pytest.raises(ValueError, match="expected the format 'motorcade trajectory 1', got 'mot"):
+    with pytest.raises(
+        ValueError, match="expected the format 'motorcade trajectory 1', got motorcade trajectory 2"
+    ):
         Trajectory.load(tmp_path / "next.npz")
 
 
