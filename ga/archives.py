@@ -68,7 +68,7 @@ def load_arrays(
     arrays = read_arrays(path, what)
     try:
         if arrays["format"].shape != () or str(arrays["format"]) != form:
-            raise ValueError(f"expected the format '{form}', got {arrays['format']!s:.60}")
+            raise ValueError(f"expected the format '{form}', got '{arrays['format']!s:.60}'")
         return make(arrays)
     except (ValueError, KeyError, TypeError) as fault:
         raise FileError(path, f"not {what}: {_reason(fault)}") from fault
