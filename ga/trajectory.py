@@ -107,8 +107,20 @@ class Trajectory:
 
     @property
     def time_s(self) -> FloatArray:
-        """Stamps ``(N,)`` in seconds after the first."""
+        """Stamps ``(N,)`` in seconds after the first.
+
+        Raises:
+            ValueError: stamps that seconds cannot tell apart, as those of a nanosecond after years.
+        """
         seconds: FloatArray = (self.time_ns - self.time_ns[0]) * 1e-9
+        alike = np.flatnonzero(np.diff(seconds) <= 0.0)
+        if alike.size:
+            at = int(alike[0])
+            raise ValueError(
+                "Trajectory.time_s: expected stamps that seconds after the first tell apart, got "
+                f"two {int(self.time_ns[at + 1] - self.time_ns[at])} ns apart after "
+                f"{seconds[at]:.6g} s; cut the trajectory at its gaps"
+            )
         return seconds
 
     def __getitem__(self, index: slice | ArrayLike) -> Trajectory:

@@ -277,3 +277,10 @@ def test_trajectories_are_frozen(trajectory: Trajectory) -> None:
     for one in (kept, copy.deepcopy(kept), pickle.loads(pickle.dumps(kept))):
         with pytest.raises(ValueError, match="read-only"):
             one.time_ns[0] = 0
+
+
+def test_stamps_that_seconds_cannot_tell_apart_have_no_seconds() -> None:
+    path = Trajectory(np.array([0, 10**18, 10**18 + 1]), Motor.identity((3,)))
+    with pytest.raises(ValueError, match=r"two 1 ns apart after 1e\+09 s; cut the trajectory"):
+        _ = path.time_s
+    assert path[1:].time_s.tolist() == [0.0, 1e-9]
