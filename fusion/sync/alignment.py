@@ -13,7 +13,6 @@ initialization, ICRA 2020.
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,9 +29,7 @@ from motorcade.fusion.sync.normal_equations import Bordered, Solved
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
-log = logging.getLogger("motorcade.sync")
-
-__all__ = ["Aligned", "Beliefs", "Shared", "align", "covered"]
+__all__ = ["Aligned", "Beliefs", "Shared", "align"]
 
 _ITERATIONS = 30
 _SETTLED = 0.1  # of its own deviation, the most that an unknown still moves
@@ -117,39 +114,6 @@ class Aligned:
     def imu_ns(self) -> IntArray:
         """Stamps ``(N,)`` on the IMU's clock."""
         return self.time_ns + round(self.shared.offset_s * 1e9)
-
-
-def covered(
-    camera: Trajectory, imu: ImuStream, offset_s: float, margin_s: float
-) -> tuple[Trajectory, ImuStream]:
-    """The poses that the IMU covers at an offset and `margin_s` to either side of it, and the IMU.
-
-    Where gaps of more than ten seconds split the stream it is the stretch with the most poses.
-
-    Raises:
-        ValueError: fewer than three.
-    """
-    shift, margin = round(offset_s * 1e9), round(margin_s * 1e9)
-    stamps = camera.time_ns + shift
-    parts = imu.stretches()
-    masks = [
-        (stamps - margin >= one.time_ns[0]) & (stamps + margin <= one.time_ns[-1]) for one in parts
-    ]
-    most = int(np.argmax([np.count_nonzero(mask) for mask in masks]))
-    inside = masks[most]
-    if len(parts) > 1:
-        log.warning(
-            "gaps split the imu into %d stretches: the longest is used, %d of %d poses",
-            len(parts),
-            np.count_nonzero(inside),
-            len(camera),
-        )
-    if np.count_nonzero(inside) < 3:
-        raise ValueError(
-            "camera and imu: expected three poses or more that the IMU covers, got "
-            f"{np.count_nonzero(inside)} at an offset of {offset_s:.3f} s"
-        )
-    return camera[inside], parts[most]
 
 
 def align(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,14 +16,15 @@ from motorcade.fusion.sync.alignment import (
     Beliefs,
     Shared,
     align,
-    covered,
 )
 from motorcade.fusion.sync.gating import plausible
 from motorcade.fusion.sync.rates import match_rates
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["Synchronised", "synchronise"]
+log = logging.getLogger("motorcade.sync")
+
+__all__ = ["Synchronised", "covered", "synchronise"]
 
 _STANDARD_GRAVITY_M_S2 = 9.81
 # Gravity between the equator and the poles, at sea level and above.
@@ -220,3 +222,36 @@ def _gravity(
         raise ValueError("imu: expected specific forces, got zeros")
     fall: FloatArray = -_STANDARD_GRAVITY_M_S2 / size * up
     return fall
+
+
+def covered(
+    camera: Trajectory, imu: ImuStream, offset_s: float, margin_s: float
+) -> tuple[Trajectory, ImuStream]:
+    """The poses that the IMU covers at an offset and `margin_s` to either side of it, and the IMU.
+
+    Where gaps of more than ten seconds split the stream it is the stretch with the most poses.
+
+    Raises:
+        ValueError: fewer than three.
+    """
+    shift, margin = round(offset_s * 1e9), round(margin_s * 1e9)
+    stamps = camera.time_ns + shift
+    parts = imu.stretches()
+    masks = [
+        (stamps - margin >= one.time_ns[0]) & (stamps + margin <= one.time_ns[-1]) for one in parts
+    ]
+    most = int(np.argmax([np.count_nonzero(mask) for mask in masks]))
+    inside = masks[most]
+    if len(parts) > 1:
+        log.warning(
+            "gaps split the imu into %d stretches: the longest is used, %d of %d poses",
+            len(parts),
+            np.count_nonzero(inside),
+            len(camera),
+        )
+    if np.count_nonzero(inside) < 3:
+        raise ValueError(
+            "camera and imu: expected three poses or more that the IMU covers, got "
+            f"{np.count_nonzero(inside)} at an offset of {offset_s:.3f} s"
+        )
+    return camera[inside], parts[most]
