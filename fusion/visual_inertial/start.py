@@ -13,7 +13,8 @@ import numpy as np
 
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.fusion.sync.alignment import GRAVITY, SCALE, Beliefs, Shared, align, covered
+from motorcade.fusion.sync.alignment import GRAVITY, SCALE, Beliefs, Shared, align
+from motorcade.fusion.sync.synchronise import covered
 from motorcade.fusion.visual_inertial.linear import linear_start
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
