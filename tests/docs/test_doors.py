@@ -63,7 +63,13 @@ DEFAULTS = {
     "read_bounded": ("animation/formats/limits.py", "MAX_FILE_BYTES"),
     "read_arrays": ("ga/archives.py", "MAX_FILE_BYTES"),
 }
-NO_LIMITS = {("replays/readers/manifest/reading.py", "_MOST_OFFSET_S")}  # of a clock, in seconds
+# Of what is written, or of how large a value may be.
+NO_LIMITS = {
+    ("animation/formats/gltf/write.py", "MOST_KEYS"),
+    ("fusion/imu/noise.py", "_MOST"),
+    ("render/video.py", "MOST_APART_S"),
+    ("replays/readers/manifest/reading.py", "_MOST_OFFSET_S"),
+}
 UNITS = {"Ki": 1 << 10, "Mi": 1 << 20, "Gi": 1 << 30, "Ti": 1 << 40}
 
 if not PAGE.exists():

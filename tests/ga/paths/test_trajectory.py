@@ -150,9 +150,8 @@ def test_a_trajectory_tells_its_frames_length_and_span() -> None:
 
 def test_another_format_of_file_is_named(trajectory: Trajectory, tmp_path: Path) -> None:
     np.savez(tmp_path / "next.npz", format=np.array("motorcade trajectory 2"))
-    with pytest.raises(
-        ValueError, match="expected the format 'motorcade trajectory 1', got motorcade trajectory 2"
-    ):
+    told = "expected the format 'motorcade trajectory 1', got 'motorcade trajectory 2'"
+    with pytest.raises(ValueError, match=told):
         Trajectory.load(tmp_path / "next.npz")
 
 
