@@ -229,10 +229,22 @@ CAMERA_KEYS = (
 
 
 def read_camera(path: Path) -> Camera:
-    """Read the camera of a `.toml` file's `[camera]` table, or of an EuRoC `sensor.yaml`.
+    r"""Read the camera of a `.toml` file's `[camera]` table, or of an EuRoC `sensor.yaml`.
 
     Raises:
         RecordingError: what the table or the YAML file lacks or gets wrong.
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from motorcade.replays import read_camera
+    >>> keys = {"width": 640, "height": 480, "fx": 510.0, "fy": 510.0, "cx": 319.5, "cy": 239.5}
+    >>> lines = ["[camera]", *(f"{key} = {value}" for key, value in keys.items())]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "camera.toml")
+    ...     _ = path.write_text("\n".join(lines))
+    ...     camera = read_camera(path)
+    >>> camera.width, camera.fx
+    (640, 510.0)
     """
     if path.suffix.lower() != ".toml":
         return yaml_camera(path)
