@@ -183,7 +183,8 @@ def _without_long_gaps(time_ns: IntArray) -> IntArray:
             f"write_video(time_ns): expected stamps at most {MOST_APART_S:g} s apart, got "
             f"{longest_s:.6g} s"
         )
-    return time_ns[0] + np.append(0, np.cumsum(steps))
+    shorter: IntArray = time_ns[0] + np.append(0, np.cumsum(steps))
+    return shorter
 
 
 def _encode(path: Path, frames: Iterable[ImageArray], ticks: IntArray) -> None:
