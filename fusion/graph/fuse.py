@@ -51,7 +51,7 @@ def fuse_by_graph(
 
     Raises:
         ValueError: as `fuse`; settings that estimate more than the motion, or look for rest; a lag
-            that is not above zero.
+            that is not above zero; gaps in the stream that leave the graph singular.
 
     Examples:
         >>> import numpy as np
@@ -96,7 +96,15 @@ def _fused(
     graph = InertialGraph.of(
         used, imu, noise, imu_T_camera, wanted, chosen.gravity_m_s2, chosen.gate_limit(6)
     )
-    found = smooth_all(graph) if lag_s is None else smooth_with_lag(graph, lag_s)
+    try:
+        found = smooth_all(graph) if lag_s is None else smooth_with_lag(graph, lag_s)
+    except RuntimeError as fault:
+        if "Indeterminate" not in str(fault):
+            raise
+        raise ValueError(
+            "measurements and imu: expected data that determine the path, got a graph that is "
+            "singular in float64, as gaps of a second in the imu leave it; `fuse` bridges them"
+        ) from fault
     rows = np.searchsorted(graph.time_ns, wanted)
     path, count = measurements.trajectory, len(wanted)
     poses = found.world_T_imu[rows] @ imu_T_camera

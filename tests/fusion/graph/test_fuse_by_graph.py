@@ -182,3 +182,11 @@ def test_on_a_real_flight_batch_and_filter_agree(data_dir: Path):
     error = absolute_translation_m(batch.trajectory.poses, truth.at(path.time_ns))
     assert np.sqrt(np.mean(error[seen] ** 2)) < 0.005
     assert np.max(error[~seen]) < 0.05
+
+
+def test_gaps_that_leave_the_graph_singular_are_refused(tmp_path):
+    from tests.end_to_end.gap_doors import FUNCTIONS, Case, shapes
+
+    case = Case.of(shapes(10**9)["a gap every 20 poses"], tmp_path / "case")
+    with pytest.raises(ValueError, match="got a graph that is singular"):
+        FUNCTIONS["fuse_by_graph"](case)
