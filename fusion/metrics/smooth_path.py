@@ -40,7 +40,7 @@ class SmoothPath:
     """Cubic interpolation of a trajectory; times are seconds after its first stamp, `origin_ns`.
 
     Raises:
-        NotObservableError: fewer than two poses.
+        NotObservableError: fewer than two poses, or steps so uneven that no spline is found.
     """
 
     def __init__(self, trajectory: Trajectory) -> None:
@@ -52,9 +52,15 @@ class SmoothPath:
         self.origin_ns = int(trajectory.time_ns[0])
         self._time_s = trajectory.time_s
         quaternions = trajectory.motors.rotor.as_quaternion()
-        self._rotation = RotationSpline(
-            self._time_s, Rotation.from_quat(quaternions, scalar_first=True)
-        )
+        turns = Rotation.from_quat(quaternions, scalar_first=True)
+        try:
+            with np.errstate(over="raise", invalid="raise"):  # its iteration may run away
+                self._rotation = RotationSpline(self._time_s, turns)
+        except (FloatingPointError, ValueError) as fault:
+            raise NotObservableError(
+                "reference: expected stamps near enough to even for a spline of rotations, got "
+                f"steps of {np.diff(self._time_s).min():.3g} to {np.diff(self._time_s).max():.3g} s"
+            ) from fault
         self._position = CubicSpline(self._time_s, trajectory.motors.translation_m)
 
     @classmethod

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from motorcade.fusion.metrics import NotObservableError, evaluate
 from motorcade.fusion.metrics.smooth_path import SmoothPath
 from motorcade.fusion.motions import MOTIONS
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Motor, Rotor, Trajectory
 
 START_NS = 10**18
 MS = 1_000_000
@@ -73,3 +73,12 @@ def test_it_is_fitted_once_and_forgotten_with_its_trajectory():
     del truth
     gc.collect()
     assert fitted() is None
+
+
+def test_steps_too_uneven_for_a_spline_of_rotations_are_told() -> None:
+    t = 0.05 * np.arange(5)
+    turn = np.stack([0.3 * np.sin(2 * t), 0.2 * np.cos(t), 0.4 * np.sin(t)], axis=-1)
+    poses = Motor.from_rotor_translation(Rotor.from_rotation_vector(turn), np.zeros(3))
+    stamps = np.array([0, 10**6, 2 * 10**6, 86_400 * 10**9, 2 * 86_400 * 10**9])
+    with pytest.raises(NotObservableError, match="expected stamps near enough to even"):
+        SmoothPath(Trajectory(stamps, poses))
