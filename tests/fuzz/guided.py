@@ -55,8 +55,7 @@ def run(target: str, seed: int, inputs: int, seconds: float) -> Result:
         )
         counts = folder / "counts.json"
         result.ended = Counter(json.loads(counts.read_text()) if counts.is_file() else {})
-        runs = re.findall(r"Done (\d+) runs|#(\d+)\t", done.stderr)
-        result.inputs = max((int(one or other) for one, other in runs), default=0)
+        result.inputs = result.ended.total()  # those after it was last told are not counted
         peaks = [int(one) for one in re.findall(r"rss: (\d+)Mb", done.stderr)]
         result.peak_bytes = max(peaks, default=0) << 20
         if done.returncode:
