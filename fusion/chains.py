@@ -6,8 +6,6 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["banded"]
-
 
 def banded(diagonal: FloatArray, below: FloatArray) -> FloatArray:
     """A symmetric block-tridiagonal matrix by its lower diagonals, as LAPACK wants it.

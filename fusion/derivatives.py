@@ -26,8 +26,6 @@ from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.ga.motion import twist_bracket
 from motorcade.ga.stamps import checked_span_ns
 
-__all__ = ["PathDerivatives", "differentiated"]
-
 _LEAST_ORDER, _LARGEST_ORDER = 3, 8
 _ROUNDS = 3
 _STRETCH = 2048

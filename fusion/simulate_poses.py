@@ -14,8 +14,6 @@ from motorcade.ga.arrays import checked_positive
 from motorcade.ga.stamps import stamps_at_rate
 from motorcade.tracking.measurements import PoseMeasurements
 
-__all__ = ["simulate_camera_poses"]
-
 _MOST = 1e9  # of any of the numbers, whose squares are covariances
 
 

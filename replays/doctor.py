@@ -22,8 +22,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from motorcade.render.backends.platform import Context
 
-__all__ = ["OPTIONAL", "Finding", "examine", "examine_packages", "flags", "simd"]
-
 
 @dataclass(frozen=True)
 class Finding:

@@ -11,15 +11,6 @@ import reprlib
 from collections.abc import Iterable
 from pathlib import Path
 
-__all__ = [
-    "DamagedError",
-    "RecordingError",
-    "did_you_mean",
-    "one_line",
-    "refusal",
-]
-
-
 _PATH_SHOWN = 300
 _NAMES_SHOWN = 12
 

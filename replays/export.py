@@ -26,8 +26,6 @@ from motorcade.replays.recording import Recording
 from motorcade.replays.results import trajectories
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["Shown", "open_run", "write_rrd", "write_run_gltf"]
-
 MAX_LOG_BYTES = 1 << 24
 POINTS_SHOWN = 200_000
 

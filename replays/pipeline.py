@@ -40,8 +40,6 @@ from motorcade.replays.stages.view.overlay import overlay
 from motorcade.replays.stages.view.placed import placed
 from motorcade.tracking import TrackingError
 
-__all__ = ["STAGES", "Job", "pipeline_graph", "require_integrity", "run_job"]
-
 log = logging.getLogger("motorcade.pipeline")
 
 TRACKED = first_of(

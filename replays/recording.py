@@ -30,15 +30,6 @@ if TYPE_CHECKING:
     from motorcade.tracking.cameras.camera import Camera
     from motorcade.tracking.slam import MapSnapshot
 
-__all__ = [
-    "DepthArray",
-    "Frame",
-    "FrameSequence",
-    "ImageArray",
-    "Odometry",
-    "Recording",
-]
-
 ImageArray = NDArray[np.uint8]
 DepthArray = NDArray[np.float32]
 

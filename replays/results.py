@@ -16,8 +16,6 @@ from motorcade.replays.files.atomic import copy_file, write_bytes
 from motorcade.replays.files.trajectories import write_trajectory
 from motorcade.replays.report.summary import without_nan
 
-__all__ = ["require_writable", "trajectories", "write_results"]
-
 _OUR_TRAJECTORY = re.compile(r"(camera_poses|fused|smoothed)_[a-z_]+\.tum")
 _OUR_FILES = ("overlay.mp4", "marker_map.json", "slam_map.npz", "report.html", "report.json")
 

@@ -28,8 +28,6 @@ from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["ERROR_SIZE", "corrected", "extended_pose", "increments", "process_noise"]
-
 ERROR_SIZE = 15
 
 

@@ -18,8 +18,6 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import checked_span_ns
 from motorcade.tracking.measurements import PoseMeasurements
 
-__all__ = ["Fused", "camera_covariance", "covered", "fuse", "wanted_stamps"]
-
 
 def covered(measurements: PoseMeasurements, imu: ImuStream, shift_ns: int = 0) -> PoseMeasurements:
     """The measurements within the IMU's span, their stamps `shift_ns` later on its clock.

@@ -13,8 +13,6 @@ from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["KINDS", "FilterState", "Innovation", "PoseFilter"]
-
 KINDS = {"camera_pose": 1, "imu_pose": 2, "position": 3, "velocity": 4, "corners": 5}
 
 

@@ -12,15 +12,6 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import checked_positive
 from motorcade.ga.stamps import checked_span_ns
 
-__all__ = [
-    "ACCEL_BIAS_SIGMA_M_S2",
-    "GYRO_BIAS_SIGMA_RAD_S",
-    "VELOCITY_SIGMA_M_S",
-    "FilterSettings",
-    "RestDetection",
-    "engine",
-]
-
 # What is known of a sensor before the first sample: hardly anything. The velocity's is wide on
 # purpose: the error's dynamics do not depend on it, so that costs nothing.
 GYRO_BIAS_SIGMA_RAD_S = 0.1

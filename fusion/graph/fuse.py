@@ -15,8 +15,6 @@ from motorcade.ga.arrays import IntArray, checked_positive
 from motorcade.ga.stamps import checked_span_ns
 from motorcade.tracking.measurements import PoseMeasurements
 
-__all__ = ["fuse_by_graph"]
-
 
 def fuse_by_graph(
     measurements: PoseMeasurements,

@@ -32,17 +32,6 @@ from motorcade.tracking.measurements import PoseMeasurements
 if TYPE_CHECKING:
     import gtsam
 
-__all__ = [
-    "InertialGraph",
-    "NodeKeys",
-    "as_motor",
-    "as_pose",
-    "as_poses",
-    "keys",
-    "optimised",
-    "state_covariance",
-]
-
 
 def as_pose(motor: Motor) -> gtsam.Pose3:
     """One motor as a Pose3."""

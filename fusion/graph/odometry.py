@@ -20,8 +20,6 @@ from motorcade.tracking.measurements import PoseMeasurements
 if TYPE_CHECKING:
     import gtsam
 
-__all__ = ["OdometryNoise", "fuse_odometry"]
-
 _GATE = 27.86  # χ² with six degrees of freedom exceeds it once in 10,000 poses
 _ITERATIONS = 100
 _RELATIVE = 1e-5

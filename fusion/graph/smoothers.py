@@ -26,8 +26,6 @@ from motorcade.ga.arrays import FloatArray
 if TYPE_CHECKING:
     import gtsam
 
-__all__ = ["GraphStates", "smooth_all", "smooth_with_lag"]
-
 _ITERATIONS = 100
 _RELATIVE = 1e-7
 

@@ -21,8 +21,6 @@ from motorcade.fusion.imu.screening import refuse_movement
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive
 
-__all__ = ["AllanCurve", "NoiseEstimate", "StreamNoise", "allan_deviation", "estimate_noise"]
-
 _FLICKER = 2.0 * np.log(2.0) / np.pi
 # Clusters that a recording holds of its longest average; fewer leave mere chance.
 _FEWEST_CLUSTERS = 9

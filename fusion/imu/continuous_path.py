@@ -19,8 +19,6 @@ from motorcade.ga.motion import ScrewPath
 from motorcade.ga.splines import CumulativeBSpline
 from motorcade.ga.stamps import stretches
 
-__all__ = ["ContinuousPath"]
-
 
 @dataclass(frozen=True, eq=False)
 class ContinuousPath:

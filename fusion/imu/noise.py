@@ -16,8 +16,6 @@ from pathlib import Path
 from motorcade.ga.files import read_bounded
 from motorcade.ga.plain_yaml import YamlError, parse_yaml
 
-__all__ = ["ADIS16448", "ImuNoise"]
-
 MAX_FILE_BYTES = 1 << 18
 _YAML_NAMES = {
     "gyro_density_rad_s_rthz": "gyroscope_noise_density",

@@ -11,8 +11,6 @@ import numpy as np
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["screen_imu"]
-
 _GRAVITY = 9.81
 # Windows this long whose readings scatter by less than this share of their mean are quiet.
 _WINDOW_S = 0.5

@@ -25,8 +25,6 @@ from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_po
 from motorcade.ga.motion import SplineSample, sampled_motion
 from motorcade.ga.stamps import check_count, checked_rate, checked_span_ns
 
-__all__ = ["PERFECT", "ImuFaults", "SimulatedImu", "simulate_imu"]
-
 
 @dataclass(frozen=True, eq=False)
 class ImuFaults:

@@ -14,8 +14,6 @@ import numpy as np
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 from motorcade.ga.stamps import LONGEST_BRIDGE_S, checked_increasing, stretches
 
-__all__ = ["ImuStream"]
-
 _REACH = 1e9
 
 

@@ -36,19 +36,6 @@ from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
-__all__ = [
-    "FrameChangeDefect",
-    "GimbalIndex",
-    "frame_change_defect",
-    "gimbal_index",
-    "path_over_geodesic",
-    "position_overshoot_m",
-    "rotation_overshoot_rad",
-    "rotation_path_rad",
-    "stops",
-    "winding_count",
-]
-
 
 @dataclass(frozen=True)
 class FrameChangeDefect:

@@ -15,8 +15,6 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = ["Consistency", "chi2_bounds", "most_by_chance", "normalised_squared"]
-
 
 def normalised_squared(errors: FloatArray, covariances: FloatArray) -> FloatArray:
     """``eᵀ P⁻¹ e`` ``(*)`` of errors ``(*, d)`` with covariances ``(*, d, d)``.

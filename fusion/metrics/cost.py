@@ -7,8 +7,6 @@ from time import perf_counter
 
 from motorcade.ga import Trajectory
 
-__all__ = ["seconds_per_pose"]
-
 
 def seconds_per_pose(
     smoother: Callable[[Trajectory], Trajectory], trajectory: Trajectory, repeats: int = 3

@@ -47,8 +47,6 @@ from motorcade.fusion.metrics.smooth_path import NotObservableError
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Evaluation", "evaluate"]
-
 T = TypeVar("T")
 
 _ERRORS = (

@@ -19,17 +19,6 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.stamps import near_steps
 
-__all__ = [
-    "EnergyExcess",
-    "Jitter",
-    "Smoothness",
-    "accelerations",
-    "energy_excess_above",
-    "jitter",
-    "jitter_above",
-    "log_dimensionless_jerk",
-]
-
 _EVEN_INTERVALS = 1.5
 _SHORTEST_SPECTRUM = 16
 

@@ -19,8 +19,6 @@ from motorcade.ga import Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.stamps import near_steps
 
-__all__ = ["angular_rate_lag_s", "position_lag_s"]
-
 _COARSE_STEP_S = 0.01
 _GRID_S = 0.005
 _PEAK_TOLERANCE_S = 1e-5

@@ -16,22 +16,6 @@ import numpy as np
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = [
-    "Align",
-    "Alignment",
-    "Pairs",
-    "Statistics",
-    "absolute_translation_m",
-    "align",
-    "alignment_of",
-    "associate",
-    "log_scales",
-    "relative_errors",
-    "rotation_rad",
-    "tilt_rad",
-    "without_scale",
-]
-
 
 def without_scale(trajectory: Trajectory) -> Trajectory:
     """The same orientations and positions as rigid poses; the metrics take no others.

@@ -15,8 +15,6 @@ from motorcade.fusion.metrics.smooth_path import NotObservableError
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["Drift", "drift_by_length", "relative_errors_by_length"]
-
 
 @dataclass(frozen=True)
 class Drift:

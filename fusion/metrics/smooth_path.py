@@ -17,8 +17,6 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import near_steps
 
-__all__ = ["NotObservableError", "SmoothPath"]
-
 
 class NotObservableError(ValueError):
     """The trajectories are sound but too short, too sparse or too still to tell the figure.

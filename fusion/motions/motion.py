@@ -24,8 +24,6 @@ from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_po
 from motorcade.ga.motion import twist_bracket
 from motorcade.ga.stamps import check_count, checked_rate
 
-__all__ = ["Factor", "Motion", "Polynomial", "Signal", "Sines", "Stops", "even_stamps"]
-
 # The step that starts and ends at rest with no acceleration and no jerk: 35u⁴ - 84u⁵ + 70u⁶ - 20u⁷.
 _STEP = np.polynomial.Polynomial((0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0))
 

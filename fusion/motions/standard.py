@@ -14,21 +14,6 @@ import numpy as np
 from motorcade.fusion.motions.motion import Factor, Motion, Polynomial, Signal, Sines, Stops
 from motorcade.ga import Motor, Rotor, Similarity
 
-__all__ = [
-    "MOTIONS",
-    "antipodal_crossing",
-    "distant_circle",
-    "fast_spin",
-    "gimbal_crossing",
-    "gimbal_hover",
-    "handheld",
-    "screw",
-    "stop_and_go",
-    "tumble",
-    "walk_and_look",
-    "zoom",
-]
-
 _ONCE = Polynomial((1.0,))
 _FORWARD = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 

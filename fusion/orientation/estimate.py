@@ -19,8 +19,6 @@ from motorcade.fusion.orientation.native._orientation import Settings
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 
-__all__ = ["Orientation", "OrientationFilter", "OrientationModel", "estimate_orientation"]
-
 
 @dataclass(frozen=True)
 class OrientationModel:

@@ -29,8 +29,6 @@ from motorcade.fusion.smoothing.causal import rts_constant_acceleration, rts_con
 from motorcade.fusion.smoothing.representations import Representation, representation_named
 from motorcade.ga import Similarity, Trajectory
 
-__all__ = ["SmootherChoice", "auto", "choose"]
-
 log = logging.getLogger("motorcade.smooth")
 
 # Poses farther apart than this do not resolve motion; so much of what the process adds from one to

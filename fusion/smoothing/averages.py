@@ -17,8 +17,6 @@ from motorcade.fusion.smoothing.representations import Representation, restored
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["Weights", "averaged", "polynomial_at_centre", "weighted_vectors"]
-
 # Weights of a stretch, in numbers: with the vectors a quarter of a common second-level cache.
 _STRETCH = 65_536
 _SHORTEST, _LONGEST = 16, 4096

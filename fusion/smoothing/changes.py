@@ -7,8 +7,6 @@ import numpy as np
 from motorcade.fusion.metrics import NotObservableError, jitter_above
 from motorcade.ga import Trajectory
 
-__all__ = ["changes"]
-
 # Motion of cameras and hands lies below; above it most acceleration is noise.
 _ABOVE_HZ = 5.0
 

@@ -9,8 +9,6 @@ import numpy as np
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import checked_positive
 
-__all__ = ["checked_cutoff", "checked_length", "checked_order", "in_double"]
-
 LARGEST_ORDER = 5
 
 

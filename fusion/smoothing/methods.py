@@ -26,8 +26,6 @@ from motorcade.fusion.smoothing.representations import representation_named
 from motorcade.fusion.smoothing.window import gaussian, local_polynomial, savitzky_golay
 from motorcade.ga import Trajectory
 
-__all__ = ["METHODS", "method_named", "method_parameters", "smooth"]
-
 Method = Callable[..., Trajectory]
 
 METHODS: dict[str, Method] = {

@@ -45,8 +45,6 @@ from motorcade.ga.kernels import (
     VersorKernels,
 )
 
-__all__ = ["REPRESENTATIONS", "Representation", "representation_named", "restored"]
-
 Poses = Motor | Similarity
 
 

@@ -25,15 +25,6 @@ from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.ga.stamps import checked_span_ns
 
-__all__ = [
-    "automatic_window_s",
-    "gaussian",
-    "local_polynomial",
-    "savitzky_golay",
-    "shifted_windows",
-    "white_noise_removed",
-]
-
 
 def local_polynomial(
     trajectory: Trajectory,

@@ -29,8 +29,6 @@ from motorcade.fusion.sync.normal_equations import Bordered, Solved
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["Aligned", "Beliefs", "Shared", "align"]
-
 _ITERATIONS = 30
 _SETTLED = 0.1  # of its own deviation, the most that an unknown still moves
 _CAUCHY = 16.8  # χ² with six degrees of freedom exceeds it in one of a hundred poses

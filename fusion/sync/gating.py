@@ -15,8 +15,6 @@ from motorcade.fusion.sync.rates import RateMatch, integrated_rate
 from motorcade.ga import Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["plausible"]
-
 _REACH = 3  # neighbours to either side
 _NEAR_S = 0.5  # beyond, neither gyroscope nor lines foretell
 _OUTLIER_THRESHOLD = 6.0  # of the median's deviation

@@ -17,8 +17,6 @@ from motorcade.ga.algebra import Multivector
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.kernels.definitions import elements as on
 
-__all__ = ["interval_residuals", "pose_residuals"]
-
 
 def interval_residuals(
     poses: tuple[FloatArray, FloatArray],

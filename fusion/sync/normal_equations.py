@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 from motorcade.fusion.chains import banded
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["Bordered", "Solved"]
-
 
 @dataclass(frozen=True, eq=False)
 class Solved:

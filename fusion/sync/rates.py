@@ -17,8 +17,6 @@ from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["RateMatch", "integrated_rate", "match_rates"]
-
 # Rates are means over so much time: longer than noise of single poses, shorter than motion.
 _BASELINE_S = 0.15
 _GRID_S = 0.005

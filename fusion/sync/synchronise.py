@@ -24,8 +24,6 @@ from motorcade.ga.arrays import FloatArray, IntArray
 
 log = logging.getLogger("motorcade.sync")
 
-__all__ = ["Synchronised", "covered", "synchronise"]
-
 _STANDARD_GRAVITY_M_S2 = 9.81
 # Gravity between the equator and the poles, at sea level and above.
 _GRAVITY_SIGMA_M_S2 = 0.02

@@ -15,8 +15,6 @@ from motorcade.fusion.preintegration import Preintegrated, preintegrate
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["linear_start"]
-
 _BIAS_ROUNDS = 3
 
 

@@ -8,8 +8,6 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
-__all__ = ["LandmarkObservations"]
-
 
 @dataclass(frozen=True, eq=False)
 class LandmarkObservations:

@@ -56,8 +56,6 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import PoseMeasurements
 from motorcade.tracking.slam import SlamResult
 
-__all__ = ["FusedMap", "MetricMap", "fuse_map", "metric_map"]
-
 # No frame is surer than this (rad, units of the map, metres), whatever its corners say: the
 # keyframes that it hangs on are not. A map's unit is about the depth of what it shows.
 _FLOOR = np.repeat([1e-3, 2e-3], 3) ** 2

@@ -20,8 +20,6 @@ from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
-__all__ = ["InertialStart", "start_inertial"]
-
 _GRAVITY_M_S2 = 9.81
 _GRAVITY_SIGMA_M_S2 = 0.01
 # The linear start looks at poses so far apart: over less time noise outweighs acceleration.

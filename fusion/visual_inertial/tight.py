@@ -32,8 +32,6 @@ from motorcade.tracking.cameras.camera import Camera
 if TYPE_CHECKING:
     import gtsam
 
-__all__ = ["VisualInertial", "adjust_visual_inertial"]
-
 _ITERATIONS = 50
 _RELATIVE = 1e-6
 _HUBER = 1.5

@@ -26,8 +26,6 @@ from typing import Any, TypeVar
 
 from motorcade.replays.errors import one_line
 
-__all__ = ["CLUSTER", "check_executor", "outcomes"]
-
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 

@@ -22,8 +22,6 @@ from motorcade.replays.engine.stage import Choice, GraphError, Stage, Unavailabl
 from motorcade.replays.engine.store import Computed, StageStore
 from motorcade.replays.errors import did_you_mean
 
-__all__ = ["Graph", "GraphRun", "GraphSource", "Knobs"]
-
 log = logging.getLogger("motorcade.graph")
 
 Knobs = Mapping[str, Mapping[str, Any]]

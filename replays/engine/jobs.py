@@ -31,8 +31,6 @@ from motorcade.replays.engine.kept import holds
 from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.provenance import code_digest
 
-__all__ = ["Batch", "job_key", "run_jobs"]
-
 log = logging.getLogger("motorcade.jobs")
 
 JobType = TypeVar("JobType")

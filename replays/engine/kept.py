@@ -16,8 +16,6 @@ from pathlib import Path
 from motorcade.ga.files import UNSETTLED, files_now, put_on_record
 from motorcade.replays.engine.artifacts import Stored, discard_artifact, find_artifact
 
-__all__ = ["find_kept", "holds"]
-
 
 def find_kept(folder: Path) -> tuple[Path, Stored | None]:
     """Among the artifacts of a key, the first of which lies in `folder`, the one that holds.

@@ -15,8 +15,6 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
-__all__ = ["log_stages", "reading", "track", "working"]
-
 Item = TypeVar("Item")
 
 DELAY_S = 1.0

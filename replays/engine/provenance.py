@@ -28,8 +28,6 @@ from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
-__all__ = ["Reach", "code_digest", "reach", "types_within"]
-
 OURS = "motorcade"
 TEXTS = {".html", ".css", ".js", ".jinja", ".vert", ".frag", ".glsl"}
 _A_PACKAGE = re.compile(rf"({OURS}(\.\w+)*)\.")

@@ -10,19 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, Literal, TypeVar
 
-__all__ = [
-    "AUTO",
-    "Choice",
-    "Chosen",
-    "GraphError",
-    "NotOffered",
-    "Stage",
-    "StageError",
-    "Unavailable",
-    "first_of",
-    "from_anywhere",
-]
-
 Value = TypeVar("Value")
 
 AUTO = "auto"

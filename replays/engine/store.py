@@ -23,8 +23,6 @@ from motorcade.replays.engine.progress import working
 from motorcade.replays.engine.provenance import code_digest
 from motorcade.replays.engine.stage import AUTO, Choice, Chosen, NotOffered, Stage, StageError
 
-__all__ = ["Computed", "StageStore"]
-
 log = logging.getLogger("motorcade.graph")
 
 _MISSING = "none"

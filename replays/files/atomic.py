@@ -12,8 +12,6 @@ from pathlib import Path
 
 from motorcade.ga.unfinished import unfinished
 
-__all__ = ["copy_file", "write_bytes", "write_csv"]
-
 
 def write_bytes(path: Path, data: bytes) -> None:
     """Write `data` over `path`; OSError naming `path`, which then stays as it was."""

@@ -11,8 +11,6 @@ from motorcade.ga import files
 from motorcade.ga.files import EmptyFileError, FileError
 from motorcade.replays.errors import DamagedError, refusal
 
-__all__ = ["admit_file", "open_bounded", "read_bounded", "refused"]
-
 
 def read_bounded(path: Path, limit_bytes: int, field: str | None = None) -> bytes:
     """Read a whole regular file of at most `limit_bytes`; raises as `open_bounded`."""

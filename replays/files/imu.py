@@ -17,8 +17,6 @@ from motorcade.replays.errors import RecordingError, refusal
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.readers.tables import in_order, read_table
 
-__all__ = ["read_imu", "read_noise", "write_imu"]
-
 _LOG = logging.getLogger("motorcade.replays")
 _COLUMNS = ("w_x", "w_y", "w_z", "a_x", "a_y", "a_z")
 

@@ -28,18 +28,6 @@ from motorcade.replays.errors import did_you_mean, refusal
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.readers.tables import Table, data_rows, in_order, read_table
 
-__all__ = [
-    "UNIT_TOLERANCE",
-    "TrajectoryFormat",
-    "even_stamps",
-    "matrix_poses",
-    "quaternion_poses",
-    "read_times",
-    "read_trajectory",
-    "trajectory_format",
-    "write_trajectory",
-]
-
 TrajectoryFormat = Literal["tum", "euroc", "kitti"]
 UNIT_TOLERANCE = 0.01
 # A similarity that differs by rounding from a rigid motion is one.

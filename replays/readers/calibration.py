@@ -18,18 +18,6 @@ from motorcade.replays.files.trajectories import UNIT_TOLERANCE
 from motorcade.replays.readers.tables import data_rows
 from motorcade.tracking.cameras.camera import Camera, CameraModel
 
-__all__ = [
-    "make_camera",
-    "read_matrix",
-    "read_numbers",
-    "read_yaml",
-    "transform",
-    "yaml_camera",
-    "yaml_floats",
-    "yaml_model",
-    "yaml_transform",
-]
-
 YAML_LIMIT = 2**18
 _MODELS = {
     "radial-tangential": "radtan",

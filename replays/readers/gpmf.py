@@ -31,8 +31,6 @@ from motorcade.render.video import open_video
 from motorcade.replays.errors import refusal
 from motorcade.replays.files.door import refused
 
-__all__ = ["Item", "items", "read_telemetry"]
-
 _LOG = logging.getLogger("motorcade.replays")
 
 _MOST_PACKETS = 100_000

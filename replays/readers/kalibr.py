@@ -23,8 +23,6 @@ from motorcade.replays.readers.calibration import (
 if TYPE_CHECKING:
     from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["CHAIN_NAMES", "IMU_NAMES", "ChainCamera", "find", "read_chain"]
-
 CHAIN_NAMES = ("kalibr_imucam_chain.yaml", "camchain-imucam.yaml", "camchain.yaml")
 IMU_NAMES = ("kalibr_imu_chain.yaml", "imu_config.yaml", "imu.yaml")
 """What the files are called beside a recording."""

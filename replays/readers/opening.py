@@ -9,8 +9,6 @@ from motorcade.replays.readers import manifest as manifests
 from motorcade.replays.readers.layouts.detect import read_layout
 from motorcade.replays.recording import Recording
 
-__all__ = ["open_recording"]
-
 
 def open_recording(path: Path | str, manifest: Path | str | None = None) -> Recording:
     r"""Open a folder of any known layout, or a video file.

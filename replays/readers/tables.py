@@ -24,17 +24,6 @@ from motorcade.replays.engine.progress import reading
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.files.door import open_bounded
 
-__all__ = [
-    "UNITS",
-    "Listing",
-    "Table",
-    "data_rows",
-    "in_order",
-    "read_listing",
-    "read_table",
-    "stamp_ns",
-]
-
 FILE_LIMIT = 2**30
 LINE_LIMIT = 2**16
 UNITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}

@@ -12,8 +12,6 @@ from motorcade.replays.engine.aside import ASIDE
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.tracking import PoseMeasurements
 
-__all__ = ["CameraPoses", "PoseOrigin"]
-
 PoseOrigin = Literal["board", "markers", "slam", "simulated"]
 
 

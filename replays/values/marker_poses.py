@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.tracking.markers.marker_map import MarkerMap
 
-__all__ = ["MarkerPoses"]
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MarkerPoses(CameraPoses):

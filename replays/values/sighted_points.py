@@ -10,8 +10,6 @@ from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["SightedPoints"]
-
 
 @dataclass(frozen=True, eq=False)
 class SightedPoints:

@@ -30,8 +30,6 @@ from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
-__all__ = ["Estimates", "Runs", "filter_runs"]
-
 
 @dataclass(frozen=True, eq=False)
 class Runs:

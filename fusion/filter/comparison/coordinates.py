@@ -19,15 +19,6 @@ from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.classical import euler_rates_from_body, nearest_branch
 
-__all__ = [
-    "ErrorCoordinates",
-    "EulerErrors",
-    "ExactEulerErrors",
-    "ExtendedPoseErrors",
-    "QuaternionTranslationErrors",
-    "RunStates",
-]
-
 
 @dataclass(frozen=True, eq=False)
 class RunStates:

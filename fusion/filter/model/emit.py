@@ -20,8 +20,6 @@ from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, 
 from motorcade.ga.codegen.targets.shared.text import call
 from motorcade.ga.codegen.trace import trace
 
-__all__ = ["GENERATED", "model_files", "tape_of", "write_model"]
-
 GENERATED = Path(__file__).resolve().parents[1] / "native" / "generated"
 _NOTE = "Written by `python -m motorcade.fusion.filter.model`; edit fusion/filter/model."
 _HEADER = """{title}

@@ -27,8 +27,6 @@ from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.motors import exponential, logarithm
 
-__all__ = ["MEASUREMENTS"]
-
 _ONE = [1.0, *[0.0] * 7]
 
 

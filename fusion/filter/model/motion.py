@@ -33,8 +33,6 @@ from motorcade.ga.algebra import Multivector
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.kernels.definitions import elements as on
 
-__all__ = ["MOTION", "advanced", "increment"]
-
 _R, _P, _V, _BG, _BA = (slice(3 * i, 3 * i + 3) for i in range(5))
 _AT_REST = [1.0, *[0.0] * 7]
 

@@ -16,21 +16,6 @@ from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.kernels.definitions import elements as on
 from motorcade.ga.kernels.definitions.functions import fitted, horner
 
-__all__ = [
-    "Definition",
-    "Numbers",
-    "blocks",
-    "cross",
-    "derivative",
-    "disturbed",
-    "error_of",
-    "motor_at",
-    "rotated",
-    "symbols",
-    "translated",
-    "turn_functions",
-]
-
 Numbers = list[Any]
 
 LARGEST_TURN_RAD = 3.0

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Trajectory
 
-__all__ = ["Degradation", "InTurn", "check_number", "check_runs", "runs"]
-
 
 class Degradation(ABC):
     """A way in which measuring degrades a trajectory; sizes are in metres, radians and seconds.

@@ -20,8 +20,6 @@ from motorcade.fusion.motions.degradations.base import (
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_floats
 
-__all__ = ["Gaussian", "Outliers", "PlanarFlips", "Quantised", "wrong_planar_pose"]
-
 
 @dataclass(frozen=True)
 class Gaussian(Degradation):

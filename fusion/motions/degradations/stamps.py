@@ -20,8 +20,6 @@ from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import check_count
 
-__all__ = ["Blackouts", "DroppedFrames", "Latency", "StampJitter"]
-
 # Neighbours that move towards each other by this part of the gap between them stay in order.
 _REACH = 0.49
 

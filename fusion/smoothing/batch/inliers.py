@@ -18,8 +18,6 @@ from numpy.typing import NDArray
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["Sizes", "bridged", "inlier_poses"]
-
 # Poses that one joint may cost at most, and pieces that may be left out between two joined ones.
 _DEAREST_JOINT = 20.0
 _PIECES_BACK = 48

@@ -24,8 +24,6 @@ from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Represen
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 
-__all__ = ["mirrored_back"]
-
 # Shorter runs are bridged as well as they are read.
 _SHORTEST = 4
 # Poses around a run that tell the path there, and poses of it, those whose place is then known

@@ -26,8 +26,6 @@ from motorcade.fusion.smoothing.checks import in_double
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["FEWEST_POSES", "NoiseModel", "estimate_noise"]
-
 FEWEST_POSES = 16
 # The likelihood is taken over so many poses at most, in a few stretches of the path.
 _STRETCHES, _STRETCH = 4, 1000

@@ -20,16 +20,6 @@ from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
 
-__all__ = [
-    "LAST_STEPS",
-    "Linear",
-    "PathState",
-    "Problem",
-    "loss_weights",
-    "with_rigid",
-]
-
-
 # The loss is this much wider than its own width at first, and halves until it is not.
 _WIDEST = 8.0
 LAST_STEPS = 60

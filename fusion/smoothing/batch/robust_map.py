@@ -51,8 +51,6 @@ from motorcade.fusion.smoothing.representations import (
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, checked_positive
 
-__all__ = ["LOSSES", "PathPart", "RobustPath", "estimate_path", "parts", "robust_map"]
-
 # Times √2 τ after which 1e-9 is left.
 _FADED = 21.0
 _REJECTED_POSES = 200

@@ -17,8 +17,6 @@ from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.ga.splines import ORDER, bridged_gaps, cumulative_weights, located, segments_of
 from motorcade.ga.stamps import stretches
 
-__all__ = ["spline"]
-
 # As the fit of motors: decides what the poses leave open, and nothing else.
 _SMOOTHNESS = 1e-6
 

@@ -14,16 +14,6 @@ from motorcade.fusion.chains import banded
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga.arrays import FloatArray
 
-__all__ = [
-    "Between",
-    "Equations",
-    "between",
-    "component_sizes",
-    "prior_cost",
-    "prior_residuals",
-    "solved",
-]
-
 
 class Between(NamedTuple):
     """Vectors ``(N, d)`` from bases to targets, derivatives ``(N, d, d)`` by small moves of each.

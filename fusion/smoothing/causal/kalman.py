@@ -42,18 +42,6 @@ from motorcade.fusion.smoothing.native import _scans
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 
-__all__ = [
-    "ConstantAccelerationFilter",
-    "ConstantVelocityFilter",
-    "KalmanFilter",
-    "SmoothedStates",
-    "constant_acceleration",
-    "constant_velocity",
-    "rts_constant_acceleration",
-    "rts_constant_velocity",
-    "smoothed_states",
-]
-
 P = TypeVar("P", Motor, Similarity)
 
 NOISE_M, NOISE_RAD, NOISE_SCALE = 0.005, 0.01, 0.005

@@ -8,15 +8,6 @@ from motorcade.fusion.smoothing.causal.stream import CausalFilter, FilterMethod
 from motorcade.fusion.smoothing.native import _scans
 from motorcade.ga.arrays import checked_positive
 
-__all__ = [
-    "DoubleExponential",
-    "Exponential",
-    "OneEuro",
-    "double_exponential",
-    "exponential",
-    "one_euro",
-]
-
 
 class Exponential(CausalFilter):
     """Move towards each pose by the share ``1 - exp(-2π cutoff_hz dt)`` of the way.

@@ -19,8 +19,6 @@ from motorcade.fusion.smoothing.representations import Representation, represent
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
-__all__ = ["CausalFilter", "FilterMethod", "coefficients_of", "trajectory_of"]
-
 P = TypeVar("P", Motor, Similarity)
 
 

@@ -18,8 +18,6 @@ from motorcade.replays.compare.figures.statistics import PRACTICAL_SHARE
 from motorcade.replays.compare.figures.tables import FORMAT
 from motorcade.replays.compare.report.names import listed
 
-__all__ = ["REFERENCE", "Figure", "Ratio", "Results", "grid_ends", "tied"]
-
 MAX_FILE_BYTES = 1 << 26
 
 REFERENCE = "motor"

@@ -16,8 +16,6 @@ from motorcade.replays.recording import Frame, ImageArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 
-__all__ = ["CornerFrames"]
-
 
 @dataclass(frozen=True, eq=False)
 class CornerFrames:

@@ -9,8 +9,6 @@ from functools import partial
 from motorcade.ga.arrays import IntArray
 from motorcade.replays.recording import Frame, ImageArray
 
-__all__ = ["DecodedFrames"]
-
 
 class DecodedFrames(ABC):
     """A sequence of frames by their number; `_time_ns` holds their stamps."""

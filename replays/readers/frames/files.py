@@ -26,16 +26,6 @@ from motorcade.replays.recording import Frame
 if TYPE_CHECKING:
     from motorcade.tracking import Camera
 
-__all__ = [
-    "FRAME_LIMIT",
-    "PictureFrames",
-    "inside",
-    "natural",
-    "numbered",
-    "picture_glob",
-    "refuse_gaps",
-]
-
 FRAME_LIMIT = 1_000_000
 
 

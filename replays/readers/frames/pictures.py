@@ -20,15 +20,6 @@ from motorcade.replays.errors import DamagedError, one_line, refusal
 from motorcade.replays.files.door import read_bounded
 from motorcade.replays.recording import DepthArray, ImageArray
 
-__all__ = [
-    "SUFFIXES",
-    "picture_size",
-    "read_depth",
-    "read_gray",
-    "read_picture",
-    "read_picture_bytes",
-]
-
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm")
 FILE_LIMIT = 256 * 2**20
 PIXEL_LIMIT = 100_000_000

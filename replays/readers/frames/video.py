@@ -33,8 +33,6 @@ from motorcade.replays.recording import ImageArray, Recording
 if TYPE_CHECKING:
     from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["SUFFIXES", "VideoFrames", "read", "recognise"]
-
 SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".ts")
 
 

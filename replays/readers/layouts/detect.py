@@ -14,13 +14,13 @@ from motorcade.replays.readers.tagslam import corners as tagslam_corners
 from motorcade.replays.readers.tagslam import recording as tagslam
 from motorcade.replays.recording import Recording
 
-__all__ = ["find_layout", "read_layout"]
-
 
 class LayoutReader(Protocol):
     """Reads a folder of one layout; without `own_truth` it leaves the folder's truth aside."""
 
-    def __call__(self, root: Path, *, own_truth: bool = True) -> Recording: ...
+    def __call__(self, root: Path, *, own_truth: bool = True) -> Recording:
+        """Open the folder; raises as `open_recording`."""
+        ...
 
 
 _LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from motorcade.fusion.imu.noise import ImuNoise
     from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["read", "recognise"]
-
 
 def recognise(root: Path) -> bool:
     """Whether this is a sequence folder (with `mav0`) or `mav0` itself."""

@@ -24,8 +24,6 @@ from motorcade.replays.readers.frames.files import PictureFrames, picture_glob, 
 from motorcade.replays.readers.tables import data_rows
 from motorcade.replays.recording import Recording
 
-__all__ = ["read", "recognise"]
-
 RATE_HZ = 10.0
 _CAMERAS = {"image_2": 2, "image_0": 0, "image_l": 0}
 _RIGHT = {"image_2": "image_3", "image_0": "image_1", "image_l": "image_r"}

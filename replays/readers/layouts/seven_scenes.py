@@ -22,8 +22,6 @@ from motorcade.replays.readers.calibration import (
 from motorcade.replays.readers.frames.files import PictureFrames, picture_glob, refuse_gaps
 from motorcade.replays.recording import Recording
 
-__all__ = ["read", "recognise"]
-
 RATE_HZ = 30.0
 _NOMINAL = (585.0, 585.0, 320.0, 240.0)
 _PATTERN = "frame-*.color.*"

@@ -23,8 +23,6 @@ from motorcade.replays.readers.tables import Listing, read_listing
 from motorcade.replays.recording import Recording
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["read", "recognise"]
-
 DEPTH_UNITS_PER_M = 5000.0
 ASSOCIATION_NS = 20_000_000
 _SIZE = (640, 480)

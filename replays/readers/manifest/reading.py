@@ -47,8 +47,6 @@ from motorcade.replays.recording import FrameSequence, Recording
 from motorcade.tracking.boards import Board
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "STEREO_KEYS", "read"]
-
 _LOG = logging.getLogger("motorcade.replays")
 
 LOCAL_NAME = "motorcade.toml"

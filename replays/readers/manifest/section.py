@@ -33,22 +33,6 @@ from motorcade.tracking.markers import FAMILIES
 from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.slam import MapSnapshot
 
-__all__ = [
-    "BOARD_KEYS",
-    "CAMERA_KEYS",
-    "MARKERS_KEYS",
-    "SLAM_KEYS",
-    "Section",
-    "camera_toml",
-    "load_toml",
-    "read_board",
-    "read_camera",
-    "section_board",
-    "section_camera",
-    "section_markers",
-    "section_slam",
-]
-
 TOML_LIMIT = 2**16
 _WHOLE_LIMIT = 1_000_000
 

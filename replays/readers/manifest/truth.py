@@ -35,8 +35,6 @@ from motorcade.replays.readers.tables import read_table
 if TYPE_CHECKING:
     from motorcade.replays.recording import Recording
 
-__all__ = ["OPENCV_BOARD", "TRUTH_KEYS", "read_truth"]
-
 TRUTH_KEYS = ("file", "format", "convention", "board_frame", "rate_hz", "times", "rows")
 _FORMATS = ("tum", "euroc", "kitti", "matrix4", "rotation_vector")
 _CONVENTIONS = ("world_T_camera", "camera_T_world", "world_T_imu")

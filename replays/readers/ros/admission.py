@@ -20,8 +20,6 @@ from motorcade.ga.plain_yaml import YamlError, parse_yaml
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.files.door import admit_file, read_bounded
 
-__all__ = ["admit_bag", "bound_chunks", "check_overlaps"]
-
 FILE_LIMIT = 1 << 40
 METADATA_LIMIT = 1 << 20
 CHUNK_LIMIT = 1 << 28

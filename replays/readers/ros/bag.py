@@ -19,8 +19,6 @@ from motorcade.replays.files.door import admit_file, read_bounded
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-__all__ = ["BAG_LIMIT", "PACKED_LIMIT", "read_bag"]
-
 PACKED_LIMIT = 2**26
 BAG_LIMIT = 2**28
 _MESSAGE_LIMIT = 200_000

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
 
     from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["IMAGE_TYPES", "Bag", "BagFrames"]
-
 _RAW, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 IMAGE_TYPES = (_RAW, _COMPRESSED)
 _CHANNELS = {

@@ -25,8 +25,6 @@ from motorcade.replays.readers.ros.frames import IMAGE_TYPES, Bag, BagFrames
 from motorcade.replays.recording import Recording
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["read", "recognise"]
-
 _LOG = logging.getLogger("motorcade.replays")
 _IMU = "sensor_msgs/msg/Imu"
 _INFO = "sensor_msgs/msg/CameraInfo"

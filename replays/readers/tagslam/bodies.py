@@ -13,8 +13,6 @@ from pathlib import Path
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.readers.calibration import read_yaml, yaml_floats
 
-__all__ = ["MarkerSides", "read_marker_sides"]
-
 _MOST_TAGS = 100_000
 _LARGEST_M = 100.0
 

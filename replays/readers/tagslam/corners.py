@@ -24,8 +24,6 @@ from motorcade.replays.readers.tagslam.bodies import MarkerSides, read_marker_si
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 
-__all__ = ["TagSlamRecording", "bag_file", "read", "recognise", "stamp_ns"]
-
 _TAGS = "apriltag_msgs/msg/ApriltagArrayStamped"
 _MODELS = {"radtan": "radtan", "plumb_bob": "radtan", "equidistant": "equidistant"}
 _MOST_CAMERAS = 64

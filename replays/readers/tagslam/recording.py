@@ -22,8 +22,6 @@ from motorcade.replays.readers.tagslam.corners import read as read_corners
 from motorcade.replays.readers.tagslam.reference import read_odometry, read_reference
 from motorcade.replays.recording import Odometry, Recording
 
-__all__ = ["TagSlamOdometry", "read", "read_rig_odometry"]
-
 
 @dataclass(frozen=True, eq=False)
 class TagSlamOdometry:

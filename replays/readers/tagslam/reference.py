@@ -20,8 +20,6 @@ from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.readers.ros.bag import read_bag
 from motorcade.replays.readers.tagslam.corners import bag_file, stamp_ns
 
-__all__ = ["TagSlamReference", "read_odometry", "read_reference"]
-
 _ODOMETRY = "nav_msgs/msg/Odometry"
 _TRANSFORMS = "tf/msg/tfMessage"
 _MAP, _TAG = "map", "tag_"

@@ -17,8 +17,6 @@ from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.tracking import Board, BoardTrack, Checkerboard, PoseMeasurements, track_board
 from motorcade.tracking.boards.checkerboard import extent_in_picture, extent_seen
 
-__all__ = ["board_poses", "warn_of_size", "warn_of_wrong_board"]
-
 log = logging.getLogger("motorcade.camera_poses")
 
 _LARGEST_M = 5.0

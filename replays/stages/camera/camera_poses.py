@@ -12,8 +12,6 @@ from motorcade.replays.engine.stage import Chosen
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.tracking import PoseMeasurements
 
-__all__ = ["camera_poses"]
-
 
 def camera_poses(
     tracked: Chosen[CameraPoses], *, blackouts_s: tuple[float, ...] = ()

@@ -33,8 +33,6 @@ from motorcade.tracking.markers.photometric import (
     refine_frame,
 )
 
-__all__ = ["Refine", "marker_poses", "markers_found"]
-
 Refine = Literal["none", "photometric"]
 _ONLY = "camera"
 # A camera's own noise floor: a map is never more certain than its lens and its print.

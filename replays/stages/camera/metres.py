@@ -13,8 +13,6 @@ from motorcade.replays.stages.inertial.filter_input import assumed_noise
 if TYPE_CHECKING:
     from motorcade.tracking.slam import SlamResult
 
-__all__ = ["Metres", "NoMetres", "in_metres"]
-
 _MOST_SIGMA = 0.1
 
 

@@ -7,8 +7,6 @@ from motorcade.replays.readers.frames.corners import CornerFrames
 from motorcade.replays.recording import Recording
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["camera_of", "require_pictures"]
-
 
 def camera_of(recording: Recording) -> Camera:
     """The recording's camera.

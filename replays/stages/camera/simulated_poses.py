@@ -9,8 +9,6 @@ from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.recording import Recording
 from motorcade.replays.values.camera_poses import CameraPoses
 
-__all__ = ["simulated_poses"]
-
 
 def simulated_poses(
     recording: Recording,

@@ -24,8 +24,6 @@ from motorcade.tracking import PoseMeasurements, TrackingError
 if TYPE_CHECKING:
     from motorcade.tracking.slam import MapSnapshot, SlamResult
 
-__all__ = ["slam_poses"]
-
 _SIGMA_FLOOR_RAD, _SIGMA_FLOOR_M = 1e-4, 1e-4
 
 

@@ -13,8 +13,6 @@ from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import ImuOrigin, UsedImu
 from motorcade.tracking import PoseMeasurements
 
-__all__ = ["NOISE_FACTORS", "Levelled", "assumed_noise", "levelled"]
-
 NOISE_FACTORS: dict[ImuOrigin, tuple[float, float]] = {
     "recorded": (10.0, 1.0),
     "reference": (1.0, 1.0),

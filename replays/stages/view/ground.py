@@ -30,17 +30,6 @@ from motorcade.tracking.planes import (
     find_planes_in_depth,
 )
 
-__all__ = [
-    "Ground",
-    "ground_on_board",
-    "ground_on_floor",
-    "ground_on_marker",
-    "ground_on_plane",
-    "known_marker",
-    "prints_of",
-    "upward",
-]
-
 FLOOR_HEIGHT_M = 1.75
 FARTHEST_M = 4.0
 """On a floor the character stands at most this far in front of the first camera."""

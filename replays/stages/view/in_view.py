@@ -9,8 +9,6 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
 
-__all__ = ["best_place"]
-
 _CAMERAS, _STEPS, _INSIDE = 40, 15, 0.8
 # Of the character's height: what is higher than this, and nearer than this, is in its way; so many
 # points of a sensor may be wrong.

@@ -27,8 +27,6 @@ from motorcade.tracking.markers.disambiguate import pose_stream
 from motorcade.tracking.markers.disambiguate.states import most_probable
 from motorcade.tracking.markers.families import marker_points_m
 
-__all__ = ["FoundMarker", "find_marker"]
-
 FIXED_PX = 1.5
 """A marker that one pose brings this near to nine in ten of its sightings does not move."""
 FASTEST_SIDES_S = 25.0
