@@ -117,7 +117,14 @@ sys.exit(main(sys.argv[2:]))
 
 
 @pytest.mark.parametrize(
-    "stage", ["board_poses", "camera_poses", "fused", "smoothed", "overlay", "report"]
+    "stage",
+    [
+        "board_poses",
+        *(pytest.param(stage, marks=pytest.mark.slow) for stage in ("camera_poses", "smoothed")),
+        "fused",
+        pytest.param("overlay", marks=pytest.mark.slow),
+        "report",
+    ],
 )
 def test_a_run_killed_in_any_stage_resumes_to_the_same_bytes(
     stage: str, board_recording: Path, finished: Path, tmp_path: Path
