@@ -115,7 +115,7 @@ def beside_another_host(way: Way) -> None:
         building = _leave(folder)
         with (building / "lock").open("r+b") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
-            way.contained(way.out).wait(timeout=SLOWEST_S)
+            way.contained(way.out).communicate(timeout=SLOWEST_S)
             if not (building / "half").exists():
                 way.faults.append("removed what another host was building")
     way.end(way.contained(way.out), way.out)
