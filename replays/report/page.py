@@ -187,7 +187,8 @@ def _errors_caption(findings: Findings) -> str:
         "sim3": "after alignment with scale (Sim3)",
     }[errors.align]
     tint = "" if findings.smoothed.window_s is None else "The best of a column is tinted. "
-    return f"Against the recording's truth, {how}; root mean squares. {tint}" + _smoothing(findings)
+    against = f"Against the recording's ground truth, {how}; root mean squares. {tint}"
+    return against + _smoothing(findings)
 
 
 def _smoothing(findings: Findings) -> str:
