@@ -48,6 +48,19 @@ def add_executor(parser: argparse.ArgumentParser, default: str, where: str = "")
     )
 
 
+def add_seed(parser: argparse.ArgumentParser, default: int | None, what: str) -> None:
+    """The option that says which random numbers are drawn; bad usage where it is negative."""
+    parser.add_argument(
+        "--seed", type=_whole_number, default=default, metavar="N", help=f"of {what} (0)"
+    )
+
+
+def _whole_number(text: str) -> int:
+    if not text.isdecimal() or len(text) > 18:
+        raise argparse.ArgumentTypeError(f"expected a whole number from 0 on, got {text[:40]!r}")
+    return int(text)
+
+
 def check_known(option: str, names: Iterable[str], known: Collection[str]) -> None:
     """ValueError with the nearest known name where one of the names of an option is unknown."""
     for name in names:

@@ -6,7 +6,7 @@ import argparse
 import time
 from pathlib import Path
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_seed, new_command
 from motorcade.replays.cli.recordings.run import add_run_options, run_one
 from motorcade.replays.engine.progress import log_stages
 
@@ -22,7 +22,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         example="motorcade demo --out out/demo",
     )
     add_run_options(parser, out=Path("out/demo"))
-    parser.add_argument("--seed", type=int, default=0, help="of the path and the sensors (0)")
+    add_seed(parser, 0, "the path and the sensors")
 
 
 def demo(arguments: argparse.Namespace) -> None:

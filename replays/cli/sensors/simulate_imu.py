@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_seed, new_command
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu import ImuFaults, ImuNoise
@@ -29,7 +29,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument("trajectory", type=Path, metavar="TRAJECTORY")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.csv")
     parser.add_argument("--rate-hz", type=float, default=200.0, help="of the samples (200)")
-    parser.add_argument("--seed", type=int, default=0, help="of the noise (0)")
+    add_seed(parser, 0, "the noise")
     parser.add_argument(
         "--noise",
         metavar="FILE",

@@ -6,7 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
-from motorcade.replays.cli.arguments import Subparsers, add_executor, new_command
+from motorcade.replays.cli.arguments import Subparsers, add_executor, add_seed, new_command
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -30,7 +30,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "--filters", metavar="NAMES", help="motor, quaternion, euler, euler_exact (the first three)"
     )
     parser.add_argument("--runs", type=int, metavar="N", help="of each motion (100)")
-    parser.add_argument("--seed", type=int, metavar="N", help="of the first run (0)")
+    add_seed(parser, None, "the first run")
     parser.add_argument("--duration-s", type=float, metavar="S", help="of each run (120 s)")
     add_executor(parser, "processes")
     parser.add_argument(

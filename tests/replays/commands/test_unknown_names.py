@@ -50,3 +50,14 @@ def test_who_acts_is_looked_up_before_anything_runs(
     with pytest.raises(ValueError, match=message):
         run_job(Job(folder, out, settings=(f"placed.{setting}",)))
     assert not out.exists()
+
+
+@pytest.mark.parametrize("command", [["demo"], ["simulate-imu", "path.tum"], ["consistency"]])
+@pytest.mark.parametrize("seed", ["-1", "1.5", "one", "²", "9" * 5000])
+def test_seeds_are_whole_numbers(
+    command: list[str], seed: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([*command, f"--seed={seed}"])
+    assert ended.value.code == 2
+    assert "expected a whole number from 0 on, got" in capsys.readouterr().err
