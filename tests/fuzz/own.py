@@ -9,9 +9,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import motorcade.ga
+
 __all__ = ["RefusedError", "ended", "is_own", "refusals"]
 
-REPOSITORY = Path(__file__).parents[2]
+PRODUCT = Path(motorcade.ga.__file__).parents[1]  # the repository, or where a wheel was installed
 ROOMS = ("ga", "tracking", "fusion", "animation", "render", "replays")
 OURS = (ValueError, TypeError, OSError, RuntimeError)
 LONGEST = 2000
@@ -32,7 +34,7 @@ def is_own(fault: BaseException) -> bool:
     named = kind.__module__.startswith("motorcade.") or kind in OURS
     last = traceback.extract_tb(fault.__traceback__)[-1]
     place = Path(last.filename)
-    inside = any(place.is_relative_to(REPOSITORY / room) for room in ROOMS)
+    inside = any(place.is_relative_to(PRODUCT / room) for room in ROOMS)
     line = linecache.getline(last.filename, last.lineno or 0).strip()
     said = line.startswith("raise") or _COMPILED.match(str(fault)) is not None
     return named and inside and said

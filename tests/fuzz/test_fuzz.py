@@ -123,4 +123,6 @@ def test_results_are_told_in_a_table() -> None:
 def test_the_page_shows_what_was_fed_last() -> None:
     lines = Path(__file__).with_name("fuzzed.jsonl").read_text().splitlines()
     page = Path(__file__).parents[2] / "SECURITY.md"
+    if not page.exists():
+        pytest.skip("no pages here: an installed wheel is tested")
     assert table(lines) in page.read_text()
