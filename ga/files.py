@@ -1,8 +1,8 @@
 """The one door for files that others made: regular, bounded, and on record while someone asks.
 
 Everything of the program that opens a file which a user, a recording or another file names comes
-through here, wherever the name came from. Libraries that open a file themselves (videos, bags,
-HDF5) are given its path after `admit_file`.
+through here, wherever the name came from. Libraries that open a file themselves (videos, bags)
+are given its path after `admit_file`.
 
 A record says in what state each file was when it was asked for. `files_now` says in what state they
 are: where that is the same, what was made of them still holds.
@@ -63,7 +63,7 @@ def read_bounded(path: Path, limit_bytes: int) -> bytes:
     b'0 0 0 1'
     """
     size = _admitted(path, limit_bytes).st_size
-    with _told(path), path.open("rb") as file:
+    with _as_file_errors(path), path.open("rb") as file:
         data = file.read(size + 1)  # not up to the limit, for which memory would be set aside
     if len(data) > size:
         raise FileError(path, f"expected {size} bytes, as when it was opened, got more")
@@ -84,7 +84,7 @@ def open_bounded(path: Path, limit_bytes: int) -> Iterator[BufferedReader]:
             unreadable, also within the block.
     """
     admit_file(path, limit_bytes)
-    with _told(path), path.open("rb") as file:
+    with _as_file_errors(path), path.open("rb") as file:
         yield file
 
 
@@ -119,7 +119,7 @@ def is_there(path: Path) -> bool:
 
 def _admitted(path: Path, limit_bytes: int) -> stat_result:
     """What the system says of a file that may be read; one that may not is on record as it is."""
-    with _told(path):
+    with _as_file_errors(path):
         try:
             about = path.stat()
         except OSError:
@@ -224,7 +224,7 @@ def _digest(path: Path, facts: tuple[int, ...]) -> str:
 
 
 @contextmanager
-def _told(path: Path) -> Iterator[None]:
+def _as_file_errors(path: Path) -> Iterator[None]:
     """The system's refusals as ours."""
     try:
         yield
