@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,8 +14,7 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import IntArray
-from motorcade.replays.recording import Frame, Odometry, Recording
+from motorcade.replays.recording import Odometry, Recording
 from motorcade.replays.stages.camera.metres import NoMetres, in_metres
 from motorcade.replays.stages.inertial.convergence import convergence
 from motorcade.replays.stages.inertial.fused import fused
@@ -27,23 +25,11 @@ from motorcade.replays.values.paths import FusedPath
 from motorcade.tracking import Camera, PoseMeasurements
 from motorcade.tracking.slam import MapSnapshot
 from motorcade.tracking.slam.results import SlamResult
+from tests.replays.stages.stamps import Stamps
 
 MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
 CAMERA = Camera(640, 480, 300.0, 300.0, 319.5, 239.5)
 OFFSET_S = 0.025
-
-
-class Stamps:
-    """Frames of which nothing but the stamps is asked."""
-
-    def __init__(self, time_ns: IntArray) -> None:
-        self.time_ns = time_ns
-
-    def __len__(self) -> int:
-        return len(self.time_ns)
-
-    def __iter__(self) -> Iterator[Frame]:
-        return iter(())
 
 
 def path(rate_hz: float = 20.0, child: str = "camera") -> Trajectory:

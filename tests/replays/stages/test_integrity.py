@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,9 +13,8 @@ import pytest
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.ga.arrays import IntArray
 from motorcade.replays.engine.stage import Chosen
-from motorcade.replays.recording import Frame, Recording
+from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.camera_poses import camera_poses
 from motorcade.replays.stages.inertial.fused import fused
 from motorcade.replays.stages.inertial.imu import imu
@@ -28,23 +26,11 @@ from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.replays.values.integrity import Integrity
 from motorcade.tracking import BoardTrack, PoseMeasurements, registration_px
 from motorcade.tracking.measurements import MarkerObservation
+from tests.replays.stages.stamps import Stamps
 
 FRAMES, RATE_HZ = 120, 30.0
 SIGMA_M, SIGMA_RAD, CORNER_PX = 0.0005, 0.0005, 0.1
 SEEDS = range(3)
-
-
-class Stamps:
-    """Frames of which nothing but the stamps is asked."""
-
-    def __init__(self, time_ns: IntArray) -> None:
-        self.time_ns = time_ns
-
-    def __len__(self) -> int:
-        return len(self.time_ns)
-
-    def __iter__(self) -> Iterator[Frame]:
-        return iter(())
 
 
 @dataclass(frozen=True)
