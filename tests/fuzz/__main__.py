@@ -22,8 +22,9 @@ from pathlib import Path
 
 from tests.fuzz import guided
 from tests.fuzz.runner import KINDS, Result, SkippedError, feed_of, fresh, run
+from tests.fuzz.targets import TARGETS
 
-EVERY = (*KINDS, *guided.TARGETS)
+EVERY = (*KINDS, *TARGETS)
 GUIDED_SHARE = 0.25
 """Of a kind's time: there are more of them, and they are short."""
 
@@ -69,7 +70,7 @@ def main() -> int:
 
 def _fed(kind: str, seed: int, inputs: int, seconds: float) -> Result:
     """Feed a kind, and tell of its faults."""
-    if kind not in guided.TARGETS:
+    if kind not in TARGETS:
         return run(kind, seed, inputs, seconds, _tell)
     found = guided.run(kind, seed, inputs, GUIDED_SHARE * seconds)
     for fault in found.faults:

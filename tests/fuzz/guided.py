@@ -7,7 +7,6 @@ of its kind. Faults are what they are for every kind (see `tests.fuzz.own`).
 
 from __future__ import annotations
 
-import importlib
 import json
 import os
 import re
@@ -16,21 +15,29 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from importlib.abc import MetaPathFinder
+from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 
-from tests.fuzz.own import RefusedError, ended
+import numpy as np
+
+from tests.fuzz.own import ended
 from tests.fuzz.runner import REPOSITORY, Result, SkippedError
+from tests.fuzz.targets import TARGETS, Target
 
-__all__ = ["TARGETS", "run"]
+__all__ = ["run"]
 
 LONGEST_BYTES = 4096
 SLOWEST_S = 10
 MEMORY_MIB = 3000
 TELL_EVERY = 500
-
-Read = Callable[[bytes], object]
+FROM_VALID, MOST_VALID = 0.6, 500
+"""Share of changes that are made of valid inputs, and how many of these are kept for it."""
+KEPT_WHOLE, BROKEN = 0.7, 0.15
+"""Shares of changes that keep words whole, and of our faults; the others are libFuzzer's own."""
 
 
 def run(target: str, seed: int, inputs: int, seconds: float) -> Result:
@@ -38,6 +45,7 @@ def run(target: str, seed: int, inputs: int, seconds: float) -> Result:
 
     Raises:
         SkippedError: atheris is not installed.
+        RuntimeError: it sees nothing of what runs, so that nothing is led.
     """
     if find_spec("atheris") is None:
         raise SkippedError("atheris, which leads by coverage, is not installed")
@@ -58,6 +66,8 @@ def run(target: str, seed: int, inputs: int, seconds: float) -> Result:
         result.inputs = result.ended.total()  # those after it was last told are not counted
         peaks = [int(one) for one in re.findall(r"rss: (\d+)Mb", done.stderr)]
         result.peak_bytes = max(peaks, default=0) << 20
+        if done.returncode == 0 and " cov: " not in done.stderr:
+            raise RuntimeError(f"{target}: no line that runs is seen: {done.stderr[-1500:]}")
         if done.returncode:
             found = next(folder.glob("fault-*"), None)
             what = b"" if found is None else found.read_bytes()[:300]
@@ -67,94 +77,19 @@ def run(target: str, seed: int, inputs: int, seconds: float) -> Result:
     return result
 
 
-def _scripts(folder: Path) -> tuple[list[bytes], Read]:
-    from motorcade.ga.script import ScriptError, parse
+class _BySource(MetaPathFinder):
+    """Loads modules by the usual loader: of that of an editable install, atheris sees nothing."""
 
-    def read(data: bytes) -> None:
-        try:
-            parse(data.decode("utf-8", "surrogateescape"))
-        except ScriptError as refused:  # of several lines, which show the script
-            raise RefusedError from refused
-
-    places = sorted((REPOSITORY / "docs" / "scripts").glob("*.clu"))
-    return [path.read_bytes() for path in places], read
-
-
-def _file(
-    module: str, function: str, name: str, *samples: bytes
-) -> Callable[[Path], tuple[list[bytes], Read]]:
-    """A target that reads a file by a function of a module."""
-
-    def made(folder: Path) -> tuple[list[bytes], Read]:
-        found = getattr(importlib.import_module(module), function)
-        path = folder / name
-
-        def read(data: bytes) -> None:
-            path.write_bytes(data)
-            found(path)
-
-        return list(samples) or _samples(name), read
-
-    return made
-
-
-def _samples(name: str) -> list[bytes]:
-    """What a character's reader begins with."""
-    from tests.animation.formats import samples
-
-    return {
-        "a.bvh": [samples.BVH],
-        "a.md5mesh": [samples.md5_mesh_tower()],
-        "a.md5anim": [samples.md5_motion_tower()],
-        "a.gltf": [samples.rich_gltf().gltf(), samples.gltf_tower().gltf()],
-        "a.glb": [samples.rich_gltf().glb(), samples.gltf_tower().glb()],
-        "a.dae": [samples.collada_tower("STEP")],
-    }[name]
-
-
-def _telemetry(folder: Path) -> tuple[list[bytes], Read]:
-    import numpy as np
-
-    from motorcade.replays.readers import gpmf
-    from tests.replays.readers import test_gopro
-
-    packet = test_gopro.packet(np.ones((8, 3)), np.ones((8, 3)))
-    return [packet], lambda data: gpmf._sensors(data, Path("a.mp4"))
-
-
-_DOOR = "motorcade.animation.formats.door"
-_PATH = b"0.05 1 2 3 0 0 0 1\n0.1 1 2.5 -3e-1 0 0 0.6 0.8\n"
-_EUROC = b"#timestamp\n50000000,1,2,3,1,0,0,0,7\n100000000,1,2.5,-3e-1,0.8,0,0,0.6,7\n"
-_BOARD = b'[board]\ntype = "checkerboard"\ncolumns = 9\nrows = 6\nsquare_m = 0.04\n'
-_CAMERA = b'[camera]\nmodel = "radtan"\nwidth = 24\nheight = 16\nfx = 20.0\nfy = 21.0\ncx = 11.5\n'
-_CAMERA += b"cy = 7.5\ndistortion = [-0.28, 0.07, 0.0, 0.0]\n"
-_SCENE = b'{"objects": [{"name": "a", "scale": 0.5}, {"name": "b", "parent": "a"}]}'
-_DRAGS = b'{"object": "a", "do": "rotate", "axis": [0, 0, 1], "amounts_rad": [0.1]}\n{"do": "undo"}'
-_NOISE = b"gyroscope_noise_density: 1e-4\ngyroscope_random_walk: 1e-5\n"
-_NOISE += b"accelerometer_noise_density: 1e-3\naccelerometer_random_walk: 1e-3\n"
-_CHAIN = b"cam0:\n  camera_model: pinhole\n  intrinsics: [20, 21, 11, 7]\n  resolution: [24, 16]\n"
-_MARKERS = b'{"format": "motorcade marker map 1", "markers": [{"id": 1, "side_m": 0.1}]}'
-
-TARGETS: dict[str, Callable[[Path], tuple[list[bytes], Read]]] = {
-    "guided-scripts": _scripts,
-    "guided-bvh": _file(_DOOR, "read_motion", "a.bvh"),
-    "guided-md5mesh": _file(_DOOR, "read_character", "a.md5mesh"),
-    "guided-md5anim": _file(_DOOR, "read_motion", "a.md5anim"),
-    "guided-gltf": _file(_DOOR, "read_character", "a.gltf"),
-    "guided-glb": _file(_DOOR, "read_character", "a.glb"),
-    "guided-collada": _file(_DOOR, "read_character", "a.dae"),
-    "guided-telemetry": _telemetry,
-    "guided-tum": _file("motorcade.replays.files.trajectories", "read_trajectory", "a", _PATH),
-    "guided-euroc": _file("motorcade.replays.files.trajectories", "read_trajectory", "a", _EUROC),
-    "guided-scene": _file("motorcade.animation.authoring.scene", "read_scene", "a", _SCENE),
-    "guided-drags": _file("motorcade.animation.authoring.editor", "read_gestures", "a", _DRAGS),
-    "guided-camera": _file(
-        "motorcade.replays.readers.manifest.section", "read_camera", "a.toml", _CAMERA + _BOARD
-    ),
-    "guided-noise": _file("motorcade.replays.files.imu", "read_noise", "a.yaml", _NOISE),
-    "guided-chain": _file("motorcade.replays.readers.kalibr", "read_chain", "a.yaml", _CHAIN),
-}
-"""What is fed: each gives its first inputs, and what reads one."""
+    def find_spec(
+        self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        for finder in sys.meta_path[sys.meta_path.index(self) + 1 :]:
+            spec = finder.find_spec(name, path, target)
+            if spec is not None:
+                if spec.origin is not None and spec.origin.endswith(".py"):
+                    spec.loader = SourceFileLoader(name, spec.origin)
+                return spec
+        return None
 
 
 def _lead(target: str, folder: Path, seed: int, inputs: int, seconds: int) -> None:
@@ -164,31 +99,60 @@ def _lead(target: str, folder: Path, seed: int, inputs: int, seconds: int) -> No
     import atheris
 
     logging.getLogger("motorcade").setLevel(logging.CRITICAL)
+    sys.meta_path.insert(0, _BySource())
     with atheris.instrument_imports(include=["motorcade"]):
-        samples, read = TARGETS[target](folder)
-        read_once = samples[0]
-        _outcome(read, read_once)  # whatever is imported on the way
+        chosen = TARGETS[target](folder)
+        for sample in chosen.samples:
+            chosen.read(sample)  # they are valid; and whatever is imported on the way
     corpus = folder / "corpus"
     corpus.mkdir()
-    for index, sample in enumerate(samples):
+    for index, sample in enumerate(chosen.samples):
         (corpus / f"{index}").write_bytes(sample[:LONGEST_BYTES])
     counts: Counter[str] = Counter()
     kept = folder / "counts.json"
 
+    valid = [sample[:LONGEST_BYTES] for sample in chosen.samples]
+
     def feed(data: bytes) -> None:
-        counts[_outcome(read, data)] += 1
+        outcome = ended(lambda: chosen.read(data))
+        counts[outcome] += 1
+        if outcome == "valid":
+            valid.append(data)
+            if len(valid) > MOST_VALID:
+                valid.pop(len(chosen.samples))
         if counts.total() % TELL_EVERY == 0:
             kept.write_text(json.dumps(counts))
 
     options = [f"-seed={seed}", f"-max_len={LONGEST_BYTES}", f"-timeout={SLOWEST_S}"]
     options += [f"-rss_limit_mb={MEMORY_MIB}", f"-max_total_time={seconds}", f"-runs={inputs}"]
-    options += [f"-artifact_prefix={folder}/fault-"]
-    atheris.Setup([sys.argv[0], *options, str(corpus)], feed)
+    options += [f"-artifact_prefix={folder}/fault-", "-mutate_depth=2"]
+    changes = _changes(chosen, valid)
+    atheris.Setup([sys.argv[0], *options, str(corpus)], feed, custom_mutator=changes)
     atheris.Fuzz()
 
 
-def _outcome(read: Read, data: bytes) -> str:
-    return ended(lambda: read(data))
+def _changes(target: Target, valid: list[bytes]) -> Callable[[bytes, int, int], bytes]:
+    """What libFuzzer asks to change an input: its bytes, the most that it may have, a seed."""
+    import atheris
+
+    from tests.fuzz.mutations import mutated, reworded, tokens  # of modules that are instrumented
+
+    known = tokens(b"\n".join((*target.samples, *target.words)))
+
+    def changed(data: bytes, most: int, seed: int) -> bytes:
+        rng = np.random.default_rng(seed)
+        if rng.random() < FROM_VALID:  # else what libFuzzer keeps, which is refused most often
+            data = valid[int(rng.integers(len(valid)))]
+        kind = rng.random()
+        if kind < KEPT_WHOLE:
+            made = reworded(data, known, rng)
+        elif kind < KEPT_WHOLE + BROKEN:
+            made = mutated(target.suffix, data, rng)
+        else:
+            made = atheris.Mutate(data, most)
+        return bytes(made[:most])
+
+    return changed
 
 
 if __name__ == "__main__":

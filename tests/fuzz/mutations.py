@@ -15,7 +15,7 @@ import numpy as np
 
 from tests.animation.formats import samples
 
-__all__ = ["VALUES", "WORDS", "changed_tree", "mutated", "one_of"]
+__all__ = ["VALUES", "WORDS", "changed_tree", "mutated", "one_of", "reworded", "tokens"]
 
 WORDS = [
     b"-1",
@@ -63,6 +63,8 @@ VALUES: list[Any] = [
     "VEC4",
 ]
 Mutator = Callable[[bytes, np.random.Generator], bytes]
+_TOKEN = re.compile(rb"[-+]?\.?\d(?:[eE][-+]|[\w.])*|[A-Za-z_]\w*")
+_NUMBERS = b"0 1 -1 2 3 0.5 1.0 -0.25 1e-3 1e3 10 24 90 255 65536 4294967296 1e-320 1e308".split()
 
 
 def one_of(items: Any, rng: np.random.Generator) -> Any:
@@ -80,6 +82,44 @@ def mutated(suffix: str, data: bytes, rng: np.random.Generator) -> bytes:
             choices = [_elements, _attributes, _numbers, _numbers, _bytes]
         data = one_of(choices, rng)(data, rng)
     return data
+
+
+def tokens(text: bytes) -> tuple[list[bytes], list[bytes]]:
+    """The numbers and the words of a text, each once; numbers that matter anywhere are added."""
+    found = dict.fromkeys(_TOKEN.findall(text))
+    numbers = [one for one in found if not one[:1].isalpha() and one[:1] != b"_"]
+    words = [one for one in found if one not in set(numbers)]
+    return [*numbers, *_NUMBERS], words
+
+
+def reworded(
+    data: bytes, known: tuple[list[bytes], list[bytes]], rng: np.random.Generator
+) -> bytes:
+    """One to three numbers or words are replaced by others of `tokens`, or a line by a line."""
+    for _ in range(int(rng.choice([1, 2, 3], p=[0.6, 0.25, 0.15]))):
+        if rng.random() < 0.15:
+            data = _line_moved(data, rng)
+            continue
+        found = list(_TOKEN.finditer(data))
+        if not found:
+            return data
+        one = one_of(found, rng)
+        is_word = one[0][:1].isalpha() or one[0][:1] == b"_"
+        if is_word and rng.random() < 0.7:  # more numbers than words may stand for another
+            continue
+        others = known[is_word]
+        if others:
+            data = data[: one.start()] + one_of(others, rng) + data[one.end() :]
+    return data
+
+
+def _line_moved(data: bytes, rng: np.random.Generator) -> bytes:
+    """A line is lost, repeated, or set elsewhere."""
+    lines = data.split(b"\n")
+    line = lines.pop(int(rng.integers(len(lines))))
+    for _ in range(int(rng.integers(3))):
+        lines.insert(int(rng.integers(len(lines) + 1)), line)
+    return b"\n".join(lines)
 
 
 def _bytes(data: bytes, rng: np.random.Generator) -> bytes:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.fuzz import guided, runner
+from tests.fuzz import guided, runner, targets
 from tests.fuzz.__main__ import recorded, table
 from tests.fuzz.kinds import manifests, scripts
 from tests.fuzz.own import RefusedError, ended, is_own, refusals
@@ -98,7 +98,7 @@ def test_only_errors_that_the_product_raises_itself_are_own() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("target", guided.TARGETS)
+@pytest.mark.parametrize("target", targets.TARGETS)
 def test_inputs_led_by_coverage_are_refused_or_read(target: str) -> None:
     pytest.importorskip("atheris", reason="atheris, which leads by coverage, is not installed")
     found = guided.run(target, seed=20, inputs=600, seconds=20.0)

@@ -33,17 +33,13 @@ METHODS = ["auto", *SMOOTHERS, "linear"]
 
 cli = importlib.import_module("motorcade.replays.cli.main")  # its package has a `main` of its own
 
-FED = [name for name in cli.NAMES if name not in ("demo", "compare", "consistency", "doctor")]
-"""All but those that take seconds whatever they are given."""
-SMALL = ("a.tum", "a.csv", "a.kitti", "a.npz", "imu.csv", "noise.yaml", "camera.toml", "a.clu")
-SMALL += ("scene.json", "drags.jsonl", "a.glb", "a.bvh", "a.dae", "0.png", "sweep.toml")
-SMALL += (
-    "marker_map.json",
-    "slam_map.npz",
-    "tiny/motorcade.toml",
-    "tiny/truth.tum",
-    "run/run.json",
-)
+SLOW = ("demo", "compare", "consistency", "doctor")
+"""These take seconds whatever they are given; each is fed a quarter as often as any other."""
+FED = [name for name in cli.NAMES if name not in SLOW] * 4 + list(SLOW)
+SMALL = ("a.tum", "a.csv", "a.kitti", "a.npz", "long.tum", "long.csv", "imu.csv", "noise.yaml")
+SMALL += ("camera.toml", "a.clu", "scene.json", "drags.jsonl", "a.glb", "a.bvh", "a.dae", "0.png")
+SMALL += ("sweep.toml", "marker_map.json", "slam_map.npz", "tiny/motorcade.toml", "tiny/truth.tum")
+SMALL += ("run/run.json",)
 LAST_STAGES = ("tracked", "camera_poses", "imu", "fused", "smoothed", "errors", "x")
 WRITTEN = ("output", "out", "draw", "plot", "svg", "cache", "gltf", "rrd", "json")
 FITTING = {
@@ -54,10 +50,11 @@ FITTING = {
     "gestures": ["drags.jsonl"],
     "images": ["0.png", "tiny/images"],
     "imu": ["imu.csv"],
-    "input": ["a.tum", "a.csv", "a.kitti"],
+    "input": ["a.tum", "a.csv", "a.kitti", "long.tum"],
     "manifest": ["tiny/motorcade.toml", "camera.toml"],
     "motion": ["a.bvh", "a.glb"],
     "noise": ["noise.yaml"],
+    "poses": ["a.tum", "a.csv"],
     "recording": ["tiny", "a.glb", "a.dae"],
     "recordings": ["tiny"],
     "reference": ["a.tum", "a.csv"],
@@ -66,8 +63,34 @@ FITTING = {
     "script": ["a.clu"],
     "stream": ["imu.csv"],
     "trajectory": ["a.tum", "a.csv"],
+    "truth": ["long.csv", "a.csv"],
 }
 """Files that an argument of this name is meant for."""
+BOUNDS = {
+    "run": {"--executor": ("local",), "--until": LAST_STAGES},
+    "sweep": {"--executor": ("local",)},
+    "demo": {
+        "--out": ("../given/demo", "../given/demo", "../given/demo", "../given/a.tum", "/proc/x"),
+        "--seed": ("0", "0", "0", "-1", "x"),
+        "--until": LAST_STAGES,
+    },
+    "compare": {
+        "--executor": ("local",),
+        "--trajectories": ("handheld", "gimbal_crossing", "zoom", "handheld"),
+        "--degradations": ("gaussian", "outliers", "gaussian"),
+        "--methods": ("gaussian", "one_euro", "exponential", "linear"),
+        "--representations": ("motor", "euler", "motor"),
+        "--seeds": ("1", "1", "0", "-1"),
+    },
+    "consistency": {
+        "--executor": ("local",),
+        "--motions": ("handheld", "gimbal_crossing", "zoom", "x"),
+        "--filters": ("motor", "motor", "quaternion,euler", "motor,,"),
+        "--runs": ("1", "1", "1", "1", "0", "x"),
+        "--duration-s": ("10", "10", "11.5", "0", "nan"),
+    },
+}
+"""What stands last in a command's line, and so counts: else jobs would take minutes."""
 SUFFIXES = ("", ".tum", ".csv", ".glb", ".svg", ".json", ".toml", ".mp4", ".c", ".rrd")
 NUMBERS = (
     "0",
@@ -102,7 +125,8 @@ def prepare(folder: Path) -> Feed:
     given = folder / "given"
     names = _write(given)
     whole = {path: path.read_bytes() for path in map(given.joinpath, SMALL)}
-    parsers = {name: _arguments(name) for name in FED}
+    parsers = {name: _arguments(name) for name in cli.NAMES}
+    made = [entry.name for entry in (given / "demo").iterdir()]
     place = folder / "place"
 
     def feed(rng: np.random.Generator) -> str:
@@ -116,10 +140,20 @@ def prepare(folder: Path) -> Feed:
             changed.write_bytes(mutated(changed.suffix, whole[changed], rng))
         name = one_of(FED, rng)
         line = [name, *_line(parsers[name], name, names, rng)]
-        with contextlib.chdir(place):
-            return _called(line)
+        try:
+            with contextlib.chdir(place):
+                return _called(line)
+        finally:
+            if name == "demo":
+                _remove_all_but(made, given / "demo")
 
     return feed
+
+
+def _remove_all_but(names: list[str], folder: Path) -> None:
+    for entry in folder.iterdir():
+        if entry.name not in names:
+            shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
 
 
 def _called(line: list[str]) -> str:
@@ -183,10 +217,15 @@ def _line(
         else:
             count = 1
         made += option + [_value(action, names, rng) for _ in range(count)]
-    if name in ("run", "sweep"):
-        made += ["--executor", "local"]
-    if name == "run":
-        made += ["--until", one_of(LAST_STAGES, rng)]
+    bounds = dict(BOUNDS.get(name, {}))
+    if name == "compare" and "--input" in made:
+        for other in ("--trajectories", "--degradations", "--seeds"):
+            del bounds[other]
+        bounds["--truth"] = ("../given/long.csv", "../given/long.csv", "../given/a.csv")
+    elif name == "compare":
+        made.append("--quick")
+    for option, values in bounds.items():
+        made += [option, one_of(values, rng)]
     if rng.random() < 0.03:
         made.append(one_of(["--", "-h", "--no-such-option", "more", "-v", "--version"], rng))
     return made
@@ -226,6 +265,9 @@ def _write(given: Path) -> tuple[str, ...]:
     write_trajectory(path, given / "a.csv", "euroc")
     write_trajectory(path, given / "a.kitti", "kitti")
     path.save(given / "a.npz")
+    long = smooth_path(220, 0.05)
+    write_trajectory(long, given / "long.tum")
+    write_trajectory(long, given / "long.csv", "euroc")
     stream = simulate_imu(path, 200.0, ADIS16448, np.random.default_rng(0)).stream
     write_imu(stream, given / "imu.csv")
     (given / "noise.yaml").write_text(
@@ -250,6 +292,19 @@ def _write(given: Path) -> tuple[str, ...]:
     )
     (given / "run").mkdir()
     (given / "run" / "run.json").write_text('{"recording": "x", "manifest": null, "other": 1}')
+    _write_demo(given / "demo" / "recording")
     names = tuple(sorted(one.name for one in given.iterdir()))
     hostile = [one for one in write_hostile(given) if "\0" not in one and "\ud800" not in one]
     return (*names, *names, *hostile, "\udcff")
+
+
+def _write_demo(folder: Path) -> None:
+    """A small recording in place of the demo's own, which takes half a minute to be drawn."""
+    from motorcade.replays.demo import MARKER, ensure_demo_recording
+    from motorcade.replays.engine.provenance import code_digest
+    from motorcade.replays.synthetic_room import write_recording
+
+    folder.parent.mkdir()
+    write_tiny(folder, 0.3, count=8)
+    (folder / MARKER).write_text(f"{code_digest(write_recording)} seed 0\n")
+    ensure_demo_recording(folder, 0)
