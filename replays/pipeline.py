@@ -53,7 +53,7 @@ TRACKED = first_of(
 STAGES = (
     TRACKED,  # where the camera was, in one of four ways
     camera_poses,  # the same, less blackouts
-    imu,  # the recorded inertial stream, or a simulated one
+    imu,  # the recorded inertial stream, where there is one
     fused,  # one path between frames and through blackouts
     smoothed,  # the same without noise, in every representation
     integrity,  # whether all that agrees

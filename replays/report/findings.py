@@ -40,11 +40,8 @@ class Findings:
     def nis_per_dimension(self) -> float | None:
         """Mean normalised innovation squared over its 6 dimensions: 1 where the noise fits.
 
-        None without a filter, and where the IMU was simulated along the tracked path, which it
-        then foretells.
+        None without a filter.
         """
-        if self.imu.origin == "tracked":
-            return None
         nis = self.fused.nis[np.isfinite(self.fused.nis)]
         return float(np.mean(nis)) / 6 if nis.size else None
 

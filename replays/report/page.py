@@ -34,8 +34,7 @@ NO_VIDEO = (
 NO_PICTURES = "the recording holds corners of markers and no pictures to draw into."
 IMU_ORIGINS = {
     "recorded": "recorded",
-    "reference": "simulated along the ground truth",
-    "tracked": "simulated along the tracked path (it knows nothing that the images did not)",
+    "reference": "simulated along the ground truth, as for an experiment",
 }
 
 
@@ -64,9 +63,8 @@ def page(findings: Findings) -> str:
 
 def _headline(findings: Findings) -> str:
     poses, fused = findings.camera_poses, findings.fused
-    text = f"Camera poses {poses.summary}; IMU {_imu(findings)}. The path was {fused.summary}."
-    if fused.by != "imu":
-        text = f"Camera poses {poses.summary}. The path was {fused.summary}."
+    imu = f"; IMU {_imu(findings)}" if fused.by == "imu" else ""
+    text = f"Camera poses {poses.summary}{imu}. The path was {fused.summary}."
     if poses.skipped:
         text += f" Skipped: {'; '.join(poses.skipped)}."
     damaged = findings.recording.damaged

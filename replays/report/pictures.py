@@ -99,7 +99,7 @@ def _within(findings: Findings) -> list[PagePlot]:
 def _nis(findings: Findings) -> list[PagePlot]:
     fused = findings.fused
     known = np.isfinite(fused.nis) & (fused.nis > 0.0)
-    if not np.any(known) or findings.imu.origin == "tracked":  # an IMU that foretells the poses
+    if not np.any(known):
         return []
     start_ns = int(findings.camera_poses.measurements.trajectory.time_ns[0])
     time_s = (fused.trajectory.time_ns[known] - start_ns) * 1e-9

@@ -52,7 +52,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
         },
         "imu": {
             "origin": findings.imu.origin,
-            "samples": len(findings.imu.stream(findings.recording)),
+            "samples": _samples(findings),
             "clock_offset_s": findings.imu.clock_offset_s,
             "clock_offset_sigma_s": findings.imu.clock_offset_sigma_s,
         },
@@ -84,6 +84,11 @@ def summarise(findings: Findings) -> dict[str, Any]:
     }
     cleaned: dict[str, Any] = without_nan(tree)
     return cleaned
+
+
+def _samples(findings: Findings) -> int:
+    imu = findings.imu
+    return 0 if imu.origin == "none" else len(imu.stream(findings.recording))
 
 
 def shown_columns(figures: Mapping[str, Mapping[str, Any]]) -> list[str]:

@@ -47,8 +47,8 @@ def integrity(
     """Check the run, and choose the path that the character is placed and drawn along.
 
     Coverage: frames without a pose, half of which may be. Innovations: measured poses that the
-    filter's gate would not let pass; without a filter, and with an IMU simulated along the tracked
-    path, there are none to judge. Then the pictures decide, where poses were measured in them.
+    filter's gate would not let pass; without a filter there are none to judge. Then the pictures
+    decide, where poses were measured in them.
     Registration: frames in which what is drawn along the first smoothed path lies off the corners
     of board or markers, or off the points of SLAM's map, by more than a pixel and three times as
     far as along the measured poses. Elsewhere agreement: measured poses that the smoothed path
@@ -59,7 +59,7 @@ def integrity(
     measured = camera_poses.measurements.trajectory
     name, path = next(iter(smoothed.trajectories.items()))
     checks = [_coverage(camera_poses, path)]
-    if imu.origin != "tracked" and np.any(np.isfinite(fused.nis)):
+    if np.any(np.isfinite(fused.nis)):
         checks.append(_innovations(fused))
     paths = {"measured": measured, "fused": fused.trajectory} | smoothed.trajectories
     registration = _registrations(paths, recording, camera_poses, board_poses)

@@ -39,8 +39,9 @@ def convergence(
     reference = recording.truth if simulated else None
     if reference is None:
         reference = fused.trajectory.transformed_by(left=level.level_T_world)
-    end_ns = fused.trajectory.time_ns[0] + checked_span_ns(duration_s, "convergence.duration_s")
-    stamps = fused.trajectory.time_ns[fused.trajectory.time_ns <= end_ns]
+    stamps = fused.trajectory.time_ns[fused.trajectory.time_ns >= stream.time_ns[0]]
+    end_ns = stamps[0] + checked_span_ns(duration_s, "convergence.duration_s")
+    stamps = stamps[stamps <= end_ns]
     again = fuse(
         level.measurements,
         stream,

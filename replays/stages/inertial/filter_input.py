@@ -16,13 +16,12 @@ from motorcade.tracking import PoseMeasurements
 NOISE_FACTORS: dict[ImuOrigin, tuple[float, float]] = {
     "recorded": (10.0, 1.0),
     "reference": (1.0, 1.0),
-    "tracked": (1000.0, 1000.0),
 }
 """On white densities and on bias walks, by where the IMU came from. Data sheets describe a sensor
 at rest on a bench: one that is carried or flown feels what shakes it, and its scales and axes are
 a little off, which looks like white noise. Tenfold is what Kalibr's authors advise, and brings the
-filter's NIS to six on EuRoC's flights; biases walk as the sheet says. A stream simulated along the
-tracked path repeats what the camera said, errors and all, and must not be believed twice."""
+filter's NIS to six on EuRoC's flights; biases walk as the sheet says. A simulated stream has the
+noise that it was drawn with."""
 
 
 def assumed_noise(
@@ -60,8 +59,8 @@ class Levelled:
 def levelled(camera_poses: CameraPoses, imu: UsedImu, stream: ImuStream) -> Levelled:
     """Turn a world upright whose z is more than 3° from up by a recorded IMU.
 
-    Poses simulated from a ground truth keep its world, and an IMU simulated along a path has z
-    for up anyway. The mean is off by the change of velocity over the time, in units of gravity.
+    Poses simulated from a ground truth keep its world, and an IMU simulated along it has z for up
+    anyway. The mean is off by the change of velocity over the time, in units of gravity.
     """
     found = camera_poses.measurements
     upright = Levelled(found, Motor.identity(), 0.0, leaned=False)

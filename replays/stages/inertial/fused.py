@@ -9,7 +9,8 @@ import numpy as np
 from motorcade.fusion.filter import FilterSettings, fuse
 from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.fusion.imu import ImuNoise, ImuStream
-from motorcade.ga import Trajectory
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import checked_positive
 from motorcade.replays.recording import Odometry, Recording
 from motorcade.replays.stages.inertial.filter_input import Levelled, assumed_noise, levelled
 from motorcade.replays.values.camera_poses import CameraPoses
@@ -17,7 +18,8 @@ from motorcade.replays.values.imu import UsedImu
 from motorcade.replays.values.paths import FusedPath, FusedWith
 from motorcade.tracking import PoseMeasurements
 
-ALIGNMENT_SIGMA_DEG = {"recorded": 1.0, "reference": 0.0, "tracked": 0.0}
+FusedBy = Literal["auto", "imu", "odometry", "nothing"]
+ALIGNMENT_SIGMA_DEG = {"recorded": 1.0, "reference": 0.0}
 """How far the world's z may be from up, and the camera's calibrated attitude on the IMU from the
 true one, by where the IMU came from; a simulated one knows both."""
 LEVELLED_SIGMA_DEG = 3.0
@@ -30,7 +32,7 @@ def fused(
     camera_poses: CameraPoses,
     imu: UsedImu,
     *,
-    by: Literal["auto", "imu", "odometry", "nothing"] = "auto",
+    by: FusedBy = "auto",
     look_ahead: bool = True,
     noise_factor: float | None = None,
     walk_factor: float | None = None,
@@ -40,24 +42,25 @@ def fused(
 ) -> FusedPath:
     """Join the measured poses with what else was recorded, at the time of every frame.
 
-    `by=auto` filters with the IMU, unless that could only be simulated along the tracked path and
-    an odometry was recorded: then the odometry bridges what the camera did not see. Where lengths
-    have no unit nothing can be fused, and the path stays as it was tracked.
+    `by=auto` filters with the IMU; where there is none, an odometry bridges what the camera did not
+    see. Nothing is fused where nothing else was recorded, or where lengths have no unit: the path
+    then stays as it was tracked. So do measured poses outside the time of what is fused.
 
     The rest is the filter's. `look_ahead` adds the backward pass; without it every estimate knows
     only its past. `noise_factor` multiplies the IMU's white densities: by default 10 for a recorded
-    IMU, 1 for one simulated from the ground truth, 1000 for one simulated along the tracked path;
-    `walk_factor` its bias walks: 1, 1, 1000. `alignment_sigma_deg` above zero has the vertical of
-    the world and the attitude of the camera on the IMU estimated, from so much doubt about each
-    axis: by default 1 for a recorded IMU, else 0. `gate` is the probability with which a good
-    measurement passes; `initial_tilt_deg` starts so far off upright.
+    IMU, 1 for one simulated from the ground truth; `walk_factor` its bias walks, by default 1.
+    `alignment_sigma_deg` above zero has the vertical of the world and the attitude of the camera on
+    the IMU estimated, from so much doubt about each axis: by default 1 for a recorded IMU, else 0.
+    `gate` is the probability with which a good measurement passes; `initial_tilt_deg` starts so far
+    off upright.
 
     Raises ValueError where `by` asks for what is not there, or for what looks ahead without leave.
     """
+    _check_settings(noise_factor, walk_factor, alignment_sigma_deg, gate, initial_tilt_deg)
     odometry = recording.odometry
     chosen = _chosen(camera_poses, imu, odometry, look_ahead) if by == "auto" else by
     if chosen == "nothing":
-        return _as_tracked(camera_poses)
+        return _as_tracked(camera_poses, _reason(camera_poses, imu, odometry, by))
     if not camera_poses.metric:
         raise ValueError(f"fused.by={by}: lengths of the tracked path have no unit")
     if chosen == "odometry":
@@ -65,14 +68,35 @@ def fused(
             raise ValueError("fused.by=odometry, but the recording holds none")
         if not look_ahead:
             raise ValueError("fused.by=odometry looks ahead always; choose fused.by=imu without")
-        return _by_odometry(camera_poses, odometry)
+        return _with_the_rest(_by_odometry(camera_poses, odometry), camera_poses)
+    if imu.origin == "none":
+        raise ValueError(f"fused.by=imu, but {imu.absent}")
     noise = assumed_noise(imu.noise, imu.origin, noise_factor, walk_factor)
     stream = imu.stream(recording)
     level = levelled(camera_poses, imu, stream)
     settings = filter_settings(
         imu, initial_tilt_deg, alignment_sigma_deg, gate, leaned=level.leaned
     )
-    return _by_imu(camera_poses, imu, stream, noise, level, settings, look_ahead)
+    found = _by_imu(camera_poses, imu, stream, noise, level, settings, look_ahead)
+    return _with_the_rest(found, camera_poses)
+
+
+def _check_settings(
+    noise_factor: float | None,
+    walk_factor: float | None,
+    alignment_sigma_deg: float | None,
+    gate: float,
+    initial_tilt_deg: float,
+) -> None:
+    """Refuse what no filter takes, whether one runs or not."""
+    for name, factor in (("noise_factor", noise_factor), ("walk_factor", walk_factor)):
+        if factor is not None:
+            checked_positive(factor, f"fused.{name}")
+    FilterSettings(
+        gate=gate,
+        initial_tilt_error_rad=float(np.deg2rad(initial_tilt_deg)),
+        gravity_sigma_rad=float(np.deg2rad(alignment_sigma_deg or 0.0)),
+    )
 
 
 def _chosen(
@@ -80,15 +104,45 @@ def _chosen(
 ) -> FusedWith:
     if not camera_poses.metric:
         return "nothing"
-    return "odometry" if imu.origin == "tracked" and odometry and look_ahead else "imu"
+    if imu.origin != "none":
+        return "imu"
+    return "odometry" if odometry and look_ahead else "nothing"
 
 
-def _as_tracked(camera_poses: CameraPoses) -> FusedPath:
-    measured = camera_poses.measurements
-    summary = "left as tracked"
+def _reason(camera_poses: CameraPoses, imu: UsedImu, odometry: Odometry | None, by: FusedBy) -> str:
+    """Why nothing is fused, as the end of a sentence."""
+    if by == "nothing":
+        return "fused.by=nothing"
     if not camera_poses.metric:
-        summary = "left as tracked: lengths have no unit, so nothing can be fused with it"
-    return _unjudged(measured, "nothing", summary)
+        return "lengths have no unit, so nothing can be fused with it"
+    if odometry is not None:
+        return f"{imu.absent}, and the recorded odometry is joined only where fused.look_ahead is"
+    return f"{imu.absent}, so there is nothing to fuse it with"
+
+
+def _as_tracked(camera_poses: CameraPoses, reason: str) -> FusedPath:
+    return _unjudged(camera_poses.measurements, "nothing", f"left as tracked: {reason}")
+
+
+def _with_the_rest(found: FusedPath, camera_poses: CameraPoses) -> FusedPath:
+    """The path and, as they were tracked, the measured poses at whose stamps it has none."""
+    measured, path = camera_poses.measurements, found.trajectory
+    stamps = measured.trajectory.time_ns
+    rest = np.flatnonzero(~np.isin(stamps, path.time_ns))
+    if not len(rest):
+        return found
+    time_ns = np.concatenate([path.time_ns, stamps[rest]])
+    motors = Motor.concatenate([path.motors, measured.trajectory.motors[rest]])
+    order = np.argsort(time_ns)
+    joined = (
+        (found.covariance, measured.covariance[rest]),
+        (found.nis, np.full(len(rest), np.nan)),
+        (found.accepted, np.ones(len(rest), dtype=np.bool_)),
+    )
+    covariance, nis, accepted = (np.concatenate(parts)[order] for parts in joined)
+    trajectory = Trajectory(time_ns[order], motors[order], path.parent, path.child)
+    summary = f"{found.summary}; {len(rest)} poses outside its span are left as tracked"
+    return FusedPath(trajectory, covariance, nis, accepted, found.by, summary)
 
 
 def _unjudged(found: PoseMeasurements, by: FusedWith, summary: str) -> FusedPath:

@@ -115,8 +115,10 @@ def test_an_imu_of_unknown_mount_is_never_taken_to_sit_in_the_camera(
     with pytest.raises(ValueError, match=r"made up: imu.source=recorded, but .* put imu_T_camera"):
         imu(one, poses, source="recorded")
     assert not caplog.records
-    made = imu(one, poses)
-    assert made.origin == "tracked"
+    made, found = both(one, poses)
+    assert made.origin == "none"
+    assert found.by == "nothing"
+    assert "nothing tells how the camera sits on the recorded IMU" in found.summary
     (warned,) = caplog.messages
     assert warned.startswith("made up: its IMU is left aside: the camera's pose on the IMU is not")
     assert "into [imu] of a manifest" in warned
@@ -146,6 +148,68 @@ def test_a_path_without_a_unit_is_left_as_it_was_tracked(stream: ImuStream) -> N
             fused(one, poses, made, by=by)
 
 
+def test_nothing_is_fused_where_nothing_was_measured() -> None:
+    """The tracked path, all of it and as it was, whatever gaps it has."""
+    poses = measured(gap_s=(4.0, 6.0))
+    made, found = both(recording(), poses)
+    assert made.origin == "none"
+    assert found.by == "nothing"
+    assert "no IMU was recorded" in found.summary
+    kept, tracked = found.trajectory, poses.measurements
+    np.testing.assert_array_equal(kept.time_ns, tracked.trajectory.time_ns)
+    np.testing.assert_array_equal(kept.motors.coefficients, tracked.trajectory.motors.coefficients)
+    np.testing.assert_array_equal(found.covariance, tracked.covariance)
+    assert convergence(recording(), poses, made, found).time_s.size == 0
+    with pytest.raises(ValueError, match="expected an IMU, but no IMU was recorded"):
+        made.stream(recording())
+
+
+def test_an_imu_is_simulated_from_ground_truth_alone_and_only_where_that_is_asked_for() -> None:
+    one, poses = recording(truth=path(100.0)), measured(gap_s=(4.0, 4.5))
+    assert imu(one, poses).origin == "none"
+    made = imu(one, poses, source="reference")
+    assert made.origin == "reference"
+    found = fused(one, poses, made)
+    assert "simulated IMU" in found.summary
+    assert evaluate(found.trajectory, path(), align="none").ape_m.max < 0.05
+    with pytest.raises(ValueError, match=r"imu\.source=reference, but it has no ground truth"):
+        imu(recording(), poses, source="reference")
+
+
+@pytest.mark.parametrize("kept_s", [(2.0, 8.0), (0.0, 6.0), (7.0, 20.0)])
+def test_measured_poses_outside_what_is_fused_stay_as_they_were_tracked(
+    kept_s: tuple[float, float], stream: ImuStream
+) -> None:
+    seconds = (stream.time_ns - stream.time_ns[0]) * 1e-9
+    inside = (seconds >= kept_s[0]) & (seconds <= kept_s[1])
+    short = ImuStream(
+        stream.time_ns[inside],
+        stream.angular_rate_rad_s[inside],
+        stream.specific_force_m_s2[inside],
+    )
+    whole = drifting().trajectory
+    own_s = (whole.time_ns - whole.time_ns[0]) * 1e-9
+    odometry = Odometry(
+        whole[(own_s >= kept_s[0]) & (own_s <= kept_s[1])], drifting().odometry_T_camera
+    )
+    poses = measured()
+    tracked = poses.measurements.trajectory
+    for one, by in ((with_imu(short), "imu"), (recording(odometry=odometry), "odometry")):
+        made, found = both(one, poses)
+        assert found.by == by
+        np.testing.assert_array_equal(found.trajectory.time_ns, tracked.time_ns)
+        begin, end = (short if by == "imu" else odometry.trajectory).time_ns[[0, -1]]
+        outside = (tracked.time_ns < begin) | (tracked.time_ns > end)
+        assert np.any(outside)
+        np.testing.assert_array_equal(
+            found.trajectory.motors.coefficients[outside], tracked.motors.coefficients[outside]
+        )
+        assert f"{np.count_nonzero(outside)} poses outside its span" in found.summary
+        assert len(found.nis) == len(found.accepted) == len(found.covariance) == len(tracked)
+        again = convergence(one, poses, made, found, duration_s=2.0)
+        assert (len(again.time_s) > 0) == (by == "imu")
+
+
 def drifting() -> Odometry:
     """A path in its own world that goes astray by a few centimetres, smooth from step to step."""
     mount = Motor.from_euler_translation(np.array([0.3, 0.2, -0.1]), np.array([0.1, 0.0, 0.2]))
@@ -168,12 +232,14 @@ def test_a_recorded_odometry_bridges_what_the_camera_did_not_see(stream: ImuStre
     inside = times_ns[times_ns <= drifting().trajectory.time_ns[-1]]
     np.testing.assert_array_equal(found.trajectory.time_ns, inside)
     assert evaluate(found.trajectory, path(), align="none").ape_m.max < 0.015
-    alone = fused(recording(odometry=drifting()), poses, made, by="imu")
-    assert evaluate(alone.trajectory, path(), align="none").ape_m.max > 0.1
-    # What was measured by an IMU, or may not look ahead, goes through the filter.
+    with pytest.raises(ValueError, match=r"fused\.by=imu, but no IMU was recorded"):
+        fused(recording(odometry=drifting()), poses, made, by="imu")
+    # What was measured by an IMU goes through the filter.
     one = recording(odometry=drifting(), imu=stream, imu_T_camera=MOUNT)
     assert both(one, poses)[1].by == "imu"
-    assert fused(recording(odometry=drifting()), poses, made, look_ahead=False).by == "imu"
+    live = fused(recording(odometry=drifting()), poses, made, look_ahead=False)
+    assert (live.by, len(live.trajectory)) == ("nothing", len(poses.measurements))
+    assert "only where fused.look_ahead" in live.summary
     with pytest.raises(ValueError, match="looks ahead always"):
         fused(recording(odometry=drifting()), poses, made, by="odometry", look_ahead=False)
     with pytest.raises(ValueError, match="holds none"):

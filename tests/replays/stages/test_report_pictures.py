@@ -127,8 +127,9 @@ def test_what_lasts_is_told_apart_from_what_does_not() -> None:
     assert caption.endswith(f"less their mean over time, {100 * share:.0f} % lie within.")
 
 
-def test_an_imu_along_the_tracked_path_says_nothing_of_the_noise() -> None:
-    told = findings(imu=SimpleNamespace(origin="tracked"))
+def test_without_a_filter_nothing_is_said_of_the_noise() -> None:
+    told = findings()
+    told.fused.nis = np.full(COUNT, np.nan)
     assert [one.title for one in filter_pictures(told)] == [
         "Rotation within ±σ",
         "Position within ±σ",
