@@ -27,7 +27,7 @@ from motorcade.fusion.metrics.consistency import (
     normalised_squared,
 )
 from motorcade.fusion.metrics.cost import seconds_per_pose
-from motorcade.fusion.metrics.evaluation import Evaluation, evaluate
+from motorcade.fusion.metrics.evaluation import Evaluation, evaluate, evaluate_matched
 from motorcade.fusion.metrics.jitter import (
     EnergyExcess,
     Jitter,
@@ -39,42 +39,43 @@ from motorcade.fusion.metrics.jitter import (
     log_dimensionless_jerk,
 )
 from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
-from motorcade.fusion.metrics.pose_error import (
-    Align,
-    Alignment,
-    Pairs,
+from motorcade.fusion.metrics.matching import Matched, match
+from motorcade.fusion.metrics.poses.alignment import Align, Alignment, align, alignment_of
+from motorcade.fusion.metrics.poses.association import Pairs, associate, cropped
+from motorcade.fusion.metrics.poses.deltas import Delta
+from motorcade.fusion.metrics.poses.drift import KITTI_LENGTHS_M, Drift, drift_by_length
+from motorcade.fusion.metrics.poses.pose_error import (
     Statistics,
     absolute_translation_m,
-    align,
-    alignment_of,
-    associate,
     log_scales,
-    relative_errors,
     rotation_rad,
     tilt_rad,
     without_scale,
 )
-from motorcade.fusion.metrics.relative_by_length import (
-    Drift,
-    drift_by_length,
-    relative_errors_by_length,
-)
+from motorcade.fusion.metrics.poses.projection import Plane, folded, projected
+from motorcade.fusion.metrics.poses.relations import Relation, absolute_errors, relative_errors
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 
 __all__ = [
+    "KITTI_LENGTHS_M",
     "Align",
     "Alignment",
     "Consistency",
+    "Delta",
     "Drift",
     "EnergyExcess",
     "Evaluation",
     "FrameChangeDefect",
     "GimbalIndex",
     "Jitter",
+    "Matched",
     "NotObservableError",
     "Pairs",
+    "Plane",
+    "Relation",
     "Smoothness",
     "Statistics",
+    "absolute_errors",
     "absolute_translation_m",
     "accelerations",
     "align",
@@ -82,22 +83,26 @@ __all__ = [
     "angular_rate_lag_s",
     "associate",
     "chi2_bounds",
+    "cropped",
     "drift_by_length",
     "energy_excess_above",
     "evaluate",
+    "evaluate_matched",
+    "folded",
     "frame_change_defect",
     "gimbal_index",
     "jitter",
     "jitter_above",
     "log_dimensionless_jerk",
     "log_scales",
+    "match",
     "most_by_chance",
     "normalised_squared",
     "path_over_geodesic",
     "position_lag_s",
     "position_overshoot_m",
+    "projected",
     "relative_errors",
-    "relative_errors_by_length",
     "rotation_overshoot_rad",
     "rotation_path_rad",
     "rotation_rad",

@@ -6,9 +6,8 @@ ratios and logarithms have none.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from math import degrees
 from typing import TypeVar
 
@@ -29,23 +28,14 @@ from motorcade.fusion.metrics.jitter import (
     log_dimensionless_jerk,
 )
 from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
-from motorcade.fusion.metrics.pose_error import (
-    Align,
-    Pairs,
-    Statistics,
-    absolute_translation_m,
-    alignment_of,
-    associate,
-    log_scales,
-    relative_errors,
-    rotation_rad,
-    tilt_rad,
-    without_scale,
-)
-from motorcade.fusion.metrics.relative_by_length import relative_errors_by_length
+from motorcade.fusion.metrics.matching import Matched, match
+from motorcade.fusion.metrics.poses.alignment import Align
+from motorcade.fusion.metrics.poses.deltas import Delta
+from motorcade.fusion.metrics.poses.drift import Drift, drift_by_length
+from motorcade.fusion.metrics.poses.pose_error import Statistics, tilt_rad
+from motorcade.fusion.metrics.poses.relations import Relation, absolute_errors, relative_errors
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray
 
 T = TypeVar("T")
 
@@ -58,6 +48,15 @@ _ERRORS = (
     "rpe_by_length_trans_m",
     "rpe_by_length_rot_deg",
 )
+_RELATION_NAMES: Mapping[Relation, tuple[str, str]] = {
+    "full": ("full", ""),
+    "trans_part": ("trans_part", "_m"),
+    "rot_part": ("rot_part", ""),
+    "angle_deg": ("angle", "_deg"),
+    "angle_rad": ("angle", "_rad"),
+    "point_distance": ("point_distance", "_m"),
+    "point_distance_error_ratio": ("point_distance_error", "_percent"),
+}
 
 
 @dataclass(frozen=True)
@@ -65,14 +64,15 @@ class Evaluation:
     """Figures of one estimate against one reference, after the alignment named in `align`.
 
     Fields:
-        align: "none", "se3" or "sim3".
+        align: "none", "se3", "sim3", "scale", "origin" or "scaled_origin".
         pairs: how many poses were compared.
-        scale: the factor that the alignment put on the estimate (1 unless sim3).
+        scale: the factor that the alignment put on the estimate.
         ape_m: distance between positions.
         rotation_deg: angle between orientations.
         tilt_deg: angle between the two directions of up.
         log_scale: logarithm of the ratio of the scales; None where both are rigid.
-        rpe_trans_m, rpe_rot_deg: error of the motion over one frame; None from a single pair.
+        rpe_trans_m, rpe_rot_deg: error of the motion over `rpe_delta`; None where no poses are so
+            far apart.
         rpe_length_m: length of path for the next two.
         rpe_by_length_trans_m, rpe_by_length_rot_deg: error of the motion over that length; None
             where the path is shorter.
@@ -87,6 +87,10 @@ class Evaluation:
         overshoot_m, rotation_overshoot_deg: largest overshoot at stops and turns; None where the
             reference has none.
         gimbal: turning beside the reference's; None where that does not turn.
+        rpe_delta: between which poses relative errors are taken.
+        relations: errors by evo's pose relations, where they were asked for: name, unit as a suffix
+            of keys, and summary, which is None as for `rpe_trans_m`.
+        drift: KITTI's, where it was asked for; empty where the path is shorter than all lengths.
 
     Examples:
         >>> import numpy as np
@@ -122,12 +126,16 @@ class Evaluation:
     overshoot_m: float | None
     rotation_overshoot_deg: float | None
     gimbal: GimbalIndex | None
+    rpe_delta: Delta
+    relations: tuple[tuple[str, str, Statistics | None], ...] = ()
+    drift: tuple[Drift, ...] | None = None
 
     def as_dict(self) -> dict[str, float | int | str | None]:
         """Flat figures ready for JSON: ``ape_rmse_m``, ``rpe_rot_rmse_deg``, ``lag_ms``, …
 
         Each error gives ``rmse``, ``mean``, ``median``, ``std``, ``min`` and ``max`` as
-        ``<error>_<statistic>_<unit>``. Every key is always there; what could not be told is None.
+        ``<error>_<statistic>_<unit>``. Every key is always there, but those of `rpe_delta`,
+        `relations` and `drift` only where they were asked for; what could not be told is None.
         """
         flat: dict[str, float | int | str | None] = {
             "align": self.align,
@@ -155,7 +163,13 @@ class Evaluation:
         flat["rotation_path_ratio"] = getattr(self.gimbal, "path_ratio", None)
         flat["peak_rate_ratio"] = getattr(self.gimbal, "peak_rate_ratio", None)
         flat["spurious_turns"] = getattr(self.gimbal, "spurious_turns", None)
-        return flat
+        if self.rpe_delta != Delta():
+            flat["rpe_delta"], flat["rpe_delta_unit"] = self.rpe_delta.value, self.rpe_delta.unit
+            flat["rpe_pairs"] = "all" if self.rpe_delta.all_pairs else "consecutive"
+        for error, unit, found in self.relations:
+            for statistic in Statistics.names():
+                flat[f"{error}_{statistic}{unit}"] = getattr(found, statistic, None)
+        return flat if self.drift is None else flat | _flat_drift(self.drift)
 
 
 def evaluate(
@@ -168,11 +182,14 @@ def evaluate(
 ) -> Evaluation:
     """Compare an estimate with a reference of the same moving frame.
 
+    `match` and `evaluate_matched` do the same, with more to choose.
+
     Args:
         estimate: the trajectory to judge, at any rate; of similarities the rigid part is judged,
             and the scale apart.
         reference: the ground truth, at any rate; stamps are paired as in `associate`.
-        align: "none", "se3" (turn and shift the estimate's world) or "sim3" (and scale it).
+        align: "none", "se3" (turn and shift the estimate's world), "sim3" (and scale it), or
+            another of `alignment_of`.
         max_difference_s: how far apart paired stamps may be, in seconds.
         rpe_length_m: length of path for the relative error by length, above zero.
         energy_above_hz: cut-off of the spectral energy, above zero; for slow estimates a quarter
@@ -196,24 +213,62 @@ def evaluate(
         >>> print(f"{found.jitter.linear_m_s2:.0f} m/s²")
         36 m/s²
     """
-    sized = estimate, reference
-    estimate, reference = without_scale(estimate), without_scale(reference)
-    pairs = associate(estimate, reference, max_difference_s)
-    alignment = alignment_of(pairs, align)
-    ours = alignment.apply(pairs.estimate)
-    trans, rot = _relative(lambda: relative_errors(ours, pairs.reference), len(pairs))
-    by_length = partial(relative_errors_by_length, ours, pairs.reference, rpe_length_m)
-    far_trans, far_rot = _relative(by_length, len(pairs))
-    aligned = alignment.apply_to(estimate)
-    above_hz = _cutoff_hz(energy_above_hz, estimate)
+    matched = match(estimate, reference, align, max_difference_s=max_difference_s)
+    return evaluate_matched(matched, rpe_length_m, energy_above_hz)
+
+
+def evaluate_matched(
+    matched: Matched,
+    rpe_length_m: float = 1.0,
+    energy_above_hz: float = 5.0,
+    *,
+    delta: Delta | None = None,
+    relations: Sequence[Relation] = (),
+    drift_lengths_m: Sequence[float] = (),
+) -> Evaluation:
+    """All figures of what `match` made comparable.
+
+    Args:
+        matched: the estimate beside its ground truth.
+        rpe_length_m: length of path for the relative error by length, above zero.
+        energy_above_hz: cut-off of the spectral energy, as `evaluate` has it.
+        delta: between which poses relative errors are taken; one frame unless said otherwise.
+        relations: evo's pose relations to report beside, absolute and relative.
+        drift_lengths_m: of KITTI's drift, which is not told unless there are some.
+
+    Raises:
+        ValueError: a relation, length or cut-off that there is not.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.metrics import Delta, evaluate_matched, match
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.motions.degradations import Gaussian
+        >>> rng = np.random.default_rng(0)
+        >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
+        >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)
+        >>> found = evaluate_matched(
+        ...     match(noisy, true, "se3", n_to_align=30),
+        ...     delta=Delta(10, all_pairs=True),
+        ...     relations=["full", "point_distance"],
+        ... ).as_dict()
+        >>> print(f"{found['ape_full_rmse']:.3f}, {found['rpe_point_distance_rmse_m']:.3f} m")
+        0.057, 0.014 m
+    """
+    ours, true = matched.pairs.estimate, matched.pairs.reference
+    aligned, reference = matched.estimate, matched.reference
+    delta = Delta() if delta is None else delta
+    trans, rot, *others = _relative(ours, true, delta, relations)
+    far_trans, far_rot = _relative(ours, true, _delta_of_length(rpe_length_m))
+    above_hz = _cutoff_hz(energy_above_hz, aligned)
     return Evaluation(
-        align=align,
-        pairs=len(pairs),
-        scale=alignment.scale,
-        ape_m=Statistics.of(absolute_translation_m(ours, pairs.reference)),
-        rotation_deg=Statistics.of(np.rad2deg(rotation_rad(ours, pairs.reference))),
-        tilt_deg=Statistics.of(np.rad2deg(tilt_rad(ours, pairs.reference))),
-        log_scale=_log_scale(*sized, pairs, alignment.scale),
+        align=matched.align,
+        pairs=len(matched.pairs),
+        scale=matched.alignment.scale,
+        ape_m=Statistics.of(absolute_errors(ours, true, "trans_part")),
+        rotation_deg=Statistics.of(absolute_errors(ours, true, "angle_deg")),
+        tilt_deg=Statistics.of(np.rad2deg(tilt_rad(ours, true))),
+        log_scale=None if matched.log_scale is None else Statistics.of(np.abs(matched.log_scale)),
         rpe_trans_m=trans,
         rpe_rot_deg=rot,
         rpe_length_m=rpe_length_m,
@@ -230,25 +285,63 @@ def evaluate(
             lambda: degrees(rotation_overshoot_rad(aligned, reference))
         ),
         gimbal=_if_observable(lambda: gimbal_index(aligned, reference)),
+        rpe_delta=delta,
+        relations=_by_relation(ours, true, relations, others),
+        drift=_drift(ours, true, drift_lengths_m),
     )
 
 
-def _log_scale(
-    estimate: Trajectory, reference: Trajectory, pairs: Pairs, scale: float
-) -> Statistics | None:
-    if isinstance(estimate.poses, Motor) and isinstance(reference.poses, Motor):
-        return None
-    ours = log_scales(estimate.poses)[pairs.estimate_index] + np.log(scale)
-    return Statistics.of(np.abs(ours - log_scales(reference.poses)[pairs.reference_index]))
-
-
 def _relative(
-    errors: Callable[[], tuple[FloatArray, FloatArray]], pairs: int
-) -> tuple[Statistics | None, Statistics | None]:
-    found = _if_observable(errors) if pairs > 1 else None
+    ours: Motor, true: Motor, delta: Delta, relations: Sequence[Relation] = ()
+) -> list[Statistics | None]:
+    wanted: tuple[Relation, ...] = ("trans_part", "angle_deg", *relations)
+    found = _if_observable(lambda: relative_errors(ours, true, delta, wanted))
     if found is None:
-        return None, None
-    return Statistics.of(found[0]), Statistics.of(np.rad2deg(found[1]))
+        return [None] * len(wanted)
+    return [Statistics.of(errors) if errors.size else None for errors in found]
+
+
+def _delta_of_length(length_m: float) -> Delta:
+    if not 0.0 < length_m < np.inf:
+        raise ValueError(f"rpe_length_m: expected above 0, got {length_m}")
+    return Delta(length_m, "m")
+
+
+def _by_relation(
+    ours: Motor, true: Motor, relations: Sequence[Relation], relative: list[Statistics | None]
+) -> tuple[tuple[str, str, Statistics | None], ...]:
+    found: list[tuple[str, str, Statistics | None]] = []
+    for relation in relations:
+        if relation != "point_distance_error_ratio":
+            name, unit = _RELATION_NAMES[relation]
+            errors = absolute_errors(ours, true, relation)
+            found.append((f"ape_{name}", unit, Statistics.of(errors)))
+    for relation, summary in zip(relations, relative, strict=True):
+        name, unit = _RELATION_NAMES[relation]
+        found.append((f"rpe_{name}", unit, summary))
+    return tuple(found)
+
+
+def _drift(ours: Motor, true: Motor, lengths_m: Sequence[float]) -> tuple[Drift, ...] | None:
+    if not lengths_m:
+        return None
+    return _if_observable(lambda: drift_by_length(ours, true, lengths_m)) or ()
+
+
+def _flat_drift(drift: Sequence[Drift]) -> dict[str, float | int | str | None]:
+    """KITTI's figures by length, and their mean over all sub-sequences as its table has them."""
+    flat: dict[str, float | int | str | None] = {}
+    count = sum(one.count for one in drift)
+    flat["drift_subsequences"] = count
+    for key, factor, field in (
+        ("translation_percent", 100.0, "translation"),
+        ("rotation_deg_100m", 100.0 * degrees(1.0), "rotation_rad_m"),
+    ):
+        each = {one.length_m: factor * float(getattr(one, field)) for one in drift}
+        whole = sum(one.count * each[one.length_m] for one in drift)
+        flat[f"drift_{key}"] = whole / count if count else None
+        flat |= {f"drift_{length:g}m_{key}": value for length, value in each.items()}
+    return flat
 
 
 def _cutoff_hz(wanted_hz: float, estimate: Trajectory) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.metrics import (
+    Delta,
     absolute_translation_m,
     angular_rate_lag_s,
     drift_by_length,
@@ -19,7 +20,7 @@ from motorcade.fusion.metrics import (
     log_scales,
     position_lag_s,
     position_overshoot_m,
-    relative_errors_by_length,
+    relative_errors,
     rotation_overshoot_rad,
     rotation_rad,
     tilt_rad,
@@ -32,7 +33,7 @@ from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 ZERO = {
     "ape": lambda e, t: absolute_translation_m(e.motors, t.motors).max(),
     "rotation": lambda e, t: rotation_rad(e.motors, t.motors).max(),
-    "rpe_by_length": lambda e, t: np.max(relative_errors_by_length(e.motors, t.motors, 0.5)),
+    "rpe_by_length": lambda e, t: np.max(relative_errors(e.motors, t.motors, Delta(0.5, "m"))),
     "drift": lambda e, t: drift_by_length(e.motors, t.motors, (0.5,))[0].translation,
     "linear_jitter": lambda e, t: jitter(e, t).linear_m_s2,
     "angular_jitter": lambda e, t: jitter(e, t).angular_rad_s2,

@@ -102,7 +102,9 @@ def test_three_points_align_and_a_nearly_straight_path_does_too(rng):
     np.testing.assert_allclose(found.rotor.as_matrix(), turn.as_matrix(), atol=1e-5)
     for across in (1e-9, 0.0):
         line = slim * [1e3, across, 0.0]
-        with pytest.raises(ValueError, match=r"lie on one line, got singular .*use align='none'"):
+        with pytest.raises(
+            ValueError, match=r"lie on one line, got singular .*use align='origin' or 'none'"
+        ):
             align(pairs_of(line, line), with_scale=False)
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.metrics import (
+    Delta,
     NotObservableError,
     drift_by_length,
     evaluate,
     relative_errors,
-    relative_errors_by_length,
 )
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
@@ -35,7 +35,7 @@ def test_errors_by_length_are_evos(pair, length_m):
         return PoseTrajectory3D(position_m, wxyz, timestamps=trajectory.time_s)
 
     estimate, truth = pair
-    metres, radians = relative_errors_by_length(estimate.motors, truth.motors, length_m)
+    metres, radians = relative_errors(estimate.motors, truth.motors, Delta(length_m, "m"))
     for ours, relation in [
         (metres, evo_metrics.PoseRelation.translation_part),
         (np.rad2deg(radians), evo_metrics.PoseRelation.rotation_angle_deg),
@@ -91,7 +91,7 @@ def test_a_wrong_scale_drifts_by_its_excess():
 
 def test_evaluate_reports_the_length_it_was_given(pair):
     found = evaluate(*pair, rpe_length_m=3.0)
-    metres, radians = relative_errors_by_length(pair[0].motors, pair[1].motors, 3.0)
+    metres, radians = relative_errors(pair[0].motors, pair[1].motors, Delta(3.0, "m"))
     flat = found.as_dict()
     assert flat["rpe_length_m"] == 3.0
     assert flat["rpe_by_length_trans_max_m"] == pytest.approx(metres.max())
@@ -113,10 +113,10 @@ def test_lengths_and_starts_are_kittis_unless_said_otherwise():
 @pytest.mark.parametrize("bad", [-1.0, 0.0, np.inf, np.nan])
 def test_lengths_are_numbers_above_zero(pair, bad):
     for refused in (
-        lambda: relative_errors_by_length(pair[0].motors, pair[1].motors, bad),
+        lambda: relative_errors(pair[0].motors, pair[1].motors, Delta(bad, "m")),
         lambda: drift_by_length(pair[0].motors, pair[1].motors, (bad,)),
     ):
-        with pytest.raises(ValueError, match="length_m: expected above 0, got"):
+        with pytest.raises(ValueError, match=r"(length_m|delta): expected above 0"):
             refused()
 
 
@@ -125,28 +125,28 @@ def test_a_stretch_ends_when_its_length_is_reached():
     along = np.arange(6.0)[:, None] * [0.0, 1.0, 0.0]
     truth = Motor.from_rotor_translation(Rotor.identity((6,)), along)
     estimate = Motor.from_rotor_translation(Rotor.identity((6,)), along * 1.5)
-    metres, radians = relative_errors_by_length(estimate, truth, 2.0)
+    metres, radians = relative_errors(estimate, truth, Delta(2.0, "m"))
     np.testing.assert_allclose(metres, [1.0, 1.0], atol=1e-12)
     np.testing.assert_allclose(radians, [0.0, 0.0], atol=1e-12)
-    with pytest.raises(NotObservableError, match="a path of 6 m or more, got 5 m"):
-        relative_errors_by_length(estimate, truth, 6.0)
+    with pytest.raises(NotObservableError, match="poses 6 m apart, got none among 6"):
+        relative_errors(estimate, truth, Delta(6.0, "m"))
     with pytest.raises(NotObservableError, match=r"one of \(6.0, 7.0\) m, got 5 m"):
         drift_by_length(estimate, truth, (6.0, 7.0))
 
 
 def test_short_lengths_are_steps(pair):
     steps = relative_errors(pair[0].motors, pair[1].motors)
-    short = relative_errors_by_length(pair[0].motors, pair[1].motors, 1e-6)
+    short = relative_errors(pair[0].motors, pair[1].motors, Delta(1e-6, "m"))
     for one, other in zip(steps, short, strict=True):
         np.testing.assert_array_equal(one, other)
 
 
 def test_refusals(pair):
     motors = pair[0].motors
-    with pytest.raises(ValueError, match="length_m: expected above 0, got 0"):
-        relative_errors_by_length(motors, motors, 0.0)
-    with pytest.raises(NotObservableError, match="a path of 1000 m or more"):
-        relative_errors_by_length(motors, motors, 1000.0)
+    with pytest.raises(ValueError, match="delta: expected above 0 m, got 0"):
+        relative_errors(motors, motors, Delta(0.0, "m"))
+    with pytest.raises(NotObservableError, match="poses 1000 m apart, got none"):
+        relative_errors(motors, motors, Delta(1000.0, "m"))
     with pytest.raises(NotObservableError, match="a path longer than one of"):
         drift_by_length(motors, motors)
     with pytest.raises(ValueError, match="every: expected 1 or more, got 0"):

@@ -1,0 +1,1 @@
+"""Errors of poses against ground truth: pairs, alignment, projection, absolute and relative."""

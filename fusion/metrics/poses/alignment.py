@@ -1,0 +1,147 @@
+"""Bring an estimate into its reference's world: by positions, by scale, or by the first pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from motorcade.fusion.metrics.poses.association import Pairs
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
+
+Align = Literal["none", "se3", "sim3", "scale", "origin", "scaled_origin"]
+
+_FITTED: tuple[Align, ...] = ("se3", "sim3", "scale", "scaled_origin")
+# Ratio of variances across and along a path, below which it is a line with rounding errors.
+_STRAIGHT = 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """``x_reference = scale * rotor(x_estimate) + translation_m``.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.metrics import Alignment, alignment_of, associate
+        >>> from motorcade.ga import Motor
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=2.0)
+        >>> map_T_world = Motor.from_euler_translation([0.0, 0.0, 0.5], [1.0, 2.0, 0.0])
+        >>> pairs = associate(true.transformed_by(map_T_world), true)
+        >>> found = alignment_of(pairs, "se3")
+        >>> isinstance(found, Alignment), found.rotor.as_rotation_vector().round(6) + 0.0
+        (True, array([ 0. ,  0. , -0.5]))
+    """
+
+    rotor: Rotor
+    translation_m: FloatArray
+    scale: float
+
+    @classmethod
+    def identity(cls) -> Alignment:
+        """Leave everything where it is."""
+        return cls(Rotor.identity(), np.zeros(3), 1.0)
+
+    def apply(self, poses: Motor) -> Motor:
+        """Move poses into the reference's world; orientations turn, positions also scale."""
+        positions = self.scale * self.rotor.apply(poses.translation_m) + self.translation_m
+        return Motor.from_rotor_translation(self.rotor @ poses.rotor, positions)
+
+    def apply_to(self, trajectory: Trajectory) -> Trajectory:
+        """The whole trajectory in the reference's world."""
+        aligned = self.apply(trajectory.motors)
+        return Trajectory(trajectory.time_ns, aligned, trajectory.parent, trajectory.child)
+
+
+def align(pairs: Pairs, with_scale: bool) -> Alignment:
+    """Least-squares rotation, translation and (on request) scale of the estimate's positions.
+
+    S. Umeyama, Least-squares estimation of transformation parameters between two point patterns,
+    IEEE PAMI 13(4), 1991. Orientations play no part.
+
+    Raises:
+        ValueError: fewer than three pairs, or positions on one line, which leave a turn free.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.metrics import absolute_translation_m, align, associate
+        >>> from motorcade.ga import Motor
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=2.0)
+        >>> map_T_world = Motor.from_euler_translation([0.0, 0.0, 0.5], [1.0, 2.0, 0.0])
+        >>> pairs = associate(true.transformed_by(map_T_world), true)
+        >>> found = align(pairs, with_scale=False)
+        >>> bool(absolute_translation_m(found.apply(pairs.estimate), pairs.reference).max() < 1e-9)
+        True
+    """
+    if len(pairs) < 3:
+        raise ValueError(f"alignment: expected 3 or more pairs, got {len(pairs)}")
+    source, target = pairs.estimate.translation_m, pairs.reference.translation_m
+    source_mean, target_mean = source.mean(axis=0), target.mean(axis=0)
+    covariance = (target - target_mean).T @ (source - source_mean) / len(pairs)
+    left, singular, right = np.linalg.svd(covariance)
+    if singular[1] <= max(np.finfo(np.float64).eps, _STRAIGHT * singular[0]):
+        raise ValueError(
+            "alignment: expected positions that do not lie on one line, got singular values "
+            f"{singular.tolist()} of their covariance; use align='origin' or 'none'"
+        )
+    signs = np.ones(3)
+    if np.linalg.det(left) * np.linalg.det(right) < 0.0:
+        signs[2] = -1.0
+    rotation = (left * signs) @ right
+    spread = float(np.mean(np.sum((source - source_mean) ** 2, axis=1)))
+    scale = float(singular @ signs) / spread if with_scale else 1.0
+    translation = target_mean - scale * rotation @ source_mean
+    return Alignment(Rotor.from_matrix(rotation), translation, scale)
+
+
+def alignment_of(pairs: Pairs, how: Align, n_to_align: int | None = None) -> Alignment:
+    """The alignment with a name.
+
+    "none" leaves the estimate where it is. "se3" and "sim3" fit its positions, without and with
+    their scale; see `align`. "scale" takes the scale of that fit alone. "origin" moves the whole
+    estimate rigidly until the first pair agrees; "scaled_origin" does so after "scale".
+
+    Args:
+        pairs: poses that belong together.
+        how: the name.
+        n_to_align: how many pairs, counted from the first, the fit sees (all); a start that was
+            fitted shows drift that a fit over the whole path hides.
+
+    Raises:
+        ValueError: another name, pairs that cannot be aligned, `n_to_align` below three, or where
+            nothing is fitted.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.fusion.metrics import absolute_translation_m, alignment_of, associate
+        >>> from motorcade.ga import Motor
+        >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=2.0)
+        >>> map_T_world = Motor.from_euler_translation([0.0, 0.0, 0.5], [1.0, 2.0, 0.0])
+        >>> pairs = associate(true.transformed_by(map_T_world), true)
+        >>> for how in ("none", "origin", "se3"):
+        ...     found = alignment_of(pairs, how).apply(pairs.estimate)
+        ...     print(how, bool(absolute_translation_m(found, pairs.reference).max() < 1e-9))
+        none False
+        origin True
+        se3 True
+    """
+    if how not in get_args(Align):
+        raise ValueError(f"align: expected one of {', '.join(get_args(Align))}, got {how!r}")
+    if n_to_align is not None:
+        if how not in _FITTED:
+            raise ValueError(f"n_to_align: only {', '.join(_FITTED)} are fitted, got align={how!r}")
+        if n_to_align < 3:
+            raise ValueError(f"n_to_align: expected 3 or more pairs, got {n_to_align}")
+        pairs = pairs.first(n_to_align)
+    if how in ("se3", "sim3"):
+        return align(pairs, with_scale=how == "sim3")
+    scale = align(pairs, with_scale=True).scale if how in ("scale", "scaled_origin") else 1.0
+    if how in ("none", "scale"):
+        return Alignment(Rotor.identity(), np.zeros(3), scale)
+    ours, true = pairs.estimate[0], pairs.reference[0]
+    turn = true.rotor @ ours.rotor.inverse()
+    return Alignment(turn, true.translation_m - scale * turn.apply(ours.translation_m), scale)
