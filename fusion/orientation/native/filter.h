@@ -7,7 +7,8 @@
 // The errors are eleven: a turn of the world's axes (rad), gyro bias (rad/s), horizontal velocity
 // (m/s), scale of the gyro. Gravity is told from acceleration by the velocity, which stays bounded:
 // an Ornstein-Uhlenbeck process v' = -v / T + w. Its step over an interval, which the accelerometer
-// gives but for the tilt, must come from -v / T and w. At rest velocity is 0 and the rate is bias.
+// gives but for the tilt, must come from -v / T and w; how large w is, the readings tell (speed.h).
+// At rest velocity is 0 and the rate is bias.
 
 #pragma once
 
@@ -17,6 +18,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "speed.h"
 #include "vectors.h"
 #include "versors.h"
 
@@ -31,7 +33,7 @@ struct Settings {
     double gyro_density, gyro_walk, accel_density;  // rad/s/√Hz, rad/s²/√Hz, m/s²/√Hz
     double gyro_scale, gyro_wander;  // deviation of the scale; error per turned √(rad rad/s)
     double first_bias, first_tilt;   // deviations, rad/s and rad
-    double speed, speed_time;        // deviation (m/s) and T (s) of the velocity
+    double speed, speed_time;        // least deviation (m/s) and T (s) of the velocity
     double gravity, interval;        // m/s²; s from correction to correction
     double rest_rate, rest_force, rest_after;  // rad/s, m/s², s
     bool averaged;                             // readings are means over the interval before them
@@ -45,11 +47,9 @@ inline constexpr double GAP_RATE = 0.5;
 inline constexpr double REST_SPEED = 0.01;
 // Time over which rest compares readings with their average.
 inline constexpr double REST_AVERAGE_S = 0.5;
-// A rate in rest beyond this many deviations of the bias, of its own scatter and of what may still
-// turn at rest (0.1°/s) is a slow turn.
-inline constexpr double REST_GATE = 4.0, REST_RATE = 1.75e-3;
-
-inline double square(double x) { return x * x; }
+// A mean rate in rest beyond this many deviations of the bias, of its own scatter and of what may
+// still turn at rest (0.1°/s) is a slow turn; a single rate may lie somewhat farther out by chance.
+inline constexpr double REST_GATE = 4.0, REST_GATE_ONCE = 6.0, REST_RATE = 1.75e-3;
 
 // Which error a measurement reads. Two of acceleration while moving; at rest two of velocity, three
 // of bias.
@@ -78,7 +78,8 @@ struct Node {
 
 class Filter {
 public:
-    explicit Filter(const Settings &settings) : set_(settings) {
+    explicit Filter(const Settings &settings)
+        : set_(settings), speed_(settings.speed, settings.speed_time, settings.gravity) {
         for (std::size_t i = 0; i < 2; ++i)
             covariance_[TURN + i][TURN + i] = square(set_.first_tilt);
         for (std::size_t i = 0; i < 2; ++i)
@@ -157,6 +158,7 @@ public:
         }
         watch_rest();
         predict();
+        speed_.watch(impulse_, elapsed_, gap_, covariance_[0][0] + covariance_[1][1]);
         State added{};
         at_rest() ? measure_rest(added, node) : measure_motion(added, node);
         if (node) {
@@ -215,14 +217,16 @@ private:
             mean_force_[i] += blend * (force - mean_force_[i]);
             rates += square(rate - mean_rate_[i]);
             forces += square(force - mean_force_[i]);
+            const double known = covariance_[BIAS + i][BIAS + i] + square(REST_RATE);
+            beyond = std::max(beyond, square((rate - bias_[i]) * REST_GATE / REST_GATE_ONCE) /
+                                          (known + scatter_[i]));
             // By differences of neighbours, in which a turn that begins counts once.
             scatter_[i] =
                 blend == 1.0
                     ? 0.0
                     : scatter_[i] + blend * (0.5 * square(rate - before_rate_[i]) - scatter_[i]);
             before_rate_[i] = rate;
-            const double spread = covariance_[BIAS + i][BIAS + i] + square(REST_RATE) + scatter_[i];
-            beyond = std::max(beyond, square(mean_rate_[i] - bias_[i]) / spread);
+            beyond = std::max(beyond, square(mean_rate_[i] - bias_[i]) / (known + scatter_[i]));
         }
         const bool quiet = !gap_ && rates < square(set_.rest_rate) &&
                            forces < square(set_.rest_force) && beyond < square(REST_GATE);
@@ -262,7 +266,7 @@ private:
             p[TURN + i][TURN + i] += turn;
             p[BIAS + i][BIAS + i] += square(set_.gyro_walk) * elapsed_;
         }
-        const double velocity = gap_ ? square(set_.speed) : square(set_.accel_density) * elapsed_;
+        const double velocity = gap_ ? speed_.variance() : square(set_.accel_density) * elapsed_;
         for (std::size_t i = 0; i < 2; ++i) p[VELOCITY + i][VELOCITY + i] += velocity;
         if (gap_) velocity_ = {};
     }
@@ -270,7 +274,7 @@ private:
     void measure_motion(State &added, Node *node) {
         const double kept = std::exp(-elapsed_ / set_.speed_time);
         const double noise =
-            square(set_.accel_density) * elapsed_ + square(set_.speed) * (1.0 - kept * kept);
+            square(set_.accel_density) * elapsed_ + speed_.variance() * (1.0 - kept * kept);
         for (std::uint8_t axis = 0; axis < 2; ++axis)
             measure(Kind::acceleration, axis, -((1.0 - kept) * velocity_[axis] + impulse_[axis]),
                     noise, added, node);
@@ -328,6 +332,7 @@ private:
     }
 
     Settings set_;
+    Speed speed_;
     Four rotor_{1.0, 0.0, 0.0, 0.0};
     Three bias_{}, scale_{};
     std::array<double, 2> velocity_{};
