@@ -9,6 +9,21 @@ import pytest
 REPOSITORY = Path(__file__).resolve().parents[1]
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Run tests that share a module's fixture by one process, so that it is made once."""
+    for item in items:
+        made = getattr(item, "_fixtureinfo", None)
+        shared = {
+            definition.baseid
+            for definitions in (made.name2fixturedefs.values() if made else ())
+            for definition in definitions
+            if definition.scope == "module"
+        }
+        if shared and item.get_closest_marker("xdist_group") is None:
+            item.add_marker(pytest.mark.xdist_group(item.nodeid.split("::")[0]))
+
+
 @pytest.fixture(scope="session")
 def data_dir() -> Path:
     """Folder of the real recordings; tests that ask for it skip where it is absent."""

@@ -120,10 +120,10 @@ sys.exit(main(sys.argv[2:]))
     "stage",
     [
         "board_poses",
-        *(pytest.param(stage, marks=pytest.mark.slow) for stage in ("camera_poses", "smoothed")),
-        "fused",
-        pytest.param("overlay", marks=pytest.mark.slow),
-        "report",
+        *(
+            pytest.param(stage, marks=pytest.mark.slow)
+            for stage in ("camera_poses", "smoothed", "fused", "overlay", "report")
+        ),
     ],
 )
 def test_a_run_killed_in_any_stage_resumes_to_the_same_bytes(
