@@ -1,4 +1,4 @@
-"""Trajectories as text: TUM, EuRoC and KITTI files, read and written without losing a digit.
+"""Trajectories as text: TUM, EuRoC and KITTI files, read and written without losing a digit; bags.
 
 =========  ==========================================================================  ===========
 format     one row                                                                     stamps
@@ -26,13 +26,14 @@ from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.errors import did_you_mean, refusal
 from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.readers.ros.naming import split_bag_name
 from motorcade.replays.readers.tables import Table, data_rows, in_order, read_table
 
 TrajectoryFormat = Literal["tum", "euroc", "kitti"]
 UNIT_TOLERANCE = 0.01
 # A similarity that differs by rounding from a rigid motion is one.
 _SCALE_TOLERANCE = 1e-12
-_REACH_M = 1e9
+REACH_M = 1e9
 _POSITION = ("tx", "ty", "tz")
 _QUATERNION = {"tum": ("qx", "qy", "qz", "qw"), "euroc": ("qw", "qx", "qy", "qz")}
 _MATRIX = tuple(f"m{row}{column}" for row in (1, 2, 3) for column in (1, 2, 3, 4))
@@ -53,18 +54,19 @@ def read_trajectory(
     *,
     rate_hz: float | None = None,
     times: Path | str | None = None,
-    parent: str = "world",
-    child: str = "camera",
+    parent: str | None = None,
+    child: str | None = None,
 ) -> Trajectory:
-    """Read a trajectory file.
+    """Read a trajectory file, or a trajectory of a ROS bag.
 
     Args:
-        path: the file, at most 1 GiB.
+        path: the file, at most 1 GiB; or a bag and what is read of it, ``flight.bag:/odom`` or
+            ``flight.mcap:map/base_link`` (see `readers.ros.trajectories`).
         fmt: its format; by default found from its first row of numbers.
         rate_hz: for KITTI files, poses per second; the first stamp is 0.
         times: for KITTI files instead, a file with one stamp in seconds a row.
-        parent: name of the frame that poses map to.
-        child: name of the frame that moves.
+        parent: name of the frame that poses map to; by default world, or what a bag calls it.
+        child: name of the frame that moves; by default camera, or what a bag calls it.
 
     Raises:
         RecordingError: missing file, no rows, wrong count of columns, NaN, decreasing stamps,
@@ -72,12 +74,17 @@ def read_trajectory(
             equal stamps the first is kept, and the log names the others.
         ValueError: KITTI without `rate_hz` or `times`, or with both, or another format with one.
     """
-    file = Path(path)
+    file, named = Path(path), split_bag_name(path) if fmt is None else None
+    if named is not None:
+        from motorcade.replays.readers.ros.trajectories import read_bag_trajectory
+
+        _refuse_stamps(file, "a bag", rate_hz, times)
+        return read_bag_trajectory(*named, parent, child)
     fmt = trajectory_format(file) if fmt is None else _known(fmt)
+    parent, child = parent or "world", child or "camera"
     if fmt == "kitti":
         return _read_kitti(file, rate_hz, times, parent, child)
-    if rate_hz is not None or times is not None:
-        raise ValueError(f"rate_hz, times: only KITTI files lack stamps; {file} is read as {fmt}")
+    _refuse_stamps(file, fmt, rate_hz, times)
     separator, unit = (b",", "ns") if fmt == "euroc" else (None, "s")
     table = read_table(
         file,
@@ -217,6 +224,15 @@ def matrix_poses(table: Table, rotation: FloatArray, translation_m: FloatArray) 
     return Motor.from_rotor_translation(Rotor.from_matrix(nearest), translation_m)
 
 
+def _refuse_stamps(
+    path: Path, read_as: str, rate_hz: float | None, times: Path | str | None
+) -> None:
+    if rate_hz is not None or times is not None:
+        raise ValueError(
+            f"rate_hz, times: only KITTI files lack stamps; {path} is read as {read_as}"
+        )
+
+
 def _read_kitti(
     path: Path, rate_hz: float | None, times: Path | str | None, parent: str, child: str
 ) -> Trajectory:
@@ -253,7 +269,7 @@ def _refuse_rows(table: Table, bad: NDArray[np.bool_], amount: FloatArray, probl
 
 def _refuse_far(table: Table, translation_m: FloatArray) -> None:
     reach = np.abs(translation_m).max(axis=1)
-    _refuse_rows(table, reach > _REACH_M, reach, f"expected a position within {_REACH_M:g} m, got")
+    _refuse_rows(table, reach > REACH_M, reach, f"expected a position within {REACH_M:g} m, got")
 
 
 def _rigid(trajectory: Trajectory, path: Path) -> Motor:

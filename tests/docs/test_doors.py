@@ -42,9 +42,9 @@ ALLOWED = {
     ("replays/files/atomic.py", "(place / 'content').open"): "what was just written",
     ("replays/readers/ros/admission.py", "sqlite3.connect"): "admitted",
     ("replays/readers/ros/bag.py", "Reader"): "admitted",
-    ("replays/readers/ros/frames.py", "Reader1"): "admitted",
-    ("replays/readers/ros/frames.py", "Reader2"): "admitted",
-    ("replays/readers/ros/frames.py", "self._reader.open"): "admitted",
+    ("replays/readers/ros/reader.py", "Reader1"): "admitted",
+    ("replays/readers/ros/reader.py", "Reader2"): "admitted",
+    ("replays/readers/ros/reader.py", "self._reader.open"): "admitted",
     ("replays/results.py", "pages.summary.read_text"): "a cached result, found whole",
     ("replays/synthetic_room/materials.py", "imread"): "pictures of scikit-image's",
 }

@@ -9,33 +9,16 @@ from __future__ import annotations
 import bz2
 import tempfile
 from collections.abc import Iterator, Sequence
-from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from motorcade.replays.errors import RecordingError, one_line, refusal
 from motorcade.replays.files.door import admit_file, read_bounded
-
-if TYPE_CHECKING:
-    from rosbags.typesys.store import Typestore
+from motorcade.replays.readers.ros.definitions import message_types
 
 PACKED_LIMIT = 2**26
 BAG_LIMIT = 2**28
 _MESSAGE_LIMIT = 200_000
-_APRILTAG = """
-int32 id
-string family
-int32 hamming
-int32 border
-int32 bits
-geometry_msgs/Point center
-geometry_msgs/Point[4] corners
-"""
-_DEFINITIONS = {
-    "apriltag_msgs/msg/Apriltag": _APRILTAG,
-    "apriltag_msgs/msg/ApriltagArrayStamped": "std_msgs/Header header\nApriltag[] apriltags\n",
-    "tf/msg/tfMessage": "geometry_msgs/TransformStamped[] transforms\n",
-}
 
 
 def read_bag(path: Path, types: Sequence[str]) -> Iterator[tuple[str, str, Any]]:
@@ -52,7 +35,7 @@ def read_bag(path: Path, types: Sequence[str]) -> Iterator[tuple[str, str, Any]]
     """
     try:
         with tempfile.TemporaryDirectory() as folder:
-            yield from _messages(path, _plain(path, Path(folder)), types)
+            yield from _messages(path, plain_bag(path, Path(folder)), types)
     except (RecordingError, GeneratorExit):
         raise
     except Exception as fault:
@@ -61,8 +44,12 @@ def read_bag(path: Path, types: Sequence[str]) -> Iterator[tuple[str, str, Any]]
         raise refusal(path, problem) from fault
 
 
-def _plain(path: Path, folder: Path) -> Path:
-    """The bag itself, unpacked into `folder` where it is packed."""
+def plain_bag(path: Path, folder: Path) -> Path:
+    """The bag itself, unpacked into `folder` where it is packed with bzip2.
+
+    Raises:
+        RecordingError: missing, too large, packed or plain, or damaged.
+    """
     if path.suffix != ".bz2":
         admit_file(path, BAG_LIMIT)
         return path
@@ -84,7 +71,7 @@ def _plain(path: Path, folder: Path) -> Path:
 def _messages(path: Path, plain: Path, types: Sequence[str]) -> Iterator[tuple[str, str, Any]]:
     from rosbags.rosbag1.reader import Reader, decompressors
 
-    store = _types()
+    store = message_types(ros1=True)
     with Reader(plain) as bag:
         if any(chunk.decompressor is not decompressors["none"] for chunk in bag.chunks.values()):
             raise refusal(
@@ -103,18 +90,3 @@ def _messages(path: Path, plain: Path, types: Sequence[str]) -> Iterator[tuple[s
         for connection, _, raw in bag.messages(connections=wanted):
             message = store.deserialize_ros1(raw, connection.msgtype)
             yield connection.topic, connection.msgtype, message
-
-
-@cache
-def _types() -> Typestore:
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-    store = get_typestore(Stores.ROS1_NOETIC)
-    for name, text in _DEFINITIONS.items():
-        missing = {
-            key: value
-            for key, value in get_types_from_msg(text, name).items()
-            if key not in store.types
-        }
-        store.register(missing)
-    return store

@@ -1,38 +1,28 @@
-"""Bags of ROS 1 and ROS 2 opened without ROS, and their pictures as a frame sequence.
-
-What a message may cost is bounded, compressed ROS 2 storage files are refused, and only message
-types that are known here are taken apart.
-"""
+"""Pictures of a topic of a ROS 1 or ROS 2 bag as a frame sequence."""
 
 from __future__ import annotations
 
 import hashlib
 import threading
 import weakref
-from collections.abc import Iterator, Sequence
-from functools import cache, cached_property
+from collections.abc import Iterator
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
 
-from motorcade.replays.errors import RecordingError, one_line, refusal
+from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.files.door import open_bounded
 from motorcade.replays.readers.frames.decoded import DecodedFrames
 from motorcade.replays.readers.frames.files import FRAME_LIMIT
 from motorcade.replays.readers.frames.pictures import PIXEL_LIMIT, picture_size
-from motorcade.replays.readers.ros.admission import (
-    FILE_LIMIT,
-    admit_bag,
-    bound_chunks,
-    check_overlaps,
-)
+from motorcade.replays.readers.ros.admission import FILE_LIMIT
+from motorcade.replays.readers.ros.reader import Bag
 from motorcade.replays.recording import ImageArray
 
 if TYPE_CHECKING:
-    from rosbags.typesys.store import Typestore
-
     from motorcade.tracking.cameras.camera import Camera
 
 _RAW, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
@@ -47,98 +37,6 @@ _CHANNELS = {
     "bgra8": 4,
 }
 _TO_RGB = {"bgr8": [2, 1, 0], "8UC3": [2, 1, 0], "rgba8": [0, 1, 2], "bgra8": [2, 1, 0]}
-
-
-class Bag:
-    """An open bag; close it, or use it as a context manager.
-
-    Raises:
-        RecordingError: missing, damaged, or compressed as a whole.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self._ros1 = path.suffix.lower() == ".bag"
-        admit_bag(path)
-        bound_chunks()
-        try:
-            self._reader: Any = _reader(path, ros1=self._ros1)
-            self._reader.open()
-        except Exception as fault:  # the parsers' errors have no common base
-            raise self._refusal(fault) from fault
-        try:
-            self._check_names()
-            check_overlaps(self._reader)
-        except RecordingError:
-            self.close()
-            raise
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._reader.close()
-
-    def _check_names(self) -> None:
-        """Refuse topics that a description calls by numbers, as YAML reads them."""
-        for one in self._reader.connections:
-            for name in (one.topic, one.msgtype):
-                if not isinstance(name, str):
-                    problem = f"expected names of topics and types, got {one_line(name)}"
-                    raise refusal(self.path, problem)
-
-    def topics(self, types: Sequence[str]) -> list[str]:
-        """Names of topics of these types that hold messages, sorted."""
-        found = {one.topic for one in self._reader.connections if one.msgtype in types}
-        return sorted(found)
-
-    def messages(
-        self, topics: Sequence[str], types: Sequence[str], at_ns: int | None = None
-    ) -> Iterator[tuple[int, Any]]:
-        """Header stamps and messages; only those recorded at `at_ns` where it is given."""
-        for _, stamp, message in self.recorded(topics, types, at_ns):
-            yield stamp, message
-
-    def recorded(
-        self, topics: Sequence[str], types: Sequence[str], at_ns: int | None = None
-    ) -> Iterator[tuple[int, int, Any]]:
-        """As `messages`, each with the time it was recorded at before.
-
-        Raises:
-            RecordingError: damaged, or a type defined otherwise than usual.
-        """
-        wanted = [
-            one for one in self._reader.connections if one.topic in topics and one.msgtype in types
-        ]
-        if not wanted:
-            return
-        store = _types(self._ros1)
-        for one in wanted:
-            if self._ros1 and one.digest != store.generate_msgdef(one.msgtype, ros_version=1)[1]:
-                problem = f"expected the usual {one.msgtype}, got another definition"
-                raise refusal(self.path, problem, field=one_line(one.topic))
-        span = {} if at_ns is None else {"start": at_ns, "stop": at_ns + 1}
-        take = store.deserialize_ros1 if self._ros1 else store.deserialize_cdr
-        try:
-            for connection, recorded_ns, raw in self._reader.messages(wanted, **span):
-                if connection.msgtype not in types:  # two connections of one number
-                    problem = f"expected {' or '.join(types)}, got {one_line(connection.msgtype)}"
-                    raise refusal(self.path, problem, field=one_line(connection.topic))
-                message: Any = take(raw, connection.msgtype)
-                stamp = message.header.stamp
-                yield recorded_ns, int(stamp.sec) * 10**9 + int(stamp.nanosec), message
-        except (RecordingError, GeneratorExit):
-            raise
-        except Exception as fault:  # as above
-            raise self._refusal(fault) from fault
-
-    def _refusal(self, fault: Exception) -> RecordingError:
-        reason = one_line(str(fault) or type(fault).__name__, 120)
-        return refusal(self.path, f"expected a whole ROS bag: {reason}")
 
 
 class BagFrames(DecodedFrames):
@@ -258,20 +156,3 @@ def _compressed(message: Any, path: Path, field: str) -> ImageArray:
     if picture.ndim == 3:
         picture = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
     return np.asarray(picture, dtype=np.uint8)
-
-
-def _reader(path: Path, *, ros1: bool) -> Any:
-    if ros1:
-        from rosbags.rosbag1 import Reader as Reader1
-
-        return Reader1(path)
-    from rosbags.rosbag2 import Reader as Reader2
-
-    return Reader2(path)
-
-
-@cache
-def _types(ros1: bool) -> Typestore:
-    from rosbags.typesys import Stores, get_typestore
-
-    return get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)

@@ -21,7 +21,8 @@ from motorcade.replays.errors import RecordingError, one_line, refusal
 from motorcade.replays.files.imu import read_noise
 from motorcade.replays.readers import kalibr
 from motorcade.replays.readers.calibration import make_camera, yaml_model
-from motorcade.replays.readers.ros.frames import IMAGE_TYPES, Bag, BagFrames
+from motorcade.replays.readers.ros.frames import IMAGE_TYPES, BagFrames
+from motorcade.replays.readers.ros.reader import Bag
 from motorcade.replays.recording import Recording
 from motorcade.tracking.cameras.camera import Camera
 

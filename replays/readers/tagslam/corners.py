@@ -20,6 +20,7 @@ from motorcade.ga import Motor, Rotor
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.readers.calibration import make_camera, read_yaml, yaml_floats
 from motorcade.replays.readers.ros.bag import read_bag
+from motorcade.replays.readers.ros.reader import header_stamp_ns
 from motorcade.replays.readers.tagslam.bodies import MarkerSides, read_marker_sides
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
@@ -77,7 +78,7 @@ def read(root: Path) -> TagSlamRecording:
         if count > _MOST_A_FRAME or total > _MOST_TAGS:
             problem = f"expected at most {_MOST_A_FRAME} tags a frame and {_MOST_TAGS} in all"
             raise refusal(path, problem, field=one_line(topic))
-        frames[topics[topic]].append((stamp_ns(message), message.apriltags))
+        frames[topics[topic]].append((header_stamp_ns(message), message.apriltags))
     streams = {}
     for name, (camera, topic) in cameras.items():
         if not frames[name]:
@@ -102,12 +103,6 @@ def bag_file(root: Path, name: str) -> Path:
         if path.is_file():
             return path
     raise refusal(root, f"expected {name}.bag or {name}.bag.bz2, got neither")
-
-
-def stamp_ns(message: Any) -> int:
-    """The stamp of a message with a header."""
-    stamp = message.header.stamp
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
 def _stream(

@@ -18,7 +18,8 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.readers.ros.bag import read_bag
-from motorcade.replays.readers.tagslam.corners import bag_file, stamp_ns
+from motorcade.replays.readers.ros.reader import header_stamp_ns
+from motorcade.replays.readers.tagslam.corners import bag_file
 
 _ODOMETRY = "nav_msgs/msg/Odometry"
 _TRANSFORMS = "tf/msg/tfMessage"
@@ -72,14 +73,14 @@ def read_reference(root: Path) -> TagSlamReference:
     for _, kind, message in read_bag(path, (_ODOMETRY, _TRANSFORMS)):
         if kind == _ODOMETRY:
             pose = message.pose.pose
-            poses[stamp_ns(message)] = _motor(path, pose.position, pose.orientation)
+            poses[header_stamp_ns(message)] = _motor(path, pose.position, pose.orientation)
             child = str(message.child_frame_id) or "rig"
             continue
         if len(message.transforms) > _MOST_TRANSFORMS:
             raise refusal(path, f"expected at most {_MOST_TRANSFORMS} transforms a message")
         for one in message.transforms:
             there = _motor(path, one.transform.translation, one.transform.rotation)
-            tree = trees.setdefault(stamp_ns(one), {})
+            tree = trees.setdefault(header_stamp_ns(one), {})
             tree[str(one.child_frame_id)] = (str(one.header.frame_id), there)
     stamps = sorted(poses)
     if not stamps:
@@ -103,7 +104,7 @@ def read_odometry(root: Path) -> Trajectory | None:
     for _, kind, message in read_bag(path, (_ODOMETRY, "apriltag_msgs/msg/ApriltagArrayStamped")):
         if kind == _ODOMETRY:
             pose = message.pose.pose
-            poses[stamp_ns(message)] = _motor(path, pose.position, pose.orientation)
+            poses[header_stamp_ns(message)] = _motor(path, pose.position, pose.orientation)
             frames = {str(message.child_frame_id)}
     if not poses:
         return None

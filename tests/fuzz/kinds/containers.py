@@ -18,7 +18,9 @@ from typing import Any
 
 import numpy as np
 
+from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers import gpmf
+from motorcade.replays.readers.ros.trajectories import list_bag_trajectories
 from tests.fuzz.containers import (
     Record,
     changed,
@@ -34,6 +36,7 @@ from tests.fuzz.mutations import mutated, one_of
 from tests.fuzz.runner import Feed
 from tests.replays import conftest as layouts
 from tests.replays.readers import test_gopro, test_ros_recordings
+from tests.replays.readers.bag_poses import Messages, write_messages
 
 __all__ = ["prepare"]
 
@@ -77,7 +80,8 @@ def prepare(folder: Path) -> Feed:
     made["video"].mkdir()
     video = layouts.video_file.__wrapped__(made["video"])
     telemetry = Record(b"", test_gopro.packet(np.ones((8, 3)), np.ones((8, 3))))
-    given = made["given"]
+    given, poses = made["given"], folder / "poses"
+    poses.mkdir()
     bags = split_bag(bag.read_bytes())
     files: list[tuple[Path, Record, Callable[[Record], bytes]]] = [
         (given / "a.bag", bags, join_bag),
@@ -85,6 +89,8 @@ def prepare(folder: Path) -> Feed:
         (given / "a.mcap", split_mcap(mcap.read_bytes()), join_mcap),
         (given / "a.mcap", split_mcap(mcap.read_bytes()), join_mcap),
         (given / "a.mp4", split_mp4(video.read_bytes()), join_mp4),
+        (given / "poses.bag", split_bag(_poses(poses, "bag").read_bytes()), join_bag),
+        (given / "poses.mcap", split_mcap(_poses(poses, "mcap").read_bytes()), join_mcap),
     ]
 
     def feed(rng: np.random.Generator) -> str:
@@ -101,9 +107,33 @@ def prepare(folder: Path) -> Feed:
         if path.suffix == ".bag" and rng.random() < 0.02:
             data = _packed(bags, rng)
         path.write_bytes(data)
-        return ended(opened, path)
+        return ended(_trajectories if path.stem == "poses" else opened, path)
 
     return feed
+
+
+def _poses(folder: Path, kind: str) -> Path:
+    """A bag of odometry, and of two frames upon each other."""
+    made, sent = Messages(ros1=kind == "bag"), list[tuple[str, int, Any]]()
+    row = np.array([1.0, 2.0, 3.0, 0.5, 0.5, 0.5, 0.5])
+    for stamp in range(10**9, 10**10, 10**9):
+        odometry = made.pose("nav_msgs/msg/Odometry", stamp, row, ("odom", "base"))
+        links = [
+            made.pose("geometry_msgs/msg/TransformStamped", stamp, row, link)
+            for link in (("map", "odom"), ("odom", "base"))
+        ]
+        sent += [("/odom", stamp, odometry), ("/tf", stamp, made.transforms(*links))]
+    return write_messages(folder, kind, sent)
+
+
+def _trajectories(path: Path) -> None:
+    """Read all that a bag says it holds."""
+    found = list_bag_trajectories(path)
+    str(found)
+    for name in (*found.topics, "map/base", "base/map"):
+        poses = read_trajectory(f"{path}:{name}").poses
+        if not np.isfinite(poses.coefficients).all():
+            raise AssertionError(f"{name}: not finite")
 
 
 def _packed(bag: Record, rng: np.random.Generator) -> bytes:

@@ -14,6 +14,7 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers.ros import bag as ros_bag
+from motorcade.replays.readers.ros.definitions import message_types
 from motorcade.replays.readers.tagslam import corners as tagslam
 from motorcade.replays.readers.tagslam.bodies import read_marker_sides
 from motorcade.replays.readers.tagslam.reference import read_odometry, read_reference
@@ -63,7 +64,7 @@ def packed_bag(messages, corners=CORNERS) -> bytes:
     """A bag with one message a list of ids; stamps 1 s, 2 s, ..."""
     import tempfile
 
-    store = ros_bag._types()
+    store = message_types(ros1=True)
     types = store.types
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "new.bag"
