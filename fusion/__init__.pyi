@@ -1,6 +1,7 @@
 from . import filter as filter
 from . import graph as graph
 from . import imu as imu
+from . import measurements as measurements
 from . import metrics as metrics
 from . import motions as motions
 from . import orientation as orientation

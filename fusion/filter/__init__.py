@@ -3,12 +3,14 @@
 from motorcade.fusion.filter.fuse import Fused, fuse
 from motorcade.fusion.filter.pose_filter import FilterState, Innovation, PoseFilter
 from motorcade.fusion.filter.settings import FilterSettings, RestDetection
+from motorcade.fusion.filter.sourced import Judgement
 
 __all__ = [
     "FilterSettings",
     "FilterState",
     "Fused",
     "Innovation",
+    "Judgement",
     "PoseFilter",
     "RestDetection",
     "fuse",

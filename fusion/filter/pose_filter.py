@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from motorcade.fusion.filter.settings import FilterSettings, engine
+from motorcade.fusion.filter.sourced import KEEP, SOURCED, check_steps, prediction
 from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.measurements.interface import Measurements, checked_measurements
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 from motorcade.tracking.cameras.camera import Camera
 
-KINDS = {"camera_pose": 1, "imu_pose": 2, "position": 3, "velocity": 4, "corners": 5}
+KINDS = {"camera_pose": 1, "imu_pose": 2, "velocity": 3, "corners": 4}
 
 
 _ASYMMETRY = 1e-9
@@ -67,7 +69,8 @@ class Innovation:
 
     Fields:
         time_ns: the stamp that was given.
-        kind: camera_pose, imu_pose, position, velocity or corners.
+        kind: camera_pose, imu_pose, corners, velocity (at rest), or the name of another kind
+            (`motorcade.fusion.measurements`).
         nis: normalised innovation squared; NaN for the pose that the filter started from, and
             for corners behind the camera.
         freedom: its degrees of freedom.
@@ -110,6 +113,7 @@ class PoseFilter:
         time_offset_s: what is added to a camera's stamps to be the IMU's time.
         history_s: how late a measurement may come; memory is 56 bytes a sample and 4 kB a
             measurement of that time.
+        relative: keep an earlier pose too, for measurements that relate two moments.
 
     Raises:
         ValueError: a history or an offset that is out of range.
@@ -136,6 +140,7 @@ class PoseFilter:
         settings: FilterSettings | None = None,
         time_offset_s: float = 0.0,
         history_s: float = 2.0,
+        relative: bool = False,
     ) -> None:
         checked_positive(history_s, "history_s")
         if not np.isfinite(time_offset_s):
@@ -143,8 +148,10 @@ class PoseFilter:
         self._settings = settings or FilterSettings()
         self._has_camera = imu_T_camera is not None
         extrinsics = Motor.identity() if imu_T_camera is None else imu_T_camera
-        self._engine = engine(self._settings, noise, extrinsics, time_offset_s, history_s)
-        self._measured = 0
+        self._engine = engine(self._settings, noise, extrinsics, time_offset_s, history_s, relative)
+        self._relative, self._history_ns = relative, round(min(history_s, 1e9) * 1e9)
+        self._steps: list[tuple[int, int]] = []
+        self._names: list[str] = []
 
     def imu(self, time_ns: int, gyro: ArrayLike, accel: ArrayLike) -> None:
         """Take a sample of angular rate (rad/s) and specific force (m/s²), ``(3,)`` each.
@@ -211,23 +218,24 @@ class PoseFilter:
         checked_positive(sigma_px, "sigma_px")
         self._add("corners", time_ns, _corner_rows(pixels, points, camera, sigma_px).ravel())
 
-    def position(
-        self,
-        time_ns: int,
-        position_m: ArrayLike,
-        covariance: ArrayLike,
-        arm_m: ArrayLike = (0.0, 0.0, 0.0),
-    ) -> None:
-        """Take the place ``(3,)`` in the world of a point `arm_m` from the IMU, in its axes."""
-        place, arm = (
-            _three(value, name) for value, name in ((position_m, "position_m"), (arm_m, "arm_m"))
-        )
-        self._add("position", time_ns, np.concatenate([place, arm, _spread(covariance, 3)]))
+    def measure(self, given: Measurements) -> None:
+        """Take measurements of another kind (`motorcade.fusion.measurements`), one or several.
 
-    def velocity(self, time_ns: int, velocity_m_s: ArrayLike, covariance: ArrayLike) -> None:
-        """Take the velocity ``(3,)`` of the IMU in the world."""
-        row = np.concatenate([_three(velocity_m_s, "velocity_m_s"), _spread(covariance, 3)])
-        self._add("velocity", time_ns, row)
+        Raises:
+            ValueError: a kind that relates two moments where `relative` was not set, or whose
+                steps overlap.
+        """
+        checked_measurements(given)
+        if given.since_ns is not None:
+            self._keep_earlier(given)
+        if given.name not in self._names:
+            self._names.append(given.name)
+        number, predict = self._names.index(given.name), prediction(given)
+        for row, (time_ns, spread) in enumerate(
+            zip(given.time_ns.tolist(), given.covariance, strict=True)
+        ):
+            data = np.ascontiguousarray(spread, dtype=np.float64).ravel()
+            self._engine.add(SOURCED, time_ns, row, data, predict, number)
 
     @property
     def state(self) -> FilterState | None:
@@ -246,7 +254,7 @@ class PoseFilter:
             Rotor(gravity).apply(down),
             Motor.normalize(extrinsics),
             offset_s,
-            covariance,
+            covariance[: self._settings.error_size, : self._settings.error_size],
         )
 
     @property
@@ -254,11 +262,36 @@ class PoseFilter:
         """What became of the measurements that the history holds, by time."""
         names = {number: name for name, number in KINDS.items()}
         return tuple(
-            Innovation(time_ns, names[kind], nis, freedom, 1.0 / factor if factor > 0.0 else 0.0)
-            for (time_ns, _, kind, freedom), (nis, factor, _, _) in zip(
+            Innovation(
+                time_ns,
+                self._names[source] if kind == SOURCED else names[kind],
+                nis,
+                freedom,
+                1.0 / factor if factor > 0.0 else 0.0,
+            )
+            for (time_ns, _, kind, freedom, source), (nis, factor, _, _) in zip(
                 *(part.tolist() for part in self._engine.judged()), strict=True
             )
         )
+
+    def _keep_earlier(self, given: Measurements) -> None:
+        if not self._relative:
+            raise ValueError(
+                f"{given.name} measurements: expected a filter that keeps an earlier pose, got "
+                "another; give it relative=True"
+            )
+        assert given.since_ns is not None
+        steps = list(zip(given.since_ns.tolist(), given.time_ns.tolist(), strict=True))
+        newest = max((end for _, end in [*self._steps, *steps]), default=0)
+        recent = [one for one in self._steps if one[1] >= newest - self._history_ns]
+        both = np.array([*recent, *steps], dtype=np.int64).reshape(-1, 2)
+        check_steps([(both[:, 0], both[:, 1])])
+        kept = {start for start, _ in recent}
+        for start, _ in steps:
+            if start not in kept:
+                self._engine.add(KEEP, start, 0, np.zeros(0), None, -1)
+                kept.add(start)
+        self._steps = [*recent, *steps]
 
     def _check_extrinsics(self) -> None:
         if not self._has_camera:
@@ -268,21 +301,13 @@ class PoseFilter:
             )
 
     def _add(self, kind: str, time_ns: int, row: FloatArray) -> None:
-        self._engine.add(KINDS[kind], time_ns, self._measured, np.ascontiguousarray(row))
-        self._measured += 1
+        self._engine.add(KINDS[kind], time_ns, 0, np.ascontiguousarray(row), None, -1)
 
 
 def _one(pose: Motor) -> FloatArray:
     if pose.shape != ():
         raise ValueError(f"pose: expected one, got {pose.shape}")
     return pose.coefficients
-
-
-def _three(value: ArrayLike, name: str) -> FloatArray:
-    numbers = checked_floats(value, name, (3,))
-    if numbers.shape != (3,):
-        raise ValueError(f"{name}: expected three numbers, got shape {numbers.shape}")
-    return numbers
 
 
 def _spread(covariance: ArrayLike, size: int) -> NDArray[np.float64]:

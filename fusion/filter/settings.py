@@ -169,8 +169,12 @@ def engine(
     imu_T_camera: Motor,
     time_offset_s: float = 0.0,
     history_s: float | None = None,
+    keeps_earlier: bool = False,
 ) -> _filter.Engine:
-    """The compiled filter; without `history_s` it keeps all, for the backward pass."""
+    """The compiled filter; without `history_s` it keeps all, for the backward pass.
+
+    With `keeps_earlier` its error has six numbers more, for measurements that relate two moments.
+    """
     rest = settings.rest
     return _filter.engine(
         model=(
@@ -200,4 +204,5 @@ def engine(
         rest=(0.0,) * 5
         if rest is None
         else (rest.window_s, rest.rate_rad_s, rest.force_m_s2, rest.sigma_m_s, rest.period_s),
+        keeps_earlier=keeps_earlier,
     )

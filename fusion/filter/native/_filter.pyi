@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from typing import Any
 
 from numpy.typing import NDArray
@@ -7,8 +8,24 @@ class Engine:
     def samples(self, time_ns: NDArray[Any], gyro: NDArray[Any], accel: NDArray[Any]) -> None: ...
     def hold(self, time_ns: NDArray[Any], gyro: NDArray[Any], accel: NDArray[Any]) -> None: ...
     def play(self) -> None: ...
-    def add(self, kind: int, time_ns: int, number: int, data: NDArray[Any]) -> None: ...
-    def schedule(self, kind: int, time_ns: NDArray[Any], data: NDArray[Any]) -> None: ...
+    def add(
+        self,
+        kind: int,
+        time_ns: int,
+        number: int,
+        data: NDArray[Any],
+        predict: Callable[[int, NDArray[Any]], NDArray[Any]] | None,
+        source: int,
+    ) -> None: ...
+    def schedule(
+        self,
+        kind: int,
+        time_ns: NDArray[Any],
+        data: NDArray[Any],
+        numbers: NDArray[Any] | None,
+        predict: Callable[[int, NDArray[Any]], NDArray[Any]] | None,
+        source: int,
+    ) -> None: ...
     def outputs(
         self,
         time_ns: NDArray[Any],
@@ -38,6 +55,7 @@ def engine(
     imu_T_camera: tuple[float, ...],
     delay_s: float,
     rest: tuple[float, float, float, float, float],
+    keeps_earlier: bool,
 ) -> Engine: ...
 def increments(
     first: NDArray[Any],

@@ -327,5 +327,25 @@ MOTORCADE_CLONES void update_back(Matrix<24> &curvature, const Innovation<24> &g
 MOTORCADE_CLONES void shrink(Matrix<24> &p, const Matrix<24> &curvature) {
     shrunk<24>(p, curvature);
 }
+MOTORCADE_CLONES void propagate(Matrix<30> &p, const Transition &f, const Densities &q) {
+    propagated<30>(p, f, q);
+}
+MOTORCADE_CLONES void propagate_back(Matrix<30> &curvature, double *gradient, const Transition &f) {
+    propagated_back<30>(curvature, gradient, f);
+}
+MOTORCADE_CLONES bool weigh(const Matrix<30> &p, const Innovation<30> &given, double factor,
+                            Gain<30> &made) {
+    return weighed<30>(p, given, factor, made);
+}
+MOTORCADE_CLONES void update(Matrix<30> &p, const Innovation<30> &given, const Gain<30> &by) {
+    updated<30>(p, given, by);
+}
+MOTORCADE_CLONES void update_back(Matrix<30> &curvature, const Innovation<30> &given,
+                                  const Gain<30> &by) {
+    updated_back<30>(curvature, given, by);
+}
+MOTORCADE_CLONES void shrink(Matrix<30> &p, const Matrix<30> &curvature) {
+    shrunk<30>(p, curvature);
+}
 
 }  // namespace motorcade::filter

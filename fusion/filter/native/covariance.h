@@ -1,7 +1,8 @@
 // Covariances of the filter's error and how they move. An error has N numbers: turn, position,
 // velocity, gyroscope bias, accelerometer bias (three each) and, where N is 24, tilt of gravity
-// (2), error of the camera's pose on the IMU (6) and time offset (1). Matrices are symmetric; only
-// a history packs them. The transition over one interval of inertial data is sparse, and only its
+// (2), error of the camera's pose on the IMU (6) and time offset (1); where it is 30, also the pose
+// of an earlier moment (6), which relative measurements refer to. Matrices are symmetric; only a
+// history packs them. The transition over one interval of inertial data is sparse, and only its
 // blocks are multiplied: two thirds of a dense product fall away.
 
 #pragma once
@@ -20,7 +21,8 @@
 namespace motorcade::filter {
 
 constexpr std::size_t turn = 0, position = 3, velocity = 6, gyro = 9, accel = 12;
-constexpr std::size_t tilt = 15, extrinsics = 17, delay = 23;
+constexpr std::size_t tilt = 15, extrinsics = 17, delay = 23, earlier = 24;
+constexpr std::size_t most = 30;   // numbers in an error
 constexpr std::size_t widest = 8;  // numbers in one measurement
 
 // Blocks of 3x3 by rows, named as the generated `motorcade_transition` names them.
@@ -50,6 +52,7 @@ MOTORCADE_INLINE void add(double *__restrict to, double factor, const double *__
 // P becomes F P F' + Q; symmetric to the last bit where it was so.
 void propagate(Matrix<15> &p, const Transition &f, const Densities &q);
 void propagate(Matrix<24> &p, const Transition &f, const Densities &q);
+void propagate(Matrix<30> &p, const Transition &f, const Densities &q);
 
 // X becomes F X.
 void transform(Matrix<15> &x, const Transition &f);
@@ -57,6 +60,7 @@ void transform(Matrix<15> &x, const Transition &f);
 // Λ becomes F' Λ F and λ becomes F' λ.
 void propagate_back(Matrix<15> &curvature, double *gradient, const Transition &f);
 void propagate_back(Matrix<24> &curvature, double *gradient, const Transition &f);
+void propagate_back(Matrix<30> &curvature, double *gradient, const Transition &f);
 
 template <std::size_t N>
 MOTORCADE_INLINE void transpose(const double (*from)[Matrix<N>::width],
@@ -110,17 +114,21 @@ template <std::size_t N> struct Gain {
 // innovation's covariance is not positive definite.
 bool weigh(const Matrix<15> &p, const Innovation<15> &given, double factor, Gain<15> &made);
 bool weigh(const Matrix<24> &p, const Innovation<24> &given, double factor, Gain<24> &made);
+bool weigh(const Matrix<30> &p, const Innovation<30> &given, double factor, Gain<30> &made);
 
 // The covariance after a measurement, in Joseph's form.
 void update(Matrix<15> &p, const Innovation<15> &given, const Gain<15> &by);
 void update(Matrix<24> &p, const Innovation<24> &given, const Gain<24> &by);
+void update(Matrix<30> &p, const Innovation<30> &given, const Gain<30> &by);
 
 // Λ becomes (1 - K H)' Λ (1 - K H) + H' S⁻¹ H.
 void update_back(Matrix<15> &curvature, const Innovation<15> &given, const Gain<15> &by);
 void update_back(Matrix<24> &curvature, const Innovation<24> &given, const Gain<24> &by);
+void update_back(Matrix<30> &curvature, const Innovation<30> &given, const Gain<30> &by);
 
 // P becomes P - P Λ P.
 void shrink(Matrix<15> &p, const Matrix<15> &curvature);
 void shrink(Matrix<24> &p, const Matrix<24> &curvature);
+void shrink(Matrix<30> &p, const Matrix<30> &curvature);
 
 }  // namespace motorcade::filter

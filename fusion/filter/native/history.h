@@ -50,7 +50,8 @@ template <std::size_t N> void Timeline<N>::reopen() {
     double turned = 0.0, shifted = 0.0;
     for (std::size_t a = 0; a < witness.size; ++a)
         (witness.size == 6 && a < 3 ? turned : shifted) += witness.linear[a] * witness.linear[a];
-    const bool fast = witness.kind == Kind::velocity, seen = witness.kind == Kind::corners;
+    const bool fast = witness.kind == Kind::velocity,
+               seen = witness.kind == Kind::corners || witness.kind == Kind::sourced;
     Event &given_up = events_[target];
     given_up.doubt = std::make_unique<Doubt>();
     const std::array<double, 5> &start = settings_.start_sigma;
@@ -79,6 +80,16 @@ template <std::size_t N> void Timeline<N>::reopen() {
 
 template <std::size_t N> void Timeline<N>::doubt(const Doubt &doubt) {
     for (std::size_t k = 0; k < 15; ++k) p_.row[k][k] += doubt.added[k / 3];
+}
+
+// The pose becomes the earlier one too, with its uncertainty (S. I. Roumeliotis, J. W. Burdick,
+// Stochastic cloning, ICRA 2002).
+template <std::size_t N> void Timeline<N>::keep_pose() {
+    if constexpr (N > earlier) {
+        std::copy_n(now_.pose, 8, now_.earlier);
+        for (std::size_t i = 0; i < 6; ++i) std::copy_n(p_.row[i], N, p_.row[earlier + i]);
+        for (std::size_t k = 0; k < N; ++k) std::copy_n(p_.row[k], 6, p_.row[k] + earlier);
+    }
 }
 
 // What the backward pass needs of a measurement, after its residual.
@@ -124,8 +135,8 @@ template <std::size_t N> void Timeline<N>::write(Event &event) {
 // Row of the sink: the state, the covariance p and what that makes of the camera's pose.
 template <std::size_t N> void Timeline<N>::put(std::size_t row, const Matrix<N> &p) const {
     if (sink.whole != nullptr)
-        for (std::size_t i = 0; i < N; ++i)
-            std::copy_n(p.row[i], N, sink.whole + (N * row + i) * N);
+        for (std::size_t i = 0; i < sink.size; ++i)
+            std::copy_n(p.row[i], sink.size, sink.whole + (sink.size * row + i) * sink.size);
     double effect[6][N] = {}, by_pose[36], spread[6][N];
     motorcade_pose_effect(now_.imu_T_camera, by_pose);
     for (std::size_t a = 0; a < 6; ++a) {

@@ -1,5 +1,5 @@
-// What can happen at a moment: measurements of five kinds, and moments at which the path is asked
-// for.
+// What can happen at a moment: measurements, of the kinds known here or predicted by their source,
+// a pose to be kept for later ones that refer to it, and moments at which the path is asked for.
 
 #pragma once
 
@@ -10,12 +10,32 @@
 
 namespace motorcade::filter {
 
-enum class Kind : int { check = 0, camera_pose, imu_pose, position, velocity, corners, output };
+// At one moment they follow each other in this order; those up to corners as they came.
+enum class Kind : int {
+    camera_pose = 1,
+    imu_pose,
+    velocity,
+    corners,
+    sourced,
+    keep,
+    check,
+    output
+};
 
-constexpr std::size_t pose_numbers = 8 + 36, position_numbers = 3 + 3 + 9, velocity_numbers = 3 + 9;
 constexpr std::size_t corner_numbers =
     3 + 2 + 3;  // world point, x/z and y/z, xx xy yy of their covariance
 constexpr double nearest_depth_m = 1e-3;
+
+// Measurements whose prediction is written elsewhere, row by row.
+class Source {
+public:
+    explicit Source(std::int64_t number) : number(number) {}
+    virtual ~Source() = default;
+    // The residual (size) at a state and its derivative (size, most) by the state's error.
+    virtual void predict(std::size_t row, std::size_t size, const State &state, const Reading &read,
+                         double *residual, double *jacobian) const = 0;
+    const std::int64_t number;
+};
 
 // What was known after a moment, its covariance packed.
 struct Known {
@@ -35,9 +55,10 @@ struct Event {
     std::int64_t stamp_ns = 0;  // as given
     Kind kind = Kind::check;
     bool judged = false;
-    std::size_t number = 0;  // of the measurement, or of the output
+    std::size_t number = 0;  // of the measurement, its source's row, or of the output
     double shift_s = 0.0;    // what was added to the stamp
     std::vector<double> data;
+    std::shared_ptr<const Source> source;  // of a sourced one, whose data are its noise (m, m)
 
     // What became of it. Long recordings have many: what can be made again is kept of few.
     double nis = 0.0, factor = 0.0;            // a factor of 0: left out
@@ -49,20 +70,21 @@ struct Event {
     std::size_t size = 0;
     std::vector<double> linear;
 
-    bool measures() const { return kind != Kind::check && kind != Kind::output; }
-    // At one moment: what is measured before what is asked for.
+    bool measures() const { return kind < Kind::keep; }
     bool before(const Event &other) const {
-        return time_ns != other.time_ns ? time_ns < other.time_ns : rank() < other.rank();
+        if (time_ns != other.time_ns) return time_ns < other.time_ns;
+        if (rank() != other.rank()) return rank() < other.rank();
+        return source && other.source && source->number < other.source->number;
     }
 
 private:
-    int rank() const { return kind == Kind::output ? 2 : kind == Kind::check ? 1 : 0; }
+    int rank() const { return kind <= Kind::corners ? 0 : static_cast<int>(kind); }
 };
 
 // The innovation of a measurement; false where it cannot be predicted (a corner behind the camera).
 template <std::size_t N> class Prediction {
 public:
-    Prediction(const State &state, const Reading &read) : state_(state) {
+    Prediction(const State &state, const Reading &read) : state_(state), read_(read) {
         // How the pose and the velocity go on from here, in the IMU's axes.
         for (int i = 0; i < 3; ++i) going_[i] = read.rate[i] - state.bias[i];
         double effect[9];
@@ -82,14 +104,14 @@ public:
         case Kind::imu_pose:
             pose(event, data, made);
             return true;
-        case Kind::position:
-            at_arm(data, made);
-            return true;
         case Kind::velocity:
             moving(data, made);
             return true;
         case Kind::corners:
             return corners(event, data, made);
+        case Kind::sourced:
+            sourced(event, data, made);
+            return true;
         default:
             return false;
         }
@@ -131,14 +153,13 @@ private:
         }
     }
 
-    void at_arm(const double *data, Innovation<N> &made) const {
-        double at[3], effect[18];
-        motorcade_point(state_.pose, data + 3, at, effect);
-        made.size = 3;
-        for (std::size_t a = 0; a < 3; ++a) {
-            made.residual[a] = data[a] - at[a];
-            std::copy_n(effect + 6 * a, 6, made.effect[a]);
-            std::copy_n(data + 6 + 3 * a, 3, made.noise[a]);
+    void sourced(const Event &event, const double *data, Innovation<N> &made) const {
+        double jacobian[widest * most];
+        for (made.size = 1; made.size * made.size < event.data.size();) ++made.size;
+        event.source->predict(event.number, made.size, state_, read_, made.residual, jacobian);
+        for (std::size_t a = 0; a < made.size; ++a) {
+            for (std::size_t k = 0; k < N; ++k) made.effect[a][k] = -jacobian[most * a + k];
+            std::copy_n(data + made.size * a, made.size, made.noise[a]);
         }
     }
 
@@ -177,6 +198,7 @@ private:
     }
 
     const State &state_;
+    const Reading read_;
     double going_[6];
 };
 

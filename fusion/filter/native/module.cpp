@@ -1,7 +1,6 @@
 // Binds the filter to Python. Arrays come checked and C-ordered; see motorcade.fusion.filter.
 
 #include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/unique_ptr.h>
@@ -10,6 +9,7 @@
 #include <optional>
 
 #include "increments.h"
+#include "python_source.h"
 #include "rest.h"
 #include "smoother.h"
 
@@ -18,12 +18,6 @@ using namespace nb::literals;
 using namespace motorcade::filter;
 
 namespace {
-
-using Flat = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Stamps = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Made = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using MadeCubes = nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 
 // A row of three doubles, held while it is read; faster than nanobind's ndarray.
 class Three {
@@ -50,18 +44,6 @@ private:
     Py_buffer view_{};
 };
 
-template <class T>
-nb::object array(const std::vector<T> &values, std::initializer_list<std::size_t> shape) {
-    auto *memory = new T[std::max<std::size_t>(1, values.size())];
-    std::copy(values.begin(), values.end(), memory);
-    nb::capsule owner(memory, [](void *data) noexcept { delete[] static_cast<T *>(data); });
-    return nb::cast(nb::ndarray<nb::numpy, T>(memory, shape.size(), shape.begin(), owner));
-}
-
-void expect(bool holds, const char *what) {
-    if (!holds) refuse(what);
-}
-
 // The filter with or without the states that most runs know. Python frees it by this class, so that
 // it must have the alignment of the matrices inside.
 class alignas(64) Engine {
@@ -71,8 +53,11 @@ public:
     virtual void samples(const Stamps &time_ns, const Rows &rate, const Rows &force) = 0;
     virtual void hold(const Stamps &time_ns, const Rows &rate, const Rows &force) = 0;
     virtual void play() = 0;
-    virtual void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data) = 0;
-    virtual void schedule(int kind, const Stamps &time_ns, const Rows &data) = 0;
+    virtual void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data,
+                     const nb::object &predict, std::int64_t source) = 0;
+    virtual void schedule(int kind, const Stamps &time_ns, const Rows &data,
+                          const std::optional<Stamps> &numbers, const nb::object &predict,
+                          std::int64_t source) = 0;
     virtual void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity,
                          const Made &bias, const MadeCubes &covariance, const Made &others,
                          const std::optional<MadeCubes> &whole, bool final) = 0;
@@ -120,8 +105,10 @@ public:
         while (filter_.play()) rest(filter_.samples().back());
     }
 
-    void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data) override {
+    void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data,
+             const nb::object &predict, std::int64_t source) override {
         Event event;
+        if (!predict.is_none()) event.source = std::make_shared<Python>(predict, source);
         event.kind = static_cast<Kind>(kind);
         event.stamp_ns = time_ns;
         event.number = number;
@@ -129,13 +116,20 @@ public:
         filter_.add(std::move(event));
     }
 
-    void schedule(int kind, const Stamps &time_ns, const Rows &data) override {
-        expect(data.shape(0) == time_ns.shape(0), "schedule: expected a row a stamp");
+    void schedule(int kind, const Stamps &time_ns, const Rows &data,
+                  const std::optional<Stamps> &numbers, const nb::object &predict,
+                  std::int64_t number) override {
+        expect(data.shape(0) == time_ns.shape(0) &&
+                   (!numbers || numbers->shape(0) == time_ns.shape(0)),
+               "schedule: expected a row a stamp");
+        std::shared_ptr<const Source> source;
+        if (!predict.is_none()) source = std::make_shared<Python>(predict, number);
         std::vector<Event> events(time_ns.shape(0));
         for (std::size_t k = 0; k < events.size(); ++k) {
             events[k].kind = static_cast<Kind>(kind);
             events[k].stamp_ns = time_ns.data()[k];
-            events[k].number = k;
+            events[k].number = numbers ? static_cast<std::size_t>(numbers->data()[k]) : k;
+            events[k].source = source;
             events[k].data.assign(data.data() + k * data.shape(1),
                                   data.data() + (k + 1) * data.shape(1));
         }
@@ -150,12 +144,16 @@ public:
                    velocity.shape(1) == 3 && bias.shape(0) == count && bias.shape(1) == 6 &&
                    covariance.shape(0) == count && covariance.shape(1) == 6 &&
                    covariance.shape(2) == 6 && others.shape(0) == count && others.shape(1) == 13 &&
-                   (!whole ||
-                    (whole->shape(0) == count && whole->shape(1) == N && whole->shape(2) == N)),
+                   (!whole || (whole->shape(0) == count && whole->shape(1) <= N &&
+                               whole->shape(2) == whole->shape(1))),
                "outputs: expected arrays of one row a stamp");
-        filter_.sink = {pose.data(),   velocity.data(),
-                        bias.data(),   covariance.data(),
-                        others.data(), whole ? whole->data() : nullptr,
+        filter_.sink = {pose.data(),
+                        velocity.data(),
+                        bias.data(),
+                        covariance.data(),
+                        others.data(),
+                        whole ? whole->data() : nullptr,
+                        whole ? whole->shape(1) : 0,
                         final};
         std::vector<Event> events(count);
         for (std::size_t k = 0; k < count; ++k) {
@@ -193,11 +191,12 @@ public:
             if (!event.measures() || !event.judged) continue;
             whole.insert(whole.end(), {event.stamp_ns, static_cast<std::int64_t>(event.number),
                                        static_cast<std::int64_t>(event.kind),
-                                       static_cast<std::int64_t>(event.size)});
+                                       static_cast<std::int64_t>(event.size),
+                                       event.source ? event.source->number : -1});
             real.insert(real.end(), {event.nis, event.factor, event.live_nis, event.live_factor});
         }
-        const std::size_t count = whole.size() / 4;
-        return nb::make_tuple(array(whole, {count, 4}), array(real, {count, 4}));
+        const std::size_t count = whole.size() / 5;
+        return nb::make_tuple(array(whole, {count, 5}), array(real, {count, 4}));
     }
 
     nb::tuple held() const override {
@@ -241,7 +240,7 @@ engine(const std::array<double, 5> &model, const std::array<double, 6> &start,
        const std::array<double, 4> &known, const std::array<double, widest + 1> &gate,
        double outlier_threshold, std::size_t patience, const std::array<double, 3> &gap,
        double history_s, std::size_t check_every, const std::array<double, 8> &imu_T_camera,
-       double delay_s, const std::array<double, 5> &rest) {
+       double delay_s, const std::array<double, 5> &rest, bool keeps_earlier) {
     const auto square = [](double x) { return x * x; };
     Settings made;
     made.gravity_m_s2 = model[0];
@@ -260,6 +259,7 @@ engine(const std::array<double, 5> &model, const std::array<double, 6> &start,
     State first;
     std::copy(imu_T_camera.begin(), imu_T_camera.end(), first.imu_T_camera);
     first.delay_s = delay_s;
+    if (keeps_earlier) return std::make_unique<EngineOf<30>>(made, first, Rest(rest));
     const bool more = known[0] > 0.0 || known[1] > 0.0 || known[2] > 0.0 || known[3] > 0.0;
     if (more) return std::make_unique<EngineOf<24>>(made, first, Rest(rest));
     return std::make_unique<EngineOf<15>>(made, first, Rest(rest));
@@ -320,8 +320,10 @@ NB_MODULE(_filter, module) {
         .def("samples", &Engine::samples, "time_ns"_a, "gyro"_a, "accel"_a)
         .def("hold", &Engine::hold, "time_ns"_a, "gyro"_a, "accel"_a)
         .def("play", &Engine::play)
-        .def("add", &Engine::add, "kind"_a, "time_ns"_a, "number"_a, "data"_a)
-        .def("schedule", &Engine::schedule, "kind"_a, "time_ns"_a, "data"_a)
+        .def("add", &Engine::add, "kind"_a, "time_ns"_a, "number"_a, "data"_a, "predict"_a.none(),
+             "source"_a)
+        .def("schedule", &Engine::schedule, "kind"_a, "time_ns"_a, "data"_a, "numbers"_a.none(),
+             "predict"_a.none(), "source"_a)
         .def("outputs", &Engine::outputs, "time_ns"_a, "pose"_a, "velocity"_a, "bias"_a,
              "covariance"_a, "others"_a, "whole"_a.none(), "final"_a)
         .def("smooth", &Engine::smooth)
@@ -330,7 +332,7 @@ NB_MODULE(_filter, module) {
         .def("held", &Engine::held);
     module.def("engine", &engine, "model"_a, "start"_a, "known"_a, "gate"_a, "outlier_threshold"_a,
                "patience"_a, "gap"_a, "history_s"_a, "check_every"_a, "imu_T_camera"_a, "delay_s"_a,
-               "rest"_a);
+               "rest"_a, "keeps_earlier"_a);
     module.def("increments", &increments<false>, "first"_a, "dt_s"_a, "rate"_a, "force"_a, "bias"_a,
                "squares"_a, "pose"_a, "velocity"_a, "transition"_a, "covariance"_a);
     module.def("held_increments", &increments<true>, "first"_a, "dt_s"_a, "rate"_a, "force"_a,

@@ -31,6 +31,7 @@ public:
                 if (event.kind == Kind::output) rewrite(event, gradient, curvature);
                 if (event.measures() && event.factor > 0.0 && i > 0)
                     take_in(event, gradient, curvature);
+                if (event.kind == Kind::keep) unkeep(gradient, curvature);
                 if (i > 0) step_back(this->events_[i - 1], event.time_ns, gradient, curvature);
                 event.known.reset();
                 event.linear = std::vector<double>();
@@ -69,6 +70,23 @@ private:
         }
         for (std::size_t a = 0; a < m; ++a) filter::add<N>(gradient, -pull[a], seen.effect[a]);
         update_back(curvature, seen, by);
+    }
+
+    // Before the pose was kept there was but one: what is said of the earlier one is said of it.
+    static void unkeep(double *gradient, Matrix<N> &curvature) {
+        if constexpr (N > earlier) {
+            for (std::size_t i = 0; i < 6; ++i) {
+                gradient[i] += gradient[earlier + i];
+                gradient[earlier + i] = 0.0;
+                filter::add<N>(curvature.row[i], 1.0, curvature.row[earlier + i]);
+                std::fill_n(curvature.row[earlier + i], N, 0.0);
+            }
+            for (std::size_t k = 0; k < N; ++k)
+                for (std::size_t i = 0; i < 6; ++i) {
+                    curvature.row[k][i] += curvature.row[k][earlier + i];
+                    curvature.row[k][earlier + i] = 0.0;
+                }
+        }
     }
 
     // x Exp(-P λ) and P - P Λ P in place of what the forward pass wrote.

@@ -17,6 +17,7 @@ struct State {
     double gravity_rotor[4] = {1.0};  // turns -z of the world to where gravity points
     double imu_T_camera[8] = {1.0};   // imu_T_camera
     double delay_s = 0.0;             // a camera's stamp plus this is the IMU's time
+    double earlier[8] = {1.0};        // world_T_imu at the moment kept last for what refers to it
 };
 
 struct Reading {
@@ -40,6 +41,7 @@ template <std::size_t N> inline void correct(State &state, const double *error) 
         motorcade_retract(state.imu_T_camera, error + extrinsics, next.imu_T_camera);
         next.delay_s += error[delay];
     }
+    if constexpr (N > earlier) motorcade_retract(state.earlier, error + earlier, next.earlier);
     state = next;
 }
 

@@ -35,12 +35,13 @@ struct Settings {
 constexpr std::size_t stride = 64;
 
 // Where the path is written as it passes the moments asked for; rows by the events' numbers. Of the
-// covariance, that of the camera's pose (6, 6), and where it is asked for that of the error (N, N).
+// covariance, that of the camera's pose (6, 6), and where it is asked for that of the error.
 struct Sink {
     double *pose = nullptr, *velocity = nullptr, *bias = nullptr, *covariance = nullptr,
            *others = nullptr;
     double *whole = nullptr;
-    bool final = false;  // also when things are done again
+    std::size_t size = 0;  // so many numbers of the error, the first ones
+    bool final = false;    // also when things are done again
 };
 
 [[noreturn]] inline void refuse(const std::string &what) { throw std::invalid_argument(what); }
@@ -81,7 +82,7 @@ public:
     // Takes an event at any time that the history still holds.
     void add(Event &&event) {
         place_in_time(event);
-        const auto place = std::upper_bound(events_.begin(), events_.end(), event, earlier);
+        const auto place = std::upper_bound(events_.begin(), events_.end(), event, precedes);
         const auto index = static_cast<std::size_t>(place - events_.begin());
         const bool late = index < next_ || (started_ && event.time_ns < time_ns_);
         events_.insert(place, std::move(event));
@@ -99,7 +100,7 @@ public:
             events_.push_back(std::move(event));
         }
         std::inplace_merge(events_.begin() + static_cast<std::ptrdiff_t>(next_),
-                           events_.begin() + known, events_.end(), earlier);
+                           events_.begin() + known, events_.end(), precedes);
         catch_up();
     }
 
@@ -191,7 +192,7 @@ private:
         return made;
     }
 
-    static bool earlier(const Event &one, const Event &other) { return one.before(other); }
+    static bool precedes(const Event &one, const Event &other) { return one.before(other); }
 
     void place_in_time(Event &event) const {
         event.time_ns = event.stamp_ns;
@@ -238,6 +239,7 @@ private:
             if (event.measures()) measure(event, index);
         }
         if (event.kind == Kind::output) write(event);
+        if (event.kind == Kind::keep) keep_pose();
         keep(event, index);
         if (!event.judged) {
             event.live_nis = event.nis;
@@ -288,6 +290,7 @@ private:
 
     double start_sigma(std::size_t k) const {
         if (k < tilt) return settings_.start_sigma[k / 3];
+        if (k >= earlier) return 0.0;
         return settings_.known_sigma[k < extrinsics       ? 0
                                      : k < extrinsics + 3 ? 1
                                      : k < delay          ? 2
@@ -355,6 +358,7 @@ private:
     // See history.h.
     void reopen();
     void doubt(const Doubt &doubt);
+    void keep_pose();
     void keep_linear(Event &event, const Innovation<N> &innovation, const Gain<N> &gain);
     void keep_and_forget();
     void write(Event &event);

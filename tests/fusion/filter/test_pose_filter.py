@@ -11,6 +11,7 @@ from scipy.stats import chi2
 from motorcade.fusion.filter import FilterSettings, PoseFilter, RestDetection, fuse
 from motorcade.fusion.filter.extended_pose import corrected, extended_pose
 from motorcade.fusion.imu import ADIS16448, ImuStream
+from motorcade.fusion.measurements import PositionMeasurements, VelocityMeasurements
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
@@ -91,7 +92,7 @@ def test_what_comes_too_late_or_from_before_the_start_is_refused(record, rng):
     with pytest.raises(ValueError, match="expected a stamp from 1000 on, where inertial data"):
         fresh.camera_pose(999, pose, covariance)
     with pytest.raises(ValueError, match="expected a measured pose to start from"):
-        fresh.position(1000, np.zeros(3), np.eye(3))
+        fresh.measure(VelocityMeasurements.zero(np.array([1000]), 1.0))
     assert fresh.state is None
     assert fresh.innovations == ()
     fresh.imu(3000, np.zeros(3), GRAVITY)
@@ -142,12 +143,6 @@ def test_bad_samples_are_refused_and_leave_the_filter_as_it_was(record, rng):
         (lambda: stream.pose(last, pose, np.eye(3)), "covariance: expected"),
         (lambda: stream.pose(last, pose, np.ones((2, 6, 6))), r"covariance: .* got \(2, 6, 6\)"),
         (lambda: stream.pose(last, Motor.identity((2,)), covariance), r"pose: .* got \(2,\)"),
-        (lambda: stream.position(last, [0.0, np.nan, 0.0], np.eye(3)), "position_m"),
-        (lambda: stream.velocity(last, np.zeros(2), np.eye(3)), "velocity_m_s: expected"),
-        (
-            lambda: stream.velocity(last, np.zeros((2, 3)), np.eye(3)),
-            "velocity_m_s: expected three",
-        ),
         (lambda: stream.tag(last, np.zeros((5, 2)), np.zeros((5, 3)), CAMERA), "n from 1 to 4"),
         (lambda: stream.tag(last, [[0.0, 0.0]], [[0.0, 0.0, 1.0]], CAMERA, 0.0), "sigma_px"),
         (lambda: PoseFilter(run.noise, history_s=0.0), "history_s: expected"),
@@ -184,9 +179,20 @@ def offer(stream: PoseFilter, kind: str, time_ns: int, value: FloatArray, points
     size = value.size
     root = 0.01 * (np.eye(size) + 0.2 * np.ones((size, size)))
     if kind == "position":
-        stream.position(time_ns, value, root @ root.T, ARM)
+        stream.measure(
+            PositionMeasurements(
+                time_ns=np.array([time_ns]),
+                position_m=value[None],
+                covariance=root @ root.T,
+                arm_m=ARM,
+            )
+        )
     elif kind == "velocity":
-        stream.velocity(time_ns, value, root @ root.T)
+        stream.measure(
+            VelocityMeasurements(
+                time_ns=np.array([time_ns]), velocity_m_s=value[None], covariance=root @ root.T
+            )
+        )
     else:
         stream.tag(time_ns, value.reshape(-1, 2), points, CAMERA, 0.7)
         return 0.49 * np.eye(size)

@@ -1,0 +1,34 @@
+"""Kinds of measurements beside the camera's poses: one interface for filter, smoother and graph.
+
+Each kind holds N measurements with stamps of the IMU's clock, in a world whose z points up. They go
+into `motorcade.fusion.fuse` as `also=[…]`, and into a `PoseFilter` by its `measure`.
+`Measurements` says how to write a kind of one's own; `jacobian_error` checks its derivative.
+"""
+
+from motorcade.fusion.measurements.directions import HeadingMeasurements, MagneticFieldMeasurements
+from motorcade.fusion.measurements.geodesy import GeodeticOrigin
+from motorcade.fusion.measurements.interface import (
+    Measurements,
+    PredictedState,
+    jacobian_error,
+    numerical_jacobian,
+)
+from motorcade.fusion.measurements.poses import BodyPoseMeasurements, RelativePoseMeasurements
+from motorcade.fusion.measurements.positions import AltitudeMeasurements, PositionMeasurements
+from motorcade.fusion.measurements.velocities import BodyVelocityMeasurements, VelocityMeasurements
+
+__all__ = [
+    "AltitudeMeasurements",
+    "BodyPoseMeasurements",
+    "BodyVelocityMeasurements",
+    "GeodeticOrigin",
+    "HeadingMeasurements",
+    "MagneticFieldMeasurements",
+    "Measurements",
+    "PositionMeasurements",
+    "PredictedState",
+    "RelativePoseMeasurements",
+    "VelocityMeasurements",
+    "jacobian_error",
+    "numerical_jacobian",
+]
