@@ -1,12 +1,20 @@
-"""`motorcade evaluate`: errors of an estimated trajectory against a reference."""
+"""`motorcade evaluate`: errors of estimated trajectories against a reference."""
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, cast, get_args
 
-from motorcade.replays.cli.arguments import Subparsers, new_command
+from motorcade.replays.cli.arguments import Subparsers, check_known, new_command
+
+if TYPE_CHECKING:
+    from motorcade.fusion.metrics import Evaluation, Matched, Relation
+    from motorcade.ga import Trajectory
+
+Figures = Mapping[str, float | int | str | None]
 
 _FIRST = frozenset(
     {
@@ -17,8 +25,13 @@ _FIRST = frozenset(
         "ape_max_m",
         "rotation_rmse_deg",
         "rotation_max_deg",
+        "rpe_delta",
+        "rpe_delta_unit",
+        "rpe_pairs",
         "rpe_trans_rmse_m",
         "rpe_rot_rmse_deg",
+        "drift_translation_percent",
+        "drift_rotation_deg_100m",
         "linear_jitter_m_s2",
         "angular_jitter_rad_s2",
         "lag_ms",
@@ -36,28 +49,17 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         evaluate_files,
         name="evaluate",
         summary="absolute and relative pose error, jitter, lag and artifacts against a reference",
-        example="motorcade evaluate estimate.tum truth.tum --align se3 --json errors.json",
+        example="motorcade evaluate estimate.tum truth.tum --align se3 --json errors.json\n"
+        "  motorcade evaluate orb.txt vins.txt truth.tum --align sim3 --delta 5 --delta-unit m",
     )
-    parser.add_argument("estimate", type=Path, metavar="EST", help="TUM, EuRoC or KITTI file")
+    parser.add_argument(
+        "estimates", type=Path, nargs="+", metavar="EST", help="TUM, EuRoC or KITTI files"
+    )
     parser.add_argument("reference", type=Path, metavar="REF", help="the same: the ground truth")
-    parser.add_argument(
-        "--align",
-        choices=("none", "se3", "sim3"),
-        default="none",
-        help="fit the estimate to the reference first, rigidly or with scale (none)",
-    )
-    parser.add_argument(
-        "--max-difference-s",
-        type=float,
-        default=0.01,
-        help="stamps farther apart are not paired (0.01 s)",
-    )
-    parser.add_argument(
-        "--rpe-length-m",
-        type=float,
-        default=1.0,
-        help="length of path for the relative error by length (1 m)",
-    )
+    parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
+    _add_pairs_to(parser)
+    _add_alignment_to(parser)
+    _add_relative_to(parser)
     parser.add_argument(
         "--energy-above-hz",
         type=float,
@@ -67,28 +69,217 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--all", action="store_true", help="print every figure, not only those that matter most"
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write all results there")
-    parser.add_argument("--rate-hz", type=float, help="rate of KITTI files, which have no stamps")
+    parser.add_argument(
+        "--json",
+        type=Path,
+        metavar="FILE",
+        help="write all results there; of several estimates by their names",
+    )
+
+
+def _add_pairs_to(parser: argparse.ArgumentParser) -> None:
+    pairs = parser.add_argument_group("pairs of poses")
+    pairs.add_argument(
+        "--max-difference-s",
+        type=float,
+        default=0.01,
+        help="stamps farther apart are not paired (0.01 s)",
+    )
+    pairs.add_argument(
+        "--offset-s",
+        type=float,
+        default=0.0,
+        help="add this to the estimates' stamps to have the reference's clock (0)",
+    )
+    pairs.add_argument("--start-s", type=float, help="leave out the reference before this stamp")
+    pairs.add_argument("--end-s", type=float, help="leave out the reference after this stamp")
+    pairs.add_argument(
+        "--interpolate",
+        action="store_true",
+        help="take the trajectory with more poses at the stamps of the other one",
+    )
+
+
+def _add_alignment_to(parser: argparse.ArgumentParser) -> None:
+    alignment = parser.add_argument_group("alignment")
+    alignment.add_argument(
+        "--align",
+        choices=("none", "se3", "sim3", "scale", "origin", "scaled_origin"),
+        default="none",
+        help="fit the estimate to the reference first: rigidly, with scale, by scale alone, or "
+        "by the first pose, as it is or scaled (none)",
+    )
+    alignment.add_argument(
+        "--n-to-align", type=int, metavar="N", help="fit the first N pairs only (all)"
+    )
+    alignment.add_argument(
+        "--project", choices=("xy", "xz", "yz"), help="project both to a plane after alignment"
+    )
+
+
+def _add_relative_to(parser: argparse.ArgumentParser) -> None:
+    relative = parser.add_argument_group("errors")
+    relative.add_argument(
+        "--relations",
+        metavar="NAMES",
+        help="evo's pose relations to report beside, or all: full, trans_part, rot_part, "
+        "angle_deg, angle_rad, point_distance, point_distance_error_ratio",
+    )
+    relative.add_argument(
+        "--delta", type=float, default=1.0, metavar="D", help="of the relative pose error (1)"
+    )
+    relative.add_argument(
+        "--delta-unit", choices=("frames", "m", "deg", "rad"), default="frames", help="(frames)"
+    )
+    relative.add_argument(
+        "--all-pairs",
+        action="store_true",
+        help="from every pose on, rather than each from where the one before ended",
+    )
+    relative.add_argument(
+        "--delta-tolerance",
+        type=float,
+        default=0.1,
+        metavar="SHARE",
+        help="of all pairs: by what share of the delta they may miss it (0.1)",
+    )
+    relative.add_argument(
+        "--pairs-from",
+        choices=("reference", "estimate"),
+        default="reference",
+        help="whose metres and degrees are counted (reference; evo's default is the estimate)",
+    )
+    relative.add_argument(
+        "--rpe-length-m",
+        type=float,
+        default=1.0,
+        help="length of path for the relative error by length (1 m)",
+    )
+    relative.add_argument(
+        "--drift",
+        metavar="LENGTHS",
+        help="KITTI's drift over these lengths in metres: 5,10,20, or kitti for 100,200,…,800",
+    )
 
 
 def evaluate_files(arguments: argparse.Namespace) -> None:
-    """Read both, evaluate, print a table."""
-    from motorcade.fusion.metrics import evaluate
+    """Read all, evaluate, print a table."""
     from motorcade.replays.files.atomic import write_bytes
     from motorcade.replays.files.trajectories import read_trajectory
 
-    estimate = read_trajectory(arguments.estimate, rate_hz=arguments.rate_hz)
     reference = read_trajectory(arguments.reference, rate_hz=arguments.rate_hz)
-    errors = evaluate(
+    found: dict[str, Evaluation] = {}
+    for name, path in zip(_names(arguments.estimates), arguments.estimates, strict=True):
+        estimate = read_trajectory(path, rate_hz=arguments.rate_hz)
+        found[name] = _evaluated(_matched(arguments, estimate, reference), arguments)
+    figures = {name: one.as_dict() for name, one in found.items()}
+    for line in _table(figures, None if arguments.all else _printed(found)):
+        print(line)
+    if arguments.json is not None:
+        (only, *more) = figures.values()
+        text = json.dumps(figures if more else only, indent=2)
+        write_bytes(arguments.json, (text + "\n").encode())
+
+
+def _matched(arguments: argparse.Namespace, estimate: Trajectory, reference: Trajectory) -> Matched:
+    from motorcade.fusion.metrics import match
+
+    return match(
         estimate,
         reference,
-        align=arguments.align,
+        arguments.align,
         max_difference_s=arguments.max_difference_s,
-        rpe_length_m=arguments.rpe_length_m,
-        energy_above_hz=arguments.energy_above_hz,
-    ).as_dict()
-    for key, value in errors.items():
-        if arguments.all or (key in _FIRST and value is not None):
-            print(f"{key:>30}  {value:.9g}" if isinstance(value, float) else f"{key:>30}  {value}")
-    if arguments.json is not None:
-        write_bytes(arguments.json, (json.dumps(errors, indent=2) + "\n").encode())
+        offset_s=arguments.offset_s,
+        start_s=arguments.start_s,
+        end_s=arguments.end_s,
+        interpolate=arguments.interpolate,
+        n_to_align=arguments.n_to_align,
+        plane=arguments.project,
+    )
+
+
+def _evaluated(matched: Matched, arguments: argparse.Namespace) -> Evaluation:
+    from motorcade.fusion.metrics import Delta, evaluate_matched
+
+    return evaluate_matched(
+        matched,
+        arguments.rpe_length_m,
+        arguments.energy_above_hz,
+        delta=Delta(
+            arguments.delta,
+            arguments.delta_unit,
+            arguments.all_pairs,
+            arguments.delta_tolerance,
+            arguments.pairs_from,
+        ),
+        relations=_relations(arguments.relations),
+        drift_lengths_m=_lengths_m(arguments.drift),
+    )
+
+
+def _relations(names: str | None) -> tuple[Relation, ...]:
+    from motorcade.fusion.metrics import Relation
+
+    known = get_args(Relation)
+    if names is None or names == "all":
+        return known if names else ()
+    wanted = tuple(name.strip() for name in names.split(","))
+    check_known("--relations", wanted, known)
+    return cast("tuple[Relation, ...]", wanted)
+
+
+def _lengths_m(text: str | None) -> tuple[float, ...]:
+    from motorcade.fusion.metrics import KITTI_LENGTHS_M
+
+    if text is None or text == "kitti":
+        return KITTI_LENGTHS_M if text else ()
+    try:
+        return tuple(float(length) for length in text.split(","))
+    except ValueError:
+        raise ValueError(
+            f"--drift: expected kitti, or lengths in metres as 5,10,20, got {text!r}"
+        ) from None
+
+
+def _names(paths: Sequence[Path]) -> list[str]:
+    """Short names for estimates: those of the files, or the whole paths where these are alike."""
+    short = [path.stem for path in paths]
+    names = short if len(set(short)) == len(short) else [str(path) for path in paths]
+    if len(set(names)) < len(names):
+        raise ValueError(f"EST: expected each file once, got {', '.join(names)}")
+    return names
+
+
+def _printed(found: Mapping[str, Evaluation]) -> frozenset[str]:
+    asked = {
+        f"{error}_{statistic}{unit}"
+        for one in found.values()
+        for error, unit, _ in one.relations
+        for statistic in ("rmse", "max")
+    }
+    return _FIRST | asked
+
+
+def _table(figures: Mapping[str, Figures], printed: frozenset[str] | None) -> Iterator[str]:
+    """A row a figure, a column an estimate; those that no estimate has only where all are asked."""
+    keys = dict.fromkeys(key for one in figures.values() for key in one)
+    rows = {key: [one.get(key) for one in figures.values()] for key in keys}
+    if printed is not None:
+        rows = {
+            key: row
+            for key, row in rows.items()
+            if key in printed and any(value is not None for value in row)
+        }
+    key_width = max(30, *map(len, rows))
+    if len(figures) == 1:
+        for key, (value,) in rows.items():
+            yield f"{key:>{key_width}}  {_as_text(value)}"
+        return
+    widths = [max(15, len(name)) for name in figures]
+    for key, cells in {"": list(figures), **rows}.items():
+        aligned = (f"{_as_text(cell):>{w}}" for cell, w in zip(cells, widths, strict=True))
+        yield "  ".join([f"{key:>{key_width}}", *aligned])
+
+
+def _as_text(value: float | str | None) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
