@@ -129,8 +129,7 @@ def errors_between(
     true, ours = (before.inverse() @ after for before, after in sides)
     error = true.inverse() @ ours
     true_m, ours_m = (
-        np.linalg.norm(after.translation_m - before.translation_m, axis=-1)
-        for before, after in sides
+        _travelled_m(before.translation_m, after.translation_m) for before, after in sides
     )
     return tuple(
         _of_distances(true_m, ours_m, relation)
@@ -138,6 +137,13 @@ def errors_between(
         else _measured(error, relation)
         for relation in relations
     )
+
+
+def _travelled_m(before_m: FloatArray, after_m: FloatArray) -> FloatArray:
+    """Distances ``(S,)``; zero where they are no more than the rounding of positions in motors."""
+    distance: FloatArray = np.linalg.norm(after_m - before_m, axis=-1)
+    rounding = 16.0 * np.finfo(np.float64).eps * np.abs(before_m).sum(axis=-1)
+    return np.where(distance > rounding, distance, 0.0)
 
 
 def _of_distances(true_m: FloatArray, ours_m: FloatArray, relation: Relation) -> FloatArray:

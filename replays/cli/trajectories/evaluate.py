@@ -276,7 +276,8 @@ def _table(figures: Mapping[str, Figures], printed: frozenset[str] | None) -> It
             yield f"{key:>{key_width}}  {_as_text(value)}"
         return
     widths = [max(15, len(name)) for name in figures]
-    for key, cells in {"": list(figures), **rows}.items():
+    lines: list[tuple[str, Sequence[float | str | None]]] = [("", list(figures)), *rows.items()]
+    for key, cells in lines:
         aligned = (f"{_as_text(cell):>{w}}" for cell, w in zip(cells, widths, strict=True))
         yield "  ".join([f"{key:>{key_width}}", *aligned])
 
