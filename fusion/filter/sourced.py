@@ -75,6 +75,7 @@ def predicted(given: Measurements, row: int, known: FloatArray) -> FloatArray:
         known[33:36],
         known[36:45].reshape(3, 3),
         known[45:53],
+        float(known[53]),
     )
     residual, jacobian = given.residual(row, state), given.jacobian(row, state)
     size = given.covariance.shape[-1]

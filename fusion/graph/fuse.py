@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from motorcade.fusion.filter import FilterSettings, Fused
+from motorcade.fusion.filter import FilterSettings, Fused, fuse
 from motorcade.fusion.filter.fuse import by_stretch, camera_covariance, covered, wanted_stamps
 from motorcade.fusion.graph.inertial import InertialGraph
 from motorcade.fusion.graph.smoothers import smooth_all, smooth_with_lag
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.measurements.interface import Measurements, checked_measurements
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import IntArray, checked_positive
+from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.ga.stamps import checked_span_ns
 from motorcade.tracking.measurements import PoseMeasurements
 
@@ -23,13 +26,16 @@ def fuse_by_graph(
     imu_T_camera: Motor,
     stamps_ns: IntArray | None = None,
     *,
+    also: Sequence[Measurements] = (),
     settings: FilterSettings | None = None,
+    time_offset_s: float = 0.0,
     lag_s: float | None = None,
 ) -> Fused:
     """Fuse measured camera poses with an IMU by gtsam: all at once, or with a lag.
 
     Every stamp, measured or wanted, is a node of 15 unknowns with its own covariance: the graph is
-    for frames, not for the IMU's own rate. Of `settings` it takes gravity and the gate: a
+    for frames, not for the IMU's own rate. Of `settings` it takes gravity, what else to estimate
+    (the direction of gravity, the camera's pose on the IMU, its time offset) and the gate: a
     measurement beyond it loses its weight smoothly, and where the result leaves it
     `outlier_threshold` gates away it counts as not accepted. `nis` is NaN: a graph has no
     innovations.
@@ -42,14 +48,17 @@ def fuse_by_graph(
         noise: the IMU's densities and bias walks.
         imu_T_camera: pose of the camera on the IMU.
         stamps_ns: as for `fuse`.
+        also: as for `fuse`; steps may overlap, but with a lag not be longer than that.
         settings: as for `fuse`.
+        time_offset_s: as for `fuse`.
         lag_s: None: every estimate knows all the data. Otherwise it knows those up to so many
             seconds later, as a tracker that may wait; `state_covariance` then lacks what pose,
             velocity and biases have in common.
 
     Raises:
-        ValueError: as `fuse`; settings that estimate more than the motion, or look for rest; a lag
-            that is not above zero; gaps in the stream that leave the graph singular.
+        ValueError: as `fuse`; settings that look for rest, or with a lag estimate more than the
+            motion; a lag that is not above zero, or shorter than a step; gaps in the stream that
+            leave the graph singular.
 
     Examples:
         >>> import numpy as np
@@ -68,15 +77,33 @@ def fuse_by_graph(
         Trajectory(world_T_imu, 61 poses, 3.000 s)
     """
     chosen = settings or FilterSettings()
-    if chosen.error_size != 15 or chosen.rest is not None:
-        raise ValueError("settings: expected only motion and biases to estimate, got more")
+    kinds = tuple(checked_measurements(one) for one in also)
+    shift_ns = checked_span_ns(time_offset_s, "time_offset_s")
+    if chosen.rest is not None:
+        raise ValueError(
+            "settings: expected no detection of rest, got some; zero velocities can be measured"
+        )
     if lag_s is not None:
-        checked_span_ns(checked_positive(lag_s, "lag_s", "seconds"), "lag_s")
+        _check_lag(checked_positive(lag_s, "lag_s", "seconds"), chosen, kinds)
 
     def one(given: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
-        return _fused(given, stream, noise, imu_T_camera, stamps, chosen, lag_s)
+        return _fused(
+            given, stream, noise, imu_T_camera, stamps, kinds, chosen, time_offset_s, lag_s
+        )
 
-    return by_stretch(one, measurements, imu, stamps_ns)
+    return by_stretch(one, measurements, imu, stamps_ns, shift_ns)
+
+
+def _check_lag(lag_s: float, settings: FilterSettings, also: Sequence[Measurements]) -> None:
+    lag_ns = checked_span_ns(lag_s, "lag_s")
+    if settings.error_size != 15:
+        raise ValueError(
+            "settings: expected only motion and biases to estimate with a lag, got more"
+        )
+    for one in also:
+        since = one.since_ns
+        if since is not None and np.any(one.time_ns - since > lag_ns):
+            raise ValueError(f"lag_s: expected no {one.name} step longer than the lag, got one")
 
 
 def _fused(
@@ -85,17 +112,19 @@ def _fused(
     noise: ImuNoise,
     imu_T_camera: Motor,
     stamps_ns: IntArray | None,
+    also: Sequence[Measurements],
     chosen: FilterSettings,
+    time_offset_s: float,
     lag_s: float | None,
 ) -> Fused:
     """Fuse along one stretch of the stream."""
-    used = covered(measurements, imu)
-    wanted = wanted_stamps(used.trajectory.time_ns, imu, stamps_ns)
-    graph = InertialGraph.of(
-        used, imu, noise, imu_T_camera, wanted, chosen.gravity_m_s2, chosen.gate_limit(6)
-    )
+    shift_ns = round(time_offset_s * 1e9)
+    used = covered(measurements, imu, shift_ns)
+    wanted = wanted_stamps(used.trajectory.time_ns + shift_ns, imu, stamps_ns)
+    graph = InertialGraph.of(used, imu, noise, imu_T_camera, wanted, chosen, also, time_offset_s)
+    start = _start(used, imu, noise, graph) if also and lag_s is None else None
     try:
-        found = smooth_all(graph) if lag_s is None else smooth_with_lag(graph, lag_s)
+        found = smooth_all(graph, start) if lag_s is None else smooth_with_lag(graph, lag_s)
     except RuntimeError as fault:
         if "Indeterminate" not in str(fault):
             raise
@@ -105,19 +134,40 @@ def _fused(
         ) from fault
     rows = np.searchsorted(graph.time_ns, wanted)
     path, count = measurements.trajectory, len(wanted)
-    poses = found.world_T_imu[rows] @ imu_T_camera
+    poses = found.world_T_imu[rows] @ found.imu_T_camera
     spread = found.covariance[rows]
-    fall = np.array([0.0, 0.0, -chosen.gravity_m_s2])
+    fall = -chosen.gravity_m_s2 * found.world_R_up[:, 2]
     return Fused(
         trajectory=Trajectory(wanted, poses, path.parent, path.child),
         velocity_m_s=found.velocity_m_s[rows],
         gyro_bias_rad_s=found.bias[rows, :3],
         accel_bias_m_s2=found.bias[rows, 3:],
-        covariance=camera_covariance(spread, imu_T_camera),
+        covariance=camera_covariance(spread, found.imu_T_camera),
         state_covariance=spread,
         nis=np.full(count, np.nan),
-        accepted=graph.accepted(found.world_T_imu, chosen.outlier_threshold)[rows],
+        accepted=graph.accepted(found, chosen.outlier_threshold)[rows],
         gravity_m_s2=np.tile(fall, (count, 1)),
-        imu_T_camera=Motor.stack([imu_T_camera] * count),
-        time_offset_s=np.zeros(count),
+        imu_T_camera=Motor.stack([found.imu_T_camera] * count),
+        time_offset_s=np.full(count, found.time_offset_s),
+        also=graph.judgements(found, chosen.outlier_threshold),
     )
+
+
+def _start(
+    measurements: PoseMeasurements, imu: ImuStream, noise: ImuNoise, graph: InertialGraph
+) -> tuple[Motor, FloatArray, FloatArray]:
+    """Where the filter sees the nodes by all kinds that do not relate two moments."""
+    kinds = [one for one in graph.also if one.since_ns is None]
+    shared = graph.shared
+    found = fuse(
+        measurements,
+        imu,
+        noise,
+        shared.imu_T_camera,
+        graph.time_ns,
+        also=kinds,
+        time_offset_s=shared.time_offset_s,
+        state_covariances=False,
+    )
+    bias = np.hstack([found.gyro_bias_rad_s, found.accel_bias_m_s2])
+    return found.trajectory.motors @ shared.imu_T_camera.inverse(), found.velocity_m_s, bias

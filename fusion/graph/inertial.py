@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +22,15 @@ from motorcade.fusion.filter.settings import (
     ACCEL_BIAS_SIGMA_M_S2,
     GYRO_BIAS_SIGMA_RAD_S,
     VELOCITY_SIGMA_M_S,
+    FilterSettings,
 )
+from motorcade.fusion.filter.sourced import Judgement, rows_within
+from motorcade.fusion.graph.kinds import CameraPoses, KindFactor, kind_factor
+from motorcade.fusion.graph.shared import Shared, keys
+from motorcade.fusion.graph.states import GraphStates
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.measurements.interface import MOST_NUMBERS, Measurements
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
@@ -70,22 +76,6 @@ def as_motor(poses: Sequence[gtsam.Pose3]) -> Motor:
 _POSITION_DENSITY = 1e-7
 
 
-@dataclass(frozen=True)
-class NodeKeys:
-    """gtsam's keys of a node."""
-
-    pose: int
-    velocity: int
-    bias: int
-
-
-def keys(index: int) -> NodeKeys:
-    """Keys of the node of that number."""
-    import gtsam
-
-    return NodeKeys(*(gtsam.symbol(letter, index) for letter in "xvb"))
-
-
 @dataclass(frozen=True, eq=False)
 class InertialGraph:
     """All that the graph is made of; nodes at N stamps.
@@ -98,7 +88,11 @@ class InertialGraph:
         measured: ``(N,)`` row of the measurement at each node, -1 where there is none.
         world_T_imu: Motor ``(M,)``, as measured.
         covariance: ``(M, 6, 6)`` of it, right perturbation.
-        gate: squared deviations from which on measurements lose weight; infinite: none does.
+        gates: by how many numbers a measurement has, squared deviations from which on it loses
+            weight; infinite: none does.
+        kinds: other measurements, as factors.
+        also: those measurements as they were given.
+        shared: what else is estimated.
     """
 
     time_ns: IntArray
@@ -108,7 +102,10 @@ class InertialGraph:
     measured: IntArray
     world_T_imu: Motor
     covariance: FloatArray
-    gate: float
+    gates: list[float]
+    kinds: list[KindFactor]
+    also: tuple[Measurements, ...]
+    shared: Shared
 
     @classmethod
     def of(
@@ -118,25 +115,48 @@ class InertialGraph:
         noise: ImuNoise,
         imu_T_camera: Motor,
         stamps_ns: IntArray,
-        gravity_m_s2: float,
-        gate: float,
+        settings: FilterSettings,
+        also: Sequence[Measurements] = (),
+        time_offset_s: float = 0.0,
     ) -> InertialGraph:
         """Nodes at all measured stamps and at `stamps_ns`."""
-        seen = measurements.trajectory.time_ns
-        nodes = np.union1d(seen, stamps_ns).astype(np.int64)
+        shift_ns = round(time_offset_s * 1e9)
+        seen = measurements.trajectory.time_ns + shift_ns
+        within = [rows_within(one, int(seen[0]), int(imu.time_ns[-1])) for one in also]
+        others = [
+            stamps[rows]
+            for one, rows in zip(also, within, strict=True)
+            for stamps in (one.time_ns, one.since_ns)
+            if stamps is not None
+        ]
+        nodes = np.unique(np.concatenate([seen, stamps_ns, *others])).astype(np.int64)
         data = imu.around(nodes) if len(nodes) > 1 else imu
         rows = np.full(len(nodes), -1)
         rows[np.searchsorted(nodes, seen)] = np.arange(len(seen))
         adjoint = imu_T_camera.adjoint()
+        shared = Shared(imu_T_camera, time_offset_s, *settings.known_sigmas)
+        at = data.angular_rate_rad_s[np.searchsorted(data.time_ns, nodes)]
+        made = [
+            kind_factor(one, number, row, nodes, at, shared)
+            for number, (one, rows) in enumerate(zip(also, within, strict=True))
+            for row in rows.tolist()
+        ]
+        if shared.keys:
+            path = measurements.trajectory
+            poses = CameraPoses(seen, path.motors, measurements.covariance, 1e-9 * shift_ns)
+            made += [kind_factor(poses, -1, row, nodes, at, shared) for row in range(len(seen))]
         return cls(
             nodes,
             data,
             noise,
-            gravity_m_s2,
+            settings.gravity_m_s2,
             rows,
             measurements.trajectory.motors @ imu_T_camera.inverse(),
             adjoint @ measurements.covariance @ adjoint.T,
-            gate,
+            [settings.gate_limit(n) for n in range(1, MOST_NUMBERS + 1)],
+            made,
+            tuple(also),
+            shared,
         )
 
     @cached_property
@@ -188,22 +208,36 @@ class InertialGraph:
             a.pose, a.velocity, b.pose, b.velocity, a.bias, b.bias, summed
         )
 
-    def seen(self, index: int) -> gtsam.PriorFactorPose3 | None:
-        """The factor of the pose measured at a node, if there is one."""
+    def seen(self, index: int) -> list[gtsam.NonlinearFactor]:
+        """The factors of what was measured at a node."""
         import gtsam
 
+        made = [one.factor(self.gate(one.given)) for one in self._at_nodes.get(index, [])]
         row = int(self.measured[index])
-        if row < 0:
-            return None
-        plain = gtsam.noiseModel.Gaussian.Covariance(self.covariance[row])
-        if not np.isfinite(self.gate):
-            return gtsam.PriorFactorPose3(keys(index).pose, self.poses[row], plain)
-        loss = gtsam.noiseModel.mEstimator.DCS.Create(self.gate)
-        robust = gtsam.noiseModel.Robust.Create(loss, plain)
-        return gtsam.PriorFactorPose3(keys(index).pose, self.poses[row], robust)
+        if row < 0 or self.shared.keys:  # then the pose is among the kinds
+            return made
+        model: Any = gtsam.noiseModel.Gaussian.Covariance(self.covariance[row])
+        if np.isfinite(self.gates[-1]):
+            loss = gtsam.noiseModel.mEstimator.DCS.Create(self.gates[5])
+            model = gtsam.noiseModel.Robust.Create(loss, model)
+        return [gtsam.PriorFactorPose3(keys(index).pose, self.poses[row], model), *made]
+
+    @cached_property
+    def _at_nodes(self) -> dict[int, list[KindFactor]]:
+        made: dict[int, list[KindFactor]] = {}
+        for one in self.kinds:
+            made.setdefault(one.index, []).append(one)
+        return made
+
+    def gate(self, given: Measurements) -> float:
+        """The squared deviations from which on a kind's measurements lose weight."""
+        size: int = given.covariance.shape[-1]
+        return self.gates[size - 1]
 
     def priors(self) -> list[gtsam.NonlinearFactor]:
-        """What is believed of velocity and biases at the first node: hardly anything."""
+        """What is believed beforehand of the first node's velocity and biases: hardly anything;
+        and of what all nodes share.
+        """
         import gtsam
 
         first = keys(0)
@@ -213,27 +247,32 @@ class InertialGraph:
         return [
             gtsam.PriorFactorVector(first.velocity, np.zeros(3), speed),
             gtsam.PriorFactorConstantBias(first.bias, gtsam.imuBias.ConstantBias(), biases),
+            *self.shared.priors(),
         ]
 
-    def accepted(self, poses: Motor, outlier_threshold: float) -> NDArray[np.bool_]:
-        """Whether each node's measurement, if any, has a weight to speak of."""
+    def accepted(self, found: GraphStates, outlier_threshold: float) -> NDArray[np.bool_]:
+        """Whether each node's pose, if one was measured, has a weight to speak of."""
         accepted = np.ones(len(self.time_ns), dtype=np.bool_)
+        for one in self.kinds:
+            if one.number < 0:
+                accepted[one.index] = found.squared(one) <= outlier_threshold * self.gates[5]
+        if self.shared.keys:
+            return accepted
         nodes = np.flatnonzero(self.measured >= 0)
         rows = self.measured[nodes]
-        apart = poses[nodes].local(self.world_T_imu[rows])
+        apart = found.world_T_imu[nodes].local(self.world_T_imu[rows])
         solved = np.linalg.solve(self.covariance[rows], apart[..., None])[..., 0]
-        accepted[nodes] = np.sum(apart * solved, axis=-1) <= outlier_threshold * self.gate
+        accepted[nodes] = np.sum(apart * solved, axis=-1) <= outlier_threshold * self.gates[5]
         return accepted
 
-
-def state_covariance(covariance: FloatArray, world_T_imu: Motor) -> FloatArray:
-    """Covariances ``(N, 15, 15)`` of pose, velocity and biases by gtsam, as `Fused` has them.
-
-    gtsam's velocity is in the world and its accelerometer's bias comes first.
-    """
-    change = np.zeros((len(covariance), 15, 15))
-    change[:, range(6), range(6)] = 1.0
-    change[:, 6:9, 6:9] = world_T_imu.rotor.inverse().as_matrix()
-    change[:, range(9, 15), [12, 13, 14, 9, 10, 11]] = 1.0
-    spread: FloatArray = change @ covariance @ change.swapaxes(-1, -2)
-    return 0.5 * (spread + spread.swapaxes(-1, -2))
+    def judgements(self, found: GraphStates, outlier_threshold: float) -> tuple[Judgement, ...]:
+        """What became of the other kinds."""
+        accepted = [np.zeros(len(one), dtype=np.bool_) for one in self.also]
+        for one in self.kinds:
+            if one.number >= 0:
+                limit = outlier_threshold * self.gate(one.given)
+                accepted[one.number][one.row] = found.squared(one) <= limit
+        return tuple(
+            Judgement(given.name, given.time_ns, np.full(len(given), np.nan), seen)
+            for given, seen in zip(self.also, accepted, strict=True)
+        )

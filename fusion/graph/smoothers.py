@@ -7,19 +7,13 @@ in its neighbours (marginalised) by gtsam's incremental smoother (M. Kaess et al
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from motorcade.fusion.graph.inertial import (
-    InertialGraph,
-    as_motor,
-    as_poses,
-    keys,
-    optimised,
-    state_covariance,
-)
+from motorcade.fusion.graph.inertial import InertialGraph, as_motor, as_poses, optimised
+from motorcade.fusion.graph.shared import keys
+from motorcade.fusion.graph.states import GraphStates
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -30,20 +24,13 @@ _ITERATIONS = 100
 _RELATIVE = 1e-7
 
 
-@dataclass(frozen=True, eq=False)
-class GraphStates:
-    """States at N nodes: ``world_T_imu``, velocity, biases (gyroscope first), covariance as of
-    `motorcade.fusion.filter.Fused`.
+def smooth_all(
+    graph: InertialGraph, start: tuple[Motor, FloatArray, FloatArray] | None = None
+) -> GraphStates:
+    """The most probable states, each by all the data.
+
+    Without a `start` of poses, velocities and biases at the nodes it is along the measured poses.
     """
-
-    world_T_imu: Motor
-    velocity_m_s: FloatArray
-    bias: FloatArray
-    covariance: FloatArray
-
-
-def smooth_all(graph: InertialGraph) -> GraphStates:
-    """The most probable states, each by all the data."""
     import gtsam
 
     factors = gtsam.NonlinearFactorGraph()
@@ -51,18 +38,16 @@ def smooth_all(graph: InertialGraph) -> GraphStates:
         factors.push_back(prior)
     bias = gtsam.imuBias.ConstantBias()
     for index in range(len(graph.time_ns)):
-        seen = graph.seen(index)
-        if seen is not None:
-            factors.push_back(seen)
+        for one in graph.seen(index):
+            factors.push_back(one)
         if index:
             factors.push_back(graph.motion(index, graph.summed(index, bias)))
-    return _read_all(graph, factors, optimised(factors, _start(graph), _ITERATIONS, _RELATIVE))
+    values = _along(graph, *(_measured(graph) if start is None else start))
+    return _read_all(graph, factors, optimised(factors, values, _ITERATIONS, _RELATIVE))
 
 
-def _start(graph: InertialGraph) -> gtsam.Values:
-    """Along the measured poses, with their velocities and without biases."""
-    import gtsam
-
+def _measured(graph: InertialGraph) -> tuple[Motor, FloatArray, FloatArray]:
+    """Poses and velocities along the measured poses, and no biases."""
     seen = graph.measured >= 0
     path = Trajectory(graph.time_ns[seen], graph.world_T_imu[graph.measured[seen]])
     poses = path.motors_at(np.minimum(graph.time_ns, path.time_ns[-1]))
@@ -71,12 +56,22 @@ def _start(graph: InertialGraph) -> gtsam.Values:
         measured = np.gradient(path.motors.translation_m, path.time_s, axis=0)
         columns = [np.interp(graph.time_ns, path.time_ns, one) for one in measured.T]
         velocity = np.stack(columns, axis=-1)
+    return poses, velocity, np.zeros((len(poses), 6))
+
+
+def _along(
+    graph: InertialGraph, poses: Motor, velocity: FloatArray, bias: FloatArray
+) -> gtsam.Values:
+    import gtsam
+
     values = gtsam.Values()
     for index, pose in enumerate(as_poses(poses)):
         node = keys(index)
         values.insert(node.pose, pose)
         values.insert(node.velocity, velocity[index])
-        values.insert(node.bias, gtsam.imuBias.ConstantBias())
+        own = gtsam.imuBias.ConstantBias(bias[index, 3:], bias[index, :3])
+        values.insert(node.bias, own)
+    graph.shared.insert(values)
     return values
 
 
@@ -93,13 +88,17 @@ def _read_all(
         velocity.append(found.atVector(node.velocity))
         own = found.atConstantBias(node.bias)
         bias.append(np.concatenate([own.gyroscope(), own.accelerometer()]))
-        names = gtsam.KeyVector([node.pose, node.velocity, node.bias])
-        joint = marginals.jointMarginalCovariance(names)
-        ordered = [node.pose, node.velocity, node.bias]
+        ordered = [node.pose, node.velocity, node.bias, *graph.shared.keys.values()]
+        joint = marginals.jointMarginalCovariance(gtsam.KeyVector(ordered))
         covariance.append(np.block([[joint.at(a, b) for b in ordered] for a in ordered]))
-    motors = as_motor(poses)
-    spread = state_covariance(np.array(covariance), motors)
-    return GraphStates(motors, np.array(velocity), np.array(bias), spread)
+    return GraphStates.of(
+        as_motor(poses),
+        np.array(velocity),
+        np.array(bias),
+        np.array(covariance),
+        graph.shared,
+        found,
+    )
 
 
 # Steps of Gauss and Newton at each node: the loss is not quadratic, and a prediction after long
@@ -130,9 +129,14 @@ def smooth_with_lag(graph: InertialGraph, lag_s: float) -> GraphStates:
             rows.append(_read_node(smoother, unread))
             unread += 1
     poses, velocity, bias, covariance = zip(*rows, strict=True)
-    motors = as_motor(poses)
-    spread = state_covariance(np.array(covariance), motors)
-    return GraphStates(motors, np.array(velocity), np.array(bias), spread)
+    return GraphStates.of(
+        as_motor(poses),
+        np.array(velocity),
+        np.array(bias),
+        np.array(covariance),
+        graph.shared,
+        gtsam.Values(),
+    )
 
 
 def _add(
@@ -142,9 +146,9 @@ def _add(
     import gtsam
 
     factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
-    node, seen = keys(index), graph.seen(index)
-    if seen is not None:
-        factors.push_back(seen)
+    node = keys(index)
+    for one in graph.seen(index):
+        factors.push_back(one)
     if index == 0:
         for prior in graph.priors():
             factors.push_back(prior)

@@ -1,7 +1,7 @@
 """Kinds of measurements beside the camera's poses: one interface for filter, smoother and graph.
 
 Each kind holds N measurements with stamps of the IMU's clock, in a world whose z points up. They go
-into `motorcade.fusion.fuse` as `also=[…]`, and into a `PoseFilter` by its `measure`.
+into `fuse` and `fuse_by_graph` as `also=[…]`, and into a `PoseFilter` by its `measure`.
 `Measurements` says how to write a kind of one's own; `jacobian_error` checks its derivative.
 """
 

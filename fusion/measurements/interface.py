@@ -7,7 +7,7 @@ otherwise it is taken by differences. The error has 30 numbers, in these columns
     rotation φ (rad), position ρ (m), velocity ν (m/s)  of the right perturbation, in the IMU's axes
     gyroscope bias, accelerometer bias                   true less estimated
     tilt of gravity (2, rad), extrinsics (6: rad, m)     where they are estimated
-    time offset (1, s)                                   never felt: stamps are the IMU's
+    time offset of the camera (1, s)                     where it is estimated
     earlier pose (6: rad, m)                             of kinds that relate two moments
 
 with ``R' = R Exp(φ)``, ``p' = p + R ρ``, ``v' = v + R ν`` to first order.
@@ -25,7 +25,7 @@ from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
 
 ROTATION, POSITION, VELOCITY, GYRO_BIAS, ACCEL_BIAS = (slice(3 * i, 3 * i + 3) for i in range(5))
-TILT, EXTRINSICS, EARLIER = slice(15, 17), slice(17, 23), slice(24, 30)
+TILT, EXTRINSICS, OFFSET, EARLIER = slice(15, 17), slice(17, 23), 23, slice(24, 30)
 EARLIER_ROTATION, EARLIER_POSITION = slice(24, 27), slice(27, 30)
 ERROR_NUMBERS = 30
 
@@ -41,7 +41,7 @@ def skew(vector: FloatArray) -> FloatArray:
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
-def _turn(angles: FloatArray) -> FloatArray:
+def turn(angles: FloatArray) -> FloatArray:
     """``Exp(φ)`` as a matrix ``(3, 3)``."""
     angle = float(np.linalg.norm(angles))
     across = skew(angles)
@@ -61,6 +61,7 @@ class PredictedState:
         gyro_bias_rad_s, accel_bias_m_s2: ``(3,)``.
         world_R_gravity: ``(3, 3)``; turns -z to where gravity points.
         imu_T_camera: coefficients ``(8,)`` of that motor.
+        time_offset_s: what is added to a camera's stamps to be the IMU's time.
         earlier_world_R_imu, earlier_position_m: the pose at the moment that the measurement
             refers to, of kinds that have `Measurements.since_ns`.
 
@@ -85,6 +86,7 @@ class PredictedState:
     accel_bias_m_s2: FloatArray
     world_R_gravity: FloatArray
     imu_T_camera: FloatArray
+    time_offset_s: float
 
     @classmethod
     def at(
@@ -108,6 +110,7 @@ class PredictedState:
             zero,
             np.eye(3),
             Motor.identity().coefficients,
+            0.0,
         )
 
     @classmethod
@@ -119,7 +122,7 @@ class PredictedState:
             given,
             gyro_bias_rad_s=0.1 * rng.standard_normal(3),
             accel_bias_m_s2=0.1 * rng.standard_normal(3),
-            world_R_gravity=_turn(0.1 * rng.standard_normal(3)),
+            world_R_gravity=turn(0.1 * rng.standard_normal(3)),
             imu_T_camera=camera.coefficients,
         )
 
@@ -141,22 +144,22 @@ class PredictedState:
 
     def retract(self, error: FloatArray) -> PredictedState:
         """The state with an error of 30 numbers on its right; exact for one that only turns."""
-        turn = self.world_R_imu @ _turn(error[ROTATION])
         leaning = np.append(error[TILT], 0.0)
         camera = self.imu_T_camera
         if error[EXTRINSICS].any():
             camera = Motor(camera).retract(error[EXTRINSICS]).coefficients
         return PredictedState(
-            turn,
+            self.world_R_imu @ turn(error[ROTATION]),
             self.position_m + self.world_R_imu @ error[POSITION],
-            self.earlier_world_R_imu @ _turn(error[EARLIER_ROTATION]),
+            self.earlier_world_R_imu @ turn(error[EARLIER_ROTATION]),
             self.earlier_position_m + self.earlier_world_R_imu @ error[EARLIER_POSITION],
             self.velocity_m_s + self.world_R_imu @ error[VELOCITY],
             self.angular_rate_rad_s - error[GYRO_BIAS],
             self.gyro_bias_rad_s + error[GYRO_BIAS],
             self.accel_bias_m_s2 + error[ACCEL_BIAS],
-            self.world_R_gravity @ _turn(leaning),
+            self.world_R_gravity @ turn(leaning),
             camera,
+            self.time_offset_s + error[OFFSET],
         )
 
 

@@ -60,6 +60,7 @@ public:
         motorcade_velocity_effect(upright, fall);
         known.insert(known.end(), fall, fall + 9);
         known.insert(known.end(), state.imu_T_camera, state.imu_T_camera + 8);
+        known.push_back(state.delay_s);
         const std::size_t count = known.size();
         const auto made = nb::cast<Rows>(predict_(row, array(known, {count})));
         expect(made.shape(0) == size && made.shape(1) == 1 + most,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.fusion.filter import FilterSettings, Fused, fuse
+from motorcade.fusion.filter import FilterSettings, Fused, RestDetection, fuse
 from motorcade.fusion.graph import fuse_by_graph
 from motorcade.fusion.imu import ADIS16448
 from motorcade.fusion.metrics import absolute_translation_m, rotation_rad
@@ -151,7 +151,8 @@ def test_it_returns_what_the_filter_returns(record: Record, rng):
         ({"lag_s": 0.0}, "lag_s"),
         ({"stamps_ns": np.array([1.0])}, "stamps_ns: expected rising"),
         ({"stamps_ns": np.array([5])}, "stamps_ns: expected some"),
-        ({"settings": FilterSettings(gravity_sigma_rad=0.1)}, "settings"),
+        ({"settings": FilterSettings(gravity_sigma_rad=0.1), "lag_s": 1.0}, "settings"),
+        ({"settings": FilterSettings(rest=RestDetection())}, "settings"),
     ],
 )
 def test_bad_input_is_refused(record: Record, rng, options, says):
