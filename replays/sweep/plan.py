@@ -10,8 +10,8 @@
     tracked.by = "simulated"    # the same in every run
     fused.gate = [0.99, 0.9999]          # each in turn; every combination is run
 
-Paths are relative to the file. A list is always a list of alternatives: a knob that holds several
-values is written as text, as on the command line ("motor,euler").
+Paths are relative to the file, those of knobs too. A list is always a list of alternatives: a knob
+that holds several values is written as text, as on the command line ("motor,euler").
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.engine.stage import GraphError
 from motorcade.replays.errors import RecordingError, one_line, refusal
-from motorcade.replays.readers.manifest.section import Section, load_toml
+from motorcade.replays.readers.manifest.section import Section, load_toml, setting_from
 
 MOST_RUNS = 100_000
 _KEYS = ("recordings", "seeds", "until", "knobs")
@@ -154,6 +154,7 @@ def _knobs(top: Section) -> Iterator[tuple[str, tuple[str, ...]]]:
             name = f"{stage}.{knob}"
             values = value if isinstance(value, list) else [value]
             texts = tuple(_text(top, name, one) for one in values)
+            texts = tuple(_from_file(top, name, text) for text in texts)
             if not texts or len(set(texts)) < len(texts):
                 raise top.fault(
                     f"knobs.{name}", f"expected different values, got {one_line(value)}"
@@ -167,6 +168,12 @@ def _text(top: Section, name: str, value: object) -> str:
     if isinstance(value, int | float | str):
         return str(value)
     raise top.fault(f"knobs.{name}", f"expected a number, text or truth, got {one_line(value)}")
+
+
+def _from_file(top: Section, name: str, text: str) -> str:
+    """The value of a knob; a file that it names is looked for beside the sweep's."""
+    setting = setting_from(f"{name}={text}", lambda value: top.path.parent / value)
+    return setting.partition("=")[2]
 
 
 def _recordings(top: Section) -> tuple[tuple[Path, Path | None], ...]:

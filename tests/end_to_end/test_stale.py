@@ -39,23 +39,24 @@ def test_what_read_a_changed_file_is_made_again_and_nothing_else(
     assert made.faults == (), made
 
 
-def test_a_sweep_that_stands_elsewhere_means_other_files(
+def test_a_sweep_means_the_files_beside_it_wherever_it_is_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     glb = next(kind for kind in CHARACTERS if kind.name == ".glb")
     write_tiny(tmp_path / "recording", 0.1)
     knobs = [f"{name} = {value!r}" for name, _, value in (one.partition("=") for one in STEADY)]
-    knobs += ["placed.character = 'hero.glb'", "placed.clip = 'bend'"]
+    knobs += ["placed.character = 'figures/hero.glb'", "placed.clip = 'bend'"]
     plan = tmp_path / "sweep.toml"
     plan.write_text(
         "\n".join(["recordings = ['recording']", "until = 'placed'", "[knobs]", *knobs])
     )
-    for name in ("one", "two"):
-        (tmp_path / name).mkdir()
-        glb.write(tmp_path / name)
-    glb.change(tmp_path / "two" / "hero.glb")
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    changing = glb.write(tmp_path / "figures")
     done = []
-    for name in ("one", "two", "one", "two"):
-        monkeypatch.chdir(tmp_path / name)
+    for place in (tmp_path, tmp_path / "elsewhere"):
+        monkeypatch.chdir(place)
         done.append(swept(plan, tmp_path).done)
-    assert done == [1, 1, 0, 0]
+    glb.change(changing)
+    done.append(swept(plan, tmp_path).done)
+    assert done == [1, 0, 1]

@@ -40,6 +40,7 @@ from motorcade.replays.readers.manifest.section import (
     section_camera,
     section_markers,
     section_slam,
+    setting_from,
 )
 from motorcade.replays.readers.manifest.truth import TRUTH_KEYS, read_truth
 from motorcade.replays.readers.tables import UNITS
@@ -98,7 +99,7 @@ class _Manifest:
         if "name" in self.top:
             made = replace(made, name=self.top.text("name"))
         if "settings" in self.top:
-            made = replace(made, settings=self.top.texts("settings"))
+            made = replace(made, settings=tuple(map(self._setting, self.top.texts("settings"))))
         made = self._with_camera(made)
         if "stereo" in self.top:
             made = self._with_right(made)
@@ -126,9 +127,15 @@ class _Manifest:
     def _section(self, name: str, keys: tuple[str, ...]) -> Section:
         return Section(self.path, name, self.table[name], keys)
 
+    def _setting(self, text: str) -> str:
+        """A setting whose file, where it names one, is looked for as those of keys are."""
+        return setting_from(text, lambda name: self._named(self.top, "settings", name))
+
     def _file(self, section: Section, key: str) -> Path:
         """The file that a key names."""
-        name = section.text(key)
+        return self._named(section, key, section.text(key))
+
+    def _named(self, section: Section, key: str, name: str) -> Path:
         if not self.may_leave:
             path = inside(self.folder, name, self.path)
             if not Path(realpath(path)).is_relative_to(realpath(self.folder)):

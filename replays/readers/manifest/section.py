@@ -35,6 +35,17 @@ from motorcade.tracking.slam import MapSnapshot
 
 TOML_LIMIT = 2**16
 _WHOLE_LIMIT = 1_000_000
+FILE_KNOBS = {"placed.character": "mannequin"}
+"""Knobs that name a file, and the word by which each names none; a test asks the stages."""
+
+
+def setting_from(setting: str, file: Callable[[str], Path]) -> str:
+    """A setting, `stage.knob=value`, as it stands in a file, which says where others lie."""
+    name, equals, value = setting.partition("=")
+    no_file = FILE_KNOBS.get(name.strip())
+    if no_file is None or not equals or value.strip() in ("", no_file):
+        return setting
+    return f"{name}={file(value.strip())}"
 
 
 def load_toml(path: Path) -> dict[str, object]:

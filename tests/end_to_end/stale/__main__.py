@@ -23,7 +23,7 @@ from typing import Any
 
 from motorcade.replays.pipeline import Job, pipeline_graph, run_job
 from motorcade.replays.sweep import read_sweep, run_sweep
-from tests.end_to_end.stale.kinds import CHARACTERS, COMMENT, RECORDINGS, Kind, assimp
+from tests.end_to_end.stale.kinds import CHARACTERS, COMMENT, CONTAINERS, RECORDINGS, Kind, assimp
 from tests.replays.tiny_recordings import write_tiny
 
 STEADY = (
@@ -63,9 +63,9 @@ def written(folder: Path, kind: Kind) -> tuple[Path, Path, tuple[str, ...]]:
     recording = write_tiny(folder / "recording", 0.1)
     if not kind.character:
         return recording, kind.write(recording), STEADY
-    (folder / "figure").mkdir()
-    character = f"placed.character={folder / 'figure' / kind.character}"
-    changing = kind.write(folder / "figure")
+    (recording / "figure").mkdir()
+    character = f"placed.character={recording / 'figure' / kind.character}"
+    changing = kind.write(recording / "figure")
     return recording, changing, (*STEADY, character, f"placed.clip={kind.clip}")
 
 
@@ -74,10 +74,14 @@ def of_a_run(kind: Kind, way: str, folder: Path, cache: Path) -> Row:
     recording, changing, settings = written(folder, kind)
     if way == "manifest" and kind.character:
         manifest = recording / "motorcade.toml"
+        settings = tuple(one.replace(f"{recording}/", "") for one in settings)  # as seen from there
         manifest.write_text(f"settings = {json.dumps(settings)}\n{manifest.read_text()}")
         settings = ()
     last = "errors" if not kind.character else "overlay" if way == "knob" else "placed"
-    job = Job(recording, folder / "out", cache=cache, until=last, settings=settings)
+    given = recording / "given.toml" if kind.container else None
+    job = Job(
+        recording / kind.container, folder / "out", given, cache, until=last, settings=settings
+    )
     before = ran(job)
     shutil.copytree(changing.parent, folder / "as it was", symlinks=True)
     kind.change(changing)
@@ -132,14 +136,21 @@ def of_a_sweep(kind: Kind, folder: Path) -> Row:
     knobs = [f"{one.partition('=')[0]} = {json.dumps(one.partition('=')[2])}" for one in STEADY]
     places = [own, recording]
     if kind.character:
-        characters = [str(folder / name / "figure" / kind.character) for name in ("one", "other")]
+        characters = [f"{name}/recording/figure/{kind.character}" for name in RUNS]
         knobs += [f"placed.character = {json.dumps(characters)}", f'placed.clip = "{kind.clip}"']
         places = [own]
     plan = folder / "sweep.toml"
     last = "placed" if kind.character else "errors"
-    heads = [f"recordings = {json.dumps([str(one) for one in places])}", f'until = "{last}"']
+    named = [str(one / kind.container) for one in places]
+    tables = [f"{{path = {json.dumps(one)}}}" for one in named]
+    if kind.container:
+        tables = [
+            f'{{path = "{name}", manifest = "{one}/given.toml"}}'
+            for name, one in zip(named, places, strict=True)
+        ]
+    heads = [f"recordings = [{', '.join(tables)}]", f'until = "{last}"']
     plan.write_text("\n".join([*heads, "[knobs]", *knobs]))
-    marks = [str(folder / one / ("figure" if kind.character else "recording")) for one in RUNS]
+    marks = [str(folder / one / "recording" / ("figure" if kind.character else "")) for one in RUNS]
     swept(plan, folder)
     before = [finished_at(folder, mark) for mark in marks]
     kind.change(changing)
@@ -166,7 +177,8 @@ def finished_at(folder: Path, mark: str) -> int:
 def cases() -> list[tuple[Kind, str]]:
     """Every kind of file by every way in which it is named."""
     made = [(kind, way) for kind in CHARACTERS for way in ("knob", "manifest", "sweep")]
-    return made + [(kind, way) for kind in (*RECORDINGS, COMMENT) for way in ("folder", "sweep")]
+    made += [(kind, way) for kind in (*RECORDINGS, COMMENT) for way in ("folder", "sweep")]
+    return made + [(kind, way) for kind in CONTAINERS for way in ("given", "sweep")]
 
 
 def row(kind: Kind, way: str, folder: Path, cache: Path) -> Row:

@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.pipeline import pipeline_graph
+from motorcade.replays.readers.manifest import section
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
 from motorcade.tracking.boards import CharucoBoard, Checkerboard, MarkerGrid, SingleMarker
@@ -284,6 +286,39 @@ def test_a_found_manifest_may_not_look_outside(make: Make) -> None:
     (made.root / "motorcade.toml").write_text(FRAMES + TRUTH.replace("poses", "link"))
     with pytest.raises(RecordingError, match=r"\[truth\] file: .* got a link out of it"):
         open_recording(made.root)
+
+
+def test_settings_of_a_found_manifest_may_not_look_outside(make: Make) -> None:
+    made = make("folder")
+    for name in ("../hero.glb", str(made.root.parent / "hero.glb")):
+        text = f"settings = ['placed.character={name}']\n" + FRAMES
+        (made.root / "motorcade.toml").write_text(text)
+        with pytest.raises(RecordingError, match="expected a file name inside"):
+            open_recording(made.root)
+    for value in ("mannequin", ""):
+        text = f"settings = ['placed.character={value}', 'smoothed.order=1']\n" + FRAMES
+        (made.root / "motorcade.toml").write_text(text)
+        settings = (f"placed.character={value}", "smoothed.order=1")
+        assert open_recording(made.root).settings == settings
+
+
+def test_files_that_settings_name_lie_in_the_recording(make: Make) -> None:
+    made = make("folder")
+    text = "settings = ['placed.character=figures/hero.glb']\n" + FRAMES
+    (made.root / "motorcade.toml").write_text(text)
+    expected = (f"placed.character={made.root / 'figures' / 'hero.glb'}",)
+    assert open_recording(made.root).settings == expected
+    assert described(made.root, text).settings == expected
+
+
+def test_knobs_of_files_are_known() -> None:
+    named = {
+        f"{stage.name}.{name}": str(knob.default)
+        for stage in pipeline_graph().stages.values()
+        for name, knob in stage.knobs.items()
+        if knob.annotation is Path
+    }
+    assert named == section.FILE_KNOBS
 
 
 @settings(deadline=None, max_examples=100)
