@@ -8,6 +8,7 @@ from motorcade.render.plots.errors import (
     plot_squares,
     plot_within_sigma,
 )
+from motorcade.render.plots.evaluations import ErrorsAlong, plot_errors_along
 from motorcade.render.plots.style import standing_alone
 from motorcade.render.plots.trajectories import (
     plot_path_3d,
@@ -17,9 +18,11 @@ from motorcade.render.plots.trajectories import (
 
 __all__ = [
     "Band",
+    "ErrorsAlong",
     "plot_allan",
     "plot_bands",
     "plot_coverage",
+    "plot_errors_along",
     "plot_path_3d",
     "plot_plan_and_elevation",
     "plot_rotation_and_twist",

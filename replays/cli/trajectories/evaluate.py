@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, cast, get_args
 from motorcade.replays.cli.arguments import Subparsers, check_known, new_command
 
 if TYPE_CHECKING:
-    from motorcade.fusion.metrics import Evaluation, Matched, Relation
+    from motorcade.fusion.metrics import Delta, Evaluation, Matched, Relation
     from motorcade.ga import Trajectory
 
 Figures = Mapping[str, float | int | str | None]
@@ -74,6 +74,15 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help="write all results there; of several estimates by their names",
+    )
+    parser.add_argument(
+        "--errors", type=Path, metavar="FILE", help="write the errors of every pair there, as CSV"
+    )
+    parser.add_argument(
+        "--plot",
+        type=Path,
+        metavar="FILE.svg",
+        help="draw errors over time, and maps of the estimates coloured by their position error",
     )
 
 
@@ -167,11 +176,15 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
     from motorcade.replays.files.atomic import write_bytes
     from motorcade.replays.files.trajectories import read_trajectory
 
+    if arguments.plot is not None and arguments.plot.suffix != ".svg":
+        raise ValueError(f"--plot: expected a name ending in .svg, got {arguments.plot}")
     reference = read_trajectory(arguments.reference, rate_hz=arguments.rate_hz)
-    found: dict[str, Evaluation] = {}
+    matched: dict[str, Matched] = {}
     for name, path in zip(_names(arguments.estimates), arguments.estimates, strict=True):
         estimate = read_trajectory(path, rate_hz=arguments.rate_hz)
-        found[name] = _evaluated(_matched(arguments, estimate, reference), arguments)
+        matched[name] = _matched(arguments, estimate, reference)
+    delta = _delta(arguments)
+    found = {name: _evaluated(one, delta, arguments) for name, one in matched.items()}
     figures = {name: one.as_dict() for name, one in found.items()}
     for line in _table(figures, None if arguments.all else _printed(found)):
         print(line)
@@ -179,6 +192,14 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
         (only, *more) = figures.values()
         text = json.dumps(figures if more else only, indent=2)
         write_bytes(arguments.json, (text + "\n").encode())
+    if arguments.errors is not None:
+        from motorcade.replays.evaluation import error_rows
+
+        write_bytes(arguments.errors, "\n".join([*error_rows(matched), ""]).encode())
+    if arguments.plot is not None:
+        from motorcade.replays.evaluation import error_picture
+
+        write_bytes(arguments.plot, error_picture(matched, delta, arguments.project).encode())
 
 
 def _matched(arguments: argparse.Namespace, estimate: Trajectory, reference: Trajectory) -> Matched:
@@ -198,20 +219,26 @@ def _matched(arguments: argparse.Namespace, estimate: Trajectory, reference: Tra
     )
 
 
-def _evaluated(matched: Matched, arguments: argparse.Namespace) -> Evaluation:
-    from motorcade.fusion.metrics import Delta, evaluate_matched
+def _delta(arguments: argparse.Namespace) -> Delta:
+    from motorcade.fusion.metrics import Delta
+
+    return Delta(
+        arguments.delta,
+        arguments.delta_unit,
+        arguments.all_pairs,
+        arguments.delta_tolerance,
+        arguments.pairs_from,
+    )
+
+
+def _evaluated(matched: Matched, delta: Delta, arguments: argparse.Namespace) -> Evaluation:
+    from motorcade.fusion.metrics import evaluate_matched
 
     return evaluate_matched(
         matched,
         arguments.rpe_length_m,
         arguments.energy_above_hz,
-        delta=Delta(
-            arguments.delta,
-            arguments.delta_unit,
-            arguments.all_pairs,
-            arguments.delta_tolerance,
-            arguments.pairs_from,
-        ),
+        delta=delta,
         relations=_relations(arguments.relations),
         drift_lengths_m=_lengths_m(arguments.drift),
     )
