@@ -1,4 +1,4 @@
-"""Trajectories edited: cropped, thinned, merged, shifted in time, scaled, turned about, projected.
+"""Trajectories edited: thinned, merged, shifted in time, scaled, inverted, with drift.
 
 Each function gives a new trajectory. Definitions are those of evo (github.com/MichaelGrupp/evo), so
 that what other tools made can be made here, too.
@@ -8,49 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.trajectory import Trajectory
 from motorcade.ga.versors.motor import Motor
-from motorcade.ga.versors.rotor import Rotor
 from motorcade.ga.versors.similarity import Similarity
-
-Plane = Literal["xy", "xz", "yz"]
-"""Two axes of a trajectory's parent frame."""
-
-_NORMAL = {"xy": 2, "xz": 1, "yz": 0}
-
-
-def cropped(
-    trajectory: Trajectory, start_ns: int | None = None, end_ns: int | None = None
-) -> Trajectory:
-    """The poses from one stamp to another, both included; None: from the first, to the last.
-
-    Raises:
-        ValueError: no pose lies there.
-
-    Examples:
-        >>> import numpy as np
-        >>> from motorcade.ga import Motor, Trajectory
-        >>> from motorcade.ga.trajectory_edits import cropped
-        >>> path = Trajectory(np.arange(5), Motor.identity((5,)))
-        >>> cropped(path, 1, 3).time_ns
-        array([1, 2, 3])
-    """
-    stamps = trajectory.time_ns
-    first = int(stamps[0]) if start_ns is None else start_ns
-    last = int(stamps[-1]) if end_ns is None else end_ns
-    kept = (stamps >= first) & (stamps <= last)
-    if not kept.any():
-        raise ValueError(
-            f"cropped: expected poses from {first} to {last} ns, got none; they span "
-            f"{stamps[0]} to {stamps[-1]} ns"
-        )
-    return trajectory[kept]
 
 
 def downsampled(trajectory: Trajectory, most: int) -> Trajectory:
@@ -226,71 +190,6 @@ def propagated(trajectory: Trajectory, right: Motor) -> Trajectory:
         made.append(Motor.normalize((made[-1] @ step).coefficients))
     stacked = Motor.stack(made)
     return Trajectory(trajectory.time_ns, stacked, trajectory.parent, trajectory.child)
-
-
-def projected(trajectory: Trajectory, plane: Plane) -> Trajectory:
-    """Positions put onto a plane through the origin, rotations cut to a turn about its normal.
-
-    The turn is the angle about that axis of the rotation's fixed-axis angles x, y, z (yaw for
-    "xy"), as evo has it. For "xz" the angle about y is the middle one: it lies within ±90°, and a
-    turn beyond folds back (`folds_back` tells where).
-
-    Raises:
-        ValueError: another plane, or similarities.
-
-    Examples:
-        >>> import numpy as np
-        >>> from motorcade.ga import Motor, Trajectory
-        >>> from motorcade.ga.trajectory_edits import projected
-        >>> world_T_camera = Motor.from_euler_translation([[0.2, 0.0, 0.0]], [[1.0, 2.0, 3.0]])
-        >>> flat = projected(Trajectory(np.array([0]), world_T_camera), "xy")
-        >>> flat.poses.translation_m, float(flat.poses.rotor.angle()[0])
-        (array([[1., 2., 0.]]), 0.0)
-    """
-    normal = _normal(plane)
-    poses = trajectory.motors
-    angles = np.zeros((len(trajectory), 3))
-    angles[:, normal] = _fixed_angles(poses.rotor)[:, normal]
-    place = np.array(poses.translation_m)
-    place[:, normal] = 0.0
-    made = Motor.from_rotor_translation(Rotor.from_rotation_vector(angles), place)
-    return Trajectory(trajectory.time_ns, made, trajectory.parent, trajectory.child)
-
-
-def folds_back(trajectory: Trajectory, plane: Plane) -> NDArray[np.bool_]:
-    """Whether each pose ``(N,)`` turns by more than 90° about y, which `projected` folds back.
-
-    Examples:
-        >>> import numpy as np
-        >>> from motorcade.ga import Motor, Rotor, Trajectory
-        >>> from motorcade.ga.trajectory_edits import folds_back
-        >>> turns = Rotor.from_rotation_vector([[0.0, 1.0, 0.0], [0.0, 2.0, 0.0]])
-        >>> path = Trajectory(np.arange(2), Motor.from_rotor_translation(turns, np.zeros(3)))
-        >>> folds_back(path, "xz")
-        array([False,  True])
-    """
-    if _normal(plane) != 1:
-        return np.zeros(len(trajectory), dtype=np.bool_)
-    folded: NDArray[np.bool_] = np.abs(_fixed_angles(trajectory.motors.rotor)[:, 0]) > np.pi / 2
-    return folded
-
-
-def _normal(plane: str) -> int:
-    if plane not in _NORMAL:
-        raise ValueError(f"plane: expected one of {', '.join(get_args(Plane))}, got {plane!r}")
-    return _NORMAL[plane]
-
-
-def _fixed_angles(rotor: Rotor) -> FloatArray:
-    """Angles ``(N, 3)`` about the fixed axes x, then y, then z."""
-    matrix = rotor.as_matrix()
-    across = np.hypot(matrix[:, 0, 0], matrix[:, 1, 0])
-    steep = across <= 4.0 * np.finfo(np.float64).eps
-    roll = np.arctan2(matrix[:, 2, 1], matrix[:, 2, 2])
-    yaw = np.arctan2(matrix[:, 1, 0], matrix[:, 0, 0])
-    roll[steep] = np.arctan2(-matrix[steep, 1, 2], matrix[steep, 1, 1])
-    yaw[steep] = 0.0
-    return np.stack([roll, np.arctan2(-matrix[:, 2, 0], across), yaw], axis=1)
 
 
 def _angle(first: Sequence[float], second: Sequence[float]) -> float:

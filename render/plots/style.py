@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INK, GRID, PAGE = "#123456", "#abcdef", "#fedcba"
+PRINTED = ("#222222", "#dddddd", "#ffffff")
+"""Ink, grid and page of figures that are files of their own."""
 
 HUES: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
@@ -84,7 +86,7 @@ def page_colours() -> str:
 
 
 @contextmanager
-def house_style() -> Iterator[None]:
+def house_style(ink: str = INK, grid: str = GRID, page: str = PAGE) -> Iterator[None]:
     """Matplotlib settings that hold inside the block; nothing global changes."""
     import matplotlib as mpl
 
@@ -93,24 +95,24 @@ def house_style() -> Iterator[None]:
         "font.size": 10.0,
         "axes.titlesize": 10.0,
         "axes.titlelocation": "left",
-        "axes.edgecolor": GRID,
-        "axes.facecolor": PAGE,
-        "axes.labelcolor": INK,
-        "axes.titlecolor": INK,
+        "axes.edgecolor": grid,
+        "axes.facecolor": page,
+        "axes.labelcolor": ink,
+        "axes.titlecolor": ink,
         "axes.grid": True,
         "axes.spines.top": False,
         "axes.spines.right": False,
-        "figure.facecolor": PAGE,
+        "figure.facecolor": page,
         "figure.constrained_layout.use": True,
-        "grid.color": GRID,
+        "grid.color": grid,
         "grid.linewidth": 0.6,
         "legend.frameon": False,
-        "legend.labelcolor": INK,
+        "legend.labelcolor": ink,
         "lines.linewidth": 1.2,
         "lines.solid_joinstyle": "round",
-        "text.color": INK,
-        "xtick.color": INK,
-        "ytick.color": INK,
+        "text.color": ink,
+        "xtick.color": ink,
+        "ytick.color": ink,
         "xtick.major.size": 0.0,
         "ytick.major.size": 0.0,
         "svg.fonttype": "none",

@@ -15,7 +15,7 @@ from motorcade.replays.cli.characters import author, blend
 from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, sweep
 from motorcade.replays.cli.sensors import allan, calibrate, detect, simulate_imu, sync
 from motorcade.replays.cli.tools import doctor, generate
-from motorcade.replays.cli.trajectories import compare, consistency, evaluate, smooth
+from motorcade.replays.cli.trajectories import compare, consistency, evaluate, smooth, trajectory
 from motorcade.replays.errors import did_you_mean
 
 COMMANDS = (
@@ -26,6 +26,7 @@ COMMANDS = (
     detect,
     calibrate,
     smooth,
+    trajectory,
     evaluate,
     simulate_imu,
     allan,

@@ -9,12 +9,12 @@ from typing import cast
 
 import numpy as np
 
-from motorcade.ga import Motor, Rotor
+from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.plain_yaml import YamlError, parse_yaml
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.files.door import read_bounded
-from motorcade.replays.files.trajectories import UNIT_TOLERANCE
+from motorcade.replays.files.transforms import as_float, is_number, transform
 from motorcade.replays.readers.tables import data_rows
 from motorcade.tracking.cameras.camera import Camera, CameraModel
 
@@ -111,38 +111,6 @@ def make_camera(
         raise refusal(path, str(fault)) from fault
 
 
-def transform(value: object, path: Path, field: str) -> Motor:
-    """Make a motor of a 4 by 4 matrix: four rows of four, or sixteen numbers row by row.
-
-    Rounded rotations are made orthonormal, within `files.trajectories.UNIT_TOLERANCE`.
-
-    Raises:
-        RecordingError: not sixteen finite numbers, or not a rigid motion.
-    """
-    expected = "expected 4 rows of 4 numbers"
-    rows = value.tolist() if isinstance(value, np.ndarray) else value
-    if isinstance(rows, list) and len(rows) == 4:
-        rows = [item for row in rows if isinstance(row, list) for item in row]
-    if not isinstance(rows, list) or len(rows) != 16 or not all(map(_is_number, rows)):
-        raise refusal(path, f"{expected}, got {one_line(value)}", field=field)
-    matrix = np.array([_as_float(item) for item in rows]).reshape(4, 4)
-    if np.abs(matrix).max() > 1e9:
-        raise refusal(path, f"{expected} within 1e9, got {np.abs(matrix).max():g}", field=field)
-    rotation = matrix[:3, :3]
-    excess = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
-    if excess > UNIT_TOLERANCE or np.linalg.det(rotation) < 0.0:
-        raise refusal(
-            path,
-            f"expected a rotation (R^T R within {UNIT_TOLERANCE} of 1, determinant 1), got a "
-            f"difference of {excess:.3g}, determinant {np.linalg.det(rotation):.3g}",
-            field=field,
-        )
-    if np.abs(matrix[3] - (0.0, 0.0, 0.0, 1.0)).max() > 1e-6:
-        raise refusal(path, f"expected the last row 0 0 0 1, got {matrix[3]}", field=field)
-    left, _, right = np.linalg.svd(rotation)
-    return Motor.from_rotor_translation(Rotor.from_matrix(left @ right), matrix[:3, 3])
-
-
 def read_numbers(
     path: Path, counts: Sequence[int] | None = None, most: int = 100_000
 ) -> FloatArray:
@@ -209,21 +177,6 @@ def yaml_floats(
         raise refusal(path, f"{expected}, got {one_line(value)}", field=key)
     if count is not None and len(value) != count:
         raise refusal(path, f"{expected}, got {len(value)}", field=key)
-    if not all(map(_is_number, value)):
+    if not all(map(is_number, value)):
         raise refusal(path, f"{expected}, got {one_line(value)}", field=key)
-    return tuple(map(_as_float, value))
-
-
-def _is_number(value: object) -> bool:
-    """Whether this is a number, or text that YAML should have read as one."""
-    return math.isfinite(_as_float(value))
-
-
-def _as_float(value: object) -> float:
-    """The number, or NaN. YAML 1.1 reads 1e-05, which has no dot, as text."""
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        return math.nan
-    try:
-        return float(value)
-    except (ValueError, OverflowError):
-        return math.nan
+    return tuple(map(as_float, value))

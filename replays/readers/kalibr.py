@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 from motorcade.ga import Motor
 from motorcade.replays.errors import one_line, refusal
+from motorcade.replays.files.transforms import transform
 from motorcade.replays.readers.calibration import (
     make_camera,
     read_yaml,
-    transform,
     yaml_floats,
     yaml_model,
 )

@@ -1,1 +1,1 @@
-"""Commands on trajectories: smoothing, errors, comparison, consistency."""
+"""Commands on trajectories: smoothing, editing, errors, comparison, consistency."""

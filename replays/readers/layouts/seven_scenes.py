@@ -13,11 +13,11 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import IntArray
 from motorcade.replays.errors import refusal
 from motorcade.replays.files.trajectories import even_stamps
+from motorcade.replays.files.transforms import transform
 from motorcade.replays.readers.calibration import (
     make_camera,
     read_matrix,
     read_numbers,
-    transform,
 )
 from motorcade.replays.readers.frames.files import PictureFrames, picture_glob, refuse_gaps
 from motorcade.replays.recording import Recording

@@ -19,7 +19,7 @@ from motorcade.ga import Motor
 from motorcade.replays.errors import refusal
 from motorcade.replays.files.imu import read_imu, read_noise
 from motorcade.replays.files.trajectories import even_stamps, read_times
-from motorcade.replays.readers.calibration import transform
+from motorcade.replays.files.transforms import transform
 from motorcade.replays.readers.frames.files import (
     PictureFrames,
     inside,

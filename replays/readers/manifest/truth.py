@@ -27,7 +27,8 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import IntArray
 from motorcade.replays.errors import refusal
 from motorcade.replays.files.trajectories import even_stamps, read_times, read_trajectory
-from motorcade.replays.readers.calibration import read_numbers, transform
+from motorcade.replays.files.transforms import transform
+from motorcade.replays.readers.calibration import read_numbers
 from motorcade.replays.readers.frames.files import natural
 from motorcade.replays.readers.manifest.section import Section
 from motorcade.replays.readers.tables import read_table

@@ -122,6 +122,13 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "calibrate video": ("a.mp4", "calibrate FILE --board checkerboard_9x6_30mm -o OUT.toml"),
     "smooth": ("a.tum", "smooth FILE -o OUT.tum"),
     "smooth bag": ("a.bag", "smooth FILE:/odom -o OUT.tum"),
+    "trajectory": ("a.tum", "trajectory FILE"),
+    "trajectory bag": ("a.mcap", "trajectory FILE"),
+    "trajectory --reference": ("a.tum", "trajectory GOOD --reference FILE --align se3"),
+    "trajectory --resample-as": ("a.tum", "trajectory GOOD --resample-as FILE"),
+    "trajectory --times": ("a.txt", "trajectory KITTI --times FILE"),
+    "trajectory --transform-left": ("a.json", "trajectory GOOD --transform-left FILE"),
+    "trajectory --transform-right": ("a.npy", "trajectory GOOD --transform-right FILE"),
     "evaluate estimate": ("a.tum", "evaluate FILE GOOD"),
     "evaluate reference": ("a.tum", "evaluate GOOD FILE"),
     "simulate-imu": ("a.tum", "simulate-imu FILE -o OUT.csv"),
@@ -217,6 +224,7 @@ def tiny(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / "right" / file.name).write_bytes(file.read_bytes())
     rows = [f"{index * 5_000_000},0,0,0,0,0,9.81" for index in range(40)]
     (folder / "imu.csv").write_text("#timestamp,wx,wy,wz,ax,ay,az\n" + "\n".join(rows) + "\n")
+    (folder / "kitti.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n")
     (folder / "scene.json").write_text('{"objects": [{"name": "cup"}]}')
     (folder / "hero.md5mesh").write_bytes(md5_mesh_tower())
     return folder
@@ -233,6 +241,7 @@ def test_no_command_waits_or_fills_the_memory(
     places |= {
         "GOOD": tiny / "truth.tum",
         "IMU": tiny / "imu.csv",
+        "KITTI": tiny / "kitti.txt",
         "SCENE": tiny / "scene.json",
         "HERO": tiny / "hero.md5mesh",
     }

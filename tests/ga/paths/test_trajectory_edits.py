@@ -9,14 +9,11 @@ from evo.core import trajectory as evo_trajectory
 
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.trajectory_edits import (
-    cropped,
     downsampled,
-    folds_back,
     inverted,
     merged,
     motion_filtered,
     path_lengths_m,
-    projected,
     propagated,
     scaled,
     shifted,
@@ -63,34 +60,6 @@ def test_motion_filtered_keeps_what_evo_keeps(
     ours = motion_filtered(path, distance_m, angle_rad)
     assert_same(ours, theirs)
     assert 0 < len(ours) < len(path) or distance_m == 0.0
-
-
-@pytest.mark.parametrize("plane", ["xy", "xz", "yz"])
-def test_projected_lies_where_evo_puts_it(rng: np.random.Generator, plane: str) -> None:
-    path = walk(rng, turn_rad=1.0)
-    theirs = evos(path)
-    theirs.project(evo_trajectory.Plane(plane))
-    flat = projected(path, plane)  # type: ignore[arg-type]
-    assert_same(flat, theirs)
-    assert_same(projected(flat, plane), theirs)  # type: ignore[arg-type]
-
-
-def test_projections_tell_where_they_fold_back() -> None:
-    """A heading about y comes back up to 90°; beyond, `folds_back` says so."""
-    angles = np.deg2rad(np.arange(-170.0, 180.0, 20.0))
-    turns = Rotor.from_rotation_vector(angles[:, None] * [0.0, 1.0, 0.0])
-    path = Trajectory(np.arange(len(angles)), Motor.from_rotor_translation(turns, np.zeros(3)))
-    found = projected(path, "xz").motors.rotor.as_rotation_vector()[:, 1]
-    folded = folds_back(path, "xz")
-    np.testing.assert_allclose(found[~folded], angles[~folded])
-    np.testing.assert_array_equal(folded, np.abs(angles) > np.pi / 2)
-    assert not folds_back(path, "xy").any()
-
-
-def test_projected_survives_a_camera_that_looks_along_the_normal() -> None:
-    steep = Rotor.from_rotation_vector([[0.0, np.pi / 2, 0.0], [0.0, -np.pi / 2, 0.0]])
-    path = Trajectory(np.arange(2), Motor.from_rotor_translation(steep, np.zeros(3)))
-    assert np.isfinite(projected(path, "xy").poses.coefficients).all()
 
 
 def test_merged_is_evos_merge(rng: np.random.Generator) -> None:
@@ -140,13 +109,8 @@ def test_inverted_is_the_inverse_and_its_own_inverse(rng: np.random.Generator) -
     assert_same(inverted(turned), evos(path))
 
 
-def test_cropped_and_shifted(rng: np.random.Generator) -> None:
+def test_shifted_moves_the_stamps_alone(rng: np.random.Generator) -> None:
     path = walk(rng)
-    start, end = int(path.time_ns[3]), int(path.time_ns[90])
-    theirs = evos(path)
-    theirs.reduce_to_time_range(1e-9 * start, 1e-9 * end)
-    assert_same(cropped(path, start, end), theirs)
-    assert len(cropped(path, end_ns=start)) == 4
     np.testing.assert_array_equal(shifted(path, -7).time_ns, path.time_ns - 7)
 
 
@@ -155,7 +119,6 @@ def test_what_is_refused(rng: np.random.Generator) -> None:
     other = Trajectory(path.time_ns, path.poses, "map", "camera")
     grown = Trajectory(path.time_ns, Similarity.from_motor_scale(path.motors, 2.0))
     for problem, edit in {
-        "expected poses from 0 to 1 ns, got none": lambda: cropped(path, 0, 1),
         "expected 1 pose or more, got 0": lambda: downsampled(path, 0),
         "distance_m: expected 0 or more, got nan": lambda: motion_filtered(path, np.nan, 1.0),
         "angle_rad: expected 0 or more, got -1": lambda: motion_filtered(path, 1.0, -1.0),
@@ -165,8 +128,7 @@ def test_what_is_refused(rng: np.random.Generator) -> None:
         "within 146 years": lambda: shifted(path, 2**62 - 1),
         "expected less than 2": lambda: shifted(path, 2**62),
         "expected a factor above 0, got 0": lambda: scaled(path, 0.0),
-        "expected one of xy, xz, yz, got 'zx'": lambda: projected(path, "zx"),  # type: ignore[arg-type]
-        "expected rigid poses": lambda: projected(grown, "xy"),
+        "expected rigid poses": lambda: scaled(grown, 2.0),
     }.items():
         with pytest.raises(ValueError, match=problem):
             edit()
