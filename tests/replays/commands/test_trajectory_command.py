@@ -160,6 +160,15 @@ def test_each_option_is_evos(combination: Sequence[tuple[Words, Words]], folder:
     compare(combination, "estimate.txt", "true.txt")
 
 
+def once_each(file: Path) -> str:
+    """A copy without rows whose stamp the row before has, which evo keeps and we do not."""
+    lines = [line for line in file.read_text().splitlines() if not line.startswith("#")]
+    stamps = [float(line.split()[0]) for line in lines]
+    kept = [line for line, new in zip(lines, [1.0, *np.diff(stamps)], strict=True) if new]
+    Path(file.name).write_text("\n".join(kept) + "\n")
+    return file.name
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("estimate", "reference"),
@@ -177,11 +186,11 @@ def test_combinations_of_options_are_evos_on_real_paths(
     """Sixty combinations, drawn anew for each path: all pairs of options come about."""
     monkeypatch.chdir(tmp_path)
     write_transforms(tmp_path)
+    files = [once_each(data_dir / "trajectories" / name) for name in (estimate, reference)]
     known = [one for one in EVERY if taken(one)]
     rng = np.random.default_rng(len(estimate))
     for index in rng.choice(len(known), 60, replace=False):
-        files = [data_dir / "trajectories" / name for name in (estimate, reference)]
-        compare(known[index], *map(str, files))
+        compare(known[index], *files)
 
 
 def test_kitti_files_are_edited_as_evo_does(folder: Path, rng: np.random.Generator) -> None:
