@@ -1,11 +1,13 @@
-"""Orientation by gyroscope and accelerometer alone: sample by sample, or of a whole stream.
+"""Orientation by inertial readings: sample by sample, or of a whole stream.
 
-World axes have z up; heading starts at an arbitrary angle and drifts, as nothing here sees it. The
-filter is described in ``native/filter.h``, the pass backwards in ``native/backward.h``.
+World axes have z up. With a magnetometer y points to magnetic north and x to the east of it;
+without one heading starts at an arbitrary angle and drifts, as nothing sees it. The filter is
+described in ``native/filter.h``, the pass backwards in ``native/backward.h``.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields, replace
 from typing import Literal
 
@@ -19,6 +21,7 @@ from motorcade.fusion.orientation.native._orientation import Settings
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 
+_MOST_FIELD = 1e9
 _USUAL = replace(ADIS16448, gyro_walk_rad_s2_rthz=2e-4)
 
 
@@ -32,9 +35,9 @@ class OrientationModel:
     Fields:
         noise: white noise and walks; the ADIS16448's, which is of today's usual class, with a gyro
             walk of ten times its data sheet's, as biases move with temperature and strain.
-        gyro_scale_deviation: of the scale of each gyro axis, which the filter estimates; what
-            calibration at the factory leaves.
-        gyro_wander_sqrt_rad: what scale does not tell (axes that are not square, sensitivity to
+        gyro_matrix_deviation: of the gyro's scales and of its axes' angles, which the filter
+            estimates; a few tenths of a percent is what calibration at the factory leaves.
+        gyro_wander_sqrt_rad: what that matrix does not tell (temperature, sensitivity to
             acceleration) as a random walk: its deviation after turning at 1 rad/s for 1 s, and it
             grows with the rate and the root of time.
         first_bias_rad_s: deviation of the gyro's bias at the start; 0.02 is the ±1°/s of data
@@ -45,10 +48,15 @@ class OrientationModel:
             faster it is. It tells gravity from acceleration; a vehicle that speeds up for long is
             not of this kind.
         gravity_m_s2: size of gravity.
+        accel_bias_m_s2: deviation of the accelerometer's bias, each axis; nothing tells it from a
+            tilt, so it only adds to the tilt's deviation. 3 mg is what data sheets allow.
         interval_s: time from correction to correction; motion is faster only in the gyro.
         rest_rate_rad_s, rest_force_m_s2, rest_after_s: rest is when readings have kept this close
             to their average of half a second for this long (Laidig and Seel's 2°/s, 0.5 m/s²,
             1.5 s).
+        field_disturbance_rad, field_disturbance_time_s: by how much the direction of the magnetic
+            field differs from north even where it looks undisturbed (3°: a room, the sensor's own
+            iron), and how long such a difference lasts.
         readings: "interval" where a reading is the mean since the stamp before, as of gyros that
             integrate or filter before they sample; "instant" where it holds at its stamp. Half a
             sample lies between them, which inertial readings alone cannot tell: all of them, and
@@ -64,17 +72,20 @@ class OrientationModel:
     """
 
     noise: ImuNoise = _USUAL
-    gyro_scale_deviation: float = 0.003
-    gyro_wander_sqrt_rad: float = 0.002
+    gyro_matrix_deviation: float = 0.0025
+    gyro_wander_sqrt_rad: float = 0.001
     first_bias_rad_s: float = 0.02
     first_tilt_rad: float = 0.2
     speed_m_s: float = 0.4
-    speed_time_s: float = 0.2
+    speed_time_s: float = 0.15
     gravity_m_s2: float = 9.81
+    accel_bias_m_s2: float = 0.03
     interval_s: float = 0.04
     rest_rate_rad_s: float = float(np.deg2rad(2.0))
     rest_force_m_s2: float = 0.5
     rest_after_s: float = 1.5
+    field_disturbance_rad: float = 0.05
+    field_disturbance_time_s: float = 3.0
     readings: Literal["instant", "interval"] = "interval"
 
     def __post_init__(self) -> None:
@@ -87,13 +98,18 @@ class OrientationModel:
                 f"got {self.readings!r}"
             )
 
+    @property
+    def level_deviation_rad(self) -> float:
+        """What the accelerometer's bias adds to the deviation of the tilt, both axes together."""
+        return math.sqrt(2.0) * self.accel_bias_m_s2 / self.gravity_m_s2
+
     def settings(self) -> Settings:
         """The same for the compiled filter."""
         return Settings(
             gyro_density=self.noise.gyro_density_rad_s_rthz,
             gyro_walk=self.noise.gyro_walk_rad_s2_rthz,
             accel_density=self.noise.accel_density_m_s2_rthz,
-            gyro_scale=self.gyro_scale_deviation,
+            gyro_matrix=self.gyro_matrix_deviation,
             gyro_wander=self.gyro_wander_sqrt_rad,
             first_bias=self.first_bias_rad_s,
             first_tilt=self.first_tilt_rad,
@@ -104,6 +120,8 @@ class OrientationModel:
             rest_rate=self.rest_rate_rad_s,
             rest_force=self.rest_force_m_s2,
             rest_after=self.rest_after_s,
+            disturbance=self.field_disturbance_rad,
+            disturbance_time=self.field_disturbance_time_s,
             averaged=self.readings == "interval",
         )
 
@@ -115,8 +133,14 @@ class Orientation:
     Fields:
         time_ns: the stamps.
         world_R_imu: Rotor ``(N,)``.
+        tilt_deviation_rad, heading_deviation_rad: ``(N,)``, the deviations that the filter expects
+            of itself: of both axes of the tilt together, and of the turn about the vertical, which
+            without magnetometer is that since the start.
         gyro_bias_rad_s: ``(N, 3)``.
         at_rest: ``(N,)``, whether the sensor had been found at rest by then.
+        field_deviation_rad: ``(N,)``, how far the magnetic field was from its reference, as an
+            angle of the heading; 0 without magnetometer.
+        magnetometer_lag_s: by how much the magnetometer was found to read late; 0 without one.
 
     Examples:
         >>> import numpy as np
@@ -133,8 +157,12 @@ class Orientation:
 
     time_ns: IntArray
     world_R_imu: Rotor
+    tilt_deviation_rad: FloatArray
+    heading_deviation_rad: FloatArray
     gyro_bias_rad_s: FloatArray
     at_rest: NDArray[np.bool_]
+    field_deviation_rad: FloatArray
+    magnetometer_lag_s: float
 
 
 class OrientationFilter:
@@ -160,7 +188,11 @@ class OrientationFilter:
         self._stream = _orientation.Stream(self.model.settings())
 
     def update(
-        self, time_ns: int, angular_rate_rad_s: FloatArray, specific_force_m_s2: FloatArray
+        self,
+        time_ns: int,
+        angular_rate_rad_s: FloatArray,
+        specific_force_m_s2: FloatArray,
+        magnetic_field: FloatArray | None = None,
     ) -> Rotor:
         """Orientation ``world_R_imu`` at a stamp, from the readings there.
 
@@ -169,6 +201,8 @@ class OrientationFilter:
             angular_rate_rad_s: ``(3,)`` float64.
             specific_force_m_s2: ``(3,)`` float64; the first sets the tilt that the filter starts
                 from.
+            magnetic_field: ``(3,)`` float64 in any unit, the same for all; None where the
+                magnetometer has no new reading. The first one sets north.
 
         Raises:
             ValueError: a stamp that does not increase, NaN or infinity; the filter is then as
@@ -176,7 +210,7 @@ class OrientationFilter:
             TypeError: a stamp that is no integer, readings that are not ``(3,)`` float64.
         """
         out = np.empty(4)
-        self._stream.update(time_ns, angular_rate_rad_s, specific_force_m_s2, out)
+        self._stream.update(time_ns, angular_rate_rad_s, specific_force_m_s2, magnetic_field, out)
         return Rotor._trusted(out)
 
     @property
@@ -192,20 +226,40 @@ class OrientationFilter:
     @property
     def tilt_deviation_rad(self) -> float:
         """Deviation of the tilt, both axes together, that the filter expects of itself."""
-        return self._stream.tilt_deviation
+        return math.hypot(self._stream.tilt_deviation, self.model.level_deviation_rad)
+
+    @property
+    def heading_deviation_rad(self) -> float:
+        """Deviation of the heading that the filter expects of itself."""
+        return self._stream.heading_deviation
+
+    @property
+    def field_deviation_rad(self) -> float:
+        """How far the magnetic field is from its reference, as an angle of the heading."""
+        return self._stream.field_deviation
 
 
 def estimate_orientation(
-    imu: ImuStream, model: OrientationModel | None = None, *, smooth: bool = True
+    imu: ImuStream,
+    model: OrientationModel | None = None,
+    *,
+    magnetic_field: FloatArray | None = None,
+    smooth: bool = True,
 ) -> Orientation:
     """Orientation along a recorded stream.
 
     Args:
         imu: the stream.
         model: sensor and motion.
+        magnetic_field: ``(N, 3)`` readings of a magnetometer in the IMU's axes, in any unit; rows
+            of NaN where it has no new one. Hard and soft iron are calibrated before; disturbances
+            from outside are found and bridged by the gyro.
         smooth: forwards and backwards, so that all of the stream speaks for every sample; False
             for what `OrientationFilter` gives sample by sample, to the last bit. Smoothing keeps
-            1.4 kB for every 0.04 s: 125 MB an hour.
+            2.6 kB for every 0.04 s: 235 MB an hour.
+
+    Raises:
+        ValueError: a magnetic field of another shape, beyond 1e9, infinite or without any reading.
 
     Source: Bierman's form of the Rauch-Tung-Striebel smoother over an error-state filter; see
     ``native/backward.h``. It breaks down where the speed of `model` is left for long (a car, a
@@ -224,16 +278,48 @@ def estimate_orientation(
         True
     """
     model = OrientationModel() if model is None else model
+    fields = None if magnetic_field is None else _checked_field(magnetic_field, len(imu))
     rotors, biases = np.empty((len(imu), 4)), np.empty((len(imu), 3))
+    deviations, disturbances = np.empty((len(imu), 2)), np.empty(len(imu))
     rest = np.empty(len(imu), dtype=np.bool_)
-    _orientation.run(
+    lag_s = _orientation.run(
         model.settings(),
         np.ascontiguousarray(imu.angular_rate_rad_s),
         np.ascontiguousarray(imu.specific_force_m_s2),
+        fields,
         imu.time_ns,
         smooth,
         rotors,
         biases,
+        deviations,
+        disturbances,
         rest,
     )
-    return Orientation(imu.time_ns, Rotor._trusted(rotors), biases, rest)
+    tilt, heading = np.ascontiguousarray(deviations.T)
+    return Orientation(
+        time_ns=imu.time_ns,
+        world_R_imu=Rotor._trusted(rotors),
+        tilt_deviation_rad=np.sqrt(tilt**2 + model.level_deviation_rad**2),
+        heading_deviation_rad=heading,
+        gyro_bias_rad_s=biases,
+        at_rest=rest,
+        field_deviation_rad=disturbances,
+        magnetometer_lag_s=lag_s,
+    )
+
+
+def _checked_field(field: FloatArray, count: int) -> FloatArray:
+    """Readings as the compiled filter takes them: rows are finite or NaN."""
+    made = np.array(field, dtype=np.float64)
+    if made.shape != (count, 3):
+        raise ValueError(f"magnetic_field: expected shape {(count, 3)}, got {made.shape}")
+    missing = np.isnan(made).any(axis=1)
+    made[missing] = np.nan
+    if np.all(missing):
+        raise ValueError("magnetic_field: expected a reading, got rows of NaN alone")
+    largest = float(np.nanmax(np.abs(made)))
+    if not largest < _MOST_FIELD:
+        raise ValueError(
+            f"magnetic_field: expected readings within {_MOST_FIELD:g}, got {largest:g}"
+        )
+    return made

@@ -1,4 +1,4 @@
-"""Orientation from gyroscope and accelerometer; see motorcade.fusion.orientation."""
+"""Orientation from inertial readings; see motorcade.fusion.orientation."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ class Settings:
         gyro_density: float,
         gyro_walk: float,
         accel_density: float,
-        gyro_scale: float,
+        gyro_matrix: float,
         gyro_wander: float,
         first_bias: float,
         first_tilt: float,
@@ -23,13 +23,20 @@ class Settings:
         rest_rate: float,
         rest_force: float,
         rest_after: float,
+        disturbance: float,
+        disturbance_time: float,
         averaged: bool,
     ) -> None: ...
 
 class Stream:
     def __init__(self, settings: Settings) -> None: ...
     def update(
-        self, time_ns: int, rate: FloatArray, force: FloatArray, out: FloatArray
+        self,
+        time_ns: int,
+        rate: FloatArray,
+        force: FloatArray,
+        field: FloatArray | None,
+        out: FloatArray,
     ) -> None: ...
     @property
     def bias(self) -> list[float]: ...
@@ -37,14 +44,23 @@ class Stream:
     def at_rest(self) -> bool: ...
     @property
     def tilt_deviation(self) -> float: ...
+    @property
+    def heading_deviation(self) -> float: ...
+    @property
+    def field_deviation(self) -> float: ...
+    @property
+    def magnetometer_lag(self) -> float: ...
 
 def run(
     settings: Settings,
     rates: FloatArray,
     forces: FloatArray,
+    fields: FloatArray | None,
     time_ns: IntArray,
     backward: bool,
     rotors: FloatArray,
     biases: FloatArray,
+    deviations: FloatArray,
+    disturbances: FloatArray,
     rest: NDArray[np.bool_],
-) -> None: ...
+) -> float: ...

@@ -1,14 +1,15 @@
-// Orientation from a gyroscope and an accelerometer: a rotor propagated by every sample, corrected
-// once an interval by an error-state Kalman filter. Specific force is averaged over the interval in
-// the axes of the world, where gravity stands still while the sensor turns (so do Laidig and Seel,
-// "VQF: Highly accurate IMU orientation estimation with bias estimation and magnetic disturbance
-// rejection", Information Fusion 91, 2023).
+// Orientation from a gyroscope, an accelerometer and, where there is one, a magnetometer: a rotor
+// propagated by every sample, corrected once an interval by an error-state Kalman filter. Specific
+// force is averaged over the interval in the axes of the world, where gravity stands still while
+// the sensor turns (so do Laidig and Seel, "VQF: Highly accurate IMU orientation estimation with
+// bias estimation and magnetic disturbance rejection", Information Fusion 91, 2023).
 //
-// The errors are eleven: a turn of the world's axes (rad), gyro bias (rad/s), horizontal velocity
-// (m/s), scale of the gyro. Gravity is told from acceleration by the velocity, which stays bounded:
-// an Ornstein-Uhlenbeck process v' = -v / T + w. Its step over an interval, which the accelerometer
-// gives but for the tilt, must come from -v / T and w; how large w is, the readings tell (speed.h).
-// At rest velocity is 0 and the rate is bias.
+// The errors are seventeen: a turn of the world's axes (rad), gyro bias (rad/s), horizontal
+// velocity (m/s), and the gyro's matrix of scale and cross-axis errors. Gravity is told from
+// acceleration by the velocity, which stays bounded: an Ornstein-Uhlenbeck process v' = -v / T + w.
+// Its step over an interval, which the accelerometer gives but for the tilt, must come from -v / T
+// and w; how large w is, the readings tell (speed.h). At rest velocity is 0 and the rate is bias
+// (rest.h). The direction of the magnetic field in the axes of the world is north (field.h).
 
 #pragma once
 
@@ -18,26 +19,14 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "field.h"
+#include "model.h"
+#include "rest.h"
 #include "speed.h"
 #include "vectors.h"
 #include "versors.h"
 
 namespace motorcade::orientation {
-
-enum : std::size_t { TURN = 0, BIAS = 3, VELOCITY = 6, SCALE = 8, ERRORS = 11 };
-using State = std::array<double, ERRORS>;
-using Square = std::array<State, ERRORS>;
-using Rows = std::array<Three, 3>;
-
-struct Settings {
-    double gyro_density, gyro_walk, accel_density;  // rad/s/√Hz, rad/s²/√Hz, m/s²/√Hz
-    double gyro_scale, gyro_wander;  // deviation of the scale; error per turned √(rad rad/s)
-    double first_bias, first_tilt;   // deviations, rad/s and rad
-    double speed, speed_time;        // least deviation (m/s) and T (s) of the velocity
-    double gravity, interval;        // m/s²; s from correction to correction
-    double rest_rate, rest_force, rest_after;  // rad/s, m/s², s
-    bool averaged;                             // readings are means over the interval before them
-};
 
 // Samples farther apart leave a gap: nothing tells how the sensor moved within it.
 inline constexpr double GAP_S = 0.25;
@@ -45,60 +34,53 @@ inline constexpr double GAP_S = 0.25;
 inline constexpr double GAP_RATE = 0.5;
 // The deviation of velocity at rest: a hand trembles, a table shakes.
 inline constexpr double REST_SPEED = 0.01;
-// Time over which rest compares readings with their average.
-inline constexpr double REST_AVERAGE_S = 0.5;
-// A mean rate in rest beyond this many deviations of the bias, of its own scatter and of what may
-// still turn at rest (0.1°/s) is a slow turn; a single rate may lie somewhat farther out by chance.
-inline constexpr double REST_GATE = 4.0, REST_GATE_ONCE = 6.0, REST_RATE = 1.75e-3;
-
-// Which error a measurement reads. Two of acceleration while moving; at rest two of velocity, three
-// of bias.
-enum class Kind : std::uint8_t { acceleration, velocity, bias };
-
-struct Measured {
-    Kind kind;
-    std::uint8_t axis;
-    double innovation, variance;
-    State gain;
-};
-
-// One interval and its correction, as the pass backwards wants them.
-struct Node {
-    std::size_t end = 0;  // the sample after which it corrects
-    bool gap = false;     // the interval began with a gap
-    double before = 0.0;  // seconds of the interval before
-    double lasted = 0.0;
-    Rows turned{}, wound{};
-    std::size_t count = 0;
-    std::array<Measured, 5> measured{};
-    State added{};
-    std::array<double, ERRORS *(ERRORS + 1) / 2>
-        covariance{};  // lower triangle, after the correction
-};
+// A sensor turns beyond this rate (20°/s): a field that then stays is not the sensor's own.
+inline constexpr double TURNING_RATE = 0.35;
 
 class Filter {
 public:
     explicit Filter(const Settings &settings)
-        : set_(settings), speed_(settings.speed, settings.speed_time, settings.gravity) {
+        : set_(settings), speed_(settings.speed, settings.speed_time, settings.gravity),
+          rest_(settings.rest_rate, settings.rest_force, settings.rest_after),
+          field_(settings.disturbance, settings.disturbance_time) {
         for (std::size_t i = 0; i < 2; ++i)
             covariance_[TURN + i][TURN + i] = square(set_.first_tilt);
         for (std::size_t i = 0; i < 2; ++i)
             covariance_[VELOCITY + i][VELOCITY + i] = square(set_.speed);
         for (std::size_t i = 0; i < 3; ++i)
             covariance_[BIAS + i][BIAS + i] = square(set_.first_bias);
-        for (std::size_t i = 0; i < 3; ++i)
-            covariance_[SCALE + i][SCALE + i] = square(set_.gyro_scale);
+        for (std::size_t i = 0; i < 9; ++i)
+            covariance_[MATRIX + i][MATRIX + i] = square(set_.gyro_matrix);
     }
 
     const Settings &settings() const { return set_; }
     const Four &rotor() const { return rotor_; }
     const Three &bias() const { return bias_; }
-    bool at_rest() const { return still_ >= set_.rest_after; }
+    const Field &field() const { return field_; }
+    bool at_rest() const { return rest_.found(); }
     double tilt_deviation() const { return std::sqrt(covariance_[0][0] + covariance_[1][1]); }
+    double heading_deviation() const { return std::sqrt(covariance_[2][2]); }
 
-    // The first sample: stands upright what it feels.
-    void begin(const Three &rate, const Three &force) {
+    // There will be a magnetometer: until it reads, north is unknown.
+    void expect_field() {
+        faces_ = Faces::unknown;
+        covariance_[2][2] = square(HALF_TURN);
+    }
+
+    // Starts from the magnetic reference that another filter found.
+    void take_reference(const Field &other) { field_.take_reference(other); }
+
+    // The first sample: stands upright what it feels, and faces north by the field, if there is
+    // one.
+    void begin(const Three &rate, const Three &force, const Three *magnetic) {
         rotor_ = upright(force);
+        if (magnetic) {
+            const Rows rows = matrix(rotor_);
+            State turn{};
+            turn[TURN + 2] = std::atan2(dot(rows[0], *magnetic), dot(rows[1], *magnetic));
+            rotor_ = versors::compose(turn_of(turn), rotor_);
+            expect_field();
+        }
         last_rate_ = rate;
         last_force_ = force;
     }
@@ -111,12 +93,17 @@ public:
 
     // Propagates the rotor over dt, with the mean of the readings at both ends or, where they are
     // means themselves, with the last; true where the interval is full and wants correction.
-    bool propagate(const Three &rate, const Three &force, double dt) {
+    bool propagate(const Three &rate, const Three &force, const Three *magnetic, double dt) {
         const double past = set_.averaged ? 0.0 : 0.5;
-        Three half, felt, net;
+        Three half, felt, raw, net;
         for (std::size_t i = 0; i < 3; ++i) {
-            net[i] = (rate[i] + past * (last_rate_[i] - rate[i]) - bias_[i]) * (1.0 - scale_[i]);
+            raw[i] = rate[i] + past * (last_rate_[i] - rate[i]);
             felt[i] = force[i] + past * (last_force_[i] - force[i]);
+        }
+        const Three unbiased{raw[0] - bias_[0], raw[1] - bias_[1], raw[2] - bias_[2]};
+        for (std::size_t i = 0; i < 3; ++i) {
+            net[i] = unbiased[i];
+            for (std::size_t j = 0; j < 3; ++j) net[i] -= matrix_[3 * i + j] * unbiased[j];
             half[i] = -0.25 * dt * net[i];
         }
         const Four step = versors::exp(half), halfway = versors::compose(rotor_, step);
@@ -130,14 +117,16 @@ public:
         for (std::size_t i = 0; i < 3; ++i) {
             for (std::size_t j = 0; j < 3; ++j) {
                 turned_[i][j] += dt * rows[i][j];
-                wound_[i][j] += dt * rows[i][j] * net[j];
+                for (std::size_t k = 0; k < 3; ++k)
+                    wound_[i][3 * j + k] += dt * rows[i][j] * unbiased[k];
             }
             if (dt > GAP_S) continue;
             impulse_[i] += dt * dot(rows[i], felt);
-            swept_[i] += dt * (net[i] + bias_[i]);
+            swept_[i] += dt * raw[i];
             pushed_[i] += dt * felt[i];
         }
         if (dt <= GAP_S) {
+            if (magnetic) gather(rows, net, *magnetic, dt);
             wandered_ += dt * pace;
             elapsed_ += dt;
         }
@@ -156,11 +145,18 @@ public:
             node->turned = turned_;
             node->wound = wound_;
         }
-        watch_rest();
+        Three rate, force, variance;
+        for (std::size_t i = 0; i < 3; ++i) {
+            rate[i] = swept_[i] / elapsed_;
+            force[i] = pushed_[i] / elapsed_;
+            variance[i] = covariance_[BIAS + i][BIAS + i];
+        }
+        rest_.watch(rate, force, elapsed_, gap_, bias_, variance);
         predict();
         speed_.watch(impulse_, elapsed_, gap_, covariance_[0][0] + covariance_[1][1]);
         State added{};
         at_rest() ? measure_rest(added, node) : measure_motion(added, node);
+        if (magnetic_s_ > 0.0) measure_heading(added, node);
         if (node) {
             node->added = added;
             std::size_t at = 0;
@@ -171,27 +167,16 @@ public:
         restart();
     }
 
-    // H of a measurement, by its kind.
-    static State slope(Kind kind, std::size_t axis, double lasted, const Settings &set) {
-        State made{};
-        if (kind == Kind::bias) {
-            made[BIAS + axis] = 1.0;
-        } else if (kind == Kind::velocity) {
-            made[VELOCITY + axis] = 1.0;
-        } else {
-            // A turn t of the axes tilts gravity by t × g: (t_y, -t_x) g.
-            made[TURN + 1 - axis] = (axis == 0 ? 1.0 : -1.0) * set.gravity * lasted;
-            made[VELOCITY + axis] = -std::expm1(-lasted / set.speed_time);
-        }
-        return made;
-    }
-
     // The rotor of a small rotation vector of the world's axes.
     static Four turn_of(const State &error) {
         return versors::exp(Three{-0.5 * error[0], -0.5 * error[1], -0.5 * error[2]});
     }
 
 private:
+    // Of the heading nothing is known as there is no magnetometer; is known to be unknown; all is.
+    enum class Faces { anywhere, unknown, north };
+    static constexpr double HALF_TURN = 3.141592653589793;
+
     // The shortest turn that stands a force upright; any half turn where it points straight down.
     static Four upright(const Three &force) {
         const double size = std::sqrt(dot(force, force));
@@ -206,35 +191,20 @@ private:
         return {{{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}}};
     }
 
-    // Rest: readings keep to their average, and its rate is one that the bias may have.
-    void watch_rest() {
-        const double blend = watched_ && !gap_ ? -std::expm1(-elapsed_ / REST_AVERAGE_S) : 1.0;
-        watched_ = true;
-        double rates = 0.0, forces = 0.0, beyond = 0.0;
+    // The field in the axes of the world, and what a lag of the magnetometer adds to it: ω × m.
+    void gather(const Rows &rows, const Three &net, const Three &magnetic, double dt) {
+        const Three turns{net[1] * magnetic[2] - net[2] * magnetic[1],
+                          net[2] * magnetic[0] - net[0] * magnetic[2],
+                          net[0] * magnetic[1] - net[1] * magnetic[0]};
         for (std::size_t i = 0; i < 3; ++i) {
-            const double rate = swept_[i] / elapsed_, force = pushed_[i] / elapsed_;
-            mean_rate_[i] += blend * (rate - mean_rate_[i]);
-            mean_force_[i] += blend * (force - mean_force_[i]);
-            rates += square(rate - mean_rate_[i]);
-            forces += square(force - mean_force_[i]);
-            const double known = covariance_[BIAS + i][BIAS + i] + square(REST_RATE);
-            beyond = std::max(beyond, square((rate - bias_[i]) * REST_GATE / REST_GATE_ONCE) /
-                                          (known + scatter_[i]));
-            // By differences of neighbours, in which a turn that begins counts once.
-            scatter_[i] =
-                blend == 1.0
-                    ? 0.0
-                    : scatter_[i] + blend * (0.5 * square(rate - before_rate_[i]) - scatter_[i]);
-            before_rate_[i] = rate;
-            beyond = std::max(beyond, square(mean_rate_[i] - bias_[i]) / (known + scatter_[i]));
+            felt_field_[i] += dt * dot(rows[i], magnetic);
+            per_lag_[i] += dt * dot(rows[i], turns);
         }
-        const bool quiet = !gap_ && rates < square(set_.rest_rate) &&
-                           forces < square(set_.rest_force) && beyond < square(REST_GATE);
-        still_ = quiet ? still_ + elapsed_ : 0.0;
+        magnetic_s_ += dt;
     }
 
     // Covariance over the interval: velocity by the tilt before it, then the turn by bias and
-    // scale.
+    // matrix.
     void predict() {
         Square &p = covariance_;
         const double lean = set_.gravity * before_;
@@ -248,16 +218,18 @@ private:
         }
         for (std::size_t j = 0; j < ERRORS; ++j) {
             for (std::size_t i = 0; i < 3; ++i) {
-                const Three &t = turned_[i], &w = wound_[i];
-                p[i][j] -= t[0] * p[BIAS][j] + t[1] * p[BIAS + 1][j] + t[2] * p[BIAS + 2][j] +
-                           w[0] * p[SCALE][j] + w[1] * p[SCALE + 1][j] + w[2] * p[SCALE + 2][j];
+                double turn = 0.0;
+                for (std::size_t k = 0; k < 3; ++k) turn += turned_[i][k] * p[BIAS + k][j];
+                for (std::size_t k = 0; k < 9; ++k) turn += wound_[i][k] * p[MATRIX + k][j];
+                p[i][j] -= turn;
             }
         }
         for (State &row : p) {
             for (std::size_t i = 0; i < 3; ++i) {
-                const Three &t = turned_[i], &w = wound_[i];
-                row[i] -= t[0] * row[BIAS] + t[1] * row[BIAS + 1] + t[2] * row[BIAS + 2] +
-                          w[0] * row[SCALE] + w[1] * row[SCALE + 1] + w[2] * row[SCALE + 2];
+                double turn = 0.0;
+                for (std::size_t k = 0; k < 3; ++k) turn += turned_[i][k] * row[BIAS + k];
+                for (std::size_t k = 0; k < 9; ++k) turn += wound_[i][k] * row[MATRIX + k];
+                row[i] -= turn;
             }
         }
         const double turn =
@@ -276,23 +248,50 @@ private:
         const double noise =
             square(set_.accel_density) * elapsed_ + speed_.variance() * (1.0 - kept * kept);
         for (std::uint8_t axis = 0; axis < 2; ++axis)
-            measure(Kind::acceleration, axis, -((1.0 - kept) * velocity_[axis] + impulse_[axis]),
+            measure({Kind::acceleration, axis}, -((1.0 - kept) * velocity_[axis] + impulse_[axis]),
                     noise, added, node);
     }
 
     void measure_rest(State &added, Node *node) {
         for (std::uint8_t axis = 0; axis < 2; ++axis)
-            measure(Kind::velocity, axis, -velocity_[axis], square(REST_SPEED), added, node);
+            measure({Kind::velocity, axis}, -velocity_[axis], square(REST_SPEED), added, node);
         const double noise = square(set_.gyro_density) / elapsed_ + square(REST_RATE);
         for (std::uint8_t axis = 0; axis < 3; ++axis)
-            measure(Kind::bias, axis, swept_[axis] / elapsed_ - bias_[axis], noise + scatter_[axis],
-                    added, node);
+            measure({Kind::bias, axis}, swept_[axis] / elapsed_ - bias_[axis],
+                    noise + rest_.scatter()[axis], added, node);
+    }
+
+    void measure_heading(State &added, Node *node) {
+        Three mean, per_lag;
+        double rate = 0.0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            mean[i] = felt_field_[i] / magnetic_s_;
+            per_lag[i] = per_lag_[i] / magnetic_s_;
+            rate += square(swept_[i] / elapsed_ - bias_[i]);
+        }
+        Heading heading = field_.watch(mean, per_lag, rate > square(TURNING_RATE),
+                                       square(tilt_deviation()), elapsed_);
+        if (!heading.known) return;
+        Measured read{Kind::heading, 0, 0.0, 0.0, {}, heading.lean};
+        if (faces_ != Faces::north) {  // the first: all that is known
+            if (faces_ == Faces::anywhere) covariance_[2][2] += square(HALF_TURN);
+            faces_ = Faces::north;
+            heading.noise = heading.variance;
+        }
+        const double angle = std::remainder(heading.angle, 2.0 * HALF_TURN);
+        const State h = slope(read, elapsed_, set_);
+        double expected = heading.variance, residual = angle;
+        for (std::size_t i = 0; i < 3; ++i) {
+            residual -= h[i] * added[i];
+            for (std::size_t j = 0; j < 3; ++j) expected += h[i] * covariance_[i][j] * h[j];
+        }
+        covariance_[2][2] += square(field_.astray(residual, expected, elapsed_));
+        measure(read, angle, heading.noise, added, node);
     }
 
     // One number at a time: residual = slope · error + noise; earlier ones of the instant count.
-    void measure(Kind kind, std::uint8_t axis, double residual, double noise, State &added,
-                 Node *node) {
-        const State h = slope(kind, axis, elapsed_, set_);
+    void measure(Measured read, double residual, double noise, State &added, Node *node) {
+        const State h = slope(read, elapsed_, set_);
         State spread{};
         double variance = noise, innovation = residual;
         for (std::size_t j = 0; j < ERRORS; ++j) {
@@ -308,7 +307,10 @@ private:
             for (std::size_t j = 0; j <= i; ++j)
                 covariance_[i][j] = covariance_[j][i] = covariance_[i][j] - gain[i] * spread[j];
         }
-        if (node) node->measured[node->count++] = {kind, axis, innovation, variance, gain};
+        read.innovation = innovation;
+        read.variance = variance;
+        read.gain = gain;
+        if (node) node->measured[node->count++] = read;
     }
 
     // Moves the estimate by the errors found, and velocity on by what the accelerometer then says.
@@ -316,8 +318,8 @@ private:
         rotor_ = versors::renormalize(versors::compose(turn_of(added), rotor_));
         for (std::size_t i = 0; i < 3; ++i) {
             bias_[i] += added[BIAS + i];
-            scale_[i] += added[SCALE + i];
         }
+        for (std::size_t i = 0; i < 9; ++i) matrix_[i] += added[MATRIX + i];
         const double lean = set_.gravity * elapsed_;
         velocity_[0] += added[VELOCITY] + impulse_[0] + lean * added[1];
         velocity_[1] += added[VELOCITY + 1] + impulse_[1] - lean * added[0];
@@ -326,26 +328,30 @@ private:
     void restart() {
         before_ = elapsed_;
         impulse_ = swept_ = pushed_ = {};
-        turned_ = wound_ = {};
-        elapsed_ = wandered_ = lost_ = 0.0;
+        felt_field_ = per_lag_ = {};
+        turned_ = {};
+        wound_ = {};
+        elapsed_ = wandered_ = lost_ = magnetic_s_ = 0.0;
         gap_ = false;
     }
 
     Settings set_;
     Speed speed_;
+    Rest rest_;
+    Field field_;
+    Faces faces_ = Faces::anywhere;
     Four rotor_{1.0, 0.0, 0.0, 0.0};
-    Three bias_{}, scale_{};
+    Three bias_{};
+    Nine matrix_{};
     std::array<double, 2> velocity_{};
     Square covariance_{};
     // gathered since the last correction
     Three last_rate_{}, last_force_{}, impulse_{}, swept_{}, pushed_{};
-    Rows turned_{}, wound_{};
-    double elapsed_ = 0.0, wandered_ = 0.0, lost_ = 0.0, before_ = 0.0;
+    Three felt_field_{}, per_lag_{};
+    Rows turned_{};
+    std::array<Nine, 3> wound_{};
+    double magnetic_s_ = 0.0, elapsed_ = 0.0, wandered_ = 0.0, lost_ = 0.0, before_ = 0.0;
     bool gap_ = false;
-    // rest
-    bool watched_ = false;
-    Three mean_rate_{}, mean_force_{}, scatter_{}, before_rate_{};
-    double still_ = 0.0;
 };
 
 }  // namespace motorcade::orientation

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.imu import ImuStream
+from motorcade.fusion.orientation import estimate_orientation
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
 from tests.bench.data import data_folder
 
-__all__ = ["BroadTrial", "orientation_rmse_deg", "read_trial", "trial_paths"]
+__all__ = ["BroadTrial", "broad_errors", "by_vqf", "estimated", "read_trial", "trial_paths"]
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ def read_trial(path: Path) -> BroadTrial:
     return BroadTrial(path.stem[:2], imu, field, truth, moves.astype(np.bool_) & known)
 
 
-def orientation_rmse_deg(estimate: Rotor, trial: BroadTrial) -> dict[str, float]:
+def broad_errors(trial: BroadTrial, estimate: Rotor) -> dict[str, float]:
     """RMSE over the samples that count: of all, of heading, and of inclination.
 
     With the error's quaternion in the axes of the world: 2 arccos w, 2 arctan(z / w) and
@@ -71,3 +72,35 @@ def orientation_rmse_deg(estimate: Rotor, trial: BroadTrial) -> dict[str, float]
         "inclination_deg": 2.0 * np.arccos(np.clip(np.hypot(w, z), 0.0, 1.0)),
     }
     return {name: float(np.degrees(np.sqrt(np.mean(angle**2)))) for name, angle in angles.items()}
+
+
+def estimated(trial: BroadTrial, smooth: bool, magnetometer: bool) -> Rotor:
+    """Our orientation, by the defaults."""
+    field = trial.magnetic_field_ut if magnetometer else None
+    return estimate_orientation(trial.imu, magnetic_field=field, smooth=smooth).world_R_imu
+
+
+def by_vqf(trial: BroadTrial, smooth: bool, magnetometer: bool) -> Rotor:
+    """VQF's, by its authors' package and its defaults.
+
+    Raises:
+        ModuleNotFoundError: vqf is not installed.
+    """
+    from vqf import VQF, offlineVQF
+
+    gyro, accel, field = (
+        np.ascontiguousarray(values)
+        for values in (
+            trial.imu.angular_rate_rad_s,
+            trial.imu.specific_force_m_s2,
+            trial.magnetic_field_ut,
+        )
+    )
+    step_s = 1.0 / trial.imu.rate_hz
+    given = field if magnetometer else None
+    found = (
+        offlineVQF(gyro, accel, given, step_s)
+        if smooth
+        else VQF(step_s).updateBatch(gyro, accel, given)
+    )
+    return Rotor.from_quaternion(found["quat9D" if magnetometer else "quat6D"])

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from tests.bench.fusion.flights import bench_flights, flights_table
-from tests.bench.fusion.inclination import bench_inclination, inclination_table
 from tests.bench.fusion.offsets import bench_offsets, offsets_table
+from tests.bench.fusion.orientation import bench_orientation, orientation_table
 from tests.bench.fusion.simulator import bench_simulator, simulator_table
 from tests.bench.fusion.speed import bench_speed, speed_table
 from tests.bench.fusion.tag_odometry import bench_tag_odometry, tag_odometry_table
@@ -24,7 +24,7 @@ PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "offsets": (bench_offsets, offsets_table),
     "tags": (bench_tag_odometry, tag_odometry_table),
     "visual inertial": (bench_visual_inertial, visual_inertial_table),
-    "inclination": (bench_inclination, inclination_table),
+    "orientation": (bench_orientation, orientation_table),
     "speed": (bench_speed, speed_table),
 }
 """Every part by name: what measures it, and what prints it."""

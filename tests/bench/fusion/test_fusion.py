@@ -11,8 +11,8 @@ import pytest
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuStream, simulate_imu
 from motorcade.fusion.motions import MOTIONS
 from tests.bench.fusion.flights import flight_figures, flights_table
-from tests.bench.fusion.inclination import bench_inclination, inclination_table
 from tests.bench.fusion.offsets import found_offset, offsets_table
+from tests.bench.fusion.orientation import orientation_table
 from tests.bench.fusion.recorded import BLACKOUTS, Flight, flight, measured
 from tests.bench.fusion.simulator import (
     against_differences,
@@ -109,16 +109,13 @@ def test_offsets_that_are_refused_are_told():
     assert "refused" in text
 
 
-def test_tilt_is_no_worse_than_vqfs(data_dir):
-    pytest.importorskip("h5py")
-    pytest.importorskip("vqf")
-    found = bench_inclination()
-    if not found["rows"]:
-        pytest.skip(found["left_out"][0])
-    assert [row["way"] for row in found["rows"]] == ["online", "offline"]
-    for row in found["rows"]:
-        assert row["ours_deg"] <= row["vqf_deg"]
-    assert f"{found['rows'][0]['vqf_deg']:.3f}" in inclination_table(found)
+def test_the_table_of_orientation_shows_every_trial():
+    errors = {"inclination_deg": 0.5, "heading_deg": 1.25, "total_deg": 1.5}
+    ours = {"errors": {"02": errors, "07": errors}, "samples_per_s": 2.5e6}
+    rows = [{"axes": "9 axes", "way": "online", "ours": ours, "vqf": ours}]
+    text = orientation_table({"rows": rows, "left_out": ["a trial: no"]})
+    assert text.count("1.25") == 6  # two trials and the mean, ours and VQF's
+    assert "left out: a trial: no" in text
 
 
 def test_the_simulator_and_preintegration_keep_their_bounds():

@@ -31,7 +31,7 @@ def inclination_rms_deg() -> Callable[..., float]:
 
 
 @pytest.fixture
-def by_vqf() -> Callable[[ImuStream, bool], Rotor]:
+def vqf_tilt() -> Callable[[ImuStream, bool], Rotor]:
     """VQF's orientation without magnetometer, online or offline, by its authors' package."""
 
     def run(imu: ImuStream, smooth: bool) -> Rotor:
