@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor
-from motorcade.tracking import TrackingError
+from motorcade.tracking import Camera, TrackingError
+from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.mapping import map_markers, track_rig
 from motorcade.tracking.markers.mapping.adjust import linearised, residuals_px
 from motorcade.tracking.markers.mapping.rig import gather
@@ -201,3 +202,16 @@ def test_the_covariance_of_tracked_poses_is_their_scatter(scenes) -> None:
     assert squares.mean() / 6.0 == pytest.approx(1.0, abs=0.35)
     # Two coordinates a corner, 0.3 pixels each.
     assert np.sqrt(np.mean(found.frame_error_px**2)) == pytest.approx(0.3 * np.sqrt(2), rel=0.15)
+
+
+def test_frames_of_a_rig_have_stamps_of_their_own() -> None:
+    """A camera of a higher rate comes twice while another has one frame: stamps still rise."""
+    camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    none = np.zeros(0, np.int64)
+    slow, fast = (
+        CornerStream(camera, np.array(stamps), none, none, np.zeros((0, 4, 2)))
+        for stamps in ([100_000_000, 200_000_000], [95_000_000, 100_000_000, 195_000_000])
+    )
+    given = {"slow": Motor.identity(), "fast": Motor.identity()}
+    found = gather({"slow": slow, "fast": fast}, given, {}, sync_s=0.01)
+    assert found.time_ns.tolist() == [95_000_000, 100_000_000, 200_000_000]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -180,7 +181,8 @@ def _frames(stamps: list[IntArray], sync_s: float) -> tuple[IntArray, list[IntAr
     """Stamps of the rig's frames, and the rig's frame of each camera's own.
 
     A frame begins with the first stamp that belongs to none yet, and ends before a camera would be
-    in it twice. Its stamp is that of the first camera that is in it.
+    in it twice. Its stamp is that of the first camera that is in it; where that is the next frame's
+    as well, the earliest in it.
     """
     camera = np.concatenate([np.full(len(one), which) for which, one in enumerate(stamps)])
     row = np.concatenate([np.arange(len(one)) for one in stamps])
@@ -195,7 +197,11 @@ def _frames(stamps: list[IntArray], sync_s: float) -> tuple[IntArray, list[IntAr
             begin = stamp
         members[-1][who] = stamp
         frames[who][row[one]] = len(members) - 1
-    return np.array([together[min(together)] for together in members]), frames
+    stamp_ns = [together[min(together)] for together in members]
+    for k, (stamp, following) in enumerate(pairwise(stamp_ns)):
+        if stamp == following:
+            stamp_ns[k] = min(members[k].values())
+    return np.array(stamp_ns), frames
 
 
 def _rig_poses(seen: RigSightings, names: list[str]) -> Motor:
