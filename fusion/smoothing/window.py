@@ -222,7 +222,8 @@ def automatic_window_s(
     if len(trajectory) < 2 * _MOST + 1:
         return None
     interval_s = float(np.median(np.diff(trajectory.time_s)))
-    widest, narrowest_size = None, None
+    good: list[float] = []
+    narrowest_size = None
     for neighbours in range(_FEWEST, _MOST + 1):
         share = white_noise_removed(neighbours, order)
         if share < 1e-6:
@@ -232,8 +233,9 @@ def automatic_window_s(
         narrowest_size = size if narrowest_size is None else narrowest_size
         if size > _GROWTH * min(1.0, narrowest_size):
             break
-        widest = window_s
-    return widest
+        good.append(window_s)
+    # That one window's size does not exceed itself is no evidence: a second one must agree.
+    return good[-1] if len(good) > 1 else None
 
 
 def _mean_square_change(

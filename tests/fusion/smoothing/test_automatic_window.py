@@ -78,3 +78,10 @@ def test_a_short_path_is_left_alone() -> None:
 def test_covariances_must_fit_the_path() -> None:
     with pytest.raises(ValueError, match=r"covariance: expected \(300, 6, 6\), got \(299, 6, 6\)"):
         automatic_window_s(waving(0.2), covariances(299))
+
+
+@pytest.mark.parametrize("hertz", [2.0, 4.0, 7.0])
+def test_motion_below_the_claimed_noise_is_not_smoothed_away(hertz: float) -> None:
+    """What smoothing takes away grows with the window: it is no noise, whatever is claimed."""
+    moving = waving(hertz)
+    assert automatic_window_s(moving, covariances(300, 100.0)) is None
