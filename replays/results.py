@@ -83,6 +83,8 @@ def _run_log(run: GraphRun, about: Mapping[str, Any]) -> dict[str, Any]:
     if "errors" in run.outputs:
         judged = run.outputs["errors"]
         run_log |= {"align": judged.align, "errors": without_nan(judged.figures)}
+        run_log |= {"unaligned": judged.unaligned or None}
+        run_log |= {"stage_comparison": judged.stages.as_dict()}
     return run_log
 
 

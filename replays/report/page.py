@@ -56,7 +56,8 @@ def page(findings: Findings) -> str:
         columns=[heading(key, figures, metric=findings.camera_poses.metric) for key in keys],
         rows=_rows(figures, keys),
         sections=sections(findings),
-        has_truth=findings.recording.truth is not None,
+        stages=_stages(findings),
+        has_truth=bool(findings.errors.against_truth),
         provenance=_provenance(),
     )
 
@@ -172,11 +173,17 @@ def _facts(findings: Findings) -> list[dict[str, Any]]:
         fact = f"{findings.nis_per_dimension:.2f}"
         facts.append(("mean NIS a dimension (1: the noise model fits)", fact))
     tiles = [{"label": label, "value": value, "wrong": False} for label, value in facts]
-    return [_verdict(findings), *tiles]
+    worse = [
+        {"label": f"{one[:1].upper()}{one[1:]}.", "value": "worse", "wrong": True}
+        for one in findings.errors.stages.worse
+    ]
+    return [_verdict(findings), *worse, *tiles]
 
 
 def _errors_caption(findings: Findings) -> str:
     errors = findings.errors
+    if errors.unaligned:
+        return f"No error can be told, only jitter: {errors.unaligned}."
     if findings.recording.truth is None:
         return "This recording has no ground truth: only jitter can be measured."
     how = {
@@ -187,6 +194,24 @@ def _errors_caption(findings: Findings) -> str:
     tint = "" if findings.smoothed.window_s is None else "The best of a column is tinted. "
     against = f"Against the recording's ground truth, {how}; root mean squares. {tint}"
     return against + _smoothing(findings)
+
+
+def _stages(findings: Findings) -> str:
+    """How far each stage's path is from what judges it, at the same stamps."""
+    found = findings.errors.stages
+    if found.judged_by == "nothing":
+        return ""
+    metric = found.judged_by == "ground truth" or findings.camera_poses.metric
+    unit, factor = ("mm", 1e3) if metric else ("units", 1.0)
+    each = ", ".join(
+        f"{name} {factor * off:.3g} {unit} and {found.rotation_rmse_deg[name]:.3g}°"
+        for name, off in found.position_rmse_m.items()
+    )
+    how = {
+        "ground truth": f"At the {found.poses} stamps that all paths and the ground truth have",
+        "held-out poses": f"Judged by {found.poses} measured poses that they were made without",
+    }[found.judged_by]
+    return f"{how}, the stages' paths are off by: {each}."
 
 
 def _smoothing(findings: Findings) -> str:

@@ -28,8 +28,8 @@ COLUMNS = {
 
 
 LEFT_AS_IT_WAS = (
-    "The fused path was left as it is: any smoothing would take away motion, not noise, so the "
-    "representations do not differ here."
+    "The fused path was left as it is: any more smoothing would take away motion, not noise, so "
+    "the representations do not differ here (smoothed.window_s asks for it)."
 )
 
 
@@ -65,7 +65,9 @@ def summarise(findings: Findings) -> dict[str, Any]:
         "smoothed": {"window_s": findings.smoothed.window_s},
         "integrity": findings.integrity.as_dict(),
         "align": findings.errors.align,
+        "unaligned": findings.errors.unaligned or None,
         "errors": findings.errors.figures,
+        "stage_comparison": findings.errors.stages.as_dict(),
         "convergence": {
             "initial_tilt_deg": start.initial_tilt_deg,
             "settled_s": start.settled_s,
@@ -114,7 +116,7 @@ def shown_value(key: str, value: float | None) -> str:
 
 
 def as_table(summary: Mapping[str, Any]) -> str:
-    """The errors of a report as aligned text; below, where nothing was smoothed, that it was so."""
+    """The errors of a report as aligned text; below, what was not smoothed or aligned."""
     figures = summary["errors"]
     keys = shown_columns(figures)
     metric = summary.get("camera_poses", {}).get("scale") != "free"
@@ -130,6 +132,8 @@ def as_table(summary: Mapping[str, Any]) -> str:
         lines.append("  ".join(cells))
     if summary.get("smoothed") == {"window_s": None}:
         lines.append(LEFT_AS_IT_WAS)
+    if summary.get("unaligned"):
+        lines.append(f"No error can be told: {summary['unaligned']}.")
     return "\n".join(lines)
 
 

@@ -19,10 +19,13 @@ from motorcade.fusion.metrics import (
 )
 from motorcade.ga import Trajectory
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.stage_comparison import compared_by_held_out, compared_by_truth
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.errors import AccelerationSeries, ErrorSeries, PathErrors
 from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
+
+_FEWEST_PAIRS = 3
 
 
 def errors(
@@ -40,7 +43,8 @@ def errors(
     `align=auto` aligns (se3) where the poses were tracked, since the board's or the first camera's
     frame need not be the ground truth's, with the scale (sim3) where their unit of length is free,
     and not at all where they were simulated from the ground truth. Without one only the jitter
-    above `jitter_above_hz` is given.
+    above `jitter_above_hz` is given. Each stage's path is compared with the one before, by the
+    ground truth or else by measured poses that it was made without.
     """
     paths = {"measured": camera_poses.measurements.trajectory, "fused": fused.trajectory}
     paths |= smoothed.trajectories
@@ -48,15 +52,29 @@ def errors(
     stuck = {name: _registration(name, integrity) for name in paths}
     acceleration = {name: _acceleration(path, start_ns) for name, path in paths.items()}
     truth = recording.truth
-    if truth is None:
+    how: Align = _fitting(camera_poses) if align == "auto" else align
+    few = None if truth is None else _too_few(paths, truth, how)
+    if truth is None or few is not None:
         figures = {
             name: _figures_without_truth(path, jitter_above_hz) for name, path in paths.items()
         }
-        return PathErrors("none", _joined(figures, stuck), {}, acceleration)
-    how: Align = _fitting(camera_poses) if align == "auto" else align
+        stages = compared_by_held_out(camera_poses, fused, smoothed)
+        return PathErrors("none", _joined(figures, stuck), {}, acceleration, stages, few or "")
     figures = {name: _figures(path, truth, how) for name, path in paths.items()}
     series = {name: _series(path, truth, how, start_ns) for name, path in paths.items()}
-    return PathErrors(how, _joined(figures, stuck), series, acceleration)
+    stages = compared_by_truth(recording, camera_poses, fused, smoothed, how)
+    return PathErrors(how, _joined(figures, stuck), series, acceleration, stages)
+
+
+def _too_few(paths: dict[str, Trajectory], truth: Trajectory, align: Align) -> str | None:
+    """Why no error can be told: fewer poses of the ground truth than an alignment takes."""
+    fewest = min(len(associate(path, truth)) for path in paths.values())
+    if align == "none" or fewest >= _FEWEST_PAIRS:
+        return None
+    return (
+        f"the ground truth has {fewest} poses at stamps of the path, and {_FEWEST_PAIRS} are "
+        "needed to align them"
+    )
 
 
 def _fitting(camera_poses: CameraPoses) -> Align:

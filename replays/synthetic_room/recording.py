@@ -245,11 +245,13 @@ def manifest() -> str:
         f"placed.height_m={CHARACTER_HEIGHT_M}",
         "errors.align=none",
         "fused.noise_factor=1",  # the sensor is exactly as its data sheet says
+        "smoothed.window_s=0.167",  # five poses, to set the representations side by side
     ]
     listed = ", ".join(f'"{setting}"' for setting in settings)
     return f"""\
-# A synthetic room. World: metres, z up, origin on the table top.
-name = "synthetic room"
+# A synthetic room. World: metres, z up, origin on the table top. Pictures are rendered, and the IMU
+# is simulated, along the same exact path.
+name = "synthetic room, with a simulated IMU"
 settings = [{listed}]
 
 [frames]

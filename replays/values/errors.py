@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from motorcade.fusion.metrics import Align
 from motorcade.ga.arrays import FloatArray
+from motorcade.replays.values.stage_comparison import NOT_COMPARED, StageComparison
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +31,8 @@ class PathErrors:
     """Figures and series for each path: `measured`, `fused`, and every smoothed representation.
 
     `align` is the alignment used; without a ground truth it is "none" and `against_truth` empty.
+    So it is where the ground truth has too few poses to align by; `unaligned` then says so.
+    `stages` tells whether each stage made the path better.
 
     >>> from motorcade.replays import PathErrors
     >>> figures = {"measured": {"linear_jitter_m_s2": 1.2}, "motor": {"linear_jitter_m_s2": 0.4}}
@@ -42,3 +45,5 @@ class PathErrors:
     figures: dict[str, dict[str, float | None]]
     against_truth: dict[str, ErrorSeries]
     acceleration: dict[str, AccelerationSeries]
+    stages: StageComparison = NOT_COMPARED
+    unaligned: str = ""

@@ -26,6 +26,10 @@ class FusedPath:
         accepted: ``(N,)`` false where the filter left a measurement out.
         by: what was fused with the camera's poses.
         summary: the same in words.
+        looked_ahead: whether every pose is made of what came before and after it: by the filter's
+            backward pass, or by a graph of the whole recording.
+        held_out: the path made without every fifth measured pose, which it is judged by where
+            there is no ground truth; else None.
 
     >>> import numpy as np
     >>> from motorcade.fusion.motions import MOTIONS
@@ -45,6 +49,8 @@ class FusedPath:
     accepted: NDArray[np.bool_]
     by: FusedWith
     summary: str
+    looked_ahead: bool = False
+    held_out: Trajectory | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +58,8 @@ class SmoothedPaths:
     """The smoothed path `world_T_camera`, a trajectory for each representation.
 
     `window_s` is the width of the window used; None where the path was left as it was, because
-    any smoothing would have taken away motion.
+    any smoothing would have taken away motion or was done in fusing. `held_out` is the first
+    representation's path, made of `FusedPath.held_out`.
 
     >>> from motorcade.fusion.motions import MOTIONS
     >>> from motorcade.replays import SmoothedPaths
@@ -63,3 +70,4 @@ class SmoothedPaths:
 
     trajectories: dict[str, Trajectory]
     window_s: float | None
+    held_out: Trajectory | None = None

@@ -176,7 +176,8 @@ def doubts(summary: Mapping[str, Any]) -> list[str]:
 def result(summary: Mapping[str, Any], out: Path) -> str:
     """What came of a run in one line.
 
-    Whether it is doubtful and why, the poses, their distance from the ground truth, where to look.
+    Whether it is doubtful and why, the poses, their distance from the ground truth, what a stage
+    made worse, where to look.
     """
     from motorcade.replays.report.summary import shown_value
 
@@ -185,9 +186,10 @@ def result(summary: Mapping[str, Any], out: Path) -> str:
         doubtful = f"DOUBTFUL: {doubtful}; "
         if summary["integrity"]["drawn"] == "measured":
             doubtful += "the character stands along the measured path; "
+    worse = "".join(f"; {one}" for one in summary.get("stage_comparison", {}).get("worse", ()))
     poses = summary.get("camera_poses")
     if poses is None:
-        return f"{doubtful}done as far as {summary['until']}; look into {out}"
+        return f"{doubtful}done as far as {summary['until']}{worse}; look into {out}"
     told = (
         doubtful
         + f"{poses['measured']} of {poses['frames']} frames have a pose ({poses['origin']})"
@@ -197,4 +199,4 @@ def result(summary: Mapping[str, Any], out: Path) -> str:
     if off_m is not None:
         off = f"{shown_value('ape_rmse_m', off_m)} mm, {shown_value('rotation_rmse_deg', off_deg)}°"
         told += f", smoothed {off} from the ground truth (RMSE)"
-    return f"{told}; open {out / 'report.html'}"
+    return f"{told}{worse}; open {out / 'report.html'}"

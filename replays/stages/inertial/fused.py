@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -12,6 +13,7 @@ from motorcade.fusion.imu import ImuNoise, ImuStream
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import checked_positive
 from motorcade.replays.recording import Odometry, Recording
+from motorcade.replays.stages.held_out import without_held_out
 from motorcade.replays.stages.inertial.filter_input import Levelled, assumed_noise, levelled
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import UsedImu
@@ -59,26 +61,34 @@ def fused(
     _check_settings(noise_factor, walk_factor, alignment_sigma_deg, gate, initial_tilt_deg)
     odometry = recording.odometry
     chosen = _chosen(camera_poses, imu, odometry, look_ahead) if by == "auto" else by
-    if chosen == "nothing":
-        return _as_tracked(camera_poses, _reason(camera_poses, imu, odometry, by))
-    if not camera_poses.metric:
+    if chosen != "nothing" and not camera_poses.metric:
         raise ValueError(f"fused.by={by}: lengths of the tracked path have no unit")
-    if chosen == "odometry":
-        if odometry is None:
-            raise ValueError("fused.by=odometry, but the recording holds none")
-        if not look_ahead:
-            raise ValueError("fused.by=odometry looks ahead always; choose fused.by=imu without")
-        return _with_the_rest(_by_odometry(camera_poses, odometry), camera_poses)
-    if imu.origin == "none":
+    if chosen == "odometry" and odometry is not None and not look_ahead:
+        raise ValueError("fused.by=odometry looks ahead always; choose fused.by=imu without")
+
+    def path_of(poses: CameraPoses) -> FusedPath:
+        if chosen == "nothing":
+            return _as_tracked(poses, _reason(poses, imu, odometry, by))
+        if chosen == "odometry":
+            return _with_the_rest(_by_odometry(poses, odometry), poses)
+        noise = assumed_noise(imu.noise, imu.origin, noise_factor, walk_factor)
+        stream = imu.stream(recording)
+        level = levelled(poses, imu, stream)
+        settings = filter_settings(
+            imu, initial_tilt_deg, alignment_sigma_deg, gate, leaned=level.leaned
+        )
+        return _with_the_rest(
+            _by_imu(poses, imu, stream, noise, level, settings, look_ahead), poses
+        )
+
+    if chosen == "imu" and imu.origin == "none":
         raise ValueError(f"fused.by=imu, but {imu.absent}")
-    noise = assumed_noise(imu.noise, imu.origin, noise_factor, walk_factor)
-    stream = imu.stream(recording)
-    level = levelled(camera_poses, imu, stream)
-    settings = filter_settings(
-        imu, initial_tilt_deg, alignment_sigma_deg, gate, leaned=level.leaned
+    kept = None if recording.truth is not None else without_held_out(camera_poses)
+    return replace(
+        path_of(camera_poses),
+        looked_ahead=chosen != "nothing" and look_ahead,
+        held_out=None if kept is None else path_of(kept).trajectory,
     )
-    found = _by_imu(camera_poses, imu, stream, noise, level, settings, look_ahead)
-    return _with_the_rest(found, camera_poses)
 
 
 def _check_settings(
@@ -153,8 +163,10 @@ def _unjudged(found: PoseMeasurements, by: FusedWith, summary: str) -> FusedPath
     )
 
 
-def _by_odometry(camera_poses: CameraPoses, odometry: Odometry) -> FusedPath:
+def _by_odometry(camera_poses: CameraPoses, odometry: Odometry | None) -> FusedPath:
     """The pose graph's path at the times of the frames, between its nodes by the screw motion."""
+    if odometry is None:
+        raise ValueError("fused.by=odometry, but the recording holds none")
     found = fuse_odometry(
         camera_poses.measurements, odometry.trajectory, odometry.odometry_T_camera
     )
