@@ -7,15 +7,16 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from motorcade.fusion.filter.native import _filter
-from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.noise import (
+    ACCEL_BIAS_SIGMA_M_S2,
+    GYRO_BIAS_SIGMA_RAD_S,
+    ImuNoise,
+)
 from motorcade.ga import Motor
 from motorcade.ga.arrays import checked_positive
 from motorcade.ga.stamps import checked_span_ns
 
-# What is known of a sensor before the first sample: hardly anything. The velocity's is wide on
-# purpose: the error's dynamics do not depend on it, so that costs nothing.
-GYRO_BIAS_SIGMA_RAD_S = 0.1
-ACCEL_BIAS_SIGMA_M_S2 = 0.5
+# Wide on purpose: the error's dynamics do not depend on the velocity, so that costs nothing.
 VELOCITY_SIGMA_M_S = 20.0
 _MOST_FREEDOM = 8
 _CHECK_EVERY = 32

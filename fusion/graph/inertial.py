@@ -18,17 +18,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.filter.settings import (
-    ACCEL_BIAS_SIGMA_M_S2,
-    GYRO_BIAS_SIGMA_RAD_S,
-    VELOCITY_SIGMA_M_S,
-    FilterSettings,
-)
+from motorcade.fusion.filter.settings import VELOCITY_SIGMA_M_S, FilterSettings
 from motorcade.fusion.filter.sourced import Judgement, rows_within
 from motorcade.fusion.graph.kinds import CameraPoses, KindFactor, kind_factor
 from motorcade.fusion.graph.shared import Shared, keys
 from motorcade.fusion.graph.states import GraphStates
-from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.noise import (
+    ACCEL_BIAS_SIGMA_M_S2,
+    GYRO_BIAS_SIGMA_RAD_S,
+    ImuNoise,
+)
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.measurements.interface import MOST_NUMBERS, Measurements
 from motorcade.ga import Motor, Rotor

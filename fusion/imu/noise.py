@@ -24,6 +24,10 @@ _YAML_NAMES = {
     "accel_walk_m_s3_rthz": "accelerometer_random_walk",
 }
 
+GYRO_BIAS_SIGMA_RAD_S = 0.1
+ACCEL_BIAS_SIGMA_M_S2 = 0.5
+"""What is known of a sensor's biases before its first sample: hardly anything."""
+
 _MOST = 1e9  # the squares of densities are variances
 
 

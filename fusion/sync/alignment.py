@@ -17,11 +17,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motorcade.fusion.filter.settings import (
+from motorcade.fusion.imu.noise import (
     ACCEL_BIAS_SIGMA_M_S2,
     GYRO_BIAS_SIGMA_RAD_S,
+    ImuNoise,
 )
-from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.preintegration import Preintegrated, preintegrate
 from motorcade.fusion.sync.model import interval_residuals, pose_residuals

@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.health.turning import integrated_rate
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.fusion.sync.rates import RateMatch, integrated_rate
+from motorcade.fusion.sync.rates import RateMatch
 from motorcade.ga import Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 

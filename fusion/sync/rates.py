@@ -13,15 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.health.turning import (
+    LEAST_OVERLAP_S,
+    CameraRates,
+    TurnedAngle,
+    norm_correlations,
+)
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Rotor, Trajectory
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray
 
-# Rates are means over so much time: longer than noise of single poses, shorter than motion.
-_BASELINE_S = 0.15
 _GRID_S = 0.005
-_FEWEST = 20
-_LEAST_OVERLAP_S = 2.0
 _LEAST_CORRELATION = 0.5
 _REFINEMENTS = 8
 _CAUCHY = 11.3  # χ² with three degrees of freedom exceeds it in one of a hundred rates
@@ -63,13 +65,13 @@ def match_rates(camera: Trajectory, imu: ImuStream, search_s: float) -> RateMatc
         ValueError: streams that overlap for less than 2 s or 20 poses, or whose rates do not
             match anywhere within the search: too little rotation, or not one motion.
     """
-    rates = _CameraRates.of(camera)
-    turned = _Turned(imu)
+    rates = CameraRates.of(camera)
+    turned = TurnedAngle(imu)
     grid = np.arange(-round(search_s / _GRID_S), round(search_s / _GRID_S) + 1) * _GRID_S
-    score = np.array([_norm_correlation(rates, turned, float(lag)) for lag in grid])
+    score = norm_correlations(rates, turned, grid)
     if not np.any(np.isfinite(score)):
         raise ValueError(
-            f"camera and imu: expected streams that overlap for {_LEAST_OVERLAP_S} s or more, got "
+            f"camera and imu: expected streams that overlap for {LEAST_OVERLAP_S} s or more, got "
             f"{camera.time_ns[0]} to {camera.time_ns[-1]} ns and {imu.time_ns[0]} to "
             f"{imu.time_ns[-1]} ns"
         )
@@ -91,7 +93,7 @@ def match_rates(camera: Trajectory, imu: ImuStream, search_s: float) -> RateMatc
 
 
 def _refined(
-    rates: _CameraRates, turned: _Turned, offset_s: float, rotation: Rotor
+    rates: CameraRates, turned: TurnedAngle, offset_s: float, rotation: Rotor
 ) -> tuple[float, float, Rotor]:
     """Offset, its deviation and rotation by the rates' vectors; wrong ones weigh less.
 
@@ -120,90 +122,6 @@ def _refined(
         bias = bias + step[4:]
         covariance = np.linalg.inv(matrix / scale + np.diag(_LOOSE**-2.0))
     return offset_s, float(np.sqrt(covariance[0, 0])), rotation
-
-
-@dataclass(frozen=True, eq=False)
-class _CameraRates:
-    """Mean rates ``(M, 3)`` in the camera's axes, from `start_ns` to `end_ns` ``(M,)``."""
-
-    start_ns: IntArray
-    end_ns: IntArray
-    rate_rad_s: FloatArray
-
-    @classmethod
-    def of(cls, camera: Trajectory) -> _CameraRates:
-        stamps = camera.time_ns
-        end = np.searchsorted(stamps, stamps + round(_BASELINE_S * 1e9))
-        end = np.maximum(end, np.arange(len(stamps)) + 1)
-        start = np.flatnonzero(end < len(stamps))
-        end = end[start]
-        near = (stamps[end] - stamps[start]) * 1e-9 < 3.0 * _BASELINE_S  # no gap between
-        start, end = start[near], end[near]
-        rotors = camera.motors.rotor
-        # Turns in the middle's axes: half of the turn carries neither forward nor back.
-        turns = (rotors[start].inverse() @ rotors[end]).as_rotation_vector()
-        seconds = (stamps[end] - stamps[start]) * 1e-9
-        return cls(stamps[start], stamps[end], turns / seconds[:, None])
-
-    def beside(self, turned: _Turned, offset_s: float) -> tuple[FloatArray, FloatArray]:
-        """Rates ``(m, 3)`` of camera and IMU over the spans that the IMU covers."""
-        used, shift = self.inside(turned, offset_s, 0.0), round(offset_s * 1e9)
-        start, end = used.start_ns + shift, used.end_ns + shift
-        angle = turned.at(end) - turned.at(start)
-        return used.rate_rad_s, angle / ((end - start)[:, None] * 1e-9)
-
-    def inside(self, turned: _Turned, offset_s: float, margin_s: float) -> _CameraRates:
-        """Those over spans that the IMU covers, with a margin."""
-        shift, margin = round(offset_s * 1e9), round(margin_s * 1e9)
-        covered = turned.covers(self.start_ns + shift - margin, self.end_ns + shift + margin)
-        return _CameraRates(self.start_ns[covered], self.end_ns[covered], self.rate_rad_s[covered])
-
-
-class _Turned:
-    """The gyroscope's running integral: good for mean rates over short times."""
-
-    def __init__(self, imu: ImuStream) -> None:
-        self.first_ns = int(imu.time_ns[0])
-        parts = imu.stretches()
-        self._begin_ns = np.array([one.time_ns[0] for one in parts])
-        self._end_ns = np.array([one.time_ns[-1] for one in parts])
-        rate = imu.angular_rate_rad_s
-        steps = 0.5 * (rate[1:] + rate[:-1]) * (np.diff(imu.time_ns) * 1e-9)[:, None]
-        self._angle = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
-        self._time = (imu.time_ns - self.first_ns).astype(np.float64)
-
-    def covers(self, first_ns: IntArray, last_ns: IntArray) -> NDArray[np.bool_]:
-        """Which spans ``(m,)`` lie in one stretch of the stream."""
-        number = np.searchsorted(self._begin_ns, first_ns, side="right") - 1
-        return np.asarray((number >= 0) & (last_ns <= self._end_ns[number]), dtype=np.bool_)
-
-    def at(self, time_ns: IntArray) -> FloatArray:
-        """Angles ``(m, 3)`` turned since the start."""
-        wanted = (time_ns - self.first_ns).astype(np.float64)
-        columns = [np.interp(wanted, self._time, column) for column in self._angle.T]
-        return np.stack(columns, axis=-1)
-
-
-def integrated_rate(imu: ImuStream, stamps_ns: IntArray) -> FloatArray:
-    """Running integrals ``(N, 3)`` of the angular rate: differences are turns over short times."""
-    return _Turned(imu).at(stamps_ns)
-
-
-def _norm_correlation(rates: _CameraRates, turned: _Turned, offset_s: float) -> float:
-    """Correlation of both norms at an offset, NaN where too little overlaps."""
-    own, other = (np.linalg.norm(one, axis=-1) for one in rates.beside(turned, offset_s))
-    if len(own) < _FEWEST:
-        return np.nan
-    if len(own) * float(np.median(np.diff(rates.start_ns))) * 1e-9 < _LEAST_OVERLAP_S:
-        return np.nan
-    # Of ranks, so that wrong poses count no more than others.
-    return float(np.corrcoef(_ranks(own), _ranks(other))[0, 1])
-
-
-def _ranks(values: FloatArray) -> FloatArray:
-    ranks = np.empty(len(values))
-    ranks[np.argsort(values, kind="stable")] = np.arange(len(values))
-    return ranks
 
 
 def _alike(own: FloatArray, other: FloatArray) -> NDArray[np.bool_]:

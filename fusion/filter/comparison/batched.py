@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 from motorcade.fusion.filter import FilterSettings
 from motorcade.fusion.filter.comparison.coordinates import ErrorCoordinates, RunStates
 from motorcade.fusion.filter.extended_pose import ERROR_SIZE, increments, process_noise
-from motorcade.fusion.filter.settings import (
+from motorcade.fusion.filter.settings import VELOCITY_SIGMA_M_S
+from motorcade.fusion.imu.noise import (
     ACCEL_BIAS_SIGMA_M_S2,
     GYRO_BIAS_SIGMA_RAD_S,
-    VELOCITY_SIGMA_M_S,
+    ImuNoise,
 )
-from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray

@@ -1,0 +1,163 @@
+"""The accelerometer against the path's accelerations: unit, sign, axes, gravity, extrinsics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from motorcade.fusion.health.axes import AxesEvidence
+from motorcade.fusion.health.models import (
+    NEEDED,
+    SIGMAS,
+    AxesVerdict,
+    Base,
+    judge_axes,
+    judge_stated,
+)
+from motorcade.fusion.health.pushing import Pushes
+from motorcade.fusion.health.regression import Prior
+from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
+
+FORCE_UNITS = {9.80665: "g", 9.80665e-3: "milli-g", 0.3048: "ft/s²", 0.01: "cm/s²"}
+"""What readings must be multiplied by, and the unit that they are then in."""
+GRAVITY_SHARE = 0.07
+"""The accelerometer's scale and the shape of the earth leave gravity within this of 9.81 m/s²."""
+LEAN_RAD = float(np.deg2rad(5.0))
+"""A world that was levelled by hand leans less."""
+
+_FEWEST = 6
+_SIZE_SIGMA_M_S2 = 0.2
+_LEVER_SIGMA_M = 0.1
+_ANY_GRAVITY_M_S2 = 20.0
+
+
+@dataclass(frozen=True, eq=False)
+class ForceVerdict:
+    """How the accelerometer's readings stand to the path.
+
+    Fields:
+        state: that of `axes`; gravity, where another gravity explains them as they are; unknown,
+            where too little was measured.
+        axes: signs, axes, unit; None where too little was measured.
+        gravity_m_s2: ``(3,)`` in the path's world, as found.
+        bias_m_s2: ``(3,)`` in the camera's axes.
+        agrees: whether the gyroscope's verdict explains these readings as well.
+    """
+
+    state: Literal["sound", "named", "gravity", "unexplained", "unknown"]
+    axes: AxesVerdict | None
+    gravity_m_s2: FloatArray
+    bias_m_s2: FloatArray
+    agrees: bool
+
+
+@dataclass(frozen=True, eq=False)
+class ForceTrial:
+    """What is compared.
+
+    Fields:
+        pushes: the path's accelerations and the readings.
+        imu_T_camera: extrinsics.
+        known: whether these are stated, and may be the wrong way round.
+        gravity_m_s2: its size.
+        up: whether the world's z is.
+        lean_sigma_rad: of that.
+    """
+
+    pushes: Pushes
+    imu_T_camera: Motor
+    known: bool
+    gravity_m_s2: float
+    up: bool
+    lean_sigma_rad: float
+
+    def judged(self, of_rates: AxesVerdict | None) -> ForceVerdict:
+        """The verdict; `of_rates` is the gyroscope's, where it has one."""
+        if len(self.pushes) < _FEWEST:
+            return ForceVerdict("unknown", None, np.zeros(3), np.zeros(3), agrees=True)
+        bases = self._bases()
+        stated = bases["stated"]
+        first = judge_stated(stated, -NEEDED)
+        if first.state == "sound" and (of_rates is None or of_rates.state == "sound"):
+            return self._verdict("sound", first, agrees=True)
+        shared = self._shared(bases, of_rates)
+        if first.state == "sound":
+            agrees = shared is not None and shared.fit.score > first.fit.score - NEEDED
+            return self._verdict("sound", first, agrees=agrees)
+        if shared is not None and shared.state == "sound":
+            return self._verdict("named", shared, agrees=True)
+        if of_rates is not None:  # which says how the extrinsics are to be read
+            bases = {"stated": stated}
+        found = judge_axes(bases, tuple(FORCE_UNITS), -NEEDED)
+        other = judge_stated(self._with_any_gravity(stated), -NEEDED)
+        named = found.state == "named" and found.multiple in (1.0, *FORCE_UNITS)
+        if other.state == "sound" and not (named and found.fit.score > other.fit.score - NEEDED):
+            return self._verdict("gravity", other, agrees=of_rates is None)
+        if found.state == "nothing":
+            found = replace(found, state="unexplained")
+        state: Literal["named", "unexplained"] = (
+            "named" if found.state == "named" else "unexplained"
+        )
+        return self._verdict(state, found, agrees=False)
+
+    def _shared(
+        self, bases: dict[Base, AxesEvidence], of_rates: AxesVerdict | None
+    ) -> AxesVerdict | None:
+        """How well the gyroscope's axes and extrinsics, but not its unit, explain the readings."""
+        if of_rates is None or of_rates.state != "named":
+            return None
+        own = bases[of_rates.base]
+        turned = replace(own, block=np.einsum("naij,il->nalj", own.block, of_rates.turn))
+        permuted = replace(
+            turned, block=np.einsum("nalj,jm->nalm", turned.block, of_rates.permutation.T)
+        )
+        found = judge_stated(permuted, -NEEDED)
+        permutation, turn = of_rates.permutation, of_rates.turn
+        return replace(found, base=of_rates.base, permutation=permutation, turn=turn)
+
+    def _bases(self) -> dict[Base, AxesEvidence]:
+        made: dict[Base, AxesEvidence] = {"stated": self._evidence(self.imu_T_camera)}
+        if self.known:
+            made["inverted"] = self._evidence(self.imu_T_camera.inverse())
+        return made
+
+    def _evidence(self, imu_T_camera: Motor) -> AxesEvidence:
+        """Acceleration = mean(world_R_camera camera_R_imu K readings) + gravity - bias - lever."""
+        pushes, camera_T_imu = self.pushes, imu_T_camera.inverse()
+        block = np.einsum("kaij,im->kamj", pushes.force, camera_T_imu.rotor.as_matrix())
+        constant = np.broadcast_to(np.eye(3), pushes.attitude.shape)
+        extra = np.concatenate([constant, -pushes.attitude, -pushes.lever], axis=-1)
+        across = max(self.lean_sigma_rad, LEAN_RAD / SIGMAS) * self.gravity_m_s2
+        lever, sigma = camera_T_imu.translation_m, _LEVER_SIGMA_M
+        if not self.known:
+            lever, sigma = np.zeros(3), 1.0
+        if self.up:
+            gravity = [0.0, 0.0, -self.gravity_m_s2]
+            gravity_sigma = [across, across, _SIZE_SIGMA_M_S2]
+        else:
+            gravity, gravity_sigma = [0.0] * 3, [_ANY_GRAVITY_M_S2] * 3
+        prior = Prior(
+            np.array([*gravity, 0.0, 0.0, 0.0, *lever]),
+            np.array([*gravity_sigma, *[ACCEL_BIAS_SIGMA_M_S2] * 3, *[sigma] * 3]),
+        )
+        size = None if self.up else (self.gravity_m_s2, _SIZE_SIGMA_M_S2)
+        return AxesEvidence(pushes.acceleration_m_s2, block, extra, prior, size)
+
+    def _with_any_gravity(self, one: AxesEvidence) -> AxesEvidence:
+        mean, sigma = one.prior.mean.copy(), one.prior.sigma.copy()
+        mean[:3], sigma[:3] = 0.0, _ANY_GRAVITY_M_S2
+        return replace(one, prior=Prior(mean, sigma), gravity=None)
+
+    def _verdict(
+        self,
+        state: Literal["sound", "named", "gravity", "unexplained"],
+        axes: AxesVerdict,
+        *,
+        agrees: bool,
+    ) -> ForceVerdict:
+        besides = axes.fit.values[-9:]
+        return ForceVerdict(state, axes, besides[:3], besides[3:6], agrees)

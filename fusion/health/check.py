@@ -1,0 +1,179 @@
+"""`check_health`: an IMU beside a camera's path, and what is wrong with either."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motorcade.fusion.health.accelerometer import (
+    FORCE_UNITS,
+    GRAVITY_SHARE,
+    ForceTrial,
+    ForceVerdict,
+)
+from motorcade.fusion.health.gyroscope import RATE_UNITS, RateVerdict, judge_rates
+from motorcade.fusion.health.models import AxesVerdict
+from motorcade.fusion.health.pushing import Pushes
+from motorcade.fusion.health.stamps import check_stamps
+from motorcade.fusion.health.turning import CameraRates, TurnedAngle, steady
+from motorcade.fusion.health.verdict import Finding, Health
+from motorcade.fusion.health.wording import (
+    bias_lines,
+    delay_line,
+    gravity_line,
+    mirrored_line,
+    own_axes_line,
+    shared_axes_line,
+    unit_line,
+    unknown_lines,
+    unrelated_line,
+)
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.ga import Motor, Trajectory
+
+_MOST_WINDOWS = 250
+
+
+def check_health(
+    camera: Trajectory,
+    imu: ImuStream,
+    imu_T_camera: Motor,
+    *,
+    time_offset_s: float = 0.0,
+    gravity_m_s2: float = 9.81,
+    up: bool = True,
+    lean_sigma_rad: float = 0.0,
+    extrinsics_known: bool = True,
+    search_s: float = 2.0,
+) -> Health:
+    """Test what an IMU read against what the camera beside it did, and name what is wrong.
+
+    Rates of both are compared over spans of 0.15 s, accelerations over windows of a second. Each
+    sensor's readings are tested as stated, in other units, with other signs and in other orders of
+    its axes (left-handed ones included), with the extrinsics the other way round, under any
+    rotation, and at another offset; the accelerometer's besides under another gravity. A fault is
+    what explains them better at odds of 160,000 to 1 and differs from what is stated by more than
+    sensors and calibrations usually do: 10 % in scale, 5° in axes, 10 ms in time, 7 % in gravity.
+    Where the motion tells too little of something that is said under `Health.unknown`; slow motion
+    is no fault. Gross errors of the poses count little, up to half of them.
+
+    Args:
+        camera: ``world_T_camera``, in metres.
+        imu: the stream.
+        imu_T_camera: pose of the camera on the IMU.
+        time_offset_s: what is added to the camera's stamps to be the IMU's time.
+        gravity_m_s2: its size.
+        up: whether the world's z is up; else gravity's size alone is tested.
+        lean_sigma_rad: how far z may be from up.
+        extrinsics_known: whether `imu_T_camera` was stated, so that it may be the wrong way round;
+            False where it was estimated from the same rates.
+        search_s: how far from `time_offset_s` another offset is looked for.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath, ImuStream, simulate_imu
+        >>> from motorcade.fusion.health import check_health
+        >>> from motorcade.fusion.motions import handheld
+        >>> from motorcade.ga import Motor
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(handheld(rng), 20.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> check_health(sensor.path, sensor.stream, Motor.identity()).summary
+        'the IMU agrees with the path'
+
+        >>> stream = sensor.stream
+        >>> degrees = np.rad2deg(stream.angular_rate_rad_s)
+        >>> wrong = ImuStream(stream.time_ns, degrees, stream.specific_force_m_s2)
+        >>> check_health(sensor.path, wrong, Motor.identity()).faults
+        ('rate_unit',)
+    """
+    stamps = check_stamps(camera.time_ns, imu.time_ns)
+    if stamps is not None:
+        return Health((stamps,))
+    turn = imu_T_camera.rotor.as_matrix().T
+    turned = TurnedAngle(imu)
+    rates = judge_rates(
+        CameraRates.of(camera),
+        turned,
+        turn,
+        time_offset_s,
+        search_s,
+        known=extrinsics_known,
+    )
+    if rates.state == "unrelated":
+        return Health((Finding("unrelated", unrelated_line(rates, search_s)),))
+    offset_s = time_offset_s + rates.lag_s
+    if rates.explained and rates.axes is not None:
+        base = turn if rates.axes.base == "stated" else turn.T
+        camera = camera[
+            steady(camera, turned, offset_s, base @ rates.axes.matrix, rates.sigma_rad_s)
+        ]
+    pushes = Pushes.of(camera, imu, offset_s, _MOST_WINDOWS)
+    trial = ForceTrial(pushes, imu_T_camera, extrinsics_known, gravity_m_s2, up, lean_sigma_rad)
+    forces = trial.judged(rates.axes if rates.explained else None)
+    if not rates.explained and forces.state == "unexplained":
+        return Health((Finding("unrelated", unrelated_line(rates, search_s)),))
+    findings = [*_delay(rates), *_units(rates, forces), *_axes(rates, forces)]
+    findings += [*_gravity(forces, gravity_m_s2), *bias_lines(rates, forces)]
+    return Health(tuple(findings), unknown_lines(rates, forces))
+
+
+def _delay(rates: RateVerdict) -> list[Finding]:
+    return [Finding("delay", delay_line(rates))] if rates.explained and rates.late else []
+
+
+def _units(rates: RateVerdict, forces: ForceVerdict) -> list[Finding]:
+    found = []
+    if rates.state == "named" and rates.axes is not None and rates.axes.multiple != 1.0:
+        line = unit_line("gyroscope", rates.axes.multiple, RATE_UNITS)
+        found.append(Finding("rate_unit", line))
+    if forces.state == "named" and forces.axes is not None and forces.axes.multiple != 1.0:
+        line = unit_line("accelerometer", forces.axes.multiple, FORCE_UNITS)
+        found.append(Finding("force_unit", line))
+    return found
+
+
+def _axes(rates: RateVerdict, forces: ForceVerdict) -> list[Finding]:
+    """Extrinsics and axes: what both sensors have in common is said once."""
+    of_rates = rates.axes if rates.state == "named" else None
+    of_forces = forces.axes if forces.state == "named" else None
+    if of_rates is not None and _changed(of_rates) and forces.agrees:
+        if forces.state in ("named", "unknown") or not _permuted(of_rates):
+            return shared_axes_line(of_rates)
+        return [own_axes_line("gyroscope", of_rates)]
+    if of_rates is None and rates.state != "sound" and of_forces is not None:
+        return shared_axes_line(of_forces) if _changed(of_forces) else []
+    mirrored = (
+        of_rates is not None
+        and of_forces is not None
+        and np.array_equal(of_rates.permutation, -of_forces.permutation)
+        and np.linalg.det(of_forces.permutation) < 0.0
+        and not _same(of_rates.permutation)
+    )
+    if mirrored and of_rates is not None and of_forces is not None:
+        return [mirrored_line(of_rates, of_forces)]
+    found = []
+    if of_rates is not None and _changed(of_rates):
+        found.append(own_axes_line("gyroscope", of_rates))
+    if of_forces is not None and _changed(of_forces):
+        found.append(own_axes_line("accelerometer", of_forces))
+    return found
+
+
+def _changed(axes: AxesVerdict) -> bool:
+    return axes.base != "stated" or _permuted(axes) or not _same(axes.turn)
+
+
+def _permuted(axes: AxesVerdict) -> bool:
+    return not _same(axes.permutation)
+
+
+def _same(matrix: np.ndarray) -> bool:
+    return bool(np.allclose(matrix, np.eye(3)))
+
+
+def _gravity(forces: ForceVerdict, stated_m_s2: float) -> list[Finding]:
+    if forces.state != "gravity":
+        return []
+    size = float(np.linalg.norm(forces.gravity_m_s2))
+    fault = "gravity" if abs(size / stated_m_s2 - 1.0) > GRAVITY_SHARE else "lean"
+    return [Finding(fault, gravity_line(forces, stated_m_s2, fault))]

@@ -1,0 +1,171 @@
+"""The models that a sensor's readings are tested against, and which of them explains these best.
+
+In order of belief: as stated; extrinsics that were given the wrong way round; signs and axes, the
+simplest first; any rotation. Each may come with a unit. What has a mend of its own so stands before
+what explains as much by accident, and a model only counts where the motion tells it from nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from motorcade.fusion.health.axes import SIGNED_PERMUTATIONS, AxesEvidence
+from motorcade.fusion.health.regression import Fit
+from motorcade.ga.arrays import FloatArray
+
+Base = Literal["stated", "inverted"]
+
+NEEDED = 12.0
+"""Logarithm of the odds at which a model beats another: e¹² is one error in 160,000."""
+SCALE_TOLERANCE = 0.1
+"""A unit or a fault changes readings by more; scales of MEMS sensors are good to a few percent."""
+TURN_TOLERANCE_RAD = float(np.deg2rad(5.0))
+"""Drawings and screws place a camera to a degree or two."""
+SIGMAS = 4.0
+"""On top of a tolerance: one of 16,000 estimates lies further off by chance."""
+_BLURRED = 0.25
+_SEARCHED = 200
+# Of each element of K: scales on the diagonal, turns beside it.
+_TOLERANCE = np.where(np.eye(3) > 0.0, SCALE_TOLERANCE, np.sin(TURN_TOLERANCE_RAD))
+
+
+@dataclass(frozen=True, eq=False)
+class AxesVerdict:
+    """How a sensor's readings stand to the camera's path.
+
+    Fields:
+        state: sound; named, where a model other than the stated one explains them; unexplained,
+            where they tell something that no model explains; nothing, where they tell nothing.
+        base: which way round the extrinsics were to be read.
+        permutation: ``(3, 3)`` signed; true readings are multiple · turn · permutation · readings.
+        turn: ``(3, 3)`` rotation that is left besides; the identity where axes explain all.
+        multiple: of the readings; one where that explains them.
+        gain: logarithm of the odds against readings that have nothing to do with the path.
+        blurred: axes x, y, z of the readings of which the motion tells little.
+        fit: of what was chosen, with the unknowns besides K last.
+    """
+
+    state: Literal["sound", "named", "unexplained", "nothing"]
+    base: Base
+    permutation: FloatArray
+    turn: FloatArray
+    multiple: float
+    gain: float
+    blurred: str
+    fit: Fit
+
+    @property
+    def turn_rad(self) -> float:
+        """Angle of the turn."""
+        return float(np.arccos(np.clip(0.5 * (np.trace(self.turn) - 1.0), -1.0, 1.0)))
+
+    @property
+    def matrix(self) -> FloatArray:
+        """K ``(3, 3)``: what makes true readings."""
+        return self.multiple * self.turn @ self.permutation
+
+
+def judge_stated(evidence: AxesEvidence, needed: float = NEEDED) -> AxesVerdict:
+    """Whether readings are as stated: the state is then sound, and unexplained where not.
+
+    Args:
+        evidence: with the extrinsics as stated.
+        needed: of the gain over nothing.
+    """
+    nothing, same = evidence.nothing(), evidence.along(np.eye(3))
+    gain = same.score - nothing.score
+    free = evidence.free(np.eye(3))
+    off, sigma = _off(free, np.eye(3), 1.0)
+    sound = gain >= needed and np.all(off <= _TOLERANCE + SIGMAS * sigma)
+    sound &= not evidence.strained(same)
+    state: Literal["sound", "unexplained"] = "sound" if sound else "unexplained"
+    identity = np.eye(3)
+    return AxesVerdict(state, "stated", identity, identity, 1.0, gain, _blurred(sigma), same)
+
+
+def judge_axes(
+    evidence: Mapping[Base, AxesEvidence], units: tuple[float, ...], needed: float = NEEDED
+) -> AxesVerdict:
+    """Which model explains readings that are not as stated.
+
+    Args:
+        evidence: by which way round the extrinsics are read.
+        units: multiples that have a name.
+        needed: of the gain over nothing.
+    """
+    few = {base: one.thinned(_SEARCHED) for base, one in evidence.items()}
+    tried = _tried(few)
+    best = max(score for score, *_ in tried)
+    at = next(k for k, (score, *_) in enumerate(tried) if score >= best - NEEDED)
+    _, base, matrix, start = tried[at]
+    own = evidence[base]
+    nothing = own.nothing().score
+    found = own.scaled(matrix, start)
+    multiple = _named_multiple(float(found.values[0]), float(found.deviations[0]), units)
+    fitted = own.along(multiple * matrix)
+    free = own.free(multiple * matrix)
+    off, sigma = _off(free, matrix, multiple)
+    gain = found.score - nothing
+    if np.any(off > _TOLERANCE + SIGMAS * sigma) and free.score - nothing >= needed:
+        return _judge_turn(evidence["stated"], multiple * matrix)
+    state: Literal["named", "unexplained", "nothing"] = "named" if gain >= needed else "nothing"
+    if state == "named" and own.strained(fitted):
+        state = "unexplained"
+    return AxesVerdict(state, base, matrix, np.eye(3), multiple, gain, _blurred(sigma), fitted)
+
+
+def _judge_turn(evidence: AxesEvidence, start: FloatArray) -> AxesVerdict:
+    """Whether a rotation explains the readings, or a mirrored one."""
+    free = evidence.free(start)
+    found, sigma = free.values[:9].reshape(3, 3), free.deviations[:9].reshape(3, 3)
+    u, sizes, vt = np.linalg.svd(found)
+    sign = float(np.sign(np.linalg.det(u @ vt)))
+    multiple = float(np.mean(sizes))
+    if abs(multiple - 1.0) <= SCALE_TOLERANCE:
+        multiple = 1.0
+    off = np.abs(found - multiple * u @ vt)
+    fits = bool(np.all(off <= SCALE_TOLERANCE * multiple + SIGMAS * sigma))
+    fitted = evidence.along(multiple * u @ vt)
+    fits &= not evidence.strained(fitted)
+    gain = free.score - evidence.nothing().score
+    state: Literal["named", "unexplained"] = "named" if fits else "unexplained"
+    turn, blurred = sign * (u @ vt), _blurred(sigma / multiple)
+    return AxesVerdict(state, "stated", sign * np.eye(3), turn, multiple, gain, blurred, fitted)
+
+
+def _tried(
+    evidence: Mapping[Base, AxesEvidence],
+) -> list[tuple[float, Base, FloatArray, float]]:
+    """Score, base, permutation and multiple of every model, by belief."""
+    models = [(base, matrix) for matrix in SIGNED_PERMUTATIONS for base in evidence]
+    tried = []
+    for base, matrix in models:
+        own = evidence[base]
+        found = own.scaled(matrix, own.multiple(matrix))
+        if found.values[0] > 0.0:
+            tried.append((found.score, base, matrix, float(found.values[0])))
+    return tried
+
+
+def _named_multiple(found: float, sigma: float, units: tuple[float, ...]) -> float:
+    """One, or a unit, where that is as near as scales of sensors are to it."""
+    for unit in (1.0, *units):
+        if abs(found / unit - 1.0) <= SCALE_TOLERANCE + SIGMAS * sigma / found:
+            return unit
+    return found
+
+
+def _off(free: Fit, matrix: FloatArray, multiple: float) -> tuple[FloatArray, FloatArray]:
+    """How far K is from a multiple of a signed permutation, and the deviation of that."""
+    relative = free.values[:9].reshape(3, 3) @ matrix.T / multiple
+    sigma = free.deviations[:9].reshape(3, 3) @ np.abs(matrix.T) / multiple
+    return np.abs(relative - np.eye(3)), sigma
+
+
+def _blurred(sigma: FloatArray) -> str:
+    worst = sigma.max(axis=0)
+    return "".join(axis for axis, one in zip("xyz", worst, strict=True) if one > _BLURRED)

@@ -1,0 +1,149 @@
+"""What a camera and a gyroscope turned over the same short spans of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.ga import Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
+
+# Rates are means over so much time: longer than noise of single poses, shorter than motion.
+_BASELINE_S = 0.15
+# Three axes, and a tail heavier than the normal distribution's.
+_STEADY_SIGMAS = 6.0
+FEWEST_SPANS = 20
+LEAST_OVERLAP_S = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class CameraRates:
+    """Mean rates ``(M, 3)`` in the camera's axes, from `start_ns` to `end_ns` ``(M,)``."""
+
+    start_ns: IntArray
+    end_ns: IntArray
+    rate_rad_s: FloatArray
+
+    @classmethod
+    def of(cls, camera: Trajectory) -> CameraRates:
+        """Those of every span of 0.15 s, or from a pose to the next, that starts at a pose."""
+        stamps = camera.time_ns
+        end = np.searchsorted(stamps, stamps + round(_BASELINE_S * 1e9))
+        end = np.maximum(end, np.arange(len(stamps)) + 1)
+        start = np.flatnonzero(end < len(stamps))
+        end = end[start]
+        near = (stamps[end] - stamps[start]) * 1e-9 < 3.0 * _BASELINE_S  # no gap between
+        start, end = start[near], end[near]
+        rotors = camera.motors.rotor
+        # Turns in the middle's axes: half of the turn carries neither forward nor back.
+        turns = (rotors[start].inverse() @ rotors[end]).as_rotation_vector()
+        seconds = (stamps[end] - stamps[start]) * 1e-9
+        return cls(stamps[start], stamps[end], turns / seconds[:, None])
+
+    def __len__(self) -> int:
+        return len(self.start_ns)
+
+    def beside(self, turned: TurnedAngle, offset_s: float) -> tuple[FloatArray, FloatArray]:
+        """Rates ``(m, 3)`` of camera and IMU over the spans that the IMU covers."""
+        used, shift = self.inside(turned, offset_s, 0.0), round(offset_s * 1e9)
+        start, end = used.start_ns + shift, used.end_ns + shift
+        angle = turned.at(end) - turned.at(start)
+        return used.rate_rad_s, angle / ((end - start)[:, None] * 1e-9)
+
+    def inside(self, turned: TurnedAngle, offset_s: float, margin_s: float) -> CameraRates:
+        """Those over spans that the IMU covers, with a margin."""
+        shift, margin = round(offset_s * 1e9), round(margin_s * 1e9)
+        covered = turned.covers(self.start_ns + shift - margin, self.end_ns + shift + margin)
+        return self[np.flatnonzero(covered)]
+
+    def disjoint(self, most: int) -> CameraRates:
+        """At most so many that do not overlap, spread evenly over the whole."""
+        if len(self) < 2:
+            return self
+        longest = np.median(self.end_ns - self.start_ns)
+        step = max(1, round(float(longest / np.median(np.diff(self.start_ns)))))
+        step = max(step, -(-len(self) // most))
+        return self[np.arange(0, len(self), step)]
+
+    def __getitem__(self, rows: IntArray) -> CameraRates:
+        return CameraRates(self.start_ns[rows], self.end_ns[rows], self.rate_rad_s[rows])
+
+
+class TurnedAngle:
+    """The gyroscope's running integral: good for mean rates over short times."""
+
+    def __init__(self, imu: ImuStream) -> None:
+        self.first_ns = int(imu.time_ns[0])
+        parts = imu.stretches()
+        self._begin_ns = np.array([one.time_ns[0] for one in parts])
+        self._end_ns = np.array([one.time_ns[-1] for one in parts])
+        rate = imu.angular_rate_rad_s
+        steps = 0.5 * (rate[1:] + rate[:-1]) * (np.diff(imu.time_ns) * 1e-9)[:, None]
+        self._angle = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+        self._time = (imu.time_ns - self.first_ns).astype(np.float64)
+
+    def covers(self, first_ns: IntArray, last_ns: IntArray) -> NDArray[np.bool_]:
+        """Which spans ``(m,)`` lie in one stretch of the stream."""
+        number = np.searchsorted(self._begin_ns, first_ns, side="right") - 1
+        return np.asarray((number >= 0) & (last_ns <= self._end_ns[number]), dtype=np.bool_)
+
+    def at(self, time_ns: IntArray) -> FloatArray:
+        """Angles ``(m, 3)`` turned since the start."""
+        wanted = (time_ns - self.first_ns).astype(np.float64)
+        columns = [np.interp(wanted, self._time, column) for column in self._angle.T]
+        return np.stack(columns, axis=-1)
+
+
+def steady(
+    camera: Trajectory,
+    turned: TurnedAngle,
+    offset_s: float,
+    camera_R_read: FloatArray,
+    sigma: float,
+) -> NDArray[np.bool_]:
+    """Which poses ``(N,)`` turned from one of their neighbours as the gyroscope says.
+
+    Args:
+        camera: the poses.
+        turned: integral of the readings.
+        offset_s: what is added to the poses' stamps.
+        camera_R_read: ``(3, 3)`` from readings to rates in the camera's axes.
+        sigma: of the camera's mean rates over spans of 0.15 s, rad/s an axis.
+    """
+    rotors = camera.motors.rotor
+    turns = (rotors[:-1].inverse() @ rotors[1:]).as_rotation_vector()
+    angle = turned.at(camera.time_ns + round(offset_s * 1e9)) @ camera_R_read.T
+    apart = np.linalg.norm(turns - np.diff(angle, axis=0), axis=-1)
+    right = np.concatenate([[False], apart < _STEADY_SIGMAS * sigma * _BASELINE_S, [False]])
+    return np.asarray(right[:-1] | right[1:], dtype=np.bool_)
+
+
+def integrated_rate(imu: ImuStream, stamps_ns: IntArray) -> FloatArray:
+    """Running integrals ``(N, 3)`` of the angular rate: differences are turns over short times."""
+    return TurnedAngle(imu).at(stamps_ns)
+
+
+def norm_correlations(rates: CameraRates, turned: TurnedAngle, offsets_s: FloatArray) -> FloatArray:
+    """Correlations ``(M,)`` of how fast both turn, NaN where too little overlaps.
+
+    Of ranks, so that wrong poses count no more than others.
+    """
+    return np.array([_norm_correlation(rates, turned, float(one)) for one in offsets_s])
+
+
+def _norm_correlation(rates: CameraRates, turned: TurnedAngle, offset_s: float) -> float:
+    own, other = (np.linalg.norm(one, axis=-1) for one in rates.beside(turned, offset_s))
+    if len(own) < FEWEST_SPANS:
+        return np.nan
+    if len(own) * float(np.median(np.diff(rates.start_ns))) * 1e-9 < LEAST_OVERLAP_S:
+        return np.nan
+    return float(np.corrcoef(_ranks(own), _ranks(other))[0, 1])
+
+
+def _ranks(values: FloatArray) -> FloatArray:
+    ranks = np.empty(len(values))
+    ranks[np.argsort(values, kind="stable")] = np.arange(len(values))
+    return ranks

@@ -1,0 +1,87 @@
+"""What is wrong with an inertial recording, one line each, and what cannot be told of it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+FaultName = Literal[
+    "rate_unit",
+    "rate_sign",
+    "rate_axes",
+    "rate_bias",
+    "rate_unexplained",
+    "force_unit",
+    "force_sign",
+    "force_axes",
+    "force_bias",
+    "force_unexplained",
+    "gravity",
+    "lean",
+    "axes",
+    "extrinsics_inverted",
+    "extrinsics_turned",
+    "stamp_unit",
+    "delay",
+    "unrelated",
+    "measurements_refused",
+]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A fault: its name, and one line that says what was found and what mends it.
+
+    Examples:
+        >>> from motorcade.fusion.health import Finding
+        >>> Finding("delay", "the IMU's stamps are 0.5 s late: time_offset_s=0.5").fault
+        'delay'
+    """
+
+    fault: FaultName
+    summary: str
+
+
+@dataclass(frozen=True)
+class Health:
+    """What a check of an IMU beside a path has found.
+
+    Fields:
+        findings: what is wrong; empty where nothing is.
+        unknown: what the motion does not tell, one line each: no fault, but no proof either.
+
+    Examples:
+        >>> from motorcade.fusion.health import Finding, Health
+        >>> Health((Finding("delay", "the IMU's stamps are 0.5 s late"),), ()).sound
+        False
+    """
+
+    findings: tuple[Finding, ...] = ()
+    unknown: tuple[str, ...] = ()
+
+    @property
+    def sound(self) -> bool:
+        """Whether nothing was found."""
+        return not self.findings
+
+    @property
+    def faults(self) -> tuple[FaultName, ...]:
+        """Names of what was found."""
+        return tuple(one.fault for one in self.findings)
+
+    @property
+    def summary(self) -> str:
+        """All in one line."""
+        if self.findings:
+            return "; ".join(one.summary for one in self.findings)
+        if self.unknown:
+            return "; ".join(self.unknown)
+        return "the IMU agrees with the path"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Ready for JSON."""
+        return {
+            "sound": self.sound,
+            "findings": [asdict(one) for one in self.findings],
+            "unknown": list(self.unknown),
+        }

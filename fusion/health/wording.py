@@ -1,0 +1,175 @@
+"""One line a fault: what was found, and what mends it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from motorcade.fusion.health.accelerometer import ForceVerdict
+from motorcade.fusion.health.axes import order_of
+from motorcade.fusion.health.gyroscope import RateVerdict
+from motorcade.fusion.health.models import AxesVerdict
+from motorcade.fusion.health.verdict import Finding
+from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
+
+_BEYOND = 4.0  # deviations of what is known of a bias
+
+
+def unit_line(sensor: str, multiple: float, units: Mapping[float, str]) -> str:
+    """Of readings in another unit."""
+    unit = units.get(multiple)
+    expected = {"gyroscope": "radians a second", "accelerometer": "m/s²"}[sensor]
+    called = f"reads {unit}" if unit is not None else "has another unit or scale"
+    return (
+        f"the {sensor} {called}, where {expected} are expected: multiply its readings by "
+        f"{multiple:.6g}"
+    )
+
+
+def mirrored_line(of_rates: AxesVerdict, of_forces: AxesVerdict) -> Finding:
+    """Of a left-handed frame, in which rates turn the other way round."""
+    line = (
+        "the IMU's axes are left-handed: put the accelerometer's readings as "
+        f"{order_of(of_forces.permutation)} and the gyroscope's as {order_of(of_rates.permutation)}"
+        " for (x, y, z)"
+    )
+    return Finding("axes", line)
+
+
+def shared_axes_line(axes: AxesVerdict) -> list[Finding]:
+    """Of what both sensors have in common: extrinsics, or the order of the axes."""
+    found = []
+    if axes.base == "inverted":
+        line = "imu_T_camera is the wrong way round (transposed): give its inverse"
+        found.append(Finding("extrinsics_inverted", line))
+    if not np.allclose(axes.permutation, np.eye(3)):
+        found.append(Finding("axes", _order("the IMU's axes are", axes)))
+    if not np.allclose(axes.turn, np.eye(3)):
+        # True readings, in the axes that the extrinsics speak of, are turn @ readings.
+        vector = Rotor.from_matrix(axes.turn).inverse().as_rotation_vector()
+        line = (
+            f"imu_T_camera is turned by {np.rad2deg(axes.turn_rad):.0f}°: put the rotation vector "
+            f"{_degrees(vector)}, in the IMU's axes, before its rotation, or estimate it anew"
+        )
+        found.append(Finding("extrinsics_turned", line))
+    return found
+
+
+def own_axes_line(sensor: str, axes: AxesVerdict) -> Finding:
+    """Of one sensor whose axes are not those that the other, or the extrinsics, have."""
+    kind = {"gyroscope": "rate", "accelerometer": "force"}[sensor]
+    if not np.allclose(axes.turn, np.eye(3)):
+        vector = Rotor.from_matrix(axes.turn).as_rotation_vector()
+        line = (
+            f"the {sensor}'s axes are turned by {np.rad2deg(axes.turn_rad):.0f}° from the other "
+            f"sensor's: turn its readings by the rotation vector {_degrees(vector)}"
+        )
+        return Finding("rate_axes" if kind == "rate" else "force_axes", line)
+    if np.array_equal(axes.permutation, -np.eye(3)):
+        line = f"the {sensor}'s sign is wrong: negate its three axes"
+        return Finding("rate_sign" if kind == "rate" else "force_sign", line)
+    line = _order(f"the {sensor}'s axes are", axes)
+    if axes.base == "inverted":
+        line += " and give the inverse of imu_T_camera"
+    return Finding("rate_axes" if kind == "rate" else "force_axes", line)
+
+
+def delay_line(rates: RateVerdict) -> str:
+    """Of stamps that are off."""
+    late = "late" if rates.lag_s > 0.0 else "early"
+    return (
+        f"the IMU's stamps are {abs(rates.lag_s):.3f} s {late} beside the poses': add "
+        f"{rates.lag_s:.3f} s to time_offset_s (± {rates.lag_sigma_s:.3f} s)"
+    )
+
+
+def gravity_line(forces: ForceVerdict, stated_m_s2: float, fault: str) -> str:
+    """Of another gravity, or of a world that leans."""
+    found = forces.gravity_m_s2
+    size = float(np.linalg.norm(found))
+    if fault == "gravity":
+        return (
+            f"gravity is {size:.2f} m/s² here, where {stated_m_s2:g} was stated: set gravity_m_s2 "
+            "to it, or scale the accelerometer"
+        )
+    lean = float(np.rad2deg(np.arccos(np.clip(-found[2] / size, -1.0, 1.0))))
+    return (
+        f"the world's z is {lean:.0f}° from up: level the poses, or set gravity_sigma_rad to at "
+        "least that"
+    )
+
+
+def unrelated_line(rates: RateVerdict, search_s: float) -> str:
+    """Of an IMU that moved otherwise than the camera."""
+    return (
+        f"the IMU did not move with the camera: it turns by {rates.read_rad_s:.2g} rad/s an axis, "
+        f"the camera by {rates.turned_rad_s:.2g}, but not together at any offset within "
+        f"{search_s:g} s: give the IMU of the same recording"
+    )
+
+
+def bias_lines(rates: RateVerdict, forces: ForceVerdict) -> list[Finding]:
+    """Of biases far beyond what is known of them, and of readings that nothing explains."""
+    found = []
+    if rates.state == "unexplained":
+        if np.max(np.abs(rates.bias_rad_s)) > _BEYOND * GYRO_BIAS_SIGMA_RAD_S:
+            line = f"the gyroscope reads {_three(rates.bias_rad_s)} rad/s at rest: subtract it"
+            found.append(Finding("rate_bias", line))
+        else:
+            line = (
+                "the gyroscope agrees with the camera only in part, and no unit, sign, order of "
+                "axes, rotation or offset mends it"
+            )
+            found.append(Finding("rate_unexplained", line))
+    if forces.state == "unexplained":
+        if np.max(np.abs(forces.bias_m_s2)) > _BEYOND * ACCEL_BIAS_SIGMA_M_S2:
+            line = (
+                f"the accelerometer is off by {_three(forces.bias_m_s2)} m/s² in the camera's axes,"
+                f" where {ACCEL_BIAS_SIGMA_M_S2:g} are usual: calibrate it"
+            )
+            found.append(Finding("force_bias", line))
+        else:
+            line = (
+                "the accelerometer contradicts the path, and no unit, sign, order of axes, "
+                "rotation or gravity mends it"
+            )
+            found.append(Finding("force_unexplained", line))
+    return found
+
+
+def unknown_lines(rates: RateVerdict, forces: ForceVerdict) -> tuple[str, ...]:
+    """What the motion does not tell."""
+    lines = []
+    if rates.state == "unknown":
+        lines.append("cannot tell the gyroscope's unit, sign and axes: the camera turns too little")
+    elif rates.axes is not None and rates.explained and rates.axes.blurred:
+        axes = " and ".join(rates.axes.blurred)
+        lines.append(f"cannot tell the gyroscope's {axes}: the camera hardly turns about it")
+    if forces.state == "unknown":
+        lines.append(
+            "cannot tell the accelerometer's unit, sign and axes: too few seconds of poses without "
+            "a gap"
+        )
+    elif forces.axes is not None and forces.state != "unexplained" and forces.axes.blurred:
+        axes = " and ".join(forces.axes.blurred)
+        lines.append(f"cannot tell the accelerometer's {axes}: the motion hardly changes them")
+    return tuple(lines)
+
+
+def _order(opening: str, axes: AxesVerdict) -> str:
+    handed = "left-handed" if np.linalg.det(axes.permutation) < 0.0 else "in another order"
+    return (
+        f"{opening} {handed} as they come: put the readings as {order_of(axes.permutation)} for "
+        "(x, y, z)"
+    )
+
+
+def _degrees(vector_rad: FloatArray) -> str:
+    return _three(np.rad2deg(vector_rad)) + "°"
+
+
+def _three(values: FloatArray) -> str:
+    return "(" + ", ".join(f"{one:.3g}" for one in values) + ")"

@@ -1,0 +1,203 @@
+"""Recordings that are sound, and the faults that each of them is given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from motorcade.fusion.health import Health, check_health
+from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuStream, simulate_imu
+from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.motions.degradations import Blackouts, Degradation, InTurn, Outliers
+from motorcade.fusion.simulate_poses import simulate_camera_poses
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
+from motorcade.replays.files.imu import read_imu
+from motorcade.replays.files.trajectories import read_trajectory
+from motorcade.tracking.measurements import PoseMeasurements
+
+DEGRADED = InTurn((Outliers(0.02, 0.5, 0.5), Blackouts(2.0, 15.0)))
+"""What any tracker does: 2 % of the poses are off, and for 2 s every 15 s there is none."""
+
+MOUNTS: Mapping[str, Motor] = {
+    # Euler angles and metres of a camera that sits askew, and EuRoC's own, turned by a quarter.
+    "askew": Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07])),
+    "quarter": Motor.from_rotor_translation(
+        Rotor.from_matrix(
+            np.array(
+                [
+                    [0.0148655429818, -0.999880929698, 0.00414029679422],
+                    [0.999557249008, 0.0149672133247, 0.025715529948],
+                    [-0.0257744366974, 0.00375618835797, 0.999660727178],
+                ]
+            )
+        ),
+        np.array([-0.0216401454975, -0.064676986768, 0.00981073058949]),
+    ),
+}
+
+FLIGHTS = {
+    "MH_05": ("imu/flights/MH05_imu.txt", "imu/flights/MH_05_difficult.csv"),
+    "V1_03": ("imu/flights/V103_imu.txt", "imu/flights/V1_03_difficult.csv"),
+    "V2_02": ("imu/flights/V202_imu.txt", "imu/flights/V2_02_medium.csv"),
+    "V1_02": ("imu/V102_imu.txt", "imu/V1_02_medium.csv"),
+    "V1_01": (
+        "replays/euroc_V1_01/mav0/imu0/data.csv",
+        "replays/euroc_V1_01/V1_01_easy.txt",
+    ),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What a user hands in.
+
+    Fields:
+        poses: of the camera, measured.
+        imu: the stream.
+        imu_T_camera: the extrinsics, as stated.
+        gravity_m_s2: as stated.
+        truth: `world_T_imu`, for faults that need it.
+    """
+
+    poses: PoseMeasurements
+    imu: ImuStream
+    imu_T_camera: Motor
+    gravity_m_s2: float
+    truth: Trajectory
+
+
+def flown(
+    name: str,
+    folder: Path,
+    mount: str = "askew",
+    seed: int = 0,
+    degraded: Degradation | None = DEGRADED,
+) -> Case:
+    """A recorded flight with camera poses simulated from its ground truth: 20 Hz, 1 cm, 0.5°."""
+    stream, states = (folder / one for one in FLIGHTS[name])
+    imu, truth = read_imu(stream), read_trajectory(states, child="imu")
+    inside = (truth.time_ns >= imu.time_ns[0]) & (truth.time_ns <= imu.time_ns[-1])
+    return case(truth[inside], imu, MOUNTS[mount], seed, degraded)
+
+
+def simulated(name: str, mount: str = "askew", seed: int = 0, duration_s: float = 40.0) -> Case:
+    """One of the standard motions with a simulated sensor."""
+    path = ContinuousPath.along(MOTIONS[name], duration_s, start_ns=10**18)
+    sensor = simulate_imu(path, 200.0, ADIS16448, np.random.default_rng(seed))
+    return case(sensor.path, sensor.stream, MOUNTS[mount], seed, DEGRADED)
+
+
+def case(
+    truth: Trajectory, imu: ImuStream, mount: Motor, seed: int, degraded: Degradation | None
+) -> Case:
+    """The case of a path and its stream, with the camera mounted so."""
+    camera = truth.transformed_by(right=mount, child="camera")
+    rng = np.random.default_rng(seed)
+    poses = simulate_camera_poses(camera, 20.0, 0.01, float(np.deg2rad(0.5)), rng, degraded)
+    return Case(poses, imu, mount, 9.81, truth)
+
+
+Fault = Callable[[Case, Case], Case]
+
+
+def _readings(rate: FloatArray | float = 1.0, force: FloatArray | float = 1.0) -> Fault:
+    """Readings multiplied by a number or a matrix."""
+
+    def spoilt(one: Case, _: Case) -> Case:
+        rates = one.imu.angular_rate_rad_s @ (np.eye(3) * rate if np.ndim(rate) == 0 else rate)
+        forces = one.imu.specific_force_m_s2 @ (np.eye(3) * force if np.ndim(force) == 0 else force)
+        return replace(one, imu=ImuStream(one.imu.time_ns, rates, forces))
+
+    return spoilt
+
+
+def _on_the_moon(one: Case, _: Case) -> Case:
+    """The same flight where gravity is the Moon's."""
+    stamps = np.clip(one.imu.time_ns, one.truth.time_ns[0], one.truth.time_ns[-1])
+    up = one.truth.motors_at(stamps).rotor.inverse().apply(np.array([0.0, 0.0, 1.0]))
+    less = (9.81 - 1.62) * up
+    imu = ImuStream(one.imu.time_ns, one.imu.angular_rate_rad_s, one.imu.specific_force_m_s2 - less)
+    return replace(one, imu=imu)
+
+
+def _extrinsics(changed: Callable[[Motor], Motor]) -> Fault:
+    return lambda one, _: replace(one, imu_T_camera=changed(one.imu_T_camera))
+
+
+def _turned(mount: Motor) -> Motor:
+    axis = np.array([1.0, -2.0, 1.5])
+    vector = np.deg2rad(20.0) * axis / np.linalg.norm(axis)
+    return mount @ Motor.from_rotor_translation(Rotor.from_rotation_vector(vector), np.zeros(3))
+
+
+def _stamps(imu: Callable[..., np.ndarray], poses: Callable[..., np.ndarray]) -> Fault:
+    """Other stamps for either stream."""
+
+    def spoilt(one: Case, _: Case) -> Case:
+        stream = ImuStream(
+            imu(one.imu.time_ns), one.imu.angular_rate_rad_s, one.imu.specific_force_m_s2
+        )
+        path = one.poses.trajectory
+        moved = Trajectory(poses(path.time_ns), path.motors, path.parent, path.child)
+        return replace(one, imu=stream, poses=PoseMeasurements(moved, one.poses.covariance))
+
+    return spoilt
+
+
+def _of_another(one: Case, other: Case) -> Case:
+    """The stream of another recording, its stamps moved so that both begin together."""
+    stamps = other.imu.time_ns - other.imu.time_ns[0] + one.imu.time_ns[0]
+    stream = ImuStream(stamps, other.imu.angular_rate_rad_s, other.imu.specific_force_m_s2)
+    return replace(one, imu=stream)
+
+
+_SWAP = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+_FLIP = np.diag([1.0, 1.0, -1.0])
+_CYCLE = np.roll(np.eye(3), 1, axis=0)
+
+
+def _same(stamps: np.ndarray) -> np.ndarray:
+    return stamps
+
+
+FAULTS: Mapping[str, tuple[Fault, str]] = {
+    "deg/s": (_readings(rate=float(np.rad2deg(1.0))), "rate_unit"),
+    "g": (_readings(force=1 / 9.80665), "force_unit"),
+    "accelerometer's sign": (_readings(force=-1.0), "force_sign"),
+    "gyroscope's sign": (_readings(rate=-1.0), "rate_sign"),
+    "lunar gravity": (_on_the_moon, "gravity"),
+    "gravity stated as the Moon's": (lambda one, _: replace(one, gravity_m_s2=1.62), "gravity"),
+    "x and y swapped": (_readings(_SWAP, _SWAP), "axes"),
+    "x and y of gyroscope swapped": (_readings(rate=_SWAP), "rate_axes"),
+    "x and y of accelerometer swapped": (_readings(force=_SWAP), "force_axes"),
+    "axes cycled": (_readings(_CYCLE, _CYCLE), "axes"),
+    "z negated": (_readings(_FLIP, _FLIP), "axes"),
+    "left-handed": (_readings(-_FLIP, _FLIP), "axes"),
+    "extrinsics transposed": (_extrinsics(lambda mount: mount.inverse()), "extrinsics_inverted"),
+    "extrinsics off by 20°": (_extrinsics(_turned), "extrinsics_turned"),
+    "IMU's stamps in µs": (_stamps(lambda ns: ns // 1000, _same), "stamp_unit"),
+    "poses' stamps in µs": (_stamps(_same, lambda ns: ns // 1000), "stamp_unit"),
+    "all stamps in µs": (_stamps(lambda ns: ns // 1000, lambda ns: ns // 1000), "stamp_unit"),
+    "stamps in µs from 0": (
+        _stamps(lambda ns: (ns - ns[0]) // 1000, lambda ns: ns - ns[0]),
+        "stamp_unit",
+    ),
+    "half a second late": (_stamps(lambda ns: ns + 500_000_000, _same), "delay"),
+    "half a second early": (_stamps(lambda ns: ns - 500_000_000, _same), "delay"),
+    "another recording's IMU": (_of_another, "unrelated"),
+}
+"""Each with the name that the verdict must give it."""
+
+
+def checked(fault: str, one: Case, other: Case) -> tuple[Health, bool]:
+    """The verdict on a case with a fault ("none" for as it is), and whether it is right."""
+    spoil, expected = FAULTS.get(fault, (None, ""))
+    given = one if spoil is None else spoil(one, other)
+    found = check_health(
+        given.poses.trajectory, given.imu, given.imu_T_camera, gravity_m_s2=given.gravity_m_s2
+    )
+    return found, found.faults == (() if spoil is None else (expected,))
