@@ -114,13 +114,13 @@ class AxesEvidence:
         first = np.append(start, self._start(self.target - start * column[..., 0]))
         return self._judged(fit(self.target, slope, prior, first))
 
-    def free(self, start: FloatArray) -> Fit:
-        """With any K, whose elements are the first nine values."""
+    def free(self, start: FloatArray, sigma: float) -> Fit:
+        """With any K, whose elements are the first nine values; the noise's scale is held."""
         columns = self.block.reshape(*self.block.shape[:2], 9)
         slope = np.concatenate([columns, self.extra], axis=-1)
         left = self.target - columns @ start.ravel()
         first = np.append(start.ravel(), self._start(left))
-        return self._judged(fit(self.target, slope, self._with(np.zeros(9)), first))
+        return self._judged(fit(self.target, slope, self._with(np.zeros(9)), first, sigma))
 
     def _start(self, left: FloatArray) -> FloatArray:
         """Unknowns besides K to start with: the constant that is left, the others as believed."""

@@ -30,7 +30,7 @@ from motorcade.fusion.health.wording import (
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
 
-_MOST_WINDOWS = 250
+_MOST_WINDOWS = 300
 
 
 def check_health(
@@ -140,8 +140,10 @@ def _axes(rates: RateVerdict, forces: ForceVerdict) -> list[Finding]:
         if forces.state in ("named", "unknown") or not _permuted(of_rates):
             return shared_axes_line(of_rates)
         return [own_axes_line("gyroscope", of_rates)]
-    if of_rates is None and rates.state != "sound" and of_forces is not None:
-        return shared_axes_line(of_forces) if _changed(of_forces) else []
+    if not rates.explained and of_forces is not None and _changed(of_forces):
+        if _permuted(of_forces):
+            return [own_axes_line("accelerometer", of_forces)]
+        return shared_axes_line(of_forces)
     mirrored = (
         of_rates is not None
         and of_forces is not None

@@ -32,7 +32,8 @@ LAG_TOLERANCE_S = 0.01
 """Exposure and readout put stamps so far off where nobody has measured the offset."""
 
 _MOST_SPANS = 1000
-_GRID_S = 0.005
+# Nearer than motion changes; what is left of an offset is linear.
+_GRID_S = 0.02
 _SLOPE_S = 0.0025
 # What the linear part follows of an offset: motion bends within longer times.
 _LAG_SIGMA_S = 0.05

@@ -29,6 +29,7 @@ SIGMAS = 4.0
 """On top of a tolerance: one of 16,000 estimates lies further off by chance."""
 _BLURRED = 0.25
 _SEARCHED = 200
+_TURNS = 3
 # Of each element of K: scales on the diagonal, turns beside it.
 _TOLERANCE = np.where(np.eye(3) > 0.0, SCALE_TOLERANCE, np.sin(TURN_TOLERANCE_RAD))
 
@@ -78,7 +79,7 @@ def judge_stated(evidence: AxesEvidence, needed: float = NEEDED) -> AxesVerdict:
     """
     nothing, same = evidence.nothing(), evidence.along(np.eye(3))
     gain = same.score - nothing.score
-    free = evidence.free(np.eye(3))
+    free = evidence.free(np.eye(3), same.sigma)
     off, sigma = _off(free, np.eye(3), 1.0)
     sound = gain >= needed and np.all(off <= _TOLERANCE + SIGMAS * sigma)
     sound &= not evidence.strained(same)
@@ -107,20 +108,23 @@ def judge_axes(
     found = own.scaled(matrix, start)
     multiple = _named_multiple(float(found.values[0]), float(found.deviations[0]), units)
     fitted = own.along(multiple * matrix)
-    free = own.free(multiple * matrix)
+    free = own.free(multiple * matrix, fitted.sigma)
     off, sigma = _off(free, matrix, multiple)
     gain = found.score - nothing
     if np.any(off > _TOLERANCE + SIGMAS * sigma) and free.score - nothing >= needed:
-        return _judge_turn(evidence["stated"], multiple * matrix)
+        return _judge_turn(evidence["stated"])
     state: Literal["named", "unexplained", "nothing"] = "named" if gain >= needed else "nothing"
     if state == "named" and own.strained(fitted):
         state = "unexplained"
     return AxesVerdict(state, base, matrix, np.eye(3), multiple, gain, _blurred(sigma), fitted)
 
 
-def _judge_turn(evidence: AxesEvidence, start: FloatArray) -> AxesVerdict:
+def _judge_turn(evidence: AxesEvidence) -> AxesVerdict:
     """Whether a rotation explains the readings, or a mirrored one."""
-    free = evidence.free(start)
+    free = evidence.free(np.zeros((3, 3)), evidence.nothing().sigma)
+    for _ in range(_TURNS):
+        found = free.values[:9].reshape(3, 3)
+        free = evidence.free(found, evidence.along(found).sigma)
     found, sigma = free.values[:9].reshape(3, 3), free.deviations[:9].reshape(3, 3)
     u, sizes, vt = np.linalg.svd(found)
     sign = float(np.sign(np.linalg.det(u @ vt)))

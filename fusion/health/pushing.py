@@ -71,7 +71,7 @@ class Pushes:
 
 
 def _windows(camera: Trajectory) -> IntArray:
-    """Rows ``(K, 3)`` of poses at start, middle and end of windows one after another."""
+    """Rows ``(K, 3)`` of poses at start, middle and end of windows that overlap by half."""
     stamps = camera.time_ns
     if len(stamps) < 3:
         return np.zeros((0, 3), dtype=np.int64)
@@ -89,7 +89,7 @@ def _windows(camera: Trajectory) -> IntArray:
             break
         if gaps[end] == gaps[start]:
             found.append((start, middle, end))
-            start = end
+            start = middle
         else:  # on behind the first gap in it
             start = int(np.searchsorted(gaps, gaps[start], side="right"))
     return np.array(found, dtype=np.int64).reshape(-1, 3)

@@ -50,17 +50,27 @@ class Fit:
         return np.sqrt(np.diag(self.covariance))
 
 
-def fit(target: FloatArray, slope: FloatArray, prior: Prior, start: FloatArray) -> Fit:
+def fit(
+    target: FloatArray,
+    slope: FloatArray,
+    prior: Prior,
+    start: FloatArray,
+    sigma: float | None = None,
+) -> Fit:
     """Fit ``target (N, 3) = slope (N, 3, p) @ values (p,)``, from values to start with.
 
-    It climbs to the nearest summit of the likelihood. What nothing tells stays at its prior.
+    It climbs to the nearest summit of the likelihood. What nothing tells stays at its prior. With
+    few rows many values leave some rows next to nothing, and the noise's scale would collapse onto
+    these: `sigma` holds it where fewer values have put it.
     """
     count = len(target)
     precision, mean = prior.sigma**-2.0, prior.mean
     values = start
     left = target - slope @ values
     square = np.sum(left**2, axis=-1)
-    scale = max(float(np.median(square)) / 3.0, _SMALLEST**2)
+    held = sigma is not None
+    scale = sigma**2 if sigma is not None else float(np.median(square)) / 3.0
+    scale = max(scale, _SMALLEST**2)
     flat = slope.reshape(3 * count, -1)
     score = -np.inf
     for _ in range(_ITERATIONS):
@@ -71,7 +81,8 @@ def fit(target: FloatArray, slope: FloatArray, prior: Prior, start: FloatArray) 
         values = np.linalg.solve(matrix, vector)
         left = target - slope @ values
         square = np.einsum("na,na->n", left, left)
-        scale = max(float(weight @ square) / (3.0 * count), _SMALLEST**2)
+        if not held:
+            scale = max(float(weight @ square) / (3.0 * count), _SMALLEST**2)
         before, score = score, _score(square, scale, precision * (values - mean) ** 2)
         if score - before < _SETTLED:
             break
