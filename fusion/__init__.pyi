@@ -1,5 +1,6 @@
 from . import filter as filter
 from . import graph as graph
+from . import health as health
 from . import imu as imu
 from . import measurements as measurements
 from . import metrics as metrics
@@ -17,6 +18,9 @@ from .filter.pose_filter import PoseFilter as PoseFilter
 from .filter.settings import FilterSettings as FilterSettings
 from .graph.fuse import fuse_by_graph as fuse_by_graph
 from .graph.odometry import fuse_odometry as fuse_odometry
+from .health.check import check_health as check_health
+from .health.verdict import Finding as Finding
+from .health.verdict import Health as Health
 from .imu.allan import estimate_noise as estimate_noise
 from .imu.continuous_path import ContinuousPath as ContinuousPath
 from .imu.noise import ADIS16448 as ADIS16448

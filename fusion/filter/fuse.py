@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.filter.health import fused_health
 from motorcade.fusion.filter.native._filter import Engine
 from motorcade.fusion.filter.pose_filter import KINDS
 from motorcade.fusion.filter.settings import FilterSettings, engine
 from motorcade.fusion.filter.sourced import Judgement, checked_also, judgements, schedule
+from motorcade.fusion.health.stamps import check_stamps
+from motorcade.fusion.health.verdict import Health
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.measurements.interface import Measurements
@@ -31,9 +34,10 @@ def covered(measurements: PoseMeasurements, imu: ImuStream, shift_ns: int = 0) -
     stamps = measurements.trajectory.time_ns + shift_ns
     inside = (stamps >= first) & (stamps <= last)
     if not np.any(inside):
+        unit = check_stamps(stamps, imu.time_ns)
         raise ValueError(
             f"measurements and imu: expected spans that overlap, got {stamps[0]} to {stamps[-1]} "
-            f"ns and {first} to {last} ns"
+            f"ns and {first} to {last} ns" + ("" if unit is None else f": {unit.summary}")
         )
     if np.all(inside):
         return measurements
@@ -124,6 +128,8 @@ class Fused:
         imu_T_camera: Motor ``(N,)``.
         time_offset_s: ``(N,)``; a camera's stamp plus this is the IMU's time.
         also: what became of the other kinds of measurements, in their order.
+        health: whether IMU and poses belong together as stated, and what is wrong where not; it
+            is written to the log besides.
 
     Examples:
         >>> import numpy as np
@@ -155,15 +161,16 @@ class Fused:
     imu_T_camera: Motor
     time_offset_s: FloatArray
     also: tuple[Judgement, ...] = ()
+    health: Health = field(default_factory=Health)
 
     @classmethod
     def joined(cls, parts: Sequence[Fused]) -> Fused:
         """One path of several, one after another."""
         first = parts[0].trajectory
         whole = {
-            field.name: np.concatenate([getattr(one, field.name) for one in parts])
-            for field in fields(cls)
-            if field.name not in ("trajectory", "imu_T_camera", "also")
+            each.name: np.concatenate([getattr(one, each.name) for one in parts])
+            for each in fields(cls)
+            if each.name not in ("trajectory", "imu_T_camera", "also", "health")
         }
         poses = Motor.concatenate([one.trajectory.motors for one in parts])
         stamps = np.concatenate([one.trajectory.time_ns for one in parts])
@@ -171,6 +178,7 @@ class Fused:
             trajectory=Trajectory(stamps, poses, first.parent, first.child),
             imu_T_camera=Motor.concatenate([one.imu_T_camera for one in parts]),
             also=tuple(map(Judgement.joined, zip(*(one.also for one in parts), strict=True))),
+            health=Health(),
             **whole,
         )
 
@@ -249,7 +257,9 @@ def fuse(
             state_covariances,
         )  # fmt: skip
 
-    return by_stretch(one, measurements, imu, stamps_ns, shift_ns)
+    found = by_stretch(one, measurements, imu, stamps_ns, shift_ns)
+    given = measurements.trajectory, imu, imu_T_camera, time_offset_s, chosen
+    return replace(found, health=fused_health(found, *given))
 
 
 def _fused(

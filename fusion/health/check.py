@@ -11,11 +11,11 @@ from motorcade.fusion.health.accelerometer import (
     ForceVerdict,
 )
 from motorcade.fusion.health.gyroscope import RATE_UNITS, RateVerdict, judge_rates
-from motorcade.fusion.health.models import AxesVerdict
+from motorcade.fusion.health.models import SIGMAS, AxesVerdict
 from motorcade.fusion.health.pushing import Pushes
 from motorcade.fusion.health.stamps import check_stamps
 from motorcade.fusion.health.turning import CameraRates, TurnedAngle, steady
-from motorcade.fusion.health.verdict import Finding, Health
+from motorcade.fusion.health.verdict import FaultName, Finding, Health
 from motorcade.fusion.health.wording import (
     bias_lines,
     delay_line,
@@ -42,6 +42,8 @@ def check_health(
     gravity_m_s2: float = 9.81,
     up: bool = True,
     lean_sigma_rad: float = 0.0,
+    extrinsics_sigma_rad: float = 0.0,
+    time_offset_sigma_s: float = 0.0,
     extrinsics_known: bool = True,
     search_s: float = 2.0,
 ) -> Health:
@@ -64,6 +66,9 @@ def check_health(
         gravity_m_s2: its size.
         up: whether the world's z is up; else gravity's size alone is tested.
         lean_sigma_rad: how far z may be from up.
+        extrinsics_sigma_rad: how far the extrinsics may be off, where they are estimated: up to
+            four times that is no fault.
+        time_offset_sigma_s: the same of the offset.
         extrinsics_known: whether `imu_T_camera` was stated, so that it may be the wrong way round;
             False where it was estimated from the same rates.
         search_s: how far from `time_offset_s` another offset is looked for.
@@ -112,13 +117,12 @@ def check_health(
     forces = trial.judged(rates.axes if rates.explained else None)
     if not rates.explained and forces.state == "unexplained":
         return Health((Finding("unrelated", unrelated_line(rates, search_s)),))
-    findings = [*_delay(rates), *_units(rates, forces), *_axes(rates, forces)]
+    findings = _units(rates, forces)
+    if rates.explained and rates.late and abs(rates.lag_s) > SIGMAS * time_offset_sigma_s:
+        findings.append(Finding("delay", delay_line(rates)))
+    findings += _axes(rates, forces, SIGMAS * extrinsics_sigma_rad)
     findings += [*_gravity(forces, gravity_m_s2), *bias_lines(rates, forces)]
     return Health(tuple(findings), unknown_lines(rates, forces))
-
-
-def _delay(rates: RateVerdict) -> list[Finding]:
-    return [Finding("delay", delay_line(rates))] if rates.explained and rates.late else []
 
 
 def _units(rates: RateVerdict, forces: ForceVerdict) -> list[Finding]:
@@ -132,10 +136,13 @@ def _units(rates: RateVerdict, forces: ForceVerdict) -> list[Finding]:
     return found
 
 
-def _axes(rates: RateVerdict, forces: ForceVerdict) -> list[Finding]:
+def _axes(rates: RateVerdict, forces: ForceVerdict, estimated_rad: float) -> list[Finding]:
     """Extrinsics and axes: what both sensors have in common is said once."""
     of_rates = rates.axes if rates.state == "named" else None
     of_forces = forces.axes if forces.state == "named" else None
+    found = [axes for axes in (of_rates, of_forces) if axes is not None]
+    if found and all(_turned(axes) and axes.turn_rad <= estimated_rad for axes in found):
+        return []
     if of_rates is not None and _changed(of_rates) and forces.agrees:
         if forces.state in ("named", "unknown") or not _permuted(of_rates):
             return shared_axes_line(of_rates)
@@ -143,6 +150,9 @@ def _axes(rates: RateVerdict, forces: ForceVerdict) -> list[Finding]:
     if not rates.explained and of_forces is not None and _changed(of_forces):
         if _permuted(of_forces):
             return [own_axes_line("accelerometer", of_forces)]
+        return shared_axes_line(of_forces)
+    alone = of_rates is None and of_forces is not None and _turned(of_forces)
+    if alone and of_forces is not None and rates.allows(of_forces.turn):
         return shared_axes_line(of_forces)
     mirrored = (
         of_rates is not None
@@ -153,16 +163,16 @@ def _axes(rates: RateVerdict, forces: ForceVerdict) -> list[Finding]:
     )
     if mirrored and of_rates is not None and of_forces is not None:
         return [mirrored_line(of_rates, of_forces)]
-    found = []
-    if of_rates is not None and _changed(of_rates):
-        found.append(own_axes_line("gyroscope", of_rates))
-    if of_forces is not None and _changed(of_forces):
-        found.append(own_axes_line("accelerometer", of_forces))
-    return found
+    sensors = (("gyroscope", of_rates), ("accelerometer", of_forces))
+    return [own_axes_line(name, axes) for name, axes in sensors if axes and _changed(axes)]
 
 
 def _changed(axes: AxesVerdict) -> bool:
     return axes.base != "stated" or _permuted(axes) or not _same(axes.turn)
+
+
+def _turned(axes: AxesVerdict) -> bool:
+    return not _same(axes.turn) and not _permuted(axes)
 
 
 def _permuted(axes: AxesVerdict) -> bool:
@@ -177,5 +187,5 @@ def _gravity(forces: ForceVerdict, stated_m_s2: float) -> list[Finding]:
     if forces.state != "gravity":
         return []
     size = float(np.linalg.norm(forces.gravity_m_s2))
-    fault = "gravity" if abs(size / stated_m_s2 - 1.0) > GRAVITY_SHARE else "lean"
+    fault: FaultName = "gravity" if abs(size / stated_m_s2 - 1.0) > GRAVITY_SHARE else "lean"
     return [Finding(fault, gravity_line(forces, stated_m_s2, fault))]

@@ -57,6 +57,7 @@ class RateVerdict:
         axes: signs, axes, unit; None where too little was measured.
         lag_s, lag_sigma_s: what is to be added to the poses' stamps, besides the stated offset.
         bias_rad_s: ``(3,)`` of the readings.
+        evidence: what `axes` was judged by, readings put right.
         sigma_rad_s: scale of what is left of the camera's rates, an axis.
         read_rad_s, turned_rad_s: scales, an axis, of what was read and what the camera turned,
             noise included; zero where both agree.
@@ -67,6 +68,7 @@ class RateVerdict:
     lag_s: float
     lag_sigma_s: float
     bias_rad_s: FloatArray
+    evidence: AxesEvidence | None
     sigma_rad_s: float
     read_rad_s: float = 0.0
     turned_rad_s: float = 0.0
@@ -75,6 +77,12 @@ class RateVerdict:
     def late(self) -> bool:
         """Whether the poses' stamps are off by more than is usual."""
         return abs(self.lag_s) > LAG_TOLERANCE_S + SIGMAS * self.lag_sigma_s
+
+    def allows(self, turn: FloatArray) -> bool:
+        """Whether readings that are as stated would be as well explained under a rotation."""
+        if self.evidence is None:
+            return True
+        return self.evidence.along(turn).score > self.evidence.along(np.eye(3)).score - NEEDED
 
     @property
     def explained(self) -> bool:
@@ -105,12 +113,14 @@ def judge_rates(
     try_here = _Trial(rates, turned, camera_R_imu, known)
     here = try_here.at(offset_s)
     if here is None:
-        return RateVerdict("unknown", None, 0.0, 0.0, np.zeros(3), 0.0)
+        return RateVerdict("unknown", None, 0.0, 0.0, np.zeros(3), None, 0.0)
     first = judge_stated(here["stated"], NEEDED * here["stated"].repeats)
     if first.state == "sound":
         found = _verdict("sound", first, here["stated"], 0.0)
         if not found.late:
             return found
+    if _expected_gain(here["stated"]) < _SEARCHED * NEEDED * here["stated"].repeats:
+        return _verdict("unknown", first, here["stated"], 0.0)
     chosen_s, evidence, axes = try_here.best(here, offset_s, search_s)
     state = _state(axes, evidence["stated"])
     if state not in ("sound", "named"):
@@ -163,7 +173,7 @@ class _Trial:
         """
         found = (offset_s, here, _explained(here))
         steps = np.arange(-round(search_s / _GRID_S), round(search_s / _GRID_S) + 1)
-        grid = offset_s + steps * _GRID_S
+        grid: FloatArray = offset_s + steps * _GRID_S
         for match in (norm_correlations(self.rates, self.turned, grid), self._matches(grid)):
             if not np.any(np.isfinite(match)):
                 continue
@@ -259,6 +269,7 @@ def _verdict(
         lag_s if explained else 0.0,
         float(sigmas[3]),
         -values[:3],
+        evidence,
         axes.fit.sigma,
         *((0.0, 0.0) if explained else _sizes(evidence)),
     )

@@ -81,8 +81,8 @@ def judge_stated(evidence: AxesEvidence, needed: float = NEEDED) -> AxesVerdict:
     gain = same.score - nothing.score
     free = evidence.free(np.eye(3), same.sigma)
     off, sigma = _off(free, np.eye(3), 1.0)
-    sound = gain >= needed and np.all(off <= _TOLERANCE + SIGMAS * sigma)
-    sound &= not evidence.strained(same)
+    sound = gain >= needed and bool(np.all(off <= _TOLERANCE + SIGMAS * sigma))
+    sound = sound and not evidence.strained(same)
     state: Literal["sound", "unexplained"] = "sound" if sound else "unexplained"
     identity = np.eye(3)
     return AxesVerdict(state, "stated", identity, identity, 1.0, gain, _blurred(sigma), same)

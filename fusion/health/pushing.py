@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Trajectory
@@ -95,13 +96,12 @@ def _windows(camera: Trajectory) -> IntArray:
     return np.array(found, dtype=np.int64).reshape(-1, 3)
 
 
-def _covered(imu: ImuStream, first_ns: IntArray, last_ns: IntArray) -> FloatArray:
+def _covered(imu: ImuStream, first_ns: IntArray, last_ns: IntArray) -> NDArray[np.intp]:
     parts = imu.stretches()
     begin = np.array([one.time_ns[0] for one in parts])
     end = np.array([one.time_ns[-1] for one in parts])
     number = np.searchsorted(begin, first_ns, side="right") - 1
-    inside: FloatArray = np.flatnonzero((number >= 0) & (last_ns <= end[number]))
-    return inside
+    return np.flatnonzero((number >= 0) & (last_ns <= end[number]))
 
 
 def _second_difference(

@@ -88,7 +88,8 @@ def fit(
             break
     # The curvature that Student's likelihood has on average: a share (ν + 3)/(ν + 5).
     known = (_FREEDOM + 3.0) / (_FREEDOM + 5.0) * (flat.T @ flat) / scale + np.diag(precision)
-    return Fit(values, np.linalg.inv(known), float(np.sqrt(scale)), score)
+    covariance: FloatArray = np.linalg.inv(known)
+    return Fit(values, covariance, float(np.sqrt(scale)), score)
 
 
 def _score(square: FloatArray, scale: float, doubts: FloatArray) -> float:

@@ -67,7 +67,9 @@ def match_rates(camera: Trajectory, imu: ImuStream, search_s: float) -> RateMatc
     """
     rates = CameraRates.of(camera)
     turned = TurnedAngle(imu)
-    grid = np.arange(-round(search_s / _GRID_S), round(search_s / _GRID_S) + 1) * _GRID_S
+    grid: FloatArray = (
+        np.arange(-round(search_s / _GRID_S), round(search_s / _GRID_S) + 1) * _GRID_S
+    )
     score = norm_correlations(rates, turned, grid)
     if not np.any(np.isfinite(score)):
         raise ValueError(

@@ -1,0 +1,46 @@
+"""The verdict on a fusion: what its inputs say of each other, and what came out of them."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from motorcade.fusion.filter.settings import FilterSettings
+from motorcade.fusion.health.check import check_health
+from motorcade.fusion.health.outcome import with_outcome
+from motorcade.fusion.health.verdict import Health
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.ga import Motor, Trajectory
+
+if TYPE_CHECKING:
+    from motorcade.fusion.filter.fuse import Fused
+
+log = logging.getLogger("motorcade.fuse")
+
+
+def fused_health(
+    found: Fused,
+    camera: Trajectory,
+    imu: ImuStream,
+    imu_T_camera: Motor,
+    time_offset_s: float,
+    settings: FilterSettings,
+) -> Health:
+    """Test the inputs, then the outcome, and log what is wrong; see `check_health`."""
+    of_inputs = check_health(
+        camera,
+        imu,
+        imu_T_camera,
+        time_offset_s=time_offset_s,
+        gravity_m_s2=settings.gravity_m_s2,
+        lean_sigma_rad=settings.gravity_sigma_rad,
+        extrinsics_sigma_rad=settings.extrinsics_sigma_rad,
+        time_offset_sigma_s=settings.time_offset_sigma_s,
+    )
+    accepted = found.accepted[np.isfinite(found.nis)]
+    health = with_outcome(of_inputs, accepted, found.gyro_bias_rad_s, found.accel_bias_m_s2)
+    for one in health.findings:
+        log.warning("%s", one.summary)
+    return health
