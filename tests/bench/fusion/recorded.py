@@ -1,4 +1,4 @@
-"""Two recorded flights with their truth, and camera poses simulated from it.
+"""Recorded flights with their truth, and camera poses simulated from it.
 
 Poses come at 20 Hz with 1 cm and 0.5° an axis; 2 % of them are off besides, by Student errors of 3
 degrees of freedom and scales of 0.5 m and 0.5 rad; for 2 s every 15 s there is none.
@@ -21,7 +21,27 @@ from motorcade.replays.files.imu import read_imu
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
-__all__ = ["BLACKOUTS", "DEGRADED", "NOISE", "SETTINGS", "Flight", "flight", "measured"]
+__all__ = [
+    "BLACKOUTS",
+    "DEGRADED",
+    "FLIGHTS",
+    "NOISE",
+    "SETTINGS",
+    "Flight",
+    "flight",
+    "measured",
+]
+
+_STATES = {
+    "V1_02": ("V1_02_medium.csv", "V102_imu.txt"),
+    "MH_05": ("flights/MH_05_difficult.csv", "flights/MH05_imu.txt"),
+    "V1_03": ("flights/V1_03_difficult.csv", "flights/V103_imu.txt"),
+    "V2_02": ("flights/V2_02_medium.csv", "flights/V202_imu.txt"),
+}
+"""EuRoC's ground truth with its biases, and its IMU."""
+
+FLIGHTS = (*_STATES, "V1_01")
+"""All by name."""
 
 BLACKOUTS = Blackouts(2.0, 15.0)
 DEGRADED = InTurn((Outliers(0.02, 0.5, 0.5), BLACKOUTS))
@@ -74,15 +94,16 @@ class Flight:
 
 
 def flight(name: str, folder: Path) -> Flight | None:
-    """V1_02 or V1_01 in the folder of recordings; None where it is not there."""
-    if name == "V1_02":
-        states = folder / "imu" / "V1_02_medium.csv"
+    """One of `FLIGHTS` in the folder of recordings; None where it is not there."""
+    if name in _STATES:
+        states, samples = (folder / "imu" / one for one in _STATES[name])
         if not states.is_file():
             return None
         truth = read_trajectory(states, child="imu")
         columns = np.loadtxt(states, delimiter=",", usecols=range(11, 17))
-        imu = read_imu(folder / "imu" / "V102_imu.txt")
-        return Flight(name, imu, truth, columns[:, :3], columns[:, 3:])
+        imu = read_imu(samples)
+        inside = (truth.time_ns >= imu.time_ns[0]) & (truth.time_ns <= imu.time_ns[-1])
+        return Flight(name, imu, truth[inside], columns[inside, :3], columns[inside, 3:])
     root = folder / "replays" / "euroc_V1_01"
     if not (root / "V1_01_easy.txt").is_file():
         return None
