@@ -103,8 +103,8 @@ class PoseFilter:
     It starts at the first pose that is measured. Measurements wait until inertial data reach
     their stamps; those that come late are put where they belong and all since is done again, so
     that the order of arrival changes nothing, to the last bit, within `history_s`. Where several
-    measurements in a row contradict it but not each other, it gives its prediction up (see
-    `FilterSettings.patience`).
+    measurements contradict it but not each other, it gives its prediction up: the start, if that
+    was wrong, or the map, if that was relocated. `given_up` tells for which spans.
 
     Args:
         noise: the IMU's; see `fuse`.

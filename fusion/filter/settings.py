@@ -18,6 +18,9 @@ from motorcade.ga.stamps import checked_span_ns
 
 # Wide on purpose: the error's dynamics do not depend on the velocity, so that costs nothing.
 VELOCITY_SIGMA_M_S = 20.0
+# A measurement beyond the gate is given more noise, as much as brings it there. One that would need
+# more than so many times its stated variance, three times its deviation, is wrong.
+MOST_NOISE = 10.0
 _MOST_FREEDOM = 8
 _CHECK_EVERY = 32
 
@@ -56,10 +59,6 @@ class RestDetection:
             checked_positive(getattr(self, field.name), f"RestDetection.{field.name}")
 
 
-def _is_patience(value: float) -> bool:
-    return isinstance(value, int | np.integer) and 2 <= value <= 1_000_000
-
-
 @dataclass(frozen=True)
 class FilterSettings:
     """What the filter assumes beyond its data.
@@ -67,11 +66,8 @@ class FilterSettings:
     Fields:
         gravity_m_s2: size of gravity, which pulls along -z of the world.
         gate: probability that a good measurement passes the χ² test (1 switches it off). One
-            beyond it is weighed down so that its pull stays that of one at the gate.
-        outlier_threshold: a measurement so many gates away is refused; 1 weighs none down.
-        patience: after so many left out in a row the filter asks whether they would agree with
-            each other had the prediction been given up at the first of them: its covariance
-            widened by that one's innovation. If most pass the gate then, it is given up there.
+            beyond it is weighed down so that its pull stays that of one at the gate; one that ten
+            times its noise would not bring within it is refused.
         initial_tilt_error_rad: turn the first orientation by this much about the world's x, and
             start with that uncertainty, to watch the filter converge.
         gravity_sigma_rad: how far the world's z may be from up, about x and about y; above zero,
@@ -99,8 +95,6 @@ class FilterSettings:
 
     gravity_m_s2: float = 9.81
     gate: float = 0.9999
-    outlier_threshold: float = 10.0
-    patience: int = 5
     initial_tilt_error_rad: float = 0.0
     gravity_sigma_rad: float = 0.0
     extrinsics_sigma_rad: float = 0.0
@@ -126,8 +120,6 @@ class FilterSettings:
             *((name, 0.0 < getattr(self, name) < np.inf, "a number above 0") for name in positive),
             *((n, 0.0 <= getattr(self, n) < np.inf, "a number from 0 on") for n in not_negative),
             ("gate", 0.0 < self.gate <= 1.0, "a probability above 0 and up to 1"),
-            ("outlier_threshold", 1.0 <= self.outlier_threshold < np.inf, "a number from 1 on"),
-            ("patience", _is_patience(self.patience), "a whole number from 2 to 1e6"),
             ("initial_tilt_error_rad", np.isfinite(self.initial_tilt_error_rad), "a finite angle"),
         ):
             if not good:
@@ -158,10 +150,14 @@ class FilterSettings:
             >>> round(FilterSettings(gate=0.99).gate_limit(6), 2)
             16.81
         """
-        from scipy.special import gammaincinv
+        return _chi2_quantile(self.gate, freedom)
 
-        # χ² with n degrees of freedom is a gamma distribution of shape n/2 and scale 2.
-        return float(2.0 * gammaincinv(freedom / 2.0, self.gate))
+
+def _chi2_quantile(probability: float, freedom: int) -> float:
+    from scipy.special import gammaincinv
+
+    # χ² with n degrees of freedom is a gamma distribution of shape n/2 and scale 2.
+    return float(2.0 * gammaincinv(freedom / 2.0, probability))
 
 
 def engine(
@@ -195,8 +191,8 @@ def engine(
         ),
         known=settings.known_sigmas,
         gate=(0.0, *(settings.gate_limit(n) for n in range(1, _MOST_FREEDOM + 1))),
-        outlier_threshold=settings.outlier_threshold,
-        patience=settings.patience,
+        middle=(0.0, *(_chi2_quantile(0.5, n) for n in range(1, _MOST_FREEDOM + 1))),
+        most_noise=MOST_NOISE,
         gap=(settings.gap_s, settings.gap_rate_rad_s, settings.gap_force_m_s2),
         history_s=np.inf if history_s is None else history_s,
         check_every=0 if history_s is None else _CHECK_EVERY,

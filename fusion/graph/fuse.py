@@ -8,6 +8,7 @@ import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, Fused, fuse
 from motorcade.fusion.filter.fuse import by_stretch, camera_covariance, covered, wanted_stamps
+from motorcade.fusion.filter.settings import MOST_NOISE
 from motorcade.fusion.graph.inertial import InertialGraph
 from motorcade.fusion.graph.smoothers import smooth_all, smooth_with_lag
 from motorcade.fusion.imu.noise import ImuNoise
@@ -37,7 +38,7 @@ def fuse_by_graph(
     for frames, not for the IMU's own rate. Of `settings` it takes gravity, what else to estimate
     (the direction of gravity, the camera's pose on the IMU, its time offset) and the gate: a
     measurement beyond it loses its weight smoothly, and where the result leaves it
-    `outlier_threshold` gates away it counts as not accepted. `nis` is NaN: a graph has no
+    ten gates away it counts as not accepted. `nis` is NaN: a graph has no
     innovations.
 
     Args:
@@ -145,11 +146,11 @@ def _fused(
         covariance=camera_covariance(spread, found.imu_T_camera),
         state_covariance=spread,
         nis=np.full(count, np.nan),
-        accepted=graph.accepted(found, chosen.outlier_threshold)[rows],
+        accepted=graph.accepted(found, MOST_NOISE)[rows],
         gravity_m_s2=np.tile(fall, (count, 1)),
         imu_T_camera=Motor.stack([found.imu_T_camera] * count),
         time_offset_s=np.full(count, found.time_offset_s),
-        also=graph.judgements(found, chosen.outlier_threshold),
+        also=graph.judgements(found, MOST_NOISE),
     )
 
 

@@ -2,7 +2,7 @@
 
 Between measurements errors are propagated in the moving frame, as by the filter on motors, and
 changed to the coordinates and back at the ends: by the chain rule that is the linearisation of
-the motion in those coordinates. The gate is the filter's, but for one thing: after `patience`
+the motion in those coordinates. The gate is the filter's, but for one thing: after five
 measurements left out in a row the next one is believed and the prediction doubted, without looking
 back at where that would have been right.
 """
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from motorcade.fusion.filter import FilterSettings
 from motorcade.fusion.filter.comparison.coordinates import ErrorCoordinates, RunStates
 from motorcade.fusion.filter.extended_pose import ERROR_SIZE, increments, process_noise
-from motorcade.fusion.filter.settings import VELOCITY_SIGMA_M_S
+from motorcade.fusion.filter.settings import MOST_NOISE, VELOCITY_SIGMA_M_S
 from motorcade.fusion.imu.noise import (
     ACCEL_BIAS_SIGMA_M_S2,
     GYRO_BIAS_SIGMA_RAD_S,
@@ -165,19 +165,25 @@ def filter_runs(
     )
 
 
+_PATIENCE = 5  # measurements left out in a row
+
+
 class _Gate:
     """How far to believe a measurement, run by run."""
 
     def __init__(self, settings: FilterSettings, runs: int) -> None:
         self._limit = settings.gate_limit(6)
-        self._threshold, self._patience = settings.outlier_threshold, settings.patience
         self._left_out = np.zeros(runs, dtype=np.int64)
 
-    def judge(self, nis: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """Factors on the covariance (0: leave out), and where the prediction is doubted."""
-        outlier = ~(nis <= self._threshold * self._limit)
+    def judge(self, nis: FloatArray, with_most: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """Factors on the covariance (0: leave out), and where the prediction is doubted.
+
+        From normalised squares by the measurements' own noise and by the most they may have.
+        """
+        noisy = (nis >= 0.5 * (1.0 + MOST_NOISE) * with_most) & (with_most <= self._limit)
+        outlier = ~((nis <= self._limit) | noisy)
         self._left_out = np.where(outlier, self._left_out + 1, 0)
-        doubted = self._left_out > self._patience
+        doubted = self._left_out > _PATIENCE
         self._left_out[doubted] = 0
         factor = np.where(outlier, np.where(doubted, 1.0, 0.0), np.maximum(1.0, nis / self._limit))
         return factor, doubted
@@ -251,8 +257,11 @@ def _updated(
     seen = RunStates(measured.rotor, measured.translation_m, state.velocity_m_s, state.bias)
     innovation = coordinates.local(state, seen)[:, :6]
     spread = coordinates.measurement_noise(state, spread)
-    nis = np.sum(innovation * _solved(covariance[:, :6, :6] + spread, innovation), axis=-1)
-    factor, doubted = gate.judge(nis)
+    nis, with_most = (
+        np.sum(innovation * _solved(covariance[:, :6, :6] + more * spread, innovation), axis=-1)
+        for more in (1.0, MOST_NOISE)
+    )
+    factor, doubted = gate.judge(nis, with_most)
     believed = factor > 0.0
     if np.any(doubted):
         doubt = _transformed(coordinates.from_body(state), _doubt(state, seen))

@@ -40,15 +40,16 @@ class Engine:
     def smooth(self) -> None: ...
     def state(self) -> Any: ...
     def judged(self) -> tuple[NDArray[Any], NDArray[Any]]: ...
-    def held(self) -> tuple[int, int, int]: ...
+    def doubted(self) -> tuple[NDArray[Any], int]: ...
+    def held(self) -> tuple[int, int]: ...
 
 def engine(
     model: tuple[float, float, float, float, float],
     start: tuple[float, float, float, float, float, float],
     known: tuple[float, float, float, float],
     gate: tuple[float, ...],
-    outlier_threshold: float,
-    patience: int,
+    middle: tuple[float, ...],
+    most_noise: float,
     gap: tuple[float, float, float],
     history_s: float,
     check_every: int,

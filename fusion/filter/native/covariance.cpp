@@ -299,6 +299,10 @@ MOTORCADE_CLONES void propagate_back(Matrix<15> &curvature, double *gradient, co
 MOTORCADE_CLONES void propagate_back(Matrix<24> &curvature, double *gradient, const Transition &f) {
     propagated_back<24>(curvature, gradient, f);
 }
+bool inverse_of(std::size_t m, const double (*given)[widest], double (*made)[widest]) {
+    return invert(m, given, made);
+}
+
 MOTORCADE_CLONES bool weigh(const Matrix<15> &p, const Innovation<15> &given, double factor,
                             Gain<15> &made) {
     return weighed<15>(p, given, factor, made);

@@ -110,6 +110,9 @@ template <std::size_t N> struct Gain {
     double nis = 0.0;
 };
 
+// Inverse of a symmetric positive definite matrix; false where it is not one.
+bool inverse_of(std::size_t m, const double (*given)[widest], double (*made)[widest]);
+
 // The gain for noise that is `factor` times what the measurement states; false where the
 // innovation's covariance is not positive definite.
 bool weigh(const Matrix<15> &p, const Innovation<15> &given, double factor, Gain<15> &made);

@@ -1,22 +1,17 @@
-// Going back: doing things again from a state that was kept, giving a prediction up where what is
-// measured denies it, and forgetting what is too old to be asked for.
+// Going back: doing things again from a state that was kept, writing the path, and forgetting what
+// is too old to be asked for.
 
 #pragma once
 
-#include "timeline.h"
+#include "rivals.h"
 
 namespace motorcade::filter {
-
-// After so many times the patience it is no longer the start that is doubted, but all that is
-// known.
-constexpr std::size_t long_patience = 4;
 
 // Does events [from, to) again, from the nearest state kept before them.
 template <std::size_t N> void Timeline<N>::replay(std::size_t from, std::size_t to) {
     std::size_t first = 0;
     if (from == 0) {
         started_ = false;
-        streak_.clear();
     } else {
         std::size_t kept = from - 1;
         while (!events_[kept].known) --kept;
@@ -24,62 +19,8 @@ template <std::size_t N> void Timeline<N>::replay(std::size_t from, std::size_t 
         unpack(events_[kept].known->covariance, p_);
         seek(events_[kept].time_ns);
         first = kept + 1;
-        streak_.clear();
-        for (std::size_t k = first; k-- > 0;) {
-            if (!events_[k].measures()) continue;
-            if (events_[k].factor > 0.0 || k == 0) break;
-            streak_.push_front(k);
-        }
-        while (streak_.size() > settings_.patience) streak_.pop_front();
     }
     for (std::size_t k = first; k < to; ++k) process(k);
-}
-
-// So many measurements in a row denied the prediction: would they agree with each other, had it
-// been given up at the first of them? Then it is, from there on; the start itself where nothing
-// else had been believed yet. Otherwise all is done again as it was.
-template <std::size_t N> void Timeline<N>::reopen() {
-    const std::deque<std::size_t> denied = streak_;
-    const std::size_t first = denied.front();
-    std::size_t target = first, far = long_patience * settings_.patience;
-    while (target > 1 && far > 0 &&
-           !(events_[target - 1].measures() && events_[target - 1].factor > 0.0))
-        --target, --far;
-    target = target == 1 && !forgotten_ ? 0 : first;
-    const Event &witness = events_[first];
-    double turned = 0.0, shifted = 0.0;
-    for (std::size_t a = 0; a < witness.size; ++a)
-        (witness.size == 6 && a < 3 ? turned : shifted) += witness.linear[a] * witness.linear[a];
-    const bool fast = witness.kind == Kind::velocity,
-               seen = witness.kind == Kind::corners || witness.kind == Kind::sourced;
-    Event &given_up = events_[target];
-    given_up.doubt = std::make_unique<Doubt>();
-    const std::array<double, 5> &start = settings_.start_sigma;
-    const double share = far == 0 ? 1.0 : 0.01;
-    const double room[5] = {seen ? 1.0 : turned,
-                            seen   ? 1.0
-                            : fast ? 0.0
-                                   : shifted,
-                            shifted + share * start[2] * start[2], share * start[3] * start[3],
-                            share * start[4] * start[4]};
-    std::copy_n(room, 5, given_up.doubt->added);
-    if (target == 0 && witness.size == 6 && witness.kind == given_up.kind)
-        std::copy_n(witness.linear.begin(), 6, given_up.doubt->restart);
-    replay(target, next_);
-
-    std::size_t agree = 0;
-    for (const std::size_t k : denied) agree += events_[k].factor == 1.0;
-    if (2 * agree > denied.size()) {
-        ++reopened_;
-        return;
-    }
-    given_up.doubt.reset();
-    replay(target, next_);
-    streak_.pop_front();
-}
-
-template <std::size_t N> void Timeline<N>::doubt(const Doubt &doubt) {
-    for (std::size_t k = 0; k < 15; ++k) p_.row[k][k] += doubt.added[k / 3];
 }
 
 // The pose becomes the earlier one too, with its uncertainty (S. I. Roumeliotis, J. W. Burdick,
@@ -92,15 +33,16 @@ template <std::size_t N> void Timeline<N>::keep_pose() {
     }
 }
 
-// What the backward pass needs of a measurement, after its residual.
+// What the backward pass needs of a measurement.
 template <std::size_t N>
 void Timeline<N>::keep_linear(Event &event, const Innovation<N> &innovation, const Gain<N> &gain) {
     const std::size_t m = innovation.size;
-    event.linear.resize(m * (1 + 2 * N + m));
-    double *to = event.linear.data() + m;
+    event.linear.resize(m * (1 + 2 * N + 2 * m));
+    double *to = std::copy_n(innovation.residual, m, event.linear.data());
     for (std::size_t a = 0; a < m; ++a, to += N) std::copy_n(innovation.effect[a], N, to);
     for (std::size_t a = 0; a < m; ++a, to += N) std::copy_n(gain.gain[a], N, to);
     for (std::size_t a = 0; a < m; ++a, to += m) std::copy_n(gain.inverse[a], m, to);
+    for (std::size_t a = 0; a < m; ++a, to += m) std::copy_n(innovation.noise[a], m, to);
 }
 
 // Keeps the state at the last sample, and lets go of what lies farther back than the history.
@@ -116,8 +58,7 @@ template <std::size_t N> void Timeline<N>::keep_and_forget() {
             events_.pop_front();
             --next_;
             forgotten_ = true;
-            if (!streak_.empty() && streak_.front() <= 1) streak_.pop_front();
-            for (std::size_t &k : streak_) --k;
+            shift_rivals(1, -1);
         }
         oldest = events_.front().time_ns;
     }

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include <array>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -25,6 +27,8 @@ enum class Kind : int {
 constexpr std::size_t corner_numbers =
     3 + 2 + 3;  // world point, x/z and y/z, xx xy yy of their covariance
 constexpr double nearest_depth_m = 1e-3;
+constexpr double undecided = -1.0;  // a factor that the filter shall find by itself
+constexpr double nan_d = std::numeric_limits<double>::quiet_NaN();
 
 // Measurements whose prediction is written elsewhere, row by row.
 class Source {
@@ -43,11 +47,11 @@ struct Known {
     std::vector<double> covariance;
 };
 
-// Where a prediction was given up: variances added then (turn, position, velocity, both biases),
-// and where a start was wrong the twist to what was measured next.
+// Where a prediction was given up: whether the pose is taken from what was measured there, as on a
+// map that was relocated, and variances added (turn, position, velocity, both biases).
 struct Doubt {
+    bool relocated = false;
     double added[5] = {};
-    double restart[6] = {};
 };
 
 struct Event {
@@ -63,13 +67,19 @@ struct Event {
     // What became of it. Long recordings have many: what can be made again is kept of few.
     double nis = 0.0, factor = 0.0;            // a factor of 0: left out
     double live_nis = 0.0, live_factor = 0.0;  // as judged first, before anything later was known
+    double given = undecided;  // the factor that it must have, by what is known of others
+    // After a backward pass, of its residual from what all others say: normalised squares by its
+    // own noise and by the most that it may have.
+    std::array<double, 2> left_out = {nan_d, nan_d};
     std::unique_ptr<Doubt> doubt;
     std::unique_ptr<Known> known;
-    // Of one left out its residual (m); for a backward pass residual, effect (m, N), gain (m, N)
-    // and inverse (m, m).
+    bool placed = false;    // it tells where the sensor is: its position, or more
+    bool relative = false;  // it refers to the earlier pose
+    // For a backward pass residual (m), effect (m, N), gain (m, N), inverse and noise (m, m).
     std::size_t size = 0;
     std::vector<double> linear;
 
+    bool from_pose() const { return kind == Kind::camera_pose || kind == Kind::imu_pose; }
     bool measures() const { return kind < Kind::keep; }
     bool before(const Event &other) const {
         if (time_ns != other.time_ns) return time_ns < other.time_ns;

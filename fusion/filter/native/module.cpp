@@ -65,6 +65,7 @@ public:
     virtual nb::object state() const = 0;
     virtual nb::object judged() const = 0;
     virtual nb::tuple held() const = 0;
+    virtual nb::tuple doubted() const = 0;
 };
 
 template <std::size_t N> class EngineOf final : public Engine {
@@ -200,8 +201,14 @@ public:
     }
 
     nb::tuple held() const override {
-        return nb::make_tuple(filter_.samples().size(), filter_.events().size(),
-                              filter_.reopened());
+        return nb::make_tuple(filter_.samples().size(), filter_.events().size());
+    }
+
+    nb::tuple doubted() const override {
+        std::vector<std::int64_t> spans;
+        for (const auto &span : filter_.given_up())
+            spans.insert(spans.end(), span.begin(), span.end());
+        return nb::make_tuple(array(spans, {spans.size() / 2, 2}), filter_.doubted_ns());
     }
 
 private:
@@ -238,9 +245,10 @@ private:
 std::unique_ptr<Engine>
 engine(const std::array<double, 5> &model, const std::array<double, 6> &start,
        const std::array<double, 4> &known, const std::array<double, widest + 1> &gate,
-       double outlier_threshold, std::size_t patience, const std::array<double, 3> &gap,
-       double history_s, std::size_t check_every, const std::array<double, 8> &imu_T_camera,
-       double delay_s, const std::array<double, 5> &rest, bool keeps_earlier) {
+       const std::array<double, widest + 1> &middle, double most_noise,
+       const std::array<double, 3> &gap, double history_s, std::size_t check_every,
+       const std::array<double, 8> &imu_T_camera, double delay_s, const std::array<double, 5> &rest,
+       bool keeps_earlier) {
     const auto square = [](double x) { return x * x; };
     Settings made;
     made.gravity_m_s2 = model[0];
@@ -249,8 +257,8 @@ engine(const std::array<double, 5> &model, const std::array<double, 6> &start,
     made.start_tilt_rad = start[5];
     made.known_sigma = known;
     made.gate = gate;
-    made.outlier_threshold = outlier_threshold;
-    made.patience = patience;
+    made.middle = middle;
+    made.most_noise = most_noise;
     made.gap_ns = static_cast<std::int64_t>(gap[0] * 1e9);
     made.gap_rate = gap[1];
     made.gap_force = gap[2];
@@ -329,10 +337,11 @@ NB_MODULE(_filter, module) {
         .def("smooth", &Engine::smooth)
         .def("state", &Engine::state)
         .def("judged", &Engine::judged)
+        .def("doubted", &Engine::doubted)
         .def("held", &Engine::held);
-    module.def("engine", &engine, "model"_a, "start"_a, "known"_a, "gate"_a, "outlier_threshold"_a,
-               "patience"_a, "gap"_a, "history_s"_a, "check_every"_a, "imu_T_camera"_a, "delay_s"_a,
-               "rest"_a, "keeps_earlier"_a);
+    module.def("engine", &engine, "model"_a, "start"_a, "known"_a, "gate"_a, "middle"_a,
+               "most_noise"_a, "gap"_a, "history_s"_a, "check_every"_a, "imu_T_camera"_a,
+               "delay_s"_a, "rest"_a, "keeps_earlier"_a);
     module.def("increments", &increments<false>, "first"_a, "dt_s"_a, "rate"_a, "force"_a, "bias"_a,
                "squares"_a, "pose"_a, "velocity"_a, "transition"_a, "covariance"_a);
     module.def("held_increments", &increments<true>, "first"_a, "dt_s"_a, "rate"_a, "force"_a,

@@ -1,9 +1,9 @@
-// The backward pass: every estimate gets to know what came after it. Its carrier is not a state but
-// the gradient λ of what is unlikely about the later measurements, with its curvature Λ, taken
-// against the flow of time through the transposed transitions: no covariance is inverted, and none
-// but those of the moments asked for need be kept (G. J. Bierman, Fixed interval smoothing with
-// discrete measurements, International Journal of Control 18(1), 1973). Transitions are made again
-// from the samples, event by event.
+// The backward pass, and measurements weighed by what all others say of them. Every estimate gets
+// to know what came after it. Its carrier is not a state but the gradient λ of what is unlikely
+// about the later measurements, with its curvature Λ, taken against the flow of time through the
+// transposed transitions: no covariance is inverted, and none but those of the moments asked for
+// need be kept (G. J. Bierman, Fixed interval smoothing with discrete measurements, International
+// Journal of Control 18(1), 1973). Transitions are made again from the samples, event by event.
 
 #pragma once
 
@@ -11,13 +11,33 @@
 
 namespace motorcade::filter {
 
+// Weights settle within two or three rounds; those of a few that stand at the gate may alternate.
+constexpr std::size_t most_rounds = 5;
+// A weight that halves or doubles is worth another round.
+constexpr double tolerance = 2.0;
+
 template <std::size_t N> class Filter final : public Timeline<N> {
 public:
     using Timeline<N>::Timeline;
 
-    // Rewrites what the sink holds for the moments passed so far. Between states that were kept all
-    // is made again first. The state ends where it started.
+    // Rewrites what the sink holds for the moments passed so far, each measurement weighed by what
+    // all others say of it: again, with the weights that came out, until they stay.
     void smooth() {
+        this->doubt_last_jump();
+        for (std::size_t round = 1;; ++round) {
+            jump_ = 0;
+            backward();
+            this->thorough_ = false;
+            if (round == most_rounds) return;
+            if (jump_ != 0 && this->doubt_first_jump(jump_, jumped_)) continue;
+            if (!judge_again()) return;
+            this->replay(0, this->next_);
+        }
+    }
+
+private:
+    // Between states that were kept all is made again first. The state ends where it started.
+    void backward() {
         Matrix<N> curvature;
         double gradient[N] = {};
         this->thorough_ = true;
@@ -25,11 +45,14 @@ public:
             std::size_t kept = end > 1 ? end - 2 : 0;
             while (!this->events_[kept].known) --kept;
             const std::size_t first = end > 1 ? kept + 1 : 0;
-            if (first > 0) this->replay(first, end);
+            if (first > 0 || this->begun_) this->replay(first, end);
             for (std::size_t i = end; i-- > first;) {
                 Event &event = this->events_[i];
                 if (event.kind == Kind::output) rewrite(event, gradient, curvature);
-                if (event.measures() && event.factor > 0.0 && i > 0)
+                if (i == 0) start_from(event, gradient);
+                if (event.doubt) keep_jump(i, gradient, curvature);
+                if (event.measures()) event.left_out = left_out(event, gradient, curvature);
+                if (event.factor > 0.0 && !event.linear.empty())
                     take_in(event, gradient, curvature);
                 if (event.kind == Kind::keep) unkeep(gradient, curvature);
                 if (i > 0) step_back(this->events_[i - 1], event.time_ns, gradient, curvature);
@@ -40,7 +63,6 @@ public:
         }
     }
 
-private:
     void step_back(const Event &from, std::int64_t to, double *gradient, Matrix<N> &curvature) {
         steps_.clear();
         this->now_ = from.known->after;
@@ -92,15 +114,145 @@ private:
     // x Exp(-P λ) and P - P Λ P in place of what the forward pass wrote.
     void rewrite(const Event &event, const double *gradient, const Matrix<N> &curvature) {
         Matrix<N> p;
-        double error[N] = {};
         unpack(event.known->covariance, p);
-        for (std::size_t i = 0; i < N; ++i)
-            for (std::size_t k = 0; k < N; ++k) error[i] -= p.row[i][k] * gradient[k];
+        correct_by(event, gradient, p);
         shrink(p, curvature);
-        this->now_ = event.known->after;
-        correct<N>(this->now_, error);
         this->put(event.number, p);
     }
+
+    void correct_by(const Event &event, const double *gradient, const Matrix<N> &p) {
+        double error[N] = {};
+        for (std::size_t i = 0; i < N; ++i)
+            for (std::size_t k = 0; k < N; ++k) error[i] -= p.row[i][k] * gradient[k];
+        this->now_ = event.known->after;
+        correct<N>(this->now_, error);
+    }
+
+    // The state that all measurements make the first one, should it be needed to begin anew.
+    void start_from(const Event &event, const double *gradient) {
+        Matrix<N> p;
+        unpack(event.known->covariance, p);
+        correct_by(event, gradient, p);
+        first_smoothed_ = this->now_;
+    }
+
+    // How far a measurement is from what all others say, as a normalised square: by its own noise,
+    // and by the most that it may have. With the pull u = S⁻¹ y + K' λ and its covariance
+    // D = S⁻¹ + K' Λ K the residual is D⁻¹ u with covariance D⁻¹ (P. de Jong, A cross-validation
+    // filter for time series models, Biometrika 75(3), 1988); of a measurement that had no weight,
+    // where D is S⁻¹ - K' Λ K, it is S u with covariance S D S.
+    std::array<double, 2> left_out(const Event &event, const double *gradient,
+                                   const Matrix<N> &curvature) const {
+        const std::size_t m = event.size;
+        const double most = this->settings_.most_noise;
+        double by[widest][widest], pull[widest] = {};
+        if (event.linear.empty()) {
+            if (&event != &this->events_.front()) return {nan_d, nan_d};  // not predicted
+            // The pose that all started from, which was no news.
+            for (std::size_t a = 0; a < 6; ++a) {
+                pull[a] = gradient[a];
+                std::copy_n(curvature.row[a], 6, by[a]);
+            }
+            const double apart = quadratic(by, pull, 6);
+            return {apart, apart / most};
+        }
+        const double *residual = event.linear.data(), *gain = residual + m + m * N,
+                     *inverse = gain + m * N, *noise = inverse + m * m;
+        const double sign = event.factor > 0.0 ? 1.0 : -1.0;
+        for (std::size_t a = 0; a < m; ++a) {
+            double across[N] = {};
+            for (std::size_t i = 0; i < N; ++i) {
+                pull[a] += gain[a * N + i] * gradient[i];
+                filter::add<N>(across, gain[a * N + i], curvature.row[i]);
+            }
+            for (std::size_t b = 0; b < m; ++b) {
+                pull[a] += inverse[a * m + b] * residual[b];
+                double sum = 0.0;
+                for (std::size_t i = 0; i < N; ++i) sum += across[i] * gain[b * N + i];
+                by[a][b] = inverse[a * m + b] + sign * sum;
+            }
+        }
+        if (!(event.factor > 1.0)) {
+            const double apart = quadratic(by, pull, m);
+            if (apart <= this->settings_.gate[m]) return {apart, apart};
+        }
+        double spread[widest][widest], total[widest][widest], apart[widest] = {};
+        if (event.factor > 0.0) {
+            if (!inverse_of(m, by, total)) return {nan_d, nan_d};
+            std::copy_n(&total[0][0], widest * widest, &spread[0][0]);
+        } else {
+            double stated[widest][widest];
+            for (std::size_t a = 0; a < m; ++a) std::copy_n(inverse + a * m, m, stated[a]);
+            if (!inverse_of(m, stated, total)) return {nan_d, nan_d};
+            for (std::size_t a = 0; a < m; ++a)
+                for (std::size_t b = 0; b < m; ++b) {
+                    spread[a][b] = 0.0;
+                    for (std::size_t c = 0; c < m; ++c)
+                        for (std::size_t d = 0; d < m; ++d)
+                            spread[a][b] += total[a][c] * by[c][d] * total[d][b];
+                }
+        }
+        for (std::size_t a = 0; a < m; ++a)
+            for (std::size_t b = 0; b < m; ++b) {
+                apart[a] += total[a][b] * pull[b];
+                spread[a][b] -= std::max(0.0, event.factor - 1.0) * noise[a * m + b];
+            }
+        const double own = quadratic(spread, apart, m);
+        for (std::size_t a = 0; a < m; ++a)
+            for (std::size_t b = 0; b < m; ++b) spread[a][b] += (most - 1.0) * noise[a * m + b];
+        return {own, quadratic(spread, apart, m)};
+    }
+
+    static double quadratic(double (*matrix)[widest], const double *vector, std::size_t m) {
+        double inverse[widest][widest], sum = 0.0;
+        if (!inverse_of(m, matrix, inverse)) return nan_d;
+        for (std::size_t a = 0; a < m; ++a)
+            for (std::size_t b = 0; b < m; ++b) sum += vector[a] * inverse[a][b] * vector[b];
+        return sum;
+    }
+
+    // Gives every measurement the weight that its distance from all others deserves; whether any
+    // changes. Distances count in units of what half of those believed stay below, where that is
+    // more than it should be: noise that is stated too small must not make outliers of good data.
+    bool judge_again() {
+        std::vector<double> ratios;
+        for (const Event &event : this->events_)
+            if (event.measures() && event.factor > 0.0 && event.left_out[0] >= 0.0)
+                ratios.push_back(event.left_out[0] / this->settings_.middle[freedom(event)]);
+        if (ratios.empty()) return false;
+        const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+        std::nth_element(ratios.begin(), middle, ratios.end());
+        const double unit = std::max(1.0, *middle);
+        bool changed = false;
+        for (Event &event : this->events_) {
+            if (!event.measures()) continue;
+            double factor = event.factor;
+            if (event.left_out[0] >= 0.0)
+                factor = this->factor_of(event.left_out[0] / unit, event.left_out[1] / unit,
+                                         freedom(event));
+            changed |= (factor > 0.0) != (event.factor > 0.0) ||
+                       std::max(factor, event.factor) > tolerance * std::min(factor, event.factor);
+            event.given = factor;
+        }
+        if (changed) this->restart(first_smoothed_);
+        return changed;
+    }
+
+    static std::size_t freedom(const Event &event) { return event.size > 0 ? event.size : 6; }
+
+    // The state after a jump, by all that was measured since.
+    void keep_jump(std::size_t index, const double *gradient, const Matrix<N> &curvature) {
+        const Event &event = this->events_[index];
+        jump_ = index;
+        unpack(event.known->covariance, jumped_.covariance);
+        correct_by(event, gradient, jumped_.covariance);
+        shrink(jumped_.covariance, curvature);
+        jumped_.at = this->now_, jumped_.time_ns = event.time_ns;
+    }
+
+    State first_smoothed_;
+    std::size_t jump_ = 0;  // the first event at which the prediction was given up, if any
+    Track<N> jumped_;
 
     std::vector<Transition> steps_;  // of one interval, kept for its memory
 };

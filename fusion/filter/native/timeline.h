@@ -19,16 +19,33 @@ namespace motorcade::filter {
 struct Settings {
     double gravity_m_s2;
     Densities noise;
-    std::array<double, 5> start_sigma;    // turn, position, velocity, both biases, at the start
-    double start_tilt_rad;                // how wrong the start is made on purpose
-    std::array<double, 4> known_sigma;    // tilt, extrinsics' turn and shift, time offset
-    std::array<double, widest + 1> gate;  // of χ², by degrees of freedom
-    double outlier_threshold;             // beyond so many gates a measurement is left out
-    std::size_t patience;                 // measurements left out in a row before doubt
-    std::int64_t gap_ns;                  // longer intervals between samples lack data
-    double gap_rate, gap_force;           // deviations of what was not felt in them
-    std::int64_t history_ns;              // how late an event may come
-    std::size_t check_every;              // samples between kept states; 0: at events only
+    std::array<double, 5> start_sigma;      // turn, position, velocity, both biases, at the start
+    double start_tilt_rad;                  // how wrong the start is made on purpose
+    std::array<double, 4> known_sigma;      // tilt, extrinsics' turn and shift, time offset
+    std::array<double, widest + 1> gate;    // of χ², by degrees of freedom
+    std::array<double, widest + 1> middle;  // half of good measurements stay below
+    double most_noise;           // beyond so many times its noise a measurement is left out
+    std::int64_t gap_ns;         // longer intervals between samples lack data
+    double gap_rate, gap_force;  // deviations of what was not felt in them
+    std::int64_t history_ns;     // how late an event may come
+    std::size_t check_every;     // samples between kept states; 0: at events only
+};
+
+// A state that runs beside the filter's own.
+template <std::size_t N> struct Track {
+    State at;
+    Matrix<N> covariance;
+    std::int64_t time_ns = 0;
+};
+
+// Another account of what was measured, from the moment on at which it contradicted the prediction.
+template <std::size_t N> struct Rival {
+    Track<N> track;
+    std::size_t birth = 0;  // the event from which it started
+    std::size_t hits = 0;   // measurements that it explained and the prediction did not
+    std::size_t base = 0;   // measurements that the prediction had explained at its birth
+    bool returned = false;  // it goes on where a prediction was given up
+    Doubt room;             // what the prediction needs to agree with its birth
 };
 
 // In a whole recording the state is kept at every so many events, and made again between them.
@@ -86,7 +103,12 @@ public:
         const auto index = static_cast<std::size_t>(place - events_.begin());
         const bool late = index < next_ || (started_ && event.time_ns < time_ns_);
         events_.insert(place, std::move(event));
-        if (late) replay(index, ++next_);
+        shift_rivals(index, 1);
+        if (late) {
+            const bool newest = index == next_;
+            replay(index, ++next_);
+            if (newest) consider(index);
+        }
         catch_up();
     }
 
@@ -110,7 +132,10 @@ public:
     std::int64_t time_ns() const { return time_ns_; }
     const std::deque<Event> &events() const { return events_; }
     std::size_t done() const { return next_; }
-    std::size_t reopened() const { return reopened_; }
+    // Spans in which the state was given up later: first and last moment of each.
+    const std::vector<std::array<std::int64_t, 2>> &given_up() const { return given_up_; }
+    // Stamp of the first measurement left out since one was believed; that of the state if none.
+    std::int64_t doubted_ns() const { return denied_ == 0 ? time_ns_ : doubted_ns_; }
     const Samples &samples() const { return samples_; }
     Sink sink;
 
@@ -153,7 +178,21 @@ protected:
 
     // See history.h.
     void replay(std::size_t from, std::size_t to);
+    void doubt_last_jump();
+    bool doubt_first_jump(std::size_t jump, Track<N> after);
+    void restart(const State &at) { begun_ = std::make_unique<State>(at); }
     void put(std::size_t row, const Matrix<N> &p) const;
+
+    // What a measurement's noise is multiplied by, so that its pull is no more than that of one at
+    // the gate, from its normalised squares with its own noise and with the most that it may have.
+    // It is left out, by 0, where that is not enough, or where most of the square is the
+    // prediction's: then more noise takes away little of the pull, and others must decide.
+    double factor_of(double nis, double with_most, std::size_t freedom) const {
+        const double limit = settings_.gate[freedom], most = settings_.most_noise;
+        if (nis <= limit) return 1.0;
+        const bool noisy = nis >= 0.5 * (1.0 + most) * with_most;
+        return noisy && with_most <= limit ? std::min(nis / limit, most) : 0.0;
+    }
 
     Settings settings_;
     Motion motion_;
@@ -165,7 +204,8 @@ protected:
     std::deque<Event> events_;
     std::size_t next_ = 0;  // of the events, the first that waits
     bool started_ = false;
-    bool thorough_ = false;  // every event keeps all that a backward pass needs
+    std::unique_ptr<State> begun_;  // where the path starts, if not at the first pose
+    bool thorough_ = false;         // every event keeps all that a backward pass needs
 
 private:
     Reading reading(std::int64_t t) const {
@@ -225,7 +265,7 @@ private:
         const std::int64_t horizon = samples_.back().time_ns;
         while (next_ < events_.size() && events_[next_].time_ns <= horizon) {
             process(next_++);
-            if (streak_.size() >= settings_.patience) reopen();
+            consider(next_ - 1);
         }
         if (started_) advance_to(horizon);
     }
@@ -236,7 +276,7 @@ private:
             start(event);
         } else {
             advance_to(event.time_ns);
-            if (event.measures()) measure(event, index);
+            if (event.measures()) measure(event);
         }
         if (event.kind == Kind::output) write(event);
         if (event.kind == Kind::keep) keep_pose();
@@ -259,112 +299,93 @@ private:
         event.known->covariance = packed(p_);
     }
 
-    // The first pose as a state: at rest, biases zero, with room for both to be wrong.
-    void start(Event &event) {
-        static constexpr double one[8] = {1.0};
-        double spread[36], measured[8];
-        seek(event.time_ns);
-        now_ = first_;
-        const double *imu_T_camera = event.kind == Kind::camera_pose ? first_.imu_T_camera : one;
-        const Doubt none;
-        motorcade_retract(event.data.data(), (event.doubt ? *event.doubt : none).restart, measured);
-        motorcade_start(measured, imu_T_camera, now_.pose, spread);
-        p_ = Matrix<N>();
-        for (std::size_t i = 0; i < 6; ++i)
-            for (std::size_t j = 0; j < 6; ++j)
-                for (std::size_t a = 0; a < 6; ++a)
-                    for (std::size_t b = 0; b < 6; ++b)
-                        p_.row[i][j] +=
-                            spread[6 * i + a] * event.data[8 + 6 * a + b] * spread[6 * j + b];
-        symmetrise(p_);
-        for (std::size_t k = 0; k < N; ++k) {
-            const double sigma = start_sigma(k);
-            p_.row[k][k] += sigma * sigma;
-        }
-        lean();
-        started_ = true;
-        event.factor = event.doubt ? 0.0 : 1.0;
-        event.nis = std::nan("");
-        if (event.doubt) doubt(*event.doubt);
-    }
-
-    double start_sigma(std::size_t k) const {
-        if (k < tilt) return settings_.start_sigma[k / 3];
-        if (k >= earlier) return 0.0;
-        return settings_.known_sigma[k < extrinsics       ? 0
-                                     : k < extrinsics + 3 ? 1
-                                     : k < delay          ? 2
-                                                          : 3];
-    }
-
-    // A start that is wrong on purpose: turned about the world's x, with room for that in its tilt.
-    void lean() {
-        const double angle = settings_.start_tilt_rad;
-        double axes[9], error[9] = {}, pose[8], speed[3];
-        if (angle == 0.0) return;
-        motorcade_velocity_effect(now_.pose, axes);
-        for (std::size_t i = 0; i < 3; ++i) error[i] = angle * axes[i];
-        motorcade_corrected(now_.pose, now_.velocity, error, pose, speed);
-        std::copy_n(pose, 8, now_.pose);
-        motorcade_velocity_effect(now_.pose, axes);
-        for (std::size_t i = 0; i < 3; ++i)
-            for (std::size_t j = 0; j < 3; ++j)
-                p_.row[i][j] += angle * angle * (axes[i] * axes[j] + axes[3 + i] * axes[3 + j]);
-    }
-
-    void measure(Event &event, std::size_t index) {
+    void measure(Event &event) {
         Innovation<N> innovation;
         Gain<N> gain;
-        if (event.doubt) doubt(*event.doubt);
+        if (event.doubt) make_room(event, *event.doubt);
         event.factor = 0.0;
         event.nis = std::nan("");
+        event.linear = std::vector<double>();
         const bool predicted = Prediction<N>(now_, reading(time_ns_)).of(event, innovation) &&
                                weigh(p_, innovation, 1.0, gain);
-        if (predicted) {
-            event.nis = gain.nis;
-            event.factor = judged(gain.nis, innovation.size);
-        }
         event.size = innovation.size;
-        event.linear =
-            event.factor == 0.0 || thorough_
-                ? std::vector<double>(innovation.residual, innovation.residual + innovation.size)
-                : std::vector<double>();
-        if (event.factor == 0.0) {
-            streak_.push_back(index);
-            if (streak_.size() > settings_.patience) streak_.pop_front();
-            return;
+        if (!predicted) return;
+        tells(event, innovation);
+        event.nis = gain.nis;
+        event.factor = event.given;
+        if (event.given == undecided) {
+            const bool within = gain.nis <= settings_.gate[innovation.size];
+            if (!within) weigh(p_, innovation, settings_.most_noise, gain);
+            event.factor = factor_of(event.nis, gain.nis, innovation.size);
         }
-        streak_.clear();
-        if (event.factor > 1.0) weigh(p_, innovation, event.factor, gain);
-        apply(event, innovation, gain);
+        if (event.factor != 1.0) weigh(p_, innovation, std::max(1.0, event.factor), gain);
+        if (thorough_) keep_linear(event, innovation, gain);
+        if (event.factor > 0.0) apply(innovation, gain);
     }
 
-    void apply(Event &event, const Innovation<N> &innovation, const Gain<N> &gain) {
+    // From three numbers on that depend on the position, and on no earlier one.
+    static void tells(Event &event, const Innovation<N> &innovation) {
+        std::size_t rows = 0;
+        event.relative = false;
+        for (std::size_t a = 0; a < innovation.size; ++a) {
+            const double *effect = innovation.effect[a];
+            const auto any = [effect](std::size_t from, std::size_t to) {
+                return std::any_of(effect + from, effect + to, [](double x) { return x != 0.0; });
+            };
+            rows += any(position, velocity);
+            if constexpr (N > earlier) event.relative |= any(earlier, N);
+        }
+        event.placed = rows >= 3 && !event.relative;
+    }
+
+    void apply(const Innovation<N> &innovation, const Gain<N> &gain) {
         const std::size_t m = innovation.size;
         double error[N] = {};
         for (std::size_t a = 0; a < m; ++a)
             filter::add<N>(error, innovation.residual[a], gain.gain[a]);
         update(p_, innovation, gain);
         correct<N>(now_, error);
-        if (thorough_) keep_linear(event, innovation, gain);
     }
 
-    double judged(double nis, std::size_t freedom) const {
-        const double limit = settings_.gate[freedom];
-        if (!(nis <= settings_.outlier_threshold * limit)) return 0.0;
-        return nis <= limit ? 1.0 : nis / limit;
-    }
+    // See start.h.
+    void start(Event &event);
+    void from_pose(const Event &event);
+    void unknown_at_start();
+    double start_sigma(std::size_t k) const;
+    void lean();
+    void make_room(const Event &event, const Doubt &doubt);
+
+    // See rivals.h.
+    void consider(std::size_t index);
+    void challenge(std::size_t index);
+    bool agrees(Rival<N> &rival, const Event &event, double gates = 1.0);
+    bool strained(const Event &event) const;
+    double believed(const Event &event, double gates = 1.0);
+    void spawn(std::size_t index);
+    void give_up(const Rival<N> &rival);
+    void judge_before(const Rival<N> &rival);
+    bool carried(const Matrix<N> &covariance, const Event &event) const;
+    void undo_jump(std::size_t jump, std::size_t from, std::size_t to);
+    void take_for_wrong(std::size_t from, std::size_t to);
+    void turn_round();
+    void retreat_to(std::int64_t to);
+    void shift_rivals(std::size_t from, int by);
+    template <class Do> void along(Track<N> &track, Do &&act);
 
     // See history.h.
-    void reopen();
-    void doubt(const Doubt &doubt);
     void keep_pose();
     void keep_linear(Event &event, const Innovation<N> &innovation, const Gain<N> &gain);
     void keep_and_forget();
     void write(Event &event);
 
-    std::deque<std::size_t> streak_;  // measurements left out in a row, the last ones
-    std::size_t unchecked_ = 0, reopened_ = 0;
+    std::vector<Rival<N>> rivals_;
+    std::unique_ptr<Rival<N>> former_;  // the prediction given up last, as long as it may return
+    std::size_t explained_ = 0;         // measurements believed so far
+    std::size_t own_birth_ = 0, own_hits_ = 0;  // of the prediction since it was last given up
+    std::size_t denied_ = 0;                    // in a row, the first of them at `doubted_ns_`
+    std::int64_t doubted_ns_ = 0;
+    std::vector<std::array<std::int64_t, 2>> given_up_;
+    std::size_t unchecked_ = 0;
     bool forgotten_ = false;
 };
 

@@ -242,8 +242,6 @@ def test_refusals(record, rng):
     with pytest.raises(ValueError, match=r"FilterSettings.gravity_m_s2: expected a number above 0"):
         FilterSettings(gravity_m_s2=float("nan"))
     for name, value in (
-        ("outlier_threshold", 0.5),
-        ("patience", 1),
         ("gap_s", 0.0),
         ("gap_rate_rad_s", -1.0),
         ("gravity_sigma_rad", float("inf")),

@@ -1,0 +1,315 @@
+// Several accounts of what is measured. Whatever the prediction denies may be an outlier, or the
+// prediction may be wrong: because the start was, or because the map was relocated. Each
+// measurement that nothing explains founds a rival, which is propagated on; later ones that the
+// prediction denies too are offered to the rivals. Outliers do not agree with each other through
+// what the IMU felt between them; a rival that goes on agreeing is right. One that goes on where a
+// prediction was given up before shows that what lay between was wrong, however well that agreed
+// with itself.
+
+#pragma once
+
+#include "start.h"
+
+namespace motorcade::filter {
+
+// Two poses determine a rival's pose and velocity, and nothing tests them but the turn between. Two
+// more that agree are chance once in 10⁵ where turns are uniform; a fifth, since many are tried.
+constexpr std::size_t enough_hits = 5;
+// Of what is likely beforehand: that a prediction given up was right, or was worse than it said.
+constexpr std::size_t enough_likely_hits = 3;
+// A prediction that explained so many measurements knows the biases, unless it explains none any
+// more for as long.
+constexpr std::size_t established_hits = 4 * enough_hits;
+// With half of the measurements wrong, one of so many in a row is right 98 times of 100.
+constexpr std::size_t most_rivals = 6;
+// How long the IMU alone may carry a prediction that was given up, as it may over gaps.
+constexpr std::int64_t longest_bridge_ns = 10'000'000'000;
+
+// A measurement was believed or denied: what follows for the prediction.
+template <std::size_t N> void Timeline<N>::consider(std::size_t index) {
+    const Event &event = events_[index];
+    if (!event.measures()) return;
+    if (former_ && event.time_ns - events_[former_->birth].time_ns > longest_bridge_ns)
+        former_.reset();
+    if (event.factor == 0.0) {
+        if (event.relative) return;
+        if (denied_++ == 0) doubted_ns_ = event.time_ns;
+        return challenge(index);
+    }
+    if (!event.placed) return;  // any map agrees with that
+    denied_ = 0;
+    ++explained_, ++own_hits_;
+    const auto beaten = [this](const Rival<N> &one) { return explained_ - one.base > one.hits; };
+    rivals_.erase(std::remove_if(rivals_.begin(), rivals_.end(), beaten), rivals_.end());
+}
+
+template <std::size_t N> void Timeline<N>::challenge(std::size_t index) {
+    const Event &event = events_[index];
+    bool taken = false, returned = false;
+    for (Rival<N> &rival : rivals_)
+        if (agrees(rival, event)) taken = true, returned |= rival.returned;
+    if (former_ && !returned && former_->track.time_ns <= event.time_ns) {
+        along(former_->track, [&] { advance_to(event.time_ns); });
+        Rival<N> again = *former_;
+        again.hits = 0, again.base = explained_, again.birth = index, again.returned = true;
+        // It may be worse than it says.
+        if (agrees(again, event, settings_.most_noise)) taken = true, rivals_.push_back(again);
+    }
+    if (!taken) spawn(index);
+    const auto fewer = [](const Rival<N> &one, const Rival<N> &other) {
+        return one.hits < other.hits;
+    };
+    const auto best = std::max_element(rivals_.begin(), rivals_.end(), fewer);
+    if (best == rivals_.end()) return;
+    const bool likely = best->returned || strained(events_[best->birth]);
+    if (best->hits < (likely ? enough_likely_hits : enough_hits) + (explained_ - best->base))
+        return;
+    const Rival<N> winner = *best;
+    rivals_.clear();
+    give_up(winner);
+}
+
+// Whether the prediction of what was left out may just have been worse than it said, as after a
+// long time without measurements.
+template <std::size_t N> bool Timeline<N>::strained(const Event &event) const {
+    return event.nis <= settings_.most_noise * settings_.gate[event.size];
+}
+
+// Does `act` with a track in the place of the filter's own state.
+template <std::size_t N> template <class Do> void Timeline<N>::along(Track<N> &track, Do &&act) {
+    const std::size_t sample = sample_;
+    const auto exchange = [&] {
+        std::swap(now_, track.at);
+        std::swap(p_, track.covariance);
+        std::swap(time_ns_, track.time_ns);
+    };
+    exchange();
+    seek(time_ns_);
+    act();
+    exchange();
+    sample_ = sample;
+}
+
+template <std::size_t N>
+bool Timeline<N>::agrees(Rival<N> &rival, const Event &event, double gates) {
+    bool hit = false;
+    if (rival.track.time_ns <= event.time_ns) {
+        along(rival.track, [&] {
+            advance_to(event.time_ns);
+            hit = believed(event, gates) > 0.0;
+        });
+    }
+    rival.hits += hit;
+    return hit;
+}
+
+// Updates the state by a measurement if it lies within so many gates; its factor, or 0.
+template <std::size_t N> double Timeline<N>::believed(const Event &event, double gates) {
+    Innovation<N> innovation;
+    Gain<N> gain;
+    if (!Prediction<N>(now_, reading(time_ns_)).of(event, innovation) ||
+        !weigh(p_, innovation, 1.0, gain) || !(gain.nis <= gates * settings_.gate[innovation.size]))
+        return 0.0;
+    apply(innovation, gain);
+    return 1.0;
+}
+
+// A rival that starts from a measurement: the prediction with room for that to be right, on a map
+// that was relocated where it is a pose; from such a pose alone where the biases are not known.
+template <std::size_t N> void Timeline<N>::spawn(std::size_t index) {
+    const Event &event = events_[index];
+    const bool fresh =
+        event.from_pose() && (own_hits_ < established_hits || denied_ > established_hits);
+    Rival<N> made;
+    made.track = {now_, p_, time_ns_};
+    made.birth = index, made.hits = 1, made.base = explained_;
+    const std::array<double, 5> &start = settings_.start_sigma;
+    const auto square = [](double x) { return x * x; };
+    std::array<double, 5> room = {square(wide_rad), square(wide_m), square(start[2]),
+                                  square(bias_share * start[3]), square(bias_share * start[4])};
+    if (!event.from_pose()) {
+        Innovation<N> innovation;
+        if (!Prediction<N>(now_, reading(time_ns_)).of(event, innovation)) return;
+        double apart = 0.0;
+        for (std::size_t a = 0; a < innovation.size; ++a) apart += square(innovation.residual[a]);
+        const bool fast = event.kind == Kind::velocity,
+                   seen = event.kind == Kind::corners || event.kind == Kind::sourced;
+        room[0] = seen ? square(wide_rad) : 0.0;
+        room[1] = fast ? 0.0 : std::max(seen ? square(wide_m) : 0.0, event.placed ? apart : 0.0);
+        room[2] = std::max(apart, square(bias_share * start[2]));
+    }
+    made.room.relocated = event.from_pose();
+    std::copy(room.begin(), room.end(), made.room.added);
+    along(made.track, [&] {
+        if (fresh) return from_pose(event);
+        make_room(event, made.room);
+        believed(event);
+    });
+    if (rivals_.size() == most_rivals) {
+        const auto fewest = std::min_element(
+            rivals_.begin(), rivals_.end(),
+            [](const Rival<N> &one, const Rival<N> &other) { return one.hits < other.hits; });
+        rivals_.erase(fewest);
+    }
+    rivals_.push_back(made);
+}
+
+// The winner's account is taken over, and all since is done again by it.
+template <std::size_t N> void Timeline<N>::give_up(const Rival<N> &winner) {
+    const bool never_right = own_hits_ <= winner.hits;
+    const Event &first = events_[winner.birth];
+    const std::int64_t now_ns = events_[next_ - 1].time_ns;
+    std::size_t from = winner.birth;
+    if (winner.returned) {
+        from = former_->birth;
+        take_for_wrong(from, winner.birth);
+        own_birth_ = former_->base, own_hits_ = former_->hits + winner.hits;
+        former_.reset();
+    } else if (never_right && own_birth_ == 0 && !forgotten_) {
+        from = 0;
+        judge_before(winner);
+        own_hits_ = winner.hits;
+    } else if (!never_right && strained(first)) {
+        events_[winner.birth].given = std::max(1.0, first.nis / settings_.gate[first.size]);
+        own_hits_ += winner.hits;
+    } else {
+        if (never_right && own_birth_ > 0) {
+            from = own_birth_;
+            events_[from].doubt.reset();
+            events_[from].given = undecided;
+            if (former_) former_->birth = winner.birth;
+        } else if (!former_ || former_->hits < own_hits_) {
+            former_ = std::make_unique<Rival<N>>(winner);
+            former_->track = {now_, p_, time_ns_};
+            former_->hits = own_hits_, former_->base = own_birth_;
+        }
+        events_[winner.birth].doubt = std::make_unique<Doubt>(winner.room);
+        events_[winner.birth].given = 1.0;
+        own_birth_ = winner.birth, own_hits_ = winner.hits;
+    }
+    given_up_.push_back({events_[from].time_ns, now_ns});
+    denied_ = 0;
+    replay(from, next_);
+}
+
+// A map that was relocated shortly before the end: the old one never had the time to come back. The
+// IMU carries the path to the end on either account, and where it does so within what the gate
+// allows a pose to be off, the old map is safe whichever is right.
+template <std::size_t N> void Timeline<N>::doubt_last_jump() {
+    if (!former_) return;
+    along(former_->track, [&] { advance_to(samples_.back().time_ns); });
+    if (carried(former_->track.covariance, events_[former_->birth]))
+        undo_jump(former_->birth, former_->birth, next_);
+}
+
+// The same at the start: backward from the first relocation, by the state that all made of it.
+template <std::size_t N> bool Timeline<N>::doubt_first_jump(std::size_t jump, Track<N> after) {
+    along(after, [&] {
+        turn_round();
+        retreat_to(events_.front().time_ns);
+        turn_round();
+    });
+    if (!carried(after.covariance, events_[jump])) return false;
+    restart(after.at);
+    undo_jump(jump, 0, jump);
+    return true;
+}
+
+template <std::size_t N>
+bool Timeline<N>::carried(const Matrix<N> &covariance, const Event &event) const {
+    double square = 0.0, measured = 0.0;
+    if (!event.from_pose()) return false;
+    for (std::size_t k = position; k < velocity; ++k) {
+        square += covariance.row[k][k];
+        measured += event.data[8 + 7 * k];
+    }
+    return square <= settings_.gate[6] * measured;
+}
+
+template <std::size_t N> void Timeline<N>::take_for_wrong(std::size_t from, std::size_t to) {
+    for (std::size_t k = from; k < to; ++k) {
+        events_[k].doubt.reset();
+        if (events_[k].placed) events_[k].given = 0.0;
+    }
+}
+
+// Takes a jump back, and all in [from, to) for wrong.
+template <std::size_t N>
+void Timeline<N>::undo_jump(std::size_t jump, std::size_t from, std::size_t to) {
+    given_up_.push_back({events_[from].time_ns, events_[to - 1].time_ns});
+    take_for_wrong(from, to);
+    if (jump == to) events_[jump].given = undecided;
+    events_[jump].doubt.reset();
+    former_.reset();
+    replay(from, next_);
+}
+
+// What was measured before the winner's birth, judged by it against the flow of time: rate and
+// velocity change their signs, force does not, and the same transitions hold.
+template <std::size_t N> void Timeline<N>::judge_before(const Rival<N> &winner) {
+    Track<N> track = winner.track;
+    along(track, [&] {
+        for (std::size_t k = winner.birth + 1; k-- > 0;) {
+            Event &event = events_[k];
+            turn_round();
+            retreat_to(event.time_ns);
+            turn_round();
+            if (k == winner.birth)
+                event.given = 1.0;
+            else if (event.measures() && !event.relative)
+                event.given = believed(event);
+        }
+        restart(now_);
+    });
+}
+
+// The state as it is against the flow of time.
+template <std::size_t N> void Timeline<N>::turn_round() {
+    for (std::size_t i = 0; i < 3; ++i)
+        now_.velocity[i] = -now_.velocity[i], now_.bias[i] = -now_.bias[i];
+    for (std::size_t i = velocity; i < accel; ++i)
+        for (std::size_t k = 0; k < N; ++k) p_.row[i][k] = -p_.row[i][k];
+    for (std::size_t i = velocity; i < accel; ++i)
+        for (std::size_t k = 0; k < N; ++k) p_.row[k][i] = -p_.row[k][i];
+}
+
+// Against the flow of time, with rate, velocity and the gyroscope's bias turned round.
+template <std::size_t N> void Timeline<N>::retreat_to(std::int64_t to) {
+    double fall[3];
+    motion_.gravity(now_, fall);
+    if (sample_ + 1 == samples_.size() && sample_ > 0) --sample_;
+    while (time_ns_ > to) {
+        if (samples_[sample_].time_ns >= time_ns_) --sample_;
+        const Sample one = samples_[sample_], next = samples_[sample_ + 1];
+        const std::int64_t begin = std::max(to, one.time_ns);
+        const Reading here = reading(begin), there = reading(time_ns_);
+        Reading mean;
+        for (int i = 0; i < 3; ++i) {
+            mean.rate[i] = -0.5 * (here.rate[i] + there.rate[i]);
+            mean.force[i] = 0.5 * (here.force[i] + there.force[i]);
+        }
+        const double whole = 1e-9 * static_cast<double>(time_ns_ - begin);
+        const int parts = Motion::parts(now_, mean, whole);
+        for (int k = 0; k < parts; ++k) {
+            Transition transition;
+            motion_.step<N>(now_, mean, whole / parts, fall, transition);
+            propagate(p_, transition, densities(next.time_ns - one.time_ns));
+        }
+        time_ns_ = begin;
+    }
+}
+
+// Events were put in at an index, or forgotten there.
+template <std::size_t N> void Timeline<N>::shift_rivals(std::size_t index, int by) {
+    const auto shifted = [&](std::size_t k) {
+        return k < index ? k : static_cast<std::size_t>(static_cast<std::ptrdiff_t>(k) + by);
+    };
+    const auto forgotten = [&](const Rival<N> &one) { return by < 0 && one.birth <= index; };
+    rivals_.erase(std::remove_if(rivals_.begin(), rivals_.end(), forgotten), rivals_.end());
+    if (former_ && forgotten(*former_)) former_.reset();
+    for (Rival<N> &one : rivals_) one.birth = shifted(one.birth);
+    if (former_) former_->birth = shifted(former_->birth), former_->base = shifted(former_->base);
+    own_birth_ = shifted(own_birth_);
+}
+
+}  // namespace motorcade::filter

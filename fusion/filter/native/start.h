@@ -1,0 +1,103 @@
+// Where the path begins, and where it begins anew.
+
+#pragma once
+
+#include "timeline.h"
+
+namespace motorcade::filter {
+
+// Of a start that no single pose may decide: so wide that any measurement outweighs it, and narrow
+// enough for float64 to tell what is left after one.
+constexpr double wide_rad = 1.0, wide_m = 10.0;
+// A map that is relocated leaves the sensor's biases alone. What gave the prediction up may have
+// been they, though: a tenth of what was unknown of them at the start comes back.
+constexpr double bias_share = 0.1;
+
+// The first pose as a state: at rest, biases zero, with room for both to be wrong. Or where a state
+// is known already: that, with room for all of it to be wrong.
+template <std::size_t N> void Timeline<N>::start(Event &event) {
+    seek(event.time_ns);
+    started_ = true;
+    if (!begun_) {
+        from_pose(event);
+        lean();
+        event.factor = 1.0;
+        event.nis = std::nan("");
+        return;
+    }
+    now_ = *begun_;
+    p_ = Matrix<N>();
+    for (std::size_t k = 0; k < 6; ++k)
+        p_.row[k][k] = k < 3 ? wide_rad * wide_rad : wide_m * wide_m;
+    unknown_at_start();
+    measure(event);
+}
+
+template <std::size_t N> void Timeline<N>::from_pose(const Event &event) {
+    static constexpr double one[8] = {1.0};
+    double spread[36];
+    now_ = first_;
+    p_ = Matrix<N>();
+    const double *imu_T_camera = event.kind == Kind::camera_pose ? first_.imu_T_camera : one;
+    motorcade_start(event.data.data(), imu_T_camera, now_.pose, spread);
+    for (std::size_t i = 0; i < 6; ++i)
+        for (std::size_t j = 0; j < 6; ++j)
+            for (std::size_t a = 0; a < 6; ++a)
+                for (std::size_t b = 0; b < 6; ++b)
+                    p_.row[i][j] +=
+                        spread[6 * i + a] * event.data[8 + 6 * a + b] * spread[6 * j + b];
+    symmetrise(p_);
+    unknown_at_start();
+}
+
+// Adds what is unknown of everything but the pose.
+template <std::size_t N> void Timeline<N>::unknown_at_start() {
+    for (std::size_t k = 0; k < N; ++k) {
+        const double sigma = start_sigma(k);
+        p_.row[k][k] += sigma * sigma;
+    }
+}
+
+template <std::size_t N> double Timeline<N>::start_sigma(std::size_t k) const {
+    if (k < tilt) return settings_.start_sigma[k / 3];
+    if (k >= earlier) return 0.0;
+    return settings_.known_sigma[k < extrinsics ? 0 : k < extrinsics + 3 ? 1 : k < delay ? 2 : 3];
+}
+
+// A start that is wrong on purpose: turned about the world's x, with room for that in its tilt.
+template <std::size_t N> void Timeline<N>::lean() {
+    const double angle = settings_.start_tilt_rad;
+    double axes[9], error[9] = {}, pose[8], speed[3];
+    if (angle == 0.0) return;
+    motorcade_velocity_effect(now_.pose, axes);
+    for (std::size_t i = 0; i < 3; ++i) error[i] = angle * axes[i];
+    motorcade_corrected(now_.pose, now_.velocity, error, pose, speed);
+    std::copy_n(pose, 8, now_.pose);
+    motorcade_velocity_effect(now_.pose, axes);
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            p_.row[i][j] += angle * angle * (axes[i] * axes[j] + axes[3 + i] * axes[3 + j]);
+}
+
+// The prediction is given up here. On a relocated map the pose is the measured one, and the
+// velocity turns along: errors, which stand on the right, know nothing of that.
+template <std::size_t N> void Timeline<N>::make_room(const Event &event, const Doubt &doubt) {
+    static constexpr double one[8] = {1.0};
+    if (doubt.relocated) {
+        const double *imu_T_camera = event.kind == Kind::camera_pose ? now_.imu_T_camera : one;
+        double spread[36], pose[8], from[9], to[9], own[3] = {};
+        motorcade_start(event.data.data(), imu_T_camera, pose, spread);
+        motorcade_velocity_effect(now_.pose, from);
+        motorcade_velocity_effect(pose, to);
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t k = 0; k < 3; ++k) own[i] += from[3 * k + i] * now_.velocity[k];
+        for (std::size_t k = 0; k < 3; ++k) {
+            now_.velocity[k] = 0.0;
+            for (std::size_t i = 0; i < 3; ++i) now_.velocity[k] += to[3 * k + i] * own[i];
+        }
+        std::copy_n(pose, 8, now_.pose);
+    }
+    for (std::size_t k = 0; k < 15; ++k) p_.row[k][k] += doubt.added[k / 3];
+}
+
+}  // namespace motorcade::filter
