@@ -77,6 +77,7 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
     "pipeline": {
         "opencv-contrib-python-headless": ("cv2", "pictures, markers, boards, visual SLAM"),
         "pupil-apriltags": ("pupil_apriltags", "AprilTags that the first detector misses"),
+        "pyproj": ("pyproj", "latitudes and longitudes as metres"),
         "gtsam": ("gtsam", "loops of visual SLAM, visual-inertial graphs"),
         "rosbags": ("rosbags", "recordings in ROS bags and MCAP, without ROS"),
         "scikit-image": ("skimage", "structural similarity, picture measures"),

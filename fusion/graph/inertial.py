@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.filter.settings import VELOCITY_SIGMA_M_S, FilterSettings
 from motorcade.fusion.filter.sourced import Judgement, rows_within
-from motorcade.fusion.graph.kinds import CameraPoses, KindFactor, kind_factor
-from motorcade.fusion.graph.shared import Shared, keys
+from motorcade.fusion.graph.kinds import KindFactor, PosesByUnknowns, kind_factor
+from motorcade.fusion.graph.shared import SharedUnknowns, keys
 from motorcade.fusion.graph.states import GraphStates
 from motorcade.fusion.imu.noise import (
     ACCEL_BIAS_SIGMA_M_S2,
@@ -104,7 +104,7 @@ class InertialGraph:
     gates: list[float]
     kinds: list[KindFactor]
     also: tuple[Measurements, ...]
-    shared: Shared
+    shared: SharedUnknowns
 
     @classmethod
     def of(
@@ -133,7 +133,7 @@ class InertialGraph:
         rows = np.full(len(nodes), -1)
         rows[np.searchsorted(nodes, seen)] = np.arange(len(seen))
         adjoint = imu_T_camera.adjoint()
-        shared = Shared(imu_T_camera, time_offset_s, *settings.known_sigmas)
+        shared = SharedUnknowns(imu_T_camera, time_offset_s, *settings.known_sigmas)
         at = data.angular_rate_rad_s[np.searchsorted(data.time_ns, nodes)]
         made = [
             kind_factor(one, number, row, nodes, at, shared)
@@ -142,7 +142,7 @@ class InertialGraph:
         ]
         if shared.keys:
             path = measurements.trajectory
-            poses = CameraPoses(seen, path.motors, measurements.covariance, 1e-9 * shift_ns)
+            poses = PosesByUnknowns(seen, path.motors, measurements.covariance, 1e-9 * shift_ns)
             made += [kind_factor(poses, -1, row, nodes, at, shared) for row in range(len(seen))]
         return cls(
             nodes,

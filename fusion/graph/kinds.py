@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from motorcade.fusion.graph.shared import Shared, keys, lean, lean_velocity, leans
+from motorcade.fusion.graph.shared import SharedUnknowns, keys, lean, lean_velocity, leans
 from motorcade.fusion.measurements.interface import (
     ACCEL_BIAS,
     EARLIER,
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class CameraPoses(Measurements):
+class PosesByUnknowns(Measurements):
     """The camera's poses where more than the motion is estimated.
 
     Fields:
@@ -110,7 +110,7 @@ class KindFactor:
     index: int
     earlier: int | None
     reading_rad_s: FloatArray
-    shared: Shared
+    shared: SharedUnknowns
 
     def state(self, values: gtsam.Values) -> PredictedState:
         """The state that gtsam's values hold for the node."""
@@ -196,7 +196,7 @@ def kind_factor(
     row: int,
     nodes: IntArray,
     readings_rad_s: FloatArray,
-    shared: Shared,
+    shared: SharedUnknowns,
 ) -> KindFactor:
     """The factor of a row, where nodes have these stamps and the gyroscope read that there."""
     index, since = int(np.searchsorted(nodes, given.time_ns[row])), given.since_ns

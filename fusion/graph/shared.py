@@ -1,6 +1,6 @@
 """What all nodes of a graph share, and how nodes are named.
 
-Shared are, where they are asked for, the direction of gravity, the camera's pose on the IMU and its
+They share, where it is asked for, the direction of gravity, the camera's pose on the IMU and its
 time offset. gtsam's inertial factor knows one gravity: nodes therefore live in a world whose z is
 up, and ``world_R_up = Exp(tilt)``, two numbers, turns it to the world that poses are measured in.
 """
@@ -42,7 +42,7 @@ def keys(index: int) -> NodeKeys:
 
 
 @dataclass(frozen=True, eq=False)
-class Shared:
+class SharedUnknowns:
     """What all nodes share: as first guessed, with deviations; zero: it is known.
 
     Fields:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from motorcade.fusion.graph.kinds import KindFactor
-from motorcade.fusion.graph.shared import Shared, lean
+from motorcade.fusion.graph.shared import SharedUnknowns, lean
 from motorcade.fusion.measurements.interface import (
     OFFSET,
     TILT,
@@ -49,7 +49,7 @@ class GraphStates:
         velocity_m_s: FloatArray,
         bias: FloatArray,
         covariance: FloatArray,
-        shared: Shared,
+        shared: SharedUnknowns,
         values: gtsam.Values,
     ) -> GraphStates:
         """Of gtsam's poses, velocities and covariances ``(N, n, n)``, pose, velocity, bias first.

@@ -27,13 +27,18 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.errors import did_you_mean, refusal
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.readers.ros.naming import split_bag_name
-from motorcade.replays.readers.tables import Table, data_rows, in_order, read_table
+from motorcade.replays.readers.tables import (
+    REACH_M,
+    UNIT_TOLERANCE,
+    Table,
+    data_rows,
+    in_order,
+    read_table,
+)
 
 TrajectoryFormat = Literal["tum", "euroc", "kitti"]
-UNIT_TOLERANCE = 0.01
 # A similarity that differs by rounding from a rigid motion is one.
 _SCALE_TOLERANCE = 1e-12
-REACH_M = 1e9
 _POSITION = ("tx", "ty", "tz")
 _QUATERNION = {"tum": ("qx", "qy", "qz", "qw"), "euroc": ("qw", "qx", "qy", "qz")}
 _MATRIX = tuple(f"m{row}{column}" for row in (1, 2, 3) for column in (1, 2, 3, 4))

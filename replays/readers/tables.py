@@ -28,6 +28,10 @@ FILE_LIMIT = 2**30
 LINE_LIMIT = 2**16
 UNITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
 """Powers of ten from a unit to nanoseconds."""
+UNIT_TOLERANCE = 0.01
+"""How far a quaternion's norm, or a matrix times its transpose, may be from 1."""
+REACH_M = 1e9
+"""How far from the origin a position may be."""
 
 _TOLD_EVERY = 10_000
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"

@@ -32,7 +32,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.end_to_end.gap_doors import DOORS, FRESH, STEP_NS, Case, Line, shapes
+from tests.end_to_end.gap_doors import DOORS, FRESH, Line
+from tests.end_to_end.gap_paths import STEP_NS, Case, shapes
 
 SECOND = 10**9
 GAPS = {

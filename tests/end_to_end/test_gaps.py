@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.end_to_end import gap_doors
-from tests.end_to_end.gap_doors import FUNCTIONS, Case, shapes
+from tests.end_to_end import gap_doors, gap_paths
+from tests.end_to_end.gap_doors import FUNCTIONS
+from tests.end_to_end.gap_paths import Case, shapes
 
 DAYS_NS = 30 * 86_400 * 10**9
 FACES = (
@@ -56,7 +57,7 @@ def test_a_gap_of_thirty_days_gives_a_result_or_a_refusal(door, shape, tmp_path)
 
 @pytest.mark.parametrize("face", FACES)
 def test_every_public_function_that_takes_a_path_or_stream_is_tried(face):
-    tried = Path(gap_doors.__file__).read_text()
+    tried = Path(gap_doors.__file__).read_text() + Path(gap_paths.__file__).read_text()
     package = importlib.import_module(f"motorcade.{face}")
     missing = {
         name

@@ -14,7 +14,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import IntArray
 from motorcade.ga.stamps import STAMP_LIMIT_NS
 from motorcade.replays.errors import refusal
-from motorcade.replays.files.trajectories import REACH_M, UNIT_TOLERANCE
+from motorcade.replays.readers.tables import REACH_M, UNIT_TOLERANCE
 
 _LOG = logging.getLogger("motorcade.replays")
 

@@ -188,7 +188,8 @@ def test_on_a_real_flight_batch_and_filter_agree(data_dir: Path):
 
 
 def test_gaps_that_leave_the_graph_singular_are_refused(tmp_path):
-    from tests.end_to_end.gap_doors import FUNCTIONS, Case, shapes
+    from tests.end_to_end.gap_doors import FUNCTIONS
+    from tests.end_to_end.gap_paths import Case, shapes
 
     case = Case.of(shapes(10**9)["a gap every 20 poses"], tmp_path / "case")
     with pytest.raises(ValueError, match="got a graph that is singular"):
