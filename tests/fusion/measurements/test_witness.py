@@ -10,7 +10,7 @@ import pytest
 
 from motorcade.fusion.filter import FilterSettings, PoseFilter
 from motorcade.fusion.graph.kinds import KindFactor
-from motorcade.fusion.graph.shared import Shared, keys
+from motorcade.fusion.graph.shared import SharedUnknowns, keys
 from motorcade.fusion.imu import ADIS16448
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
@@ -113,7 +113,7 @@ def by_gtsam(kind: str, given: Any, reading: FloatArray) -> gtsam.NoiseModelFact
 @pytest.mark.parametrize("kind", KINDS)
 def test_residual_and_derivatives_are_gtsams(kind, rng):
     """At twenty states each, some deviations from what is measured."""
-    shared = Shared(Motor.identity(), 0.0, 0.0, 0.0, 0.0, 0.0)
+    shared = SharedUnknowns(Motor.identity(), 0.0, 0.0, 0.0, 0.0, 0.0)
     for _ in range(20):
         poses, stamps = Motor.random(rng, (2,)), np.array([0, 50_000_000])
         path = Along(stamps, poses, rng.standard_normal((2, 3)), rng.standard_normal((2, 3)))
