@@ -6,6 +6,7 @@ projection of both.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,9 +19,11 @@ from motorcade.fusion.metrics.poses.association import (
     cropped,
 )
 from motorcade.fusion.metrics.poses.pose_error import log_scales, without_scale
-from motorcade.fusion.metrics.poses.projection import Plane, projected
+from motorcade.fusion.metrics.poses.projection import Plane, folded, projected
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
+
+log = logging.getLogger("motorcade.metrics")
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +111,7 @@ def match(
     if plane is None:
         pairs = replace(pairs, estimate=aligned)
     else:
+        _say_folded(aligned, plane)
         ours, true = (replace(path, poses=projected(path.motors, plane)) for path in (ours, true))
         pairs = replace(
             pairs,
@@ -115,6 +119,18 @@ def match(
             reference=projected(pairs.reference, plane),
         )
     return Matched(ours, true, pairs, alignment, align, log_scale)
+
+
+def _say_folded(poses: Motor, plane: Plane) -> None:
+    count = int(np.count_nonzero(folded(poses, plane)))
+    if count:
+        log.warning(
+            "%d of %d poses face backwards in the plane %s: turns beyond 90° are folded back "
+            "there, as in evo; rotation and relative errors mean little, positions are right",
+            count,
+            poses.shape[0],
+            plane,
+        )
 
 
 def _by_offset(path: Trajectory, offset_ns: int) -> Trajectory:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -41,10 +43,10 @@ def read(path: Path) -> PosePath3D:
     return file_interface.read_tum_trajectory_file(path)
 
 
-def matched(
+def in_time(
     estimate: PosePath3D, reference: PosePath3D, options: Mapping[str, Any]
 ) -> tuple[PosePath3D, PosePath3D]:
-    """Estimate and reference as ``evo_ape`` compares them, by the options of our `match`."""
+    """Estimate and reference pose by pose, by the options of our `match`; new ones."""
     ours, true = copy.deepcopy(estimate), copy.deepcopy(reference)
     if isinstance(true, PoseTrajectory3D):
         start_s, end_s = options.get("start_s"), options.get("end_s")
@@ -57,6 +59,14 @@ def matched(
             max_diff=options.get("max_difference_s", 0.01),
             offset_2=options.get("offset_s", 0.0),
         )
+    return ours, true
+
+
+def in_space(
+    pair: tuple[PosePath3D, PosePath3D], options: Mapping[str, Any]
+) -> tuple[PosePath3D, PosePath3D]:
+    """The same aligned and projected, by the options of our `match`; new ones."""
+    ours, true = copy.deepcopy(pair)
     rigid, scaled, origin = _ALIGN[options.get("align", "none")]
     if rigid or scaled:
         first = options.get("n_to_align") or -1
@@ -67,6 +77,13 @@ def matched(
         for path in (true, ours):
             path.project(Plane(options["plane"]))
     return ours, true
+
+
+def matched(
+    estimate: PosePath3D, reference: PosePath3D, options: Mapping[str, Any]
+) -> tuple[PosePath3D, PosePath3D]:
+    """Estimate and reference as evo compares them."""
+    return in_space(in_time(estimate, reference, options), options)
 
 
 def absolute(pair: tuple[PosePath3D, PosePath3D], relation: str) -> np.ndarray:
@@ -88,5 +105,6 @@ def relative(
         delta.get("all_pairs", False),
         pairs_from_reference=delta.get("pairs_from", "reference") == "reference",
     )
-    found.process_data(pair[::-1])
+    with redirect_stdout(StringIO()):  # it prints how far its search has come
+        found.process_data(pair[::-1])
     return np.asarray(found.error)

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
-from motorcade.fusion import evaluate, smooth
+from motorcade.fusion import smooth
 from motorcade.fusion.imu.noise import ADIS16448
 from motorcade.fusion.imu.simulate import simulate_imu
+from motorcade.fusion.metrics import Align, Delta, Plane, Relation, evaluate_matched, match
+from motorcade.fusion.metrics.poses.deltas import DeltaUnit
 from motorcade.fusion.smoothing.methods import METHODS
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
@@ -141,7 +143,26 @@ def _smoothed(path: Trajectory, rng: np.random.Generator, folder: Path) -> None:
 
 def _evaluated(path: Trajectory, rng: np.random.Generator, folder: Path) -> None:
     nudged = path.transformed_by(right=Motor.from_translation(1e-3 * rng.standard_normal(3)))
-    found = evaluate(nudged, path, align=one_of(["none", "se3", "sim3"], rng))
+    span_s = path.time_ns[[0, -1]] * 1e-9
+    matched = match(
+        nudged,
+        path,
+        one_of(get_args(Align), rng),
+        max_difference_s=float(one_of([0.0, 0.01, 1e3], rng)),
+        offset_s=float(one_of([0.0, 0.0, -0.01, 1e-9, 1e9], rng)),
+        start_s=one_of([None, None, float(rng.uniform(*span_s))], rng),
+        end_s=one_of([None, None, float(rng.uniform(*span_s))], rng),
+        interpolate=bool(rng.integers(2)),
+        n_to_align=one_of([None, None, 3], rng),
+        plane=one_of([None, *get_args(Plane)], rng),
+    )
+    delta = Delta(float(one_of([1, 3], rng)), one_of(get_args(DeltaUnit), rng), rng.random() < 0.5)
+    found = evaluate_matched(
+        matched,
+        delta=delta,
+        relations=one_of([(), get_args(Relation)], rng),
+        drift_lengths_m=one_of([(), (0.5, 100.0)], rng),
+    )
     for name, value in found.as_dict().items():
         if isinstance(value, float) and not np.isfinite(value):
             raise AssertionError(f"{name}: {value}")
