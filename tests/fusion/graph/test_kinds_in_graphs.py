@@ -141,7 +141,7 @@ def test_it_finds_gravity_extrinsics_and_offset(record: Record, rng):
     extrinsics = batch.imu_T_camera[-1].local(run.imu_T_camera)
     assert np.all(np.abs(extrinsics) < 4.0 * sigma[2:8])
     assert abs(batch.time_offset_s[-1] - 1e-9 * late_ns) < 4.0 * sigma[8]
-    assert sigma[8] < 1e-3
+    assert sigma[8] < 2e-3  # of 10 ms
     for name in ("gravity_m_s2", "time_offset_s"):
         assert np.ptp(getattr(batch, name), axis=0).max() == 0.0
 
