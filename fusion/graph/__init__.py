@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+from motorcade.fusion.graph.calibrate import GraphCalibration, calibrate_by_graph
 from motorcade.fusion.graph.fuse import fuse_by_graph
 from motorcade.fusion.graph.odometry import OdometryNoise, fuse_odometry
 
-__all__ = ["OdometryNoise", "fuse_by_graph", "fuse_odometry"]
+__all__ = [
+    "GraphCalibration",
+    "OdometryNoise",
+    "calibrate_by_graph",
+    "fuse_by_graph",
+    "fuse_odometry",
+]

@@ -11,6 +11,7 @@ from motorcade.fusion.filter.fuse import by_stretch, camera_covariance, covered,
 from motorcade.fusion.filter.settings import MOST_NOISE
 from motorcade.fusion.graph.inertial import InertialGraph
 from motorcade.fusion.graph.smoothers import smooth_all, smooth_with_lag
+from motorcade.fusion.graph.states import GraphStates
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.measurements.interface import Measurements, checked_measurements
@@ -77,13 +78,7 @@ def fuse_by_graph(
         >>> fused.trajectory
         Trajectory(world_T_imu, 61 poses, 3.000 s)
     """
-    chosen = settings or FilterSettings()
-    kinds = tuple(checked_measurements(one) for one in also)
-    shift_ns = checked_span_ns(time_offset_s, "time_offset_s")
-    if chosen.rest is not None:
-        raise ValueError(
-            "settings: expected no detection of rest, got some; zero velocities can be measured"
-        )
+    chosen, kinds, shift_ns = checked_graph_input(also, settings, time_offset_s)
     if lag_s is not None:
         _check_lag(checked_positive(lag_s, "lag_s", "seconds"), chosen, kinds)
 
@@ -93,6 +88,23 @@ def fuse_by_graph(
         )
 
     return by_stretch(one, measurements, imu, stamps_ns, shift_ns)
+
+
+def checked_graph_input(
+    also: Sequence[Measurements], settings: FilterSettings | None, time_offset_s: float
+) -> tuple[FilterSettings, tuple[Measurements, ...], int]:
+    """Settings, kinds, and the offset in nanoseconds, as a graph can take them.
+
+    Raises:
+        ValueError: what it cannot take.
+    """
+    chosen = settings or FilterSettings()
+    kinds = tuple(checked_measurements(one) for one in also)
+    if chosen.rest is not None:
+        raise ValueError(
+            "settings: expected no detection of rest, got some; zero velocities can be measured"
+        )
+    return chosen, kinds, checked_span_ns(time_offset_s, "time_offset_s")
 
 
 def _check_lag(lag_s: float, settings: FilterSettings, also: Sequence[Measurements]) -> None:
@@ -123,7 +135,7 @@ def _fused(
     used = covered(measurements, imu, shift_ns)
     wanted = wanted_stamps(used.trajectory.time_ns + shift_ns, imu, stamps_ns)
     graph = InertialGraph.of(used, imu, noise, imu_T_camera, wanted, chosen, also, time_offset_s)
-    start = _start(used, imu, noise, graph) if also and lag_s is None else None
+    start = filtered_start(used, imu, noise, graph) if also and lag_s is None else None
     try:
         found = smooth_all(graph, start) if lag_s is None else smooth_with_lag(graph, lag_s)
     except RuntimeError as fault:
@@ -133,8 +145,18 @@ def _fused(
             "measurements and imu: expected data that determine the path, got a graph that is "
             "singular in float64, as gaps of a second in the imu leave it; `fuse` bridges them"
         ) from fault
-    rows = np.searchsorted(graph.time_ns, wanted)
-    path, count = measurements.trajectory, len(wanted)
+    return as_fused(graph, found, measurements.trajectory, wanted, chosen)
+
+
+def as_fused(
+    graph: InertialGraph,
+    found: GraphStates,
+    path: Trajectory,
+    wanted: IntArray,
+    chosen: FilterSettings,
+) -> Fused:
+    """What was found at the stamps asked for, seen from the camera."""
+    rows, count = np.searchsorted(graph.time_ns, wanted), len(wanted)
     poses = found.world_T_imu[rows] @ found.imu_T_camera
     spread = found.covariance[rows]
     fall = -chosen.gravity_m_s2 * found.world_R_up[:, 2]
@@ -154,7 +176,7 @@ def _fused(
     )
 
 
-def _start(
+def filtered_start(
     measurements: PoseMeasurements, imu: ImuStream, noise: ImuNoise, graph: InertialGraph
 ) -> tuple[Motor, FloatArray, FloatArray]:
     """Where the filter sees the nodes by all kinds that do not relate two moments."""

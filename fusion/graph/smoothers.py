@@ -7,6 +7,7 @@ in its neighbours (marginalised) by gtsam's incremental smoother (M. Kaess et al
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,17 +34,29 @@ def smooth_all(
     """
     import gtsam
 
+    bias = gtsam.imuBias.ConstantBias()
+    nodes = range(1, len(graph.time_ns))
+    motions = [graph.motion(index, graph.summed(index, bias)) for index in nodes]
+    factors = factors_of(graph, motions)
+    values = first_values(graph, *(_measured(graph) if start is None else start))
+    return read_all(graph, factors, optimised(factors, values, _ITERATIONS, _RELATIVE))[0]
+
+
+def factors_of(
+    graph: InertialGraph, motions: Sequence[gtsam.NonlinearFactor]
+) -> gtsam.NonlinearFactorGraph:
+    """All factors: what is believed beforehand, what was measured, and motions between nodes."""
+    import gtsam
+
     factors = gtsam.NonlinearFactorGraph()
     for prior in graph.priors():
         factors.push_back(prior)
-    bias = gtsam.imuBias.ConstantBias()
     for index in range(len(graph.time_ns)):
         for one in graph.seen(index):
             factors.push_back(one)
-        if index:
-            factors.push_back(graph.motion(index, graph.summed(index, bias)))
-    values = _along(graph, *(_measured(graph) if start is None else start))
-    return _read_all(graph, factors, optimised(factors, values, _ITERATIONS, _RELATIVE))
+        if 0 < index <= len(motions):
+            factors.push_back(motions[index - 1])
+    return factors
 
 
 def _measured(graph: InertialGraph) -> tuple[Motor, FloatArray, FloatArray]:
@@ -59,9 +72,10 @@ def _measured(graph: InertialGraph) -> tuple[Motor, FloatArray, FloatArray]:
     return poses, velocity, np.zeros((len(poses), 6))
 
 
-def _along(
+def first_values(
     graph: InertialGraph, poses: Motor, velocity: FloatArray, bias: FloatArray
 ) -> gtsam.Values:
+    """What the optimiser starts from."""
     import gtsam
 
     values = gtsam.Values()
@@ -75,9 +89,10 @@ def _along(
     return values
 
 
-def _read_all(
+def read_all(
     graph: InertialGraph, factors: gtsam.NonlinearFactorGraph, found: gtsam.Values
-) -> GraphStates:
+) -> tuple[GraphStates, gtsam.Marginals]:
+    """The states at the optimum, and gtsam's marginals for what else is asked of it."""
     import gtsam
 
     marginals = gtsam.Marginals(factors, found)
@@ -91,14 +106,8 @@ def _read_all(
         ordered = [node.pose, node.velocity, node.bias, *graph.shared.keys.values()]
         joint = marginals.jointMarginalCovariance(gtsam.KeyVector(ordered))
         covariance.append(np.block([[joint.at(a, b) for b in ordered] for a in ordered]))
-    return GraphStates.of(
-        as_motor(poses),
-        np.array(velocity),
-        np.array(bias),
-        np.array(covariance),
-        graph.shared,
-        found,
-    )
+    states = np.array(velocity), np.array(bias), np.array(covariance)
+    return GraphStates.of(as_motor(poses), *states, graph.shared, found), marginals
 
 
 # Steps of Gauss and Newton at each node: the loss is not quadratic, and a prediction after long

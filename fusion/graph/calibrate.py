@@ -1,0 +1,226 @@
+"""`calibrate_by_graph`: the IMU's scales and axes, along with all that `fuse_by_graph` finds.
+
+The sensor's axes are those of its accelerometer: what was read r becomes ``C r``, with C close to
+one, for the accelerometer with nothing above the diagonal (scales, and axes that are not square),
+for the gyroscope full (its axes lie otherwise, too). So does Kalibr (J. Rehder et al., Extending
+kalibr, ICRA 2016). gtsam's inertial factor knows no C: how its residual depends on C is taken by
+differences of the samples summed up anew, and C joins the factor's unknowns; that is repeated with
+the samples corrected until C stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from motorcade.fusion.filter import FilterSettings, Fused
+from motorcade.fusion.filter.fuse import covered
+from motorcade.fusion.graph.fuse import as_fused, checked_graph_input, filtered_start
+from motorcade.fusion.graph.inertial import InertialGraph, optimised
+from motorcade.fusion.graph.shared import keys
+from motorcade.fusion.graph.smoothers import factors_of, first_values, read_all
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.measurements.interface import Measurements
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, checked_positive
+from motorcade.tracking.measurements import PoseMeasurements
+
+if TYPE_CHECKING:
+    import gtsam
+
+_NUMBERS = 15  # nine of the gyroscope, six of the accelerometer
+_LOWER = np.tril_indices(3)
+_STEP = 1e-5  # of differences by C; the residual's curvature over it is nothing
+_ITERATIONS, _RELATIVE = 50, 1e-8
+_ROUNDS = 8  # five are enough for a scale that is wrong by a tenth
+_STILL = 0.01  # of a deviation: C stays
+# Gates of the first rounds, in which good poses disagree with a sensor that is not yet corrected.
+_LOOSE = (100.0, 10.0)
+
+
+@dataclass(frozen=True, eq=False)
+class GraphCalibration:
+    """What a calibration found, with deviations.
+
+    Fields:
+        fused: the path, gravity, extrinsics and offset, with the covariance of each state; see
+            `Fused`.
+        gyro_correction, accel_correction: ``(3, 3)``; times a reading, they give the true rate
+            plus a bias, the true force plus a bias, in the axes of the accelerometer.
+        gyro_sigma, accel_sigma: ``(3, 3)`` deviations of their entries, zero above the diagonal of
+            the accelerometer's.
+        rounds: how often the samples were summed up anew.
+
+    Examples:
+        >>> from motorcade.fusion.graph import GraphCalibration
+        >>> [name for name in GraphCalibration.__dataclass_fields__][:3]
+        ['fused', 'gyro_correction', 'accel_correction']
+    """
+
+    fused: Fused
+    gyro_correction: FloatArray
+    accel_correction: FloatArray
+    gyro_sigma: FloatArray
+    accel_sigma: FloatArray
+    rounds: int
+
+
+def calibrate_by_graph(
+    measurements: PoseMeasurements,
+    imu: ImuStream,
+    noise: ImuNoise,
+    imu_T_camera: Motor,
+    *,
+    also: Sequence[Measurements] = (),
+    settings: FilterSettings | None = None,
+    time_offset_s: float = 0.0,
+    correction_sigma: float = 0.02,
+) -> GraphCalibration:
+    """Find the IMU's scales and misalignments, and what `settings` ask for, from a moving sensor.
+
+    It needs turns about, and accelerations along, all three axes: what the motion leaves open
+    keeps the deviation that it began with.
+
+    Args:
+        measurements: as for `fuse_by_graph`.
+        imu: in one piece, without a gap of more than ten seconds.
+        noise: the IMU's densities and bias walks.
+        imu_T_camera: pose of the camera on the IMU, a first guess where `settings` say so.
+        also: as for `fuse_by_graph`.
+        settings: as for `fuse_by_graph`; deviations above zero of gravity, extrinsics and offset
+            let these be found too.
+        time_offset_s: as for `fuse_by_graph`.
+        correction_sigma: how far each entry of the corrections may be from that of the identity:
+            2 % of scale and 1.1° between axes are what small sensors have uncalibrated.
+
+    Raises:
+        ValueError: as `fuse_by_graph`; a stream of several pieces; a deviation that is not above
+            zero; data that leave the graph singular.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath, ImuStream
+        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
+        >>> from motorcade.fusion.graph import calibrate_by_graph
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> from motorcade.ga import Motor
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 50.0, ADIS16448, rng)
+        >>> seen = simulate_camera_poses(sensor.path, 5.0, 0.001, 0.001, rng)
+        >>> read = sensor.stream
+        >>> off = ImuStream(read.time_ns, 0.9 * read.angular_rate_rad_s, read.specific_force_m_s2)
+        >>> found = calibrate_by_graph(
+        ...     seen, off, ADIS16448, Motor.identity(), correction_sigma=0.1
+        ... )
+        >>> print(f"{found.gyro_correction[2, 2]:.2f}")  # one over 0.9
+        1.11
+    """
+    chosen, kinds, shift_ns = checked_graph_input(also, settings, time_offset_s)
+    sigma = checked_positive(correction_sigma, "correction_sigma")
+    if len(imu.stretches()) > 1:
+        raise ValueError("imu: expected one stretch, got gaps of more than ten seconds")
+    used = covered(measurements, imu, shift_ns)
+    wanted = used.trajectory.time_ns + shift_ns
+    graph = InertialGraph.of(used, imu, noise, imu_T_camera, wanted, chosen, kinds, time_offset_s)
+    values = first_values(graph, *filtered_start(used, imu, noise, graph))
+    key = _key()
+    values.insert(key, np.zeros(_NUMBERS))
+    rounds = 0
+    while True:
+        loose = _LOOSE[rounds] if rounds < len(_LOOSE) else 1.0
+        rounds += 1
+        about = values.atVector(key)
+        gated = replace(graph, gates=[loose * gate for gate in graph.gates])
+        factors = _factors(gated, values, about, sigma)
+        values = optimised(factors, values, _ITERATIONS, _RELATIVE)
+        still = np.max(np.abs(values.atVector(key) - about)) < _STILL * sigma
+        if rounds == _ROUNDS or (rounds > len(_LOOSE) and still):
+            break
+    found, marginals = read_all(graph, factors, values)
+    fused = as_fused(graph, found, measurements.trajectory, wanted, chosen)
+    spread = np.sqrt(np.diag(marginals.marginalCovariance(key)))
+    gyro, accel = corrections(values.atVector(key))
+    gyro_sigma, accel_sigma = (one - np.eye(3) for one in corrections(spread))
+    return GraphCalibration(fused, gyro, accel, gyro_sigma, accel_sigma, rounds)
+
+
+def corrections(numbers: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The matrices of gyroscope and accelerometer, from fifteen numbers that add to identities."""
+    accel = np.zeros((3, 3))
+    accel[_LOWER] = numbers[9:]
+    return np.eye(3) + numbers[:9].reshape(3, 3), np.eye(3) + accel
+
+
+def corrected(imu: ImuStream, numbers: FloatArray) -> ImuStream:
+    """The stream with its readings corrected."""
+    gyro, accel = corrections(numbers)
+    return ImuStream(
+        imu.time_ns, imu.angular_rate_rad_s @ gyro.T, imu.specific_force_m_s2 @ accel.T
+    )
+
+
+def _key() -> int:
+    import gtsam
+
+    return int(gtsam.symbol("k", 0))
+
+
+def _factors(
+    graph: InertialGraph, values: gtsam.Values, about: FloatArray, sigma: float
+) -> gtsam.NonlinearFactorGraph:
+    """All factors, those of the samples as functions of the corrections near some."""
+    import gtsam
+
+    node_count = len(graph.time_ns)
+    biases = [values.atConstantBias(keys(k).bias) for k in range(node_count)]
+
+    def motions(numbers: FloatArray) -> list[gtsam.CombinedImuFactor]:
+        own = replace(graph, imu=corrected(graph.imu, numbers))
+        return [own.motion(k, own.summed(k, biases[k - 1])) for k in range(1, node_count)]
+
+    here = motions(about)
+    errors = np.array([one.whitenedError(values) for one in here])
+    effect = np.empty((*errors.shape, _NUMBERS))
+    for k in range(_NUMBERS):
+        ahead = about + _STEP * (np.arange(_NUMBERS) == k)
+        for row, (one, plain) in enumerate(zip(motions(ahead), here, strict=True)):
+            # Whitened as the factor itself: its noise hardly depends on the corrections.
+            moved = one.unwhitenedError(values) - plain.unwhitenedError(values)
+            effect[row, :, k] = plain.noiseModel().whiten(moved) / _STEP
+    factors = factors_of(graph, [])
+    for one, by in zip(here, effect, strict=True):
+        factors.push_back(_with_corrections(one, about, by))
+    prior = gtsam.noiseModel.Isotropic.Sigma(_NUMBERS, sigma)
+    factors.push_back(gtsam.PriorFactorVector(_key(), np.zeros(_NUMBERS), prior))
+    return factors
+
+
+def _with_corrections(
+    plain: gtsam.CombinedImuFactor, about: FloatArray, effect: FloatArray
+) -> gtsam.CustomFactor:
+    """An inertial factor, whitened, plus what a change of the corrections does to it."""
+    import gtsam
+
+    names, key = list(plain.keys()), _key()
+    widths = [6, 3, 6, 3, 6, 6]
+
+    def error(_: Any, values: gtsam.Values, jacobians: list[FloatArray] | None) -> FloatArray:
+        change: FloatArray = effect @ (values.atVector(key) - about)
+        if jacobians is None:
+            whitened: FloatArray = plain.whitenedError(values) + change
+            return whitened
+        linear: Any = plain.linearize(values)
+        matrix, at = linear.getA(), np.cumsum([0, *widths])
+        for k in range(len(names)):
+            jacobians[k] = np.asfortranarray(matrix[:, at[k] : at[k + 1]])
+        jacobians[-1] = np.asfortranarray(effect)
+        left: FloatArray = change - linear.getb()
+        return left
+
+    model = gtsam.noiseModel.Unit.Create(len(effect))
+    return gtsam.CustomFactor(model, [*names, key], error)

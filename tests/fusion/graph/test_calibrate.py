@@ -1,0 +1,107 @@
+"""Scales and axes of an IMU, found with the path, on simulated sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.filter import FilterSettings
+from motorcade.fusion.graph import GraphCalibration, calibrate_by_graph, fuse_by_graph
+from motorcade.fusion.graph.calibrate import corrected, corrections
+from motorcade.fusion.imu import ImuStream
+from motorcade.ga.arrays import FloatArray
+
+Record = Callable[..., Any]
+OPEN = FilterSettings(gate=1.0)
+
+
+def wrong(run: Any, numbers: FloatArray) -> Any:
+    """The recording as a sensor reads it that these numbers correct."""
+    gyro, accel = (np.linalg.inv(one) for one in corrections(numbers))
+    imu = ImuStream(
+        run.imu.time_ns,
+        run.imu.angular_rate_rad_s @ gyro.T,
+        run.imu.specific_force_m_s2 @ accel.T,
+    )
+    return replace(run, imu=imu)
+
+
+def calibrated(run: Any, **options: Any) -> GraphCalibration:
+    return calibrate_by_graph(
+        run.measurements, run.imu, run.noise, run.imu_T_camera, **options, settings=OPEN
+    )
+
+
+def in_deviations(found: GraphCalibration, numbers: FloatArray) -> FloatArray:
+    """Errors ``(15,)`` of what was found, over its deviations."""
+    gyro, accel = corrections(numbers)
+    lower = np.tril_indices(3)
+    return np.concatenate(
+        [
+            ((found.gyro_correction - gyro) / found.gyro_sigma).ravel(),
+            (found.accel_correction - accel)[lower] / found.accel_sigma[lower],
+        ]
+    )
+
+
+def test_corrections_undo_what_is_wrong(record: Record, rng):
+    run, numbers = record(rng, 1.0), 0.05 * rng.standard_normal(15)
+    back = corrected(wrong(run, numbers).imu, numbers)
+    np.testing.assert_allclose(back.angular_rate_rad_s, run.imu.angular_rate_rad_s, atol=1e-12)
+    np.testing.assert_allclose(back.specific_force_m_s2, run.imu.specific_force_m_s2, atol=1e-12)
+
+
+def test_scales_and_axes_are_found_to_within_their_deviations(record: Record, rng):
+    run, numbers = record(rng, 6.0), 0.02 * rng.standard_normal(15)
+    numbers[0] = 0.04
+    moved = wrong(run, numbers)
+    found = calibrated(moved)
+    assert np.max(np.abs(in_deviations(found, numbers))) < 4.0
+    assert np.all(found.gyro_sigma < 0.015)  # of 0.02
+    assert found.gyro_sigma[2, 2] < 0.006
+    assert np.all(found.accel_sigma[np.triu_indices(3, 1)] == 0.0)
+    assert found.rounds <= 4
+    truth = run.camera.at(found.fused.trajectory.time_ns)
+    plain = fuse_by_graph(
+        moved.measurements, moved.imu, moved.noise, moved.imu_T_camera, settings=OPEN
+    )
+    errors = [
+        np.sqrt(np.mean(one.trajectory.poses.local(truth)[:, :3] ** 2))
+        for one in (plain, found.fused)
+    ]
+    assert errors[1] < 0.8 * errors[0]
+
+
+@pytest.mark.slow
+def test_errors_of_the_corrections_are_as_large_as_stated(record: Record):
+    apart = []
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        run, numbers = record(rng, 4.0), 0.02 * rng.standard_normal(15)
+        apart.append(in_deviations(calibrated(wrong(run, numbers)), numbers))
+    assert 0.85 < np.sqrt(np.mean(np.square(apart))) < 1.15
+
+
+def test_a_good_sensor_is_left_as_it_is(record: Record, rng):
+    run = record(rng, 4.0)
+    found = calibrated(run)
+    assert np.max(np.abs(found.gyro_correction - np.eye(3)) / found.gyro_sigma) < 4.0
+    batch = fuse_by_graph(run.measurements, run.imu, run.noise, run.imu_T_camera, settings=OPEN)
+    apart = batch.trajectory.poses.local(found.fused.trajectory.poses)
+    sigma = np.sqrt(np.einsum("kii->ki", found.fused.covariance))
+    assert np.max(np.abs(apart) / sigma) < 3.0
+    assert np.all(np.einsum("kii->k", found.fused.covariance) >
+                  0.99 * np.einsum("kii->k", batch.covariance))  # fmt: skip
+
+
+def test_bad_input_is_refused(record: Record, rng):
+    run = record(rng, 1.0)
+    with pytest.raises(ValueError, match="correction_sigma"):
+        calibrated(run, correction_sigma=0.0)
+    late = run.imu.time_ns + 20 * 10**9 * (run.imu.time_ns > run.imu.time_ns[50])
+    with pytest.raises(ValueError, match="imu: expected one stretch"):
+        calibrated(replace(run, imu=replace(run.imu, time_ns=late)))
