@@ -20,6 +20,7 @@ from motorcade.fusion.filter import FilterSettings, Fused
 from motorcade.fusion.filter.fuse import covered
 from motorcade.fusion.graph.fuse import as_fused, checked_graph_input, filtered_start
 from motorcade.fusion.graph.inertial import InertialGraph, optimised
+from motorcade.fusion.graph.kinds import parameter_key
 from motorcade.fusion.graph.shared import keys
 from motorcade.fusion.graph.smoothers import factors_of, first_values, read_all
 from motorcade.fusion.imu.noise import ImuNoise
@@ -37,6 +38,7 @@ _LOWER = np.tril_indices(3)
 _STEP = 1e-5  # of differences by C; the residual's curvature over it is nothing
 _ITERATIONS, _RELATIVE = 50, 1e-8
 _ROUNDS = 8  # five are enough for a scale that is wrong by a tenth
+_CERTAIN = 1e-6  # deviation of a parameter that is known, beside others that are not
 _STILL = 0.01  # of a deviation: C stays
 # Gates of the first rounds, in which good poses disagree with a sensor that is not yet corrected.
 _LOOSE = (100.0, 10.0)
@@ -53,6 +55,8 @@ class GraphCalibration:
             plus a bias, the true force plus a bias, in the axes of the accelerometer.
         gyro_sigma, accel_sigma: ``(3, 3)`` deviations of their entries, zero above the diagonal of
             the accelerometer's.
+        also: the kinds with their parameters as found.
+        parameter_sigma: deviations of the parameters of each; none where they were known.
         rounds: how often the samples were summed up anew.
 
     Examples:
@@ -66,6 +70,8 @@ class GraphCalibration:
     accel_correction: FloatArray
     gyro_sigma: FloatArray
     accel_sigma: FloatArray
+    also: tuple[Measurements, ...]
+    parameter_sigma: tuple[FloatArray, ...]
     rounds: int
 
 
@@ -90,7 +96,8 @@ def calibrate_by_graph(
         imu: in one piece, without a gap of more than ten seconds.
         noise: the IMU's densities and bias walks.
         imu_T_camera: pose of the camera on the IMU, a first guess where `settings` say so.
-        also: as for `fuse_by_graph`.
+        also: as for `fuse_by_graph`; the sensors' own parameters are found where they have
+            deviations, as a camera's intrinsics by `CornerMeasurements`.
         settings: as for `fuse_by_graph`; deviations above zero of gravity, extrinsics and offset
             let these be found too.
         time_offset_s: as for `fuse_by_graph`.
@@ -128,6 +135,11 @@ def calibrate_by_graph(
     wanted = used.trajectory.time_ns + shift_ns
     graph = InertialGraph.of(used, imu, noise, imu_T_camera, wanted, chosen, kinds, time_offset_s)
     values = first_values(graph, *filtered_start(used, imu, noise, graph))
+    unknown = [number for number, one in enumerate(kinds) if one.parameter_sigma.size]
+    for number in unknown:
+        values.insert(parameter_key(number), kinds[number].parameters)
+    own = [replace(one, calibrated=one.number in unknown) for one in graph.kinds]
+    graph = replace(graph, kinds=own)
     key = _key()
     values.insert(key, np.zeros(_NUMBERS))
     rounds = 0
@@ -146,7 +158,21 @@ def calibrate_by_graph(
     spread = np.sqrt(np.diag(marginals.marginalCovariance(key)))
     gyro, accel = corrections(values.atVector(key))
     gyro_sigma, accel_sigma = (one - np.eye(3) for one in corrections(spread))
-    return GraphCalibration(fused, gyro, accel, gyro_sigma, accel_sigma, rounds)
+    also_found, sigmas = list(kinds), [np.zeros(0) for _ in kinds]
+    for number in unknown:
+        name = parameter_key(number)
+        also_found[number] = kinds[number].with_parameters(values.atVector(name))
+        sigmas[number] = np.sqrt(np.diag(marginals.marginalCovariance(name)))
+    return GraphCalibration(
+        fused,
+        gyro,
+        accel,
+        gyro_sigma,
+        accel_sigma,
+        tuple(also_found),
+        tuple(sigmas),
+        rounds,
+    )
 
 
 def corrections(numbers: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -195,6 +221,12 @@ def _factors(
     factors = factors_of(graph, [])
     for one, by in zip(here, effect, strict=True):
         factors.push_back(_with_corrections(one, about, by))
+    for number, given in enumerate(graph.also):
+        if given.parameter_sigma.size:
+            certain = np.maximum(given.parameter_sigma, _CERTAIN)
+            known = gtsam.noiseModel.Diagonal.Sigmas(certain)
+            name = parameter_key(number)
+            factors.push_back(gtsam.PriorFactorVector(name, given.parameters, known))
     prior = gtsam.noiseModel.Isotropic.Sigma(_NUMBERS, sigma)
     factors.push_back(gtsam.PriorFactorVector(_key(), np.zeros(_NUMBERS), prior))
     return factors

@@ -180,7 +180,7 @@ def filtered_start(
     measurements: PoseMeasurements, imu: ImuStream, noise: ImuNoise, graph: InertialGraph
 ) -> tuple[Motor, FloatArray, FloatArray]:
     """Where the filter sees the nodes by all kinds that do not relate two moments."""
-    kinds = [one for one in graph.also if one.since_ns is None]
+    kinds = [one for one in graph.also if one.since_ns is None and not one.parameter_sigma.size]
     shared = graph.shared
     found = fuse(
         measurements,

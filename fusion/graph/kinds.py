@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -102,6 +102,7 @@ class KindFactor:
         given, number, row: the measurement, and which of the kinds it is; -1: the camera's poses.
         index, earlier: the node at its stamp, and at the moment that it refers to, if it does.
         reading_rad_s: ``(3,)`` of the gyroscope there.
+        calibrated: whether the sensor's own parameters are unknowns too.
     """
 
     given: Measurements
@@ -111,6 +112,7 @@ class KindFactor:
     earlier: int | None
     reading_rad_s: FloatArray
     shared: SharedUnknowns
+    calibrated: bool = False
 
     def state(self, values: gtsam.Values) -> PredictedState:
         """The state that gtsam's values hold for the node."""
@@ -146,19 +148,22 @@ class KindFactor:
         if self.earlier is not None:
             names.append(keys(self.earlier).pose)
         names += self.shared.keys.values()
+        if self.calibrated:
+            names.append(parameter_key(self.number))
 
         def error(_: Any, values: gtsam.Values, jacobians: list[FloatArray] | None) -> FloatArray:
             state = self.state(values)
             if jacobians is not None:
                 for k, block in enumerate(self.blocks(values, state)):
                     jacobians[k] = np.asfortranarray(block)
-            return self.given.residual(self.row, state)
+            return self.kind(values).residual(self.row, state)
 
         return gtsam.CustomFactor(model, names, error)
 
     def blocks(self, values: gtsam.Values, state: PredictedState) -> list[FloatArray]:
         """The residual's derivatives by gtsam's own errors, variable by variable."""
-        whole, node = self.given.jacobian(self.row, state), keys(self.index)
+        given, node = self.kind(values), keys(self.index)
+        whole = given.jacobian(self.row, state)
         pose = values.atPose3(node.pose)
         own = pose.rotation().matrix()
         made = [
@@ -184,10 +189,31 @@ class KindFactor:
                 if before is not None:
                     part += whole[:, EARLIER] @ leans(before, leaning)
                 made.append(part)
+        if self.calibrated:
+            made.append(given.parameter_jacobian(self.row, state))
         return made
+
+    def kind(self, values: gtsam.Values) -> Measurements:
+        """The measurements, by a sensor as gtsam's values have it."""
+        if not self.calibrated:
+            return self.given
+        return _calibrated(self.given, values.atVector(parameter_key(self.number)).tobytes())
 
     def _before(self, values: gtsam.Values) -> gtsam.Pose3 | None:
         return None if self.earlier is None else values.atPose3(keys(self.earlier).pose)
+
+
+@lru_cache(maxsize=8)
+def _calibrated(given: Measurements, parameters: bytes) -> Measurements:
+    """Every row of a kind asks for the same."""
+    return given.with_parameters(np.frombuffer(parameters))
+
+
+def parameter_key(number: int) -> int:
+    """Gtsam's key of the parameters of a kind."""
+    import gtsam
+
+    return int(gtsam.symbol("p", number))
 
 
 def kind_factor(

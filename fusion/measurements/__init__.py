@@ -5,6 +5,7 @@ into `fuse` and `fuse_by_graph` as `also=[…]`, and into a `PoseFilter` by its 
 `Measurements` says how to write a kind of one's own; `jacobian_error` checks its derivative.
 """
 
+from motorcade.fusion.measurements.corners import CornerMeasurements
 from motorcade.fusion.measurements.directions import HeadingMeasurements, MagneticFieldMeasurements
 from motorcade.fusion.measurements.geodesy import GeodeticOrigin
 from motorcade.fusion.measurements.interface import (
@@ -21,6 +22,7 @@ __all__ = [
     "AltitudeMeasurements",
     "BodyPoseMeasurements",
     "BodyVelocityMeasurements",
+    "CornerMeasurements",
     "GeodeticOrigin",
     "HeadingMeasurements",
     "MagneticFieldMeasurements",

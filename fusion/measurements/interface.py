@@ -171,7 +171,7 @@ class Measurements(ABC):
 
     Attributes:
         name: of the kind, for messages and `Innovation.kind`.
-        time_ns: ``(N,)`` rising stamps of the IMU's clock.
+        time_ns: ``(N,)`` stamps of the IMU's clock, none before the last.
         covariance: ``(N, m, m)`` of the residuals, m from 1 to 8.
         since_ns: ``(N,)`` the earlier moment that each measurement refers to, or None.
 
@@ -211,6 +211,25 @@ class Measurements(ABC):
     def since_ns(self) -> IntArray | None:
         """The earlier moments that measurements refer to; None: they do not."""
         return None
+
+    @property
+    def parameters(self) -> FloatArray:
+        """Numbers ``(k,)`` of the sensor itself that `calibrate_by_graph` may find; else none."""
+        return np.zeros(0)
+
+    @property
+    def parameter_sigma(self) -> FloatArray:
+        """Their deviations ``(k,)`` beforehand; none where they are known."""
+        return np.zeros(0)
+
+    def with_parameters(self, parameters: FloatArray) -> Measurements:
+        """The same measurements by a sensor with other parameters."""
+        assert not len(parameters)
+        return self
+
+    def parameter_jacobian(self, row: int, state: PredictedState) -> FloatArray:
+        """Derivative ``(m, k)`` of the residual by the parameters."""
+        return np.zeros((self.covariance.shape[-1], 0))
 
     def __len__(self) -> int:
         return len(self.time_ns)
@@ -264,7 +283,7 @@ def checked_measurements(given: Measurements) -> Measurements:
         raise TypeError(f"also: expected kinds of measurements, got {type(given).__name__}")
     name = f"{given.name} measurements"
     stamps = np.asarray(given.time_ns)
-    if stamps.dtype.kind != "i" or stamps.ndim != 1 or np.any(np.diff(stamps) <= 0):
+    if stamps.dtype.kind != "i" or stamps.ndim != 1 or np.any(np.diff(stamps) < 0):
         raise ValueError(f"{name}: time_ns: expected rising integer nanoseconds (N,), got others")
     given_covariance = np.asarray(given.covariance)
     size = given_covariance.shape[-1] if given_covariance.ndim else 0

@@ -19,9 +19,9 @@ from motorcade.fusion.graph.inertial import (
     as_motor,
     as_pose,
     as_poses,
-    keys,
     optimised,
 )
+from motorcade.fusion.graph.shared import SharedUnknowns, keys
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.visual_inertial.observations import LandmarkObservations
@@ -178,8 +178,19 @@ def _inertial(
     stamps = keyframes.time_ns
     data = imu.around(stamps)
     none = np.full(len(stamps), -1)
-    poses = Motor.identity((0,))
-    return InertialGraph(stamps, data, noise, gravity_m_s2, none, poses, np.zeros((0, 6, 6)), 1.0)
+    return InertialGraph(
+        time_ns=stamps,
+        imu=data,
+        noise=noise,
+        gravity_m_s2=gravity_m_s2,
+        measured=none,
+        world_T_imu=Motor.identity((0,)),
+        covariance=np.zeros((0, 6, 6)),
+        gates=[],
+        kinds=[],
+        also=(),
+        shared=SharedUnknowns(Motor.identity(), 0.0, 0.0, 0.0, 0.0, 0.0),
+    )
 
 
 def _add_states(

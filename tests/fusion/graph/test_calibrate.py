@@ -13,7 +13,10 @@ from motorcade.fusion.filter import FilterSettings
 from motorcade.fusion.graph import GraphCalibration, calibrate_by_graph, fuse_by_graph
 from motorcade.fusion.graph.calibrate import corrected, corrections
 from motorcade.fusion.imu import ImuStream
+from motorcade.fusion.measurements import CornerMeasurements, PredictedState, numerical_jacobian
+from motorcade.fusion.measurements.corners import with_intrinsics
 from motorcade.ga.arrays import FloatArray
+from motorcade.tracking.cameras.camera import Camera
 
 Record = Callable[..., Any]
 OPEN = FilterSettings(gate=1.0)
@@ -105,3 +108,66 @@ def test_bad_input_is_refused(record: Record, rng):
     late = run.imu.time_ns + 20 * 10**9 * (run.imu.time_ns > run.imu.time_ns[50])
     with pytest.raises(ValueError, match="imu: expected one stretch"):
         calibrated(replace(run, imu=replace(run.imu, time_ns=late)))
+
+
+# Intrinsics -------------------------------------------------------------------------------------
+
+CAMERA = Camera(752, 480, 460.0, 457.0, 367.0, 248.0, "radtan", (-0.28, 0.07, 2e-4, 2e-5))
+SPREAD_PX = 0.3
+
+
+def pictures(run: Any, rng: np.random.Generator, **options: Any) -> CornerMeasurements:
+    """Twelve points of a board two metres ahead, in a picture every fifth of a second."""
+    stamps, poses = run.truth.time_ns[::20], run.camera.motors[::20]
+    board = np.stack(np.meshgrid([-0.9, -0.3, 0.3, 0.9], [-0.6, 0.0, 0.6]), axis=-1).reshape(-1, 2)
+    board = np.column_stack([board, rng.uniform(1.8, 2.4, 12)])
+    pixels, points, rows = [], [], []
+    for stamp, pose in zip(stamps.tolist(), poses, strict=True):
+        world = pose.apply(board + 0.1 * rng.standard_normal(3))
+        seen = CAMERA.project(pose.inverse().apply(world))
+        seen = seen + SPREAD_PX * rng.standard_normal(seen.shape)
+        for k in range(0, 12, 4):
+            pixels.append(seen[k : k + 4])
+            points.append(world[k : k + 4])
+            rows.append(stamp)
+    return CornerMeasurements(
+        time_ns=np.array(rows),
+        pixels=np.array(pixels),
+        points_m=np.array(points),
+        sigma_px=SPREAD_PX,
+        **{"camera": CAMERA, **options},
+    )
+
+
+def test_derivatives_of_corners_are_those_of_differences(record: Record, rng):
+    run = record(rng, 1.0)
+    given = pictures(run, rng, shift_s=-0.003)
+    pose, speed = run.truth.motors[20], run.velocity_m_s[20]
+    camera = run.imu_T_camera.coefficients
+    state = replace(PredictedState.at(pose, speed, np.array([0.1, -0.2, 0.3])), imu_T_camera=camera)
+    apart = given.jacobian(3, state) - numerical_jacobian(given, 3, state)
+    assert np.max(np.abs(apart)) < 2e-3  # of some hundred pixels: first order in the offset
+    own, columns = given.parameters, []
+    for k in range(len(own)):
+        step = 1e-5 * (np.arange(len(own)) == k)
+        ahead, behind = (
+            given.with_parameters(own + side).residual(3, state) for side in (step, -step)
+        )
+        columns.append((ahead - behind) / 2e-5)
+    np.testing.assert_allclose(
+        given.parameter_jacobian(3, state), np.stack(columns, axis=-1), atol=1e-4
+    )
+
+
+def test_intrinsics_are_found_to_within_their_deviations(record: Record, rng):
+    run = record(rng, 3.0)
+    rough = with_intrinsics(CAMERA, np.array([470.0, 450.0, 360.0, 255.0, -0.25, 0.05, 0.0, 0.0]))
+    given = pictures(run, rng, camera=rough, pinhole_sigma_px=10.0, distortion_sigma=0.05)
+    found = calibrated(run, also=[given])
+    (camera,), (sigma,) = found.also, found.parameter_sigma
+    true = np.array([CAMERA.fx, CAMERA.fy, CAMERA.cx, CAMERA.cy, *CAMERA.distortion])
+    assert np.max(np.abs(camera.parameters - true) / sigma) < 4.0
+    assert np.all(sigma[:4] < 2.0)  # of 10 pixels
+    assert np.all(sigma[4:] < 0.02)  # of 0.05
+    (judged,) = found.fused.also
+    assert np.mean(judged.accepted) > 0.98
