@@ -128,6 +128,9 @@ class Fused:
         imu_T_camera: Motor ``(N,)``.
         time_offset_s: ``(N,)``; a camera's stamp plus this is the IMU's time.
         also: what became of the other kinds of measurements, in their order.
+        given_up_ns: ``(K, 2)`` first and last stamps of spans in which a filter that runs live is
+            wrong, as it knows afterwards: until it finds that the start was, that the map was
+            relocated, or that what it took for a relocated map was not.
         health: whether IMU and poses belong together as stated, and what is wrong where not; it
             is written to the log besides.
 
@@ -161,6 +164,7 @@ class Fused:
     imu_T_camera: Motor
     time_offset_s: FloatArray
     also: tuple[Judgement, ...] = ()
+    given_up_ns: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
     health: Health = field(default_factory=Health)
 
     @classmethod
@@ -302,7 +306,11 @@ def _fused(
         run.smooth()
     nis, accepted = _judged(run, used.trajectory.time_ns + shift_ns, wanted, live=not smoothed)
     found = made.fused(wanted, measurements.trajectory, whole, nis, accepted, chosen.gravity_m_s2)
-    return replace(found, also=judgements(also, *run.judged(), live=not smoothed))
+    return replace(
+        found,
+        also=judgements(also, *run.judged(), live=not smoothed),
+        given_up_ns=run.doubted()[0],
+    )
 
 
 @dataclass(frozen=True, eq=False)

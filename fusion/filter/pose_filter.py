@@ -32,6 +32,8 @@ class FilterState:
         gravity_m_s2: in the world ``(3,)``.
         imu_T_camera, time_offset_s: as estimated, or as given (the identity without a camera).
         covariance: ``(15, 15)`` or ``(24, 24)``; see `Fused.state_covariance`.
+        contradicted_since_ns: stamp of the first measurement that was left out since one was
+            believed; None where the last one was. The state may be wrong from there on.
 
     Examples:
         >>> import numpy as np
@@ -56,6 +58,7 @@ class FilterState:
     imu_T_camera: Motor
     time_offset_s: float
     covariance: FloatArray
+    contradicted_since_ns: int | None = None
 
     @property
     def world_T_camera(self) -> Motor:
@@ -245,6 +248,7 @@ class PoseFilter:
             return None
         time_ns, pose, velocity, bias, gravity, extrinsics, offset_s, covariance = found
         down = np.array([0.0, 0.0, -self._settings.gravity_m_s2])
+        _, since_ns = self._engine.doubted()
         return FilterState(
             time_ns,
             Motor.normalize(pose),
@@ -255,7 +259,17 @@ class PoseFilter:
             Motor.normalize(extrinsics),
             offset_s,
             covariance[: self._settings.error_size, : self._settings.error_size],
+            since_ns,
         )
+
+    @property
+    def given_up(self) -> tuple[tuple[int, int], ...]:
+        """Spans of which it knows today that its state was wrong in them, or may have been.
+
+        Each reaches from the first measurement that another account explains better to the moment
+        when it was believed; see `FilterState.contradicted_since_ns` for what is not yet decided.
+        """
+        return tuple((first, last) for first, last in self._engine.doubted()[0].tolist())
 
     @property
     def innovations(self) -> tuple[Innovation, ...]:

@@ -208,7 +208,9 @@ public:
         std::vector<std::int64_t> spans;
         for (const auto &span : filter_.given_up())
             spans.insert(spans.end(), span.begin(), span.end());
-        return nb::make_tuple(array(spans, {spans.size() / 2, 2}), filter_.doubted_ns());
+        const auto since = filter_.contradicted_since();
+        return nb::make_tuple(array(spans, {spans.size() / 2, 2}),
+                              since ? nb::cast(*since) : nb::none());
     }
 
 private:

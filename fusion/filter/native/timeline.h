@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -103,7 +104,7 @@ public:
         const auto index = static_cast<std::size_t>(place - events_.begin());
         const bool late = index < next_ || (started_ && event.time_ns < time_ns_);
         events_.insert(place, std::move(event));
-        shift_rivals(index, 1);
+        if (started_) shift_rivals(index, 1);
         if (late) {
             const bool newest = index == next_;
             replay(index, ++next_);
@@ -134,8 +135,10 @@ public:
     std::size_t done() const { return next_; }
     // Spans in which the state was given up later: first and last moment of each.
     const std::vector<std::array<std::int64_t, 2>> &given_up() const { return given_up_; }
-    // Stamp of the first measurement left out since one was believed; that of the state if none.
-    std::int64_t doubted_ns() const { return denied_ == 0 ? time_ns_ : doubted_ns_; }
+    // The first measurement left out since one was believed.
+    std::optional<std::int64_t> contradicted_since() const {
+        return denied_ == 0 ? std::nullopt : std::optional(doubted_ns_);
+    }
     const Samples &samples() const { return samples_; }
     Sink sink;
 
