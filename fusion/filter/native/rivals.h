@@ -198,7 +198,7 @@ template <std::size_t N> void Timeline<N>::give_up(const Rival<N> &winner) {
 template <std::size_t N> void Timeline<N>::doubt_last_jump() {
     if (!former_) return;
     along(former_->track, [&] { advance_to(samples_.back().time_ns); });
-    if (carried(former_->track.covariance, events_[former_->birth]))
+    if (bridged(former_->track.covariance, events_[former_->birth]))
         undo_jump(former_->birth, former_->birth, next_);
 }
 
@@ -209,14 +209,14 @@ template <std::size_t N> bool Timeline<N>::doubt_first_jump(std::size_t jump, Tr
         retreat_to(events_.front().time_ns);
         turn_round();
     });
-    if (!carried(after.covariance, events_[jump])) return false;
+    if (!bridged(after.covariance, events_[jump])) return false;
     restart(after.at);
     undo_jump(jump, 0, jump);
     return true;
 }
 
 template <std::size_t N>
-bool Timeline<N>::carried(const Matrix<N> &covariance, const Event &event) const {
+bool Timeline<N>::bridged(const Matrix<N> &covariance, const Event &event) const {
     double square = 0.0, measured = 0.0;
     if (!event.from_pose()) return false;
     for (std::size_t k = position; k < velocity; ++k) {

@@ -367,7 +367,7 @@ private:
     void spawn(std::size_t index);
     void give_up(const Rival<N> &rival);
     void judge_before(const Rival<N> &rival);
-    bool carried(const Matrix<N> &covariance, const Event &event) const;
+    bool bridged(const Matrix<N> &covariance, const Event &event) const;
     void undo_jump(std::size_t jump, std::size_t from, std::size_t to);
     void take_for_wrong(std::size_t from, std::size_t to);
     void turn_round();
