@@ -155,8 +155,6 @@ def _facts(findings: Findings) -> list[dict[str, Any]]:
     poses = findings.camera_poses
     measured = len(poses.measurements.trajectory)
     facts = [("frames with a pose", f"{measured} of {len(poses.frame_times_ns)}")]
-    if poses.frames_per_s is not None:
-        facts.append(("frames/s tracked, reading included", f"{poses.frames_per_s:.0f}"))
     if np.any(np.isfinite(poses.reprojection_px)):
         median = float(np.nanmedian(poses.reprojection_px))
         facts.append(("median reprojection error", f"{median:.2f} px"))

@@ -63,7 +63,7 @@ def started(recording: Path, out: Path) -> subprocess.Popen[bytes]:
 
 def results(out: Path) -> dict[str, Any]:
     """Digests of the files by name, and the run log without what differs from run to run."""
-    files = [*(out / "trajectories").glob("*.tum"), *out.glob("*.mp4"), out / "report.json"]
+    files = [*(out / "trajectories").glob("*.tum"), *out.glob("*.mp4"), *out.glob("report.*")]
     found: dict[str, Any] = {
         path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(files)
     }

@@ -69,7 +69,8 @@ def test_the_same_inputs_leave_the_same_report(
 ) -> None:
     monkeypatch.chdir(board_recording.parent)
     assert run("run", board_recording.name, "--out", tmp_path) == 0
-    assert (tmp_path / "report.json").read_bytes() == (finished / "report.json").read_bytes()
+    for name in ("report.json", "report.html"):
+        assert (tmp_path / name).read_bytes() == (finished / name).read_bytes(), name
 
 
 def test_the_page_needs_nothing_beside_it(finished: Path) -> None:
