@@ -11,6 +11,7 @@ are: where that is the same, what was made of them still holds.
 from __future__ import annotations
 
 import hashlib
+import os
 import stat
 import time
 from collections.abc import Iterator, Mapping
@@ -62,8 +63,8 @@ def read_bounded(path: Path, limit_bytes: int) -> bytes:
     ...     read_bounded(path, 100)
     b'0 0 0 1'
     """
-    size = _admitted(path, limit_bytes).st_size
-    with _as_file_errors(path), path.open("rb") as file:
+    with _admitted(path, limit_bytes) as (file, about), _as_file_errors(path):
+        size = about.st_size
         data = file.read(size + 1)  # not up to the limit, for which memory would be set aside
     if len(data) > size:
         raise FileError(path, f"expected {size} bytes, as when it was opened, got more")
@@ -83,9 +84,10 @@ def open_bounded(path: Path, limit_bytes: int) -> Iterator[BufferedReader]:
         FileError: missing, not a regular file (a pipe would hang), larger than the limit, or
             unreadable, also within the block.
     """
-    admit_file(path, limit_bytes)
-    with _as_file_errors(path), path.open("rb") as file:
-        yield file
+    with _admitted(path, limit_bytes) as (file, about):
+        _note_admitted(path, about)
+        with _as_file_errors(path):
+            yield file
 
 
 def admit_file(path: Path, limit_bytes: int) -> None:
@@ -94,7 +96,12 @@ def admit_file(path: Path, limit_bytes: int) -> None:
     Raises:
         EmptyFileError, FileError: as `open_bounded`.
     """
-    about = _admitted(path, limit_bytes)
+    with _admitted(path, limit_bytes) as (_, about):
+        _note_admitted(path, about)
+
+
+def _note_admitted(path: Path, about: stat_result) -> None:
+    """Put a file on record that may be opened, and refuse it where it is empty."""
     if _record.get() is not None:
         _note(path, _state(path))
     if about.st_size == 0:
@@ -117,23 +124,39 @@ def is_there(path: Path) -> bool:
     return False
 
 
-def _admitted(path: Path, limit_bytes: int) -> stat_result:
-    """What the system says of a file that may be read; one that may not is on record as it is."""
+@contextmanager
+def _admitted(path: Path, limit_bytes: int) -> Iterator[tuple[BufferedReader, stat_result]]:
+    """A file that may be read, open, and what the system says of it.
+
+    It is looked at twice: before it is opened, as that alone may set a device going, and then what
+    was opened, which may have taken its name meanwhile; a pipe is not waited for. One that may not
+    be read is on record as it is.
+    """
     with _as_file_errors(path):
         try:
-            about = path.stat()
+            _require_file(path, path.stat(), limit_bytes)
+            handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY)
         except OSError:
             _note(path, _state(path))
             raise
+        except FileError:
+            raise
         except ValueError as fault:
             raise FileError(path, f"expected the name of a file, got one with {fault}") from fault
+    with os.fdopen(handle, "rb") as file:
+        about = os.fstat(handle)
+        _require_file(path, about, limit_bytes)
+        yield file, about
+
+
+def _require_file(path: Path, about: stat_result, limit_bytes: int) -> None:
+    """Refuse what is no regular file, or too large a one."""
     if not stat.S_ISREG(about.st_mode):
         _note(path, _NO_FILE)
         raise FileError(path, "expected a file, got a folder or a device")
     if about.st_size > limit_bytes:
         _note(path, f"{about.st_size} bytes")
         raise FileError(path, f"expected at most {limit_bytes} bytes, got {about.st_size}")
-    return about
 
 
 @contextmanager

@@ -28,6 +28,8 @@ __all__ = ["ahead", "contact_sheet", "open_video", "read_frames", "write_picture
 
 MAX_FILE_BYTES = 1 << 40
 MAX_PIXELS = 100_000_000
+TIME_LIMIT_S = 60.0
+"""For opening a video, and for each reading of it: slow disks answer within seconds."""
 _CONTAINERS = "mov,matroska,avi,mpeg,mpegts,mpegvideo,m4v"
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -108,7 +110,9 @@ def open_video(path: Path) -> InputContainer:
 
     admit_file(path, MAX_FILE_BYTES)
     limits = {"protocol_whitelist": "file", "format_whitelist": _CONTAINERS}
-    container = av.open(str(path.resolve()), options=limits, metadata_errors="replace")
+    container = av.open(
+        str(path.resolve()), options=limits, metadata_errors="replace", timeout=TIME_LIMIT_S
+    )
     for stream in container.streams.video:
         if stream.codec_context is not None:  # None where the coding is unknown
             stream.codec_context.options = {"max_pixels": str(MAX_PIXELS)}

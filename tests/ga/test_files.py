@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -48,6 +49,27 @@ def test_what_is_no_file_is_refused_and_never_waited_for(tmp_path: Path, make: o
     make(path)  # type: ignore[operator]
     with pytest.raises(FileError, match="expected a file, got a folder or a device"):
         admit_file(path, 100)
+
+
+def test_what_takes_a_files_name_before_it_is_opened_is_refused(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = file.stat()
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    monkeypatch.setattr(Path, "stat", lambda path, **_: before)
+    signal.alarm(20)  # opening a pipe waits for who writes
+    try:
+        for opened in (pipe, Path("/dev/null")):
+            with pytest.raises(FileError, match="expected a file, got a folder or a device"):
+                read_bounded(opened, 100)
+            with (
+                pytest.raises(FileError, match="expected a file, got a folder or a device"),
+                open_bounded(opened, 100),
+            ):
+                pass
+    finally:
+        signal.alarm(0)
 
 
 def test_devices_missing_and_empty_files_are_refused(tmp_path: Path) -> None:

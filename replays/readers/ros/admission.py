@@ -10,6 +10,7 @@ from __future__ import annotations
 import bz2
 import sqlite3
 import sys
+import time
 from collections.abc import Callable
 from contextlib import closing
 from itertools import accumulate
@@ -22,6 +23,9 @@ from motorcade.replays.files.door import admit_file, read_bounded
 
 FILE_LIMIT = 1 << 40
 METADATA_LIMIT = 1 << 20
+SQLITE_LIMIT_S = 10.0
+"""What a database holds is said in milliseconds, however long its tables are."""
+_SQLITE_STEPS = 1000
 CHUNK_LIMIT = 1 << 28
 """Of a chunk, or a message that is packed by itself, unpacked."""
 OVERLAP_LIMIT = 1 << 30
@@ -66,7 +70,9 @@ def _admit_database(path: Path) -> None:
         problem = "expected a path without ?, # and %, which mean something else to SQLite"
         raise refusal(path, problem, advice="rename it")
     try:
+        until_s = time.monotonic() + SQLITE_LIMIT_S
         with closing(sqlite3.connect(f"file:{path}?immutable=1", uri=True)) as database:
+            database.set_progress_handler(lambda: time.monotonic() > until_s, _SQLITE_STEPS)
             found = database.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
             for kind, name, sql in found:
                 words = str(sql).upper().split()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,18 @@ from motorcade.replays.readers.ros import admission
 
 IMU = "sensor_msgs/msg/Imu"
 IMAGE = "sensor_msgs/msg/Image"
+
+
+def test_databases_are_looked_at_for_so_long_and_no_longer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "flight.db3"
+    with closing(sqlite3.connect(path)) as base:
+        base.executescript("".join(f"CREATE TABLE t{k} (id INTEGER);" for k in range(500)))
+    admission._admit_database(path)
+    monkeypatch.setattr(admission, "SQLITE_LIMIT_S", 0.0)
+    with pytest.raises(RecordingError, match="interrupted"):
+        admission._admit_database(path)
 
 
 def fill(writer: Any, stores: Stores) -> None:
