@@ -1,4 +1,4 @@
-"""Plots of trajectories, errors and times as SVG, in one house style."""
+"""Plots of trajectories, errors and times, in one house style."""
 
 from motorcade.render.plots.calibrations import plot_allan, plot_coverage
 from motorcade.render.plots.errors import (
@@ -9,6 +9,7 @@ from motorcade.render.plots.errors import (
     plot_within_sigma,
 )
 from motorcade.render.plots.evaluations import ErrorsAlong, plot_errors_along
+from motorcade.render.plots.paths import plot_paths
 from motorcade.render.plots.style import standing_alone
 from motorcade.render.plots.trajectories import (
     plot_path_3d,
@@ -24,6 +25,7 @@ __all__ = [
     "plot_coverage",
     "plot_errors_along",
     "plot_path_3d",
+    "plot_paths",
     "plot_plan_and_elevation",
     "plot_rotation_and_twist",
     "plot_series",

@@ -4,26 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots.style import (
-    HUES,
     INK,
     WIDTH_IN,
     as_svg,
     house_style,
     label_over_time,
+    numbered_style,
+    plane_axes,
     thinned,
 )
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_LINES = tuple(HUES[hue][0] for hue in ("blue", "orange", "green", "pink", "vermilion", "sky"))
-_DASHES = ("-", "--", ":", "-.")
 # A path is drawn as at most so many strokes: more than its width on a page has pixels.
 _STROKES = 1500
 _PANEL_IN = 2.0
@@ -78,14 +77,14 @@ def plot_errors_along(
     """
     from matplotlib.figure import Figure
 
-    across, up = _axes_of(plane, reference_m)
+    across, up = plane_axes(plane, reference_m)
     rows = 3 + len(errors)
     heights = [_PANEL_IN] * 3 + [_MAP_IN] * len(errors)
     with house_style():
         figure = Figure(figsize=(WIDTH_IN, sum(heights)))
         panels = figure.subplots(rows, 1, squeeze=False, height_ratios=heights)[:, 0]
         for number, (name, one) in enumerate(errors.items()):
-            style = _line_style(name, number)
+            style = numbered_style(name, number)
             panels[0].plot(*thinned(one.time_s, one.position_m), **style)
             panels[1].plot(*thinned(one.time_s, one.rotation_deg), **style)
             panels[2].plot(*thinned(one.relative_time_s, one.relative_m), **style)
@@ -103,22 +102,6 @@ def plot_errors_along(
         for axes, (name, one) in zip(panels[3:], errors.items(), strict=True):
             _map(axes, name, one, reference_m, (across, up), most_m)
         return as_svg(figure, f"errors of {', '.join(errors)} over time and along the way")
-
-
-def _axes_of(plane: str, reference_m: FloatArray) -> tuple[int, int]:
-    if plane:
-        return "xyz".index(plane[0]), "xyz".index(plane[1])
-    flattest = int(np.argmin(np.ptp(reference_m, axis=0)[::-1]))  # z where two are alike
-    across, up = (axis for axis in range(3) if axis != 2 - flattest)
-    return across, up
-
-
-def _line_style(name: str, number: int) -> dict[str, Any]:
-    return {
-        "label": name,
-        "color": _LINES[number % len(_LINES)],
-        "linestyle": _DASHES[number // len(_LINES) % len(_DASHES)],
-    }
 
 
 def _map(

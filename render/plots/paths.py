@@ -10,17 +10,22 @@ import numpy as np
 
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.plots.style import HUES, PRINTED, house_style, thinned
+from motorcade.render.plots.style import (
+    HUES,
+    PRINTED,
+    house_style,
+    numbered_style,
+    plane_axes,
+    thinned,
+)
 
-_REFERENCE = "reference"
 _POINTS = 5000
-_AXES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
 
 def plot_paths(
     trajectories: Mapping[str, Trajectory],
     reference: Trajectory | None = None,
-    plane: str = "xy",
+    plane: str = "",
     form: str = "svg",
 ) -> bytes:
     """Draw trajectories of rigid poses, which should share their parent frame.
@@ -31,7 +36,8 @@ def plot_paths(
     Args:
         trajectories: by the names that the legend tells.
         reference: drawn in grey behind them.
-        plane: two axes of the parent frame, "xy", "xz" or "yz".
+        plane: two axes of the parent frame, "xy", "xz" or "yz"; where it is empty, those in which
+            the first line goes farthest.
         form: "svg", "pdf" or "png".
 
     Returns:
@@ -48,7 +54,8 @@ def plot_paths(
     from matplotlib.figure import Figure
 
     lines = list(_lines(trajectories, reference))
-    start_ns = min(int(path.time_ns[0]) for _, path, _ in lines)
+    sides = plane_axes(plane, lines[0][0].motors.translation_m)
+    start_ns = min(int(path.time_ns[0]) for path, _ in lines)
     with house_style(*PRINTED):
         figure = Figure(figsize=(12.0, 6.4))
         grid = figure.add_gridspec(3, 3, width_ratios=(1.5, 1.0, 1.0))
@@ -57,10 +64,10 @@ def plot_paths(
         panels = [figure.add_subplot(grid[row, column]) for column in (1, 2) for row in range(3)]
         for axes in (*panels[1:3], *panels[3:], speed):
             axes.sharex(panels[0])
-        for _, path, style in lines:
-            _draw_path(above, path, plane, style)
+        for path, style in lines:
+            _draw_path(above, path, sides, style)
             _draw_over_time(panels, speed, path, start_ns, style)
-        _label(above, plane, [*panels, speed])
+        _label(above, sides, [*panels, speed])
         if len(lines) <= 12:
             above.legend(loc="best", fontsize=8.0)
         content = io.BytesIO()
@@ -77,26 +84,19 @@ _NO_DATES: dict[str, dict[str, Any]] = {
 
 def _lines(
     trajectories: Mapping[str, Trajectory], reference: Trajectory | None
-) -> Iterator[tuple[str, Trajectory, dict[str, Any]]]:
-    """Name, path and style of each line, the reference first and so at the back."""
+) -> Iterator[tuple[Trajectory, dict[str, Any]]]:
+    """Path and style of each line, the reference first and so at the back."""
     if reference is not None:
-        style = {"label": _REFERENCE, "color": HUES["grey"][0], "linewidth": 1.8}
-        yield _REFERENCE, reference, style
-    hues = [shades[0] for hue, shades in HUES.items() if hue != "grey"]
+        yield reference, {"label": "reference", "color": HUES["grey"][0], "linewidth": 1.8}
     for number, (name, path) in enumerate(trajectories.items()):
-        style = {
-            "label": name,
-            "color": hues[number % len(hues)],
-            "linestyle": ("-", "--", ":", "-.")[number // len(hues) % 4],
-        }
-        yield name, path, style
+        yield path, numbered_style(name, number)
 
 
-def _draw_path(axes: Any, path: Trajectory, plane: str, style: dict[str, Any]) -> None:
+def _draw_path(axes: Any, path: Trajectory, sides: tuple[int, int], style: dict[str, Any]) -> None:
     """The path, with a dot where it begins."""
     place = path.motors.translation_m
     place = place[:: max(1, len(place) // _POINTS)]
-    across, up = _AXES[plane]
+    across, up = sides
     axes.plot(place[:, across], place[:, up], **style)
     axes.plot(place[0, across], place[0, up], "o", markersize=4.0, color=style["color"])
 
@@ -122,10 +122,10 @@ def _speeds(path: Trajectory, time_s: FloatArray) -> tuple[FloatArray, FloatArra
     return time_s[:-1] + 0.5 * step_s, far / step_s
 
 
-def _label(above: Any, plane: str, panels: list[Any]) -> None:
+def _label(above: Any, sides: tuple[int, int], panels: list[Any]) -> None:
     above.set_aspect("equal", adjustable="datalim")
-    above.set_xlabel(f"{plane[0]} (m)")
-    above.set_ylabel(f"{plane[1]} (m)")
+    above.set_xlabel(f"{'xyz'[sides[0]]} (m)")
+    above.set_ylabel(f"{'xyz'[sides[1]]} (m)")
     names = ("x (m)", "y (m)", "z (m)", "roll (°)", "pitch (°)", "yaw (°)", "speed (m/s)")
     for axes, name in zip(panels, names, strict=True):
         axes.set_ylabel(name)

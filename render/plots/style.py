@@ -68,6 +68,9 @@ ON_PAGES |= {"x": "var(--line-vermilion)", "y": "var(--line-green)", "z": "var(-
 AXIS_COLOURS = tuple(HUES[hue][0] for hue in ("vermilion", "green", "blue"))
 """Of x, y and z."""
 
+_NUMBERED = tuple(HUES[hue][0] for hue in ("blue", "orange", "green", "pink", "vermilion", "sky"))
+_DASHES = ("-", "--", ":", "-.")
+
 WIDTH_IN = 5.0
 """Half of a wide page, and all of a phone, where text is then as large as it is here."""
 
@@ -145,6 +148,24 @@ def line_style(name: str) -> dict[str, Any]:
         "linewidth": emphasis.get(name, 1.1),
         "zorder": 5.0 if name == "truth" else 3.0 if name == "motor" else 2.0,
     }
+
+
+def numbered_style(name: str, number: int) -> dict[str, Any]:
+    """Colour and dashes of the line called `name`, of any number of lines."""
+    return {
+        "label": name,
+        "color": _NUMBERED[number % len(_NUMBERED)],
+        "linestyle": _DASHES[number // len(_NUMBERED) % len(_DASHES)],
+    }
+
+
+def plane_axes(plane: str, points_m: FloatArray) -> tuple[int, int]:
+    """The two axes of "xy", "xz" or "yz"; of "", those in which points ``(N, 3)`` go farthest."""
+    if plane:
+        return "xyz".index(plane[0]), "xyz".index(plane[1])
+    flattest = int(np.argmin(np.ptp(points_m, axis=0)[::-1]))  # z where two are alike
+    across, up = (axis for axis in range(3) if axis != 2 - flattest)
+    return across, up
 
 
 def thinned(time_s: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

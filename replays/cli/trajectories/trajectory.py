@@ -28,6 +28,7 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "inputs",
+        type=Path,
         nargs="+",
         metavar="IN",
         help="TUM, EuRoC or KITTI file; or BAG:TOPIC, BAG:PARENT/CHILD for frames of tf; of a bag "
@@ -59,7 +60,9 @@ def _add_output(parser: argparse.ArgumentParser) -> None:
         "--plot", type=Path, metavar="FILE", help="draw path, axes, angles, speed: .svg, .pdf, .png"
     )
     group.add_argument(
-        "--plot-plane", choices=("xy", "xz", "yz"), default="xy", help="of the path (xy)"
+        "--plot-plane",
+        choices=("xy", "xz", "yz"),
+        help="of the path (the one in which it goes farthest)",
     )
 
 
@@ -82,12 +85,16 @@ def _add_edits(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--merge", action="store_true", help="make one trajectory of all")
     group.add_argument("--offset-s", type=float, default=0.0, help="to add to the stamps (0)")
     group.add_argument("--resample-hz", type=float, metavar="HZ", help="poses at an even rate")
-    group.add_argument("--resample-as", metavar="FILE", help="poses at this trajectory's stamps")
+    group.add_argument(
+        "--resample-as", type=Path, metavar="FILE", help="poses at this trajectory's stamps"
+    )
 
 
 def _add_reference(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("by a reference")
-    group.add_argument("--reference", metavar="REF", help="trajectory of the ground truth")
+    group.add_argument(
+        "--reference", type=Path, metavar="REF", help="trajectory of the ground truth"
+    )
     group.add_argument(
         "--align",
         choices=("none", "se3", "sim3", "scale", "origin", "scaled_origin"),
@@ -144,12 +151,12 @@ def trajectory(arguments: argparse.Namespace) -> None:
         files = output_files(found, arguments.output, arguments.format)
         write_trajectories(found, files, arguments.format)
     if arguments.plot is not None:
-        from motorcade.render.plots.paths import plot_paths
+        from motorcade.render.plots import plot_paths
 
         write_bytes(
             arguments.plot,
             plot_paths(
-                _by_stem(found), reference, arguments.plot_plane, _plot_format(arguments.plot)
+                _by_stem(found), reference, arguments.plot_plane or "", _plot_format(arguments.plot)
             ),
         )
     if arguments.json is not None:
@@ -195,7 +202,7 @@ def _names(arguments: argparse.Namespace) -> Iterator[str]:
     for name in arguments.inputs:
         named = split_bag_name(name) if arguments.all_topics else None
         if named is None or named[1]:
-            yield name
+            yield str(name)
             continue
         from motorcade.replays.readers.ros.trajectories import list_bag_trajectories
 
@@ -205,7 +212,7 @@ def _names(arguments: argparse.Namespace) -> Iterator[str]:
         yield from (f"{named[0]}:{topic}" for topic in topics)
 
 
-def _one(name: str, arguments: argparse.Namespace) -> Trajectory:
+def _one(name: Path | str, arguments: argparse.Namespace) -> Trajectory:
     from motorcade.replays.files.trajectories import read_trajectory
 
     return read_trajectory(name, rate_hz=arguments.rate_hz, times=arguments.times)

@@ -9,6 +9,7 @@ format              one pose                                                 sta
 ``matrix4``         4 by 4 matrix: 16 numbers a row, or 4 rows of 4; or a    none
                     pattern such as ``poses/*.txt``, one matrix a file
 ``rotation_vector`` rx ry rz (rad) tx ty tz (m), as OpenCV's rvec and tvec   none
+``bag``             a message of a ROS bag's `topic`, or frames that its tf joins in the bag
 =================== ======================================================== ====================
 
 Poses without stamps take those of a `times` file, of a `rate_hz`, or else row by row those of the
@@ -25,19 +26,20 @@ import numpy as np
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import IntArray
-from motorcade.replays.errors import refusal
+from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.files.trajectories import even_stamps, read_times, read_trajectory
 from motorcade.replays.files.transforms import transform
 from motorcade.replays.readers.calibration import read_numbers
 from motorcade.replays.readers.frames.files import natural
 from motorcade.replays.readers.manifest.section import Section
+from motorcade.replays.readers.ros.naming import is_bag
 from motorcade.replays.readers.tables import read_table
 
 if TYPE_CHECKING:
     from motorcade.replays.recording import Recording
 
-TRUTH_KEYS = ("file", "format", "convention", "board_frame", "rate_hz", "times", "rows")
-_FORMATS = ("tum", "euroc", "kitti", "matrix4", "rotation_vector")
+TRUTH_KEYS = ("file", "format", "topic", "convention", "board_frame", "rate_hz", "times", "rows")
+_FORMATS = ("tum", "euroc", "kitti", "matrix4", "rotation_vector", "bag")
 _CONVENTIONS = ("world_T_camera", "camera_T_world", "world_T_imu")
 _VECTOR = ("rx", "ry", "rz", "tx", "ty", "tz")
 
@@ -62,12 +64,13 @@ def read_truth(
             convention that needs a board or an IMU that is not described.
     """
     fmt = section.text("format", _FORMATS)
-    if fmt in ("tum", "euroc"):
+    if "topic" in section and fmt != "bag":
+        raise section.fault("topic", f"for bags alone, got format {fmt}")
+    if fmt in ("tum", "euroc", "bag"):
         for key in ("rate_hz", "times", "rows"):
             if key in section:
                 raise section.fault(key, f"not for {fmt} files, which hold their own stamps")
-        file = file_of(section, "file")
-        given = read_trajectory(file, "tum" if fmt == "tum" else "euroc")
+        given = _stamped(section, fmt, file_of(section, "file"))
         time_ns, poses = given.time_ns, given.motors
     else:
         poses = _unstamped(section, fmt, file_of)
@@ -82,6 +85,15 @@ def read_truth(
         turned = OPENCV_BOARD @ poses if frame == "opencv" else poses
         poses = recording.world_T_board @ turned
     return Trajectory(time_ns, poses)
+
+
+def _stamped(section: Section, fmt: str, file: Path) -> Trajectory:
+    """Poses of a format with stamps."""
+    if fmt != "bag":
+        return read_trajectory(file, "tum" if fmt == "tum" else "euroc")
+    if not is_bag(file):
+        raise section.fault("file", f"expected a bag, got {one_line(file.name)}")
+    return read_trajectory(f"{file}:{section.text('topic')}")
 
 
 def _unstamped(section: Section, fmt: str, file_of: Callable[[Section, str], Path]) -> Motor:

@@ -24,10 +24,12 @@ def split_bag_name(name: Path | str) -> tuple[Path, str] | None:
         return None
     places = [at for at, letter in enumerate(text) if letter == ":"]
     for at in (*places, len(text)):
-        if _is_bag(text[:at]):
+        if is_bag(text[:at]):
             return Path(text[:at]), text[at + 1 :]
     return None
 
 
-def _is_bag(text: str) -> bool:
+def is_bag(path: Path | str) -> bool:
+    """Whether this is the name of a bag's file, or a ROS 2 bag's folder."""
+    text = str(path)
     return text.lower().endswith(_SUFFIXES) or (Path(text) / "metadata.yaml").is_file()

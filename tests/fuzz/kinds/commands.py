@@ -25,6 +25,7 @@ from tests.fuzz.kinds.trajectories import smooth_path
 from tests.fuzz.mutations import mutated, one_of
 from tests.fuzz.own import is_own
 from tests.fuzz.runner import Feed
+from tests.replays.readers.bag_poses import write_poses
 from tests.replays.tiny_recordings import write_tiny
 
 __all__ = ["prepare"]
@@ -39,7 +40,7 @@ FED = [name for name in cli.NAMES if name not in SLOW] * 4 + list(SLOW)
 SMALL = ("a.tum", "a.csv", "a.kitti", "a.npz", "long.tum", "long.csv", "imu.csv", "noise.yaml")
 SMALL += ("camera.toml", "a.clu", "scene.json", "drags.jsonl", "a.glb", "a.bvh", "a.dae", "0.png")
 SMALL += ("sweep.toml", "marker_map.json", "slam_map.npz", "tiny/motorcade.toml", "tiny/truth.tum")
-SMALL += ("run/run.json",)
+SMALL += ("run/run.json", "poses.mcap", "transform.json")
 LAST_STAGES = ("tracked", "camera_poses", "imu", "fused", "smoothed", "errors", "x")
 WRITTEN = ("output", "out", "draw", "plot", "svg", "cache", "gltf", "rrd", "json")
 FITTING = {
@@ -51,18 +52,22 @@ FITTING = {
     "images": ["0.png", "tiny/images"],
     "imu": ["imu.csv"],
     "input": ["a.tum", "a.csv", "a.kitti", "long.tum"],
+    "inputs": ["a.tum", "long.tum", "poses.mcap:/odom", "poses.mcap:map/base", "poses.mcap"],
     "manifest": ["tiny/motorcade.toml", "camera.toml"],
     "motion": ["a.bvh", "a.glb"],
     "noise": ["noise.yaml"],
     "poses": ["a.tum", "a.csv"],
     "recording": ["tiny", "a.glb", "a.dae"],
     "recordings": ["tiny"],
-    "reference": ["a.tum", "a.csv"],
+    "reference": ["a.tum", "a.csv", "poses.mcap:/odom"],
+    "resample_as": ["a.tum", "long.tum"],
     "run": ["run"],
     "scene": ["scene.json"],
     "script": ["a.clu"],
     "stream": ["imu.csv"],
     "trajectory": ["a.tum", "a.csv"],
+    "transform_left": ["transform.json"],
+    "transform_right": ["transform.json"],
     "truth": ["long.csv", "a.csv"],
 }
 """Files that an argument of this name is meant for."""
@@ -285,6 +290,10 @@ def _write(given: Path) -> tuple[str, ...]:
     (given / "a.bvh").write_bytes(samples.BVH)
     (given / "a.dae").write_bytes(samples.collada_tower())
     write_maps(given, path)
+    (given / "transform.json").write_text(
+        '{"x": 1, "y": 2, "z": 3, "qx": 0, "qy": 0, "qz": 0.6, "qw": 0.8, "scale": 1}'
+    )
+    shutil.move(write_poses(given, "mcap"), given / "poses.mcap")
     write_tiny(given / "tiny", 0.3, count=8)
     shutil.copy(given / "tiny" / "images" / "0.png", given / "0.png")
     (given / "sweep.toml").write_text(

@@ -36,7 +36,7 @@ from tests.fuzz.mutations import mutated, one_of
 from tests.fuzz.runner import Feed
 from tests.replays import conftest as layouts
 from tests.replays.readers import test_gopro, test_ros_recordings
-from tests.replays.readers.bag_poses import Messages, write_messages
+from tests.replays.readers.bag_poses import write_poses
 
 __all__ = ["prepare"]
 
@@ -89,8 +89,8 @@ def prepare(folder: Path) -> Feed:
         (given / "a.mcap", split_mcap(mcap.read_bytes()), join_mcap),
         (given / "a.mcap", split_mcap(mcap.read_bytes()), join_mcap),
         (given / "a.mp4", split_mp4(video.read_bytes()), join_mp4),
-        (given / "poses.bag", split_bag(_poses(poses, "bag").read_bytes()), join_bag),
-        (given / "poses.mcap", split_mcap(_poses(poses, "mcap").read_bytes()), join_mcap),
+        (given / "poses.bag", split_bag(write_poses(poses, "bag").read_bytes()), join_bag),
+        (given / "poses.mcap", split_mcap(write_poses(poses, "mcap").read_bytes()), join_mcap),
     ]
 
     def feed(rng: np.random.Generator) -> str:
@@ -110,20 +110,6 @@ def prepare(folder: Path) -> Feed:
         return ended(_trajectories if path.stem == "poses" else opened, path)
 
     return feed
-
-
-def _poses(folder: Path, kind: str) -> Path:
-    """A bag of odometry, and of two frames upon each other."""
-    made, sent = Messages(ros1=kind == "bag"), list[tuple[str, int, Any]]()
-    row = np.array([1.0, 2.0, 3.0, 0.5, 0.5, 0.5, 0.5])
-    for stamp in range(10**9, 10**10, 10**9):
-        odometry = made.pose("nav_msgs/msg/Odometry", stamp, row, ("odom", "base"))
-        links = [
-            made.pose("geometry_msgs/msg/TransformStamped", stamp, row, link)
-            for link in (("map", "odom"), ("odom", "base"))
-        ]
-        sent += [("/odom", stamp, odometry), ("/tf", stamp, made.transforms(*links))]
-    return write_messages(folder, kind, sent)
 
 
 def _trajectories(path: Path) -> None:

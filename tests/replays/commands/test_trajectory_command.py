@@ -13,10 +13,10 @@ import pytest
 from evo import EvoException
 from evo.core import trajectory as evo_trajectory
 
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.replays.cli.main import main
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
-from tests.replays.commands.trajectory_files import write_transforms
+from motorcade.replays.files.trajectories import even_stamps, read_trajectory, write_trajectory
+from motorcade.replays.files.transforms import read_transform
 from tests.replays.readers.bag_poses import Messages, write_messages
 
 with warnings.catch_warnings():
@@ -74,6 +74,45 @@ def taken(combination: Sequence[tuple[Words, Words]]) -> bool:
     """Whether pairs are asked for where it is said how they are made."""
     _, (align, _), (pair, _), _, _ = combination
     return bool(align) or not pair
+
+
+def path(rng: np.random.Generator, count: int = 300, rate_hz: float = 30.0) -> Trajectory:
+    """A smooth path that turns and climbs."""
+    t = np.arange(count) / rate_hz
+    place = np.stack([np.cos(t), np.sin(t), 0.3 * t], axis=1) + 0.01 * rng.standard_normal(
+        (count, 3)
+    )
+    turn = np.stack([0.2 * np.sin(t), 0.1 * np.cos(3 * t), t], axis=1)
+    start_ns = 1_305_031_098_665_900_000
+    return Trajectory(
+        even_stamps(count, rate_hz) + start_ns, Motor.from_euler_translation(turn, place)
+    )
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator) -> Path:
+    """An estimate, its ground truth, and a transform in three kinds of file; the current folder."""
+    monkeypatch.chdir(tmp_path)
+    true = path(rng)
+    write_trajectory(true, "true.txt")
+    off = Motor.from_euler_translation([0.3, -0.2, 0.1], [1.0, 2.0, 3.0])
+    late = Trajectory(true.time_ns[5::2] + 2_000_000, true.motors[5::2])
+    write_trajectory(late.transformed_by(off), "estimate.txt")
+    write_transforms(tmp_path)
+    (tmp_path / "more").mkdir()
+    write_trajectory(true, "more/true.txt")
+    return tmp_path
+
+
+def write_transforms(folder: Path) -> Motor:
+    made = Motor.from_euler_translation([0.02, 0.01, 0.3], [0.1, -0.2, 0.05])
+    (w, *vector), place = (one.tolist() for one in made.as_quaternion_translation())
+    names = ("qw", "qx", "qy", "qz", "x", "y", "z")
+    given = dict(zip(names, (w, *vector, *place), strict=True))
+    (folder / "T.json").write_text(json.dumps(given))
+    np.savetxt(folder / "T.txt", made.as_matrix())
+    np.save(folder / "T.npy", made.as_matrix())
+    return made
 
 
 def evos(command: str, words: Sequence[str], stem: str) -> np.ndarray:
@@ -329,3 +368,106 @@ def test_folded_headings_are_told(folder: Path, caplog: pytest.LogCaptureFixture
     write_trajectory(Trajectory(np.arange(3), turned), "t.tum")
     assert main(["trajectory", "t.tum", "--project", "xz", "-o", "o.tum"]) == 0
     assert "t.tum: 1 of 3 poses face backwards in xz" in caplog.text
+
+
+def test_transforms_with_a_scale_move_positions(folder: Path) -> None:
+    given = read_trajectory("true.txt")
+    rigid = read_transform(Path("T.json"))
+    assert isinstance(rigid, Motor)
+    grown = Similarity.from_motor_scale(rigid, 2.0)
+    told = json.loads(Path("T.json").read_text()) | {"scale": 2.0}
+    Path("S.json").write_text(json.dumps(told))
+    np.savetxt("S.txt", grown.as_matrix())
+    np.save("S.npy", np.asfortranarray(grown.as_matrix()))
+    for name in ("S.json", "S.txt", "S.npy"):
+        assert main(["trajectory", "true.txt", "--transform-left", name, "-o", "o.tum"]) == 0
+        found = read_trajectory("o.tum").motors
+        expected = grown.apply(given.motors.translation_m)
+        np.testing.assert_allclose(found.translation_m, expected, atol=1e-12)
+        turns = (rigid.rotor @ given.motors.rotor).as_matrix()
+        np.testing.assert_allclose(found.rotor.as_matrix(), turns, atol=1e-12)
+
+
+def _npy(shape: str, kind: str = "<f8") -> bytes:
+    head = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
+    return b"\x93NUMPY\x01\x00" + len(head).to_bytes(2, "little") + head.encode() + bytes(128)
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        (b"", "the file is empty"),
+        (b"1 2 3", "expected 16 numbers, got 3"),
+        (b"a b", "expected 16 numbers or JSON"),
+        (b" ".join([b"nan"] * 16), "expected a rotation times a scale"),
+        (b" ".join([b"1"] * 16), "expected a rotation times a scale"),
+        (b"1 0 0 0 0 2 0 0 0 0 1 0 0 0 0 1", "expected a rotation"),
+        (b"1 0 0 0 0 1 0 0 0 0 -1 0 0 0 0 1", "expected a rotation times a scale"),
+        (b"1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1", "expected the last row 0 0 0 1"),
+        (b"{" * 60_000, "expected JSON of numbers"),
+        (b'{"a":' * 10_000, "expected JSON of numbers"),
+        (b'{"x": 1}', "expected JSON of numbers"),
+        (b'{"x":1,"y":1,"z":NaN,"qx":0,"qy":0,"qz":0,"qw":1}', "expected a unit quaternion and"),
+        (b'{"x":1,"y":1,"z":1,"qx":0,"qy":0,"qz":0,"qw":2}', "expected a unit quaternion"),
+        (b'{"x":1,"y":1,"z":1,"qx":0,"qy":0,"qz":0,"qw":1,"scale":-1}', "expected a scale"),
+        (_npy("(4, 4)", "|O"), "expected 4 by 4 numbers"),
+        (_npy("(1000000000000,)"), "expected 4 by 4 numbers"),
+        (_npy("(4, 4"), "expected 4 by 4 numbers"),
+        (_npy("(4, 4)"), "expected a rotation times a scale"),
+        (_npy("(4, 4)")[:200], "expected 4 by 4 numbers"),
+        (b"\x93NUMPY\x09\x00", "expected 4 by 4 numbers"),
+        (b"1 " * 40_000, "at most 65536 bytes"),
+    ],
+)
+def test_transforms_that_are_none_are_refused(
+    folder: Path, content: bytes, problem: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("bad").write_bytes(content)
+    assert main(["trajectory", "true.txt", "--transform-left", "bad"]) == 1
+    told = capsys.readouterr().err
+    assert problem in told
+    assert told.startswith("motorcade: bad")
+    assert told.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        (["--align", "se3"], "align: expected a reference"),
+        (["--sync"], "paired: expected a reference"),
+        (["--interpolate"], "interpolate: expected align or paired"),
+        (["--propagate"], "propagate: expected a rigid right transform"),
+        (["--n-to-align", "4"], "n_to_align: expected align"),
+        (["--invert-transform"], "--invert-transform: expected --transform-left"),
+        (["--resample-hz", "1", "--resample-as", "true.txt"], "expected a rate or another's"),
+        (["--resample-hz", "1e9"], "expected at most"),
+        (["--downsample", "0"], "true.txt: downsampled: expected 1 pose or more"),
+        (["--start-s", "5e9"], "true.txt: start_s, end_s: expected poses from"),
+        (["--offset-s", "1e12"], "true.txt: offset_s: expected at most"),
+        (["--scale", "0"], "expected a factor above 0"),
+        (["--motion-filter", "-1", "0"], "distance_m: expected 0 or more"),
+        (["--plot", "a.gif"], "expected a name ending in .svg, .pdf or .png"),
+        (["--format", "tum"], "--format: expected -o"),
+        (["-o", "a.xyz"], "expected a name ending in"),
+        (["estimate.txt", "-o", "a.tum"], "expected a folder for 2 trajectories"),
+        (["true.txt"], "expected each trajectory once"),
+        (["more/true.txt", "-o", "all", "--format", "tum"], "expected one trajectory, got"),
+        (["--rate-hz", "10"], "only KITTI files lack stamps"),
+        (["missing.bag", "--all-topics"], "missing.bag: the file is missing"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(
+    folder: Path, words: list[str], problem: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["trajectory", "true.txt", *words]) == 1
+    told = capsys.readouterr().err
+    assert problem in told
+    assert told.count("\n") == 1
+    assert not list(folder.glob("a.*"))
+    assert not (folder / "all").exists()
+
+
+def test_kitti_without_stamps_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_trajectory(read_trajectory("true.txt"), "true_kitti.txt", "kitti")
+    assert main(["trajectory", "true_kitti.txt"]) == 1
+    assert "KITTI files hold no stamps" in capsys.readouterr().err

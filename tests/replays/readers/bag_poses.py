@@ -88,3 +88,17 @@ def write_messages(folder: Path, kind: str, sent: Sequence[tuple[str, int, Any]]
                 topics[topic] = writer.add_connection(topic, message.__msgtype__, typestore=store)
             writer.write(topics[topic], recorded_ns, pack(message, message.__msgtype__))
     return next(path.glob("*.mcap")) if kind == "mcap" else path
+
+
+def write_poses(folder: Path, kind: str) -> Path:
+    """A bag of odometry, and of two frames upon each other."""
+    made, sent = Messages(ros1=kind == "bag"), list[tuple[str, int, Any]]()
+    row = np.array([1.0, 2.0, 3.0, 0.5, 0.5, 0.5, 0.5])
+    for stamp in range(10**9, 10**10, 10**9):
+        odometry = made.pose("nav_msgs/msg/Odometry", stamp, row, ("odom", "base"))
+        links = [
+            made.pose("geometry_msgs/msg/TransformStamped", stamp, row, link)
+            for link in (("map", "odom"), ("odom", "base"))
+        ]
+        sent += [("/odom", stamp, odometry), ("/tf", stamp, made.transforms(*links))]
+    return write_messages(folder, kind, sent)

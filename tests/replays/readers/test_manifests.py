@@ -12,12 +12,13 @@ from hypothesis import strategies as st
 
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.errors import RecordingError
-from motorcade.replays.files.trajectories import write_trajectory
+from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
 from motorcade.replays.pipeline import pipeline_graph
 from motorcade.replays.readers.manifest import section
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
 from motorcade.tracking.boards import CharucoBoard, Checkerboard, MarkerGrid, SingleMarker
+from tests.replays.readers.bag_poses import write_poses
 
 Make = Callable[..., Any]
 
@@ -190,6 +191,24 @@ class TestTruth:
             truth = described(made.root, FRAMES, TRUTH.replace("poses.txt", file)).truth
             assert truth is not None
             assert same_poses(truth.poses, made.poses)
+
+    def test_bags_bring_topics_and_frames(self, make: Make) -> None:
+        made = make("folder")
+        bag = write_poses(made.root, "bag").rename(made.root / "poses.bag")
+        table = TRUTH.replace("matrix4", "bag").replace("poses.txt", "poses.bag")
+        for name in ("/odom", "map/base"):
+            truth = described(made.root, FRAMES, table + f'topic = "{name}"\n').truth
+            assert truth is not None
+            assert same_poses(truth.poses, read_trajectory(f"{bag}:{name}").motors)
+        for wrong, problem in {
+            table: "topic: the key is missing",
+            table + 'topic = "/none"\n': "poses.bag: expected a topic of poses or two frames",
+            table + 'topic = "/odom"\nrows = 3\n': "rows: not for bag files",
+            TRUTH + 'topic = "/odom"\n': "topic: for bags alone, got format matrix4",
+            TRUTH.replace("matrix4", "bag"): "file: expected a bag, got 'poses.txt'",
+        }.items():
+            with pytest.raises(RecordingError, match=problem):
+                described(made.root, FRAMES, wrong)
 
     def test_stamped_formats_bring_their_own_stamps(self, make: Make) -> None:
         made = make("folder")
