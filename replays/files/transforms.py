@@ -17,7 +17,7 @@ from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.files.door import read_bounded
-from motorcade.replays.files.trajectories import UNIT_TOLERANCE
+from motorcade.replays.readers.tables import UNIT_TOLERANCE
 
 TRANSFORM_LIMIT = 2**16
 _KEYS = ("x", "y", "z", "qx", "qy", "qz", "qw")
@@ -29,7 +29,7 @@ _NPY = b"\x93NUMPY"
 def transform(value: object, path: Path, field: str) -> Motor:
     """Make a motor of a 4 by 4 matrix: four rows of four, or sixteen numbers row by row.
 
-    Rounded rotations are made orthonormal, within `files.trajectories.UNIT_TOLERANCE`.
+    Rounded rotations are made orthonormal, within `readers.tables.UNIT_TOLERANCE`.
 
     Raises:
         RecordingError: not sixteen finite numbers, or not a rigid motion.

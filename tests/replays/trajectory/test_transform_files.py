@@ -1,4 +1,4 @@
-"""What `motorcade trajectory` refuses, and transforms of every kind."""
+"""Transforms in files of their own: JSON, text, `.npy`; with a scale, or broken."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from motorcade.ga import Motor, Similarity
 from motorcade.replays.cli.main import main
-from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.files.transforms import read_transform
 
 
@@ -72,46 +72,3 @@ def test_transforms_that_are_none_are_refused(
     assert problem in told
     assert told.startswith("motorcade: bad")
     assert told.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    ("words", "problem"),
-    [
-        (["--align", "se3"], "align: expected a reference"),
-        (["--sync"], "paired: expected a reference"),
-        (["--interpolate"], "interpolate: expected align or paired"),
-        (["--propagate"], "propagate: expected a rigid right transform"),
-        (["--n-to-align", "4"], "n_to_align: expected align"),
-        (["--invert-transform"], "--invert-transform: expected --transform-left"),
-        (["--resample-hz", "1", "--resample-as", "true.txt"], "expected a rate or another's"),
-        (["--resample-hz", "1e9"], "expected at most"),
-        (["--downsample", "0"], "true.txt: downsampled: expected 1 pose or more"),
-        (["--start-s", "5e9"], "true.txt: start_s, end_s: expected poses from"),
-        (["--offset-s", "1e12"], "true.txt: offset_s: expected at most"),
-        (["--scale", "0"], "expected a factor above 0"),
-        (["--motion-filter", "-1", "0"], "distance_m: expected 0 or more"),
-        (["--plot", "a.gif"], "expected a name ending in .svg, .pdf or .png"),
-        (["--format", "tum"], "--format: expected -o"),
-        (["-o", "a.xyz"], "expected a name ending in"),
-        (["estimate.txt", "-o", "a.tum"], "expected a folder for 2 trajectories"),
-        (["true.txt"], "expected each trajectory once"),
-        (["./true.txt", "-o", "all", "--format", "tum"], "expected one trajectory, got"),
-        (["--rate-hz", "10"], "only KITTI files lack stamps"),
-        (["missing.bag", "--all-topics"], "missing.bag: the file is missing"),
-    ],
-)
-def test_what_makes_no_sense_is_refused(
-    folder: Path, words: list[str], problem: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["trajectory", "true.txt", *words]) == 1
-    told = capsys.readouterr().err
-    assert problem in told
-    assert told.count("\n") == 1
-    assert not list(folder.glob("a.*"))
-    assert not (folder / "all").exists()
-
-
-def test_kitti_without_stamps_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    write_trajectory(read_trajectory("true.txt"), "true_kitti.txt", "kitti")
-    assert main(["trajectory", "true_kitti.txt"]) == 1
-    assert "KITTI files hold no stamps" in capsys.readouterr().err

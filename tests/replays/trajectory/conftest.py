@@ -1,4 +1,4 @@
-"""Files that the command `trajectory` is tried on."""
+"""An estimate, its ground truth and a transform as files, for the command on trajectories."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.files.trajectories import even_stamps
+from motorcade.replays.files.trajectories import even_stamps, write_trajectory
 
 
 def path(rng: np.random.Generator, count: int = 300, rate_hz: float = 30.0) -> Trajectory:
@@ -22,6 +23,21 @@ def path(rng: np.random.Generator, count: int = 300, rate_hz: float = 30.0) -> T
     return Trajectory(
         even_stamps(count, rate_hz) + start_ns, Motor.from_euler_translation(turn, place)
     )
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator) -> Path:
+    """An estimate, its ground truth, and a transform in three kinds of file; the current folder."""
+    monkeypatch.chdir(tmp_path)
+    true = path(rng)
+    write_trajectory(true, "true.txt")
+    off = Motor.from_euler_translation([0.3, -0.2, 0.1], [1.0, 2.0, 3.0])
+    late = Trajectory(true.time_ns[5::2] + 2_000_000, true.motors[5::2])
+    write_trajectory(late.transformed_by(off), "estimate.txt")
+    write_transforms(tmp_path)
+    (tmp_path / "more").mkdir()
+    write_trajectory(true, "more/true.txt")
+    return tmp_path
 
 
 def write_transforms(folder: Path) -> Motor:
