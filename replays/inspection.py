@@ -13,6 +13,8 @@ import numpy as np
 
 from motorcade.animation import Character, Clip, Skeleton
 from motorcade.animation.formats import NoMeshError, read_character, read_motion
+from motorcade.fusion.health import check_health
+from motorcade.fusion.imu import ImuStream, screen_imu
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import near_steps
 from motorcade.replays.recording import Recording
@@ -34,6 +36,7 @@ def describe(recording: Recording) -> dict[str, Any]:
         about["board_size_m"] = list(recording.board.size_m)
     if recording.imu is not None:
         about |= _stream("imu", recording.imu.time_ns)
+        about |= _health(recording, recording.imu)
     if recording.imu_noise is not None:
         about["imu_noise"] = str(recording.imu_noise)
     if recording.truth is not None:
@@ -41,6 +44,19 @@ def describe(recording: Recording) -> dict[str, Any]:
         steps = np.diff(recording.truth.poses.translation_m, axis=0)
         about["truth_path_m"] = float(np.linalg.norm(steps, axis=1).sum())
     return about
+
+
+def _health(recording: Recording, imu: ImuStream) -> dict[str, Any]:
+    """What is wrong with the readings: by themselves, and beside the ground truth if there is."""
+    try:
+        found = list(screen_imu(imu))
+    except ValueError as fault:
+        found = [str(fault)]
+    truth, imu_T_camera = recording.truth, recording.imu_T_camera
+    if truth is None or imu_T_camera is None:
+        return {"imu_health": found} if found else {}
+    health = check_health(truth.rigid, imu, imu_T_camera, up=False)
+    return {"imu_health": [*found, *(one.summary for one in health.findings), *health.unknown]}
 
 
 def _stream(name: str, time_ns: IntArray) -> dict[str, Any]:

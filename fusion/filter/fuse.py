@@ -263,7 +263,9 @@ def fuse(
 
     found = by_stretch(one, measurements, imu, stamps_ns, shift_ns)
     given = measurements.trajectory, imu, imu_T_camera, time_offset_s, chosen
-    return replace(found, health=fused_health(found, *given))
+    accepted = found.accepted[np.isfinite(found.nis)]
+    outcome = accepted, found.gyro_bias_rad_s, found.accel_bias_m_s2
+    return replace(found, health=fused_health(*given, outcome))
 
 
 def _fused(

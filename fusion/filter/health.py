@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.fusion.filter.settings import FilterSettings
 from motorcade.fusion.health.check import check_health
@@ -13,22 +13,23 @@ from motorcade.fusion.health.outcome import with_outcome
 from motorcade.fusion.health.verdict import Health
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
-
-if TYPE_CHECKING:
-    from motorcade.fusion.filter.fuse import Fused
+from motorcade.ga.arrays import FloatArray
 
 log = logging.getLogger("motorcade.fuse")
 
 
 def fused_health(
-    found: Fused,
     camera: Trajectory,
     imu: ImuStream,
     imu_T_camera: Motor,
     time_offset_s: float,
     settings: FilterSettings,
+    outcome: tuple[NDArray[np.bool_], FloatArray, FloatArray],
 ) -> Health:
-    """Test the inputs, then the outcome, and log what is wrong; see `check_health`."""
+    """Test the inputs, then the outcome, and log what is wrong; see `check_health`.
+
+    `outcome` is what `with_outcome` takes: which poses were accepted, and the biases.
+    """
     of_inputs = check_health(
         camera,
         imu,
@@ -39,8 +40,7 @@ def fused_health(
         extrinsics_sigma_rad=settings.extrinsics_sigma_rad,
         time_offset_sigma_s=settings.time_offset_sigma_s,
     )
-    accepted = found.accepted[np.isfinite(found.nis)]
-    health = with_outcome(of_inputs, accepted, found.gyro_bias_rad_s, found.accel_bias_m_s2)
+    health = with_outcome(of_inputs, *outcome)
     for one in health.findings:
         log.warning("%s", one.summary)
     return health

@@ -29,7 +29,8 @@ GRAVITY_SHARE = 0.07
 LEAN_RAD = float(np.deg2rad(5.0))
 """A world that was levelled by hand leans less."""
 
-_FEWEST = 6
+# Windows: three numbers each, for up to eighteen unknowns and a scale that must not collapse.
+_FEWEST = 20
 _SIZE_SIGMA_M_S2 = 0.2
 _LEVER_SIGMA_M = 0.1
 _ANY_GRAVITY_M_S2 = 20.0

@@ -120,7 +120,8 @@ def check_health(
     findings = _units(rates, forces)
     if rates.explained and rates.late and abs(rates.lag_s) > SIGMAS * time_offset_sigma_s:
         findings.append(Finding("delay", delay_line(rates)))
-    findings += _axes(rates, forces, SIGMAS * extrinsics_sigma_rad)
+    estimated_rad = SIGMAS * extrinsics_sigma_rad if extrinsics_known else np.pi
+    findings += _axes(rates, forces, estimated_rad)
     findings += [*_gravity(forces, gravity_m_s2), *bias_lines(rates, forces)]
     return Health(tuple(findings), unknown_lines(rates, forces))
 

@@ -173,7 +173,7 @@ class _Trial:
         """
         found = (offset_s, here, _explained(here))
         steps = np.arange(-round(search_s / _GRID_S), round(search_s / _GRID_S) + 1)
-        grid: FloatArray = offset_s + steps * _GRID_S
+        grid = offset_s + _GRID_S * steps.astype(np.float64)
         for match in (norm_correlations(self.rates, self.turned, grid), self._matches(grid)):
             if not np.any(np.isfinite(match)):
                 continue

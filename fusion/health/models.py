@@ -8,7 +8,7 @@ what explains as much by accident, and a model only counts where the motion tell
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -100,6 +100,8 @@ def judge_axes(
     """
     few = {base: one.thinned(_SEARCHED) for base, one in evidence.items()}
     tried = _tried(few)
+    if not tried:
+        return replace(judge_stated(evidence["stated"], needed), state="nothing")
     best = max(score for score, *_ in tried)
     at = next(k for k, (score, *_) in enumerate(tried) if score >= best - NEEDED)
     _, base, matrix, start = tried[at]
@@ -112,14 +114,14 @@ def judge_axes(
     off, sigma = _off(free, matrix, multiple)
     gain = found.score - nothing
     if np.any(off > _TOLERANCE + SIGMAS * sigma) and free.score - nothing >= needed:
-        return _judge_turn(evidence["stated"])
+        return _judge_turn(evidence["stated"], units)
     state: Literal["named", "unexplained", "nothing"] = "named" if gain >= needed else "nothing"
     if state == "named" and own.strained(fitted):
         state = "unexplained"
     return AxesVerdict(state, base, matrix, np.eye(3), multiple, gain, _blurred(sigma), fitted)
 
 
-def _judge_turn(evidence: AxesEvidence) -> AxesVerdict:
+def _judge_turn(evidence: AxesEvidence, units: tuple[float, ...]) -> AxesVerdict:
     """Whether a rotation explains the readings, or a mirrored one."""
     free = evidence.free(np.zeros((3, 3)), evidence.nothing().sigma)
     for _ in range(_TURNS):
@@ -128,11 +130,10 @@ def _judge_turn(evidence: AxesEvidence) -> AxesVerdict:
     found, sigma = free.values[:9].reshape(3, 3), free.deviations[:9].reshape(3, 3)
     u, sizes, vt = np.linalg.svd(found)
     sign = float(np.sign(np.linalg.det(u @ vt)))
-    multiple = float(np.mean(sizes))
-    if abs(multiple - 1.0) <= SCALE_TOLERANCE:
-        multiple = 1.0
-    off = np.abs(found - multiple * u @ vt)
-    fits = bool(np.all(off <= SCALE_TOLERANCE * multiple + SIGMAS * sigma))
+    size = float(np.mean(sizes))
+    multiple = _named_multiple(size, float(np.max(sigma)), units)
+    off = np.abs(found - size * u @ vt)
+    fits = bool(np.all(off <= SCALE_TOLERANCE * size + SIGMAS * sigma))
     fitted = evidence.along(multiple * u @ vt)
     fits &= not evidence.strained(fitted)
     gain = free.score - evidence.nothing().score

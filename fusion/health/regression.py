@@ -88,7 +88,7 @@ def fit(
             break
     # The curvature that Student's likelihood has on average: a share (ν + 3)/(ν + 5).
     known = (_FREEDOM + 3.0) / (_FREEDOM + 5.0) * (flat.T @ flat) / scale + np.diag(precision)
-    covariance: FloatArray = np.linalg.inv(known)
+    covariance = np.linalg.inv(known).astype(np.float64)
     return Fit(values, covariance, float(np.sqrt(scale)), score)
 
 

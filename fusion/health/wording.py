@@ -45,9 +45,16 @@ def shared_axes_line(axes: AxesVerdict) -> list[Finding]:
     if axes.base == "inverted":
         line = "imu_T_camera is the wrong way round (transposed): give its inverse"
         found.append(Finding("extrinsics_inverted", line))
+    turned = not np.allclose(axes.turn, np.eye(3))
+    if turned and np.linalg.det(axes.permutation) < 0.0:
+        line = (
+            "the IMU's axes are left-handed: negate all three of each sensor, or the one that is "
+            "wrong, or swap two"
+        )
+        return [*found, Finding("axes", line)]
     if not np.allclose(axes.permutation, np.eye(3)):
         found.append(Finding("axes", _order("the IMU's axes are", axes)))
-    if not np.allclose(axes.turn, np.eye(3)):
+    if turned:
         # True readings, in the axes that the extrinsics speak of, are turn @ readings.
         vector = Rotor.from_matrix(axes.turn).inverse().as_rotation_vector()
         line = (
@@ -61,6 +68,13 @@ def shared_axes_line(axes: AxesVerdict) -> list[Finding]:
 def own_axes_line(sensor: str, axes: AxesVerdict) -> Finding:
     """Of one sensor whose axes are not those that the other, or the extrinsics, have."""
     kind = {"gyroscope": "rate", "accelerometer": "force"}[sensor]
+    mirrored = np.linalg.det(axes.permutation) < 0.0
+    if mirrored and not np.allclose(axes.turn, np.eye(3)):
+        line = (
+            f"the {sensor}'s axes are left-handed: negate all three, or the one that is wrong, or "
+            "swap two"
+        )
+        return Finding("rate_axes" if kind == "rate" else "force_axes", line)
     if not np.allclose(axes.turn, np.eye(3)):
         vector = Rotor.from_matrix(axes.turn).as_rotation_vector()
         line = (

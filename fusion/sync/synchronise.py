@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from motorcade.fusion.health.check import check_health
+from motorcade.fusion.health.stamps import check_stamps
+from motorcade.fusion.health.verdict import Health
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.sync.alignment import (
@@ -18,7 +21,7 @@ from motorcade.fusion.sync.alignment import (
     align,
 )
 from motorcade.fusion.sync.gating import plausible
-from motorcade.fusion.sync.rates import match_rates
+from motorcade.fusion.sync.rates import RateMatch, match_rates
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -35,6 +38,16 @@ _MOST_SEARCH_S = 60.0
 _DOUBT = 6.0
 # Times the accelerometer's noise, at which it tells nothing of the extrinsics.
 _DEAF = 30.0
+_NO_OFFSET_MENDS = (
+    "rate_unit",
+    "rate_sign",
+    "rate_axes",
+    "force_unit",
+    "force_sign",
+    "force_axes",
+    "axes",
+    "gravity",
+)
 _UNLIKELY = 10.83  # χ² with one degree of freedom exceeds it once in a thousand cases
 
 
@@ -54,6 +67,7 @@ class Synchronised:
         camera_sigma_rad, camera_sigma_m: noise of the camera's poses, an axis, as found.
         imu_noise: the IMU's noise as found, never below the stated: vibration and faults of scale
             and axes show here, and a filter that uses it weighs the sensor as it is.
+        health: what else is wrong with the recording, and what cannot be told of it.
 
     Examples:
         >>> import numpy as np
@@ -86,6 +100,7 @@ class Synchronised:
     camera_sigma_rad: float
     camera_sigma_m: float
     imu_noise: ImuNoise
+    health: Health
 
     @property
     def offset_sigma_s(self) -> float:
@@ -136,7 +151,8 @@ def synchronise(
     Raises:
         ValueError: streams that overlap for less than 2 s or 20 poses, angular rates that do not
             match (too little rotation, or another motion), an estimate that does not settle or
-            leaves the offset that rates tell, or a search that is not above zero or too far.
+            leaves the offset that rates tell, or a search that is not above zero or too far;
+            units, signs, axes or gravity that are not as expected, each with its mend.
 
     Examples:
         >>> import numpy as np
@@ -162,11 +178,15 @@ def synchronise(
             f"search_s: expected seconds above 0 and up to {_MOST_SEARCH_S:g}, got {search_s}; "
             "shift the stamps of one stream first where clocks differ by more"
         )
+    unit = check_stamps(camera.time_ns, imu.time_ns)
+    if unit is not None:
+        raise ValueError(f"camera and imu: {unit.summary}")
     match = match_rates(camera, imu, search_s)
     used, imu = covered(camera, imu, match.offset_s, _MARGIN_S)
     used = used[plausible(used, imu, match)]
     imu_T_camera = Motor.from_rotor_translation(match.imu_R_camera, np.zeros(3))
     start = Shared(match.offset_s, imu_T_camera, _gravity(used, imu, match.offset_s, imu_T_camera))
+    health = _checked(used, imu, match)
     doubt_s = _DOUBT * match.offset_sigma_s
     beliefs = Beliefs(doubt_s, np.pi, _LEVER_SIGMA_M, _GRAVITY_SIGMA_M_S2, 0.0)
     found = align(used, imu, noise, start, beliefs)
@@ -186,7 +206,26 @@ def synchronise(
         match.correlation,
         *found.sigma,
         found.noise,
+        health,
     )
+
+
+def _checked(camera: Trajectory, imu: ImuStream, match: RateMatch) -> Health:
+    """The verdict on what was recorded.
+
+    Raises:
+        ValueError: units, signs or axes that no offset and no extrinsics mend, each with its mend.
+    """
+    imu_T_camera = Motor.from_rotor_translation(match.imu_R_camera, np.zeros(3))
+    health = check_health(
+        camera, imu, imu_T_camera, time_offset_s=match.offset_s, up=False, extrinsics_known=False
+    )
+    mended = [one.summary for one in health.findings if one.fault in _NO_OFFSET_MENDS]
+    if mended:
+        raise ValueError(f"camera and imu: {'; '.join(mended)}")
+    for one in health.findings:
+        log.warning("%s", one.summary)
+    return health
 
 
 def _borne_out(found: Aligned, used: Trajectory, imu: ImuStream, beliefs: Beliefs) -> FloatArray:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.filter import FilterSettings
+from motorcade.fusion.health import check_health
 from motorcade.fusion.metrics import most_by_chance, normalised_squared
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
@@ -46,9 +47,10 @@ def integrity(
 ) -> Integrity:
     """Check the run, and choose the path that the character is placed and drawn along.
 
-    Coverage: frames without a pose, half of which may be. Innovations: measured poses that the
-    filter's gate would not let pass; without a filter there are none to judge. Then the pictures
-    decide, where poses were measured in them.
+    Coverage: frames without a pose, half of which may be. Inertial: faults of the IMU, its
+    extrinsics and its stamps (see `check_health`), of which there may be none. Innovations:
+    measured poses that the filter's gate would not let pass; without a filter there are none to
+    judge. Then the pictures decide, where poses were measured in them.
     Registration: frames in which what is drawn along the first smoothed path lies off the corners
     of board or markers, or off the points of SLAM's map, by more than a pixel and three times as
     far as along the measured poses. Elsewhere agreement: measured poses that the smoothed path
@@ -59,6 +61,8 @@ def integrity(
     measured = camera_poses.measurements.trajectory
     name, path = next(iter(smoothed.trajectories.items()))
     checks = [_coverage(camera_poses, path)]
+    if fused.by == "imu":
+        checks.append(_inertial(recording, camera_poses, imu))
     if np.any(np.isfinite(fused.nis)):
         checks.append(_innovations(fused))
     paths = {"measured": measured, "fused": fused.trajectory} | smoothed.trajectories
@@ -87,6 +91,17 @@ def _coverage(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
     allowed = int(UNCOVERED * count)
     summary = f"{missing} of {count} frames have no pose (up to {allowed} may)"
     return IntegrityCheck("coverage", missing, count, allowed, summary)
+
+
+def _inertial(recording: Recording, camera_poses: CameraPoses, imu: UsedImu) -> IntegrityCheck:
+    """Faults that the readings show beside the measured poses; these may be of a leaning world."""
+    health = check_health(
+        camera_poses.measurements.trajectory,
+        imu.stream(recording),
+        imu.imu_T_camera,
+        up=camera_poses.origin == "simulated",
+    )
+    return IntegrityCheck("inertial", len(health.findings), 1, 0, health.summary)
 
 
 def _innovations(fused: FusedPath) -> IntegrityCheck:

@@ -14,7 +14,7 @@ class IntegrityCheck:
     """One thing that can be checked without a ground truth: how often it fails, and may fail.
 
     Fields:
-        name: coverage, innovations, registration or agreement.
+        name: coverage, inertial, innovations, registration or agreement.
         failures: frames or measurements that fail it.
         count: how many there are.
         allowed: how many may fail in a run that is right.
@@ -25,7 +25,7 @@ class IntegrityCheck:
     True
     """
 
-    name: Literal["coverage", "innovations", "registration", "agreement"]
+    name: Literal["coverage", "inertial", "innovations", "registration", "agreement"]
     failures: int
     count: int
     allowed: int

@@ -51,11 +51,14 @@ def sync(arguments: argparse.Namespace) -> None:
     camera, imu = read_trajectory(arguments.camera), _stream(arguments.imu)
     found = synchronise(camera, imu, noise, search_s=arguments.search_s)
     results = _as_dict(found)
+    for line in (*(one.summary for one in found.health.findings), *found.health.unknown):
+        print(f"{'health':>34}  {line}")
     for key, value in results.items():
         shown = value if isinstance(value, list) else [value]
         print(f"{key:>34}  {' '.join(f'{one:.6g}' for one in shown)}")
     if arguments.json is not None:
-        write_bytes(arguments.json, (json.dumps(results, indent=2) + "\n").encode())
+        about = results | {"health": found.health.as_dict()}
+        write_bytes(arguments.json, (json.dumps(about, indent=2) + "\n").encode())
 
 
 def _stream(path: Path) -> ImuStream:

@@ -250,3 +250,26 @@ def test_rates_state_how_sure_their_offset_is():
         squares.append(((match.offset_s - 0.02) / match.offset_sigma_s) ** 2)
     low, high = chi2.ppf([1e-4, 0.9999], len(squares))
     assert low < np.sum(squares) < high
+
+
+@pytest.mark.parametrize(
+    ("rate", "force", "mend"),
+    [
+        (float(np.rad2deg(1.0)), 1.0, "reads degrees a second"),
+        (1.0, 1 / 9.80665, "the accelerometer reads g"),
+        (-1.0, 1.0, "the gyroscope's axes are left-handed"),
+        (1.0, -1.0, "the accelerometer's sign is wrong"),
+    ],
+)
+def test_faults_that_no_offset_mends_are_refused_by_name(rng, rate, force, mend):
+    camera, imu = recorded(rng)
+    rates, forces = rate * imu.angular_rate_rad_s, force * imu.specific_force_m_s2
+    with pytest.raises(ValueError, match=mend):
+        synchronise(camera, ImuStream(imu.time_ns, rates, forces), ADIS16448, search_s=0.2)
+
+
+def test_stamps_in_another_unit_are_refused_by_name(rng):
+    camera, imu = recorded(rng)
+    early = Trajectory(camera.time_ns // 1000, camera.poses)
+    with pytest.raises(ValueError, match="the poses' stamps are in µs"):
+        synchronise(early, imu, ADIS16448)

@@ -130,7 +130,12 @@ def test_a_healthy_run_is_not_doubted(seed: int) -> None:
     for found, last in zip(judged(given(seed)), ("registration", "agreement"), strict=True):
         assert found.doubts == ()
         assert found.drawn_is == "smoothed"
-        assert [check.name for check in found.checks] == ["coverage", "innovations", last]
+        assert [check.name for check in found.checks] == [
+            "coverage",
+            "inertial",
+            "innovations",
+            last,
+        ]
 
 
 @pytest.mark.parametrize("fault", ["degrees", "units of g", "axes", "clock", "extrinsics"])
@@ -154,17 +159,18 @@ def test_an_imu_that_contradicts_the_camera_is_never_silent(seed: int, fault: st
 
 def test_degrees_a_second_are_told_with_numbers() -> None:
     found, blind = judged(wrong(given(0), "degrees"))
-    assert failed(blind) == {"innovations", "agreement"}
+    assert failed(blind) == {"inertial", "innovations", "agreement"}
     assert blind.drawn_is == "measured"
-    assert failed(found) == {"innovations", "registration"}
-    innovations, registration = found.doubts
+    assert failed(found) == {"inertial", "innovations", "registration"}
+    inertial, innovations, registration = found.doubts
+    assert "degrees a second" in inertial
     assert " refused" in innovations
     assert "mean NIS is" in innovations
     assert "px along the measured poses" in registration
     told = found.as_dict()
     assert told["doubts"] == list(found.doubts)
     assert told["drawn"] == "measured"
-    assert [check["passed"] for check in told["checks"]] == [True, False, False]
+    assert [check["passed"] for check in told["checks"]] == [True, False, False, False]
 
 
 def outliers(one: Given, share: float) -> Given:
