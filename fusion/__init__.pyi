@@ -19,8 +19,8 @@ from .filter.settings import FilterSettings as FilterSettings
 from .graph.fuse import fuse_by_graph as fuse_by_graph
 from .graph.odometry import fuse_odometry as fuse_odometry
 from .health.check import check_health as check_health
-from .health.verdict import Finding as Finding
 from .health.verdict import Health as Health
+from .health.verdict import HealthFinding as HealthFinding
 from .imu.allan import estimate_noise as estimate_noise
 from .imu.continuous_path import ContinuousPath as ContinuousPath
 from .imu.noise import ADIS16448 as ADIS16448

@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 from motorcade.fusion.health.check import check_health
-from motorcade.fusion.health.verdict import Finding, Health
+from motorcade.fusion.health.verdict import Health, HealthFinding
 
-__all__ = ["Finding", "Health", "check_health"]
+__all__ = ["Health", "HealthFinding", "check_health"]

@@ -12,7 +12,7 @@ from itertools import permutations, product
 
 import numpy as np
 
-from motorcade.fusion.health.regression import Fit, Prior, fit
+from motorcade.fusion.health.regression import Prior, RobustFit, fit
 from motorcade.ga.arrays import FloatArray
 
 # K has elements of about one in any unit that somebody may use, degrees and milli-g included.
@@ -69,7 +69,7 @@ class AxesEvidence:
             self, target=self.target[rows], block=self.block[rows], extra=self.extra[rows]
         )
 
-    def strained(self, found: Fit) -> bool:
+    def strained(self, found: RobustFit) -> bool:
         """Whether unknowns besides K end far from what is known of them."""
         besides = found.values[-len(self.prior.mean) :]
         off = np.abs(besides - self.prior.mean) > _STRAINED * self.prior.sigma
@@ -95,18 +95,18 @@ class AxesEvidence:
         values = np.append(self.target.ravel(), prior.mean / prior.sigma)
         return max(float(np.linalg.lstsq(rows, values)[0][0]), _SMALLEST)
 
-    def nothing(self) -> Fit:
+    def nothing(self) -> RobustFit:
         """Without the sensor: nothing but a constant."""
         constant = np.broadcast_to(np.eye(3), (len(self), 3, 3))
         return fit(self.target, constant, Prior(np.zeros(3), np.full(3, _LOOSE)), np.zeros(3))
 
-    def along(self, matrix: FloatArray) -> Fit:
+    def along(self, matrix: FloatArray) -> RobustFit:
         """With K as given: nothing of it free."""
         told = np.einsum("naij,ij->na", self.block, matrix)
         left = self.target - told
         return self._judged(fit(left, self.extra, self.prior, self._start(left)))
 
-    def scaled(self, matrix: FloatArray, start: float) -> Fit:
+    def scaled(self, matrix: FloatArray, start: float) -> RobustFit:
         """With a multiple of `matrix`, which is the first value."""
         column = np.einsum("naij,ij->na", self.block, matrix)[..., None]
         slope = np.concatenate([column, self.extra], axis=-1)
@@ -114,7 +114,7 @@ class AxesEvidence:
         first = np.append(start, self._start(self.target - start * column[..., 0]))
         return self._judged(fit(self.target, slope, prior, first))
 
-    def free(self, start: FloatArray, sigma: float) -> Fit:
+    def free(self, start: FloatArray, sigma: float) -> RobustFit:
         """With any K, whose elements are the first nine values; the noise's scale is held."""
         columns = self.block.reshape(*self.block.shape[:2], 9)
         slope = np.concatenate([columns, self.extra], axis=-1)
@@ -127,7 +127,7 @@ class AxesEvidence:
         others = self.extra[..., 3:] @ self.prior.mean[3:]
         return np.append(np.median(left - others, axis=0), self.prior.mean[3:])
 
-    def _surprise(self, found: Fit) -> float:
+    def _surprise(self, found: RobustFit) -> float:
         """Deviations by which gravity has another size than expected."""
         if self.gravity is None:
             return 0.0
@@ -137,7 +137,7 @@ class AxesEvidence:
         variance = float(vector @ covariance @ vector) / size**2
         return abs(size - self.gravity[0]) / float(np.sqrt(variance + self.gravity[1] ** 2))
 
-    def _judged(self, found: Fit) -> Fit:
+    def _judged(self, found: RobustFit) -> RobustFit:
         return replace(found, score=found.score - 0.5 * self._surprise(found) ** 2)
 
     def _with(self, mean: FloatArray | list[float]) -> Prior:

@@ -15,7 +15,7 @@ from motorcade.fusion.health.models import SIGMAS, AxesVerdict
 from motorcade.fusion.health.pushing import Pushes
 from motorcade.fusion.health.stamps import check_stamps
 from motorcade.fusion.health.turning import CameraRates, TurnedAngle, steady
-from motorcade.fusion.health.verdict import FaultName, Finding, Health
+from motorcade.fusion.health.verdict import FaultName, Health, HealthFinding
 from motorcade.fusion.health.wording import (
     bias_lines,
     delay_line,
@@ -105,7 +105,7 @@ def check_health(
         known=extrinsics_known,
     )
     if rates.state == "unrelated":
-        return Health((Finding("unrelated", unrelated_line(rates, search_s)),))
+        return Health((HealthFinding("unrelated", unrelated_line(rates, search_s)),))
     offset_s = time_offset_s + rates.lag_s
     if rates.explained and rates.axes is not None:
         base = turn if rates.axes.base == "stated" else turn.T
@@ -116,28 +116,28 @@ def check_health(
     trial = ForceTrial(pushes, imu_T_camera, extrinsics_known, gravity_m_s2, up, lean_sigma_rad)
     forces = trial.judged(rates.axes if rates.explained else None)
     if not rates.explained and forces.state == "unexplained":
-        return Health((Finding("unrelated", unrelated_line(rates, search_s)),))
+        return Health((HealthFinding("unrelated", unrelated_line(rates, search_s)),))
     findings = _units(rates, forces)
     if rates.explained and rates.late and abs(rates.lag_s) > SIGMAS * time_offset_sigma_s:
-        findings.append(Finding("delay", delay_line(rates)))
+        findings.append(HealthFinding("delay", delay_line(rates)))
     estimated_rad = SIGMAS * extrinsics_sigma_rad if extrinsics_known else np.pi
     findings += _axes(rates, forces, estimated_rad)
     findings += [*_gravity(forces, gravity_m_s2), *bias_lines(rates, forces)]
     return Health(tuple(findings), unknown_lines(rates, forces))
 
 
-def _units(rates: RateVerdict, forces: ForceVerdict) -> list[Finding]:
+def _units(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:
     found = []
     if rates.state == "named" and rates.axes is not None and rates.axes.multiple != 1.0:
         line = unit_line("gyroscope", rates.axes.multiple, RATE_UNITS)
-        found.append(Finding("rate_unit", line))
+        found.append(HealthFinding("rate_unit", line))
     if forces.state == "named" and forces.axes is not None and forces.axes.multiple != 1.0:
         line = unit_line("accelerometer", forces.axes.multiple, FORCE_UNITS)
-        found.append(Finding("force_unit", line))
+        found.append(HealthFinding("force_unit", line))
     return found
 
 
-def _axes(rates: RateVerdict, forces: ForceVerdict, estimated_rad: float) -> list[Finding]:
+def _axes(rates: RateVerdict, forces: ForceVerdict, estimated_rad: float) -> list[HealthFinding]:
     """Extrinsics and axes: what both sensors have in common is said once."""
     of_rates = rates.axes if rates.state == "named" else None
     of_forces = forces.axes if forces.state == "named" else None
@@ -184,9 +184,9 @@ def _same(matrix: np.ndarray) -> bool:
     return bool(np.allclose(matrix, np.eye(3)))
 
 
-def _gravity(forces: ForceVerdict, stated_m_s2: float) -> list[Finding]:
+def _gravity(forces: ForceVerdict, stated_m_s2: float) -> list[HealthFinding]:
     if forces.state != "gravity":
         return []
     size = float(np.linalg.norm(forces.gravity_m_s2))
     fault: FaultName = "gravity" if abs(size / stated_m_s2 - 1.0) > GRAVITY_SHARE else "lean"
-    return [Finding(fault, gravity_line(forces, stated_m_s2, fault))]
+    return [HealthFinding(fault, gravity_line(forces, stated_m_s2, fault))]

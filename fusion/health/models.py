@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from motorcade.fusion.health.axes import SIGNED_PERMUTATIONS, AxesEvidence
-from motorcade.fusion.health.regression import Fit
+from motorcade.fusion.health.regression import RobustFit
 from motorcade.ga.arrays import FloatArray
 
 Base = Literal["stated", "inverted"]
@@ -57,7 +57,7 @@ class AxesVerdict:
     multiple: float
     gain: float
     blurred: str
-    fit: Fit
+    fit: RobustFit
 
     @property
     def turn_rad(self) -> float:
@@ -164,7 +164,7 @@ def _named_multiple(found: float, sigma: float, units: tuple[float, ...]) -> flo
     return found
 
 
-def _off(free: Fit, matrix: FloatArray, multiple: float) -> tuple[FloatArray, FloatArray]:
+def _off(free: RobustFit, matrix: FloatArray, multiple: float) -> tuple[FloatArray, FloatArray]:
     """How far K is from a multiple of a signed permutation, and the deviation of that."""
     relative = free.values[:9].reshape(3, 3) @ matrix.T / multiple
     sigma = free.deviations[:9].reshape(3, 3) @ np.abs(matrix.T) / multiple

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.health.verdict import Finding, Health
+from motorcade.fusion.health.verdict import Health, HealthFinding
 from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S
 from motorcade.ga.arrays import FloatArray
 
@@ -37,7 +37,7 @@ def with_outcome(
             f"{refused} of {len(accepted)} poses were refused: check their covariances and the "
             "IMU's noise densities"
         )
-        found.append(Finding("measurements_refused", line))
+        found.append(HealthFinding("measurements_refused", line))
     gyro, accel = (
         float(np.median(np.linalg.norm(bias, axis=-1)))
         for bias in (gyro_bias_rad_s, accel_bias_m_s2)
@@ -47,11 +47,11 @@ def with_outcome(
             f"the gyroscope's bias came out as {gyro:.2g} rad/s, where {GYRO_BIAS_SIGMA_RAD_S:g} "
             "are usual: check its unit, the extrinsics and the stamps"
         )
-        found.append(Finding("rate_bias", line))
+        found.append(HealthFinding("rate_bias", line))
     if accel > _BEYOND * ACCEL_BIAS_SIGMA_M_S2:
         line = (
             f"the accelerometer's bias came out as {accel:.2g} m/s², where "
             f"{ACCEL_BIAS_SIGMA_M_S2:g} are usual: check its unit, gravity and the extrinsics"
         )
-        found.append(Finding("force_bias", line))
+        found.append(HealthFinding("force_bias", line))
     return Health(tuple(found), health.unknown)

@@ -29,7 +29,7 @@ class Prior:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class RobustFit:
     """What fits best.
 
     Fields:
@@ -56,8 +56,8 @@ def fit(
     prior: Prior,
     start: FloatArray,
     sigma: float | None = None,
-) -> Fit:
-    """Fit ``target (N, 3) = slope (N, 3, p) @ values (p,)``, from values to start with.
+) -> RobustFit:
+    """RobustFit ``target (N, 3) = slope (N, 3, p) @ values (p,)``, from values to start with.
 
     It climbs to the nearest summit of the likelihood. What nothing tells stays at its prior. With
     few rows many values leave some rows next to nothing, and the noise's scale would collapse onto
@@ -89,7 +89,7 @@ def fit(
     # The curvature that Student's likelihood has on average: a share (ν + 3)/(ν + 5).
     known = (_FREEDOM + 3.0) / (_FREEDOM + 5.0) * (flat.T @ flat) / scale + np.diag(precision)
     covariance = np.linalg.inv(known).astype(np.float64)
-    return Fit(values, covariance, float(np.sqrt(scale)), score)
+    return RobustFit(values, covariance, float(np.sqrt(scale)), score)
 
 
 def _score(square: FloatArray, scale: float, doubts: FloatArray) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from motorcade.fusion.health.verdict import Finding
+from motorcade.fusion.health.verdict import HealthFinding
 from motorcade.ga.arrays import IntArray
 
 # No sensor of this kind is read out faster (the fastest MEMS parts give 32 kHz) or slower.
@@ -15,7 +15,7 @@ _UNITS = {1_000: "µs", 1_000_000: "ms", 1_000_000_000: "s"}
 _LEAST_COMMON = 0.5  # of the shorter span
 
 
-def check_stamps(poses_ns: IntArray, imu_ns: IntArray) -> Finding | None:
+def check_stamps(poses_ns: IntArray, imu_ns: IntArray) -> HealthFinding | None:
     """Whether stamps of either stream look like microseconds, milliseconds or seconds.
 
     They do where the rate is none that a sensor has and another unit makes it one, or where the
@@ -32,7 +32,7 @@ def check_stamps(poses_ns: IntArray, imu_ns: IntArray) -> Finding | None:
             and _plausible(imu_ns, of_imu, _IMU_HZ)
             and _common(poses_ns, imu_ns, of_poses, of_imu) >= _LEAST_COMMON
         ):
-            return Finding("stamp_unit", _line(of_poses, of_imu))
+            return HealthFinding("stamp_unit", _line(of_poses, of_imu))
     return None
 
 

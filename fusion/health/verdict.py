@@ -29,12 +29,12 @@ FaultName = Literal[
 
 
 @dataclass(frozen=True)
-class Finding:
+class HealthFinding:
     """A fault: its name, and one line that says what was found and what mends it.
 
     Examples:
-        >>> from motorcade.fusion.health import Finding
-        >>> Finding("delay", "the IMU's stamps are 0.5 s late: time_offset_s=0.5").fault
+        >>> from motorcade.fusion.health import HealthFinding
+        >>> HealthFinding("delay", "the IMU's stamps are 0.5 s late: time_offset_s=0.5").fault
         'delay'
     """
 
@@ -51,12 +51,12 @@ class Health:
         unknown: what the motion does not tell, one line each: no fault, but no proof either.
 
     Examples:
-        >>> from motorcade.fusion.health import Finding, Health
-        >>> Health((Finding("delay", "the IMU's stamps are 0.5 s late"),), ()).sound
+        >>> from motorcade.fusion.health import HealthFinding, Health
+        >>> Health((HealthFinding("delay", "the IMU's stamps are 0.5 s late"),), ()).sound
         False
     """
 
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[HealthFinding, ...] = ()
     unknown: tuple[str, ...] = ()
 
     @property

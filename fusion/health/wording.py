@@ -10,7 +10,7 @@ from motorcade.fusion.health.accelerometer import ForceVerdict
 from motorcade.fusion.health.axes import order_of
 from motorcade.fusion.health.gyroscope import RateVerdict
 from motorcade.fusion.health.models import AxesVerdict
-from motorcade.fusion.health.verdict import Finding
+from motorcade.fusion.health.verdict import HealthFinding
 from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
@@ -29,31 +29,31 @@ def unit_line(sensor: str, multiple: float, units: Mapping[float, str]) -> str:
     )
 
 
-def mirrored_line(of_rates: AxesVerdict, of_forces: AxesVerdict) -> Finding:
+def mirrored_line(of_rates: AxesVerdict, of_forces: AxesVerdict) -> HealthFinding:
     """Of a left-handed frame, in which rates turn the other way round."""
     line = (
         "the IMU's axes are left-handed: put the accelerometer's readings as "
         f"{order_of(of_forces.permutation)} and the gyroscope's as {order_of(of_rates.permutation)}"
         " for (x, y, z)"
     )
-    return Finding("axes", line)
+    return HealthFinding("axes", line)
 
 
-def shared_axes_line(axes: AxesVerdict) -> list[Finding]:
+def shared_axes_line(axes: AxesVerdict) -> list[HealthFinding]:
     """Of what both sensors have in common: extrinsics, or the order of the axes."""
     found = []
     if axes.base == "inverted":
         line = "imu_T_camera is the wrong way round (transposed): give its inverse"
-        found.append(Finding("extrinsics_inverted", line))
+        found.append(HealthFinding("extrinsics_inverted", line))
     turned = not np.allclose(axes.turn, np.eye(3))
     if turned and np.linalg.det(axes.permutation) < 0.0:
         line = (
             "the IMU's axes are left-handed: negate all three of each sensor, or the one that is "
             "wrong, or swap two"
         )
-        return [*found, Finding("axes", line)]
+        return [*found, HealthFinding("axes", line)]
     if not np.allclose(axes.permutation, np.eye(3)):
-        found.append(Finding("axes", _order("the IMU's axes are", axes)))
+        found.append(HealthFinding("axes", _order("the IMU's axes are", axes)))
     if turned:
         # True readings, in the axes that the extrinsics speak of, are turn @ readings.
         vector = Rotor.from_matrix(axes.turn).inverse().as_rotation_vector()
@@ -61,11 +61,11 @@ def shared_axes_line(axes: AxesVerdict) -> list[Finding]:
             f"imu_T_camera is turned by {np.rad2deg(axes.turn_rad):.0f}°: put the rotation vector "
             f"{_degrees(vector)}, in the IMU's axes, before its rotation, or estimate it anew"
         )
-        found.append(Finding("extrinsics_turned", line))
+        found.append(HealthFinding("extrinsics_turned", line))
     return found
 
 
-def own_axes_line(sensor: str, axes: AxesVerdict) -> Finding:
+def own_axes_line(sensor: str, axes: AxesVerdict) -> HealthFinding:
     """Of one sensor whose axes are not those that the other, or the extrinsics, have."""
     kind = {"gyroscope": "rate", "accelerometer": "force"}[sensor]
     mirrored = np.linalg.det(axes.permutation) < 0.0
@@ -74,21 +74,21 @@ def own_axes_line(sensor: str, axes: AxesVerdict) -> Finding:
             f"the {sensor}'s axes are left-handed: negate all three, or the one that is wrong, or "
             "swap two"
         )
-        return Finding("rate_axes" if kind == "rate" else "force_axes", line)
+        return HealthFinding("rate_axes" if kind == "rate" else "force_axes", line)
     if not np.allclose(axes.turn, np.eye(3)):
         vector = Rotor.from_matrix(axes.turn).as_rotation_vector()
         line = (
             f"the {sensor}'s axes are turned by {np.rad2deg(axes.turn_rad):.0f}° from the other "
             f"sensor's: turn its readings by the rotation vector {_degrees(vector)}"
         )
-        return Finding("rate_axes" if kind == "rate" else "force_axes", line)
+        return HealthFinding("rate_axes" if kind == "rate" else "force_axes", line)
     if np.array_equal(axes.permutation, -np.eye(3)):
         line = f"the {sensor}'s sign is wrong: negate its three axes"
-        return Finding("rate_sign" if kind == "rate" else "force_sign", line)
+        return HealthFinding("rate_sign" if kind == "rate" else "force_sign", line)
     line = _order(f"the {sensor}'s axes are", axes)
     if axes.base == "inverted":
         line += " and give the inverse of imu_T_camera"
-    return Finding("rate_axes" if kind == "rate" else "force_axes", line)
+    return HealthFinding("rate_axes" if kind == "rate" else "force_axes", line)
 
 
 def delay_line(rates: RateVerdict) -> str:
@@ -125,32 +125,32 @@ def unrelated_line(rates: RateVerdict, search_s: float) -> str:
     )
 
 
-def bias_lines(rates: RateVerdict, forces: ForceVerdict) -> list[Finding]:
+def bias_lines(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:
     """Of biases far beyond what is known of them, and of readings that nothing explains."""
     found = []
     if rates.state == "unexplained":
         if np.max(np.abs(rates.bias_rad_s)) > _BEYOND * GYRO_BIAS_SIGMA_RAD_S:
             line = f"the gyroscope reads {_three(rates.bias_rad_s)} rad/s at rest: subtract it"
-            found.append(Finding("rate_bias", line))
+            found.append(HealthFinding("rate_bias", line))
         else:
             line = (
                 "the gyroscope agrees with the camera only in part, and no unit, sign, order of "
                 "axes, rotation or offset mends it"
             )
-            found.append(Finding("rate_unexplained", line))
+            found.append(HealthFinding("rate_unexplained", line))
     if forces.state == "unexplained":
         if np.max(np.abs(forces.bias_m_s2)) > _BEYOND * ACCEL_BIAS_SIGMA_M_S2:
             line = (
                 f"the accelerometer is off by {_three(forces.bias_m_s2)} m/s² in the camera's axes,"
                 f" where {ACCEL_BIAS_SIGMA_M_S2:g} are usual: calibrate it"
             )
-            found.append(Finding("force_bias", line))
+            found.append(HealthFinding("force_bias", line))
         else:
             line = (
                 "the accelerometer contradicts the path, and no unit, sign, order of axes, "
                 "rotation or gravity mends it"
             )
-            found.append(Finding("force_unexplained", line))
+            found.append(HealthFinding("force_unexplained", line))
     return found
 
 
