@@ -22,7 +22,7 @@ from motorcade.fusion.filter import FilterSettings, Fused, fuse
 from motorcade.fusion.filter.extended_pose import extended_pose
 from motorcade.fusion.graph import fuse_by_graph
 from motorcade.fusion.imu import ImuStream, simulate_imu
-from motorcade.fusion.metrics import Consistency, normalised_squared
+from motorcade.fusion.metrics import Consistency, chi2_bounds, normalised_squared
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.measurements import PoseMeasurements
@@ -124,6 +124,9 @@ def main() -> None:
     given = parser.parse_args()
     names = ("live", "smoothed", "batch") if given.batch else ("live", "smoothed")
     head = "".join(f"{name + ' pose':>24}{name + ' state':>24}" for name in names)
+    for size, name in ((6, "pose"), (15, "state")):
+        low, high = chi2_bounds(size, given.runs)
+        print(f"bounds of a step's {name}: {low / size:.2f} to {high / size:.2f}")
     print(f"{'NEES/d (steps in bounds)':24}{head}")
     for kind in given.kinds:
         row = ""
