@@ -116,6 +116,6 @@ def test_recorded_flights_are_smoothed_as_without_what_is_wrong(name: str, how: 
     if one is None:
         pytest.skip(f"{name}: not below {data_folder()}; set MOTORCADE_DATA")
     found = disturbed_figures(one, how, range(3))
-    assert found["robust_m"] < 1.02 * found["known_m"]
-    assert found["robust_m_max"] < 1.02 * found["known_m_max"] + 1e-3
+    assert found["robust_m"] < 1.05 * found["known_m"]
+    assert found["robust_m_max"] < 1.05 * found["known_m_max"] + 1e-3
     assert found["misjudged_share"] < 1e-3
