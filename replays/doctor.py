@@ -80,6 +80,7 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
         "pyproj": ("pyproj", "latitudes and longitudes as metres"),
         "gtsam": ("gtsam", "loops of visual SLAM, visual-inertial graphs"),
         "rosbags": ("rosbags", "recordings in ROS bags and MCAP, without ROS"),
+        "h5py": ("h5py", "inertial recordings in HDF5"),
         "scikit-image": ("skimage", "structural similarity, picture measures"),
         "scipy": ("scipy", "fits, statistics, comparisons of trajectories"),
         "pyrender": ("pyrender", "drawing characters into footage"),

@@ -6,6 +6,7 @@ magnetometer, whose y points to magnetic north. Units are rad/s and m/s²; a fie
 
 from __future__ import annotations
 
+from motorcade.fusion.orientation.doubts import orientation_doubts
 from motorcade.fusion.orientation.estimate import (
     Orientation,
     OrientationFilter,
@@ -13,4 +14,10 @@ from motorcade.fusion.orientation.estimate import (
     estimate_orientation,
 )
 
-__all__ = ["Orientation", "OrientationFilter", "OrientationModel", "estimate_orientation"]
+__all__ = [
+    "Orientation",
+    "OrientationFilter",
+    "OrientationModel",
+    "estimate_orientation",
+    "orientation_doubts",
+]

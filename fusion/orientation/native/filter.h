@@ -61,6 +61,19 @@ public:
     double tilt_deviation() const { return std::sqrt(covariance_[0][0] + covariance_[1][1]); }
     double heading_deviation() const { return std::sqrt(covariance_[2][2]); }
 
+    // By how much the axes of the world must turn about the vertical for a field to point north.
+    double north_of(const Three &magnetic) const {
+        const Rows rows = matrix(rotor_);
+        return std::atan2(dot(rows[0], magnetic), dot(rows[1], magnetic));
+    }
+
+    // Turns the axes of the world about the vertical, before anything was gathered in them.
+    void face(double angle) {
+        State turn{};
+        turn[TURN + 2] = angle;
+        rotor_ = versors::compose(turn_of(turn), rotor_);
+    }
+
     // There will be a magnetometer: until it reads, north is unknown.
     void expect_field() {
         faces_ = Faces::unknown;
@@ -75,10 +88,7 @@ public:
     void begin(const Three &rate, const Three &force, const Three *magnetic) {
         rotor_ = upright(force);
         if (magnetic) {
-            const Rows rows = matrix(rotor_);
-            State turn{};
-            turn[TURN + 2] = std::atan2(dot(rows[0], *magnetic), dot(rows[1], *magnetic));
-            rotor_ = versors::compose(turn_of(turn), rotor_);
+            face(north_of(*magnetic));
             expect_field();
         }
         last_rate_ = rate;
@@ -145,6 +155,7 @@ public:
             node->turned = turned_;
             node->wound = wound_;
         }
+        if (!node && magnetic_s_ > 0.0 && faces_ == Faces::anywhere) turn_north();
         Three rate, force, variance;
         for (std::size_t i = 0; i < 3; ++i) {
             rate[i] = swept_[i] / elapsed_;
@@ -189,6 +200,29 @@ private:
     static Rows matrix(const Four &rotor) {
         const auto m = versors::adjoint(rotor);
         return {{{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}}};
+    }
+
+    // The first field comes late: turns all that stands in the axes of the world.
+    void turn_north() {
+        const double angle = std::atan2(felt_field_[0], felt_field_[1]);
+        const double c = std::cos(angle), s = std::sin(angle);
+        const auto turned = [c, s](auto &x, auto &y) {
+            const auto before = x;
+            x = c * x - s * y;
+            y = s * before + c * y;
+        };
+        face(angle);
+        expect_field();
+        turned(velocity_[0], velocity_[1]);
+        for (Three *vector : {&impulse_, &felt_field_, &per_lag_})
+            turned((*vector)[0], (*vector)[1]);
+        for (std::size_t j = 0; j < 3; ++j) turned(turned_[0][j], turned_[1][j]);
+        for (std::size_t j = 0; j < 9; ++j) turned(wound_[0][j], wound_[1][j]);
+        for (const std::size_t at : {TURN, VELOCITY}) {
+            for (std::size_t j = 0; j < ERRORS; ++j)
+                turned(covariance_[at][j], covariance_[at + 1][j]);
+            for (State &row : covariance_) turned(row[at], row[at + 1]);
+        }
     }
 
     // The field in the axes of the world, and what a lag of the magnetometer adds to it: ω × m.
@@ -274,7 +308,6 @@ private:
         if (!heading.known) return;
         Measured read{Kind::heading, 0, 0.0, 0.0, {}, heading.lean};
         if (faces_ != Faces::north) {  // the first: all that is known
-            if (faces_ == Faces::anywhere) covariance_[2][2] += square(HALF_TURN);
             faces_ = Faces::north;
             heading.noise = heading.variance;
         }

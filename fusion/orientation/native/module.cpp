@@ -110,8 +110,10 @@ struct Made {
 };
 
 // A whole stream forwards. With nodes it keeps them for the pass backwards, and what it puts out is
-// then each sample before the correction that it may bring.
-void forward(Filter &filter, const Readings &given, const Made &made, std::vector<Node> *nodes) {
+// then each sample before the correction that it may bring. The first heading is turned by an
+// angle.
+void forward(Filter &filter, const Readings &given, const Made &made, std::vector<Node> *nodes,
+             double heading = 0.0) {
     const auto correct = [&](std::size_t end) {
         if (nodes) nodes->emplace_back().end = end;
         filter.correct(nodes ? &nodes->back() : nullptr);
@@ -119,6 +121,7 @@ void forward(Filter &filter, const Readings &given, const Made &made, std::vecto
     for (std::size_t k = 0; k < given.count; ++k) {
         if (k == 0) {
             filter.begin(given.rates[0], given.forces[0], given.field(0));
+            filter.face(heading);
             made.put(0, filter.rotor(), filter.bias());
         } else {
             const double dt = 1e-9 * static_cast<double>(given.time_ns[k] - given.time_ns[k - 1]);
@@ -162,6 +165,20 @@ void add_corrections(const Made &made, const std::vector<Node> &nodes, const Set
     }
 }
 
+// The heading to start from, where the magnetometer reads later than the IMU: north, by the gyro
+// until then.
+double first_heading(const Settings &settings, Readings given, const Made &made) {
+    std::size_t first = 0;
+    while (first < given.count && !given.field(first)) ++first;
+    if (!given.fields || first == 0 || first == given.count) return 0.0;
+    const Three field = *given.field(first);
+    given.fields = nullptr;
+    given.count = first + 1;
+    Filter filter(settings);
+    forward(filter, given, made, nullptr);
+    return filter.north_of(field);
+}
+
 // Gives the lag of the magnetometer, s.
 double run(const Settings &settings, const Vectors &rates, const Vectors &forces,
            const std::optional<Vectors> &fields, const Stamps &time_ns, bool backward,
@@ -182,15 +199,16 @@ double run(const Settings &settings, const Vectors &rates, const Vectors &forces
     nb::gil_scoped_release unlocked;
     Filter filter(settings);
     std::vector<Node> nodes;
+    const double heading = backward ? first_heading(settings, given, made) : 0.0;
     if (backward && given.fields) filter.expect_field();
-    forward(filter, given, made, backward ? &nodes : nullptr);
+    forward(filter, given, made, backward ? &nodes : nullptr, heading);
     if (!backward) return filter.field().lag();
     if (filter.field().recovered()) {  // it began in a disturbed place: once more, knowing that
         Filter again(settings);
         again.expect_field();
         again.take_reference(filter.field());
         nodes.clear();
-        forward(again, given, made, &nodes);
+        forward(again, given, made, &nodes, heading);
     }
     add_corrections(made, nodes, settings);
     return filter.field().lag();
