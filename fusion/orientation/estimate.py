@@ -30,7 +30,7 @@ class OrientationModel:
     """Sensor and motion, as the filter sees them.
 
     The defaults are round numbers from data sheets and everyday motion, looked over on ten trials
-    of BROAD: halving or doubling any of them leaves the mean error within a tenth.
+    of BROAD: halving or doubling any of them leaves the mean inclination error within a tenth.
 
     Fields:
         noise: white noise and walks; the ADIS16448's, which is of today's usual class, with a gyro

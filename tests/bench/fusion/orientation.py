@@ -1,6 +1,6 @@
 """Orientation by inertial readings on trials of BROAD and flights of EuRoC, beside VQF's package.
 
-    python -m tests.bench.fusion.orientation
+python -m tests.bench.fusion.orientation
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga import Rotor
+from tests.bench.data import data_folder
 from tests.bench.fusion.broad import (
     BroadTrial,
     broad_errors,
@@ -21,7 +22,6 @@ from tests.bench.fusion.broad import (
     read_trial,
     trial_paths,
 )
-from tests.bench.data import data_folder
 from tests.bench.fusion.recorded import FLIGHTS, flight
 from tests.bench.timing import on_one_core
 
