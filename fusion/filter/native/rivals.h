@@ -197,7 +197,9 @@ template <std::size_t N> void Timeline<N>::give_up(const Rival<N> &winner) {
 // allows a pose to be off, the old map is safe whichever is right.
 template <std::size_t N> void Timeline<N>::doubt_last_jump() {
     if (!former_) return;
-    along(former_->track, [&] { advance_to(samples_.back().time_ns); });
+    std::size_t last = next_ - 1;  // samples may go on for long after it
+    while (!events_[last].measures()) --last;
+    along(former_->track, [&] { advance_to(events_[last].time_ns); });
     if (bridged(former_->track.covariance, events_[former_->birth]))
         undo_jump(former_->birth, former_->birth, next_);
 }
