@@ -13,7 +13,15 @@ from motorcade import __version__
 from motorcade.replays.cli.arguments import one_line
 from motorcade.replays.cli.characters import author, blend
 from motorcade.replays.cli.recordings import demo, export, graph, inspect, run, sweep
-from motorcade.replays.cli.sensors import allan, calibrate, detect, orient, simulate_imu, sync
+from motorcade.replays.cli.sensors import (
+    allan,
+    calibrate,
+    detect,
+    fuse,
+    orient,
+    simulate_imu,
+    sync,
+)
 from motorcade.replays.cli.tools import doctor, generate
 from motorcade.replays.cli.trajectories import compare, consistency, evaluate, smooth, trajectory
 from motorcade.replays.errors import did_you_mean
@@ -32,6 +40,7 @@ COMMANDS = (
     allan,
     orient,
     sync,
+    fuse,
     graph,
     generate,
     blend,

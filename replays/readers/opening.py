@@ -1,11 +1,15 @@
-"""Opening a recording: by its manifest, or by the layout that its folder has."""
+"""Opening a recording: by its manifest, or by the layout that its folder has; or its IMU alone."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from motorcade.fusion.imu import ImuStream
 from motorcade.replays.errors import refusal
+from motorcade.replays.files.imu import read_imu
 from motorcade.replays.readers import manifest as manifests
+from motorcade.replays.readers.frames import video
+from motorcade.replays.readers.gpmf import read_telemetry
 from motorcade.replays.readers.layouts.detect import read_layout
 from motorcade.replays.recording import Recording
 
@@ -58,3 +62,20 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
     except OSError as fault:
         where = fault.filename or root
         raise refusal(where, f"cannot be read: {fault.strerror or fault}") from fault
+
+
+def read_imu_of(path: Path) -> ImuStream:
+    """The readings of EuRoC's CSV, of a video's telemetry, or of a recording in a folder.
+
+    Raises:
+        RecordingError: a video or a recording without an IMU, or what their readers refuse.
+    """
+    if video.recognise(path):
+        found = read_telemetry(path)
+    elif path.is_dir():
+        found = open_recording(path).imu
+    else:
+        found = read_imu(path)
+    if found is None:
+        raise refusal(path, "expected accelerometer and gyroscope, got a recording without them")
+    return found

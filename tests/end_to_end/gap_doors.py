@@ -234,6 +234,7 @@ COMMANDS: dict[str, Callable[[Case], object]] = {
     ),
     "motorcade simulate-imu": command("simulate-imu", _file("truth.csv"), "-o", _out("made.csv")),
     "motorcade sync": command("sync", _file("est.csv"), _file("imu.csv")),
+    "motorcade fuse": command("fuse", _file("est.csv"), _file("imu.csv"), "-o", _out("fused.csv")),
     "motorcade allan": command("allan", _file("standing.csv")),
     "motorcade compare --input": command(
         "compare", "--input", _file("est.csv"), "--truth", _file("truth.csv"),

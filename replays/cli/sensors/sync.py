@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
 if TYPE_CHECKING:
-    from motorcade.fusion.imu import ImuStream
     from motorcade.fusion.sync import Synchronised
 
 
@@ -46,9 +45,10 @@ def sync(arguments: argparse.Namespace) -> None:
     from motorcade.fusion.sync import synchronise
     from motorcade.replays.files.atomic import write_bytes
     from motorcade.replays.files.trajectories import read_trajectory
+    from motorcade.replays.readers.opening import read_imu_of
 
     noise = ADIS16448 if arguments.noise is None else ImuNoise.load(arguments.noise)
-    camera, imu = read_trajectory(arguments.camera), _stream(arguments.imu)
+    camera, imu = read_trajectory(arguments.camera), read_imu_of(arguments.imu)
     found = synchronise(camera, imu, noise, search_s=arguments.search_s)
     results = _as_dict(found)
     for line in (*(one.summary for one in found.health.findings), *found.health.unknown):
@@ -59,29 +59,6 @@ def sync(arguments: argparse.Namespace) -> None:
     if arguments.json is not None:
         about = results | {"health": found.health.as_dict()}
         write_bytes(arguments.json, (json.dumps(about, indent=2) + "\n").encode())
-
-
-def _stream(path: Path) -> ImuStream:
-    """The readings of a file, of a video's telemetry, or of a recording in a folder.
-
-    Raises:
-        RecordingError: a video or a recording without an IMU, or what their readers refuse.
-    """
-    from motorcade.replays.errors import refusal
-    from motorcade.replays.files.imu import read_imu
-    from motorcade.replays.readers.frames import video
-    from motorcade.replays.readers.gpmf import read_telemetry
-    from motorcade.replays.readers.opening import open_recording
-
-    if video.recognise(path):
-        found = read_telemetry(path)
-    elif path.is_dir():
-        found = open_recording(path).imu
-    else:
-        found = read_imu(path)
-    if found is None:
-        raise refusal(path, "expected accelerometer and gyroscope, got a recording without them")
-    return found
 
 
 def _as_dict(found: Synchronised) -> dict[str, float | list[float]]:

@@ -42,12 +42,13 @@ SMALL += ("camera.toml", "a.clu", "scene.json", "drags.jsonl", "a.glb", "a.bvh",
 SMALL += ("sweep.toml", "marker_map.json", "slam_map.npz", "tiny/motorcade.toml", "tiny/truth.tum")
 SMALL += ("run/run.json", "poses.mcap", "transform.json")
 LAST_STAGES = ("tracked", "camera_poses", "imu", "fused", "smoothed", "errors", "x")
-WRITTEN = ("output", "out", "draw", "plot", "svg", "cache", "gltf", "rrd", "json")
+WRITTEN = ("output", "out", "draw", "plot", "svg", "cache", "gltf", "rrd", "json", "covariance")
 FITTING = {
     "camera": ["camera.toml", "a.tum"],
     "config": ["sweep.toml"],
     "character": ["a.glb", "a.dae"],
     "estimate": ["a.tum", "a.csv"],
+    "extrinsics": ["camera.toml", "a.tum"],
     "gestures": ["drags.jsonl"],
     "images": ["0.png", "tiny/images"],
     "imu": ["imu.csv"],

@@ -11,11 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motorcade.render import write_video
-from motorcade.replays.cli.sensors.sync import _stream
 from motorcade.replays.errors import RecordingError
 from motorcade.replays.files.imu import write_imu
 from motorcade.replays.readers import gpmf
-from motorcade.replays.readers.opening import open_recording
+from motorcade.replays.readers.opening import open_recording, read_imu_of
 
 HERE = Path("made-up.mp4")
 
@@ -200,10 +199,10 @@ def test_sync_takes_a_video_a_recording_or_a_file(data_dir: Path, tmp_path: Path
         "[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]\n"
     )
     for source in (path, tmp_path, tmp_path / "imu.csv"):
-        stream = _stream(source)
+        stream = read_imu_of(source)
         np.testing.assert_array_equal(stream.time_ns, own.time_ns)
         np.testing.assert_allclose(
             stream.specific_force_m_s2, own.specific_force_m_s2, rtol=1e-3, atol=1e-3
         )
     with pytest.raises(RecordingError, match=r"plain\.mp4.*expected accelerometer and gyroscope"):
-        _stream(tmp_path / "plain.mp4")
+        read_imu_of(tmp_path / "plain.mp4")

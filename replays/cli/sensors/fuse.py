@@ -1,0 +1,185 @@
+"""`motorcade fuse`: poses of a file and an IMU's readings in, one path out."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from motorcade.replays.cli.arguments import Subparsers, new_command
+
+if TYPE_CHECKING:
+    from motorcade.fusion.imu import ImuStream
+    from motorcade.ga import Trajectory
+    from motorcade.ga.arrays import IntArray
+    from motorcade.replays.fusing import FusingOptions
+
+
+def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
+    """Register the command."""
+    parser = new_command(
+        commands,
+        shared,
+        fuse,
+        name="fuse",
+        summary="fuse the poses of a trajectory file (metres) with the readings of an IMU",
+        example="motorcade fuse camera.tum imu0/data.csv -o fused.tum --extrinsics sync.json "
+        "--noise imu.yaml --covariance fused.csv",
+    )
+    parser.add_argument(
+        "poses", metavar="POSES", help="TUM, EuRoC or KITTI file, or BAG:TOPIC: world_T_camera"
+    )
+    parser.add_argument(
+        "imu",
+        type=Path,
+        metavar="IMU",
+        help="EuRoC's CSV, a video with a GoPro's telemetry, or a recording with an IMU",
+    )
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT")
+    parser.add_argument("--format", choices=("tum", "euroc", "kitti"), help="of OUT")
+    parser.add_argument("--rate-hz", type=float, help="rate of a KITTI file, which has no stamps")
+    parser.add_argument(
+        "--stamps",
+        default="poses",
+        metavar="WHICH",
+        help="at which the path is wanted: poses, imu, or a trajectory file that has them (poses)",
+    )
+    parser.add_argument(
+        "--online", action="store_true", help="make every pose of what came before it alone"
+    )
+    parser.add_argument(
+        "--covariance", type=Path, metavar="FILE", help="write 6 by 6 covariances there, as CSV"
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
+    _add_known(parser)
+    _add_doubts(parser)
+
+
+def _add_known(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("the sensor")
+    group.add_argument(
+        "--noise", type=Path, metavar="FILE", help="Kalibr or EuRoC YAML; without it: ADIS16448"
+    )
+    group.add_argument(
+        "--noise-factor", type=float, help="times its white noise, for a sensor that moves (10)"
+    )
+    group.add_argument("--walk-factor", type=float, help="times its bias walks (1)")
+    group.add_argument(
+        "--extrinsics",
+        type=Path,
+        metavar="FILE",
+        help="imu_T_camera: JSON of `motorcade sync`, Kalibr's chain, evo's JSON, or 4 by 4 "
+        "numbers; without it the poses are the IMU's",
+    )
+    group.add_argument(
+        "--offset-s",
+        type=float,
+        default=0.0,
+        help="what the IMU's clock shows minus what the poses' does (0)",
+    )
+    group.add_argument(
+        "--estimate",
+        nargs="+",
+        default=(),
+        choices=("extrinsics", "offset"),
+        help="find these by the motion of both, as `motorcade sync` does; the filter refines them",
+    )
+    group.add_argument("--gravity-m-s2", type=float, default=9.81, help="size of gravity (9.81)")
+
+
+def _add_doubts(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("deviations, an axis")
+    group.add_argument("--sigma-m", type=float, help="of positions (from how rough they are)")
+    group.add_argument("--sigma-deg", type=float, help="of rotations (likewise)")
+    group.add_argument(
+        "--gravity-sigma-deg",
+        type=float,
+        default=1.0,
+        help="of the world's z from up, which is estimated then (1)",
+    )
+    group.add_argument(
+        "--extrinsics-sigma-deg", type=float, help="of extrinsics' rotation, estimated then (1)"
+    )
+    group.add_argument(
+        "--extrinsics-sigma-m", type=float, help="of extrinsics' place, estimated then (0)"
+    )
+    group.add_argument(
+        "--gate", type=float, default=0.9999, help="probability that a good pose passes (0.9999)"
+    )
+
+
+def fuse(arguments: argparse.Namespace) -> None:
+    """Read, fuse, write; print what was found."""
+    from motorcade.replays.files.atomic import write_bytes
+    from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+    from motorcade.replays.fusing import fuse_poses, write_covariance
+    from motorcade.replays.readers.opening import read_imu_of
+
+    options = _options(arguments)
+    poses = read_trajectory(arguments.poses, rate_hz=arguments.rate_hz)
+    imu = read_imu_of(arguments.imu)
+    found = fuse_poses(poses, imu, options, _stamps(arguments.stamps, poses, imu, options))
+    path = found.fused.trajectory
+    write_trajectory(path, arguments.output, arguments.format)
+    if arguments.covariance is not None:
+        write_covariance(arguments.covariance, path.time_ns, found.fused.covariance)
+    figures = found.as_dict()
+    for key, value in figures.items():
+        print(f"{key:>28}  {_shown(value)}")
+    if arguments.json is not None:
+        write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
+
+
+def _options(arguments: argparse.Namespace) -> FusingOptions:
+    import numpy as np
+
+    from motorcade.replays.files.extrinsics import read_extrinsics
+    from motorcade.replays.files.imu import read_noise
+    from motorcade.replays.fusing import FusingOptions
+
+    if arguments.extrinsics is not None and "extrinsics" in arguments.estimate:
+        raise ValueError("--extrinsics: expected a file or --estimate extrinsics, got both")
+
+    def radians(degrees: float | None) -> float | None:
+        return None if degrees is None else float(np.deg2rad(degrees))
+
+    return FusingOptions(
+        noise=None if arguments.noise is None else read_noise(arguments.noise),
+        noise_factor=arguments.noise_factor,
+        walk_factor=arguments.walk_factor,
+        imu_T_camera=None
+        if arguments.extrinsics is None
+        else read_extrinsics(arguments.extrinsics),
+        offset_s=arguments.offset_s,
+        estimate=tuple(arguments.estimate),
+        sigma_m=arguments.sigma_m,
+        sigma_rad=radians(arguments.sigma_deg),
+        gravity_m_s2=arguments.gravity_m_s2,
+        gravity_sigma_rad=float(np.deg2rad(arguments.gravity_sigma_deg)),
+        extrinsics_sigma_rad=radians(arguments.extrinsics_sigma_deg),
+        extrinsics_sigma_m=arguments.extrinsics_sigma_m,
+        gate=arguments.gate,
+        online=arguments.online,
+    )
+
+
+def _stamps(
+    which: str, poses: Trajectory, imu: ImuStream, options: FusingOptions
+) -> IntArray | None:
+    """Those asked for, on the poses' clock."""
+    from motorcade.replays.files.trajectories import read_trajectory
+
+    if which == "poses":
+        return None
+    if which == "imu":
+        stamps: IntArray = imu.time_ns - round(options.offset_s * 1e9)
+        inside: IntArray = stamps[(stamps >= poses.time_ns[0]) & (stamps <= poses.time_ns[-1])]
+        return inside
+    return read_trajectory(which).time_ns
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "–"
+    return " ".join(f"{one:.6g}" for one in (value if isinstance(value, list) else [value]))
