@@ -67,9 +67,8 @@ def match_rates(camera: Trajectory, imu: ImuStream, search_s: float) -> RateMatc
     """
     rates = CameraRates.of(camera)
     turned = TurnedAngle(imu)
-    grid: FloatArray = (
-        np.arange(-round(search_s / _GRID_S), round(search_s / _GRID_S) + 1) * _GRID_S
-    )
+    steps = round(search_s / _GRID_S)
+    grid = _GRID_S * np.arange(-steps, steps + 1).astype(np.float64)
     score = norm_correlations(rates, turned, grid)
     if not np.any(np.isfinite(score)):
         raise ValueError(

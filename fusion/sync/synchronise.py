@@ -48,6 +48,7 @@ _NO_OFFSET_MENDS = (
     "axes",
     "gravity",
 )
+_NEARLY_AS_SURE = 2.0  # times the deviation; the price of not believing the forces
 _UNLIKELY = 10.83  # χ² with one degree of freedom exceeds it once in a thousand cases
 
 
@@ -195,11 +196,12 @@ def synchronise(
             f"camera and imu: expected poses that agree with their rates, which put the offset at "
             f"{match.offset_s:.4f} ± {match.offset_sigma_s:.4f} s, got {found.shared.offset_s:.4f}"
         )
+    offset_s, covariance = _borne_out(found, used, imu, beliefs)
     return Synchronised(
-        found.shared.offset_s,
+        offset_s,
         found.shared.imu_T_camera,
         found.shared.gravity_m_s2,
-        _borne_out(found, used, imu, beliefs),
+        covariance,
         found.bias[:, :3],
         found.bias[:, 3:],
         found.time_ns,
@@ -228,8 +230,14 @@ def _checked(camera: Trajectory, imu: ImuStream, match: RateMatch) -> Health:
     return health
 
 
-def _borne_out(found: Aligned, used: Trajectory, imu: ImuStream, beliefs: Beliefs) -> FloatArray:
-    """Covariance ``(10, 10)`` with rotations' deviations that cover what forces change in it.
+def _borne_out(
+    found: Aligned, used: Trajectory, imu: ImuStream, beliefs: Beliefs
+) -> tuple[float, FloatArray]:
+    """Offset and covariance ``(10, 10)`` that do not rest on the forces alone.
+
+    The offset is that of rotations alone where these are nearly as sure of it: on EuRoC's flights
+    positions and forces put it by up to 5 ms off, at a fraction of a millisecond of stated
+    deviation. Deviations of the extrinsics' rotation cover what forces change in it.
 
     J. Hausman, Specification tests in econometrics, Econometrica 46(6), 1978: of two estimates the
     one that believes more is the surer one, but they agree where its beliefs are right.
@@ -244,8 +252,12 @@ def _borne_out(found: Aligned, used: Trajectory, imu: ImuStream, beliefs: Belief
     grown = np.ones(len(covariance))
     if np.any(squares > _UNLIKELY * own):  # then forces are believed about no axis
         grown[ROTATION] = np.sqrt(np.maximum((squares + own) / stated, 1.0))
+    offset_s, own_sigma = found.shared.offset_s, float(np.sqrt(turning.covariance[0, 0]))
+    ratio = own_sigma / float(np.sqrt(covariance[0, 0]))
+    if ratio < _NEARLY_AS_SURE:
+        offset_s, grown[0] = turning.shared.offset_s, ratio
     inflated: FloatArray = covariance * grown * grown[:, None]
-    return inflated
+    return offset_s, inflated
 
 
 def _gravity(
