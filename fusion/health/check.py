@@ -109,9 +109,8 @@ def check_health(
     offset_s = time_offset_s + rates.lag_s
     if rates.explained and rates.axes is not None:
         base = turn if rates.axes.base == "stated" else turn.T
-        camera = camera[
-            steady(camera, turned, offset_s, base @ rates.axes.matrix, rates.sigma_rad_s)
-        ]
+        kept = steady(camera, turned, offset_s, base @ rates.axes.matrix, rates.sigma_rad_s)
+        camera = camera[kept] if np.any(kept) else camera
     pushes = Pushes.of(camera, imu, offset_s, _MOST_WINDOWS)
     trial = ForceTrial(pushes, imu_T_camera, extrinsics_known, gravity_m_s2, up, lean_sigma_rad)
     forces = trial.judged(rates.axes if rates.explained else None)
