@@ -31,6 +31,9 @@ from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
 
 _MOST_WINDOWS = 300
+# Both sensors share a package. Faults of a ground truth's attitude and of an accelerometer's scale
+# look like a turn of its own by up to 6° (EuRoC's V1_01).
+_FORCE_TURN_RAD = float(np.deg2rad(10.0))
 
 
 def check_health(
@@ -163,6 +166,8 @@ def _axes(rates: RateVerdict, forces: ForceVerdict, estimated_rad: float) -> lis
     )
     if mirrored and of_rates is not None and of_forces is not None:
         return [mirrored_line(of_rates, of_forces)]
+    if of_forces is not None and _turned(of_forces) and of_forces.turn_rad < _FORCE_TURN_RAD:
+        of_forces = None
     sensors = (("gyroscope", of_rates), ("accelerometer", of_forces))
     return [own_axes_line(name, axes) for name, axes in sensors if axes and _changed(axes)]
 
