@@ -119,8 +119,6 @@ def judge_rates(
         found = _verdict("sound", first, here["stated"], 0.0)
         if not found.late:
             return found
-    if _expected_gain(here["stated"]) < _SEARCHED * NEEDED * here["stated"].repeats:
-        return _verdict("unknown", first, here["stated"], 0.0)
     chosen_s, evidence, axes = try_here.best(here, offset_s, search_s)
     state = _state(axes, evidence["stated"])
     if state not in ("sound", "named"):
