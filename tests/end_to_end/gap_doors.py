@@ -22,7 +22,9 @@ from motorcade.fusion import (
     simulate_imu,
     synchronise,
 )
+from motorcade.fusion.graph.calibrate import calibrate_by_graph
 from motorcade.fusion.graph.odometry import fuse_odometry
+from motorcade.fusion.health import check_health
 from motorcade.fusion.imu import estimate_noise, screen_imu
 from motorcade.fusion.metrics import (
     alignment_of,
@@ -116,6 +118,7 @@ def _imu_rewritten(case: Case) -> None:
 def _drawn(case: Case) -> None:
     from motorcade.render.plots import (
         plot_path_3d,
+        plot_paths,
         plot_plan_and_elevation,
         plot_rotation_and_twist,
     )
@@ -123,6 +126,7 @@ def _drawn(case: Case) -> None:
     paths = {"measured": case.noisy, "truth": case.truth}
     plot_plan_and_elevation(paths)
     plot_path_3d(paths)
+    plot_paths(paths)
     plot_rotation_and_twist(case.noisy)
 
 
@@ -202,6 +206,10 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     "fuse_by_graph with lag": lambda case: fuse_by_graph(
         case.measured, case.imu, ADIS16448, Motor.identity(), lag_s=1.0
     ),
+    "calibrate_by_graph": lambda case: calibrate_by_graph(
+        case.measured, case.imu, ADIS16448, Motor.identity()
+    ),
+    "check_health": lambda case: check_health(case.noisy, case.imu, Motor.identity()),
     "fuse_odometry": lambda case: fuse_odometry(case.measured, case.truth, Motor.identity()),
     "synchronise": lambda case: synchronise(case.noisy, case.imu, ADIS16448).on_imu_clock(
         case.noisy

@@ -146,6 +146,7 @@ def test_a_run_killed_in_any_stage_resumes_to_the_same_bytes(
     assert leftovers == []
 
 
+@pytest.mark.slow
 def test_without_opengl_all_but_the_video_is_there(board_recording: Path, tmp_path: Path) -> None:
     environment = dict(os.environ, PYOPENGL_PLATFORM="none")
     program = [

@@ -25,6 +25,7 @@ def told(*arguments: object) -> subprocess.CompletedProcess[str]:
     return done
 
 
+@pytest.mark.slow
 def test_a_line_a_stage_and_one_of_the_result_where_there_is_no_terminal(
     board_recording: Path, tmp_path: Path
 ) -> None:

@@ -149,7 +149,11 @@ def disturbed_figures(
     for seed in seeds:
         for key, value in _seed(one, how, seed, graph).items():
             found.setdefault(key, []).append(value)
-    joined = {"max": np.max, "share": np.mean, "seconds": np.median}
+    joined: dict[str, Callable[[list[float]], Any]] = {
+        "max": np.max,
+        "share": np.mean,
+        "seconds": np.median,
+    }
     return {
         key: float(joined.get(key.rpartition("_")[2], _rms)(values))
         for key, values in found.items()

@@ -32,6 +32,7 @@ from tests.fuzz.mutations import mutated, one_of
 from tests.fuzz.own import ended
 from tests.fuzz.runner import Feed
 from tests.replays import conftest as layouts
+from tests.replays.readers.bag_poses import write_poses
 
 __all__ = ["KEYS", "KNOBS", "MATRIX", "RIGHT", "prepare", "toml", "write_maps"]
 
@@ -83,8 +84,18 @@ RIGHT: dict[str, list[Any]] = {
     "marker_id": [0, 1_000_000],
     "side_m": [0.08],
     "map_file": ["marker_map.json", "slam_map.npz"],
-    "file": ["truth.tum", "truth.csv", "truth.kitti", "poses.txt", "vectors.txt", "imu.csv", "p*"],
+    "file": [
+        "truth.tum",
+        "truth.csv",
+        "truth.kitti",
+        "poses.txt",
+        "vectors.txt",
+        "imu.csv",
+        "p*",
+        "flight.bag",
+    ],
     "format": list(truth._FORMATS),
+    "topic": ["/odom", "map/base", "/tf:map.base", "map/odom"],
     "convention": list(truth._CONVENTIONS),
     "board_frame": ["opencv", "motorcade"],
     "times": ["times.txt", "gaps.txt"],
@@ -175,6 +186,7 @@ def _write(root: Path) -> tuple[str, ...]:
     write_trajectory(path, root / "truth.tum")
     write_trajectory(path, root / "truth.csv", "euroc")
     write_trajectory(path, root / "truth.kitti", "kitti")
+    write_poses(root, "bag")
     np.savetxt(root / "poses.txt", path.motors.as_matrix().reshape(-1, 16))
     turns = path.motors.rotor.log() * -2.0
     np.savetxt(root / "vectors.txt", np.hstack([turns, path.motors.translation_m]))
@@ -268,9 +280,12 @@ def _right(rng: np.random.Generator, bare: bool) -> dict[str, dict[str, Any]]:
     if not bare and rng.random() < 0.6:
         files = {"tum": "truth.tum", "euroc": "truth.csv", "kitti": "truth.kitti"}
         files |= {"matrix4": "poses.txt", "rotation_vector": "vectors.txt"}
+        files |= {"bag": "flight.bag"}
         form = one_of(list(files), rng)
         made["truth"] = {"file": files[form], "format": form} | some("convention")
-        if form not in ("tum", "euroc"):
+        if form == "bag":
+            made["truth"] |= some("topic")
+        elif form not in ("tum", "euroc"):
             made["truth"] |= one_of([{"rate_hz": 25.0}, {"times": "gaps.txt"}], rng)
     if not bare and rng.random() < 0.5:
         made["imu"] = some("noise_file", "imu_T_camera") | {"file": "imu.csv"}

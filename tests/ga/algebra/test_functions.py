@@ -203,6 +203,7 @@ def test_logs_of_motors_are_those_of_the_pose_library() -> None:
     close(exp(b), cga.of_versor(flipped), 1e-13)
 
 
+@pytest.mark.slow
 def test_clifford_finds_the_same_exponentials_and_logarithms() -> None:
     clifford = pytest.importorskip("clifford")
     g3c = pytest.importorskip("clifford.tools.g3c.rotor_parameterisation")

@@ -63,6 +63,7 @@ def test_tracking_a_board_keeps_no_pictures(pictures: list[np.ndarray], traced: 
     assert 0 < frames.bytes_a_frame < 0.1 * PICTURE_BYTES
 
 
+@pytest.mark.slow
 def test_finding_loose_markers_keeps_no_pictures(
     pictures: list[np.ndarray], traced: None, tmp_path
 ) -> None:

@@ -18,6 +18,7 @@ from tests.bench.algebra.table3.paper import PAPER_MS, overheads_ms, paper_ns
 from tests.bench.algebra.table3.reference import blended_matrices
 from tests.bench.algebra.table3.report import table3_table, verdict
 
+pytestmark = pytest.mark.slow
 COMPILED = pytest.mark.skipif(
     not (shutil.which("cc") or shutil.which("gcc")), reason="no C compiler"
 )
