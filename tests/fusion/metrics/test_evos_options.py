@@ -182,7 +182,7 @@ def test_absolute_errors_are_evos_on_a_share_of_the_product(data_dir, rng, name)
 def test_absolute_errors_are_evos_on_every_trajectory(data_dir, rng, name):
     share = 0.1 if name in LONG else 1.0
     cases, worst = walk(data_dir, name, share, rng)
-    assert cases > 40 * share * (1 if name.startswith("KITTI") else 10)
+    assert cases >= 40 * share * (1 if name.startswith("KITTI") else 10)
     assert worst < 1e-6
 
 
