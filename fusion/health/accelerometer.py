@@ -13,6 +13,8 @@ from motorcade.fusion.health.models import (
     SIGMAS,
     AxesVerdict,
     Base,
+    Model,
+    find_rivals,
     judge_axes,
     judge_stated,
 )
@@ -92,7 +94,7 @@ class ForceTrial:
         if shared is not None and shared.state == "sound":
             return self._verdict("named", shared, agrees=True)
         if of_rates is not None:  # which says how the extrinsics are to be read
-            bases = {"stated": stated}
+            bases = {of_rates.base: bases[of_rates.base]}
         found = judge_axes(bases, tuple(FORCE_UNITS), -NEEDED)
         other = judge_stated(self._with_any_gravity(stated), -NEEDED)
         named = found.state == "named" and found.multiple in (1.0, *FORCE_UNITS)
@@ -104,6 +106,15 @@ class ForceTrial:
             "named" if found.state == "named" else "unexplained"
         )
         return self._verdict(state, found, agrees=False)
+
+    def rivals(self) -> tuple[Model, ...]:
+        """Bases and permutations that explain the accelerometer best; none where too few are."""
+        return find_rivals(self._bases()) if len(self.pushes) >= _FEWEST else ()
+
+    def camera_R_imu(self) -> dict[Base, FloatArray]:
+        """Rotations ``(3, 3)`` of the extrinsics, read either way round."""
+        imu_R_camera = self.imu_T_camera.rotor.as_matrix()
+        return {"stated": imu_R_camera.T, "inverted": imu_R_camera}
 
     def _shared(
         self, bases: dict[Base, AxesEvidence], of_rates: AxesVerdict | None
@@ -129,7 +140,8 @@ class ForceTrial:
     def _evidence(self, imu_T_camera: Motor) -> AxesEvidence:
         """Acceleration = mean(world_R_camera camera_R_imu K readings) + gravity - bias - lever."""
         pushes, camera_T_imu = self.pushes, imu_T_camera.inverse()
-        block = np.einsum("kaij,im->kamj", pushes.force, camera_T_imu.rotor.as_matrix())
+        camera_R_imu = camera_T_imu.rotor.as_matrix()
+        block = np.einsum("kaij,im->kamj", pushes.force, camera_R_imu)
         constant = np.broadcast_to(np.eye(3), pushes.attitude.shape)
         extra = np.concatenate([constant, -pushes.attitude, -pushes.lever], axis=-1)
         across = max(self.lean_sigma_rad, LEAN_RAD / SIGMAS) * self.gravity_m_s2
@@ -146,7 +158,7 @@ class ForceTrial:
             np.array([*gravity_sigma, *[ACCEL_BIAS_SIGMA_M_S2] * 3, *[sigma] * 3]),
         )
         size = None if self.up else (self.gravity_m_s2, _SIZE_SIGMA_M_S2)
-        return AxesEvidence(pushes.acceleration_m_s2, block, extra, prior, size)
+        return AxesEvidence(pushes.acceleration_m_s2, block, extra, prior, camera_R_imu, size)
 
     def _with_any_gravity(self, one: AxesEvidence) -> AxesEvidence:
         mean, sigma = one.prior.mean.copy(), one.prior.sigma.copy()

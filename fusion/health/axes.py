@@ -50,6 +50,8 @@ class AxesEvidence:
         extra: ``(N, 3, q)``, its derivative by all else that is unknown, of which the first three
             are a constant.
         prior: of all else.
+        camera_R_imu: ``(3, 3)`` that it takes for true. Where this, times K, is the same no
+            measurement tells two models apart.
         gravity: size of the first three of all else, and its deviation, where only that is known.
     """
 
@@ -57,6 +59,7 @@ class AxesEvidence:
     block: FloatArray
     extra: FloatArray
     prior: Prior
+    camera_R_imu: FloatArray
     gravity: tuple[float, float] | None = None
 
     def __len__(self) -> int:

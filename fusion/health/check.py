@@ -11,6 +11,7 @@ from motorcade.fusion.health.accelerometer import (
     ForceVerdict,
 )
 from motorcade.fusion.health.gyroscope import RATE_UNITS, RateVerdict, judge_rates
+from motorcade.fusion.health.joint import judge_jointly
 from motorcade.fusion.health.models import SIGMAS, AxesVerdict
 from motorcade.fusion.health.pushing import Pushes
 from motorcade.fusion.health.stamps import check_stamps
@@ -20,9 +21,11 @@ from motorcade.fusion.health.wording import (
     bias_lines,
     delay_line,
     gravity_line,
+    inverted_line,
     mirrored_line,
     own_axes_line,
     shared_axes_line,
+    tell_both,
     unit_line,
     unknown_lines,
     unrelated_line,
@@ -116,14 +119,15 @@ def check_health(
         camera = camera[kept] if np.any(kept) else camera
     pushes = Pushes.of(camera, imu, offset_s, _MOST_WINDOWS)
     trial = ForceTrial(pushes, imu_T_camera, extrinsics_known, gravity_m_s2, up, lean_sigma_rad)
-    forces = trial.judged(rates.axes if rates.explained else None)
+    stories = judge_jointly(rates, trial)
+    rates, forces = stories[0].rates, stories[0].forces
     if not rates.explained and forces.state == "unexplained":
         return Health((HealthFinding("unrelated", unrelated_line(rates, search_s)),))
     findings = _units(rates, forces)
     if rates.explained and rates.late and abs(rates.lag_s) > SIGMAS * time_offset_sigma_s:
         findings.append(HealthFinding("delay", delay_line(rates)))
     estimated_rad = SIGMAS * extrinsics_sigma_rad if extrinsics_known else np.pi
-    findings += _axes(rates, forces, estimated_rad)
+    findings += tell_both([_axes(one.rates, one.forces, estimated_rad) for one in stories])
     findings += [*_gravity(forces, gravity_m_s2), *bias_lines(rates, forces)]
     return Health(tuple(findings), unknown_lines(rates, forces))
 
@@ -146,6 +150,17 @@ def _axes(rates: RateVerdict, forces: ForceVerdict, estimated_rad: float) -> lis
     found = [axes for axes in (of_rates, of_forces) if axes is not None]
     if found and all(_turned(axes) and axes.turn_rad <= estimated_rad for axes in found):
         return []
+    inverted = [inverted_line()] if any(axes.base == "inverted" for axes in found) else []
+    return inverted + _own_axes(rates, forces, of_rates, of_forces)
+
+
+def _own_axes(
+    rates: RateVerdict,
+    forces: ForceVerdict,
+    of_rates: AxesVerdict | None,
+    of_forces: AxesVerdict | None,
+) -> list[HealthFinding]:
+    """The IMU's axes, or one sensor's, the extrinsics read as they must be."""
     if of_rates is not None and _changed(of_rates) and forces.agrees:
         if forces.state in ("named", "unknown") or not _permuted(of_rates):
             return shared_axes_line(of_rates)
@@ -173,7 +188,7 @@ def _axes(rates: RateVerdict, forces: ForceVerdict, estimated_rad: float) -> lis
 
 
 def _changed(axes: AxesVerdict) -> bool:
-    return axes.base != "stated" or _permuted(axes) or not _same(axes.turn)
+    return _permuted(axes) or not _same(axes.turn)
 
 
 def _turned(axes: AxesVerdict) -> bool:

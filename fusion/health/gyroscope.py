@@ -154,12 +154,13 @@ class _Trial:
         constant = np.broadcast_to(np.eye(3), block.shape[:3])
         extra = np.concatenate([constant, slope[..., None]], axis=-1)
         prior = Prior(np.zeros(4), np.array([*[GYRO_BIAS_SIGMA_RAD_S] * 3, _LAG_SIGMA_S]))
-        made: dict[Base, AxesEvidence] = {
-            "stated": AxesEvidence(camera @ self.camera_R_imu, block, extra, prior)
-        }
+        bases: dict[Base, FloatArray] = {"stated": self.camera_R_imu}
         if self.known:
-            made["inverted"] = AxesEvidence(camera @ self.camera_R_imu.T, block, extra, prior)
-        return made
+            bases["inverted"] = self.camera_R_imu.T
+        return {
+            base: AxesEvidence(camera @ turn, block, extra, prior, turn)
+            for base, turn in bases.items()
+        }
 
     def best(
         self, here: dict[Base, AxesEvidence], offset_s: float, search_s: float

@@ -1,8 +1,10 @@
 """The models that a sensor's readings are tested against, and which of them explains these best.
 
-In order of belief: as stated; extrinsics that were given the wrong way round; signs and axes, the
-simplest first; any rotation. Each may come with a unit. What has a mend of its own so stands before
-what explains as much by accident, and a model only counts where the motion tells it from nothing.
+In order of belief: as stated; one fault, which is extrinsics that were given the wrong way round,
+or signs and axes, the simplest first; both at once; any rotation. Each may come with a unit. What
+has a mend of its own so stands before what explains as much by accident, and a model only counts
+where the motion tells it from nothing. Those that explain as much are kept as rivals: the other
+sensor may tell them apart (see `joint`).
 """
 
 from __future__ import annotations
@@ -12,12 +14,15 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.fusion.health.axes import SIGNED_PERMUTATIONS, AxesEvidence
 from motorcade.fusion.health.regression import RobustFit
 from motorcade.ga.arrays import FloatArray
 
 Base = Literal["stated", "inverted"]
+Model = tuple[Base, FloatArray]
+"""Which way round the extrinsics are to be read, and a signed permutation ``(3, 3)``."""
 
 NEEDED = 12.0
 """Logarithm of the odds at which a model beats another: e¹² is one error in 160,000."""
@@ -48,6 +53,8 @@ class AxesVerdict:
         gain: logarithm of the odds against readings that have nothing to do with the path.
         blurred: axes x, y, z of the readings of which the motion tells little.
         fit: of what was chosen, with the unknowns besides K last.
+        rivals: models without a turn that explain the readings as well, this one among them, by
+            belief; none where that was not asked, or a turn explains them.
     """
 
     state: Literal["sound", "named", "unexplained", "nothing"]
@@ -58,6 +65,7 @@ class AxesVerdict:
     gain: float
     blurred: str
     fit: RobustFit
+    rivals: tuple[Model, ...] = ()
 
     @property
     def turn_rad(self) -> float:
@@ -94,34 +102,60 @@ def judge_axes(
     """Which model explains readings that are not as stated.
 
     Args:
-        evidence: by which way round the extrinsics are read.
+        evidence: by which way round the extrinsics are read, the more believed first.
         units: multiples that have a name.
         needed: of the gain over nothing.
     """
-    few = {base: one.thinned(_SEARCHED) for base, one in evidence.items()}
-    tried = _tried(few)
-    if not tried:
-        return replace(judge_stated(evidence["stated"], needed), state="nothing")
-    best = max(score for score, *_ in tried)
-    at = next(k for k, (score, *_) in enumerate(tried) if score >= best - NEEDED)
-    _, base, matrix, start = tried[at]
+    believed = next(iter(evidence))
+    rivals = find_rivals(evidence)
+    if not rivals:
+        return replace(judge_stated(evidence[believed], needed), state="nothing")
+    base, matrix = rivals[0]
     own = evidence[base]
     nothing = own.nothing().score
-    found = own.scaled(matrix, start)
+    found = own.scaled(matrix, own.multiple(matrix))
     multiple = _named_multiple(float(found.values[0]), float(found.deviations[0]), units)
     fitted = own.along(multiple * matrix)
     free = own.free(multiple * matrix, fitted.sigma)
     off, sigma = _off(free, matrix, multiple)
     gain = found.score - nothing
     if np.any(off > _TOLERANCE + SIGMAS * sigma) and free.score - nothing >= needed:
-        return _judge_turn(evidence["stated"], units)
+        return _judge_turn(believed, evidence[believed], units)
     state: Literal["named", "unexplained", "nothing"] = "named" if gain >= needed else "nothing"
     if state == "named" and own.strained(fitted):
         state = "unexplained"
-    return AxesVerdict(state, base, matrix, np.eye(3), multiple, gain, _blurred(sigma), fitted)
+    same, blurred = np.eye(3), _blurred(sigma)
+    return AxesVerdict(state, base, matrix, same, multiple, gain, blurred, fitted, rivals)
 
 
-def _judge_turn(evidence: AxesEvidence, units: tuple[float, ...]) -> AxesVerdict:
+def find_rivals(evidence: Mapping[Base, AxesEvidence]) -> tuple[Model, ...]:
+    """Models that explain the readings as well as the best of them, by belief.
+
+    Those are what scores nearly as well, and what is the same but for its name: where both ways
+    round of the extrinsics differ by a quarter turn or so, other axes make one of the other, and
+    what is left between them is less than extrinsics are known to.
+    """
+    tried = _tried(evidence)
+    if not tried:
+        return ()
+    score = np.array([one for one, _, _ in tried])
+    whole = np.array([evidence[base].camera_R_imu @ matrix for _, base, matrix in tried])
+    good = score >= np.max(score) - NEEDED
+    kept = good | np.any(same_turns(whole, whole[good]), axis=1)
+    return tuple(tried[number][1:] for number in np.flatnonzero(kept))
+
+
+def same_turns(ones: FloatArray, others: FloatArray) -> NDArray[np.bool_]:
+    """Which of N and M rotations ``(N, M)``, mirrored ones or not, are the same.
+
+    That is, as far as extrinsics are known.
+    """
+    cosine = 0.5 * (np.einsum("nij,mij->nm", ones, others) - 1.0)
+    alike = np.sign(np.linalg.det(ones))[:, None] == np.sign(np.linalg.det(others))
+    return np.asarray(alike & (cosine > np.cos(TURN_TOLERANCE_RAD)), dtype=np.bool_)
+
+
+def _judge_turn(base: Base, evidence: AxesEvidence, units: tuple[float, ...]) -> AxesVerdict:
     """Whether a rotation explains the readings, or a mirrored one."""
     free = evidence.free(np.zeros((3, 3)), evidence.nothing().sigma)
     for _ in range(_TURNS):
@@ -139,20 +173,20 @@ def _judge_turn(evidence: AxesEvidence, units: tuple[float, ...]) -> AxesVerdict
     gain = free.score - evidence.nothing().score
     state: Literal["named", "unexplained"] = "named" if fits else "unexplained"
     turn, blurred = sign * (u @ vt), _blurred(sigma / multiple)
-    return AxesVerdict(state, "stated", sign * np.eye(3), turn, multiple, gain, blurred, fitted)
+    return AxesVerdict(state, base, sign * np.eye(3), turn, multiple, gain, blurred, fitted)
 
 
-def _tried(
-    evidence: Mapping[Base, AxesEvidence],
-) -> list[tuple[float, Base, FloatArray, float]]:
-    """Score, base, permutation and multiple of every model, by belief."""
-    models = [(base, matrix) for matrix in SIGNED_PERMUTATIONS for base in evidence]
+def _tried(evidence: Mapping[Base, AxesEvidence]) -> list[tuple[float, Base, FloatArray]]:
+    """Score, base and permutation of every model, by belief."""
+    few = {base: one.thinned(_SEARCHED) for base, one in evidence.items()}
+    models = [(base, matrix) for matrix in SIGNED_PERMUTATIONS for base in few]
+    models.sort(key=lambda model: model[0] == "inverted" and np.trace(model[1]) < 3.0)
     tried = []
     for base, matrix in models:
-        own = evidence[base]
+        own = few[base]
         found = own.scaled(matrix, own.multiple(matrix))
         if found.values[0] > 0.0:
-            tried.append((found.score, base, matrix, float(found.values[0])))
+            tried.append((found.score, base, matrix))
     return tried
 
 

@@ -32,6 +32,12 @@ FaultName = Literal[
 class HealthFinding:
     """A fault: its name, and one line that says what was found and what mends it.
 
+    Fields:
+        fault: its name.
+        summary: the line.
+        instead: name of another fault that every measurement would show alike; None where there is
+            none. The line then names both.
+
     Examples:
         >>> from motorcade.fusion.health import HealthFinding
         >>> HealthFinding("delay", "the IMU's stamps are 0.5 s late: time_offset_s=0.5").fault
@@ -40,6 +46,7 @@ class HealthFinding:
 
     fault: FaultName
     summary: str
+    instead: FaultName | None = None
 
 
 @dataclass(frozen=True)

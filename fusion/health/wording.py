@@ -39,12 +39,15 @@ def mirrored_line(of_rates: AxesVerdict, of_forces: AxesVerdict) -> HealthFindin
     return HealthFinding("axes", line)
 
 
+def inverted_line() -> HealthFinding:
+    """Of extrinsics that are those of the IMU on the camera."""
+    line = "imu_T_camera is the wrong way round (transposed): give its inverse"
+    return HealthFinding("extrinsics_inverted", line)
+
+
 def shared_axes_line(axes: AxesVerdict) -> list[HealthFinding]:
-    """Of what both sensors have in common: extrinsics, or the order of the axes."""
-    found = []
-    if axes.base == "inverted":
-        line = "imu_T_camera is the wrong way round (transposed): give its inverse"
-        found.append(HealthFinding("extrinsics_inverted", line))
+    """Of what both sensors have in common: the order of the axes, or a turn of the extrinsics."""
+    found: list[HealthFinding] = []
     turned = not np.allclose(axes.turn, np.eye(3))
     if turned and np.linalg.det(axes.permutation) < 0.0:
         line = (
@@ -86,9 +89,16 @@ def own_axes_line(sensor: str, axes: AxesVerdict) -> HealthFinding:
         line = f"the {sensor}'s sign is wrong: negate its three axes"
         return HealthFinding("rate_sign" if kind == "rate" else "force_sign", line)
     line = _order(f"the {sensor}'s axes are", axes)
-    if axes.base == "inverted":
-        line += " and give the inverse of imu_T_camera"
     return HealthFinding("rate_axes" if kind == "rate" else "force_axes", line)
+
+
+def tell_both(stories: list[list[HealthFinding]]) -> list[HealthFinding]:
+    """What is told of axes, in one line where a second story explains all as well."""
+    if len(stories) == 1 or not all(stories):
+        return stories[0]
+    lines = [" and ".join(one.summary for one in story) for story in stories]
+    line = "either " + ", or ".join(lines) + " (no measurement tells which)"
+    return [HealthFinding(stories[0][0].fault, line, instead=stories[1][0].fault)]
 
 
 def delay_line(rates: RateVerdict) -> str:
