@@ -18,7 +18,6 @@ Numbers of processes alone say nothing: those of another container or host are n
 
 from __future__ import annotations
 
-import fcntl
 import json
 import logging
 import os
@@ -33,6 +32,7 @@ from functools import cache
 from pathlib import Path
 
 from motorcade.ga.files import off_record, read_bounded
+from motorcade.ga.locks import try_lock
 
 log = logging.getLogger("motorcade.unfinished")
 
@@ -141,7 +141,7 @@ def _begin(place: Path) -> int:
         place.mkdir(parents=True)
         lock = os.open(place / "lock", os.O_RDWR | os.O_CREAT, 0o666)
         try:
-            mark = _Mark.own(locked=_try_lock(lock) is True)
+            mark = _Mark.own(locked=try_lock(lock) is True)
             (place / "mark").write_text(json.dumps(asdict(mark)) + "\n")
         except OSError:
             os.close(lock)
@@ -163,7 +163,7 @@ def _is_abandoned(place: Path) -> bool:
     except OSError:
         return False
     try:
-        taken = _try_lock(lock)
+        taken = try_lock(lock)
     finally:
         os.close(lock)
     if mark is None or taken is False:
@@ -181,17 +181,6 @@ def _is_abandoned(place: Path) -> bool:
         mark.host,
     )
     return False
-
-
-def _try_lock(file: int) -> bool | None:
-    """Whether the lock of an open file is ours now; None where the file system has no locks."""
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    except OSError:
-        return None
-    return True
 
 
 def _runs(process: int) -> bool:

@@ -25,7 +25,7 @@ import shutil
 import tempfile
 import types
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
@@ -37,6 +37,7 @@ import numpy as np
 
 from motorcade.ga.archives import read_arrays
 from motorcade.ga.files import EmptyFileError, off_record, open_bounded, read_bounded
+from motorcade.ga.locks import locked
 from motorcade.ga.unfinished import unfinished
 
 log = logging.getLogger("motorcade.artifacts")
@@ -113,9 +114,8 @@ def find_artifact(folder: Path) -> Stored | None:
     if not os.path.lexists(folder):
         return None
     stored = _as_written(folder, folder.name)
-    if stored is None:
+    if stored is None and _remove(folder):
         log.warning("%s: damaged, so it is computed again", folder)
-        _remove(folder)
     return stored
 
 
@@ -123,28 +123,73 @@ def find_artifact(folder: Path) -> Stored | None:
 def _as_written(folder: Path, name: str) -> Stored | None:
     """What lies in a folder, if it is what was once written under that name."""
     try:
-        about = json.loads(read_bounded(folder / "artifact.json", MAX_TREE_BYTES))
+        about = _about(folder)
         sealed = about.pop("seal") == _seal(folder, about)
         if not sealed or about["name"] != name or _content_digest(folder) != about["digest"]:
             return None
-        files = {Path(path): state for path, state in about["files"].items()}
-        return Stored(folder, about["digest"], about["seconds"], files)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return _stored(folder, about)
+    except _DAMAGES:
         return None
 
 
-def discard_artifact(folder: Path) -> None:
-    """Take an artifact away in one step."""
-    with unfinished(folder.parent) as place, contextlib.suppress(FileNotFoundError):
-        folder.rename(place / "aside")
+_DAMAGES = (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError)
 
 
-def _remove(folder: Path) -> None:
-    """Set a damaged artifact aside in one step and delete it, unless it was replaced meanwhile."""
-    with contextlib.suppress(OSError), unfinished(folder.parent) as place:
-        folder.rename(place / "aside")
-        if _as_written(place / "aside", folder.name) is not None:
-            (place / "aside").rename(folder)
+def _about(folder: Path) -> dict[str, Any]:
+    about: dict[str, Any] = json.loads(read_bounded(folder / "artifact.json", MAX_TREE_BYTES))
+    return about
+
+
+def _stored(folder: Path, about: Mapping[str, Any]) -> Stored:
+    files = {Path(path): state for path, state in about["files"].items()}
+    return Stored(folder, about["digest"], about["seconds"], files)
+
+
+def discard_artifact(stored: Stored) -> None:
+    """Take an artifact away in one step, unless another run has put one in its place.
+
+    Raises:
+        OSError: the folder that it lies in cannot be written to.
+    """
+
+    @off_record()
+    def is_still_there(folder: Path) -> bool:
+        try:
+            return replace(_stored(folder, _about(folder)), folder=stored.folder) == stored
+        except _DAMAGES:
+            return False
+
+    _set_aside(stored.folder, is_still_there)
+
+
+def _remove(folder: Path) -> bool:
+    """Take a damaged artifact away in one step; False where another run did, or replaced it."""
+    try:
+        return _set_aside(folder, lambda there: _as_written(there, folder.name) is None)
+    except OSError:  # it stays where nothing can be written
+        return True
+
+
+def _set_aside(folder: Path, is_meant: Callable[[Path], bool]) -> bool:
+    """Rename a folder away, and delete it, if it is the one that is meant; False if it is not.
+
+    Whoever takes an artifact away locks the folder that it lies in. Where there are no locks,
+    another may replace it between the look and the step, so that it is looked at again, and put
+    back: for so long a reader would find nothing.
+    """
+    with unfinished(folder.parent) as place, locked(folder.parent) as ours:
+        aside = place / "aside"
+        try:
+            if not is_meant(folder):
+                return False
+            folder.rename(aside)
+        except FileNotFoundError:
+            return False
+        if ours or is_meant(aside):
+            return True
+        with contextlib.suppress(OSError):  # another has put a third one there
+            aside.rename(folder)
+        return False
 
 
 @off_record()

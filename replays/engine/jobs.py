@@ -120,8 +120,10 @@ def _kept(function: Callable[[JobType], Any], task: tuple[JobType, Path]) -> Non
         start = time.perf_counter()
         with files_read() as files:
             result = function(job)
-        if _done(folder) is None:  # else another run was faster, and may be reading it
-            discard_artifact(folder)
+        stored = find_artifact(folder)
+        if not holds(stored):  # else another run was faster, and may be reading it
+            if stored is not None:
+                discard_artifact(stored)
             write_artifact(result, folder, time.perf_counter() - start, files)
 
 

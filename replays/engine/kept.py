@@ -29,7 +29,7 @@ def find_kept(folder: Path) -> tuple[Path, Stored | None]:
             put_on_record(now)
             return folder, stored
         if UNSETTLED in stored.files.values():  # it will never hold
-            discard_artifact(folder)
+            discard_artifact(stored)
             break
         folder = folder.with_name(_next_name(folder.name, now))
     return folder, None

@@ -1,13 +1,18 @@
 """What was made of files holds for as long as they are as they were read, and no longer."""
 
+import errno
+import fcntl
 import os
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
+from motorcade.ga import locks as locks_module
 from motorcade.ga.files import MISSING, files_read, is_there, off_record, read_bounded
+from motorcade.replays.engine import jobs as jobs_module
 from motorcade.replays.engine import store as engine
+from motorcade.replays.engine.artifacts import Stored
 from motorcade.replays.engine.graph import Graph, GraphRun
 from motorcade.replays.engine.jobs import Batch, run_jobs
 
@@ -234,3 +239,53 @@ def test_jobs_are_done_again_whose_files_have_changed(tmp_path: Path) -> None:
     batch = done()
     assert batch.failures == {Letter(tmp_path / "c"): f"{tmp_path / 'c'}: the file is missing"}
     assert len(batch.results) == 2
+
+
+def letter_jobs(folder: Path) -> dict[Letter, Path]:
+    """One job whose result is kept, of a file that has changed since."""
+    job = {Letter(folder / "letter"): folder / "letter.done"}
+    (folder / "letter").write_text("old")
+    run_jobs(read_letter, job, "local", "letters")
+    (folder / "letter").write_text("changed")
+    return job
+
+
+@pytest.mark.parametrize("locks", [True, False])
+def test_two_runs_that_replace_the_same_stale_result_agree_on_one(
+    locks: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The slower one saw the old result, and must not take away what the faster put there."""
+    jobs = letter_jobs(tmp_path)
+    found = jobs_module.find_artifact
+    seen = []
+
+    def overtaken(folder: Path) -> Stored | None:
+        stored = found(folder)
+        if len(calls) == 2:  # the job is done, but not its result stored
+            monkeypatch.setattr(jobs_module, "find_artifact", found)
+            run_jobs(read_letter, jobs, "local", "letters")
+            seen.append(folder.stat().st_ino)
+        return stored
+
+    if not locks:
+        monkeypatch.setattr(fcntl, "flock", refuse_to_lock)
+    monkeypatch.setattr(jobs_module, "find_artifact", overtaken)
+    batch = run_jobs(read_letter, jobs, "local", "letters")
+    assert [one.text for one in batch.whole("letters").values()] == ["changed"]
+    assert [folder.stat().st_ino for folder in jobs.values()] == seen
+
+
+def refuse_to_lock(file: int, kind: int) -> None:
+    raise OSError(errno.ENOLCK, "No locks available")
+
+
+def test_a_stale_result_is_replaced_where_someone_keeps_the_folder_locked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(locks_module, "WAIT_S", 0.05)
+    jobs = letter_jobs(tmp_path)
+    folder = os.open(tmp_path, os.O_RDONLY)
+    fcntl.flock(folder, fcntl.LOCK_EX)
+    batch = run_jobs(read_letter, jobs, "local", "letters")
+    os.close(folder)
+    assert [one.text for one in batch.whole("letters").values()] == ["changed"]
