@@ -7,13 +7,16 @@ after its directory has told what it unpacks to.
 from __future__ import annotations
 
 import math
+import shutil
 import struct
 import zlib
-from collections.abc import Callable, Mapping
-from io import BufferedReader
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
+from io import BufferedReader, BytesIO
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any, TypeVar
-from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile
+from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo
 
 import numpy as np
 from numpy.lib import format as npy
@@ -54,6 +57,59 @@ def save_arrays(path: Path, owner: str, form: str, arrays: Mapping[str, Any]) ->
     if path.suffix != ".npz":
         raise ValueError(f"{owner}.save(path): expected a name ending in .npz, got {path}")
     np.savez(path, allow_pickle=False, format=np.array(form), **arrays)
+
+
+def save_arrays_in_parts(
+    path: Path, owner: str, form: str, parts: Iterable[Mapping[str, NDArray[Any]]]
+) -> None:
+    """As `save_arrays`, of arrays that come in parts, one after another along their first axis.
+
+    What came is kept in files beside `path` until all is there, so that memory does not grow.
+
+    Raises:
+        ValueError: a file name that does not end in ``.npz``.
+        OSError: a file that cannot be written.
+
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from motorcade.ga.archives import read_arrays, save_arrays_in_parts
+    >>> parts = ({"squares": np.arange(k, k + 2) ** 2} for k in (0, 2, 4))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "numbers.npz")
+    ...     save_arrays_in_parts(path, "Numbers", "numbers 1", parts)
+    ...     read_arrays(path)["squares"]
+    array([ 0,  1,  4,  9, 16, 25])
+    """
+    if path.suffix != ".npz":
+        raise ValueError(f"{owner}.save(path): expected a name ending in .npz, got {path}")
+    shapes: dict[str, tuple[int, ...]] = {}
+    kinds: dict[str, np.dtype[Any]] = {}
+    with ExitStack() as stack:
+        waiting: dict[str, Any] = {}
+        for part in parts:
+            for name, values in part.items():
+                if name not in waiting:
+                    waiting[name] = stack.enter_context(TemporaryFile(dir=path.parent))
+                    shapes[name], kinds[name] = (0, *values.shape[1:]), values.dtype
+                waiting[name].write(np.ascontiguousarray(values).data)
+                shapes[name] = (shapes[name][0] + len(values), *shapes[name][1:])
+        with ZipFile(path, "w", ZIP_STORED) as archive:
+            _add_member(
+                archive, "format", np.array(form).dtype, (), BytesIO(np.array(form).tobytes())
+            )
+            for name, file in waiting.items():
+                file.seek(0)
+                _add_member(archive, name, kinds[name], shapes[name], file)
+
+
+def _add_member(
+    archive: ZipFile, name: str, kind: np.dtype[Any], shape: tuple[int, ...], content: Any
+) -> None:
+    """One array, as `numpy.savez` writes it."""
+    with archive.open(ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
+        head = {"descr": npy.dtype_to_descr(kind), "fortran_order": False, "shape": shape}
+        npy.write_array_header_1_0(member, head)
+        shutil.copyfileobj(content, member, 1 << 20)
 
 
 def load_arrays(

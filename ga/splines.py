@@ -13,6 +13,7 @@ B-splines on Lie groups" (CVPR 2020); here position and rotation move together, 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import ceil, comb, factorial
 from typing import Generic, TypeVar
 
@@ -98,7 +99,7 @@ class _CumulativeBSpline(Generic[V]):
                 f"got dtype {stamps.dtype}"
             )
         segment, fraction = self._locate((stamps - self.start_ns) * 1e-9)
-        screws = self._screws()
+        screws = self._screws
         pose = self.controls[segment]
         for j, weight in enumerate(cumulative_weights(fraction, 0)[1:]):
             pose = pose @ self.controls.from_twist(weight[..., None] * screws[segment + j])
@@ -117,7 +118,7 @@ class _CumulativeBSpline(Generic[V]):
             cumulative_weights(fraction, 0)[1:], cumulative_weights(fraction, 1)[1:] / h,
             cumulative_weights(fraction, 2)[1:] / h**2, strict=True,
         )  # fmt: skip
-        screws = self._screws()
+        screws = self._screws
         pose = self.controls[segment]
         twist: FloatArray = np.zeros_like(screws[segment])
         twist_rate = np.zeros_like(twist)
@@ -132,6 +133,7 @@ class _CumulativeBSpline(Generic[V]):
             twist += push
         return TwistSample(pose, twist, twist_rate)
 
+    @cached_property
     def _screws(self) -> FloatArray:
         """Twists ``(n - 1, 6)`` or ``(n - 1, 7)`` from each control to the next."""
         return self.controls[:-1].local(self.controls[1:])

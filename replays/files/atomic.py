@@ -15,24 +15,30 @@ from motorcade.ga.unfinished import unfinished
 
 def write_bytes(path: Path, data: bytes) -> None:
     """Write `data` over `path`; OSError naming `path`, which then stays as it was."""
-    with _replacing(path) as building:
+    with replacing(path) as building:
         building.write_bytes(data)
 
 
 def copy_file(source: Path, path: Path) -> None:
     """Copy a file over `path`; OSError naming `path` where that fails."""
-    with _replacing(path) as building:
+    with replacing(path) as building:
         shutil.copyfile(source, building)
 
 
 @contextmanager
-def _replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path) -> Iterator[Path]:
+    """A file to write within the block, which then takes the place of `path`, all of it or nothing.
+
+    Raises:
+        OSError: a file that cannot be written, named by `path`, which then stays as it was.
+    """
     try:
         with unfinished(path.parent) as place:
-            yield place / "content"
-            with (place / "content").open("rb") as file:
+            building = place / f"content{path.suffix}"
+            yield building
+            with building.open("rb") as file:
                 os.fsync(file.fileno())
-            (place / "content").replace(path)
+            building.replace(path)
     except OSError as fault:
         raise OSError(fault.errno, f"cannot be written: {fault.strerror}", str(path)) from fault
 

@@ -42,7 +42,7 @@ ALLOWED = {
     ("replays/engine/provenance.py", "_origin(name).read_bytes"): "our own source",
     ("replays/engine/provenance.py", "path.read_bytes"): "our own source",
     ("replays/engine/provenance.py", "file.read_text"): "our own source",
-    ("replays/files/atomic.py", "(place / 'content').open"): "what was just written",
+    ("replays/files/atomic.py", "building.open"): "what was just written",
     ("replays/readers/broad.py", "h5py.File"): "admitted",
     ("replays/readers/ros/admission.py", "sqlite3.connect"): "admitted",
     ("replays/readers/ros/bag.py", "Reader"): "admitted",

@@ -6,13 +6,14 @@ import io
 import struct
 import tracemalloc
 import zipfile
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from motorcade.ga import archives
-from motorcade.ga.archives import load_arrays, read_arrays, save_arrays
+from motorcade.ga.archives import load_arrays, read_arrays, save_arrays, save_arrays_in_parts
 from motorcade.ga.files import FileError
 
 
@@ -120,3 +121,24 @@ def test_encrypted_archives_are_refused(tmp_path: Path, flags: int) -> None:
     (tmp_path / "a.npz").write_bytes(data)
     with pytest.raises(FileError, match="not a file of arrays"):
         read_arrays(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize("cuts", [[], [1], [2, 2, 5]])
+def test_arrays_in_parts_are_the_bytes_of_whole_ones(tmp_path, cuts):
+    """An empty part among them, and columns that are no block of memory."""
+    columns = {
+        "stamps": np.arange(7) * 10**17,
+        "points": np.asfortranarray(np.random.default_rng(0).normal(size=(7, 3))),
+    }
+    save_arrays(
+        tmp_path / "whole.npz",
+        "Points",
+        "points 1",
+        {name: np.ascontiguousarray(values) for name, values in columns.items()},
+    )
+    edges = [0, *cuts, 7]
+    parts = ({name: values[a:b] for name, values in columns.items()} for a, b in pairwise(edges))
+    save_arrays_in_parts(tmp_path / "parts.npz", "Points", "points 1", parts)
+    assert (tmp_path / "parts.npz").read_bytes() == (tmp_path / "whole.npz").read_bytes()
+    with pytest.raises(ValueError, match=r"expected a name ending in \.npz"):
+        save_arrays_in_parts(tmp_path / "parts.zip", "Points", "points 1", [])

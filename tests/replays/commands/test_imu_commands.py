@@ -74,6 +74,84 @@ def test_bad_mounts_and_noise_are_refused_in_one_line(
     assert not out.exists()
 
 
+def test_troubles_of_the_sensor_reach_the_file(moving: Path, tmp_path: Path) -> None:
+    """Each alone against the stream without it; what each does is tested with the simulator."""
+    noise = tmp_path / "noise.yaml"
+    noise.write_text(
+        "gyroscope_noise_density: 1.0e-3\ngyroscope_random_walk: 1.0e-4\n"
+        "accelerometer_noise_density: 1.0e-2\naccelerometer_random_walk: 1.0e-3\n"
+    )
+    spectrum = tmp_path / "rotors.csv"
+    spectrum.write_text("50,0,0,0,0,0,0\n60,0,0,0,1,1,1\n70,0,0,0,0,0,0\n")
+    plain = tmp_path / "plain.npz"
+    assert run("simulate-imu", moving, "-o", plain, "--noise", "none") == 0
+    right = read_imu(plain)
+    for options, force_alone in [
+        (["--gyro-turn", "0.1", "0", "0"], False),
+        (["--gyro-g-sensitivity", "0.1", "0", "0"], False),
+        (["--gyro-flicker", "0.1", "0", "0"], False),
+        (["--accel-flicker", "0", "0.1", "0"], True),
+        (["--warming-k", "9", "--warming-time-s", "2", "--gyro-bias-per-k", *"111"], False),
+        (["--warming-k", "9", "--accel-bias-per-k", *"111"], True),
+        (["--warming-k", "9", "--gyro-scale-per-k", *"111"], False),
+        (["--warming-k", "9", "--accel-scale-per-k", *"111"], True),
+        (["--gyro-lowpass-hz", "5"], False),
+        (["--accel-lowpass-hz", "5"], True),
+        (["--gyro-delay-s", "0.1"], False),
+        (["--accel-delay-s", "0.1"], True),
+        (["--vibration", str(spectrum)], True),
+    ]:
+        out = tmp_path / "troubled.npz"
+        assert run("simulate-imu", moving, "-o", out, "--noise", "none", *options) == 0
+        wrong = read_imu(out)
+        same_rate = np.array_equal(wrong.angular_rate_rad_s, right.angular_rate_rad_s)
+        same_force = np.array_equal(wrong.specific_force_m_s2, right.specific_force_m_s2)
+        assert (same_rate, same_force) == (force_alone, not force_alone), options
+        assert np.array_equal(wrong.time_ns, right.time_ns)
+    out = tmp_path / "jitter.npz"
+    given = ["simulate-imu", moving, "-o", out, "--noise"]
+    assert run(*given, "none", "--stamp-jitter-s", "0.001") == 0
+    assert np.std(read_imu(out).time_ns - right.time_ns) == pytest.approx(1e6, rel=0.1)
+    assert run(*given, noise, noise, noise) == 0
+    by_axis = read_imu(out)
+    assert run(*given, noise) == 0
+    assert np.array_equal(by_axis.angular_rate_rad_s, read_imu(out).angular_rate_rad_s)
+
+
+def test_a_stream_is_the_same_as_csv_and_npz(moving: Path, tmp_path: Path) -> None:
+    for name in ("imu.csv", "imu.npz"):
+        assert run("simulate-imu", moving, "-o", tmp_path / name, "--rate-hz", "500") == 0
+    text, arrays = read_imu(tmp_path / "imu.csv"), read_imu(tmp_path / "imu.npz")
+    assert np.array_equal(text.time_ns, arrays.time_ns)
+    assert np.array_equal(text.angular_rate_rad_s, arrays.angular_rate_rad_s)
+    assert np.array_equal(text.specific_force_m_s2, arrays.specific_force_m_s2)
+
+
+def test_vibration_is_learnt_from_a_recording(
+    moving: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    standing = tmp_path / "standing.tum"
+    still = Trajectory(1_000_000_000 * np.arange(61), Motor.identity((61,)))
+    write_trajectory(still, standing)
+    shaken, again = tmp_path / "shaken.npz", tmp_path / "again.npz"
+    spectrum = tmp_path / "rotors.csv"
+    spectrum.write_text("20,0,0,0,0,0,0\n40,0,0,0,0.01,0.01,0.04\n60,0,0,0,0,0,0\n")
+    given = ["simulate-imu", standing, "--noise", "none", "-o"]
+    assert run(*given, shaken, "--vibration", spectrum) == 0
+    assert run(*given, again, "--seed", "1", "--vibration-of", shaken) == 0
+    expected = np.sqrt([0.2, 0.2, 0.8])
+    for file in (shaken, again):
+        felt = np.std(read_imu(file).specific_force_m_s2, axis=0)
+        np.testing.assert_allclose(felt, expected, rtol=0.15)
+    assert run(*given, again, "--vibration-of", shaken, "--vibration-above-hz", "100") == 1
+    assert "above_hz: expected from 0 to 100 Hz" in capsys.readouterr().err
+    spectrum.write_text("20,0,0,0,0,0,0\n10,0,0,0,1,1,1\n")
+    assert run(*given, again, "--vibration", spectrum) == 1
+    assert "rotors.csv: VibrationSpectrum.frequency_hz: expected" in capsys.readouterr().err
+    assert run(*given, again, "--noise", "a.yaml", "b.yaml") == 1
+    assert "--noise: expected one file, or one for each axis, got 2" in capsys.readouterr().err
+
+
 def test_allan_finds_the_noise_that_was_simulated(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
