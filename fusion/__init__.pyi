@@ -12,8 +12,8 @@ from . import sync as sync
 from . import visual_inertial as visual_inertial
 from .derivatives import PathDerivatives as PathDerivatives
 from .derivatives import differentiated as differentiated
-from .filter.fuse import Fused as Fused
 from .filter.fuse import fuse as fuse
+from .filter.fused import Fused as Fused
 from .filter.pose_filter import PoseFilter as PoseFilter
 from .filter.settings import FilterSettings as FilterSettings
 from .graph.fuse import fuse_by_graph as fuse_by_graph

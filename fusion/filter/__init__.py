@@ -1,6 +1,7 @@
 """Filtering: poses fused with an IMU on the group of extended poses, live and over recordings."""
 
-from motorcade.fusion.filter.fuse import Fused, fuse
+from motorcade.fusion.filter.fuse import fuse
+from motorcade.fusion.filter.fused import Fused
 from motorcade.fusion.filter.pose_filter import FilterState, Innovation, PoseFilter
 from motorcade.fusion.filter.settings import FilterSettings, RestDetection
 from motorcade.fusion.filter.sourced import Judgement

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.filter.fused import Fused, by_stretch, covered, wanted_stamps
 from motorcade.fusion.filter.health import fused_health
 from motorcade.fusion.filter.native._filter import Engine
 from motorcade.fusion.filter.pose_filter import KINDS
 from motorcade.fusion.filter.settings import FilterSettings, engine
-from motorcade.fusion.filter.sourced import Judgement, checked_also, judgements, schedule
-from motorcade.fusion.health.stamps import check_stamps
-from motorcade.fusion.health.verdict import Health
+from motorcade.fusion.filter.sourced import checked_also, judgements, schedule
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.measurements.interface import Measurements
@@ -22,169 +21,6 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import checked_span_ns
 from motorcade.tracking.measurements import PoseMeasurements
-
-
-def covered(measurements: PoseMeasurements, imu: ImuStream, shift_ns: int = 0) -> PoseMeasurements:
-    """The measurements within the IMU's span, their stamps `shift_ns` later on its clock.
-
-    Raises:
-        ValueError: spans that do not overlap.
-    """
-    first, last = int(imu.time_ns[0]), int(imu.time_ns[-1])
-    stamps = measurements.trajectory.time_ns + shift_ns
-    inside = (stamps >= first) & (stamps <= last)
-    if not np.any(inside):
-        unit = check_stamps(stamps, imu.time_ns)
-        raise ValueError(
-            f"measurements and imu: expected spans that overlap, got {stamps[0]} to {stamps[-1]} "
-            f"ns and {first} to {last} ns" + ("" if unit is None else f": {unit.summary}")
-        )
-    if np.all(inside):
-        return measurements
-    return PoseMeasurements(measurements.trajectory[inside], measurements.covariance[inside])
-
-
-def wanted_stamps(
-    measured_ns: IntArray, imu: ImuStream, stamps_ns: IntArray | None = None
-) -> IntArray:
-    """The stamps asked for that lie between the first measurement and the IMU's end.
-
-    Args:
-        measured_ns: on the IMU's clock; all of them where no others are asked for.
-        imu: whose span bounds the path.
-        stamps_ns: rising integers.
-
-    Raises:
-        ValueError: stamps that are no rising integers, or none that can be served.
-    """
-    if stamps_ns is None:
-        return measured_ns
-    start, last = measured_ns[0], imu.time_ns[-1]
-    given = np.asarray(stamps_ns)
-    if given.dtype.kind != "i" or given.ndim != 1 or np.any(np.diff(given) <= 0):
-        raise ValueError("stamps_ns: expected rising integer nanoseconds (M,), got others")
-    wanted: IntArray = given[(given >= start) & (given <= last)].astype(np.int64)
-    if wanted.size == 0:
-        raise ValueError(f"stamps_ns: expected some within [{start}, {last}], got none")
-    return wanted
-
-
-def by_stretch(
-    fused: Callable[[PoseMeasurements, ImuStream, IntArray | None], Fused],
-    measurements: PoseMeasurements,
-    imu: ImuStream,
-    stamps_ns: IntArray | None,
-    shift_ns: int = 0,
-) -> Fused:
-    """Fuse each stretch of a stream that gaps split for itself, and join the results.
-
-    Raises:
-        ValueError: what `fused` refuses, or no measurement in any stretch.
-    """
-    parts = imu.stretches()
-    if len(parts) == 1:
-        return fused(measurements, parts[0], stamps_ns)
-    measured_ns = measurements.trajectory.time_ns + shift_ns
-    wanted = measured_ns if stamps_ns is None else wanted_stamps(measured_ns, imu, stamps_ns)
-    made = []
-    for part in parts:
-        first, last = part.time_ns[[0, -1]]
-        inside = np.flatnonzero((measured_ns >= first) & (measured_ns <= last))
-        if not inside.size:
-            continue
-        here = wanted[(wanted >= measured_ns[inside[0]]) & (wanted <= last)]
-        if here.size:
-            own = PoseMeasurements(measurements.trajectory[inside], measurements.covariance[inside])
-            made.append(fused(own, part, here))
-    if not made:
-        raise ValueError(
-            f"measurements and imu: expected stamps in one of the {len(parts)} stretches between "
-            "gaps of the imu, got none"
-        )
-    return made[0] if len(made) == 1 else Fused.joined(made)
-
-
-_EXTRINSICS = slice(17, 23)
-
-
-@dataclass(frozen=True, eq=False)
-class Fused:
-    """A fused path and what was known along it, at N stamps.
-
-    Fields:
-        trajectory: ``world_T_camera``.
-        velocity_m_s: ``(N, 3)`` of the IMU, in the world.
-        gyro_bias_rad_s, accel_bias_m_s2: ``(N, 3)``.
-        covariance: ``(N, 6, 6)`` of the camera pose, right perturbation, rotation (rad) first.
-        state_covariance: ``(N, 15, 15)`` of the IMU's state: rotation (rad), position (m) and
-            velocity (m/s) of the right perturbation, in the IMU's axes, then both biases. Where
-            more is estimated ``(N, 24, 24)``: tilt of gravity (2, rad), right perturbation of
-            `imu_T_camera` (6), time offset (s); variances of what is not estimated are zero. It has
-            no rows where it was not asked for.
-        nis: ``(N,)`` normalised innovations squared of the forward pass, six degrees of freedom;
-            NaN where nothing was measured and at the start.
-        accepted: ``(N,)`` false where a measurement was left out.
-        gravity_m_s2: ``(N, 3)`` in the world.
-        imu_T_camera: Motor ``(N,)``.
-        time_offset_s: ``(N,)``; a camera's stamp plus this is the IMU's time.
-        also: what became of the other kinds of measurements, in their order.
-        given_up_ns: ``(K, 2)`` first and last stamps of spans in which a filter that runs live is
-            wrong, as it knows afterwards: until it finds that the start was, that the map was
-            relocated, or that what it took for a relocated map was not.
-        health: whether IMU and poses belong together as stated, and what is wrong where not; it
-            is written to the log besides.
-
-    Examples:
-        >>> import numpy as np
-        >>> from motorcade.fusion import ADIS16448, ContinuousPath
-        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
-        >>> from motorcade.fusion.motions import gimbal_crossing
-        >>> rng = np.random.default_rng(0)
-        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
-        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
-        >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
-
-        >>> from motorcade.fusion import fuse
-        >>> from motorcade.ga import Motor
-        >>> fused = fuse(measured, sensor.stream, ADIS16448, imu_T_camera=Motor.identity())
-        >>> sigma_m = np.sqrt(np.einsum("nii->ni", fused.covariance)[:, 3:])
-        >>> bool(np.all(sigma_m < 0.01)), fused.state_covariance.shape
-        (True, (61, 15, 15))
-    """
-
-    trajectory: Trajectory
-    velocity_m_s: FloatArray
-    gyro_bias_rad_s: FloatArray
-    accel_bias_m_s2: FloatArray
-    covariance: FloatArray
-    state_covariance: FloatArray
-    nis: FloatArray
-    accepted: NDArray[np.bool_]
-    gravity_m_s2: FloatArray
-    imu_T_camera: Motor
-    time_offset_s: FloatArray
-    also: tuple[Judgement, ...] = ()
-    given_up_ns: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
-    health: Health = field(default_factory=Health)
-
-    @classmethod
-    def joined(cls, parts: Sequence[Fused]) -> Fused:
-        """One path of several, one after another."""
-        first = parts[0].trajectory
-        whole = {
-            each.name: np.concatenate([getattr(one, each.name) for one in parts])
-            for each in fields(cls)
-            if each.name not in ("trajectory", "imu_T_camera", "also", "health")
-        }
-        poses = Motor.concatenate([one.trajectory.motors for one in parts])
-        stamps = np.concatenate([one.trajectory.time_ns for one in parts])
-        return cls(
-            trajectory=Trajectory(stamps, poses, first.parent, first.child),
-            imu_T_camera=Motor.concatenate([one.imu_T_camera for one in parts]),
-            also=tuple(map(Judgement.joined, zip(*(one.also for one in parts), strict=True))),
-            health=Health(),
-            **whole,
-        )
 
 
 def fuse(
@@ -197,6 +33,7 @@ def fuse(
     also: Sequence[Measurements] = (),
     settings: FilterSettings | None = None,
     smoothed: bool = True,
+    lag_s: float = np.inf,
     time_offset_s: float = 0.0,
     state_covariances: bool = True,
 ) -> Fused:
@@ -225,6 +62,12 @@ def fuse(
         settings: gravity, gate, initial tilt error, what else to estimate.
         smoothed: look ahead as well (backward pass); without it every estimate knows only its
             past, as if it ran live, and `nis` and `accepted` are as judged live.
+        lag_s: how far to look ahead at most. With 0 as without `smoothed`; with a recording's
+            length or more to its end. Between these every estimate is that of a filter that runs
+            live and answers so much later: measurements are weighed by what all others up to then
+            say of them, and what was answered is not taken back. A burst of wrong poses, or a map
+            that was relocated, is seen through only where it ends, with some poses after it,
+            within the lag.
         time_offset_s: what is added to the measurements' stamps to be the IMU's time; a first
             guess where `FilterSettings.time_offset_sigma_s` is above zero.
         state_covariances: without them the result's `state_covariance` has no rows.
@@ -232,7 +75,7 @@ def fuse(
     Raises:
         ValueError: the IMU and the measurements do not overlap in time, or `stamps_ns` are no
             rising integers or none of them can be served; samples more than ten seconds apart; an
-            offset of more than thirty years.
+            offset of more than thirty years; a lag below zero, or without `smoothed`.
 
     Examples:
         >>> import numpy as np
@@ -254,10 +97,11 @@ def fuse(
     """
     chosen, kinds = settings or FilterSettings(), checked_also(also)
     shift_ns = checked_span_ns(time_offset_s, "time_offset_s")
+    ahead_s = checked_lag(lag_s, smoothed)
 
     def one(given: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
         return _fused(
-            given, stream, noise, imu_T_camera, stamps, kinds, chosen, smoothed, time_offset_s,
+            given, stream, noise, imu_T_camera, stamps, kinds, chosen, ahead_s, time_offset_s,
             state_covariances,
         )  # fmt: skip
 
@@ -268,6 +112,19 @@ def fuse(
     return replace(found, health=fused_health(*given, outcome))
 
 
+def checked_lag(lag_s: float, smoothed: bool) -> float:
+    """How far to look ahead, in seconds.
+
+    Raises:
+        ValueError: a lag that is not a number from zero on, or one without looking ahead.
+    """
+    if not lag_s >= 0.0:
+        raise ValueError(f"lag_s: expected seconds from 0 on, got {lag_s}")
+    if not smoothed and 0.0 < lag_s < np.inf:
+        raise ValueError(f"lag_s: expected none without smoothed, got {lag_s}")
+    return lag_s if smoothed else 0.0
+
+
 def _fused(
     measurements: PoseMeasurements,
     imu: ImuStream,
@@ -276,7 +133,7 @@ def _fused(
     stamps_ns: IntArray | None,
     also: Sequence[Measurements],
     chosen: FilterSettings,
-    smoothed: bool,
+    ahead_s: float,
     time_offset_s: float,
     state_covariances: bool,
 ) -> Fused:
@@ -285,7 +142,9 @@ def _fused(
     used = covered(measurements, imu, shift_ns)
     wanted = wanted_stamps(used.trajectory.time_ns + shift_ns, imu, stamps_ns)
     relates = any(one.since_ns is not None for one in also)
-    run = engine(chosen, noise, imu_T_camera, time_offset_s, keeps_earlier=relates)
+    smoothed = ahead_s > 0.0
+    lag_s = ahead_s if np.isfinite(ahead_s) else 0.0
+    run = engine(chosen, noise, imu_T_camera, time_offset_s, keeps_earlier=relates, lag_s=lag_s)
     made = _Made.empty(len(wanted))
     size = chosen.error_size
     whole = np.zeros((len(wanted) if state_covariances else 0, size, size))
@@ -301,7 +160,7 @@ def _fused(
         np.ascontiguousarray(wanted),
         *made.arrays,
         whole=whole if state_covariances else None,
-        final=smoothed,
+        final=smoothed and lag_s == 0.0,
     )
     run.play()
     if smoothed:
@@ -362,17 +221,6 @@ class _Made:
             imu_T_camera=imu_T_camera,
             time_offset_s=self.others[:, 12],
         )
-
-
-def camera_covariance(covariance: FloatArray, imu_T_camera: Motor) -> FloatArray:
-    """Covariance ``(*, 6, 6)`` of the camera's pose from that of the state ``(*, N, N)``."""
-    adjoint = imu_T_camera.inverse().adjoint()
-    effect = np.zeros((*adjoint.shape[:-1], covariance.shape[-1]))
-    effect[..., :6] = adjoint
-    if covariance.shape[-1] > _EXTRINSICS.stop:
-        effect[..., _EXTRINSICS] = np.eye(6)
-    seen: FloatArray = effect @ covariance @ np.swapaxes(effect, -1, -2)
-    return seen
 
 
 def _schedule(run: Engine, measurements: PoseMeasurements) -> None:

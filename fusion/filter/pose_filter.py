@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -117,9 +118,11 @@ class PoseFilter:
         history_s: how late a measurement may come; memory is 56 bytes a sample and 4 kB a
             measurement of that time.
         relative: keep an earlier pose too, for measurements that relate two moments.
+        lag_s: how far back `state_at` can look. Measurements of that time are judged anew with
+            each that comes, by all that are known; the state goes on from that.
 
     Raises:
-        ValueError: a history or an offset that is out of range.
+        ValueError: a history, a lag or an offset that is out of range.
 
     Examples:
         >>> import numpy as np
@@ -144,15 +147,22 @@ class PoseFilter:
         time_offset_s: float = 0.0,
         history_s: float = 2.0,
         relative: bool = False,
+        lag_s: float = 0.0,
     ) -> None:
         checked_positive(history_s, "history_s")
+        if not 0.0 <= lag_s < np.inf:
+            raise ValueError(f"lag_s: expected finite seconds from 0 on, got {lag_s}")
         if not np.isfinite(time_offset_s):
             raise ValueError(f"time_offset_s: expected a finite number, got {time_offset_s}")
         self._settings = settings or FilterSettings()
         self._has_camera = imu_T_camera is not None
         extrinsics = Motor.identity() if imu_T_camera is None else imu_T_camera
-        self._engine = engine(self._settings, noise, extrinsics, time_offset_s, history_s, relative)
-        self._relative, self._history_ns = relative, round(min(history_s, 1e9) * 1e9)
+        kept_s = history_s + lag_s
+        self._engine = engine(
+            self._settings, noise, extrinsics, time_offset_s, kept_s, relative, lag_s
+        )
+        self._relative, self._history_ns = relative, round(min(kept_s, 1e9) * 1e9)
+        self._lag_ns = round(lag_s * 1e9)
         self._steps: list[tuple[int, int]] = []
         self._names: list[str] = []
 
@@ -244,8 +254,31 @@ class PoseFilter:
     def state(self) -> FilterState | None:
         """What is known at the last inertial sample; None before the start."""
         found = self._engine.state()
+        return None if found is None else self._state(found)
+
+    def state_at(self, time_ns: int) -> FilterState:
+        """What is known by now of a moment within the last `lag_s`: the path answered late.
+
+        Asked for the last sample's stamp less the lag whenever a measurement came, it gives what
+        `fuse` does with the same `lag_s`.
+
+        Raises:
+            ValueError: a moment after the last sample, before the start or beyond the lag.
+        """
+        newest = self.state
+        if newest is None or not newest.time_ns - self._lag_ns <= time_ns <= newest.time_ns:
+            span = (
+                "a filter that started"
+                if newest is None
+                else (f"one within [{newest.time_ns - self._lag_ns}, {newest.time_ns}]")
+            )
+            raise ValueError(f"time_ns: expected {span}, got {time_ns}")
+        found = newest if time_ns == newest.time_ns else self._engine.state_at(time_ns)
         if found is None:
-            return None
+            raise ValueError(f"time_ns: expected a moment after the start, got {time_ns}")
+        return found if isinstance(found, FilterState) else self._state(found)
+
+    def _state(self, found: Any) -> FilterState:
         time_ns, pose, velocity, bias, gravity, extrinsics, offset_s, covariance = found
         down = np.array([0.0, 0.0, -self._settings.gravity_m_s2])
         _, since_ns = self._engine.doubted()

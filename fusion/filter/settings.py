@@ -167,8 +167,11 @@ def engine(
     time_offset_s: float = 0.0,
     history_s: float | None = None,
     keeps_earlier: bool = False,
+    lag_s: float = 0.0,
 ) -> _filter.Engine:
     """The compiled filter; without `history_s` it keeps all, for the backward pass.
+
+    With `lag_s` above zero it settles what so much time has passed by, see `window.h`.
 
     With `keeps_earlier` its error has six numbers more, for measurements that relate two moments.
     """
@@ -195,6 +198,7 @@ def engine(
         most_noise=MOST_NOISE,
         gap=(settings.gap_s, settings.gap_rate_rad_s, settings.gap_force_m_s2),
         history_s=np.inf if history_s is None else history_s,
+        lag_s=lag_s,
         check_every=0 if history_s is None else _CHECK_EVERY,
         imu_T_camera=tuple(imu_T_camera.coefficients),
         delay_s=time_offset_s,

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, Fused
-from motorcade.fusion.filter.fuse import covered
+from motorcade.fusion.filter.fused import covered
 from motorcade.fusion.graph.fuse import as_fused, checked_graph_input, filtered_start
 from motorcade.fusion.graph.inertial import InertialGraph, optimised
 from motorcade.fusion.graph.kinds import parameter_key

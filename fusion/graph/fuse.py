@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, Fused, fuse
-from motorcade.fusion.filter.fuse import by_stretch, camera_covariance, covered, wanted_stamps
+from motorcade.fusion.filter.fused import by_stretch, camera_covariance, covered, wanted_stamps
 from motorcade.fusion.filter.settings import MOST_NOISE
 from motorcade.fusion.graph.inertial import InertialGraph
 from motorcade.fusion.graph.smoothers import smooth_all, smooth_with_lag

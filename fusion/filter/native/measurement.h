@@ -68,6 +68,7 @@ struct Event {
     double nis = 0.0, factor = 0.0;            // a factor of 0: left out
     double live_nis = 0.0, live_factor = 0.0;  // as judged first, before anything later was known
     double given = undecided;  // the factor that it must have, by what is known of others
+    bool by_later = false;     // as later ones made it in a window; see window.h
     // After a backward pass, of its residual from what all others say: normalised squares by its
     // own noise and by the most that it may have.
     std::array<double, 2> left_out = {nan_d, nan_d};

@@ -11,7 +11,7 @@
 #include "increments.h"
 #include "python_source.h"
 #include "rest.h"
-#include "smoother.h"
+#include "window.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -63,6 +63,7 @@ public:
                          const std::optional<MadeCubes> &whole, bool final) = 0;
     virtual void smooth() = 0;
     virtual nb::object state() const = 0;
+    virtual nb::object state_at(std::int64_t time_ns) = 0;
     virtual nb::object judged() const = 0;
     virtual nb::tuple held() const = 0;
     virtual nb::tuple doubted() const = 0;
@@ -172,17 +173,13 @@ public:
 
     nb::object state() const override {
         if (!filter_.started()) return nb::none();
-        const State &at = filter_.state();
-        std::vector<double> covariance;
-        for (std::size_t i = 0; i < N; ++i)
-            covariance.insert(covariance.end(), filter_.covariance().row[i],
-                              filter_.covariance().row[i] + N);
-        const auto of = [](const double *given, std::size_t n) {
-            return array(std::vector<double>(given, given + n), {n});
-        };
-        return nb::make_tuple(filter_.time_ns(), of(at.pose, 8), of(at.velocity, 3), of(at.bias, 6),
-                              of(at.gravity_rotor, 4), of(at.imu_T_camera, 8), at.delay_s,
-                              array(covariance, {N, N}));
+        return told(filter_.time_ns(), filter_.state(), filter_.covariance());
+    }
+
+    nb::object state_at(std::int64_t time_ns) override {
+        if (!filter_.started() || time_ns > filter_.time_ns()) return nb::none();
+        const auto found = filter_.at(time_ns);
+        return found ? told(found->time_ns, found->at, found->covariance) : nb::none();
     }
 
     nb::object judged() const override {
@@ -214,6 +211,18 @@ public:
     }
 
 private:
+    static nb::object told(std::int64_t time_ns, const State &at, const Matrix<N> &spread) {
+        std::vector<double> covariance;
+        for (std::size_t i = 0; i < N; ++i)
+            covariance.insert(covariance.end(), spread.row[i], spread.row[i] + N);
+        const auto of = [](const double *given, std::size_t n) {
+            return array(std::vector<double>(given, given + n), {n});
+        };
+        return nb::make_tuple(time_ns, of(at.pose, 8), of(at.velocity, 3), of(at.bias, 6),
+                              of(at.gravity_rotor, 4), of(at.imu_T_camera, 8), at.delay_s,
+                              array(covariance, {N, N}));
+    }
+
     static void expect_columns(const Stamps &time_ns, const Rows &rate, const Rows &force) {
         expect(rate.shape(1) == 3 && force.shape(1) == 3 && rate.shape(0) == time_ns.shape(0) &&
                    force.shape(0) == time_ns.shape(0),
@@ -248,7 +257,7 @@ std::unique_ptr<Engine>
 engine(const std::array<double, 5> &model, const std::array<double, 6> &start,
        const std::array<double, 4> &known, const std::array<double, widest + 1> &gate,
        const std::array<double, widest + 1> &middle, double most_noise,
-       const std::array<double, 3> &gap, double history_s, std::size_t check_every,
+       const std::array<double, 3> &gap, double history_s, double lag_s, std::size_t check_every,
        const std::array<double, 8> &imu_T_camera, double delay_s, const std::array<double, 5> &rest,
        bool keeps_earlier) {
     const auto square = [](double x) { return x * x; };
@@ -265,6 +274,7 @@ engine(const std::array<double, 5> &model, const std::array<double, 6> &start,
     made.gap_rate = gap[1];
     made.gap_force = gap[2];
     made.history_ns = history_s < 1e9 ? static_cast<std::int64_t>(history_s * 1e9) : INT64_MAX / 2;
+    made.lag_ns = lag_s < 1e9 ? static_cast<std::int64_t>(lag_s * 1e9) : INT64_MAX / 2;
     made.check_every = check_every;
     State first;
     std::copy(imu_T_camera.begin(), imu_T_camera.end(), first.imu_T_camera);
@@ -338,11 +348,12 @@ NB_MODULE(_filter, module) {
              "covariance"_a, "others"_a, "whole"_a.none(), "final"_a)
         .def("smooth", &Engine::smooth)
         .def("state", &Engine::state)
+        .def("state_at", &Engine::state_at, "time_ns"_a)
         .def("judged", &Engine::judged)
         .def("doubted", &Engine::doubted)
         .def("held", &Engine::held);
     module.def("engine", &engine, "model"_a, "start"_a, "known"_a, "gate"_a, "middle"_a,
-               "most_noise"_a, "gap"_a, "history_s"_a, "check_every"_a, "imu_T_camera"_a,
+               "most_noise"_a, "gap"_a, "history_s"_a, "lag_s"_a, "check_every"_a, "imu_T_camera"_a,
                "delay_s"_a, "rest"_a, "keeps_earlier"_a);
     module.def("increments", &increments<false>, "first"_a, "dt_s"_a, "rate"_a, "force"_a, "bias"_a,
                "squares"_a, "pose"_a, "velocity"_a, "transition"_a, "covariance"_a);

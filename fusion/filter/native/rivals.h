@@ -25,6 +25,23 @@ constexpr std::size_t most_rivals = 6;
 // How long the IMU alone may carry a prediction that was given up, as it may over gaps.
 constexpr std::int64_t longest_bridge_ns = 10'000'000'000;
 
+// A state that runs beside the filter's own.
+template <std::size_t N> struct Track {
+    State at;
+    Matrix<N> covariance;
+    std::int64_t time_ns = 0;
+};
+
+// Another account of what was measured, from the moment on at which it contradicted the prediction.
+template <std::size_t N> struct Rival {
+    Track<N> track;
+    std::size_t birth = 0;  // the event from which it started
+    std::size_t hits = 0;   // measurements that it explained and the prediction did not
+    std::size_t base = 0;   // measurements that the prediction had explained at its birth
+    bool returned = false;  // it goes on where a prediction was given up
+    Doubt room;             // what the prediction needs to agree with its birth
+};
+
 // A measurement was believed or denied: what follows for the prediction.
 template <std::size_t N> void Timeline<N>::consider(std::size_t index) {
     const Event &event = events_[index];
@@ -160,6 +177,7 @@ template <std::size_t N> void Timeline<N>::give_up(const Rival<N> &winner) {
     const Event &first = events_[winner.birth];
     const std::int64_t now_ns = events_[next_ - 1].time_ns;
     std::size_t from = winner.birth;
+    undecide(never_right && own_birth_ > 0 ? own_birth_ : winner.birth);
     if (winner.returned) {
         from = former_->birth;
         take_for_wrong(from, winner.birth);
@@ -188,6 +206,7 @@ template <std::size_t N> void Timeline<N>::give_up(const Rival<N> &winner) {
         own_birth_ = winner.birth, own_hits_ = winner.hits;
     }
     given_up_.push_back({events_[from].time_ns, now_ns});
+    for (std::size_t k = from; k < next_; ++k) events_[k].left_out = {nan_d, nan_d};
     denied_ = 0;
     replay(from, next_);
 }
@@ -195,8 +214,8 @@ template <std::size_t N> void Timeline<N>::give_up(const Rival<N> &winner) {
 // A map that was relocated shortly before the end: the old one never had the time to come back. The
 // IMU carries the path to the end on either account, and where it does so within what the gate
 // allows a pose to be off, the old map is safe whichever is right.
-template <std::size_t N> void Timeline<N>::doubt_last_jump() {
-    if (!former_) return;
+template <std::size_t N> void Timeline<N>::doubt_last_jump(std::size_t since) {
+    if (!former_ || former_->birth < since) return;
     std::size_t last = next_ - 1;  // samples may go on for long after it
     while (!events_[last].measures()) --last;
     along(former_->track, [&] { advance_to(events_[last].time_ns); });
@@ -231,8 +250,14 @@ bool Timeline<N>::bridged(const Matrix<N> &covariance, const Event &event) const
 template <std::size_t N> void Timeline<N>::take_for_wrong(std::size_t from, std::size_t to) {
     for (std::size_t k = from; k < to; ++k) {
         events_[k].doubt.reset();
-        if (events_[k].placed) events_[k].given = 0.0;
+        if (events_[k].placed) events_[k].given = 0.0, events_[k].by_later = false;
     }
+}
+
+// What looking back made of these held for the prediction that is given up.
+template <std::size_t N> void Timeline<N>::undecide(std::size_t from) {
+    for (std::size_t k = from; k < next_; ++k)
+        if (events_[k].by_later) events_[k].given = undecided;
 }
 
 // Takes a jump back, and all in [from, to) for wrong.
@@ -301,6 +326,15 @@ template <std::size_t N> void Timeline<N>::retreat_to(std::int64_t to) {
     }
 }
 
+// Measurements were judged again: a rival that was born of one that is believed now has no case.
+template <std::size_t N> void Timeline<N>::reconsider() {
+    const auto idle = [this](const Rival<N> &one) { return events_[one.birth].factor > 0.0; };
+    rivals_.erase(std::remove_if(rivals_.begin(), rivals_.end(), idle), rivals_.end());
+    std::size_t last = next_;
+    while (last > 0 && !(events_[last - 1].measures() && events_[last - 1].placed)) --last;
+    if (last > 0 && events_[last - 1].factor > 0.0) denied_ = 0;
+}
+
 // Events were put in at an index, or forgotten there.
 template <std::size_t N> void Timeline<N>::shift_rivals(std::size_t index, int by) {
     const auto shifted = [&](std::size_t k) {
@@ -312,6 +346,10 @@ template <std::size_t N> void Timeline<N>::shift_rivals(std::size_t index, int b
     for (Rival<N> &one : rivals_) one.birth = shifted(one.birth);
     if (former_) former_->birth = shifted(former_->birth), former_->base = shifted(former_->base);
     own_birth_ = shifted(own_birth_);
+    if (by < 0)
+        due_ = std::max<std::size_t>(due_, 2) - 1;  // what all go on from is settled
+    else if (index < due_)
+        ++due_;
 }
 
 }  // namespace motorcade::filter

@@ -15,27 +15,28 @@ namespace motorcade::filter {
 constexpr std::size_t most_rounds = 5;
 // A weight that halves or doubles is worth another round.
 constexpr double tolerance = 2.0;
+constexpr std::size_t none = static_cast<std::size_t>(-1);  // of the events
 
-template <std::size_t N> class Filter final : public Timeline<N> {
+template <std::size_t N> class Smoother : public Timeline<N> {
 public:
     using Timeline<N>::Timeline;
 
     // Rewrites what the sink holds for the moments passed so far, each measurement weighed by what
     // all others say of it: again, with the weights that came out, until they stay.
     void smooth() {
-        this->doubt_last_jump();
+        this->doubt_last_jump(0);
         for (std::size_t round = 1;; ++round) {
             jump_ = 0;
             backward();
             this->thorough_ = false;
             if (round == most_rounds) return;
             if (jump_ != 0 && this->doubt_first_jump(jump_, jumped_)) continue;
-            if (!judge_again()) return;
+            if (judge_again(0, 0) == none) return;
             this->replay(0, this->next_);
         }
     }
 
-private:
+protected:
     // Between states that were kept all is made again first. The state ends where it started.
     void backward() {
         Matrix<N> curvature;
@@ -49,12 +50,8 @@ private:
             for (std::size_t i = end; i-- > first;) {
                 Event &event = this->events_[i];
                 if (event.kind == Kind::output) rewrite(event, gradient, curvature);
-                if (i == 0) start_from(event, gradient);
                 if (event.doubt) keep_jump(i, gradient, curvature);
-                if (event.measures()) event.left_out = left_out(event, gradient, curvature);
-                if (event.factor > 0.0 && !event.linear.empty())
-                    take_in(event, gradient, curvature);
-                if (event.kind == Kind::keep) unkeep(gradient, curvature);
+                look_back(i, gradient, curvature);
                 if (i > 0) step_back(this->events_[i - 1], event.time_ns, gradient, curvature);
                 event.known.reset();
                 event.linear = std::vector<double>();
@@ -63,10 +60,24 @@ private:
         }
     }
 
+    // What an event says of itself by all that came later, and of what came before it.
+    void look_back(std::size_t index, double *gradient, Matrix<N> &curvature) {
+        Event &event = this->events_[index];
+        if (index == 0) start_from(event, gradient);
+        if (event.measures()) event.left_out = left_out(event, gradient, curvature);
+        if (event.factor > 0.0 && !event.linear.empty()) take_in(event, gradient, curvature);
+        if (event.kind == Kind::keep) unkeep(gradient, curvature);
+    }
+
     void step_back(const Event &from, std::int64_t to, double *gradient, Matrix<N> &curvature) {
-        steps_.clear();
         this->now_ = from.known->after;
         this->seek(from.time_ns);
+        step_back(to, gradient, curvature);
+    }
+
+    // From a moment to that of the state.
+    void step_back(std::int64_t to, double *gradient, Matrix<N> &curvature) {
+        steps_.clear();
         this->advance(to, [this](const Transition &f, const Densities &) { steps_.push_back(f); });
         for (std::size_t k = steps_.size(); k-- > 0;)
             propagate_back(curvature, gradient, steps_[k]);
@@ -211,30 +222,36 @@ private:
         return sum;
     }
 
-    // Gives every measurement the weight that its distance from all others deserves; whether any
-    // changes. Distances count in units of what half of those believed stay below, where that is
-    // more than it should be: noise that is stated too small must not make outliers of good data.
-    bool judge_again() {
+    // Gives every measurement from `first` on the weight that its distance from all others
+    // deserves; the first whose weight changes. Distances count in units of what half of those
+    // believed since `heard` stay below, where that is more than it should be: noise that is stated
+    // too small must not make outliers of good data.
+    std::size_t judge_again(std::size_t first, std::size_t heard) {
         std::vector<double> ratios;
-        for (const Event &event : this->events_)
+        for (std::size_t k = heard; k < this->next_; ++k) {
+            const Event &event = this->events_[k];
             if (event.measures() && event.factor > 0.0 && event.left_out[0] >= 0.0)
                 ratios.push_back(event.left_out[0] / this->settings_.middle[freedom(event)]);
-        if (ratios.empty()) return false;
+        }
+        if (ratios.empty()) return none;
         const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
         std::nth_element(ratios.begin(), middle, ratios.end());
         const double unit = std::max(1.0, *middle);
-        bool changed = false;
-        for (Event &event : this->events_) {
+        std::size_t changed = none;
+        for (std::size_t k = first; k < this->next_; ++k) {
+            Event &event = this->events_[k];
             if (!event.measures()) continue;
             double factor = event.factor;
             if (event.left_out[0] >= 0.0)
                 factor = this->factor_of(event.left_out[0] / unit, event.left_out[1] / unit,
                                          freedom(event));
-            changed |= (factor > 0.0) != (event.factor > 0.0) ||
-                       std::max(factor, event.factor) > tolerance * std::min(factor, event.factor);
+            const bool other =
+                (factor > 0.0) != (event.factor > 0.0) ||
+                std::max(factor, event.factor) > tolerance * std::min(factor, event.factor);
+            if (other && changed == none) changed = k;
             event.given = factor;
         }
-        if (changed) this->restart(first_smoothed_);
+        if (changed != none && first == 0) this->restart(first_smoothed_);
         return changed;
     }
 

@@ -29,25 +29,13 @@ struct Settings {
     std::int64_t gap_ns;         // longer intervals between samples lack data
     double gap_rate, gap_force;  // deviations of what was not felt in them
     std::int64_t history_ns;     // how late an event may come
+    std::int64_t lag_ns;         // how much later what is settled may look back; see window.h
     std::size_t check_every;     // samples between kept states; 0: at events only
 };
 
-// A state that runs beside the filter's own.
-template <std::size_t N> struct Track {
-    State at;
-    Matrix<N> covariance;
-    std::int64_t time_ns = 0;
-};
-
-// Another account of what was measured, from the moment on at which it contradicted the prediction.
-template <std::size_t N> struct Rival {
-    Track<N> track;
-    std::size_t birth = 0;  // the event from which it started
-    std::size_t hits = 0;   // measurements that it explained and the prediction did not
-    std::size_t base = 0;   // measurements that the prediction had explained at its birth
-    bool returned = false;  // it goes on where a prediction was given up
-    Doubt room;             // what the prediction needs to agree with its birth
-};
+// See rivals.h.
+template <std::size_t N> struct Track;
+template <std::size_t N> struct Rival;
 
 // In a whole recording the state is kept at every so many events, and made again between them.
 constexpr std::size_t stride = 64;
@@ -100,6 +88,7 @@ public:
     // Takes an event at any time that the history still holds.
     void add(Event &&event) {
         place_in_time(event);
+        if (started_ && event.measures()) settle_before(event.time_ns);
         const auto place = std::upper_bound(events_.begin(), events_.end(), event, precedes);
         const auto index = static_cast<std::size_t>(place - events_.begin());
         const bool late = index < next_ || (started_ && event.time_ns < time_ns_);
@@ -181,10 +170,12 @@ protected:
 
     // See history.h.
     void replay(std::size_t from, std::size_t to);
-    void doubt_last_jump();
+    void doubt_last_jump(std::size_t since);
     bool doubt_first_jump(std::size_t jump, Track<N> after);
     void restart(const State &at) { begun_ = std::make_unique<State>(at); }
     void put(std::size_t row, const Matrix<N> &p) const;
+    void reconsider();
+    virtual void settle_before(std::int64_t) {}  // see window.h
 
     // What a measurement's noise is multiplied by, so that its pull is no more than that of one at
     // the gate, from its normalised squares with its own noise and with the most that it may have.
@@ -209,6 +200,7 @@ protected:
     bool started_ = false;
     std::unique_ptr<State> begun_;  // where the path starts, if not at the first pose
     bool thorough_ = false;         // every event keeps all that a backward pass needs
+    std::size_t due_ = 0;           // of the events, the first that is not settled
 
 private:
     Reading reading(std::int64_t t) const {
@@ -267,6 +259,7 @@ private:
     void catch_up() {
         const std::int64_t horizon = samples_.back().time_ns;
         while (next_ < events_.size() && events_[next_].time_ns <= horizon) {
+            if (started_ && events_[next_].measures()) settle_before(events_[next_].time_ns);
             process(next_++);
             consider(next_ - 1);
         }
@@ -370,6 +363,7 @@ private:
     bool bridged(const Matrix<N> &covariance, const Event &event) const;
     void undo_jump(std::size_t jump, std::size_t from, std::size_t to);
     void take_for_wrong(std::size_t from, std::size_t to);
+    void undecide(std::size_t from);
     void turn_round();
     void retreat_to(std::int64_t to);
     void shift_rivals(std::size_t from, int by);

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.filter import FilterSettings, Fused, RestDetection, fuse
-from motorcade.fusion.filter.fuse import camera_covariance
+from motorcade.fusion.filter.fused import camera_covariance
 from motorcade.fusion.imu import ImuStream
 from motorcade.fusion.metrics import absolute_translation_m, associate, rotation_rad, tilt_rad
 from motorcade.fusion.motions.degradations import Blackouts, InTurn, Latency, Outliers
