@@ -99,7 +99,7 @@ def angular_rate_lag_s(estimate: Trajectory, truth: Trajectory, max_lag_s: float
 
     return _peak(
         rates(estimate.motors.rotor[ends]),
-        lambda lag: rates(path.poses(time_s[ends] - lag).rotor),
+        lambda lag: rates(path.rotors(time_s[ends] - lag)),
         limit_s,
         _half_step(estimate),
         rough=lambda lag: rough(time_s[chosen] - lag),
@@ -120,7 +120,7 @@ def _even_rates(
     begin = np.maximum(begin, np.append(0, np.maximum.accumulate(end)[:-1]))  # each place once
     places = np.concatenate([np.arange(a, b) for a, b in zip(begin, end, strict=True)])
     grid_s = first_s + _GRID_S * places[places < most]
-    turns = path.poses(grid_s).rotor.inverse() @ path.poses(grid_s + step_s).rotor
+    turns = path.rotors(grid_s).inverse() @ path.rotors(grid_s + step_s)
     grid = turns.as_rotation_vector() / step_s
     return lambda time_s: np.stack([np.interp(time_s, grid_s, column) for column in grid.T], -1)
 
@@ -151,13 +151,18 @@ def _inner(
 
 
 def _similarity(ours: FloatArray, true: FloatArray) -> float:
-    ours, true = _changing(ours), _changing(true)
-    return float(np.sum(ours * true) / (_norm(ours) * _norm(true)))
+    """Correlation of changes with values, each ``(N, 3)``."""
+    true = _changing(true)
+    return _product(ours, true) / (_norm(ours) * _norm(true))
 
 
 def _norm(values: FloatArray) -> float:
+    return float(np.sqrt(_product(values, values)))
+
+
+def _product(ones: FloatArray, others: FloatArray) -> float:
     """As NumPy's, but by this thread: BLAS wakes others for so little, thousands of times."""
-    return float(np.sqrt(np.sum(values * values)))
+    return float(np.sum(ones * others))
 
 
 def _changing(values: FloatArray) -> FloatArray:
@@ -182,10 +187,10 @@ def _peak(
     """
     count = int(limit_s / _COARSE_STEP_S)
     lags = _COARSE_STEP_S * np.arange(-count, count + 1)
-    search = rough or true
-    best = int(np.argmax([_similarity(ours, search(float(lag))) for lag in lags]))
+    search, changes = rough or true, _changing(ours)
+    best = int(np.argmax([_similarity(changes, search(float(lag))) for lag in lags]))
     if rough is not None:
-        best = _climbed(lambda i: _similarity(ours, true(float(lags[i]))), best, len(lags))
+        best = _climbed(lambda i: _similarity(changes, true(float(lags[i]))), best, len(lags))
     if best in (0, len(lags) - 1):
         raise NotObservableError(
             f"lag: expected a peak of the correlation within ±{limit_s:.3f} s, got one at the edge"
@@ -220,11 +225,13 @@ def _refined(ours: FloatArray, true: Callable[[float], FloatArray], peak: float)
     """
     from scipy.optimize import brentq, minimize_scalar
 
+    changes = _changing(ours)
+
     def slope(lag: float) -> float:
         return float(np.sum(_scores(ours, true, lag)[0]))
 
     found = minimize_scalar(
-        lambda lag: -_similarity(ours, true(lag)),
+        lambda lag: -_similarity(changes, true(lag)),
         bounds=(peak - _COARSE_STEP_S, peak + _COARSE_STEP_S),
         method="bounded",
         options={"xatol": _PEAK_TOLERANCE_S},
