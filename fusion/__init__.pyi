@@ -1,3 +1,4 @@
+from . import camera_imu as camera_imu
 from . import filter as filter
 from . import graph as graph
 from . import health as health

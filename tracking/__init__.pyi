@@ -4,6 +4,8 @@ from . import markers as markers
 from . import optimise as optimise
 from . import planes as planes
 from . import slam as slam
+from .board_tracking.poses import BoardMeasurements as BoardMeasurements
+from .board_tracking.poses import measure_board as measure_board
 from .board_tracking.track import BoardTrack as BoardTrack
 from .board_tracking.track import registration_px as registration_px
 from .board_tracking.track import track_board as track_board

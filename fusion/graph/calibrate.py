@@ -27,13 +27,14 @@ from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.measurements.interface import Measurements
 from motorcade.ga import Motor
-from motorcade.ga.arrays import FloatArray, checked_positive
+from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 from motorcade.tracking.measurements import PoseMeasurements
 
 if TYPE_CHECKING:
     import gtsam
 
 _NUMBERS = 15  # nine of the gyroscope, six of the accelerometer
+_GRAVITY = 15  # what the size of gravity is more than assumed, where that is asked for
 _LOWER = np.tril_indices(3)
 _STEP = 1e-5  # of differences by C; the residual's curvature over it is nothing
 _ITERATIONS, _RELATIVE = 50, 1e-8
@@ -57,6 +58,14 @@ class GraphCalibration:
             the accelerometer's.
         also: the kinds with their parameters as found.
         parameter_sigma: deviations of the parameters of each; none where they were known.
+        common: ``(p,)`` what the measured poses share, as found.
+        gravity_m_s2: size of gravity, as found or as assumed.
+        covariance: ``(25 + p, 25 + p)`` of all that the recording has but once: extrinsics (right
+            perturbation: rad, m), offset (s), the gyroscope's nine corrections and the
+            accelerometer's six, row by row, gravity's tilt (2, rad) and size (m/s²), `common`;
+            zero where it was known.
+        misfit: what residuals are, squared and a degree of freedom, of what was stated: 1 where
+            noise is as stated and nothing is wrong with the model.
         rounds: how often the samples were summed up anew.
 
     Examples:
@@ -72,6 +81,10 @@ class GraphCalibration:
     accel_sigma: FloatArray
     also: tuple[Measurements, ...]
     parameter_sigma: tuple[FloatArray, ...]
+    common: FloatArray
+    gravity_m_s2: float
+    covariance: FloatArray
+    misfit: float
     rounds: int
 
 
@@ -85,6 +98,9 @@ def calibrate_by_graph(
     settings: FilterSettings | None = None,
     time_offset_s: float = 0.0,
     correction_sigma: float = 0.02,
+    gravity_size_sigma_m_s2: float = 0.0,
+    pose_effect: FloatArray | None = None,
+    state_covariances: bool = True,
 ) -> GraphCalibration:
     """Find the IMU's scales and misalignments, and what `settings` ask for, from a moving sensor.
 
@@ -103,6 +119,11 @@ def calibrate_by_graph(
         time_offset_s: as for `fuse_by_graph`.
         correction_sigma: how far each entry of the corrections may be from that of the identity:
             2 % of scale and 1.1° between axes are what small sensors have uncalibrated.
+        gravity_size_sigma_m_s2: how far the size of gravity may be from that of `settings`; above
+            zero, it is found too.
+        pose_effect: ``(N, 6, p)``: how p numbers of unit normal distribution move each measured
+            pose (right perturbation), as errors of the camera's intrinsics do that all poses share.
+        state_covariances: without them, which take half the time, those of `fused` are zero.
 
     Raises:
         ValueError: as `fuse_by_graph`; a stream of several pieces; a deviation that is not above
@@ -129,40 +150,44 @@ def calibrate_by_graph(
     """
     chosen, kinds, shift_ns = checked_graph_input(also, settings, time_offset_s)
     sigma = checked_positive(correction_sigma, "correction_sigma")
+    if not 0.0 <= gravity_size_sigma_m_s2 < np.inf:
+        raise ValueError(
+            f"gravity_size_sigma_m_s2: expected a number from 0 on, got {gravity_size_sigma_m_s2}"
+        )
     if len(imu.stretches()) > 1:
         raise ValueError("imu: expected one stretch, got gaps of more than ten seconds")
-    used = covered(measurements, imu, shift_ns)
+    used, effect = _covered(measurements, imu, shift_ns, pose_effect)
     wanted = used.trajectory.time_ns + shift_ns
-    graph = InertialGraph.of(used, imu, noise, imu_T_camera, wanted, chosen, kinds, time_offset_s)
+    graph = InertialGraph.of(
+        used, imu, noise, imu_T_camera, wanted, chosen, kinds, time_offset_s, effect
+    )
     values = first_values(graph, *filtered_start(used, imu, noise, graph))
     unknown = [number for number, one in enumerate(kinds) if one.parameter_sigma.size]
     for number in unknown:
         values.insert(parameter_key(number), kinds[number].parameters)
+    if effect is not None:
+        values.insert(parameter_key(-1), np.zeros(effect.shape[-1]))
+        unknown.append(-1)
     own = [replace(one, calibrated=one.number in unknown) for one in graph.kinds]
     graph = replace(graph, kinds=own)
-    key = _key()
-    values.insert(key, np.zeros(_NUMBERS))
-    rounds = 0
-    while True:
-        loose = _LOOSE[rounds] if rounds < len(_LOOSE) else 1.0
-        rounds += 1
-        about = values.atVector(key)
-        gated = replace(graph, gates=[loose * gate for gate in graph.gates])
-        factors = _factors(gated, values, about, sigma)
-        values = optimised(factors, values, _ITERATIONS, _RELATIVE)
-        still = np.max(np.abs(values.atVector(key) - about)) < _STILL * sigma
-        if rounds == _ROUNDS or (rounds > len(_LOOSE) and still):
-            break
-    found, marginals = read_all(graph, factors, values)
+    sigmas = np.full(_NUMBERS, sigma)
+    if gravity_size_sigma_m_s2 > 0.0:
+        sigmas = np.append(sigmas, gravity_size_sigma_m_s2)
+    factors, values, rounds = _settled(graph, values, sigmas)
+    judged = [replace(one, given=one.kind(values)) for one in graph.kinds]
+    graph = replace(graph, kinds=judged)
+    found, marginals = read_all(graph, factors, values, covariances=state_covariances)
     fused = as_fused(graph, found, measurements.trajectory, wanted, chosen)
-    spread = np.sqrt(np.diag(marginals.marginalCovariance(key)))
-    gyro, accel = corrections(values.atVector(key))
+    numbers = values.atVector(_key())
+    gyro, accel = corrections(numbers)
+    spread = np.sqrt(np.diag(marginals.marginalCovariance(_key())))
     gyro_sigma, accel_sigma = (one - np.eye(3) for one in corrections(spread))
-    also_found, sigmas = list(kinds), [np.zeros(0) for _ in kinds]
-    for number in unknown:
-        name = parameter_key(number)
-        also_found[number] = kinds[number].with_parameters(values.atVector(name))
-        sigmas[number] = np.sqrt(np.diag(marginals.marginalCovariance(name)))
+    also_found, also_sigma = list(kinds), [np.zeros(0) for _ in kinds]
+    for number in range(len(kinds)):
+        if number in unknown:
+            name = parameter_key(number)
+            also_found[number] = kinds[number].with_parameters(values.atVector(name))
+            also_sigma[number] = np.sqrt(np.diag(marginals.marginalCovariance(name)))
     return GraphCalibration(
         fused,
         gyro,
@@ -170,15 +195,87 @@ def calibrate_by_graph(
         gyro_sigma,
         accel_sigma,
         tuple(also_found),
-        tuple(sigmas),
+        tuple(also_sigma),
+        values.atVector(parameter_key(-1)) if effect is not None else np.zeros(0),
+        chosen.gravity_m_s2 + float(numbers[_GRAVITY:].sum()),
+        _joint(graph, marginals, effect),
+        _misfit(graph, factors, values),
         rounds,
     )
 
 
+def _covered(
+    measurements: PoseMeasurements, imu: ImuStream, shift_ns: int, effect: FloatArray | None
+) -> tuple[PoseMeasurements, FloatArray | None]:
+    """The measurements that the IMU covers, and how what they share moves those."""
+    used = covered(measurements, imu, shift_ns)
+    if effect is None:
+        return used, None
+    count = len(measurements)
+    given = checked_floats(effect, "pose_effect", (6, np.shape(effect)[-1]))
+    if given.shape[0] != count or not given.shape[-1]:
+        raise ValueError(f"pose_effect: expected {(count, 6, 'p')}, got {given.shape}")
+    return used, given[np.searchsorted(measurements.trajectory.time_ns, used.trajectory.time_ns)]
+
+
+def _settled(
+    graph: InertialGraph, values: gtsam.Values, sigmas: FloatArray
+) -> tuple[gtsam.NonlinearFactorGraph, gtsam.Values, int]:
+    """Factors and values at the corrections that stay, and the rounds that took."""
+    key = _key()
+    values.insert(key, np.zeros(len(sigmas)))
+    rounds = 0
+    while True:
+        loose = _LOOSE[rounds] if rounds < len(_LOOSE) else 1.0
+        rounds += 1
+        about = values.atVector(key)
+        gated = replace(graph, gates=[loose * gate for gate in graph.gates])
+        factors = _factors(gated, values, about, sigmas)
+        values = optimised(factors, values, _ITERATIONS, _RELATIVE)
+        still = np.max(np.abs(values.atVector(key) - about) / sigmas) < _STILL
+        if rounds == _ROUNDS or (rounds > len(_LOOSE) and still):
+            return factors, values, rounds
+
+
+def _joint(
+    graph: InertialGraph, marginals: gtsam.Marginals, effect: FloatArray | None
+) -> FloatArray:
+    """The covariance of all that the recording has but once, as `GraphCalibration` orders it."""
+    import gtsam
+
+    shared = graph.shared.keys
+    width = 0 if effect is None else effect.shape[-1]
+    places = [
+        (shared.get("camera"), range(6)),
+        (shared.get("offset"), range(6, 7)),
+        (_key(), [*range(7, 22), 24]),
+        (shared.get("tilt"), range(22, 24)),
+        (parameter_key(-1) if width else None, range(25, 25 + width)),
+    ]
+    asked = [(key, list(rows)) for key, rows in places if key is not None]
+    joint = marginals.jointMarginalCovariance(gtsam.KeyVector([key for key, _ in asked]))
+    made = np.zeros((25 + width, 25 + width))
+    for one, rows in asked:
+        for other, columns in asked:
+            block = joint.at(one, other)
+            made[np.ix_(rows[: len(block)], columns[: block.shape[1]])] = block
+    return made
+
+
+def _misfit(
+    graph: InertialGraph, factors: gtsam.NonlinearFactorGraph, values: gtsam.Values
+) -> float:
+    """The reduced χ² of all residuals; of outliers, what their loss leaves of them."""
+    sizes = sum(factors.at(k).dim() for k in range(factors.size()))
+    return float(2.0 * factors.error(values) / max(sizes - values.dim(), 1))
+
+
 def corrections(numbers: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The matrices of gyroscope and accelerometer, from fifteen numbers that add to identities."""
+    """The matrices of gyroscope and accelerometer, from fifteen numbers that add to identities;
+    what comes after those belongs to gravity.
+    """
     accel = np.zeros((3, 3))
-    accel[_LOWER] = numbers[9:]
+    accel[_LOWER] = numbers[9:_NUMBERS]
     return np.eye(3) + numbers[:9].reshape(3, 3), np.eye(3) + accel
 
 
@@ -197,7 +294,7 @@ def _key() -> int:
 
 
 def _factors(
-    graph: InertialGraph, values: gtsam.Values, about: FloatArray, sigma: float
+    graph: InertialGraph, values: gtsam.Values, about: FloatArray, sigmas: FloatArray
 ) -> gtsam.NonlinearFactorGraph:
     """All factors, those of the samples as functions of the corrections near some."""
     import gtsam
@@ -206,14 +303,15 @@ def _factors(
     biases = [values.atConstantBias(keys(k).bias) for k in range(node_count)]
 
     def motions(numbers: FloatArray) -> list[gtsam.CombinedImuFactor]:
-        own = replace(graph, imu=corrected(graph.imu, numbers))
+        size_m_s2 = graph.gravity_m_s2 + float(numbers[_GRAVITY:].sum())
+        own = replace(graph, imu=corrected(graph.imu, numbers), gravity_m_s2=size_m_s2)
         return [own.motion(k, own.summed(k, biases[k - 1])) for k in range(1, node_count)]
 
     here = motions(about)
     errors = np.array([one.whitenedError(values) for one in here])
-    effect = np.empty((*errors.shape, _NUMBERS))
-    for k in range(_NUMBERS):
-        ahead = about + _STEP * (np.arange(_NUMBERS) == k)
+    effect = np.empty((*errors.shape, len(sigmas)))
+    for k in range(len(sigmas)):
+        ahead = about + _STEP * (np.arange(len(sigmas)) == k)
         for row, (one, plain) in enumerate(zip(motions(ahead), here, strict=True)):
             # Whitened as the factor itself: its noise hardly depends on the corrections.
             moved = one.unwhitenedError(values) - plain.unwhitenedError(values)
@@ -227,8 +325,12 @@ def _factors(
             known = gtsam.noiseModel.Diagonal.Sigmas(certain)
             name = parameter_key(number)
             factors.push_back(gtsam.PriorFactorVector(name, given.parameters, known))
-    prior = gtsam.noiseModel.Isotropic.Sigma(_NUMBERS, sigma)
-    factors.push_back(gtsam.PriorFactorVector(_key(), np.zeros(_NUMBERS), prior))
+    if any(one.number < 0 and one.calibrated for one in graph.kinds):
+        count = len(next(one for one in graph.kinds if one.number < 0).given.parameters)
+        unit = gtsam.noiseModel.Unit.Create(count)
+        factors.push_back(gtsam.PriorFactorVector(parameter_key(-1), np.zeros(count), unit))
+    prior = gtsam.noiseModel.Diagonal.Sigmas(sigmas)
+    factors.push_back(gtsam.PriorFactorVector(_key(), np.zeros(len(sigmas)), prior))
     return factors
 
 

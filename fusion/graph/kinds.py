@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -39,6 +39,8 @@ class PosesByUnknowns(Measurements):
         time_ns: as stamped, and `shift_s` later.
         world_T_camera, covariance: as measured.
         shift_s: ``(N,)`` what was added to the camera's stamps.
+        effect: ``(N, 6, p)`` how numbers that all poses share move each, as a right perturbation.
+        common: ``(p,)`` those numbers, of unit normal distribution.
     """
 
     name: ClassVar[str] = "camera_pose"
@@ -46,6 +48,29 @@ class PosesByUnknowns(Measurements):
     world_T_camera: Motor
     covariance: FloatArray
     shift_s: float
+    effect: FloatArray | None = None
+    common: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def parameters(self) -> FloatArray:
+        """What all poses share."""
+        return self.common
+
+    @property
+    def parameter_sigma(self) -> FloatArray:
+        """Of unit normal distribution."""
+        return np.ones(len(self.common))
+
+    def with_parameters(self, parameters: FloatArray) -> PosesByUnknowns:
+        """The poses as these numbers move them."""
+        return replace(self, common=parameters)
+
+    def parameter_jacobian(self, row: int, state: PredictedState) -> FloatArray:
+        """Derivative ``(6, p)`` of the residual by what the poses share."""
+        assert self.effect is not None
+        right: FloatArray = Motor.left_jacobian_inverse(-self._residual(row, state)[0])
+        moved: FloatArray = right @ self.effect[row]
+        return moved
 
     def _going(self, state: PredictedState) -> FloatArray:
         """How the pose goes on, as a twist a second in the IMU's axes."""
@@ -56,7 +81,10 @@ class PosesByUnknowns(Measurements):
     def _poses(self) -> list[gtsam.Pose3]:
         import gtsam
 
-        return [gtsam.Pose3(matrix) for matrix in self.world_T_camera.as_matrix()]
+        poses = self.world_T_camera
+        if self.effect is not None:
+            poses = poses.retract(self.effect @ self.common)
+        return [gtsam.Pose3(matrix) for matrix in poses.as_matrix()]
 
     def _residual(
         self, row: int, state: PredictedState
@@ -68,7 +96,7 @@ class PosesByUnknowns(Measurements):
 
         ahead = gtsam.Pose3.Expmap((state.time_offset_s - self.shift_s) * self._going(state))
         pose = gtsam.Pose3(gtsam.Rot3(state.world_R_imu), state.position_m)
-        camera = gtsam.Pose3(Motor(state.imu_T_camera).as_matrix())
+        camera = _pose(state.imu_T_camera.tobytes())
         seen = pose.compose(ahead).compose(camera)
         residual: FloatArray = seen.localCoordinates(self._poses[row])
         return residual, ahead, camera
@@ -204,16 +232,24 @@ class KindFactor:
 
 
 @lru_cache(maxsize=8)
+def _pose(coefficients: bytes) -> gtsam.Pose3:
+    """Every row asks for the same, many times a step."""
+    import gtsam
+
+    return gtsam.Pose3(Motor(np.frombuffer(coefficients)).as_matrix())
+
+
+@lru_cache(maxsize=8)
 def _calibrated(given: Measurements, parameters: bytes) -> Measurements:
     """Every row of a kind asks for the same."""
     return given.with_parameters(np.frombuffer(parameters))
 
 
 def parameter_key(number: int) -> int:
-    """Gtsam's key of the parameters of a kind."""
+    """Gtsam's key of the parameters of a kind; -1: of the camera's poses."""
     import gtsam
 
-    return int(gtsam.symbol("p", number))
+    return int(gtsam.symbol("q", 0) if number < 0 else gtsam.symbol("p", number))
 
 
 def kind_factor(

@@ -8,6 +8,7 @@ up, and ``world_R_up = Exp(tilt)``, two numbers, turns it to the world that pose
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -114,14 +115,20 @@ class SharedUnknowns:
         if "camera" not in self.keys:
             return self.imu_T_camera
         found = values.atPose3(self.keys["camera"])
-        rotor = Rotor.from_matrix(found.rotation().matrix())
-        return Motor.from_rotor_translation(rotor, found.translation())
+        return _motor(found.rotation().matrix().tobytes(), found.translation().tobytes())
 
     def offset_s(self, values: gtsam.Values) -> float:
         """The time offset of the camera."""
         if "offset" not in self.keys:
             return self.time_offset_s
         return float(values.atVector(self.keys["offset"])[0])
+
+
+@lru_cache(maxsize=8)
+def _motor(rotation: bytes, translation: bytes) -> Motor:
+    """Every factor asks for the same, many times a step."""
+    matrix = np.frombuffer(rotation).reshape(3, 3)
+    return Motor.from_rotor_translation(Rotor.from_matrix(matrix), np.frombuffer(translation))
 
 
 def lean(tilt: FloatArray) -> FloatArray:

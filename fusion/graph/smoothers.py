@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _ITERATIONS = 100
 _RELATIVE = 1e-7
+_WIDTHS = {"tilt": 2, "camera": 6, "offset": 1}
 
 
 def smooth_all(
@@ -90,9 +91,16 @@ def first_values(
 
 
 def read_all(
-    graph: InertialGraph, factors: gtsam.NonlinearFactorGraph, found: gtsam.Values
+    graph: InertialGraph,
+    factors: gtsam.NonlinearFactorGraph,
+    found: gtsam.Values,
+    *,
+    covariances: bool = True,
 ) -> tuple[GraphStates, gtsam.Marginals]:
-    """The states at the optimum, and gtsam's marginals for what else is asked of it."""
+    """The states at the optimum, and gtsam's marginals for what else is asked of it.
+
+    Without `covariances`, which take longest, those of the states are zero.
+    """
     import gtsam
 
     marginals = gtsam.Marginals(factors, found)
@@ -103,10 +111,14 @@ def read_all(
         velocity.append(found.atVector(node.velocity))
         own = found.atConstantBias(node.bias)
         bias.append(np.concatenate([own.gyroscope(), own.accelerometer()]))
+        if not covariances:
+            continue
         ordered = [node.pose, node.velocity, node.bias, *graph.shared.keys.values()]
         joint = marginals.jointMarginalCovariance(gtsam.KeyVector(ordered))
         covariance.append(np.block([[joint.at(a, b) for b in ordered] for a in ordered]))
-    states = np.array(velocity), np.array(bias), np.array(covariance)
+    size = 15 + sum(width for name, width in _WIDTHS.items() if name in graph.shared.keys)
+    spread = np.array(covariance) if covariances else np.zeros((len(poses), size, size))
+    states = np.array(velocity), np.array(bias), spread
     return GraphStates.of(as_motor(poses), *states, graph.shared, found), marginals
 
 

@@ -65,12 +65,16 @@ class Fit:
         residuals_px: ``(N, 2)`` reprojection minus corner.
         information: ``(p, p)`` of fx, fy, cx, cy and the distortion, for corners of unit noise,
             the poses being unknown too.
+        pose_information: ``(V, 6, 6)`` of each pose (right perturbation), the camera being known.
+        coupling: ``(V, 6, p)`` the part of the information that pose and intrinsics have in common.
     """
 
     camera: Camera
     board_T_camera: Motor
     residuals_px: FloatArray
     information: FloatArray
+    pose_information: FloatArray
+    coupling: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,9 +131,14 @@ def fit_camera(seen: Observations, camera: Camera, board_T_camera: Motor) -> Fit
     numbers = np.array([camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion])
     evaluate = partial(_Reprojection, seen, camera)
     found = minimise(_State(numbers, board_T_camera), evaluate, _State.retract, _STOP)
-    at = found.evaluation
+    at, equations = found.evaluation, found.evaluation.equations
     return Fit(
-        at.camera, found.state.board_T_camera, at.residuals_px, at.equations.reduced_information
+        at.camera,
+        found.state.board_T_camera,
+        at.residuals_px,
+        equations.reduced_information,
+        equations.blocks,
+        equations.coupling,
     )
 
 

@@ -12,7 +12,8 @@ import pytest
 
 from motorcade.fusion.filter import FilterSettings, Fused, RestDetection, fuse
 from motorcade.fusion.graph import fuse_by_graph
-from motorcade.fusion.imu import ADIS16448
+from motorcade.fusion.graph.inertial import InertialGraph, as_pose
+from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.fusion.metrics import absolute_translation_m, rotation_rad
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
@@ -194,3 +195,26 @@ def test_gaps_that_leave_the_graph_singular_are_refused(tmp_path):
     case = Case.of(shapes(10**9)["a gap every 20 poses"], tmp_path / "case")
     with pytest.raises(ValueError, match="got a graph that is singular"):
         FUNCTIONS["fuse_by_graph"](case)
+
+
+def test_forces_are_taken_in_the_axes_of_the_middle_of_a_step(handheld):
+    """Gravity alone would otherwise err by half a step's rotation: 0.1 m/s² here."""
+    import gtsam
+
+    path = handheld.trajectory(100.0, 2.0, "imu")
+    simulated = simulate_imu(path, 100.0, None, np.random.default_rng(0))
+    stamps = simulated.path.time_ns[[20, 60]]
+    motors = simulated.path.motors_at(stamps)
+    seen = PoseMeasurements(Trajectory(stamps, motors), np.tile(1e-6 * np.eye(6), (2, 1, 1)))
+    bias = np.array([0.3, -0.2, 0.4])
+    imu = ImuStream(
+        simulated.stream.time_ns,
+        simulated.stream.angular_rate_rad_s + bias,
+        simulated.stream.specific_force_m_s2,
+    )
+    graph = InertialGraph.of(seen, imu, ADIS16448, Motor.identity(), stamps, FilterSettings())
+    known = gtsam.imuBias.ConstantBias(np.zeros(3), bias)
+    start = gtsam.NavState(as_pose(motors[0]), simulated.velocity_m_s[20])
+    there = graph.summed(1, known).predict(start, known)
+    np.testing.assert_allclose(there.position(), motors[1].translation_m, atol=2e-4)
+    np.testing.assert_allclose(there.velocity(), simulated.velocity_m_s[60], atol=5e-4)

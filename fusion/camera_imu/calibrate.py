@@ -1,0 +1,239 @@
+"""`calibrate_camera_imu`: where a camera sits on an IMU, their clocks, and the IMU's own faults.
+
+Poses over a board, with what their errors have in common, and the IMU's samples go into one factor
+graph (`calibrate_by_graph`). It starts from `synchronise`, which also says how noisy the IMU is;
+once scales and axes are corrected, that is asked again, since what they did looked like noise.
+
+Sources: P. Furgale, J. Rehder, R. Siegwart, Unified temporal and spatial calibration for
+multi-sensor systems, IROS 2013; J. Rehder et al., Extending kalibr, ICRA 2016.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motorcade.fusion.camera_imu.result import COMMON, CameraImuCalibration
+from motorcade.fusion.filter import FilterSettings
+from motorcade.fusion.graph.calibrate import GraphCalibration, calibrate_by_graph
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.sync.synchronise import Synchronised, covered, synchronise
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray, checked_positive
+from motorcade.tracking.board_tracking.poses import BoardMeasurements
+from motorcade.tracking.measurements import PoseMeasurements
+
+STANDARD_GRAVITY_M_S2 = 9.81
+# Between the equator and the poles, at sea level and above.
+GRAVITY_SIGMA_M_S2 = 0.02
+# What is believed of the start: next to nothing, or the recording would be counted twice.
+_TILT_SIGMA_RAD = 0.1
+_TURN_SIGMA_RAD = 0.3
+_LEVER_SIGMA_M = 0.5
+_OFFSET_SIGMA_S = 0.01
+_MARGIN_S = 0.1
+# Extrinsics and clocks that are less sure than this are no calibration: a glance tells a rotation
+# to two degrees, and half a period of a camera at 20 Hz is 25 ms.
+_WORST_TURN_RAD = np.deg2rad(1.0)
+_WORST_OFFSET_S = 0.005
+# A board's pose errs by some tenths of a degree; rotation must be far above that.
+_LEAST_TURN_RAD = np.deg2rad(2.0)
+_QUIETER = 0.9  # of the noise: it is worth another round
+
+
+def calibrate_camera_imu(
+    seen: BoardMeasurements,
+    imu: ImuStream,
+    noise: ImuNoise,
+    *,
+    gravity_m_s2: float | None = None,
+    search_s: float = 2.0,
+    correction_sigma: float = 0.02,
+) -> CameraImuCalibration:
+    """Calibrate camera and IMU from a recording of a board that does not move.
+
+    Turn about all axes of the IMU and shake along them, for half a minute or longer, the board in
+    the picture and the pictures sharp. What the motion leaves open is said in `untold`; where it
+    leaves the extrinsics' rotation or the offset open, it is refused.
+
+    Args:
+        seen: poses over the board, see `motorcade.tracking.measure_board`.
+        imu: the stream, on its own clock.
+        noise: the IMU's densities and bias walks, from its data sheet or an Allan deviation.
+        gravity_m_s2: its size where the recording was made; None: 9.81, give or take 0.02, which
+            then makes the accelerometer's scales less sure.
+        search_s: how far from zero the offset may be.
+        correction_sigma: how far scales may be from one, and axes from square (rad), beforehand.
+
+    Raises:
+        ValueError: what `synchronise` and `calibrate_by_graph` refuse, or a motion that leaves the
+            extrinsics or the offset open.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath, simulate_imu
+        >>> from motorcade.fusion import simulate_camera_poses
+        >>> from motorcade.fusion.camera_imu import calibrate_camera_imu
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> from motorcade.ga import Trajectory
+        >>> from motorcade.tracking import BoardMeasurements, Camera
+        >>> rng = np.random.default_rng(0)
+        >>> world_T_camera = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(world_T_camera, 100.0, ADIS16448, rng, time_offset_s=0.02)
+        >>> true = Trajectory(sensor.path.time_ns, sensor.path.poses)  # of the camera
+        >>> poses = simulate_camera_poses(true, 10.0, 0.002, 0.002, rng)
+        >>> camera, nothing = Camera(640, 480, 500.0, 500.0, 319.5, 239.5), np.zeros((31, 6, 0))
+        >>> seen = BoardMeasurements(
+        ...     camera, None, 31, poses, np.zeros((0, 0)), nothing, 0.1, np.full(31, 0.1)
+        ... )
+        >>> found = calibrate_camera_imu(seen, sensor.stream, ADIS16448, gravity_m_s2=9.81)
+        >>> print(f"{found.offset_s:.2f} s; not told in three seconds: {found.untold[-1]}")
+        0.02 s; not told in three seconds: accel_axis_zy: lay gravity ...
+    """
+    size = STANDARD_GRAVITY_M_S2 if gravity_m_s2 is None else gravity_m_s2
+    checked_positive(size, "gravity_m_s2", "m/s²")
+    size_sigma = GRAVITY_SIGMA_M_S2 if gravity_m_s2 is None else 0.0
+    path = seen.measurements.trajectory
+    _check_turns(path)
+    start = synchronise(path, imu, noise, search_s=search_s)
+    imu = covered(path, imu, start.offset_s, _MARGIN_S)[1]
+    made = _Run(seen, imu, start, size, size_sigma, correction_sigma)
+    found = made.calibrated(start.imu_noise, start.imu_T_camera, start.offset_s)
+    again = synchronise(path, _corrected(imu, found), noise, search_s=search_s)
+    used = start.imu_noise
+    if _quieter(again.imu_noise, used):
+        used = again.imu_noise
+        last = found.fused
+        found = made.calibrated(used, last.imu_T_camera[-1], float(last.time_offset_s[-1]))
+    return _checked(made.result(found, used, start))
+
+
+def _check_turns(path: Trajectory) -> None:
+    """Refuse what hardly turns about a second axis: nothing tells extrinsics and clocks then."""
+    vectors = path.motors.rotor[:1].local(path.motors.rotor)
+    spread = np.linalg.eigvalsh(np.cov(vectors.T)) if len(path) > 1 else np.zeros(3)
+    second_rad = float(np.sqrt(max(spread[1], 0.0)))
+    if second_rad < _LEAST_TURN_RAD:
+        raise ValueError(
+            "camera and imu: expected rotation about two axes or three, of ten degrees and more to "
+            f"either side, got {np.rad2deg(second_rad):.1f}° (RMS) about the second"
+        )
+
+
+def _corrected(imu: ImuStream, found: GraphCalibration) -> ImuStream:
+    return ImuStream(
+        imu.time_ns,
+        imu.angular_rate_rad_s @ found.gyro_correction.T,
+        imu.specific_force_m_s2 @ found.accel_correction.T,
+    )
+
+
+def _quieter(one: ImuNoise, other: ImuNoise) -> bool:
+    pairs = (
+        (one.gyro_density_rad_s_rthz, other.gyro_density_rad_s_rthz),
+        (one.accel_density_m_s2_rthz, other.accel_density_m_s2_rthz),
+    )
+    return any(new < _QUIETER * old for new, old in pairs)
+
+
+class _Run:
+    """The recording in a world whose z is up, ready for the graph."""
+
+    def __init__(
+        self,
+        seen: BoardMeasurements,
+        imu: ImuStream,
+        start: Synchronised,
+        size_m_s2: float,
+        size_sigma_m_s2: float,
+        correction_sigma: float,
+    ) -> None:
+        stamps = seen.measurements.trajectory.time_ns
+        rows = np.flatnonzero(np.isin(stamps, start.time_ns))
+        self.seen, self.imu, self.rows = seen, imu, rows
+        self.size_m_s2, self.size_sigma_m_s2 = size_m_s2, size_sigma_m_s2
+        self.correction_sigma = correction_sigma
+        self.level_T_board = Motor.from_rotor_translation(
+            _upright(-start.gravity_m_s2), np.zeros(3)
+        )
+        path = seen.measurements.trajectory[rows]
+        self.measurements = PoseMeasurements(
+            path.transformed_by(left=self.level_T_board), seen.measurements.covariance[rows]
+        )
+
+    def calibrated(self, noise: ImuNoise, imu_T_camera: Motor, offset_s: float) -> GraphCalibration:
+        """All unknowns, from extrinsics and offset to start from."""
+        settings = FilterSettings(
+            gravity_m_s2=self.size_m_s2,
+            gravity_sigma_rad=_TILT_SIGMA_RAD,
+            extrinsics_sigma_rad=_TURN_SIGMA_RAD,
+            extrinsics_sigma_m=_LEVER_SIGMA_M,
+            time_offset_sigma_s=_OFFSET_SIGMA_S,
+        )
+        effect = self.seen.effect[self.rows]
+        return calibrate_by_graph(
+            self.measurements,
+            self.imu,
+            noise,
+            imu_T_camera,
+            settings=settings,
+            time_offset_s=offset_s,
+            correction_sigma=self.correction_sigma,
+            gravity_size_sigma_m_s2=self.size_sigma_m_s2,
+            pose_effect=effect if effect.shape[-1] else None,
+            state_covariances=False,
+        )
+
+    def result(
+        self, found: GraphCalibration, noise: ImuNoise, start: Synchronised
+    ) -> CameraImuCalibration:
+        """What was found, in the board's frame."""
+        fused, seen = found.fused, self.seen
+        covariance = found.covariance * max(found.misfit, 1.0)
+        own = covariance[COMMON:, COMMON:]
+        root = seen.intrinsics_root
+        spread = np.sqrt(np.diag(root @ own @ root.T)) if len(root) else np.zeros(0)
+        down = fused.gravity_m_s2[-1] * (found.gravity_m_s2 / self.size_m_s2)
+        stamps = fused.trajectory.time_ns
+        return CameraImuCalibration(
+            camera=seen.camera_at(found.common),
+            intrinsics_sigma=spread,
+            imu_T_camera=fused.imu_T_camera[-1],
+            offset_s=float(fused.time_offset_s[-1]),
+            gravity_m_s2=self.level_T_board.inverse().rotor.apply(down),
+            gyro_correction=found.gyro_correction,
+            accel_correction=found.accel_correction,
+            gyro_bias_rad_s=fused.gyro_bias_rad_s.mean(axis=0),
+            accel_bias_m_s2=fused.accel_bias_m_s2.mean(axis=0),
+            covariance=covariance,
+            misfit=found.misfit,
+            noise=noise,
+            poses=len(stamps),
+            refused=int(np.count_nonzero(~fused.accepted)),
+            span_s=1e-9 * float(stamps[-1] - stamps[0]),
+            sigma_px=seen.sigma_px,
+            error_px=float(np.sqrt(np.mean(seen.error_px**2))),
+            correction_sigma=self.correction_sigma,
+            health=start.health,
+        )
+
+
+def _upright(up: FloatArray) -> Rotor:
+    """The shortest rotation that takes a direction to z."""
+    direction = up / np.linalg.norm(up)
+    axis = np.cross(direction, [0.0, 0.0, 1.0])
+    sine = float(np.linalg.norm(axis))
+    axis = axis / sine if sine > 0.0 else np.array([1.0, 0.0, 0.0])
+    return Rotor.from_rotation_vector(np.arctan2(sine, direction[2]) * axis)
+
+
+def _checked(found: CameraImuCalibration) -> CameraImuCalibration:
+    """The result, where it is worth the name."""
+    turn, offset = float(found.rotation_sigma_rad.max()), found.offset_sigma_s
+    if turn > _WORST_TURN_RAD or offset > _WORST_OFFSET_S:
+        raise ValueError(
+            "camera and imu: expected motion that tells how one sits on the other and their clocks "
+            f"apart, got deviations of {np.rad2deg(turn):.2g}° and {1e3 * offset:.2g} ms; turn "
+            "about all axes, faster and longer"
+        )
+    return found
