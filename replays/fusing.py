@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, Fused, fuse
+from motorcade.fusion.filter.fuse import checked_lag
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.fusion.smoothing.batch.noise import estimate_noise
 from motorcade.fusion.sync import synchronise
@@ -51,9 +52,10 @@ class FusingOptions:
             axis; None: 1° and nothing.
         gate: probability that a good pose passes.
         online: every pose of what came before it alone.
+        lag_s: every pose of what came up to so much after it; None: of all.
 
     Raises:
-        ValueError: a deviation or factor that is not above zero.
+        ValueError: a deviation or factor that is not above zero; a lag below it, or with `online`.
 
     >>> import numpy as np
     >>> from motorcade.replays.fusing import FusingOptions
@@ -75,13 +77,20 @@ class FusingOptions:
     extrinsics_sigma_m: float | None = None
     gate: float = 0.9999
     online: bool = False
+    lag_s: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("noise_factor", "walk_factor", "sigma_m", "sigma_rad"):
             value = getattr(self, name)
             if value is not None:
                 checked_positive(value, name)
+        checked_lag(self.ahead_s, not self.online)
         checked_span_ns(self.offset_s, "offset_s")
+
+    @property
+    def ahead_s(self) -> float:
+        """The lag, infinite where there is none."""
+        return np.inf if self.lag_s is None else self.lag_s
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,6 +191,7 @@ def fuse_poses(
         poses.time_ns if stamps_ns is None else stamps_ns,
         settings=settings,
         smoothed=not chosen.online,
+        lag_s=chosen.ahead_s,
         state_covariances=False,
     )
     back = level.level_T_world.inverse()

@@ -2,6 +2,7 @@
 
 from motorcade.fusion.filter.fuse import fuse
 from motorcade.fusion.filter.fused import Fused
+from motorcade.fusion.filter.latency import LatencyCurve, latency_curve
 from motorcade.fusion.filter.pose_filter import FilterState, Innovation, PoseFilter
 from motorcade.fusion.filter.settings import FilterSettings, RestDetection
 from motorcade.fusion.filter.sourced import Judgement
@@ -12,7 +13,9 @@ __all__ = [
     "Fused",
     "Innovation",
     "Judgement",
+    "LatencyCurve",
     "PoseFilter",
     "RestDetection",
     "fuse",
+    "latency_curve",
 ]

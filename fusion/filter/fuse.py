@@ -121,7 +121,7 @@ def checked_lag(lag_s: float, smoothed: bool) -> float:
     if not lag_s >= 0.0:
         raise ValueError(f"lag_s: expected seconds from 0 on, got {lag_s}")
     if not smoothed and 0.0 < lag_s < np.inf:
-        raise ValueError(f"lag_s: expected none without smoothed, got {lag_s}")
+        raise ValueError(f"lag_s: expected none where nothing looks ahead, got {lag_s}")
     return lag_s if smoothed else 0.0
 
 

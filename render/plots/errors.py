@@ -58,13 +58,14 @@ def plot_series(
     width_in: float = WIDTH_IN,
     nested: bool = False,
     limits: tuple[float, float] | None = None,
+    over: str = "time",
 ) -> str:
     """`series` maps a name of `style.COLOURS` to (seconds (N,), values (N,)); an `<svg>` element.
 
     `label` says what is drawn, `unit` stands at the axis; the legend is left to the page. Spans of
     `shaded_s` (start, end in seconds) are tinted: blackouts, lost frames. `nested` draws each line
     thinner than the one before it and on top, so that lines that coincide are all seen. `limits`
-    are the ends of the axis of values.
+    are the ends of the axis of values, `over` the name of the seconds.
 
     >>> import numpy as np
     >>> from motorcade.render.plots import plot_series
@@ -86,7 +87,7 @@ def plot_series(
             label_plainly(axes.yaxis)
         if limits is not None:
             axes.set_ylim(*limits)
-        label_over_time(axes, unit)
+        label_over_time(axes, unit, over)
         return as_svg(figure, label)
 
 

@@ -187,9 +187,9 @@ def thinned(time_s: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatAr
     return time_s[rows], values[rows]
 
 
-def label_over_time(axes: Axes, unit: str) -> None:
+def label_over_time(axes: Axes, unit: str, over: str = "time") -> None:
     """Axes of values in a unit over seconds."""
-    axes.set_xlabel("time (s)")
+    axes.set_xlabel(f"{over} (s)")
     axes.set_ylabel(unit)
     axes.margins(x=0.01)
 

@@ -67,8 +67,8 @@ def filter_errors(findings: Findings) -> FilterErrors | None:
 
 
 def filter_pictures(findings: Findings) -> list[PagePlot]:
-    """Errors within their deviations, NIS, and how a wrong start is forgotten."""
-    return [*_within(findings), *_nis(findings), *_tilt(findings)]
+    """Errors within their deviations, NIS, how a wrong start is forgotten, what a lag gains."""
+    return [*_within(findings), *_nis(findings), *_tilt(findings), *_latency(findings)]
 
 
 def _within(findings: Findings) -> list[PagePlot]:
@@ -149,6 +149,23 @@ def _tilt(findings: Findings) -> list[PagePlot]:
     series = {"fused": (found.time_s, found.tilt_error_deg)}
     svg = plot_series(series, "tilt error", "tilt error (°)", log_scale=True)
     return [PagePlot("Convergence from a wrong start", caption, svg, ("fused",))]
+
+
+def _latency(findings: Findings) -> list[PagePlot]:
+    curve = findings.fused.latency
+    if curve is None:
+        return []
+    tried = np.isfinite(curve.lag_s)
+    lags, millimetres, degrees = (
+        one[tried] for one in (curve.lag_s, 1e3 * curve.position_m, curve.rotation_deg)
+    )
+    caption = (
+        "How far the path, answered so much later while it is recorded, lies from that by all of "
+        f"the recording (root mean square): {millimetres[0]:.2f} mm and {degrees[0]:.3f}° at once, "
+        f"{millimetres[-1]:.2f} mm and {degrees[-1]:.3f}° after {lags[-1]:g} s."
+    )
+    svg = plot_series({"fused": (lags, millimetres)}, "error over lag", "error (mm)", over="lag")
+    return [PagePlot("What answering later gains", caption, svg, ("fused",))]
 
 
 _AXES = ("x", "y", "z")

@@ -61,6 +61,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
             "summary": findings.fused.summary,
             "nis_per_dimension": findings.nis_per_dimension,
             "left_out": int(np.count_nonzero(~findings.fused.accepted)),
+            "latency": _latency(findings),
         },
         "smoothed": {"window_s": findings.smoothed.window_s},
         "integrity": findings.integrity.as_dict(),
@@ -86,6 +87,21 @@ def summarise(findings: Findings) -> dict[str, Any]:
     }
     cleaned: dict[str, Any] = without_nan(tree)
     return cleaned
+
+
+def _latency(findings: Findings) -> list[dict[str, float]] | None:
+    """By lag, how far the path is from that by all of the recording; None where not asked for."""
+    curve = findings.fused.latency
+    if curve is None:
+        return None
+    rows = zip(
+        curve.lag_s.tolist(), curve.position_m.tolist(), curve.rotation_deg.tolist(), strict=True
+    )
+    return [
+        {"lag_s": lag_s, "position_rmse_m": metres, "rotation_rmse_deg": degrees}
+        for lag_s, metres, degrees in rows
+        if np.isfinite(lag_s)
+    ]
 
 
 def _samples(findings: Findings) -> int:

@@ -49,6 +49,12 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "--online", action="store_true", help="make every pose of what came before it alone"
     )
     parser.add_argument(
+        "--lag",
+        type=float,
+        metavar="S",
+        help="make every pose of what was measured up to so many seconds after it (all)",
+    )
+    parser.add_argument(
         "--covariance", type=Path, metavar="FILE", help="write 6 by 6 covariances there, as CSV"
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
@@ -161,6 +167,7 @@ def _options(arguments: argparse.Namespace) -> FusingOptions:
         extrinsics_sigma_m=arguments.extrinsics_sigma_m,
         gate=arguments.gate,
         online=arguments.online,
+        lag_s=arguments.lag,
     )
 
 

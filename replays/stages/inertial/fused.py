@@ -7,9 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from motorcade.fusion.filter import FilterSettings, fuse
+from motorcade.fusion.filter import FilterSettings, Fused, fuse, latency_curve
 from motorcade.fusion.graph.odometry import fuse_odometry
-from motorcade.fusion.imu import ImuNoise, ImuStream
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import checked_positive
 from motorcade.replays.recording import Odometry, Recording
@@ -36,6 +35,8 @@ def fused(
     *,
     by: FusedBy = "auto",
     look_ahead: bool = True,
+    lag_s: float | None = None,
+    lag_curve: bool = False,
     noise_factor: float | None = None,
     walk_factor: float | None = None,
     alignment_sigma_deg: float | None = None,
@@ -49,7 +50,9 @@ def fused(
     then stays as it was tracked. So do measured poses outside the time of what is fused.
 
     The rest is the filter's. `look_ahead` adds the backward pass; without it every estimate knows
-    only its past. `noise_factor` multiplies the IMU's white densities: by default 10 for a recorded
+    only its past, with `lag_s` no more than so much of its future, as if the path were answered
+    that much later while it is recorded. `lag_curve` finds what each of several lags would leave.
+    `noise_factor` multiplies the IMU's white densities: by default 10 for a recorded
     IMU, 1 for one simulated from the ground truth; `walk_factor` its bias walks, by default 1.
     `alignment_sigma_deg` above zero has the vertical of the world and the attitude of the camera on
     the IMU estimated, from so much doubt about each axis: by default 1 for a recorded IMU, else 0.
@@ -58,12 +61,14 @@ def fused(
 
     Raises ValueError where `by` asks for what is not there, or for what looks ahead without leave.
     """
+    _check_lag(lag_s, look_ahead)
     _check_settings(noise_factor, walk_factor, alignment_sigma_deg, gate, initial_tilt_deg)
     odometry = recording.odometry
-    chosen = _chosen(camera_poses, imu, odometry, look_ahead) if by == "auto" else by
+    to_the_end = look_ahead and lag_s is None
+    chosen = _chosen(camera_poses, imu, odometry, to_the_end) if by == "auto" else by
     if chosen != "nothing" and not camera_poses.metric:
         raise ValueError(f"fused.by={by}: lengths of the tracked path have no unit")
-    if chosen == "odometry" and odometry is not None and not look_ahead:
+    if chosen == "odometry" and odometry is not None and not to_the_end:
         raise ValueError("fused.by=odometry looks ahead always; choose fused.by=imu without")
 
     def path_of(poses: CameraPoses) -> FusedPath:
@@ -77,9 +82,17 @@ def fused(
         settings = filter_settings(
             imu, initial_tilt_deg, alignment_sigma_deg, gate, leaned=level.leaned
         )
-        return _with_the_rest(
-            _by_imu(poses, imu, stream, noise, level, settings, look_ahead), poses
-        )
+        ahead_s = (np.inf if lag_s is None else lag_s) if look_ahead else 0.0
+
+        def with_lag(lag_s: float) -> Fused:
+            return fuse(
+                level.measurements, stream, noise, imu.imu_T_camera, poses.frame_times_ns,
+                settings=settings, lag_s=lag_s, state_covariances=False,
+            )  # fmt: skip
+
+        found = _by_imu(with_lag(ahead_s), imu, level, lag_s)
+        curve = latency_curve(with_lag) if lag_curve and poses is camera_poses else None
+        return replace(_with_the_rest(found, poses), latency=curve)
 
     if chosen == "imu" and imu.origin == "none":
         raise ValueError(f"fused.by=imu, but {imu.absent}")
@@ -89,6 +102,13 @@ def fused(
         looked_ahead=chosen != "nothing" and look_ahead,
         held_out=None if kept is None else path_of(kept).trajectory,
     )
+
+
+def _check_lag(lag_s: float | None, look_ahead: bool) -> None:
+    if lag_s is not None:
+        checked_positive(lag_s, "fused.lag_s")
+        if not look_ahead:
+            raise ValueError("fused.lag_s: expected none without fused.look_ahead, got one")
 
 
 def _check_settings(
@@ -178,26 +198,10 @@ def _by_odometry(camera_poses: CameraPoses, odometry: Odometry | None) -> FusedP
     return _unjudged(PoseMeasurements(at, found.covariance[rows]), "odometry", summary)
 
 
-def _by_imu(
-    camera_poses: CameraPoses,
-    imu: UsedImu,
-    stream: ImuStream,
-    noise: ImuNoise,
-    level: Levelled,
-    settings: FilterSettings,
-    look_ahead: bool,
-) -> FusedPath:
-    found = fuse(
-        level.measurements,
-        stream,
-        noise,
-        imu.imu_T_camera,
-        camera_poses.frame_times_ns,
-        settings=settings,
-        smoothed=look_ahead,
-        state_covariances=False,
-    )
+def _by_imu(found: Fused, imu: UsedImu, level: Levelled, lag_s: float | None) -> FusedPath:
     summary = f"fused with the {'recorded' if imu.origin == 'recorded' else 'simulated'} IMU"
+    if lag_s is not None:
+        summary += f", each pose by what was measured up to {lag_s:g} s after it"
     if level.leaned:
         summary += f" (the world's z leans {level.lean_deg:.0f}° from up)"
     return FusedPath(

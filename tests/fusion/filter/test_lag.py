@@ -165,7 +165,10 @@ def test_other_measurements_are_settled_too(record, rng):
     [
         ({"lag_s": -1.0}, "lag_s: expected seconds from 0 on, got -1.0"),
         ({"lag_s": np.nan}, "lag_s: expected seconds from 0 on, got nan"),
-        ({"lag_s": 1.0, "smoothed": False}, "lag_s: expected none without smoothed, got 1.0"),
+        (
+            {"lag_s": 1.0, "smoothed": False},
+            "lag_s: expected none where nothing looks ahead, got 1.0",
+        ),
     ],
 )
 def test_lags_that_mean_nothing_are_refused(record, rng, options, message):

@@ -68,6 +68,23 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
     return line
 
 
+def test_a_lag_lies_between_live_and_whole(
+    files: Files, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = ["--extrinsics", files.extrinsics]
+    whole, live, at_once, soon = (
+        fused(files, tmp_path / "a.tum", *given, *more)
+        for more in ((), ("--online",), ("--lag", 0), ("--lag", 0.3))
+    )
+    np.testing.assert_array_equal(at_once.motors.coefficients, live.motors.coefficients)
+    apart = [np.std(whole.motors.local(one.motors)[:, 3:]) for one in (live, soon)]
+    assert 0.0 < apart[1] < 0.5 * apart[0]
+    capsys.readouterr()
+    line = refused(capsys, "fuse", files.poses, files.imu, "-o", tmp_path / "d.tum",
+                   "--lag", 1, "--online")  # fmt: skip
+    assert "lag_s: expected none where nothing looks ahead, got 1.0" in line
+
+
 def test_the_path_is_that_of_gtsams_batch(files: Files, tmp_path: Path) -> None:
     known = ["--sigma-m", SIGMA_M, "--sigma-deg", np.rad2deg(SIGMA_RAD)]
     doubts = ["--gravity-sigma-deg", 0, "--extrinsics-sigma-deg", 0]

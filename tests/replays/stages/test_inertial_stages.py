@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
-from motorcade.fusion.metrics import evaluate
+from motorcade.fusion.metrics import absolute_translation_m, evaluate
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
@@ -296,3 +296,30 @@ def test_an_imu_tells_metres_where_it_was_carried_and_says_why_not(stream: ImuSt
     ).stream
     with pytest.raises(NoMetres, match="tell"):
         in_metres(replace(one, imu=at_rest), mapped(still))
+
+
+def test_a_path_answered_later_is_nearer_to_that_of_the_whole(stream: ImuStream) -> None:
+    one, poses = with_imu(stream), measured()
+    _, whole = both(one, poses, lag_curve=True)
+    _, lagged = both(one, poses, lag_s=0.2)
+    assert whole.latency is not None
+    assert lagged.latency is None
+    curve = dict(zip(whole.latency.lag_s.tolist(), whole.latency.position_m, strict=True))
+    apart = absolute_translation_m(lagged.trajectory.motors, whole.trajectory.motors)
+    assert np.sqrt(np.mean(apart**2)) == pytest.approx(curve[0.2], rel=1e-6)
+    assert curve[0.0] > curve[0.2] > curve[2.0] >= curve[np.inf] == 0.0
+    assert "up to 0.2 s after it" in lagged.summary
+
+
+@pytest.mark.parametrize(
+    ("knobs", "message"),
+    [
+        ({"lag_s": 0.0}, "fused.lag_s: expected"),
+        ({"lag_s": 1.0, "look_ahead": False}, "fused.lag_s: expected none without"),
+    ],
+)
+def test_a_lag_that_means_nothing_is_refused(
+    stream: ImuStream, knobs: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        both(with_imu(stream), measured(), **knobs)

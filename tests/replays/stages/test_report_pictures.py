@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
+from motorcade.fusion.filter import LatencyCurve
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import write_video
 from motorcade.render.video import read_frames
@@ -48,6 +49,7 @@ def findings(**changed: Any) -> Any:
             nis=nis,
             by="imu",
             accepted=np.arange(COUNT) % 10 != 3,
+            latency=None,
         ),
         "errors": SimpleNamespace(align="none"),
         "convergence": SimpleNamespace(time_s=np.zeros(0)),
@@ -93,6 +95,17 @@ def test_nothing_is_told_of_a_filter_that_did_not_run_or_without_a_truth() -> No
     told.fused.nis = np.full(COUNT, np.nan)
     assert filter_errors(told) is None
     assert filter_pictures(told) == []
+
+
+def test_a_curve_of_lags_is_drawn_where_it_was_asked_for() -> None:
+    told = findings()
+    told.fused.latency = LatencyCurve(
+        np.array([0.0, 0.5, np.inf]), np.array([9e-3, 4e-4, 0.0]), np.array([0.2, 0.1, 0.0])
+    )
+    *_, picture = filter_pictures(told)
+    assert picture.title == "What answering later gains"
+    assert "9.00 mm and 0.200° at once, 0.40 mm and 0.100° after 0.5 s" in picture.caption
+    assert picture.svg.startswith("<svg")
 
 
 def test_captions_count_what_lies_within() -> None:
