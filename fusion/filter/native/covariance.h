@@ -94,6 +94,7 @@ template <std::size_t N> void unpack(const std::vector<double> &given, Matrix<N>
 // noise.
 template <std::size_t N> struct Innovation {
     std::size_t size = 0;
+    bool bent = false;  // see bend.h
     double residual[widest] = {};
     double effect[widest][N] = {};
     double noise[widest][widest] = {};

@@ -76,6 +76,7 @@ struct Event {
     std::unique_ptr<Known> known;
     bool placed = false;    // it tells where the sensor is: its position, or more
     bool relative = false;  // it refers to the earlier pose
+    bool bent = false;      // its prediction was no straight function of what was unknown
     // For a backward pass residual (m), effect (m, N), gain (m, N), inverse and noise (m, m).
     std::size_t size = 0;
     std::vector<double> linear;

@@ -124,8 +124,8 @@ bool Timeline<N>::agrees(Rival<N> &rival, const Event &event, double gates) {
 template <std::size_t N> double Timeline<N>::believed(const Event &event, double gates) {
     Innovation<N> innovation;
     Gain<N> gain;
-    if (!Prediction<N>(now_, reading(time_ns_)).of(event, innovation) ||
-        !weigh(p_, innovation, 1.0, gain) || !(gain.nis <= gates * settings_.gate[innovation.size]))
+    if (!predict(event, innovation) || !weigh(p_, innovation, 1.0, gain) ||
+        !(gain.nis <= gates * settings_.gate[innovation.size]))
         return 0.0;
     apply(innovation, gain);
     return 1.0;

@@ -64,8 +64,10 @@ protected:
     void look_back(std::size_t index, double *gradient, Matrix<N> &curvature) {
         Event &event = this->events_[index];
         if (index == 0) start_from(event, gradient);
+        const bool took = event.factor > 0.0 && !event.linear.empty();
+        if (took && event.bent) before_step(event, gradient, curvature);
         if (event.measures()) event.left_out = left_out(event, gradient, curvature);
-        if (event.factor > 0.0 && !event.linear.empty()) take_in(event, gradient, curvature);
+        if (took) take_in(event, gradient, curvature);
         if (event.kind == Kind::keep) unkeep(gradient, curvature);
     }
 
@@ -82,6 +84,15 @@ protected:
         for (std::size_t k = steps_.size(); k-- > 0;)
             propagate_back(curvature, gradient, steps_[k]);
         symmetrise(curvature);
+    }
+
+    // The step that a measurement made, K y, took back: see bend.h.
+    static void before_step(const Event &event, double *gradient, Matrix<N> &curvature) {
+        const std::size_t m = event.size;
+        const double *residual = event.linear.data(), *gain = residual + m + m * N;
+        double step[N] = {};
+        for (std::size_t a = 0; a < m; ++a) filter::add<N>(step, residual[a], gain + a * N);
+        rebase_back(curvature, gradient, step);
     }
 
     // λ becomes (1 - K H)' λ - H' S⁻¹ y, and Λ likewise with H' S⁻¹ H added.

@@ -2,7 +2,7 @@
 
 #pragma once
 
-#include "timeline.h"
+#include "update.h"
 
 namespace motorcade::filter {
 

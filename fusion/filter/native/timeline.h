@@ -295,53 +295,11 @@ private:
         event.known->covariance = packed(p_);
     }
 
-    void measure(Event &event) {
-        Innovation<N> innovation;
-        Gain<N> gain;
-        if (event.doubt) make_room(event, *event.doubt);
-        event.factor = 0.0;
-        event.nis = std::nan("");
-        event.linear = std::vector<double>();
-        const bool predicted = Prediction<N>(now_, reading(time_ns_)).of(event, innovation) &&
-                               weigh(p_, innovation, 1.0, gain);
-        event.size = innovation.size;
-        if (!predicted) return;
-        tells(event, innovation);
-        event.nis = gain.nis;
-        event.factor = event.given;
-        if (event.given == undecided) {
-            const bool within = gain.nis <= settings_.gate[innovation.size];
-            if (!within) weigh(p_, innovation, settings_.most_noise, gain);
-            event.factor = factor_of(event.nis, gain.nis, innovation.size);
-        }
-        if (event.factor != 1.0) weigh(p_, innovation, std::max(1.0, event.factor), gain);
-        if (thorough_) keep_linear(event, innovation, gain);
-        if (event.factor > 0.0) apply(innovation, gain);
-    }
-
-    // From three numbers on that depend on the position, and on no earlier one.
-    static void tells(Event &event, const Innovation<N> &innovation) {
-        std::size_t rows = 0;
-        event.relative = false;
-        for (std::size_t a = 0; a < innovation.size; ++a) {
-            const double *effect = innovation.effect[a];
-            const auto any = [effect](std::size_t from, std::size_t to) {
-                return std::any_of(effect + from, effect + to, [](double x) { return x != 0.0; });
-            };
-            rows += any(position, velocity);
-            if constexpr (N > earlier) event.relative |= any(earlier, N);
-        }
-        event.placed = rows >= 3 && !event.relative;
-    }
-
-    void apply(const Innovation<N> &innovation, const Gain<N> &gain) {
-        const std::size_t m = innovation.size;
-        double error[N] = {};
-        for (std::size_t a = 0; a < m; ++a)
-            filter::add<N>(error, innovation.residual[a], gain.gain[a]);
-        update(p_, innovation, gain);
-        correct<N>(now_, error);
-    }
+    // See update.h.
+    void measure(Event &event);
+    bool predict(const Event &event, Innovation<N> &made) const;
+    static void tells(Event &event, const Innovation<N> &innovation);
+    void apply(const Innovation<N> &innovation, const Gain<N> &gain);
 
     // See start.h.
     void start(Event &event);

@@ -38,7 +38,8 @@ def sparse(run: Any) -> Any:
 def measured(kind: str, run: Any, rng: np.random.Generator, every: int) -> Measurements:
     rate = run.imu.angular_rate_rad_s - run.gyro_bias
     path = Along(run.truth.time_ns, run.truth.motors, run.velocity_m_s, rate)
-    return measured_along(kind, path[::every], rng)
+    # Not at the first pose, which tells no speed: there the filter weighs down what that bends.
+    return measured_along(kind, path[every::every], rng)
 
 
 def check_same(by_filter: Fused, batch: Fused, share: float) -> None:

@@ -150,8 +150,13 @@ def test_residual_and_derivatives_are_gtsams(kind, rng):
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "relative_pose"])
 def test_a_measurement_moves_the_filter_as_it_moves_gtsam(kind, rng):
-    """One measurement at the start: posterior and correction of one step of Gauss and Newton."""
+    """One measurement at the start: posterior and correction of one step of Gauss and Newton.
+
+    Speed is hardly known there: a turn that is not known well either would bend what speed makes.
+    """
     covariance = 1e-4 * np.diag([1.0, 2.0, 1.5, 3.0, 1.0, 2.0])
+    if kind.endswith("velocity"):
+        covariance[:3] *= 1e-6
     start = Motor.random(rng)
     path = Along(
         np.array([0]), start.reshape(1) @ Motor.from_twist(0.01 * rng.standard_normal((1, 6))),
