@@ -8,6 +8,7 @@ bias`` (github.com/ethz-asl/kalibr/wiki/Multi-IMU-and-IMU-intrinsic-calibration)
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.files.atomic import write_bytes
 from motorcade.replays.readers.manifest.section import camera_toml
-from motorcade.replays.readers.opening import open_recording, read_imu_of
+from motorcade.replays.readers.opening import read_frames_of, read_imu_of
 from motorcade.replays.recording import FrameSequence
 from motorcade.tracking import (
     Board,
@@ -86,7 +87,7 @@ def calibrate_recording(
         CalibrationError: pictures that show the board too rarely, or what `calibrate` refuses.
         ValueError: what `calibrate_camera_imu` refuses.
     """
-    frames = open_recording(recording).frames
+    frames = read_frames_of(recording)
     stream = read_imu_of(recording if imu is None else imu)
     rows = _thinned(frames.time_ns)
     stamps, views, size = _searched(frames, rows, board)
@@ -187,6 +188,8 @@ def _manifest(run: InertialRun, noise_file: str) -> str:
         "[imu]",
         f'noise_file = "{noise_file}"',
         f"clock_offset_s = {found.offset_s!r}",
+        f"gyro_correction = {_rows(found.gyro_correction)}",
+        f"accel_correction = {_rows(found.accel_correction)}",
         f"imu_T_camera = {_rows(found.imu_T_camera.as_matrix())}",
     ]
     return "\n".join(lines) + "\n"
@@ -202,12 +205,12 @@ def chain_yaml(found: CameraImuCalibration) -> str:
         f"  T_cam_imu: {_rows(found.imu_T_camera.inverse().as_matrix())}\n"
         "  cam_overlaps: []\n"
         "  camera_model: pinhole\n"
-        f"  distortion_coeffs: {list(camera.distortion)!r}\n"
+        f"  distortion_coeffs: {_list(camera.distortion)}\n"
         f"  distortion_model: {model}\n"
-        f"  intrinsics: {numbers!r}\n"
+        f"  intrinsics: {_list(numbers)}\n"
         f"  resolution: [{camera.width}, {camera.height}]\n"
         "  rostopic: /cam0/image_raw\n"
-        f"  timeshift_cam_imu: {found.offset_s!r}\n"
+        f"  timeshift_cam_imu: {_number(found.offset_s)}\n"
     )
 
 
@@ -218,12 +221,12 @@ def imu_yaml(found: CameraImuCalibration, rate_hz: float) -> str:
     return (
         "imu0:\n"
         f"  T_i_b: {_rows(np.eye(4))}\n"
-        f"  accelerometer_noise_density: {noise.accel_density_m_s2_rthz!r}\n"
-        f"  accelerometer_random_walk: {noise.accel_walk_m_s3_rthz!r}\n"
+        f"  accelerometer_noise_density: {_number(noise.accel_density_m_s2_rthz)}\n"
+        f"  accelerometer_random_walk: {_number(noise.accel_walk_m_s3_rthz)}\n"
         "  accelerometers:\n"
         f"    M: {_rows(found.accel_matrix)}\n"
-        f"  gyroscope_noise_density: {noise.gyro_density_rad_s_rthz!r}\n"
-        f"  gyroscope_random_walk: {noise.gyro_walk_rad_s2_rthz!r}\n"
+        f"  gyroscope_noise_density: {_number(noise.gyro_density_rad_s_rthz)}\n"
+        f"  gyroscope_random_walk: {_number(noise.gyro_walk_rad_s2_rthz)}\n"
         "  gyroscopes:\n"
         f"    A: {_rows(np.zeros((3, 3)))}\n"
         f"    C_gyro_i: {_rows(turn)}\n"
@@ -236,5 +239,14 @@ def imu_yaml(found: CameraImuCalibration, rate_hz: float) -> str:
 
 
 def _rows(matrix: FloatArray) -> str:
-    # Adding zero makes -0.0 plain.
-    return f"[{', '.join(repr((row + 0.0).tolist()) for row in matrix)}]"
+    return f"[{', '.join(_list(row) for row in matrix)}]"
+
+
+def _list(numbers: Iterable[float]) -> str:
+    return f"[{', '.join(map(_number, numbers))}]"
+
+
+def _number(value: float) -> str:
+    """Every digit, as YAML 1.1 knows a number too: it takes 2e-05, without a dot, for text."""
+    text = repr(float(value) + 0.0)  # no -0.0
+    return text.replace("e", ".0e") if "e" in text and "." not in text else text

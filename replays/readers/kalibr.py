@@ -1,18 +1,19 @@
 """Kalibr's camera chains, as Kalibr, OpenVINS and TUM-VI keep them: `cam0`, `cam1`, ... in a file.
 
-`T_cam_imu` maps IMU coordinates to the camera's; OpenVINS may give its inverse, `T_imu_cam`.
+`T_cam_imu` maps IMU coordinates to the camera's; OpenVINS may give its inverse, `T_imu_cam`. To a
+picture's stamp `timeshift_cam_imu` is added to make it the IMU's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from motorcade.ga import Motor
 from motorcade.replays.errors import one_line, refusal
-from motorcade.replays.files.transforms import transform
+from motorcade.replays.files.transforms import as_float, is_number, transform
 from motorcade.replays.readers.calibration import (
     make_camera,
     read_yaml,
@@ -21,20 +22,33 @@ from motorcade.replays.readers.calibration import (
 )
 
 if TYPE_CHECKING:
+    from motorcade.fusion.imu import ImuStream
     from motorcade.tracking.cameras.camera import Camera
 
 CHAIN_NAMES = ("kalibr_imucam_chain.yaml", "camchain-imucam.yaml", "camchain.yaml")
 IMU_NAMES = ("kalibr_imu_chain.yaml", "imu_config.yaml", "imu.yaml")
 """What the files are called beside a recording."""
 
+MOST_OFFSET_S = 1e6
+
 
 @dataclass(frozen=True)
 class ChainCamera:
-    """One camera of a chain: its topic where the file names one, and where it sits on the IMU."""
+    """One camera of a chain: its topic where the file names one, and where it sits on the IMU.
+
+    `offset_s` is what the IMU's clock shows at an event minus what the camera's shows.
+    """
 
     camera: Camera
     imu_T_camera: Motor | None
     topic: str | None
+    offset_s: float
+
+    def on_camera_clock(self, imu: ImuStream | None) -> ImuStream | None:
+        """The IMU's readings with the stamps that the camera's clock shows."""
+        if imu is None or not self.offset_s:
+            return imu
+        return replace(imu, time_ns=imu.time_ns - round(1e9 * self.offset_s))
 
 
 def find(folder: Path, names: tuple[str, ...]) -> Path | None:
@@ -78,4 +92,9 @@ def _camera(table: dict[str, object], path: Path, name: str) -> ChainCamera:
         place = transform(table["T_cam_imu"], path, f"{name} T_cam_imu").inverse()
     topic = table.get("rostopic")
     camera = make_camera(path, size, intrinsics, model, distortion)
-    return ChainCamera(camera, place, topic if isinstance(topic, str) else None)
+    offset = table.get("timeshift_cam_imu", 0.0)
+    if not is_number(offset) or not abs(as_float(offset)) <= MOST_OFFSET_S:
+        problem = f"expected seconds within {MOST_OFFSET_S:g}, got {one_line(offset)}"
+        raise refusal(path, problem, field=f"{name} timeshift_cam_imu")
+    named = topic if isinstance(topic, str) else None
+    return ChainCamera(camera, place, named, as_float(offset))

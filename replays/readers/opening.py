@@ -10,8 +10,10 @@ from motorcade.replays.files.imu import read_imu
 from motorcade.replays.readers import manifest as manifests
 from motorcade.replays.readers.frames import video
 from motorcade.replays.readers.gpmf import read_telemetry
+from motorcade.replays.readers.layouts import euroc
 from motorcade.replays.readers.layouts.detect import read_layout
-from motorcade.replays.recording import Recording
+from motorcade.replays.readers.ros import recording as ros
+from motorcade.replays.recording import FrameSequence, Recording
 
 
 def open_recording(path: Path | str, manifest: Path | str | None = None) -> Recording:
@@ -64,15 +66,28 @@ def open_recording(path: Path | str, manifest: Path | str | None = None) -> Reco
         raise refusal(where, f"cannot be read: {fault.strerror or fault}") from fault
 
 
+def read_frames_of(path: Path) -> FrameSequence:
+    """The pictures of a recording whose camera need not be known yet.
+
+    Raises:
+        RecordingError: as `open_recording`.
+    """
+    if path.is_dir() and euroc.recognise(path) and not (path / manifests.LOCAL_NAME).exists():
+        return euroc.read_pictures(path)
+    return open_recording(path).frames
+
+
 def read_imu_of(path: Path) -> ImuStream:
-    """The readings of EuRoC's CSV, of a video's telemetry, or of a recording in a folder.
+    """The readings of EuRoC's CSV, of a video's telemetry, of a bag, or of a recording in a folder.
 
     Raises:
         RecordingError: a video or a recording without an IMU, or what their readers refuse.
     """
     if video.recognise(path):
         found = read_telemetry(path)
-    elif path.is_dir():
+    elif path.is_dir() and euroc.recognise(path) and not (path / manifests.LOCAL_NAME).exists():
+        found = euroc.read_own_imu(path)
+    elif path.is_dir() or ros.recognise(path):
         found = open_recording(path).imu
     else:
         found = read_imu(path)

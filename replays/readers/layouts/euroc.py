@@ -13,7 +13,7 @@ in `dso` (`camchain.yaml`, `imu_config.yaml`), the ground truth, of the IMU, in 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,6 +29,7 @@ from motorcade.replays.recording import Recording
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu.noise import ImuNoise
+    from motorcade.fusion.imu.stream import ImuStream
     from motorcade.tracking.cameras.camera import Camera
 
 
@@ -48,28 +49,56 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     mav = root / "mav0" if (root / "mav0").is_dir() else root
     made = _from_chain if not (mav / "cam0" / "sensor.yaml").is_file() else _from_sensors
     known = made(root, mav)
-    imu = mav / "imu0" / "data.csv"
+    imu, truth = read_own_imu(root), _truth(root, mav, known.body_T_camera) if own_truth else None
+    if known.offset_ns and imu is not None:
+        imu = replace(imu, time_ns=imu.time_ns - known.offset_ns)
+    if known.offset_ns and truth is not None:
+        truth = Trajectory(truth.time_ns - known.offset_ns, truth.poses, truth.parent, truth.child)
     return Recording(
         name=(root if mav != root else root.resolve().parent).resolve().name,
         root=root,
         layout="euroc",
         frames=_frames(mav / "cam0", (known.camera.width, known.camera.height)),
         camera=known.camera,
-        imu=read_imu(imu) if imu.is_file() else None,
+        imu=imu,
         imu_noise=known.noise,
         imu_T_camera=known.imu_T_camera,
-        truth=_truth(root, mav, known.body_T_camera) if own_truth else None,
+        truth=truth,
     )
+
+
+def read_pictures(root: Path) -> PictureFrames:
+    """The pictures of `cam0` alone, whose camera need not be known: as they are before calibration.
+
+    Raises:
+        RecordingError: pictures that are missing, or a listing that cannot be read.
+    """
+    mav = root / "mav0" if (root / "mav0").is_dir() else root
+    return _frames(mav / "cam0", None)
+
+
+def read_own_imu(root: Path) -> ImuStream | None:
+    """The readings of `imu0` as they are; None without.
+
+    Raises:
+        RecordingError: what `read_imu` refuses.
+    """
+    imu = (root / "mav0" if (root / "mav0").is_dir() else root) / "imu0" / "data.csv"
+    return read_imu(imu) if imu.is_file() else None
 
 
 @dataclass(frozen=True)
 class _Calibration:
-    """What is known of the sensors; the last two only where there is an IMU."""
+    """What is known of the sensors; of the IMU only where there is one.
+
+    `offset_ns` is what its clock, which the truth shares, shows more than the camera's.
+    """
 
     camera: Camera
     body_T_camera: Motor
     noise: ImuNoise | None
     imu_T_camera: Motor | None
+    offset_ns: int = 0
 
 
 def _from_sensors(root: Path, mav: Path) -> _Calibration:
@@ -93,10 +122,11 @@ def _from_chain(root: Path, mav: Path) -> _Calibration:
         raise refusal(chain, "the key is missing", field="cam0 T_cam_imu")
     noise = kalibr.find(chain.parent, kalibr.IMU_NAMES)
     densities = None if noise is None else read_noise(noise)
-    return _Calibration(known.camera, known.imu_T_camera, densities, known.imu_T_camera)
+    place = known.imu_T_camera
+    return _Calibration(known.camera, place, densities, place, round(1e9 * known.offset_s))
 
 
-def _frames(folder: Path, size: tuple[int, int]) -> PictureFrames:
+def _frames(folder: Path, size: tuple[int, int] | None) -> PictureFrames:
     listing = read_listing(folder / "data.csv", separator=b",", unit="ns")
     files = [
         inside(folder / "data", name, listing.path, int(line))

@@ -69,6 +69,7 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
         imu = None if imu_topic is None else _imu(bag, imu_topic)
         known = _from_chain(folder, topic)
         camera = known.camera if known else _from_info(bag, topic)
+    imu = known.on_camera_clock(imu) if known else imu
     noise = kalibr.find(folder, kalibr.IMU_NAMES)
     return Recording(
         name=name,

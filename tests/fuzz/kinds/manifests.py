@@ -102,6 +102,8 @@ RIGHT: dict[str, list[Any]] = {
     "noise_file": ["imu.yaml"],
     "imu_T_camera": [MATRIX],
     "clock_offset_s": [0.012, -1e6, 1e6],
+    "gyro_correction": [np.eye(3).tolist()],
+    "accel_correction": [np.eye(3).tolist()],
 }
 WRONG: list[Any] = [
     -1,

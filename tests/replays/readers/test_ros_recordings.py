@@ -173,6 +173,13 @@ def test_a_kalibr_chain_beside_the_bag_gives_camera_and_place(tmp_path: Path) ->
     together = recording.imu_T_camera @ camera_T_imu
     np.testing.assert_allclose(together.as_matrix(), np.eye(4), atol=1e-12)
     assert open_recording(path.parent).camera == recording.camera
+    named = chain.read_text()
+    chain.write_text(named.rstrip() + "\n  timeshift_cam_imu: 0.5\n")
+    late = open_recording(path)
+    assert late.imu is not None
+    assert recording.imu is not None
+    np.testing.assert_array_equal(late.imu.time_ns, recording.imu.time_ns - 500_000_000)
+    chain.write_text(named)
     chain.write_text(chain.read_text().replace("/cam0/image_raw", "/other"))
     with pytest.raises(RecordingError, match="expected a camera of the topic"):
         open_recording(path)

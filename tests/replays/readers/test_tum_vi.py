@@ -85,3 +85,19 @@ def test_without_any_calibration_both_ways_are_named(tum_vi: tuple[Any, Motor]) 
     (root / "dso" / "camchain.yaml").unlink()
     with pytest.raises(RecordingError, match=r"sensor.yaml.*or dso/camchain.yaml"):
         open_recording(root)
+
+
+def test_the_chains_time_shift_puts_imu_and_truth_on_the_cameras_clock(
+    tum_vi: tuple[Any, Motor],
+) -> None:
+    root: Path = tum_vi[0].root
+    chain, before = root / "dso" / "camchain.yaml", open_recording(root)
+    chain.write_text(chain.read_text() + "  timeshift_cam_imu: 0.25\n")
+    after = open_recording(root)
+    for name in ("imu", "truth"):
+        one, other = getattr(before, name), getattr(after, name)
+        np.testing.assert_array_equal(one.time_ns - 250_000_000, other.time_ns)
+    np.testing.assert_array_equal(before.frames.time_ns, after.frames.time_ns)
+    chain.write_text(chain.read_text().replace("0.25", "soon"))
+    with pytest.raises(RecordingError, match="timeshift_cam_imu: expected seconds"):
+        open_recording(root)
