@@ -65,19 +65,22 @@ def compared_by_truth(
 
 
 def compared_by_held_out(
-    camera_poses: CameraPoses, fused: FusedPath, smoothed: SmoothedPaths
+    camera_poses: CameraPoses, fused: FusedPath, smoothed: SmoothedPaths | None = None
 ) -> StageComparison:
     """Errors of all paths, made without some measured poses, at the stamps of these."""
     measured = camera_poses.measurements.trajectory
-    if fused.held_out is None or smoothed.held_out is None:
+    made = {"fused": fused.held_out}
+    if smoothed is not None:
+        made["smoothed"] = smoothed.held_out
+    there = {name: path for name, path in made.items() if path is not None}
+    if len(there) < len(made):
         return NOT_COMPARED
     stamps = judged_stamps(measured)
-    kept = measured[~np.isin(measured.time_ns, stamps)]
-    stamps = stamps[_inside((kept, fused.held_out, smoothed.held_out), stamps)]
+    paths = {"camera_poses": measured[~np.isin(measured.time_ns, stamps)], **there}
+    stamps = stamps[_inside(tuple(paths.values()), stamps)]
     if len(stamps) < _BLOCKS // 4:
         return NOT_COMPARED
     true = measured.motors[np.searchsorted(measured.time_ns, stamps)]
-    paths = {"camera_poses": kept, "fused": fused.held_out, "smoothed": smoothed.held_out}
     errors = {name: _apart(at_stamps(path, stamps), true) for name, path in paths.items()}
     position = np.stack([one[0] for one in errors.values()])
     good = np.any(position <= _OUTLIER * np.median(position, axis=1, keepdims=True), axis=0)

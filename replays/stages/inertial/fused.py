@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
 
@@ -14,10 +16,13 @@ from motorcade.ga.arrays import checked_positive
 from motorcade.replays.recording import Odometry, Recording
 from motorcade.replays.stages.held_out import without_held_out
 from motorcade.replays.stages.inertial.filter_input import Levelled, assumed_noise, levelled
+from motorcade.replays.stages.stage_comparison import compared_by_held_out
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import UsedImu
 from motorcade.replays.values.paths import FusedPath, FusedWith
 from motorcade.tracking import PoseMeasurements
+
+log = logging.getLogger("motorcade.fused")
 
 FusedBy = Literal["auto", "imu", "odometry", "nothing"]
 ALIGNMENT_SIGMA_DEG = {"recorded": 1.0, "reference": 0.0}
@@ -46,8 +51,9 @@ def fused(
     """Join the measured poses with what else was recorded, at the time of every frame.
 
     `by=auto` filters with the IMU; where there is none, an odometry bridges what the camera did not
-    see. Nothing is fused where nothing else was recorded, or where lengths have no unit: the path
-    then stays as it was tracked. So do measured poses outside the time of what is fused.
+    see, unless measured poses that were held out say that it makes the path worse. Nothing is fused
+    where nothing else was recorded, or where lengths have no unit: the path then stays as it was
+    tracked. So do measured poses outside the time of what is fused.
 
     The rest is the filter's. `look_ahead` adds the backward pass; without it every estimate knows
     only its past, with `lag_s` no more than so much of its future, as if the path were answered
@@ -71,9 +77,11 @@ def fused(
     if chosen == "odometry" and odometry is not None and not to_the_end:
         raise ValueError("fused.by=odometry looks ahead always; choose fused.by=imu without")
 
+    harm: str | None = None
+
     def path_of(poses: CameraPoses) -> FusedPath:
         if chosen == "nothing":
-            return _as_tracked(poses, _reason(poses, imu, odometry, by))
+            return _as_tracked(poses, harm or _reason(poses, imu, odometry, by))
         if chosen == "odometry":
             return _with_the_rest(_by_odometry(poses, odometry), poses)
         noise = assumed_noise(imu.noise, imu.origin, noise_factor, walk_factor)
@@ -96,6 +104,11 @@ def fused(
 
     if chosen == "imu" and imu.origin == "none":
         raise ValueError(f"fused.by=imu, but {imu.absent}")
+    if chosen == "odometry" and by == "auto":
+        harm = _harm(camera_poses, path_of)
+        if harm is not None:
+            chosen = "nothing"
+            log.warning("%s: the path is left as tracked: %s", recording.name, harm)
     kept = None if recording.truth is not None else without_held_out(camera_poses)
     return replace(
         path_of(camera_poses),
@@ -148,6 +161,16 @@ def _reason(camera_poses: CameraPoses, imu: UsedImu, odometry: Odometry | None, 
     if odometry is not None:
         return f"{imu.absent}, and the recorded odometry is joined only where fused.look_ahead is"
     return f"{imu.absent}, so there is nothing to fuse it with"
+
+
+def _harm(camera_poses: CameraPoses, path_of: Callable[[CameraPoses], FusedPath]) -> str | None:
+    """In what the odometry makes the path surely worse, by measured poses held out; or None."""
+    kept = without_held_out(camera_poses)
+    if kept is None:
+        return None
+    made = path_of(kept)
+    compared = compared_by_held_out(camera_poses, replace(made, held_out=made.trajectory))
+    return next((f"with the recorded odometry {one}" for one in compared.worse), None)
 
 
 def _as_tracked(camera_poses: CameraPoses, reason: str) -> FusedPath:

@@ -246,6 +246,23 @@ def test_a_recorded_odometry_bridges_what_the_camera_did_not_see(stream: ImuStre
         fused(recording(), poses, made, by="odometry")
 
 
+def test_an_odometry_that_makes_the_path_worse_is_left_aside() -> None:
+    """Its extrinsics turned: poses that were held out say so, with a ground truth or without."""
+    turned = Motor.from_euler_translation(np.array([0.0, 0.0, np.pi / 2]), np.zeros(3))
+    wrong = replace(drifting(), odometry_T_camera=turned @ drifting().odometry_T_camera)
+    poses = measured()
+    for truth in (None, path(100.0)):
+        one = recording(odometry=wrong, truth=truth)
+        made, found = both(one, poses)
+        assert found.by == "nothing"
+        np.testing.assert_array_equal(
+            found.trajectory.motors.coefficients, poses.measurements.trajectory.motors.coefficients
+        )
+        assert "with the recorded odometry fused is farther from the held-out" in found.summary
+        assert (found.held_out is None) == (truth is not None)
+    assert fused(one, poses, made, by="odometry").by == "odometry"
+
+
 def mapped(truth: Trajectory) -> SlamResult:
     """What SLAM by one camera makes of a path, in units of half a metre: a wall of points."""
     rng = np.random.default_rng(6)
