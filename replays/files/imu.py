@@ -22,22 +22,24 @@ from motorcade.ga.files import FileError
 from motorcade.replays.errors import RecordingError, refusal
 from motorcade.replays.files.atomic import replacing
 from motorcade.replays.files.door import refused
-from motorcade.replays.readers.tables import in_order, read_table
+from motorcade.replays.readers.columns import ANGULAR_RATE, SPECIFIC_FORCE, read_columns
 
 _LOG = logging.getLogger("motorcade.replays")
 _FORMAT = "motorcade imu 1"
 _ARRAYS = ("time_ns", "angular_rate_rad_s", "specific_force_m_s2")
-_COLUMNS = ("w_x", "w_y", "w_z", "a_x", "a_y", "a_z")
 
 
 def read_imu(path: Path) -> ImuStream:
-    """Read an IMU stream as EuRoC writes it; more columns are ignored, a header is optional.
+    """Read an IMU stream as EuRoC writes it, or as its header says; more columns are ignored.
 
-    An ``.npz`` is read as `write_imu` writes it.
+    A header that names all columns (`gyro_x [deg/s]`, `angular_velocity.x`, `ax (g)`) is heeded,
+    whatever their order and units; see `readers.columns`. An ``.npz`` is read as `write_imu` writes
+    it.
 
     Raises:
-        RecordingError: no rows, wrong columns, NaN, decreasing stamps, each with its line; force
-            in g or rate in degrees, where the readings tell.
+        RecordingError: no rows, wrong columns, NaN, decreasing stamps, a header that leaves open
+            what stands where, each with its line; force in g or rate in degrees, where the readings
+            tell.
     """
     try:
         stream = _stream(path)
@@ -54,8 +56,7 @@ def _stream(path: Path) -> ImuStream:
     if path.suffix == ".npz":
         with refused():
             return load_arrays(path, "a saved IMU stream", _FORMAT, _from_arrays)
-    table = read_table(path, _COLUMNS, separator=b",", unit="ns", header=True, more_columns=True)
-    table = table.rows(in_order(path, table.lines, table.time_ns))
+    table = read_columns(path, (ANGULAR_RATE, SPECIFIC_FORCE))
     return ImuStream(table.time_ns, table.values[:, :3], table.values[:, 3:])
 
 

@@ -8,9 +8,10 @@ format     one row                                                              
 ``kitti``  the twelve numbers of a 3 by 4 matrix, row by row                           none
 =========  ==========================================================================  ===========
 
-Metres; poses are ``parent_T_child``. Text rounds, so a quaternion whose norm is within 0.01 of 1
-is normalised and a matrix block that is within 0.01 of orthonormal (largest element of
-``R^T R - 1``) is replaced by the nearest rotation; what lies further off is refused.
+In a comma file whose header names its columns, these may stand in any order and unit (see
+`readers.columns`). Metres; poses are ``parent_T_child``. Text rounds, so a quaternion whose norm is
+within 0.01 of 1 is normalised and a matrix block that is within 0.01 of orthonormal (largest
+element of ``R^T R - 1``) is replaced by the nearest rotation; what lies further off is refused.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.errors import did_you_mean, refusal
 from motorcade.replays.files.atomic import write_bytes
+from motorcade.replays.readers.columns import POSITION, QUATERNION, read_columns
 from motorcade.replays.readers.ros.naming import split_bag_name
 from motorcade.replays.readers.tables import (
     REACH_M,
@@ -39,8 +41,7 @@ from motorcade.replays.readers.tables import (
 TrajectoryFormat = Literal["tum", "euroc", "kitti"]
 # A similarity that differs by rounding from a rigid motion is one.
 _SCALE_TOLERANCE = 1e-12
-_POSITION = ("tx", "ty", "tz")
-_QUATERNION = {"tum": ("qx", "qy", "qz", "qw"), "euroc": ("qw", "qx", "qy", "qz")}
+_TUM = ("tx", "ty", "tz", "qx", "qy", "qz", "qw")
 _MATRIX = tuple(f"m{row}{column}" for row in (1, 2, 3) for column in (1, 2, 3, 4))
 _SUFFIXES: dict[str, TrajectoryFormat] = {
     ".tum": "tum",
@@ -90,17 +91,13 @@ def read_trajectory(
     if fmt == "kitti":
         return _read_kitti(file, rate_hz, times, parent, child)
     _refuse_stamps(file, fmt, rate_hz, times)
-    separator, unit = (b",", "ns") if fmt == "euroc" else (None, "s")
-    table = read_table(
-        file,
-        _POSITION + _QUATERNION[fmt],
-        separator=separator,
-        unit=unit,
-        header=True,
-        more_columns=fmt == "euroc",
-    )
-    table = table.rows(in_order(file, table.lines, table.time_ns))
-    wxyz = table.values[:, 3:] if fmt == "euroc" else table.values[:, [6, 3, 4, 5]]
+    if fmt == "euroc":
+        table = read_columns(file, (POSITION, QUATERNION))
+        wxyz = table.values[:, 3:]
+    else:
+        table = read_table(file, _TUM, unit="s", header=True)
+        table = table.rows(in_order(file, table.lines, table.time_ns))
+        wxyz = table.values[:, [6, 3, 4, 5]]
     poses = quaternion_poses(table, wxyz, table.values[:, :3])
     return Trajectory(table.time_ns, poses, parent, child)
 

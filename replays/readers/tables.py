@@ -148,6 +148,7 @@ def read_table(
     unit: str | None = None,
     header: bool = False,
     more_columns: bool = False,
+    places: tuple[int, ...] | None = None,
 ) -> Table:
     """Read rows of finite numbers.
 
@@ -158,21 +159,26 @@ def read_table(
         unit: unit of a leading stamp column (see `UNITS`); None where there is no such column.
         header: allow a first row of names that is not marked as a comment.
         more_columns: ignore columns after these.
+        places: where the stamp and each column stand in a row; by default one after another.
 
     Raises:
         RecordingError: no rows, a wrong count of columns, something that is no finite number.
     """
     stamped = unit is not None
     wanted = len(columns) + stamped
+    moved = places is not None and places != tuple(range(wanted))
+    least = max(places) + 1 if places is not None else wanted
     lines, stamps, numbers = array("q"), array("q"), array("d")
     for line, row in data_rows(path, separator):
-        if header and not lines and _is_header(row):
+        if header and not lines and is_header(row):
             header = False
             continue
-        if len(row) < wanted or (len(row) > wanted and not more_columns):
+        if len(row) < least or (len(row) > least and not more_columns):
             names = ("stamp", *columns) if stamped else columns
-            expected = f"{wanted}{' or more' if more_columns else ''} columns ({' '.join(names)})"
+            expected = f"{least}{' or more' if more_columns else ''} columns ({' '.join(names)})"
             raise refusal(path, f"expected {expected}, got {len(row)}", line=line)
+        if moved and places is not None:
+            row = [row[place] for place in places]
         try:
             numbers.extend(map(float, row[stamped:wanted]))
             if unit is not None:
@@ -200,7 +206,7 @@ def read_listing(path: Path, *, separator: bytes | None, unit: str) -> Listing:
     """
     lines, stamps, names = array("q"), array("q"), list[str]()
     for line, row in data_rows(path, separator):
-        if not lines and _is_header(row):
+        if not lines and is_header(row):
             continue
         if len(row) != 2:
             problem = f"expected a stamp and a file name, got {len(row)} columns"
@@ -247,7 +253,7 @@ def in_order(path: Path, lines: IntArray, time_ns: IntArray) -> IntArray:
     return np.delete(np.arange(len(time_ns)), repeats)
 
 
-def _is_header(row: list[bytes]) -> bool:
+def is_header(row: list[bytes]) -> bool:
     """Whether no token of the row is a number, so that it can only be names."""
     return not any(_is_number(token) for token in row)
 

@@ -189,4 +189,4 @@ def _stamps(
 def _shown(value: Any) -> str:
     if value is None:
         return "–"
-    return " ".join(f"{one:.6g}" for one in (value if isinstance(value, list) else [value]))
+    return " ".join(f"{one:z.6g}" for one in (value if isinstance(value, list) else [value]))

@@ -62,6 +62,15 @@ def fused(files: Files, out: Path, *arguments: object) -> Trajectory:
     return read_trajectory(out)
 
 
+def test_no_zero_is_printed_as_a_negative_one(
+    files: Files, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    np.savetxt(tmp_path / "turned.txt", np.diag([1.0, -1.0, -1.0, 1.0]))
+    given = ["--extrinsics", tmp_path / "turned.txt", "--extrinsics-sigma-deg", 0]
+    fused(files, tmp_path / "a.tum", *given)
+    assert "-0" not in capsys.readouterr().out.split()
+
+
 def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
     assert main([str(one) for one in arguments]) == 1
     (line,) = capsys.readouterr().err.splitlines()
