@@ -22,6 +22,7 @@ from motorcade.fusion.sync.alignment import (
 )
 from motorcade.fusion.sync.gating import plausible
 from motorcade.fusion.sync.rates import RateMatch, match_rates
+from motorcade.fusion.sync.rotations import offset_by_rotations
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -48,7 +49,6 @@ _NO_OFFSET_MENDS = (
     "axes",
     "gravity",
 )
-_NEARLY_AS_SURE = 2.0  # times the deviation; the price of not believing the forces
 _UNLIKELY = 10.83  # χ² with one degree of freedom exceeds it once in a thousand cases
 
 
@@ -76,7 +76,7 @@ class Synchronised:
         >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
         >>> from motorcade.fusion.motions import gimbal_crossing
         >>> rng = np.random.default_rng(0)
-        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 6.0)
         >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
         >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
 
@@ -86,7 +86,7 @@ class Synchronised:
         >>> late = Trajectory(camera.time_ns - 30_000_000, camera.poses)
         >>> found = synchronise(late, sensor.stream, ADIS16448, search_s=0.2)
 
-        >>> int(found.on_imu_clock(late).time_ns[0] / 1e6)
+        >>> int(np.rint(found.on_imu_clock(late).time_ns[0] / 1e7))  # to 10 ms
         0
     """
 
@@ -132,16 +132,18 @@ def synchronise(
 
     Angular rates give offset and rotation to start from; everything is then estimated together,
     with the biases and gravity; poses that contradict their neighbours are left out before. The
-    stated uncertainty believes that errors of the camera's poses are independent from one to the
-    next: those of a smoothed path are not, and it is then too small. Faults of scale, axes and
+    offset is that at which the camera's orientations follow the gyroscope's, within blocks of four
+    seconds: positions and forces have no say in it, and its deviation covers what blocks differ by.
+    The other deviations believe that errors of the camera's poses are independent from one to the
+    next: those of a smoothed path are not, and they are then too small. Faults of scale, axes and
     linearity of the sensor are seen only as noise, and can pull the extrinsics further than noise
-    does: by 0.9° on EuRoC's V1_02, whose accelerometer strays by 0.04 m/s² from the true force
-    for a third of a second and longer, while its gyroscope alone fits within 0.1°. So the
-    extrinsics is estimated without the accelerometer as well, and where both differ by more than
-    noise explains, the deviations of its rotation cover the difference. A direction in which
-    the motion tells nothing (the lever arm along the only axis of rotation) keeps the uncertainty
-    that it starts with: 1 m, half a turn. A motion that repeats itself within `search_s` can be
-    matched a period off.
+    does: by 0.9° on EuRoC's V1_02, whose accelerometer strays by 0.04 m/s² from the true force for
+    a third of a second and longer, while its gyroscope alone fits within 0.1°. So the extrinsics is
+    estimated without the accelerometer as well, and where both differ by more than noise explains,
+    the deviations of its rotation cover the difference. A direction in which the motion tells
+    nothing (the lever arm along the only axis of rotation) keeps the uncertainty that it starts
+    with: 1 m, half a turn. A motion that repeats itself within `search_s` can be matched a period
+    off.
 
     Args:
         camera: ``world_T_camera``, metres, on the camera's clock; its world may lean.
@@ -161,7 +163,7 @@ def synchronise(
         >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
         >>> from motorcade.fusion.motions import gimbal_crossing
         >>> rng = np.random.default_rng(0)
-        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 6.0)
         >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
         >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
 
@@ -235,9 +237,9 @@ def _borne_out(
 ) -> tuple[float, FloatArray]:
     """Offset and covariance ``(10, 10)`` that do not rest on the forces alone.
 
-    The offset is that of rotations alone where these are nearly as sure of it: on EuRoC's flights
-    positions and forces put it by up to 5 ms off, at a fraction of a millisecond of stated
-    deviation. Deviations of the extrinsics' rotation cover what forces change in it.
+    The offset is that of orientations (see `rotations`): on EuRoC's flights positions and forces
+    put it by up to 5 ms off, at a fraction of a millisecond of stated deviation. Deviations of the
+    extrinsics' rotation cover what forces change in it.
 
     J. Hausman, Specification tests in econometrics, Econometrica 46(6), 1978: of two estimates the
     one that believes more is the surer one, but they agree where its beliefs are right.
@@ -252,10 +254,11 @@ def _borne_out(
     grown = np.ones(len(covariance))
     if np.any(squares > _UNLIKELY * own):  # then forces are believed about no axis
         grown[ROTATION] = np.sqrt(np.maximum((squares + own) / stated, 1.0))
-    offset_s, own_sigma = found.shared.offset_s, float(np.sqrt(turning.covariance[0, 0]))
-    ratio = own_sigma / float(np.sqrt(covariance[0, 0]))
-    if ratio < _NEARLY_AS_SURE:
-        offset_s, grown[0] = turning.shared.offset_s, ratio
+    offset_s, rotor = found.shared.offset_s, found.shared.imu_T_camera.rotor
+    bias = np.median(found.bias[:, :3], axis=0)
+    told = offset_by_rotations(used, imu, offset_s, rotor, bias)
+    if told is not None:
+        offset_s, grown[0] = told.offset_s, told.sigma_s / float(np.sqrt(covariance[0, 0]))
     inflated: FloatArray = covariance * grown * grown[:, None]
     return offset_s, inflated
 

@@ -11,7 +11,7 @@ import pytest
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuStream, simulate_imu
 from motorcade.fusion.motions import MOTIONS
 from tests.bench.fusion.flights import flight_figures, flights_table
-from tests.bench.fusion.offsets import found_offset, offsets_table
+from tests.bench.fusion.offsets import found_offset, offsets_table, spread
 from tests.bench.fusion.orientation import orientation_table
 from tests.bench.fusion.recorded import BLACKOUTS, Flight, flight, measured
 from tests.bench.fusion.simulator import (
@@ -96,7 +96,17 @@ def test_poses_are_missing_in_blackouts_and_late_where_asked():
 def test_offsets_are_found_to_a_millisecond(delay_s, data_dir):
     one = present("V1_02", data_dir)
     row = found_offset(one, 0, delay_s, BLACKOUTS)
-    assert row["found_s"] == pytest.approx(delay_s, abs=1e-3)
+    assert row["sigma_s"] < 1e-3
+    assert row["found_s"] == pytest.approx(delay_s, abs=3.0 * row["sigma_s"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["V1_02", "V2_02", "MH_05"])
+def test_offsets_agree_with_what_ground_truth_and_gyroscope_have(name, data_dir):
+    """Ground truth's positions are late by milliseconds on MH_05: they must have no say."""
+    error, sigma = np.array(list(spread(present(name, data_dir), 3))).T
+    assert np.all(np.abs(error) < 3.0 * sigma)
+    assert abs(np.mean(error)) < 3.0 * np.mean(sigma) / np.sqrt(len(error))
 
 
 def test_offsets_that_are_refused_are_told():
