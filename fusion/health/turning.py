@@ -102,6 +102,7 @@ def steady(
     turned: TurnedAngle,
     offset_s: float,
     camera_R_read: FloatArray,
+    bias_rad_s: FloatArray,
     sigma: float,
 ) -> NDArray[np.bool_]:
     """Which poses ``(N,)`` turned from one of their neighbours as the gyroscope says.
@@ -111,12 +112,14 @@ def steady(
         turned: integral of the readings.
         offset_s: what is added to the poses' stamps.
         camera_R_read: ``(3, 3)`` from readings to rates in the camera's axes.
+        bias_rad_s: ``(3,)`` of the readings.
         sigma: of the camera's mean rates over spans of 0.15 s, rad/s an axis.
     """
     rotors = camera.motors.rotor
     turns = (rotors[:-1].inverse() @ rotors[1:]).as_rotation_vector()
-    angle = turned.at(camera.time_ns + round(offset_s * 1e9)) @ camera_R_read.T
-    apart = np.linalg.norm(turns - np.diff(angle, axis=0), axis=-1)
+    read = np.diff(turned.at(camera.time_ns + round(offset_s * 1e9)), axis=0)
+    read -= np.diff(camera.time_ns)[:, None] * 1e-9 * bias_rad_s
+    apart = np.linalg.norm(turns - read @ camera_R_read.T, axis=-1)
     right = np.concatenate([[False], apart < _STEADY_SIGMAS * sigma * _BASELINE_S, [False]])
     return np.asarray(right[:-1] | right[1:], dtype=np.bool_)
 
