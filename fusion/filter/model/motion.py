@@ -21,8 +21,6 @@ from motorcade.fusion.filter.model.symbols import (
     blocks,
     cross,
     derivative,
-    disturbed,
-    error_of,
     motor_at,
     rotated,
     symbols,
@@ -33,9 +31,6 @@ from motorcade.ga.algebra import Multivector
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.kernels.definitions import elements as on
 
-_R, _P, _V, _BG, _BA = (slice(3 * i, 3 * i + 3) for i in range(5))
-_AT_REST = [1.0, *[0.0] * 7]
-
 
 def increment(
     rate: Numbers, force: Numbers, dt: Any, *, held: bool = False
@@ -45,7 +40,7 @@ def increment(
     `held` keeps the force in those axes for the whole interval, as gtsam does on its manifold.
     """
     turn = [value * dt for value in rate]
-    cosine, sinc, third, fourth = turn_functions(sum(value * value for value in turn))
+    cosine, sinc, third, fourth, *_ = turn_functions(sum(value * value for value in turn))
     rotor = on.ROTOR.of([cosine, *(-0.5 * sinc * value for value in turn)])
     if held:
         gained = [dt * f for f in force]
@@ -96,22 +91,77 @@ def _step(
 def _transition(
     bias: Numbers, rate: Numbers, force: Numbers, dt: Numbers, *, held: bool = False
 ) -> list[Numbers]:
-    """Blocks of the error's transition over the interval; see `MOTION`."""
-    xi = symbols("xi", 15)
-    error = [xi[i] for i in range(15)]
-    plain = _less(rate, bias[:3]), _less(force, bias[3:])
-    sensed = _less(plain[0], error[_BG]), _less(plain[1], error[_BA])
-    still = [0.0, 0.0, 0.0]
-    # Unit to first order only, which is all that a derivative needs.
-    begun = on.MOTOR.numbers(disturbed(on.MOTOR.of(_AT_REST), error[:6]))
-    ended, _ = advanced(_AT_REST, still, *plain, dt[0], still, held=held)
-    reached, faster = advanced(begun, error[_V], *sensed, dt[0], still, held=held)
-    turn, gained, _ = increment(*plain, dt[0], held=held)
-    seen = rotated(~turn, _less(faster, gained))
-    values = [*error_of(~ended * reached), *seen]
-    matrix = derivative(values, xi)
-    pairs = ((_R, _R), (_P, _R), (_V, _R), (_R, _BG), (_P, _BG), (_V, _BG), (_P, _BA), (_V, _BA))
-    return [blocks(matrix, row, column) for row, column in pairs]
+    """Blocks of the error's transition over the interval; see `MOTION`.
+
+    With ``B = Exp(-φ)`` turn and velocity are carried by B, what the force moved by ``-B [Δv]×``,
+    and a bias by derivatives of the integrals: ``∫ Exp(-sφ) ds`` is ``1 - second [φ]× + third
+    [φ]×²``, where of x = ‖φ‖ ``second = (1 - cos x) / x²``. A test holds them against derivatives.
+    """
+    rate, force, h = _less(rate, bias[:3]), _less(force, bias[3:]), dt[0]
+    turn = [value * h for value in rate]
+    cosine, sinc, third, fourth, fifth, sixth = turn_functions(sum(v * v for v in turn))
+    second = 0.5 * sinc * sinc
+    across = _crossing(turn)
+    twice = _times(across, across)
+    back = _sum((1, _ONE), (-sinc * cosine, across), (second, twice))
+    right = _sum((-h, _ONE), (h * second, across), (-h * third, twice))
+    _, gained, shifted = increment(rate, force, h, held=held)
+    velocity_accel, velocity_gyro = right, _NONE
+    position_accel, position_gyro = _sum((-0.5 * h * h, back)), _NONE
+    if held:
+        velocity_accel = _sum((-h, back))
+    else:
+        position_accel = _sum(
+            (-0.5 * h * h, _ONE),
+            (h * h * (second - third), across),
+            (h * h * (fourth - third), twice),
+        )
+        # Of the coefficients by x², twice.
+        slopes = 2 * fourth - third, 3 * fifth - fourth, 4 * sixth - fifth
+        once = cross(turn, force)
+        fast = _by_turn(turn, force, once, (second, third), slopes[:2])
+        far = _by_turn(turn, force, once, (third, fourth), slopes[1:])
+        velocity_gyro = _sum((-h * h, _times(back, fast)))
+        position_gyro = _sum((-h * h * h, _times(back, far)))
+    made = (
+        back, _sum((-1, _times(back, _crossing(shifted)))),
+        _sum((-1, _times(back, _crossing(gained)))), right, position_gyro, velocity_gyro,
+        position_accel, velocity_accel,
+    )  # fmt: skip
+    return [[value for row in block for value in row] for block in made]
+
+
+def _by_turn(
+    turn: Numbers, force: Numbers, once: Numbers, factors: tuple[Any, Any], slopes: tuple[Any, ...]
+) -> list[Numbers]:
+    """Derivative of ``a φ × f + b φ × (φ × f)`` by φ; a and b have these derivatives by ½x²."""
+    along = [slopes[0] * a + slopes[1] * b for a, b in zip(once, cross(turn, once), strict=True)]
+    return _sum(
+        (-factors[0], _crossing(force)),
+        (-factors[1], _crossing(once)),
+        (-factors[1], _times(_crossing(turn), _crossing(force))),
+        (1, [[a * t for t in turn] for a in along]),
+    )
+
+
+_ONE: list[Numbers] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+_NONE: list[Numbers] = [[0, 0, 0], [0, 0, 0], [0, 0, 0]]
+
+
+def _crossing(v: Numbers) -> list[Numbers]:
+    """The matrix of ``v ×``."""
+    return [[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]]
+
+
+def _times(a: list[Numbers], b: list[Numbers]) -> list[Numbers]:
+    return [[sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+
+
+def _sum(*parts: tuple[Any, list[Numbers]]) -> list[Numbers]:
+    """Matrices, each times a factor."""
+    return [
+        [sum(factor * matrix[i][j] for factor, matrix in parts) for j in range(3)] for i in range(3)
+    ]
 
 
 def _gravity(gravity_rotor: Numbers, size: Numbers) -> list[Numbers]:

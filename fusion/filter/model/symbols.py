@@ -87,16 +87,19 @@ def blocks(matrix: Any, rows: slice, columns: slice) -> Numbers:
     return [part[i, j] for i in range(part.shape[0]) for j in range(part.shape[1])]
 
 
-def turn_functions(square: Any) -> tuple[Any, Any, Any, Any]:
-    """``cos ½x``, ``sin(½x) / ½x``, ``(x - sin x) / x³`` and ``(½x² - 1 + cos x) / x⁴`` of x².
+def turn_functions(square: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """``cos ½x``, ``sin(½x) / ½x``, and four remainders of the series of sine and cosine, of x².
 
-    For x up to `LARGEST_TURN_RAD`, as polynomials that can be differentiated at zero.
+    The remainders are ``third = (x - sin x) / x³``, ``fourth = (½x² - 1 + cos x) / x⁴``,
+    ``fifth = (1/6 - third) / x²`` and ``sixth = (1/24 - fourth) / x²``. For x up to
+    `LARGEST_TURN_RAD`, as polynomials that can be differentiated at zero.
     """
     last, error = LARGEST_TURN_RAD**2 + 0.1, DOUBLE.epsilon / 16
-    return tuple(
+    cosine, sinc, fifth, sixth = (
         horner(fitted(function, 0, last, error), square)
-        for function in (_cosine_half, _sinc_half, _third, _fourth)
+        for function in (_cosine_half, _sinc_half, _fifth, _sixth)
     )
+    return cosine, sinc, 1 / 6 - square * fifth, 1 / 24 - square * sixth, fifth, sixth
 
 
 def _cosine_half(y: Any) -> Any:
@@ -112,17 +115,16 @@ def _sinc_half(y: Any) -> Any:
     return mp.sin(half) / half
 
 
-def _third(y: Any) -> Any:
+def _fifth(y: Any) -> Any:
     import mpmath as mp
 
-    with mp.extradps(40):
+    with mp.extradps(80):
         x = mp.sqrt(y)
-        return (x - mp.sin(x)) / x**3
+        return (x**3 / 6 - x + mp.sin(x)) / x**5
 
 
-def _fourth(y: Any) -> Any:
+def _sixth(y: Any) -> Any:
     import mpmath as mp
 
-    with mp.extradps(60):
-        x = mp.sqrt(y)
-        return (y / 2 - 1 + mp.cos(x)) / y**2
+    with mp.extradps(80):
+        return (y**2 / 24 - y / 2 + 1 - mp.cos(mp.sqrt(y))) / y**3

@@ -3,12 +3,7 @@
 
 #include "covariance.h"
 
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
-#define MOTORCADE_CLONES                                                                           \
-    __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define MOTORCADE_CLONES
-#endif
+#include "clones.h"
 
 namespace motorcade::filter {
 

@@ -45,6 +45,11 @@ template <std::size_t N> inline void correct(State &state, const double *error) 
     state = next;
 }
 
+// The state and the error's transition over one interval of constant readings; see motion.cpp. In
+// `moved_held` the force keeps the axes that it had at the interval's start.
+void moved(State &state, const Reading &read, double dt, const double *fall, Transition &made);
+void moved_held(State &state, const Reading &read, double dt, const double *fall, Transition &made);
+
 // Gravity, and over one interval of constant readings the state and the error's transition.
 class Motion {
 public:
@@ -67,17 +72,10 @@ public:
     template <std::size_t N, bool held = false>
     void step(State &state, const Reading &read, double dt, const double *fall,
               Transition &made) const {
-        constexpr auto transition = held ? motorcade_held_transition : motorcade_transition;
-        constexpr auto step_of = held ? motorcade_held_step : motorcade_step;
-        double pose[8], faster[3];
-        transition(state.bias, read.rate, read.force, dt, made.turn_turn, made.position_turn,
-                   made.velocity_turn, made.turn_gyro, made.position_gyro, made.velocity_gyro,
-                   made.position_accel, made.velocity_accel);
-        made.dt = dt;
-        step_of(state.pose, state.velocity, state.bias, read.rate, read.force, dt, fall, pose,
-                faster);
-        std::copy_n(pose, 8, state.pose);
-        std::copy_n(faster, 3, state.velocity);
+        if constexpr (held)
+            moved_held(state, read, dt, fall, made);
+        else
+            moved(state, read, dt, fall, made);
         if constexpr (N > 15)
             motorcade_gravity_effect(state.pose, state.gravity_rotor, size_, dt,
                                      made.velocity_tilt);
