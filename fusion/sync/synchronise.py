@@ -34,6 +34,8 @@ _GRAVITY_SIGMA_M_S2 = 0.02
 _LEVER_SIGMA_M = 1.0
 _MARGIN_S = 0.1
 _MOST_SEARCH_S = 60.0
+# Unknowns and time grow with poses; errors of poses that follow each other faster hardly differ.
+_SPACING_NS = 20_000_000
 # Of the deviation that rates state for the offset: the estimate believes them no more than this,
 # since it uses the same data again, and does not leave it.
 _DOUBT = 6.0
@@ -131,7 +133,8 @@ def synchronise(
     """Estimate time offset and extrinsics from a metric camera path and an IMU that moved with it.
 
     Angular rates give offset and rotation to start from; everything is then estimated together,
-    with the biases and gravity; poses that contradict their neighbours are left out before. The
+    with the biases and gravity; poses that contradict their neighbours are left out before, and all
+    but 50 a second. The
     offset is that at which the camera's orientations follow the gyroscope's, within blocks of four
     seconds: positions and forces have no say in it, and its deviation covers what blocks differ by.
     The other deviations believe that errors of the camera's poses are independent from one to the
@@ -186,7 +189,7 @@ def synchronise(
         raise ValueError(f"camera and imu: {unit.summary}")
     match = match_rates(camera, imu, search_s)
     used, imu = covered(camera, imu, match.offset_s, _MARGIN_S)
-    used = used[plausible(used, imu, match)]
+    used = _spaced(used[plausible(used, imu, match)])
     imu_T_camera = Motor.from_rotor_translation(match.imu_R_camera, np.zeros(3))
     start = Shared(match.offset_s, imu_T_camera, _gravity(used, imu, match.offset_s, imu_T_camera))
     health = _checked(used, imu, match)
@@ -212,6 +215,12 @@ def synchronise(
         found.noise,
         health,
     )
+
+
+def _spaced(camera: Trajectory) -> Trajectory:
+    """Poses at 50 a second where there are more: the IMU knows what lies between them."""
+    step_ns = float(np.median(np.diff(camera.time_ns)))
+    return camera[:: max(1, round(_SPACING_NS / step_ns))]
 
 
 def _checked(camera: Trajectory, imu: ImuStream, match: RateMatch) -> Health:

@@ -36,14 +36,14 @@ def later(path: Trajectory, seconds: float) -> Trajectory:
 
 def recorded(
     rng: np.random.Generator, name: str = "handheld", offset_s: float = 0.02,
-    duration_s: float = 16.0, noise: ImuNoise = ADIS16448,
+    duration_s: float = 16.0, noise: ImuNoise = ADIS16448, camera_hz: float = 20.0,
 ) -> tuple[Trajectory, ImuStream]:  # fmt: skip
     """Camera poses on their own clock, in a world that leans, and the stream of the IMU."""
     path = MOTIONS[name].sampled(100.0, duration_s, start_ns=10**18, child="imu")
     simulated = simulate_imu(path, 100.0, noise, rng)
     leaning = Motor.from_euler_translation(np.array([0.2, 0.1, 0.7]), np.array([1.0, 2.0, 3.0]))
     camera = simulated.path.transformed_by(left=leaning, right=IMU_T_CAMERA)
-    measured = simulate_camera_poses(camera, 20.0, SIGMA_M, SIGMA_RAD, rng)
+    measured = simulate_camera_poses(camera, camera_hz, SIGMA_M, SIGMA_RAD, rng)
     biases = np.array([0.02, -0.01, 0.03]), np.array([0.1, -0.2, 0.05])
     stream = simulated.stream
     imu = ImuStream(
@@ -102,6 +102,13 @@ def test_wrong_poses_hardly_matter(rng):
     twists = np.where(np.arange(len(camera))[:, None] % 25 == 12, [0.6, 0, 0, 0, 0.8, 0], 0.0)
     degraded = camera.transformed_by(right=Motor.from_twist(twists))
     found = synchronise(degraded, imu, ADIS16448, search_s=0.2)
+    assert np.max(np.abs(errors_in_deviations(found, 0.02))) < 4.0
+
+
+def test_of_a_fast_camera_fifty_poses_a_second_are_taken(rng):
+    camera, imu = recorded(rng, camera_hz=100.0, duration_s=8.0)
+    found = synchronise(camera, imu, ADIS16448, search_s=0.2)
+    assert np.min(np.diff(found.time_ns)) >= 15_000_000
     assert np.max(np.abs(errors_in_deviations(found, 0.02))) < 4.0
 
 
