@@ -5,9 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
+from scipy.stats import chi2
 
 from motorcade.fusion.filter import FilterSettings, fuse
-from motorcade.ga import Motor
+from motorcade.fusion.imu import ADIS16448, ContinuousPath, simulate_imu
+from motorcade.fusion.motions.standard import MOTIONS
+from motorcade.fusion.simulate_poses import simulate_camera_poses
+from motorcade.ga import Motor, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
 GRAVITY = np.array([0.0, 0.0, 9.81])
@@ -45,3 +50,37 @@ def test_gravity_mount_and_time_offset_are_found(record, rng):
     assert np.all(sigma[20:23] < 0.01)
     blind = fuse(measurements, run.imu, run.noise, run.imu_T_camera)
     assert np.nanmean(fused.nis) < 7.0 < np.nanmean(blind.nis)
+
+
+@pytest.mark.slow
+def test_mount_and_time_offset_err_as_much_as_their_covariance_says():
+    """NEES of seven unknowns over simulated runs, started a few degrees and centimetres off."""
+    true = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
+    settings = FilterSettings(
+        gravity_sigma_rad=0.02,
+        extrinsics_sigma_rad=0.03,
+        extrinsics_sigma_m=0.03,
+        time_offset_sigma_s=0.005,
+    )
+    sigma, squares = np.repeat([0.03, 0.03], 3), []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        path = ContinuousPath.along(MOTIONS["handheld"], 30.0, start_ns=10**18)
+        sensor = simulate_imu(path, 200.0, ADIS16448, rng)
+        camera = sensor.path.transformed_by(right=true)
+        poses = simulate_camera_poses(camera, 20.0, 0.01, float(np.deg2rad(0.5)), rng)
+        offset_s = 0.005 * rng.standard_normal()
+        given = poses.trajectory
+        late = Trajectory(given.time_ns - round(offset_s * 1e9), given.motors)[4:-4]
+        fused = fuse(
+            PoseMeasurements(late, poses.covariance[4:-4]),
+            sensor.stream,
+            ADIS16448,
+            true @ Motor.from_twist(sigma * rng.standard_normal(6)),
+            settings=settings,
+        )
+        apart = (fused.imu_T_camera[-1].inverse() @ true).as_twist()
+        error = np.append(apart, offset_s - fused.time_offset_s[-1])
+        squares.append(error @ np.linalg.solve(fused.state_covariance[-1][-7:, -7:], error))
+    low, high = chi2.ppf([1e-3, 0.999], 7 * len(squares))
+    assert low < np.sum(squares) < high
