@@ -15,6 +15,7 @@ from motorcade.ga.classical.quaternion import (
     quaternion_apply,
     quaternion_conjugate,
     quaternion_multiply,
+    size_exponent,
 )
 
 # Below this sine of half the angle a screw has no axis left and is a plain translation.
@@ -99,10 +100,11 @@ def dual_quaternion_normalize(q: ArrayLike) -> FloatArray:
         array([1. , 0. , 0. , 0. , 0. , 0.5, 0. , 0. ])
     """
     given = checked_floats(q, "q", (8,))
-    norm = np.linalg.norm(given[..., :4], axis=-1, keepdims=True)
-    if not np.all(norm > 0.0):
+    if not np.all(np.any(given[..., :4] != 0.0, axis=-1)):
         raise ValueError("q: expected a non-zero real part, got a zero one")
-    real, dual = given[..., :4] / norm, given[..., 4:] / norm
+    near_one = np.ldexp(given, -size_exponent(given[..., :4]))
+    norm = np.linalg.norm(near_one[..., :4], axis=-1, keepdims=True)
+    real, dual = near_one[..., :4] / norm, near_one[..., 4:] / norm
     dual = dual - np.sum(real * dual, axis=-1, keepdims=True) * real
     return np.concatenate([real, dual], axis=-1)
 

@@ -8,7 +8,7 @@ Angles in radians, batch in front; shapes broadcast.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from motorcade.ga.arrays import FloatArray, checked_floats
 
@@ -81,11 +81,19 @@ def quaternion_normalize(q: ArrayLike) -> FloatArray:
         array([0.6, 0. , 0. , 0.8])
     """
     given = checked_floats(q, "q", (4,))
-    norm = np.linalg.norm(given, axis=-1, keepdims=True)
-    if not np.all(norm > 0.0):
+    if not np.all(np.any(given != 0.0, axis=-1)):
         raise ValueError("q: expected non-zero quaternions, got a zero one")
-    unit: FloatArray = given / norm
+    near_one = np.ldexp(given, -size_exponent(given))
+    unit: FloatArray = near_one / np.linalg.norm(near_one, axis=-1, keepdims=True)
     return unit
+
+
+def size_exponent(numbers: FloatArray) -> NDArray[np.int32]:
+    """The power of two ``(*, 1)`` just above the largest of numbers ``(*, n)``.
+
+    Divided by it, which rounds nothing, their squares neither overflow nor vanish.
+    """
+    return np.frexp(np.max(np.abs(numbers), axis=-1, keepdims=True))[1]
 
 
 def quaternion_apply(q: ArrayLike, points: ArrayLike) -> FloatArray:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga.kernels.generated.python import KERNELS
 
+_MOST_TRIED = 10_000
 _SUFFIXES = {"float32": "f32", "float64": "f64"}
 
 
@@ -46,6 +47,8 @@ def function(name: str) -> Callable[..., None]:
         if len(operands) != len(widths) + 1:
             raise TypeError(f"{name}: expected {len(widths) + 1} arguments, got {len(operands)}")
         out = _array(operands[-1])
+        if any(_overlap(x, out) for x in operands[:-1]):
+            raise ValueError("expected an output apart from the inputs: they overlap")
         given = [_input(x, width, out) for x, width in zip(operands, widths, strict=False)]
         shape = out.shape[:-1]
         for k, component in enumerate(made[out.dtype.name](*given)):
@@ -57,6 +60,17 @@ def function(name: str) -> Callable[..., None]:
 
 def _array(operand: Any) -> Any:
     return operand.array if isinstance(operand, Block) else operand
+
+
+def _overlap(operand: Any, out: NDArray[Any]) -> bool:
+    """Whether an output shares memory with an input; where that is hard to say, whether it may."""
+    array = _array(operand)
+    if not isinstance(array, np.ndarray) or not np.may_share_memory(array, out):
+        return False
+    try:
+        return np.shares_memory(array, out, max_work=_MOST_TRIED)
+    except np.exceptions.TooHardError:
+        return True
 
 
 def _input(operand: Any, width: int, out: NDArray[Any]) -> NDArray[Any]:
