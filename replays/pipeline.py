@@ -21,6 +21,7 @@ from motorcade.replays.characters.acting import MANNEQUIN, character_named, clip
 from motorcade.replays.engine.graph import Graph
 from motorcade.replays.engine.knobs import parse_knobs
 from motorcade.replays.engine.stage import first_of
+from motorcade.replays.readers.manifest.section import setting_from
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
 from motorcade.replays.results import require_writable, write_results
@@ -119,7 +120,11 @@ def run_job(job: Job) -> dict[str, Any]:
     graph = pipeline_graph()
     with off_record():  # the recording's digest and settings cover all that is read of it
         recording = open_recording(job.recording, job.manifest)
-    knobs = parse_knobs((*recording.settings, *job.settings), graph)
+    settings = (
+        *recording.settings,
+        *(setting_from(one, lambda file: Path(file).absolute()) for one in job.settings),
+    )
+    knobs = parse_knobs(settings, graph)
     if "placed" in graph.needed(job.until):
         _check_character(knobs.get("placed", {}))
     require_writable(job.out)
@@ -128,7 +133,7 @@ def run_job(job: Job) -> dict[str, Any]:
     for damage in recording.damaged:
         log.warning("left out: %s", damage)
     run = graph.run(job.until, {"recording": recording}, job.cache or job.out / ".cache", knobs)
-    return write_results(run, job.out, _about(job, recording))
+    return write_results(run, job.out, _about(job, recording, settings))
 
 
 def _check_character(knobs: Mapping[str, Any]) -> None:
@@ -139,14 +144,14 @@ def _check_character(knobs: Mapping[str, Any]) -> None:
             clip_named(character, knobs["clip"])
 
 
-def _about(job: Job, recording: Recording) -> dict[str, Any]:
-    """What was run: enough to run it again."""
+def _about(job: Job, recording: Recording, settings: tuple[str, ...]) -> dict[str, Any]:
+    """What was run: enough to run it again, from wherever that is done."""
     return {
-        "recording": str(job.recording),
-        "manifest": None if job.manifest is None else str(job.manifest),
+        "recording": str(job.recording.absolute()),
+        "manifest": None if job.manifest is None else str(job.manifest.absolute()),
         "content": recording.digest(),
         "until": job.until,
-        "settings": [*recording.settings, *job.settings],
+        "settings": list(settings),
         "motorcade": __version__,
         "python": platform.python_version(),
     }

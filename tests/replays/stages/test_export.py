@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.animation.formats import read_character
+from motorcade.animation.formats import read_character, write_gltf
 from motorcade.replays.cli import main
 from motorcade.replays.export import Shown, open_run
 from motorcade.replays.pipeline import Job, run_job
@@ -29,6 +29,22 @@ def finished(tmp_path_factory: pytest.TempPathFactory, opengl: None) -> Path:
 @pytest.fixture(scope="module")
 def shown(finished: Path) -> Shown:
     return open_run(finished)
+
+
+def test_a_run_is_read_back_from_another_folder_than_it_was_made_in(
+    finished: Path, shown: Shown, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root, hero = finished.parent, finished.parent / "hero.glb"
+    write_gltf(hero, shown.character, [shown.clip])
+    monkeypatch.chdir(root)
+    settings = ("smoothed.representations=motor", "placed.character=hero.glb")
+    run_job(Job(Path("room"), Path("away"), until="placed", settings=settings))
+    (root / "elsewhere").mkdir()
+    monkeypatch.chdir(root / "elsewhere")
+    found = open_run(root / "away")
+    assert len(found.character.skeleton.names) == len(shown.character.skeleton.names)
+    made = [one.name for one in (root / "away" / ".cache").glob("placed-*")]
+    assert len(made) == 1  # found, not computed again
 
 
 class Glb:
