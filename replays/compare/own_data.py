@@ -12,11 +12,11 @@ named after the poses that they depend on.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.measure.traits import measured_trait
 from motorcade.replays.compare.measure.truth import RecordedTruth
 from motorcade.replays.compare.tuning import BORROWS, Tuned, borrowed, tuned
-from motorcade.replays.engine.jobs import job_key, run_jobs
+from motorcade.replays.engine.jobs import finished
 
 _FEWEST_IN_BLOCK = 50
 _MOST_BLOCKS = 40
@@ -86,10 +86,6 @@ class RecordedCell:
         return [settings, self.blocks.digest()]
 
 
-Job = TypeVar("Job", RecordedSearch, RecordedCell)
-Result = TypeVar("Result")
-
-
 def run_search(search: RecordedSearch) -> Tuned:
     """What is found for the method and representation."""
     inputs = search.blocks.inputs()
@@ -142,7 +138,9 @@ def compare_recorded(
     found = _tuned(pairs, RecordedBlocks(blocks[::2], truth), out, executor)
     settings = tuple(found[pair].setting for pair in pairs)
     cells = [RecordedCell(settings, RecordedBlocks((path,), truth)) for path in judged]
-    measured = _finished(run_recorded_cell, cells, out, executor, "blocks")
+    measured = finished(
+        run_recorded_cell, {cell: cell.about() for cell in cells}, out, executor, "blocks"
+    )
     samples = [
         Sample.named(name, _DEGRADATION, 2 * i + 1, measured[cell]) for i, cell in enumerate(cells)
     ]
@@ -199,7 +197,8 @@ def _tuned(
     """What was found for every method and representation, and for those that others borrow from."""
     lenders = {(method, one): (BORROWS.get(method, (method,))[0], one) for method, one in pairs}
     searches = [RecordedSearch(pair, blocks) for pair in dict.fromkeys(lenders.values())]
-    results = _finished(run_search, searches, out, executor, "searches")
+    about = {search: search.about() for search in searches}
+    results = finished(run_search, about, out, executor, "searches")
     searched = {search.pair: result for search, result in results.items()}
     found: dict[Pair, Tuned] = {}
     for pair, lender in lenders.items():
@@ -207,10 +206,3 @@ def _tuned(
         if pair != lender:
             found[pair] = borrowed(*pair, searched[lender])
     return found
-
-
-def _finished(
-    function: Callable[[Job], Result], jobs: Sequence[Job], out: Path, executor: str, what: str
-) -> Mapping[Job, Result]:
-    places = {job: out / ".finished" / job_key(function, job.about()) for job in jobs}
-    return run_jobs(function, places, executor, what).whole(what)

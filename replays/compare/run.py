@@ -7,10 +7,10 @@ more seeds or methods computes those, and one after a change of the code begins 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor
@@ -21,10 +21,7 @@ from motorcade.replays.compare.measure.ties import exact_ties
 from motorcade.replays.compare.measure.traits import Trait, run_trait
 from motorcade.replays.compare.plan import SLOW, ComparisonPlan
 from motorcade.replays.compare.tuning import BORROWS, Tuned, Tuning, borrowed, run_tuning
-from motorcade.replays.engine.jobs import job_key, run_jobs
-
-Task = TypeVar("Task", Tuning, ComparisonCell, Trait)
-Result = TypeVar("Result")
+from motorcade.replays.engine.jobs import finished
 
 
 def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> dict[str, Any]:
@@ -43,7 +40,7 @@ def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> 
     """
     found = _tuned(plan, out, executor)
     cells = [cell for batch in _batches(plan) for cell in _cells(plan, batch, found)]
-    measured = _finished(run_cell, cells, out, executor, "cells")
+    measured = finished(run_cell, {cell: asdict(cell) for cell in cells}, out, executor, "cells")
     samples = tuple(Sample.of(cell, rows) for cell, rows in measured.items())
     traits = [
         Trait(
@@ -57,17 +54,9 @@ def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> 
         for pair in plan.pairs(plan.motions[0], plan.degradations[0])
     ]
     # Alone, one after another: they are timed.
-    told = _finished(run_trait, traits, out, "local", "times")
+    told = finished(run_trait, {trait: asdict(trait) for trait in traits}, out, "local", "times")
     outcome = Outcome(plan.as_dict(), samples, found, tuple(told.values()), exact_ties())
     return write_tables(outcome, out)
-
-
-def _finished(
-    function: Callable[[Task], Result], tasks: Iterable[Task], out: Path, executor: str, what: str
-) -> Mapping[Task, Result]:
-    """Every task's result; what was kept in `out` is not computed again."""
-    places = {task: out / ".finished" / job_key(function, asdict(task)) for task in tasks}
-    return run_jobs(function, places, executor, what).whole(what)
 
 
 def _batches(plan: ComparisonPlan) -> list[tuple[str, ...]]:
@@ -107,7 +96,8 @@ def _tuned(
                 Tuning(motion, degradation, plan.tuning_seeds, plan.rate_hz, plan.duration_s, pairs)
             )
     found = {}
-    for search, results in _finished(run_tuning, searches, out, executor, "searches").items():
+    about = {search: asdict(search) for search in searches}
+    for search, results in finished(run_tuning, about, out, executor, "searches").items():
         for one in results:
             place = (search.motion, search.degradation)
             found[*place, one.setting.method, one.setting.representation] = one

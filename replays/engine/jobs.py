@@ -113,6 +113,24 @@ def run_jobs(
     return Batch(results, failures, left, len(jobs) - len(waiting))
 
 
+def finished(
+    function: Callable[[JobType], Result],
+    about: Mapping[JobType, object],
+    out: Path,
+    executor: str,
+    what: str,
+) -> Mapping[JobType, Result]:
+    """Every job's result; what is kept in ``OUT/.finished`` is not computed again.
+
+    `about` says what each job is, ready for JSON (see `job_key`); the rest is as for `run_jobs`.
+
+    Raises:
+        KeyboardInterrupt, RuntimeError: not all jobs are done; see `Batch.whole`.
+    """
+    places = {job: out / ".finished" / job_key(function, what_is) for job, what_is in about.items()}
+    return run_jobs(function, places, executor, what).whole(what)
+
+
 def _kept(function: Callable[[JobType], Any], task: tuple[JobType, Path]) -> None:
     """Do a job where this is called, unless a worker that was given up for lost had done it."""
     job, folder = task

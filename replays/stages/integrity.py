@@ -66,10 +66,10 @@ def integrity(
     if np.any(np.isfinite(fused.nis)):
         checks.append(_innovations(fused))
     paths = {"measured": measured, "fused": fused.trajectory} | smoothed.trajectories
-    registration = _registrations(paths, recording, camera_poses, board_poses)
+    registration = _registered_px(paths, recording, camera_poses, board_poses)
     if registration:
         limit_px = _limit_px(registration["measured"])
-        checks.append(_registration(registration, name, limit_px))
+        checks.append(_registration_check(registration, name, limit_px))
         kept = checks[-1].failures > _off(registration["measured"], limit_px)
     else:
         checks.append(_agreement(camera_poses, path))
@@ -116,7 +116,7 @@ def _innovations(fused: FusedPath) -> IntegrityCheck:
     return IntegrityCheck("innovations", beyond, len(nis), allowed, summary)
 
 
-def _registration(
+def _registration_check(
     registration: dict[str, FloatArray], name: str, limit_px: float
 ) -> IntegrityCheck:
     found = registration[name]
@@ -148,7 +148,7 @@ def _agreement(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
     return IntegrityCheck("agreement", beyond, len(apart), allowed, summary)
 
 
-def _registrations(
+def _registered_px(
     paths: dict[str, Trajectory],
     recording: Recording,
     camera_poses: CameraPoses,

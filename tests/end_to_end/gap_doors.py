@@ -169,7 +169,7 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     "frame_change_defect": lambda case: frame_change_defect(
         partial(smooth, method="spline"), case.noisy, *Motor.random(_rng(), (2,))
     ),
-    "cropped": lambda case: cropped(case.noisy, start_s=1.0, end_s=2.0),
+    "cropped": lambda case: cropped(case.noisy, end_s=1e-9 * float(case.time_ns[100])),
     "match": lambda case: match(case.noisy, case.truth, "se3", interpolate=True),
     "associate": lambda case: alignment_of(associate(case.noisy, case.truth), "se3").apply_to(
         without_scale(case.noisy)
