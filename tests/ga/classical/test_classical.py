@@ -1,5 +1,7 @@
 """The classical formulas are right: their own laws hold, and scipy and the motors agree."""
 
+import warnings
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
@@ -200,3 +202,13 @@ def test_screws_without_a_turn_are_straight_and_even(rng: np.random.Generator) -
     np.testing.assert_allclose(
         moved, start + fractions[:, None] * (end - start), rtol=0, atol=1e-14
     )
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-200, 1e200, 1e300])
+def test_normalize_takes_numbers_whose_squares_no_float_holds(size: float) -> None:
+    given = np.array([3.0, 0.0, 0.0, 4.0, 4.0, 1.0, 2.0, -3.0])
+    for normalize, count in ((quaternion_normalize, 4), (dual_quaternion_normalize, 8)):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            found = normalize(size * given[:count])
+        np.testing.assert_allclose(found, normalize(given[:count]), rtol=1e-15)
