@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from motorcade.fusion.filter import FilterSettings, Fused, fuse
+from motorcade.fusion.filter import FilterSettings, Fused, LearntNoise, fuse, learn_noise
 from motorcade.fusion.filter.fuse import checked_lag
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.fusion.smoothing.batch.noise import estimate_noise
@@ -41,6 +41,7 @@ class FusingOptions:
     Fields:
         noise: the IMU's data sheet; None: ADIS16448's.
         noise_factor, walk_factor: times its white densities and its bias walks; None: 10 and 1.
+        learn_noise: learn the IMU's noise from the recording, starting from that.
         imu_T_camera: where the poses' frame sits on the IMU; None: the poses are the IMU's.
         offset_s: what the IMU's clock shows at an event minus what that of the poses does.
         estimate: what the motion of both is to tell before: extrinsics, offset.
@@ -66,6 +67,7 @@ class FusingOptions:
     noise: ImuNoise | None = None
     noise_factor: float | None = None
     walk_factor: float | None = None
+    learn_noise: bool = False
     imu_T_camera: Motor | None = None
     offset_s: float = 0.0
     estimate: tuple[Estimated, ...] = ()
@@ -104,6 +106,7 @@ class FusedPoses:
         imu_T_camera: extrinsics that the filter started from.
         offset_s, offset_sigma_s: taken off the IMU's stamps; its deviation where it was estimated.
         poses: how many were given.
+        noise: what was learnt of the IMU's noise, where that was asked for.
     """
 
     fused: Fused
@@ -114,6 +117,7 @@ class FusedPoses:
     offset_s: float
     offset_sigma_s: float | None
     poses: int
+    noise: LearntNoise | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Figures, ready for JSON; keys carry units."""
@@ -135,6 +139,7 @@ class FusedPoses:
             "gravity_m_s2": found.gravity_m_s2[-1].tolist(),
             "gyro_bias_rad_s": found.gyro_bias_rad_s.mean(axis=0).tolist(),
             "accel_bias_m_s2": found.accel_bias_m_s2.mean(axis=0).tolist(),
+            "noise": None if self.noise is None else self.noise.as_dict(),
         }
 
 
@@ -183,6 +188,10 @@ def fuse_poses(
         stream,
     )
     settings = _settings(chosen, offset_sigma_s or 0.0, leaned=level.leaned)
+    told = None
+    if chosen.learn_noise:
+        told = learn_noise(level.measurements, stream, noise, imu_T_camera, settings=settings)
+        noise = told.noise
     found = fuse(
         level.measurements,
         stream,
@@ -211,6 +220,7 @@ def fuse_poses(
         chosen.offset_s,
         offset_sigma_s,
         len(poses),
+        told,
     )
 
 

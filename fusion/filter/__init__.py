@@ -3,6 +3,7 @@
 from motorcade.fusion.filter.fuse import fuse
 from motorcade.fusion.filter.fused import Fused
 from motorcade.fusion.filter.latency import LatencyCurve, latency_curve
+from motorcade.fusion.filter.learning import LearntNoise, NoiseScore, learn_noise
 from motorcade.fusion.filter.pose_filter import FilterState, Innovation, PoseFilter
 from motorcade.fusion.filter.settings import FilterSettings, RestDetection
 from motorcade.fusion.filter.sourced import Judgement
@@ -14,8 +15,11 @@ __all__ = [
     "Innovation",
     "Judgement",
     "LatencyCurve",
+    "LearntNoise",
+    "NoiseScore",
     "PoseFilter",
     "RestDetection",
     "fuse",
     "latency_curve",
+    "learn_noise",
 ]

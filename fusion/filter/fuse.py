@@ -52,7 +52,7 @@ def fuse(
             `FilterSettings` states; a gap of more than ten seconds splits the stream, and each
             stretch is fused for itself: stamps between them are left out.
         noise: the IMU's densities and bias walks. Those of a data sheet are too small for a
-            sensor in the hand or in flight; `ImuNoise.scaled` until the mean NIS is about 6.
+            sensor in the hand or in flight; `learn_noise` finds what the recording tells of them.
         imu_T_camera: pose of the camera on the IMU.
         stamps_ns: rising stamps of the IMU's clock at which the path is wanted, measured there or
             not; by default those of the measurements. Stamps before the first measurement or
@@ -95,21 +95,49 @@ def fuse(
         1.0°
         0.2°
     """
-    chosen, kinds = settings or FilterSettings(), checked_also(also)
-    shift_ns = checked_span_ns(time_offset_s, "time_offset_s")
-    ahead_s = checked_lag(lag_s, smoothed)
-
-    def one(given: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
-        return _fused(
-            given, stream, noise, imu_T_camera, stamps, kinds, chosen, ahead_s, time_offset_s,
-            state_covariances,
-        )  # fmt: skip
-
-    found = by_stretch(one, measurements, imu, stamps_ns, shift_ns)
+    chosen = settings or FilterSettings()
+    found = fuse_unjudged(
+        measurements,
+        imu,
+        noise,
+        imu_T_camera,
+        stamps_ns,
+        also=also,
+        settings=chosen,
+        lag_s=checked_lag(lag_s, smoothed),
+        time_offset_s=time_offset_s,
+        state_covariances=state_covariances,
+    )
     given = measurements.trajectory, imu, imu_T_camera, time_offset_s, chosen
     accepted = found.accepted[np.isfinite(found.nis)]
     outcome = accepted, found.gyro_bias_rad_s, found.accel_bias_m_s2
     return replace(found, health=fused_health(*given, outcome))
+
+
+def fuse_unjudged(
+    measurements: PoseMeasurements,
+    imu: ImuStream,
+    noise: ImuNoise,
+    imu_T_camera: Motor,
+    stamps_ns: IntArray | None = None,
+    *,
+    also: Sequence[Measurements] = (),
+    settings: FilterSettings | None = None,
+    lag_s: float = np.inf,
+    time_offset_s: float = 0.0,
+    state_covariances: bool = True,
+) -> Fused:
+    """What `fuse` does, for what fuses one recording many times: `health` is not looked into."""
+    chosen, kinds = settings or FilterSettings(), checked_also(also)
+    shift_ns = checked_span_ns(time_offset_s, "time_offset_s")
+
+    def one(given: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
+        return _fused(
+            given, stream, noise, imu_T_camera, stamps, kinds, chosen, lag_s, time_offset_s,
+            state_covariances,
+        )  # fmt: skip
+
+    return by_stretch(one, measurements, imu, stamps_ns, shift_ns)
 
 
 def checked_lag(lag_s: float, smoothed: bool) -> float:

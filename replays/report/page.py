@@ -66,6 +66,9 @@ def _headline(findings: Findings) -> str:
     poses, fused = findings.camera_poses, findings.fused
     imu = f"; IMU {_imu(findings)}" if fused.by == "imu" else ""
     text = f"Camera poses {poses.summary}{imu}. The path was {fused.summary}."
+    if fused.noise is not None:
+        told = fused.noise.summary
+        text += f" {told[:1].upper()}{told[1:]}."
     if poses.skipped:
         text += f" Skipped: {'; '.join(poses.skipped)}."
     damaged = findings.recording.damaged

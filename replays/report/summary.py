@@ -61,6 +61,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
             "summary": findings.fused.summary,
             "nis_per_dimension": findings.nis_per_dimension,
             "left_out": int(np.count_nonzero(~findings.fused.accepted)),
+            "noise": None if findings.fused.noise is None else findings.fused.noise.as_dict(),
             "latency": _latency(findings),
         },
         "smoothed": {"window_s": findings.smoothed.window_s},

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.filter.latency import LatencyCurve
+from motorcade.fusion.filter.learning import LearntNoise
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -29,6 +30,7 @@ class FusedPath:
         summary: the same in words.
         looked_ahead: whether every pose is made of what came before and after it: by the filter's
             backward pass, or by a graph of the whole recording.
+        noise: what was learnt of the IMU's noise, where that was asked for; else None.
         latency: what looking ahead by less would leave, where that was asked for; else None.
         held_out: the path made without every fifth measured pose, which it is judged by where
             there is no ground truth; else None.
@@ -52,6 +54,7 @@ class FusedPath:
     by: FusedWith
     summary: str
     looked_ahead: bool = False
+    noise: LearntNoise | None = None
     latency: LatencyCurve | None = None
     held_out: Trajectory | None = None
 

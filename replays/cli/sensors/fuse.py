@@ -72,6 +72,11 @@ def _add_known(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--walk-factor", type=float, help="times its bias walks (1)")
     group.add_argument(
+        "--learn-noise",
+        action="store_true",
+        help="learn its noise from how well poses are predicted, starting from that",
+    )
+    group.add_argument(
         "--extrinsics",
         type=Path,
         metavar="FILE",
@@ -131,7 +136,11 @@ def fuse(arguments: argparse.Namespace) -> None:
     if arguments.covariance is not None:
         write_covariance(arguments.covariance, path.time_ns, found.fused.covariance)
     figures = found.as_dict()
+    if found.noise is not None:
+        print(found.noise.summary)
     for key, value in figures.items():
+        if key == "noise":
+            continue
         print(f"{key:>28}  {_shown(value)}")
     if arguments.json is not None:
         write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
@@ -154,6 +163,7 @@ def _options(arguments: argparse.Namespace) -> FusingOptions:
         noise=None if arguments.noise is None else read_noise(arguments.noise),
         noise_factor=arguments.noise_factor,
         walk_factor=arguments.walk_factor,
+        learn_noise=arguments.learn_noise,
         imu_T_camera=None
         if arguments.extrinsics is None
         else read_extrinsics(arguments.extrinsics),

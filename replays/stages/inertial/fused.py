@@ -10,6 +10,8 @@ from typing import Literal
 import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, Fused, fuse, latency_curve
+from motorcade.fusion.filter import learn_noise as noise_of
+from motorcade.fusion.filter.fuse import fuse_unjudged
 from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import checked_positive
@@ -42,6 +44,7 @@ def fused(
     look_ahead: bool = True,
     lag_s: float | None = None,
     lag_curve: bool = False,
+    learn_noise: bool = False,
     noise_factor: float | None = None,
     walk_factor: float | None = None,
     alignment_sigma_deg: float | None = None,
@@ -59,7 +62,8 @@ def fused(
     only its past, with `lag_s` no more than so much of its future, as if the path were answered
     that much later while it is recorded. `lag_curve` finds what each of several lags would leave.
     `noise_factor` multiplies the IMU's white densities: by default 10 for a recorded
-    IMU, 1 for one simulated from the ground truth; `walk_factor` its bias walks, by default 1.
+    IMU, 1 for one simulated from the ground truth; `walk_factor` its bias walks, by default 1;
+    `learn_noise` goes on from that to what predicts the poses of this recording best, if it does.
     `alignment_sigma_deg` above zero has the vertical of the world and the attitude of the camera on
     the IMU estimated, from so much doubt about each axis: by default 1 for a recorded IMU, else 0.
     `gate` is the probability with which a good measurement passes; `initial_tilt_deg` starts so far
@@ -92,15 +96,30 @@ def fused(
         )
         ahead_s = (np.inf if lag_s is None else lag_s) if look_ahead else 0.0
 
-        def with_lag(lag_s: float) -> Fused:
-            return fuse(
-                level.measurements, stream, noise, imu.imu_T_camera, poses.frame_times_ns,
-                settings=settings, lag_s=lag_s, state_covariances=False,
-            )  # fmt: skip
+        told = None
+        if learn_noise:
+            upright = replace(settings, initial_tilt_error_rad=0.0)
+            given = level.measurements, stream, noise, imu.imu_T_camera
+            told = noise_of(*given, settings=upright)
+            noise = told.noise
 
-        found = _by_imu(with_lag(ahead_s), imu, level, lag_s)
+        def with_lag(lag_s: float, *, judged: bool = False) -> Fused:
+            return (fuse if judged else fuse_unjudged)(
+                level.measurements,
+                stream,
+                noise,
+                imu.imu_T_camera,
+                poses.frame_times_ns,
+                settings=settings,
+                lag_s=lag_s,
+                state_covariances=False,
+            )
+
+        found = _by_imu(with_lag(ahead_s, judged=True), imu, level, lag_s)
         curve = latency_curve(with_lag) if lag_curve and poses is camera_poses else None
-        return replace(_with_the_rest(found, poses), latency=curve)
+        if told is not None and poses is camera_poses:
+            log.info("%s", told.summary)
+        return replace(_with_the_rest(found, poses), latency=curve, noise=told)
 
     if chosen == "imu" and imu.origin == "none":
         raise ValueError(f"fused.by=imu, but {imu.absent}")

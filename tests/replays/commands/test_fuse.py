@@ -94,6 +94,18 @@ def test_a_lag_lies_between_live_and_whole(
     assert "lag_s: expected none where nothing looks ahead, got 1.0" in line
 
 
+def test_noise_that_a_short_recording_does_not_tell_stays(
+    files: Files, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = ["--extrinsics", files.extrinsics, "--learn-noise", "--json", tmp_path / "a.json"]
+    fused(files, tmp_path / "a.tum", *given)
+    assert "the noise stays as it was: 24 s of poses are needed" in capsys.readouterr().out
+    noise = json.loads((tmp_path / "a.json").read_text())["noise"]
+    assert not noise["learnt"]
+    sheet = assumed_noise(ADIS16448, "recorded")
+    assert noise["gyro_density_rad_s_rthz"] == sheet.gyro_density_rad_s_rthz
+
+
 def test_the_path_is_that_of_gtsams_batch(files: Files, tmp_path: Path) -> None:
     known = ["--sigma-m", SIGMA_M, "--sigma-deg", np.rad2deg(SIGMA_RAD)]
     doubts = ["--gravity-sigma-deg", 0, "--extrinsics-sigma-deg", 0]

@@ -340,3 +340,11 @@ def test_a_lag_that_means_nothing_is_refused(
 ) -> None:
     with pytest.raises(ValueError, match=message):
         both(with_imu(stream), measured(), **knobs)
+
+
+def test_what_was_learnt_of_the_noise_is_told(stream: ImuStream) -> None:
+    one, poses = with_imu(stream), measured()
+    _, found = both(one, poses, learn_noise=True)
+    assert found.noise is not None
+    assert "24 s of poses are needed to learn it, and there are 10" in found.noise.summary
+    assert both(one, poses)[1].noise is None

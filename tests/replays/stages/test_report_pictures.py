@@ -50,6 +50,7 @@ def findings(**changed: Any) -> Any:
             by="imu",
             accepted=np.arange(COUNT) % 10 != 3,
             latency=None,
+            noise=None,
         ),
         "errors": SimpleNamespace(align="none"),
         "convergence": SimpleNamespace(time_s=np.zeros(0)),

@@ -1,0 +1,348 @@
+"""Noise learnt from a recording: what makes its poses least surprising, and those held out.
+
+Every pose is predicted by a filter that knows only what came before. Two things are asked of the
+noise: that the sequence of innovations is likely, which needs them to be white as well as to have
+the size that was stated; and that poses held out for two seconds are predicted as well, and with as
+much doubt, as can be. The logarithm of the predictive density is a proper score: neither worse
+predictions nor wrong doubts gain by it, where NIS alone is content with large errors of large
+deviations (T. Gneiting, A. E. Raftery, Strictly proper scoring rules, prediction, and estimation,
+JASA 102, 2007). Vibration that samples alias is white to a filter. Errors that last for some time,
+as of scales, axes or g-sensitivity, look small over one interval and large over two seconds; the
+densities and walks that are learnt are those that fit all of these spans together.
+
+Half of the recording, in turns of two seconds, is learnt from, the other half judges: what is
+learnt replaces what it started from only where it predicts both better there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.fusion.filter.fuse import fuse_unjudged
+from motorcade.fusion.filter.fused import covered
+from motorcade.fusion.filter.settings import FilterSettings
+from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.imu.stream import ImuStream
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import checked_span_ns
+from motorcade.tracking.measurements import PoseMeasurements
+
+_TURN_NS = 2_000_000_000
+"""A turn of learning or of judging, and what is held out at once: as long as cameras are blind in
+practice, and as an IMU predicts to centimetres."""
+_PERIOD = 4
+"""Of so many turns one is held out: in the six seconds between, velocity and tilt are found again,
+so that the errors of two spans have little to do with each other."""
+_FEWEST_TURNS = 12
+"""Six to learn from, six to judge by: below that chance decides."""
+_LONGEST_NS = 300_000_000_000
+"""Of a longer recording the middle is taken: five minutes know a density to a few in a hundred."""
+_DOUBT = float(np.log(10.0))
+"""Of each figure beforehand, in its logarithm: data sheets and habits are right to an order of
+magnitude. What the recording does not tell stays as it was."""
+_STEP, _CLOSE = float(np.log(2.0)), 0.05
+"""First steps, and where to stop: five in a hundred of a density change no path."""
+_MOST_TRIALS = 80
+_LAGS = (1, 2, 4, 8)
+_FIELDS = (
+    "gyro_density_rad_s_rthz",
+    "gyro_walk_rad_s2_rthz",
+    "accel_density_m_s2_rthz",
+    "accel_walk_m_s3_rthz",
+)
+
+
+@dataclass(frozen=True)
+class NoiseScore:
+    """How well a noise predicts poses that it was not learnt from.
+
+    Fields:
+        log_density: of the next pose: mean natural logarithm, with radians and metres.
+        nis_per_dimension: of the next pose: 1 where the noise fits.
+        correlation: of its normalised innovations with those 1, 2, 4 and 8 poses before: near zero
+            where they are white.
+        held_out_log_density: of poses held out for two seconds.
+        held_out_nis_per_dimension: likewise.
+        held_out_m, held_out_deg: root mean square errors of their predictions.
+    """
+
+    log_density: float
+    nis_per_dimension: float
+    correlation: tuple[float, ...]
+    held_out_log_density: float
+    held_out_nis_per_dimension: float
+    held_out_m: float
+    held_out_deg: float
+
+
+@dataclass(frozen=True)
+class LearntNoise:
+    """The noise to use, and what it rests on.
+
+    Fields:
+        noise: what was learnt where that is better, else what it started from.
+        learnt: whether it is what was learnt.
+        summary: which, and why, in words.
+        factors: what was found over what it started from, by field of `ImuNoise`.
+        before, after: the turns that judged, with what it started from and with what was found;
+            None where the recording was too short.
+
+    Examples:
+        >>> from motorcade.fusion import ADIS16448
+        >>> from motorcade.fusion.filter import LearntNoise
+        >>> LearntNoise(ADIS16448, False, "the recording is too short").noise is ADIS16448
+        True
+    """
+
+    noise: ImuNoise
+    learnt: bool
+    summary: str
+    factors: tuple[tuple[str, float], ...] = ()
+    before: NoiseScore | None = None
+    after: NoiseScore | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Figures, ready for JSON."""
+        return {
+            "learnt": self.learnt,
+            "summary": self.summary,
+            "factors": dict(self.factors),
+            **{name: getattr(self.noise, name) for name in _FIELDS},
+            **{
+                when: None
+                if score is None
+                else {**vars(score), "correlation": [*score.correlation]}
+                for when, score in (("before", self.before), ("after", self.after))
+            },
+        }
+
+
+def learn_noise(
+    measurements: PoseMeasurements,
+    imu: ImuStream,
+    noise: ImuNoise,
+    imu_T_camera: Motor,
+    *,
+    settings: FilterSettings | None = None,
+    time_offset_s: float = 0.0,
+) -> LearntNoise:
+    """Learn the densities and bias walks of an IMU from the poses of one recording.
+
+    The covariances of the poses are taken as they are; poses that the smoother leaves out with the
+    noise to start from are not learnt from. It takes some sixty times as long as fusing once for
+    each of five patterns of held-out poses; of more than five minutes the middle five are used.
+
+    Args:
+        measurements: ``world_T_camera`` with covariances.
+        imu: readings that cover them.
+        noise: where to start; what the recording does not tell stays near it.
+        imu_T_camera: pose of the camera on the IMU.
+        settings: as for `fuse`.
+        time_offset_s: likewise.
+
+    Raises:
+        ValueError: what `fuse` refuses.
+
+    Examples:
+        >>> import numpy as np
+        >>> from motorcade.fusion import ADIS16448, ContinuousPath
+        >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
+        >>> from motorcade.fusion.filter import learn_noise
+        >>> from motorcade.fusion.motions import gimbal_crossing
+        >>> from motorcade.ga import Motor
+        >>> rng = np.random.default_rng(0)
+        >>> path = ContinuousPath.along(gimbal_crossing(), 3.0)
+        >>> sensor = simulate_imu(path, 100.0, ADIS16448, rng)
+        >>> measured = simulate_camera_poses(sensor.path, 20.0, 0.01, 0.01, rng)
+        >>> learn_noise(measured, sensor.stream, ADIS16448, Motor.identity()).summary
+        'the noise stays as it was: 24 s of poses are needed to learn it, and there are 3'
+    """
+    from scipy.optimize import minimize
+
+    used = _middle(covered(measurements, imu, checked_span_ns(time_offset_s, "time_offset_s")))
+    chosen = settings or FilterSettings()
+    stamps = used.trajectory.time_ns
+    turns = int((stamps[-1] - stamps[0]) // _TURN_NS)
+    if turns < _FEWEST_TURNS:
+        return LearntNoise(
+            noise,
+            False,
+            f"the noise stays as it was: {_FEWEST_TURNS * _TURN_NS // 10**9} s of poses are needed "
+            f"to learn it, and there are {used.trajectory.duration_s:.0f}",
+        )
+    trials = _Trials.of(used, imu, noise, imu_T_camera, chosen, time_offset_s)
+
+    def cost(logarithms: FloatArray) -> float:
+        ahead, held = trials.predicted(_scaled(noise, logarithms))
+        learnt_from = ahead.densities[ahead.turn % 2 == 1].sum()
+        # The errors of a span are nearly one draw: it counts as one pose.
+        spans = held.of(1)
+        learnt_from += spans.densities.mean() * len(np.unique(spans.turn))
+        return float(0.5 * np.sum((logarithms / _DOUBT) ** 2) - learnt_from)
+
+    corners = np.vstack([np.zeros(4), _STEP * np.eye(4)])
+    best = minimize(
+        cost,
+        np.zeros(4),
+        method="Nelder-Mead",
+        options={
+            "initial_simplex": corners,
+            "maxfev": _MOST_TRIALS,
+            "xatol": _CLOSE,
+            "fatol": 0.1,  # of a log likelihood, far below what decides anything
+        },
+    )
+    found = _scaled(noise, best.x)
+    before, after = (_score(*trials.predicted(one)) for one in (noise, found))
+    factors = tuple(zip(_FIELDS, np.exp(best.x).tolist(), strict=True))
+    better = (
+        after.log_density > before.log_density
+        and after.held_out_log_density >= before.held_out_log_density
+    )
+    return LearntNoise(
+        found if better else noise, better, _summary(better, factors, before, after), factors,
+        before, after,
+    )  # fmt: skip
+
+
+def _summary(
+    better: bool, factors: tuple[tuple[str, float], ...], before: NoiseScore, after: NoiseScore
+) -> str:
+    gyro, gyro_walk, accel, accel_walk = (factor for _, factor in factors)
+    found = (
+        f"gyroscope {gyro:.2g} times the density and {gyro_walk:.2g} times the walk, "
+        f"accelerometer {accel:.2g} and {accel_walk:.2g} times"
+    )
+    gain = (
+        f"log density of the next pose {before.log_density:.3f} to {after.log_density:.3f}, of "
+        f"those held out {before.held_out_log_density:.3f} to {after.held_out_log_density:.3f}"
+    )
+    if better:
+        return f"the noise was learnt from the recording: {found}; where it was judged, {gain}"
+    return f"the noise stays as it was, for {found} predicts no better where it was judged: {gain}"
+
+
+def _scaled(noise: ImuNoise, logarithms: FloatArray) -> ImuNoise:
+    return ImuNoise(
+        *(getattr(noise, name) * float(factor)
+          for name, factor in zip(_FIELDS, np.exp(logarithms), strict=True))
+    )  # fmt: skip
+
+
+def _middle(measurements: PoseMeasurements) -> PoseMeasurements:
+    stamps = measurements.trajectory.time_ns
+    start = (stamps[0] + stamps[-1] - _LONGEST_NS) // 2
+    inside = (stamps >= start) & (stamps <= start + _LONGEST_NS)
+    if inside.all():
+        return measurements
+    return PoseMeasurements(measurements.trajectory[inside], measurements.covariance[inside])
+
+
+@dataclass(frozen=True, eq=False)
+class _Predictions:
+    """Normalised errors ``(M, 6)`` of predicted poses, their log densities, turns and twists."""
+
+    normalised: FloatArray
+    densities: FloatArray
+    turn: IntArray
+    twist: FloatArray
+
+    @classmethod
+    def from_twists(cls, twist: FloatArray, spread: FloatArray, turn: IntArray) -> _Predictions:
+        root = np.linalg.cholesky(spread)
+        normalised = np.linalg.solve(root, twist[..., None])[..., 0]
+        size = np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
+        densities = -0.5 * np.sum(normalised**2, axis=1) - size - 3.0 * np.log(2.0 * np.pi)
+        return cls(normalised, densities, turn, twist)
+
+    @classmethod
+    def joined(cls, parts: list[_Predictions]) -> _Predictions:
+        return cls(*(np.concatenate(one) for one in zip(*(vars(p).values() for p in parts),
+                                                         strict=True)))  # fmt: skip
+
+    def of(self, parity: int) -> _Predictions:
+        rows = self.turn % 2 == parity
+        return _Predictions(*(one[rows] for one in vars(self).values()))
+
+    @property
+    def nis_per_dimension(self) -> float:
+        return float(np.mean(self.normalised**2))
+
+
+@dataclass(frozen=True, eq=False)
+class _Trials:
+    """A recording with the ways in which its poses are predicted."""
+
+    measurements: PoseMeasurements
+    imu: ImuStream
+    imu_T_camera: Motor
+    settings: FilterSettings
+    time_offset_s: float
+    believed: NDArray[np.bool_]
+
+    @classmethod
+    def of(
+        cls,
+        measurements: PoseMeasurements,
+        imu: ImuStream,
+        noise: ImuNoise,
+        imu_T_camera: Motor,
+        settings: FilterSettings,
+        time_offset_s: float,
+    ) -> _Trials:
+        whole = fuse_unjudged(
+            measurements, imu, noise, imu_T_camera, settings=settings,
+            time_offset_s=time_offset_s, state_covariances=False,
+        )  # fmt: skip
+        stamps = measurements.trajectory.time_ns + round(1e9 * time_offset_s)
+        believed = np.isin(stamps, whole.trajectory.time_ns[whole.accepted])
+        return cls(measurements, imu, imu_T_camera, settings, time_offset_s, believed)
+
+    def predicted(self, noise: ImuNoise) -> tuple[_Predictions, _Predictions]:
+        """The next poses, and those held out."""
+        stamps = self.measurements.trajectory.time_ns
+        turn = (stamps - stamps[0]) // _TURN_NS
+        first = np.arange(len(stamps)) == 0
+        ahead = self._predicted(noise, ~first & self.believed, np.zeros_like(first), turn)
+        held = []
+        for phase in range(_PERIOD):
+            out = (turn % _PERIOD == phase) & (turn >= _PERIOD - 1)
+            if np.any(out & self.believed):
+                held.append(self._predicted(noise, out & self.believed, out, turn))
+        return ahead, _Predictions.joined(held)
+
+    def _predicted(
+        self, noise: ImuNoise, rows: NDArray[np.bool_], out: NDArray[np.bool_], turn: IntArray
+    ) -> _Predictions:
+        """Poses of some rows by what was measured before, less those held out."""
+        path, covariance = self.measurements.trajectory, self.measurements.covariance
+        known = PoseMeasurements(path[~out], covariance[~out])
+        # Just before it is measured itself: a nanosecond moves nothing.
+        stamps = path.time_ns + round(1e9 * self.time_offset_s) - 1
+        found = fuse_unjudged(
+            known, self.imu, noise, self.imu_T_camera, stamps[rows], settings=self.settings,
+            lag_s=0.0, time_offset_s=self.time_offset_s, state_covariances=False,
+        )  # fmt: skip
+        at = np.flatnonzero(np.isin(stamps, found.trajectory.time_ns) & rows)
+        twist = found.trajectory.motors.local(path.motors[at])
+        return _Predictions.from_twists(twist, found.covariance + covariance[at], turn[at])
+
+
+def _score(ahead: _Predictions, held: _Predictions) -> NoiseScore:
+    """Of the turns that judge."""
+    judged, spans, every = ahead.of(0), held.of(0), ahead.normalised
+    metres, turned = np.linalg.norm(spans.twist[:, 3:], axis=1), spans.twist[:, :3]
+    return NoiseScore(
+        float(judged.densities.mean()),
+        judged.nis_per_dimension,
+        tuple(float(np.mean(every[lag:] * every[:-lag])) for lag in _LAGS),
+        float(spans.densities.mean()),
+        spans.nis_per_dimension,
+        float(np.sqrt(np.mean(metres**2))),
+        float(np.rad2deg(np.sqrt(np.mean(np.sum(turned**2, axis=1))))),
+    )

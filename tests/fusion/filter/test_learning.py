@@ -1,0 +1,99 @@
+"""Noise learnt from a recording: near the true one, and no worse than what it started from."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from motorcade.fusion.filter import FilterSettings, fuse, learn_noise
+from motorcade.ga import Motor
+from motorcade.tracking.measurements import PoseMeasurements
+from tests.bench.data import data_folder
+from tests.bench.fusion.recorded import ADIS16448, BLACKOUTS, FLIGHTS, flight, measured
+
+
+def nees(fused, truth) -> float:
+    """Normalised error squared of a path, a dimension."""
+    apart = fused.trajectory.motors.local(truth.motors_at(fused.trajectory.time_ns))
+    inverse = np.linalg.inv(fused.covariance)
+    return float(np.einsum("ni,nij,nj->n", apart, inverse, apart).mean()) / 6.0
+
+
+@pytest.mark.parametrize(
+    ("factor", "duration_s"), [(6.0, 26.0), pytest.param(0.2, 40.0, marks=pytest.mark.slow)]
+)
+def test_noise_that_was_stated_wrong_is_learnt(record, rng, factor, duration_s):
+    run = record(rng, duration_s, 50.0)
+    start = run.noise.scaled(factor)
+    found = learn_noise(run.measurements, run.imu, start, run.imu_T_camera)
+    assert found.learnt
+    for name in ("gyro_density_rad_s_rthz", "accel_density_m_s2_rthz"):
+        ratio = getattr(found.noise, name) / getattr(run.noise, name)
+        assert 0.5 < ratio < 2.0, name
+        assert dict(found.factors)[name] == pytest.approx(ratio / factor)
+    assert found.before.log_density < found.after.log_density
+    assert abs(found.after.nis_per_dimension - 1.0) < 0.1
+    wrong, right = (
+        nees(fuse(run.measurements, run.imu, noise, run.imu_T_camera), run.camera)
+        for noise in (start, found.noise)
+    )
+    assert abs(np.log(right)) < min(np.log(1.4), abs(np.log(wrong)))
+    json.dumps(found.as_dict(), allow_nan=False)
+
+
+@pytest.mark.slow
+def test_outliers_are_not_learnt_from(record, rng):
+    run = record(rng, 40.0)
+    path = run.measurements.trajectory
+    off = np.where(rng.random(len(path)) < 0.1, 1.0, 0.0)[:, None] * np.array([0, 0, 0, 1, -2, 1.0])
+    poses = replace(path, poses=path.motors @ Motor.from_twist(off))
+    given = PoseMeasurements(poses, run.measurements.covariance)
+    found = learn_noise(given, run.imu, run.noise, run.imu_T_camera)
+    assert 0.4 < dict(found.factors)["accel_density_m_s2_rthz"] < 2.5
+
+
+@pytest.mark.slow
+def test_what_predicts_no_better_is_not_taken(record, rng):
+    """From the noise that it was drawn with, only chance is left to learn."""
+    run = record(rng, 26.0)
+    found = learn_noise(run.measurements, run.imu, run.noise, run.imu_T_camera)
+    better = found.after.log_density > found.before.log_density and (
+        found.after.held_out_log_density >= found.before.held_out_log_density
+    )
+    assert found.learnt == better
+    assert (found.noise is run.noise) == (not better)
+    assert ("stays as it was" in found.summary) == (not better)
+
+
+def test_short_recordings_keep_what_they_have(record, rng):
+    run = record(rng, 5.0)
+    found = learn_noise(run.measurements, run.imu, run.noise, run.imu_T_camera)
+    assert found.noise is run.noise
+    assert not found.learnt
+    assert "24 s of poses are needed" in found.summary
+    assert found.as_dict()["before"] is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_flights_know_their_errors_with_noise_that_they_taught(name):
+    """Its constants were chosen on V1_02 and MH_05, its score with a look at V1_03 and V2_02."""
+    one = flight(name, data_folder())
+    if one is None:
+        pytest.skip(f"{name} is not here")
+    angle = float(np.deg2rad(1.0))
+    settings = FilterSettings(gravity_sigma_rad=angle, extrinsics_sigma_rad=angle)
+    sheet = replace(
+        ADIS16448,
+        gyro_density_rad_s_rthz=10.0 * ADIS16448.gyro_density_rad_s_rthz,
+        accel_density_m_s2_rthz=10.0 * ADIS16448.accel_density_m_s2_rthz,
+    )
+    given = measured(one, 0, degraded=BLACKOUTS)
+    found = learn_noise(given, one.imu, sheet, Motor.identity(), settings=settings)
+    stamps = given.trajectory.time_ns
+    fused = fuse(given, one.imu, found.noise, Motor.identity(), stamps, settings=settings)
+    assert 0.6 < nees(fused, one.truth) < 1.6
+    assert found.after.held_out_m < 1.02 * found.before.held_out_m
