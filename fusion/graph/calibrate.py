@@ -41,6 +41,7 @@ _ITERATIONS, _RELATIVE = 50, 1e-8
 _ROUNDS = 8  # five are enough for a scale that is wrong by a tenth
 _CERTAIN = 1e-6  # deviation of a parameter that is known, beside others that are not
 _STILL = 0.01  # of a deviation: C stays
+_UNCORRECTED = 10.0  # times the noise, to start: that is what the pipeline takes sensors to have
 # Gates of the first rounds, in which good poses disagree with a sensor that is not yet corrected.
 _LOOSE = (100.0, 10.0)
 
@@ -161,7 +162,7 @@ def calibrate_by_graph(
     graph = InertialGraph.of(
         used, imu, noise, imu_T_camera, wanted, chosen, kinds, time_offset_s, effect
     )
-    values = first_values(graph, *filtered_start(used, imu, noise, graph))
+    values = first_values(graph, *filtered_start(used, imu, noise.scaled(_UNCORRECTED), graph))
     unknown = [number for number, one in enumerate(kinds) if one.parameter_sigma.size]
     for number in unknown:
         values.insert(parameter_key(number), kinds[number].parameters)

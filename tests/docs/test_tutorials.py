@@ -12,7 +12,13 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 OTHERS = [DOCS / f"{name}.md" for name in ("fusion", "cluscript", "rendering")]
 OTHERS += sorted((DOCS / "explanation").glob("*.md"))
-LONG = {"ar_on_my_video", "compare_representations", "imu_and_camera", "rendering"}
+LONG = {
+    "ar_on_my_video",
+    "calibrate_camera_and_imu",
+    "compare_representations",
+    "imu_and_camera",
+    "rendering",
+}
 DRAWS = {"ar_on_my_video", "rendering"}
 COMPILES = {"generate_code"}
 

@@ -48,6 +48,7 @@ class BoardRecording:
         gyro_correction, accel_correction: what makes true rates and forces of readings.
         gravity_m_s2: ``(3,)`` in the board's axes.
         board_T_camera: Motor ``(N,)``.
+        imu_T_camera, offset_s: extrinsics, and what the IMU's clock shows more than the camera's.
     """
 
     time_ns: IntArray
@@ -58,6 +59,8 @@ class BoardRecording:
     accel_correction: FloatArray
     gravity_m_s2: FloatArray
     board_T_camera: Motor
+    imu_T_camera: Motor
+    offset_s: float
 
 
 def swinging(seconds: FloatArray, rng: np.random.Generator, *, turning: float = 1.0) -> Motor:
@@ -100,6 +103,8 @@ def recording(
     noise: ImuNoise = ADIS16448,
     sigma_px: float = SIGMA_PX,
     turning: float = 1.0,
+    imu_T_camera: Motor = IMU_T_CAMERA,
+    offset_s: float = OFFSET_S,
 ) -> BoardRecording:
     """A recording whose motion and noise are the seed's."""
     rng = np.random.default_rng(seed)
@@ -115,8 +120,8 @@ def recording(
         rng,
         knot_spacing_s=0.02,
         faults=faults,
-        imu_T_child=IMU_T_CAMERA,
-        time_offset_s=OFFSET_S,
+        imu_T_child=imu_T_camera,
+        time_offset_s=offset_s,
     )
     imu = ImuStream(
         run.stream.time_ns,
@@ -145,6 +150,8 @@ def recording(
         np.linalg.inv(faults.accel_matrix),
         WORLD_T_BOARD.rotor.inverse().apply([0.0, 0.0, -9.81]),
         seen[kept],
+        imu_T_camera,
+        offset_s,
     )
 
 

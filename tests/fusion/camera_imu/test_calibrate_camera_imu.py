@@ -8,30 +8,11 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.camera_imu import CameraImuCalibration, calibrate_camera_imu
-from motorcade.ga.arrays import FloatArray
 from motorcade.tracking import BoardMeasurements, measure_board
-from tests.fusion.camera_imu.board_recordings import (
-    CAMERA,
-    IMU_T_CAMERA,
-    OFFSET_S,
-    BoardRecording,
-    recording,
-)
+from tests.fusion.camera_imu.board_recordings import CAMERA, BoardRecording, recording
+from tests.fusion.camera_imu.consistency import consistency, errors
 
 SIZE = (CAMERA.width, CAMERA.height)
-LOWER = np.tril_indices(3)
-
-
-def errors(found: CameraImuCalibration, true: BoardRecording) -> FloatArray:
-    """Errors ``(22,)`` of extrinsics, offset and corrections, as the covariance orders them."""
-    return np.concatenate(
-        [
-            found.imu_T_camera.local(IMU_T_CAMERA),
-            [OFFSET_S - found.offset_s],
-            (true.gyro_correction - found.gyro_correction).ravel(),
-            (true.accel_correction - found.accel_correction)[LOWER],
-        ]
-    )
 
 
 def calibrated(true: BoardRecording, *, known: bool = False) -> CameraImuCalibration:
@@ -115,3 +96,11 @@ def test_what_the_motion_does_not_tell_is_named():
         if one.name.startswith(("gyro_", "accel_")):
             assert bool(one.untold) == (one.sigma > 0.0025)
     assert len(found.untold) == len(named)
+
+
+@pytest.mark.slow
+def test_errors_are_as_large_as_stated():
+    found = consistency(range(8), duration_s=12.0)
+    assert 0.7 < found["nees_per_number"] < 1.4
+    assert found["within_three_sigma"] > 0.98
+    assert all(0.5 < rms < 1.6 for rms in found["normalised_rms"].values())
