@@ -194,12 +194,11 @@ def _fused(
     if smoothed:
         run.smooth()
     nis, accepted = _judged(run, used.trajectory.time_ns + shift_ns, wanted, live=not smoothed)
+    others = judgements(also, *run.judged(), live=not smoothed)
+    given_up_ns = run.doubted()[0]
+    del run  # which holds more than the result does
     found = made.fused(wanted, measurements.trajectory, whole, nis, accepted, chosen.gravity_m_s2)
-    return replace(
-        found,
-        also=judgements(also, *run.judged(), live=not smoothed),
-        given_up_ns=run.doubted()[0],
-    )
+    return replace(found, also=others, given_up_ns=given_up_ns)
 
 
 @dataclass(frozen=True, eq=False)

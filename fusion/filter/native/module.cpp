@@ -5,6 +5,10 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/unique_ptr.h>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #include <memory>
 #include <optional>
 
@@ -44,11 +48,18 @@ private:
     Py_buffer view_{};
 };
 
+constexpr std::size_t many_events = 10'000;  // some megabytes
+
 // The filter with or without the states that most runs know. Python frees it by this class, so that
 // it must have the alignment of the matrices inside.
 class alignas(64) Engine {
 public:
-    virtual ~Engine() = default;
+    // What many events held lies in small pieces, which the C library keeps unless it is asked.
+    virtual ~Engine() {
+#if defined(__GLIBC__)
+        if (many_) malloc_trim(0);
+#endif
+    }
     virtual void imu(std::int64_t time_ns, nb::handle rate, nb::handle force) = 0;
     virtual void samples(const Stamps &time_ns, const Rows &rate, const Rows &force) = 0;
     virtual void hold(const Stamps &time_ns, const Rows &rate, const Rows &force) = 0;
@@ -67,6 +78,9 @@ public:
     virtual nb::object judged() const = 0;
     virtual nb::tuple held() const = 0;
     virtual nb::tuple doubted() const = 0;
+
+protected:
+    bool many_ = false;
 };
 
 template <std::size_t N> class EngineOf final : public Engine {
@@ -127,6 +141,7 @@ public:
         std::shared_ptr<const Source> source;
         if (!predict.is_none()) source = std::make_shared<Python>(predict, number);
         std::vector<Event> events(time_ns.shape(0));
+        many_ |= events.size() >= many_events;
         for (std::size_t k = 0; k < events.size(); ++k) {
             events[k].kind = static_cast<Kind>(kind);
             events[k].stamp_ns = time_ns.data()[k];

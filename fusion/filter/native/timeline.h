@@ -111,6 +111,7 @@ public:
                 refuse("schedule: expected stamps still ahead");
             events_.push_back(std::move(event));
         }
+        std::vector<Event>().swap(rising);  // merging takes as much memory again
         std::inplace_merge(events_.begin() + static_cast<std::ptrdiff_t>(next_),
                            events_.begin() + known, events_.end(), precedes);
         catch_up();
