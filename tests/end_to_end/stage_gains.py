@@ -5,8 +5,10 @@
 Runs every recording below `MOTORCADE_DATA` up to the errors, and prints how far camera_poses, fused
 and smoothed are from the ground truth at the stamps that all of them have. EuRoC's flights come
 without pictures here: camera poses are simulated from their ground truth, with a blackout of two
-seconds. Ends with 1 where a stage is more than 2 % worse than the one before and the run does not
-say so, or where a measured pose is lost. With `--out` results are kept, and not computed again.
+seconds. Below stands what the run says of it: stages that are worse, and doubts. Ends with 1 where
+a stage is more than 2 % worse than the one before and the run does not say so, where a path that
+is turned beyond recognition is not doubted, or where a measured pose is lost. With `--out` results
+are kept, and not computed again.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from motorcade.replays.demo import ensure_demo_recording
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.pipeline import Job, run_job
 from tests.bench.data import data_folder
@@ -31,6 +34,7 @@ from tests.bench.data import data_folder
 MANIFESTS = Path(__file__).resolve().parents[2] / "docs" / "manifests"
 STAGES = ("camera_poses", "fused", "smoothed")
 TOLERANCE = 0.02
+BEYOND_RECOGNITION_DEG = 30.0
 FLIGHTS = {
     "MH_05": ("imu/flights/MH05_imu.txt", "imu/flights/MH_05_difficult.csv"),
     "V1_02": ("imu/V102_imu.txt", "imu/V1_02_medium.csv"),
@@ -68,8 +72,8 @@ class Given:
     manifest: Path | None = None
 
 
-def recordings(data: Path, made: Path) -> Iterator[Given]:
-    """Those below the folder of recordings, the flights written into another one."""
+def recordings(data: Path, made: Path, names: list[str]) -> Iterator[Given]:
+    """Those below the folder of recordings; flights and the demo's are written into another one."""
     tags = data / "tags" / "tagslam"
     for path in sorted(tags.glob("test_*"), key=lambda one: int(one.name.partition("_")[2])):
         yield Given(path.name, path)
@@ -87,6 +91,8 @@ def recordings(data: Path, made: Path) -> Iterator[Given]:
     for name, (imu, truth) in FLIGHTS.items():
         if (data / imu).is_file():
             yield Given(name, _flight(made / name, name, data / imu, data / truth))
+    if not names or "demo" in names:
+        yield Given("demo", ensure_demo_recording(made / "demo", 0))
 
 
 def _flight(folder: Path, name: str, imu: Path, truth: Path) -> Path:
@@ -109,7 +115,11 @@ def row(given: Given, out: Path) -> tuple[str, list[str]]:
     except (ValueError, OSError, RuntimeError) as refused:
         return f"{given.name:<24}{'refused: ' + str(refused).splitlines()[0]:.150}", []
     compared = log["stage_comparison"]
+    doubts = log["integrity"]["doubts"]
     faults = unsaid(compared) + lost(out / "trajectories")
+    turned_deg = compared["rotation_rmse_deg"].get("camera_poses", 0.0)
+    if turned_deg > BEYOND_RECOGNITION_DEG and not doubts:
+        faults.append(f"the tracked path is turned by {turned_deg:.0f}° and not doubted")
     shown = [f"{given.name:<24}"]
     for stage in STAGES:
         if stage in compared["position_rmse_m"]:
@@ -122,7 +132,7 @@ def row(given: Given, out: Path) -> tuple[str, list[str]]:
     shown.append(f"{compared['poses']:>7}  {compared['judged_by']}")
     lines = ["".join(shown)]
     notes = [*compared["worse"], *([log["unaligned"]] if log["unaligned"] else [])]
-    lines += [f"    {note}" for note in notes]
+    lines += [f"    {note}" for note in notes] + [f"    doubtful: {one}" for one in doubts]
     return "\n".join(lines), [f"{given.name}: {fault}" for fault in faults]
 
 
@@ -161,7 +171,7 @@ def main(arguments: list[str] | None = None) -> int:
     faults: list[str] = []
     with tempfile.TemporaryDirectory() as scratch:
         out = given.out or Path(scratch) / "out"
-        for one in recordings(data_folder(), Path(scratch) / "made"):
+        for one in recordings(data_folder(), Path(scratch) / "made", given.names):
             if given.names and one.name not in given.names:
                 continue
             line, wrong = row(one, out / one.name.replace("/", "_"))
