@@ -93,7 +93,8 @@ def size_exponent(numbers: FloatArray) -> NDArray[np.int32]:
 
     Divided by it, which rounds nothing, their squares neither overflow nor vanish.
     """
-    return np.frexp(np.max(np.abs(numbers), axis=-1, keepdims=True))[1]
+    exponent: NDArray[np.int32] = np.frexp(np.max(np.abs(numbers), axis=-1, keepdims=True))[1]
+    return exponent
 
 
 def quaternion_apply(q: ArrayLike, points: ArrayLike) -> FloatArray:

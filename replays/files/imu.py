@@ -69,6 +69,21 @@ def read_noise(path: Path) -> ImuNoise:
 
     Raises:
         RecordingError: missing, not YAML, or a density that is missing or not above 0.
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from motorcade.replays import read_noise
+    >>> kalibr = '''
+    ... gyroscope_noise_density: 1.7e-4
+    ... gyroscope_random_walk: 1.9e-5
+    ... accelerometer_noise_density: 2.0e-3
+    ... accelerometer_random_walk: 3.0e-3
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = Path(folder, "imu.yaml").write_text(kalibr)
+    ...     noise = read_noise(Path(folder, "imu.yaml"))
+    >>> noise.gyro_density_rad_s_rthz, noise.accel_walk_m_s3_rthz
+    (0.00017, 0.003)
     """
     try:
         return ImuNoise.load(path)

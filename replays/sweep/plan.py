@@ -104,11 +104,22 @@ class Sweep:
 
 
 def read_sweep(path: Path, graph: Graph) -> Sweep:
-    """Read a sweep's file and check every name and value in it against the graph.
+    r"""Read a sweep's file and check every name and value in it against the graph.
 
     Raises:
         RecordingError: the file is missing, not TOML, or a key is unknown or of the wrong kind.
         GraphError: a stage, knob or value that the graph does not have.
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from motorcade.replays import pipeline_graph
+    >>> from motorcade.replays.sweep import read_sweep
+    >>> config = "recordings = ['room']\nseeds = [1, 2]\nknobs.smoothed.window_s = [0.2, 0.4]"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = Path(folder, "sweep.toml").write_text(config)
+    ...     sweep = read_sweep(Path(folder, "sweep.toml"), pipeline_graph())
+    >>> len(sweep), sweep.seeds
+    (4, (1, 2))
     """
     top = Section(path, "", load_toml(path), _KEYS)
     until = top.text("until") if "until" in top else "errors"
