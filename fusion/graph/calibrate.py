@@ -22,7 +22,7 @@ from motorcade.fusion.graph.fuse import as_fused, checked_graph_input, filtered_
 from motorcade.fusion.graph.inertial import InertialGraph, optimised
 from motorcade.fusion.graph.kinds import parameter_key
 from motorcade.fusion.graph.shared import keys
-from motorcade.fusion.graph.smoothers import factors_of, first_values, read_all
+from motorcade.fusion.graph.smoothers import determined, factors_of, first_values, read_all
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.measurements.interface import Measurements
@@ -155,8 +155,10 @@ def calibrate_by_graph(
         raise ValueError(
             f"gravity_size_sigma_m_s2: expected a number from 0 on, got {gravity_size_sigma_m_s2}"
         )
-    if len(imu.stretches()) > 1:
+    parts = imu.stretches()
+    if len(parts) > 1:
         raise ValueError("imu: expected one stretch, got gaps of more than ten seconds")
+    (imu,) = parts
     used, effect = _covered(measurements, imu, shift_ns, pose_effect)
     wanted = used.trajectory.time_ns + shift_ns
     graph = InertialGraph.of(
@@ -174,10 +176,11 @@ def calibrate_by_graph(
     sigmas = np.full(_NUMBERS, sigma)
     if gravity_size_sigma_m_s2 > 0.0:
         sigmas = np.append(sigmas, gravity_size_sigma_m_s2)
-    factors, values, rounds = _settled(graph, values, sigmas)
-    judged = [replace(one, given=one.kind(values)) for one in graph.kinds]
-    graph = replace(graph, kinds=judged)
-    found, marginals = read_all(graph, factors, values, covariances=state_covariances)
+    with determined():
+        factors, values, rounds = _settled(graph, values, sigmas)
+        judged = [replace(one, given=one.kind(values)) for one in graph.kinds]
+        graph = replace(graph, kinds=judged)
+        found, marginals = read_all(graph, factors, values, covariances=state_covariances)
     fused = as_fused(graph, found, measurements.trajectory, wanted, chosen)
     numbers = values.atVector(_key())
     gyro, accel = corrections(numbers)

@@ -10,7 +10,7 @@ from motorcade.fusion.filter import FilterSettings, Fused, fuse
 from motorcade.fusion.filter.fused import by_stretch, camera_covariance, covered, wanted_stamps
 from motorcade.fusion.filter.settings import MOST_NOISE
 from motorcade.fusion.graph.inertial import InertialGraph
-from motorcade.fusion.graph.smoothers import smooth_all, smooth_with_lag
+from motorcade.fusion.graph.smoothers import determined, smooth_all, smooth_with_lag
 from motorcade.fusion.graph.states import GraphStates
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
@@ -136,15 +136,8 @@ def _fused(
     wanted = wanted_stamps(used.trajectory.time_ns + shift_ns, imu, stamps_ns)
     graph = InertialGraph.of(used, imu, noise, imu_T_camera, wanted, chosen, also, time_offset_s)
     start = filtered_start(used, imu, noise, graph) if also and lag_s is None else None
-    try:
+    with determined():
         found = smooth_all(graph, start) if lag_s is None else smooth_with_lag(graph, lag_s)
-    except RuntimeError as fault:
-        if "Indeterminate" not in str(fault):
-            raise
-        raise ValueError(
-            "measurements and imu: expected data that determine the path, got a graph that is "
-            "singular in float64, as gaps of a second in the imu leave it; `fuse` bridges them"
-        ) from fault
     return as_fused(graph, found, measurements.trajectory, wanted, chosen)
 
 

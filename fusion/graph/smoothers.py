@@ -7,7 +7,8 @@ in its neighbours (marginalised) by gtsam's incremental smoother (M. Kaess et al
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -58,6 +59,20 @@ def factors_of(
         if 0 < index <= len(motions):
             factors.push_back(motions[index - 1])
     return factors
+
+
+@contextmanager
+def determined() -> Iterator[None]:
+    """Raise ValueError where gtsam finds that the data do not determine what is asked."""
+    try:
+        yield
+    except RuntimeError as fault:
+        if "Indeterminate" not in str(fault):
+            raise
+        raise ValueError(
+            "measurements and imu: expected data that determine the path, got a graph that is "
+            "singular in float64, as gaps of a second in the imu leave it; `fuse` bridges them"
+        ) from fault
 
 
 def _measured(graph: InertialGraph) -> tuple[Motor, FloatArray, FloatArray]:

@@ -22,10 +22,15 @@ from motorcade.fusion import (
     simulate_imu,
     synchronise,
 )
+from motorcade.fusion.filter import latency_curve, learn_noise
 from motorcade.fusion.graph.calibrate import calibrate_by_graph
 from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.fusion.health import check_health
-from motorcade.fusion.imu import estimate_noise, screen_imu
+from motorcade.fusion.imu import (
+    estimate_noise,
+    screen_imu,
+    simulate_imu_in_chunks,
+)
 from motorcade.fusion.metrics import (
     alignment_of,
     angular_rate_lag_s,
@@ -180,6 +185,10 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     "ContinuousPath.through": lambda case: ContinuousPath.through(case.truth).twists(
         np.array([0.0, 1e-9 * float(case.time_ns[-1] - case.time_ns[0])])
     ),
+    "simulate_imu_in_chunks": lambda case: sum(
+        len(chunk.stream)
+        for chunk in simulate_imu_in_chunks(case.truth, 200.0, ADIS16448, _rng())
+    ),
     "simulate_imu": lambda case: simulate_imu(case.truth, 200.0, ADIS16448, _rng()),
     "simulate_camera_poses": lambda case: simulate_camera_poses(
         case.truth, 20.0, 0.01, 0.01, _rng()
@@ -199,6 +208,12 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     "fuse": lambda case: fuse(case.measured, case.imu, ADIS16448, Motor.identity()),
     "fuse live": lambda case: fuse(
         case.measured, case.imu, ADIS16448, Motor.identity(), smoothed=False
+    ),
+    "latency_curve": lambda case: latency_curve(
+        lambda lag_s: fuse(case.measured, case.imu, ADIS16448, Motor.identity(), lag_s=lag_s)
+    ),
+    "learn_noise": lambda case: learn_noise(
+        case.measured, case.imu, ADIS16448, Motor.identity()
     ),
     "fuse_by_graph": lambda case: fuse_by_graph(
         case.measured, case.imu, ADIS16448, Motor.identity()

@@ -8,8 +8,10 @@ import inspect
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from motorcade.fusion.imu import ImuStream, VibrationSpectrum
 from tests.end_to_end import gap_doors, gap_paths
 from tests.end_to_end.gap_doors import FUNCTIONS
 from tests.end_to_end.gap_paths import Case, shapes
@@ -36,6 +38,8 @@ ELSEWHERE = {
     "seconds_per_pose",
     # `start_inertial` and `preintegrate`, which refuse for them, are tried
     "adjust_visual_inertial", "fuse_map", "metric_map",
+    # it wants ten seconds without a gap, and is tried below
+    "VibrationSpectrum",
 }  # fmt: skip
 
 
@@ -53,6 +57,16 @@ def test_a_gap_of_thirty_days_gives_a_result_or_a_refusal(door, shape, tmp_path)
     else:
         return
     assert message
+
+
+def test_vibration_is_learnt_beside_a_gap_of_thirty_days(rng):
+    steps_ns = np.full(6000, 5_000_000)
+    steps_ns[1000] = DAYS_NS
+    shaken = rng.normal(0.0, 0.5, (2, 6000, 3))
+    gapped = ImuStream(np.cumsum(steps_ns), *shaken)
+    alone = ImuStream(gapped.time_ns[1000:], *shaken[:, 1000:])
+    learnt, expected = (VibrationSpectrum.learnt(one) for one in (gapped, alone))
+    np.testing.assert_allclose(learnt.accel_rms_m_s2, expected.accel_rms_m_s2, rtol=1e-12)
 
 
 @pytest.mark.parametrize("face", FACES)
