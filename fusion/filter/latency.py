@@ -3,38 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from motorcade.fusion.filter.findings import LatencyCurve
 from motorcade.fusion.filter.fused import Fused
 from motorcade.fusion.metrics.poses.pose_error import absolute_translation_m, rotation_rad
 from motorcade.ga import Trajectory
-from motorcade.ga.arrays import FloatArray
 
 LAGS_S = (0.0, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
 """From no lag to where the curve is flat: a few seconds after it nothing tells of a pose any more,
 as velocity and tilt are forgotten by then."""
-
-
-@dataclass(frozen=True, eq=False)
-class LatencyCurve:
-    """Root mean square errors of a path over how much later its poses are answered.
-
-    Fields:
-        lag_s: ``(K,)``; infinity last, for the whole recording.
-        position_m, rotation_deg: ``(K,)``.
-
-    Examples:
-        >>> import numpy as np
-        >>> from motorcade.fusion.filter import LatencyCurve
-        >>> LatencyCurve(np.array([0.0, np.inf]), np.array([9e-3, 4e-3]), np.zeros(2)).position_m
-        array([0.009, 0.004])
-    """
-
-    lag_s: FloatArray
-    position_m: FloatArray
-    rotation_deg: FloatArray
 
 
 def latency_curve(

@@ -17,11 +17,11 @@ learnt replaces what it started from only where it predicts both better there.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.filter.findings import DENSITIES_AND_WALKS, LearntNoise, NoiseScore
 from motorcade.fusion.filter.fuse import fuse_unjudged
 from motorcade.fusion.filter.fused import covered
 from motorcade.fusion.filter.settings import FilterSettings
@@ -49,77 +49,6 @@ _STEP, _CLOSE = float(np.log(2.0)), 0.05
 """First steps, and where to stop: five in a hundred of a density change no path."""
 _MOST_TRIALS = 80
 _LAGS = (1, 2, 4, 8)
-_FIELDS = (
-    "gyro_density_rad_s_rthz",
-    "gyro_walk_rad_s2_rthz",
-    "accel_density_m_s2_rthz",
-    "accel_walk_m_s3_rthz",
-)
-
-
-@dataclass(frozen=True)
-class NoiseScore:
-    """How well a noise predicts poses that it was not learnt from.
-
-    Fields:
-        log_density: of the next pose: mean natural logarithm, with radians and metres.
-        nis_per_dimension: of the next pose: 1 where the noise fits.
-        correlation: of its normalised innovations with those 1, 2, 4 and 8 poses before: near zero
-            where they are white.
-        held_out_log_density: of poses held out for two seconds.
-        held_out_nis_per_dimension: likewise.
-        held_out_m, held_out_deg: root mean square errors of their predictions.
-    """
-
-    log_density: float
-    nis_per_dimension: float
-    correlation: tuple[float, ...]
-    held_out_log_density: float
-    held_out_nis_per_dimension: float
-    held_out_m: float
-    held_out_deg: float
-
-
-@dataclass(frozen=True)
-class LearntNoise:
-    """The noise to use, and what it rests on.
-
-    Fields:
-        noise: what was learnt where that is better, else what it started from.
-        learnt: whether it is what was learnt.
-        summary: which, and why, in words.
-        factors: what was found over what it started from, by field of `ImuNoise`.
-        before, after: the turns that judged, with what it started from and with what was found;
-            None where the recording was too short.
-
-    Examples:
-        >>> from motorcade.fusion import ADIS16448
-        >>> from motorcade.fusion.filter import LearntNoise
-        >>> LearntNoise(ADIS16448, False, "the recording is too short").noise is ADIS16448
-        True
-    """
-
-    noise: ImuNoise
-    learnt: bool
-    summary: str
-    factors: tuple[tuple[str, float], ...] = ()
-    before: NoiseScore | None = None
-    after: NoiseScore | None = None
-
-    def as_dict(self) -> dict[str, Any]:
-        """Figures, ready for JSON."""
-        return {
-            "learnt": self.learnt,
-            "summary": self.summary,
-            "factors": dict(self.factors),
-            **{name: getattr(self.noise, name) for name in _FIELDS},
-            **{
-                when: None
-                if score is None
-                else {**vars(score), "correlation": [*score.correlation]}
-                for when, score in (("before", self.before), ("after", self.after))
-            },
-        }
 
 
 def learn_noise(
@@ -199,7 +128,7 @@ def learn_noise(
     )
     found = _scaled(noise, best.x)
     before, after = (_score(*trials.predicted(one)) for one in (noise, found))
-    factors = tuple(zip(_FIELDS, np.exp(best.x).tolist(), strict=True))
+    factors = tuple(zip(DENSITIES_AND_WALKS, np.exp(best.x).tolist(), strict=True))
     better = (
         after.log_density > before.log_density
         and after.held_out_log_density >= before.held_out_log_density
@@ -230,7 +159,7 @@ def _summary(
 def _scaled(noise: ImuNoise, logarithms: FloatArray) -> ImuNoise:
     return ImuNoise(
         *(getattr(noise, name) * float(factor)
-          for name, factor in zip(_FIELDS, np.exp(logarithms), strict=True))
+          for name, factor in zip(DENSITIES_AND_WALKS, np.exp(logarithms), strict=True))
     )  # fmt: skip
 
 

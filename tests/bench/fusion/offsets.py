@@ -89,7 +89,8 @@ def own_offset(one: Flight, span_s: float = _SPAN_S) -> float:
         def left(x: np.ndarray, summed: Slerp = summed) -> np.ndarray:
             mount, now = Rotation.from_rotvec(x[1:4]), summed(at_s + 1e-3 * x[0])
             read = mount * now[first].inv() * now[last] * mount.inv()
-            return ((turned.inv() * read).as_rotvec() - x[4:] * span).ravel()
+            error: np.ndarray = (turned.inv() * read).as_rotvec() - x[4:] * span
+            return error.ravel()
 
         scale = float(np.median(np.abs(left(np.zeros(7)))))
         found = least_squares(left, np.zeros(7), loss="cauchy", f_scale=3.0 * scale)
