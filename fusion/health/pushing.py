@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.health.turning import LONGEST_STEP_S
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -79,7 +80,8 @@ def _windows(camera: Trajectory) -> IntArray:
     steps = np.diff(stamps)
     usual = int(np.median(steps))
     half = max(round(_HALF_S * 1e9), _LEAST_STEPS * usual)
-    gaps = np.concatenate([[0], np.cumsum(steps > _MOST_GAP_STEPS * usual)])
+    longest = min(_MOST_GAP_STEPS * usual, LONGEST_STEP_S * 1e9)
+    gaps = np.concatenate([[0], np.cumsum(steps > longest)])
     found, start = [], 0
     while True:
         middle = int(np.searchsorted(stamps, stamps[start] + half))

@@ -13,6 +13,8 @@ from motorcade.ga.arrays import FloatArray, IntArray
 
 # Rates are means over so much time: longer than noise of single poses, shorter than motion.
 _BASELINE_S = 0.15
+# From a pose to the next; what turns between poses farther apart is open.
+LONGEST_STEP_S = 3.0 * _BASELINE_S
 # Three axes, and a tail heavier than the normal distribution's.
 _STEADY_SIGMAS = 6.0
 FEWEST_SPANS = 20
@@ -35,7 +37,7 @@ class CameraRates:
         end = np.maximum(end, np.arange(len(stamps)) + 1)
         start = np.flatnonzero(end < len(stamps))
         end = end[start]
-        near = (stamps[end] - stamps[start]) * 1e-9 < 3.0 * _BASELINE_S  # no gap between
+        near = (stamps[end] - stamps[start]) * 1e-9 < LONGEST_STEP_S  # no gap between
         start, end = start[near], end[near]
         rotors = camera.motors.rotor
         # Turns in the middle's axes: half of the turn carries neither forward nor back.

@@ -10,6 +10,7 @@ from motorcade.fusion.health.accelerometer import ForceVerdict
 from motorcade.fusion.health.axes import order_of
 from motorcade.fusion.health.gyroscope import RateVerdict
 from motorcade.fusion.health.models import AxesVerdict
+from motorcade.fusion.health.turning import LONGEST_STEP_S
 from motorcade.fusion.health.verdict import HealthFinding
 from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S
 from motorcade.ga import Rotor
@@ -168,14 +169,17 @@ def unknown_lines(rates: RateVerdict, forces: ForceVerdict) -> tuple[str, ...]:
     """What the motion does not tell."""
     lines = []
     if rates.state == "unknown":
-        lines.append("cannot tell the gyroscope's unit, sign and axes: the camera turns too little")
+        why = "the camera turns too little"
+        if rates.axes is None:
+            why = f"too few poses less than {LONGEST_STEP_S:g} s apart"
+        lines.append(f"cannot tell the gyroscope's unit, sign and axes: {why}")
     elif rates.axes is not None and rates.explained and rates.axes.blurred:
         axes = " and ".join(rates.axes.blurred)
         lines.append(f"cannot tell the gyroscope's {axes}: the camera hardly turns about it")
     if forces.state == "unknown":
         lines.append(
-            "cannot tell the accelerometer's unit, sign and axes: too few seconds of poses without "
-            "a gap"
+            "cannot tell the accelerometer's unit, sign and axes: too few seconds of poses less "
+            f"than {LONGEST_STEP_S:g} s apart"
         )
     elif forces.axes is not None and forces.state != "unexplained" and forces.axes.blurred:
         axes = " and ".join(forces.axes.blurred)

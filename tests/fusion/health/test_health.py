@@ -18,6 +18,7 @@ from motorcade.fusion.health.turning import TurnedAngle
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuStream, simulate_imu
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Outliers
+from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
 from tests.fusion.health.cases import FAULTS, FLIGHTS, MOUNTS, Case, case, checked, flown, simulated
 
@@ -124,6 +125,17 @@ def test_faults_are_counted_by_what_went_wrong():
     assert count_faults(("inverted", same), -same) == 2
     assert count_faults(("inverted", -same), -same) == 2
     assert count_faults(("stated", flip), swap) == 2
+
+
+@pytest.mark.parametrize("rate_hz", [0.5, 1.0, 2.0, 3.0])
+def test_rare_poses_raise_no_alarm(rng, rate_hz):
+    path = ContinuousPath.along(MOTIONS["gimbal_crossing"], 240.0)
+    sensor = simulate_imu(path, 200.0, ADIS16448, rng)
+    poses = simulate_camera_poses(sensor.path, rate_hz, 0.01, np.deg2rad(0.5), rng)
+    found = check_health(poses.trajectory, sensor.stream, Motor.identity())
+    assert found.sound, found.summary
+    if rate_hz < 2.5:
+        assert any("cannot tell the gyroscope's unit" in line for line in found.unknown)
 
 
 def at_rest(rng: np.random.Generator) -> tuple[Trajectory, ImuStream]:
