@@ -104,7 +104,8 @@ def calibrate_camera_imu(
     imu = covered(path, imu, start.offset_s, _MARGIN_S)[1]
     made = _Run(seen, imu, start, size, size_sigma, correction_sigma)
     found = made.calibrated(doubted, start.imu_T_camera, start.offset_s)
-    used = synchronise(path, _corrected(imu, found), noise, search_s=search_s).imu_noise
+    corrected = imu.corrected(found.gyro_correction, found.accel_correction)
+    used = synchronise(path, corrected, noise, search_s=search_s).imu_noise
     last = found.fused
     found = made.calibrated(used, last.imu_T_camera[-1], float(last.time_offset_s[-1]))
     return _checked(made.result(found, used, start))
@@ -120,14 +121,6 @@ def _check_turns(path: Trajectory) -> None:
             "camera and imu: expected rotation about two axes or three, of ten degrees and more to "
             f"either side, got {np.rad2deg(second_rad):.1f}° (RMS) about the second"
         )
-
-
-def _corrected(imu: ImuStream, found: GraphCalibration) -> ImuStream:
-    return ImuStream(
-        imu.time_ns,
-        imu.angular_rate_rad_s @ found.gyro_correction.T,
-        imu.specific_force_m_s2 @ found.accel_correction.T,
-    )
 
 
 class _Run:

@@ -162,11 +162,7 @@ class CameraImuCalibration:
 
     def corrected(self, imu: ImuStream) -> ImuStream:
         """A stream of this sensor with scales and axes corrected; biases are left in."""
-        return ImuStream(
-            imu.time_ns,
-            imu.angular_rate_rad_s @ self.gyro_correction.T,
-            imu.specific_force_m_s2 @ self.accel_correction.T,
-        )
+        return imu.corrected(self.gyro_correction, self.accel_correction)
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

@@ -285,10 +285,7 @@ def corrections(numbers: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def corrected(imu: ImuStream, numbers: FloatArray) -> ImuStream:
     """The stream with its readings corrected."""
-    gyro, accel = corrections(numbers)
-    return ImuStream(
-        imu.time_ns, imu.angular_rate_rad_s @ gyro.T, imu.specific_force_m_s2 @ accel.T
-    )
+    return imu.corrected(*corrections(numbers))
 
 
 def _key() -> int:

@@ -101,6 +101,12 @@ class ImuStream:
         rate, force = self.angular_rate_rad_s, self.specific_force_m_s2
         return [ImuStream(self.time_ns[part], rate[part], force[part]) for part in parts]
 
+    def corrected(self, gyro: FloatArray, accel: FloatArray) -> ImuStream:
+        """The stream with each reading multiplied by its sensor's correction ``(3, 3)``."""
+        return ImuStream(
+            self.time_ns, self.angular_rate_rad_s @ gyro.T, self.specific_force_m_s2 @ accel.T
+        )
+
     def at(self, time_ns: IntArray) -> ImuStream:
         """The samples at other stamps ``(M,)``, interpolated linearly between neighbours.
 
