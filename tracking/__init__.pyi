@@ -4,6 +4,7 @@ from . import markers as markers
 from . import optimise as optimise
 from . import planes as planes
 from . import slam as slam
+from .audit import AuditFinding as AuditFinding
 from .board_tracking.poses import BoardMeasurements as BoardMeasurements
 from .board_tracking.poses import measure_board as measure_board
 from .board_tracking.track import BoardTrack as BoardTrack

@@ -143,14 +143,18 @@ def _video_caption(findings: Findings) -> str:
 def _verdict(findings: Findings) -> dict[str, Any]:
     """The first tile: whether the result can be relied on, and what speaks against it."""
     found = findings.integrity
-    names = ", ".join(check.name for check in found.checks)
     if not found.doubts:
-        agreed = f"stages and pictures agree ({names})"
-        return {"value": "consistent", "label": agreed, "wrong": False}
+        names, unknown = (
+            ", ".join(check.name for check in found.checks if check.verdict == verdict)
+            for verdict in ("consistent", "unknown")
+        )
+        agreed = f"stages and pictures agree ({names})" if names else "nothing was checked"
+        agreed += f"; cannot be told: {unknown}" if unknown else ""
+        return {"value": found.verdict, "label": agreed, "wrong": False}
     reasons = "; ".join(found.doubts)
     drawn = f"The character stands along the {found.drawn_is} path."
     label = f"{reasons[:1].upper()}{reasons[1:]}. {drawn}"
-    return {"value": "doubtful", "label": label, "wrong": True}
+    return {"value": found.verdict, "label": label, "wrong": True}
 
 
 def _facts(findings: Findings) -> list[dict[str, Any]]:

@@ -1,9 +1,10 @@
 """Stage `integrity`: whether the stages agree with each other and with the pictures.
 
-No check needs a ground truth, and none has a constant that was chosen on a recording: a frame or a
-measurement fails by the probability of the filter's gate, or by a pixel; so many may fail as
-ordinary data hold outliers, and chance adds to them. What all stages believe alike is not seen:
-a wrong size of the board's squares scales the whole world, and the pictures with it.
+It gathers what measuring the poses found of what it was told (`CameraPoses.audit`), and adds checks
+of its own. None of these needs a ground truth, and none has a constant that was chosen on a
+recording: a frame or a measurement fails by the probability of the filter's gate, or by a pixel; so
+many may fail as ordinary data hold outliers, and chance adds to them. What all stages believe alike
+is not seen: a wrong size of the board's squares scales the whole world, and the pictures with it.
 """
 
 from __future__ import annotations
@@ -20,9 +21,10 @@ from motorcade.replays.recording import Recording
 from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import UsedImu
-from motorcade.replays.values.integrity import Integrity, IntegrityCheck
+from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.paths import FusedPath, SmoothedPaths
 from motorcade.tracking import registration_px
+from motorcade.tracking.audit import AuditFinding, Verdict
 
 CONTAMINATION = 0.1
 """Share of outliers that ordinary data hold at most: 1 to 10 % are the rule (F. R. Hampel,
@@ -70,30 +72,31 @@ def integrity(
     if registration:
         limit_px = _limit_px(registration["measured"])
         checks.append(_registration_check(registration, name, limit_px))
-        kept = checks[-1].failures > _off(registration["measured"], limit_px)
+        kept = _off(registration[name], limit_px) > _off(registration["measured"], limit_px)
     else:
         checks.append(_agreement(camera_poses, path))
-        kept = 2 * checks[-1].failures > checks[-1].count
+        kept = (checks[-1].figure or 0.0) > UNCOVERED
     kept = kept and not checks[-1].passed
     return Integrity(
-        tuple(checks),
+        (*checks, *camera_poses.audit),
         registration,
         measured if kept else path,
         "measured" if kept else "smoothed",
     )
 
 
-def _coverage(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
+def _coverage(camera_poses: CameraPoses, path: Trajectory) -> AuditFinding:
     times_ns = camera_poses.frame_times_ns
     posed = np.isin(times_ns, camera_poses.measurements.trajectory.time_ns)
     posed &= (times_ns >= path.time_ns[0]) & (times_ns <= path.time_ns[-1])
     count, missing = len(times_ns), int(np.count_nonzero(~posed))
     allowed = int(UNCOVERED * count)
     summary = f"{missing} of {count} frames have no pose (up to {allowed} may)"
-    return IntegrityCheck("coverage", missing, count, allowed, summary)
+    advice = "look at the pictures there: blur, light, and whether what poses come from is in view"
+    return _counted("coverage", missing, count, allowed, summary, advice)
 
 
-def _inertial(recording: Recording, camera_poses: CameraPoses, imu: UsedImu) -> IntegrityCheck:
+def _inertial(recording: Recording, camera_poses: CameraPoses, imu: UsedImu) -> AuditFinding:
     """Faults that the readings show beside the measured poses; these may be of a leaning world."""
     health = check_health(
         camera_poses.measurements.trajectory,
@@ -101,10 +104,13 @@ def _inertial(recording: Recording, camera_poses: CameraPoses, imu: UsedImu) -> 
         imu.imu_T_camera,
         up=camera_poses.origin == "simulated",
     )
-    return IntegrityCheck("inertial", len(health.findings), 1, 0, health.summary)
+    verdict: Verdict = "unknown" if health.unknown else "consistent"
+    if health.findings:
+        verdict = "contradicted"
+    return AuditFinding("inertial", verdict, float(len(health.findings)), "faults", health.summary)
 
 
-def _innovations(fused: FusedPath) -> IntegrityCheck:
+def _innovations(fused: FusedPath) -> AuditFinding:
     nis = fused.nis[np.isfinite(fused.nis)]
     beyond, refused = _beyond_gate(nis), int(np.count_nonzero(~fused.accepted))
     allowed = most_by_chance(len(nis), CONTAMINATION)
@@ -113,12 +119,13 @@ def _innovations(fused: FusedPath) -> IntegrityCheck:
         f"{beyond} of {len(nis)} measured poses contradict the IMU (up to {allowed} may): the mean "
         f"NIS is {mean} a dimension where 1 is expected; {refused} were refused"
     )
-    return IntegrityCheck("innovations", beyond, len(nis), allowed, summary)
+    advice = "mend what the IMU's check names, or state its noise and the poses' as they are"
+    return _counted("innovations", beyond, len(nis), allowed, summary, advice)
 
 
 def _registration_check(
     registration: dict[str, FloatArray], name: str, limit_px: float
-) -> IntegrityCheck:
+) -> AuditFinding:
     found = registration[name]
     off, allowed = _off(found, limit_px), most_by_chance(len(found), CONTAMINATION)
     summary = (
@@ -126,10 +133,11 @@ def _registration_check(
         f"path lies more than {limit_px:.2g} px off: {_shown(_median(found))} px in the median, "
         f"{_shown(_median(registration['measured']))} px along the measured poses"
     )
-    return IntegrityCheck("registration", off, len(found), allowed, summary)
+    advice = "smooth less (smoothed.window_s), or look at what the filter made of the poses"
+    return _counted("registration", off, len(found), allowed, summary, advice)
 
 
-def _agreement(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
+def _agreement(camera_poses: CameraPoses, path: Trajectory) -> AuditFinding:
     measured, covariance = (
         camera_poses.measurements.trajectory,
         camera_poses.measurements.covariance,
@@ -145,7 +153,16 @@ def _agreement(camera_poses: CameraPoses, path: Trajectory) -> IntegrityCheck:
         f"the smoothed path misses {beyond} of {len(apart)} measured poses (up to {allowed} may): "
         f"by {_shown(shifted)} {unit} and {_shown(turned)}° in the median"
     )
-    return IntegrityCheck("agreement", beyond, len(apart), allowed, summary)
+    advice = "smooth less (smoothed.window_s), or state the poses' noise as it is"
+    return _counted("agreement", beyond, len(apart), allowed, summary, advice)
+
+
+def _counted(
+    name: str, failures: int, count: int, allowed: int, summary: str, advice: str
+) -> AuditFinding:
+    """A check of which so many may fail in a run that is right."""
+    verdict: Verdict = "consistent" if failures <= allowed else "doubtful"
+    return AuditFinding(name, verdict, failures / max(count, 1), "share", summary, advice)
 
 
 def _registered_px(

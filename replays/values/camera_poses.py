@@ -11,6 +11,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.engine.aside import ASIDE
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.tracking import PoseMeasurements
+from motorcade.tracking.audit import AuditFinding
 
 PoseOrigin = Literal["board", "markers", "slam", "simulated"]
 
@@ -32,6 +33,7 @@ class CameraPoses:
             be, and the relative deviation of that.
         sighted: points that the poses were measured by, where these are no board's.
         skipped: ways that were tried before this one, with the reason.
+        audit: whether what was told of cameras, rig, board or markers agrees with what was seen.
         seconds: what tracking took, reading and decoding the pictures included.
 
     >>> import numpy as np
@@ -59,6 +61,7 @@ class CameraPoses:
     scale_sigma: float | None = None
     sighted: SightedPoints | None = None
     skipped: tuple[str, ...] = ()
+    audit: tuple[AuditFinding, ...] = ()
     seconds: float = field(default=0.0, metadata=ASIDE)
 
     @property

@@ -183,7 +183,7 @@ def result(summary: Mapping[str, Any], out: Path) -> str:
 
     doubtful = "; ".join(doubts(summary))
     if doubtful:
-        doubtful = f"DOUBTFUL: {doubtful}; "
+        doubtful = f"{summary['integrity']['verdict'].upper()}: {doubtful}; "
         if summary["integrity"]["drawn"] == "measured":
             doubtful += "the character stands along the measured path; "
     worse = "".join(f"; {one}" for one in summary.get("stage_comparison", {}).get("worse", ()))

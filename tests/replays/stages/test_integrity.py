@@ -25,6 +25,7 @@ from motorcade.replays.synthetic_room.recording import CAMERA, IMU_T_CAMERA, Han
 from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.replays.values.integrity import Integrity
 from motorcade.tracking import BoardTrack, PoseMeasurements, registration_px
+from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.measurements import MarkerObservation
 from tests.replays.stages.stamps import Stamps
 
@@ -170,7 +171,17 @@ def test_degrees_a_second_are_told_with_numbers() -> None:
     told = found.as_dict()
     assert told["doubts"] == list(found.doubts)
     assert told["drawn"] == "measured"
-    assert [check["passed"] for check in told["checks"]] == [True, False, False, False]
+    verdicts = ["consistent", "contradicted", "doubtful", "doubtful"]
+    assert [check["verdict"] for check in told["checks"]] == verdicts
+    assert told["verdict"] == "contradicted"
+
+
+def test_what_measuring_the_poses_found_is_judged_with_the_rest() -> None:
+    told = AuditFinding("tag_sizes", "contradicted", 0.5, "share", "tag 3 is smaller", "say 0.1 m")
+    one = given(0)
+    found, _ = judged(replace(one, poses=replace(one.poses, audit=(told,))))
+    assert found.verdict == "contradicted"
+    assert found.doubts == ("tag 3 is smaller; say 0.1 m",)
 
 
 def outliers(one: Given, share: float) -> Given:
@@ -232,4 +243,4 @@ def test_a_path_that_is_mostly_bridged_is_doubted() -> None:
     assert judged(one, blackouts_s=(1.0, 1.5))[0].doubts == ()
     found, _ = judged(one, blackouts_s=(0.5, 3.5))
     assert "coverage" in failed(found)
-    assert "90 of 120 frames have no pose (up to 60 may)" in found.doubts
+    assert found.doubts[0].startswith("90 of 120 frames have no pose (up to 60 may); ")

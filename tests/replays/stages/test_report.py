@@ -19,8 +19,9 @@ from motorcade.replays.report.summary import (
     shown_value,
     without_nan,
 )
-from motorcade.replays.values.integrity import Integrity, IntegrityCheck
+from motorcade.replays.values.integrity import Integrity
 from motorcade.replays.values.view import OverlayVideo
+from motorcade.tracking.audit import AuditFinding, Verdict
 
 FIGURES = {
     "measured": {"ape_rmse_m": 0.0173, "rotation_rmse_deg": 0.8629, "lag_ms": -0.05},
@@ -105,19 +106,34 @@ def test_a_video_too_large_for_a_page_lies_beside_it(
     assert ("beside it as overlay.mp4" in page._video_caption(found)) is not inside
 
 
-@pytest.mark.parametrize(("failures", "value"), [(100, "consistent"), (101, "doubtful")])
-def test_the_first_tile_says_whether_the_result_can_be_relied_on(failures: int, value: str) -> None:
+@pytest.mark.parametrize(
+    ("verdicts", "value"),
+    [
+        (("consistent", "unknown"), "consistent"),
+        (("doubtful", "unknown"), "doubtful"),
+        (("doubtful", "contradicted"), "contradicted"),
+        (("unknown", "unknown"), "unknown"),
+    ],
+)
+def test_the_first_tile_says_whether_the_result_can_be_relied_on(
+    verdicts: tuple[Verdict, Verdict], value: str
+) -> None:
     path = MOTIONS["handheld"].sampled(rate_hz=10.0, duration_s=1.0)
-    check = IntegrityCheck("coverage", failures, 200, 100, "so many of 200 frames have no pose")
-    drawn_is: Any = "smoothed" if check.passed else "measured"
-    tile = page._verdict(SimpleNamespace(integrity=Integrity((check,), {}, path, drawn_is)))  # type: ignore[arg-type]
+    names = ("coverage", "extrinsics")
+    checks = tuple(
+        AuditFinding(name, verdict, 0.5, "share", f"{name} is off", "mend it")
+        for name, verdict in zip(names, verdicts, strict=True)
+    )
+    failed = [check.name for check in checks if not check.passed]
+    drawn_is: Any = "measured" if failed else "smoothed"
+    tile = page._verdict(SimpleNamespace(integrity=Integrity(checks, {}, path, drawn_is)))  # type: ignore[arg-type]
     assert tile["value"] == value
-    if check.passed:
-        assert tile["label"] == "stages and pictures agree (coverage)"
-    else:
-        assert tile["label"] == (
-            "So many of 200 frames have no pose. The character stands along the measured path."
-        )
+    assert tile["wrong"] == bool(failed)
+    told = "; ".join(f"{name} is off; mend it" for name in failed)
+    assert tile["label"] == {
+        "consistent": "stages and pictures agree (coverage); cannot be told: extrinsics",
+        "unknown": "nothing was checked; cannot be told: coverage, extrinsics",
+    }.get(value, f"{told.capitalize()}. The character stands along the measured path.")
 
 
 def test_plots_take_their_ink_from_the_page_and_are_reproducible() -> None:

@@ -1,0 +1,70 @@
+"""What an audit finds: whether what was told and what was measured agree, by how much, what to do.
+
+A convention or a constant that came from elsewhere (extrinsics, focal lengths, sizes of tags, which
+camera is the left one) is checked where it is used. Each check gives one value of this kind; a run
+gathers them in its integrity, and shows them in `report.json`, on the page and in its last line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+Verdict = Literal["consistent", "unknown", "doubtful", "contradicted"]
+"""From best to worst; `unknown` where the recording cannot tell."""
+_ORDER: tuple[Verdict, ...] = ("consistent", "unknown", "doubtful", "contradicted")
+
+
+@dataclass(frozen=True)
+class AuditFinding:
+    """One thing that was checked without a ground truth.
+
+    Fields:
+        name: what was checked, one or two words in snake_case: coverage, odometry_extrinsics.
+        verdict: `consistent`; `doubtful` where it may be wrong or the result of little use;
+            `contradicted` where measurements deny what was told; `unknown` where they say nothing.
+        figure: what the verdict was made by; None where nothing could be computed.
+        unit: of the figure: m, deg, px, share, …
+        summary: what was found, in one clause with the figures behind it.
+        advice: what mends it, in one clause; empty where there is nothing to do.
+
+    Examples:
+        >>> from motorcade.tracking.audit import AuditFinding
+        >>> told = "T_body_odom is inverted: it fits by 119°, its inverse by 0.4°"
+        >>> one = AuditFinding("odometry", "contradicted", 119.0, "deg", told, "give its inverse")
+        >>> one.passed, one.sentence
+        (False, 'T_body_odom is inverted: it fits by 119°, its inverse by 0.4°; give its inverse')
+    """
+
+    name: str
+    verdict: Verdict
+    figure: float | None
+    unit: str
+    summary: str
+    advice: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing speaks against it."""
+        return self.verdict in ("consistent", "unknown")
+
+    @property
+    def sentence(self) -> str:
+        """What was found, and what to do."""
+        return f"{self.summary}; {self.advice}" if self.advice and not self.passed else self.summary
+
+
+def worst(findings: Iterable[AuditFinding]) -> Verdict:
+    """The verdict on all of them: of one that says nothing (`unknown`), only where all do.
+
+    Examples:
+        >>> from motorcade.tracking.audit import AuditFinding, worst
+        >>> seen = AuditFinding("coverage", "consistent", 0.1, "share", "1 of 10 has no pose")
+        >>> unseen = AuditFinding("inertial", "unknown", None, "", "the camera turns too little")
+        >>> worst((seen, unseen))
+        'consistent'
+    """
+    verdicts = {one.verdict for one in findings}
+    told = verdicts - {"unknown"} or verdicts or {"unknown"}
+    return max(told, key=_ORDER.index)
