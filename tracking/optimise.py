@@ -81,8 +81,9 @@ class BlockEquations:
     rest. Sums are made in one order: the same input gives the same bytes.
 
     Args:
-        information: ``(g w, g w)`` of the g groups of w parameters that are kept.
-        gradient: ``(g w,)``.
+        information: ``(g w, g w)`` of the g groups of w parameters that are kept; larger where
+            others, which no block meets, stand behind them (`solved`).
+        gradient: ``(g w,)``, or longer likewise.
         blocks: ``(b, s, s)`` information of the blocks.
         block_gradient: ``(b, s)``.
         block_of, group_of: ``(m,)`` which block and which group meet; a pair stands at most once.
@@ -99,13 +100,17 @@ class BlockEquations:
 
     def step(self, damping: float) -> tuple[FloatArray, FloatArray]:
         """Damped Gauss-Newton step of the groups ``(g, w)`` and of the blocks ``(b, s)``."""
+        kept, blocks = self.solved(damping)
+        return kept.reshape(-1, self.coupling.shape[-1]), blocks
+
+    def solved(self, damping: float) -> tuple[FloatArray, FloatArray]:
+        """The same step, its kept parameters in a row: some may follow those of the groups."""
         matrix, right, inverted = self._reduced(damping)
         kept = np.asarray(-np.linalg.solve(matrix, right), np.float64) if len(right) else right
         pull = self.block_gradient.copy()
         for rows, columns, coupling in self._chunks:
             pull[rows] += coupling @ kept[columns]
-        width = self.coupling.shape[-1]
-        return kept.reshape(-1, width), -(inverted @ pull[..., None])[..., 0]
+        return kept, -(inverted @ pull[..., None])[..., 0]
 
     @property
     def reduced_information(self) -> FloatArray:

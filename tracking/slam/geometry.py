@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import Motor, Rotor
+from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera, reproject, to_frame
 from motorcade.tracking.optimise import NormalEquations, Stop, huber_cauchy, minimise
@@ -73,6 +73,20 @@ def parallax_rad(first: Motor, second: Motor, points: FloatArray) -> FloatArray:
     cosine = np.sum(a * b, axis=-1) / (np.linalg.norm(a, axis=-1) * np.linalg.norm(b, axis=-1))
     angle: FloatArray = np.arccos(np.clip(cosine, -1.0, 1.0))
     return angle
+
+
+def in_world(world_T_map: Similarity, map_T_camera: Motor) -> Motor:
+    """Rigid poses ``(*)`` of a map's cameras in a world of another unit."""
+    place = world_T_map.apply(map_T_camera.translation_m)
+    return Motor.from_rotor_translation(world_T_map.rotor @ map_T_camera.rotor, place)
+
+
+def points_in_world(world_T_map: Similarity, points: FloatArray) -> FloatArray:
+    """A map's points ``(n, 3)`` likewise, NaN passed on."""
+    moved = np.full(points.shape, np.nan)
+    known = np.isfinite(points[:, 0])
+    moved[known] = world_T_map.apply(points[known])
+    return moved
 
 
 class _Reprojection:

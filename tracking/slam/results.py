@@ -7,13 +7,14 @@ with frames.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
+from motorcade.tracking.slam.geometry import in_world
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
 
 SlamState = Literal["initialising", "tracking", "lost", "relocalised"]
@@ -118,6 +119,20 @@ class RunLog:
             online: world_T_camera as given at the time; None where none was given.
         """
         self._entries.append(_Entry(time_ns, keyframe, keyframe_T_camera, covariance, online))
+
+    def rescale(self, world_T_map: Similarity) -> None:
+        """Tell all that was noted in another world, to which the map was taken."""
+        scale = float(world_T_map.scale)
+        units = np.repeat([1.0, scale], 3)
+        for row, one in enumerate(self._entries):
+            relative = Motor.from_rotor_translation(
+                one.keyframe_T_camera.rotor, scale * one.keyframe_T_camera.translation_m
+            )
+            online = None if one.online is None else in_world(world_T_map, one.online)
+            spread = units[:, None] * one.covariance * units
+            self._entries[row] = replace(
+                one, keyframe_T_camera=relative, covariance=spread, online=online
+            )
 
     def result(
         self, slam_map: SlamMap, *, metric: bool, loops: int, seconds: dict[str, float]

@@ -9,17 +9,18 @@ from __future__ import annotations
 
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.slam.features import DepthImage, SlamPicture, find_corners
-from motorcade.tracking.slam.geometry import FittedPose, refine_pose
+from motorcade.tracking.slam.geometry import FittedPose, in_world, points_in_world, refine_pose
 from motorcade.tracking.slam.initialise import FEWEST_CORNERS, TwoViewInitialiser, TwoViewStart
+from motorcade.tracking.slam.mapping.adjustment import Adjuster
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
 from motorcade.tracking.slam.mapping.mapper import InsertedKeyframe, Mapper
 from motorcade.tracking.slam.mapping.matching import candidates, verified
@@ -29,6 +30,7 @@ from motorcade.tracking.slam.tracker import TrackedPoints, Tracker, is_reliable
 
 _FEWEST_WITH_DEPTH = 60
 _CANDIDATES = 4
+_SAME_UNIT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +98,8 @@ class VisualSlam:
         gray: GrayImage,
         depth_m: DepthImage | None = None,
         right: GrayImage | None = None,
+        *,
+        predicted: Motor | None = None,
     ) -> SlamFrame:
         """Take the next frame.
 
@@ -104,6 +108,8 @@ class VisualSlam:
             gray: ``(height, width)`` uint8, of the camera's size.
             depth_m: depth registered to `gray`, the same size, NaN where unknown.
             right: the right picture of a rectified pair, which needs `SlamSettings.baseline_m`.
+            predicted: world_T_camera that something else (an IMU, say) expects, in the map's units:
+                points are looked for where it puts them, in tracking and when lost.
 
         Raises:
             ValueError: another type or size of picture, a stamp that is not later, or a right
@@ -117,9 +123,9 @@ class VisualSlam:
         if self._state == "initialising":
             frame = self._initialised(picture)
         elif self._state == "lost":
-            frame = self._relocalised(picture)
+            frame = self._found_as_predicted(picture, predicted) or self._relocalised(picture)
         else:
-            frame = self._tracked(picture)
+            frame = self._tracked(picture, predicted)
         self._state = frame.state
         self._log.frames.append((frame.time_ns, frame.state))
         spent = time.perf_counter() - started
@@ -127,6 +133,30 @@ class VisualSlam:
             spent -= self._seconds["mapping"] - waited
         self._seconds["tracking"] += spent
         return frame
+
+    def rescale(self, world_T_map: Similarity, adjuster: Adjuster | None = None) -> None:
+        """Take the map to a world in metres, and all that was said of frames before with it.
+
+        Args:
+            world_T_map: from the map's world and unit.
+            adjuster: adjusts keyframes and points from now on, by more than pictures.
+
+        Raises:
+            ValueError: a scale that is not 1 for a map that is in metres already.
+        """
+        scale = float(world_T_map.scale)
+        if self._mapper.metric and abs(scale - 1.0) > _SAME_UNIT:
+            raise ValueError(f"world_T_map: expected scale 1 for a map in metres, got {scale:.6g}")
+        self._settle()
+        self._map.points[:] = points_in_world(world_T_map, self._map.points)
+        for keyframe in self._map.keyframes:
+            keyframe.world_T_camera = in_world(world_T_map, keyframe.world_T_camera)
+        self._anchor = replace(
+            self._anchor, world_T_camera=in_world(world_T_map, self._anchor.world_T_camera)
+        )
+        self._tracker.rescale(world_T_map)
+        self._log.rescale(world_T_map)
+        self._mapper.metric, self._mapper.adjuster = True, adjuster
 
     def snapshot(self) -> MapSnapshot:
         """The map as it is now: keyframes, points, and where which was seen.
@@ -216,12 +246,12 @@ class VisualSlam:
                 pose.rotor, pose.translation_m / unit
             )
 
-    def _tracked(self, picture: SlamPicture) -> SlamFrame:
-        fit = self._tracker.step(picture)
+    def _tracked(self, picture: SlamPicture, predicted: Motor | None) -> SlamFrame:
+        fit = self._tracker.step(picture, predicted)
         if fit is None and self._inserting is not None:
             # Without the points that are being made the camera would be lost: wait for them.
             self._settle()
-            fit = self._tracker.step(picture)
+            fit = self._tracker.step(picture, predicted)
         if fit is None:
             self._tracker.lose()
             return SlamFrame(picture.time_ns, "lost")
@@ -261,6 +291,18 @@ class VisualSlam:
         self._loops += inserted.closed
         self._seconds["mapping"] += inserted.seconds
 
+    def _found_as_predicted(
+        self, picture: SlamPicture, predicted: Motor | None
+    ) -> SlamFrame | None:
+        """Look for points of the newest keyframes where a predicted pose puts them."""
+        if predicted is None:
+            return None
+        self._settle()
+        ids, px = self._mapper.recover(picture, predicted, _nothing()[0])
+        fit = self._refined(predicted, ids, px)
+        row = len(self._map.keyframes) - 1
+        return self._gone_on(picture, fit, ids, px, row)
+
     def _relocalised(self, picture: SlamPicture) -> SlamFrame:
         """Look for the map in the picture; what is found is refined, then checked."""
         self._settle()
@@ -273,11 +315,17 @@ class VisualSlam:
         if len(ids) < len(found.ids):
             ids, px = found.ids, found.px
         fit = self._refined(found.fit.world_T_camera, ids, px)
+        frame = self._gone_on(picture, fit, ids, px, found.keyframe)
+        return SlamFrame(picture.time_ns, "lost") if frame is None else frame
+
+    def _gone_on(
+        self, picture: SlamPicture, fit: FittedPose, ids: IntArray, px: FloatArray, row: int
+    ) -> SlamFrame | None:
+        """Track on from a pose that was found again, if it is reliable."""
         if not is_reliable(fit, px, picture.gray.shape):
-            return SlamFrame(picture.time_ns, "lost")
+            return None
         pose, ids, px = fit.world_T_camera, ids[fit.inliers], px[fit.inliers]
         self._tracker.restart(TrackedPoints(picture, pose, ids, px, self._map.points[ids]))
-        row = found.keyframe
         self._anchor = _Anchor(row, self._map.keyframes[row].world_T_camera)
         self._remember(picture.time_ns, pose, fit.covariance)
         return _frame(picture, fit, "relocalised", pose, False)

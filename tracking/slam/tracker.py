@@ -7,11 +7,11 @@ scratch. A pose is returned only if there are enough inliers, spread widely enou
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera, project
 from motorcade.tracking.pictures import track_corners
@@ -19,6 +19,8 @@ from motorcade.tracking.slam.features import SlamPicture, grid_cells
 from motorcade.tracking.slam.geometry import (
     BoolArray,
     FittedPose,
+    in_world,
+    points_in_world,
     pose_by_sampling,
     refine_pose,
 )
@@ -149,6 +151,18 @@ class Tracker:
             last.picture, pose, keyframe.ids[kept], px[kept], keyframe.points[kept]
         )
 
+    def rescale(self, world_T_map: Similarity) -> None:
+        """Go on in another world, to which the map was taken."""
+        self._moments = [
+            _Moment(one.time_ns, in_world(world_T_map, one.world_T_camera)) for one in self._moments
+        ]
+        for name in ("_tracked", "_reference"):
+            held: TrackedPoints | None = getattr(self, name)
+            if held is not None:
+                pose = in_world(world_T_map, held.world_T_camera)
+                points = points_in_world(world_T_map, held.points)
+                setattr(self, name, replace(held, world_T_camera=pose, points=points))
+
     def lose(self) -> None:
         """Forget what was tracked."""
         self._tracked, self._moments = None, []
@@ -163,15 +177,17 @@ class Tracker:
         motion = np.linalg.norm(then.px[one] - now.px[other], axis=1)
         return bool(np.median(motion) > _MOTION_SHARE * now.picture.gray.shape[1])
 
-    def step(self, picture: SlamPicture) -> FittedPose | None:
+    def step(self, picture: SlamPicture, predicted: Motor | None = None) -> FittedPose | None:
         """Find the pose of the next picture; None where it is lost.
 
+        Where nothing else predicts the pose, the motion is taken to go on as it was.
         On success `tracked` holds the inliers; on failure what it held before.
         """
         before = self._tracked
         if before is None:
             return None
-        predicted = self._predicted(picture.time_ns)
+        if predicted is None:
+            predicted = self._predicted(picture.time_ns)
         guess = self._guess(before, predicted)
         px, found = track_corners(before.picture.gray, picture.gray, before.px, guess)
         ids, points = before.ids[found], before.points[found]

@@ -8,6 +8,7 @@ Sources: Triggs et al. 2000; depth as disparity: Mur-Artal & Tardos 2017.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -73,6 +74,10 @@ class AdjustedBundle:
     before: float
 
 
+# Adjusts a bundle by more than pictures. It is given the stamps ``(k,)`` of its poses, which rise
+# within those that are free, and how many steps it may take.
+Adjuster = Callable[[Bundle, IntArray, int], AdjustedBundle]
+
 _State = tuple[Motor, FloatArray]
 
 
@@ -83,7 +88,7 @@ def adjust(bundle: Bundle, iterations: int = 8) -> AdjustedBundle:
     """
     start = bundle.world_T_camera, bundle.points
     stop = Stop(steps=iterations, gain=_GAIN)
-    found = minimise(start, partial(_Reprojection, bundle), partial(_retract, bundle), stop)
+    found = minimise(start, partial(BundleReprojection, bundle), partial(_retract, bundle), stop)
     end = found.evaluation
     return AdjustedBundle(*found.state, end.error_px, end.cost, found.start_cost)
 
@@ -94,7 +99,7 @@ def _retract(bundle: Bundle, state: _State, step: tuple[FloatArray, FloatArray])
     return state[0].retract(twists), state[1] + step[1]
 
 
-class _Reprojection:
+class BundleReprojection:
     """All observations against their reprojection: two residuals of the pixel, one of the depth."""
 
     def __init__(self, bundle: Bundle, state: _State) -> None:
@@ -117,10 +122,12 @@ class _Reprojection:
 
     @property
     def error_px(self) -> FloatArray:
+        """How far each observation ``(n,)`` is from its pixel; infinite behind the camera."""
         return np.where(self._before, self._size, np.inf)
 
     @cached_property
     def equations(self) -> BlockEquations:
+        """Of the free poses, six numbers each, and the points."""
         bundle, slot = self._bundle, self._bundle.slot
         residuals = np.concatenate([self._pixel, self._along[:, None]], axis=-1)
         weight = np.stack([self._pixel_weight, self._pixel_weight, self._depth_weight], axis=-1)

@@ -22,7 +22,7 @@ from motorcade.tracking.slam.features import (
     stereo_depth,
 )
 from motorcade.tracking.slam.geometry import OUTLIER_PX, parallax_rad, triangulate
-from motorcade.tracking.slam.mapping.adjustment import AdjustedBundle, Bundle, adjust
+from motorcade.tracking.slam.mapping.adjustment import AdjustedBundle, Adjuster, Bundle, adjust
 from motorcade.tracking.slam.mapping.loops import close_loop, find_loop
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 from motorcade.tracking.slam.mapping.matching import alike_where_expected, any_in_view, in_view
@@ -63,6 +63,7 @@ class Mapper:
 
     Fields:
         metric: whether lengths are metres; loops are closed only then.
+        adjuster: adjusts by more than pictures (an IMU, say); None: by pictures alone.
     """
 
     def __init__(self, slam_map: SlamMap, camera: Camera, settings: SlamSettings) -> None:
@@ -72,6 +73,7 @@ class Mapper:
         baseline_m = settings.baseline_m or _DEPTH_BASELINE_M
         self.disparity_px_m = camera.fx * baseline_m
         self.metric = False
+        self.adjuster: Adjuster | None = None
 
     def insert_keyframe(
         self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray
@@ -224,6 +226,8 @@ class Mapper:
         seen = seen[self.map.located[seen]]
         shared = self.map.shared(seen)
         shared[free] = 0
+        if self.adjuster is not None and free[0] > 0:
+            shared[free[0] - 1] = len(seen) + 1  # motion is measured from the one before
         fixed = np.argsort(-shared, kind="stable")[:_MOST_FIXED]
         fixed = np.sort(fixed[shared[fixed] > 0])
         self._adjust(np.concatenate([fixed, free]), len(fixed), seen)
@@ -244,21 +248,23 @@ class Mapper:
         owner, ids, px, depth = self.map.observations(rows)
         used = slot[ids] >= 0
         fixed = np.arange(len(rows)) < max(fixed_count, 1)
-        result = adjust(
-            Bundle(
-                Motor.stack([self.map.keyframes[row].world_T_camera for row in rows]),
-                fixed,
-                self.map.points[points],
-                owner[used],
-                slot[ids[used]],
-                px[used],
-                depth[used],
-                self.camera,
-                self.disparity_px_m,
-                self.settings.depth_sigma_px,
-            ),
-            iterations,
+        bundle = Bundle(
+            Motor.stack([self.map.keyframes[row].world_T_camera for row in rows]),
+            fixed,
+            self.map.points[points],
+            owner[used],
+            slot[ids[used]],
+            px[used],
+            depth[used],
+            self.camera,
+            self.disparity_px_m,
+            self.settings.depth_sigma_px,
         )
+        if self.adjuster is None:
+            result = adjust(bundle, iterations)
+        else:
+            time_ns = np.array([self.map.keyframes[row].time_ns for row in rows], dtype=np.int64)
+            result = self.adjuster(bundle, time_ns, iterations)
         for row, pose in zip(rows, result.world_T_camera, strict=True):
             self.map.keyframes[row].world_T_camera = pose
         self.map.points[points] = result.points
