@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.health.integral import RunningIntegral
 from motorcade.fusion.health.turning import LONGEST_STEP_S
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Trajectory
@@ -129,11 +130,7 @@ def _hat(at: IntArray, first: IntArray, middle: IntArray, last: IntArray) -> Flo
 
 def _mean_force(imu: ImuStream, ends_ns: IntArray) -> FloatArray:
     """Means ``(K, parts, 3)`` of the force between stamps ``(K, parts + 1)``."""
-    zero = imu.time_ns[0]
-    force, time_s = imu.specific_force_m_s2, (imu.time_ns - zero) * 1e-9
-    steps = 0.5 * (force[1:] + force[:-1]) * np.diff(time_s)[:, None]
-    sums = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
-    wanted = (ends_ns - zero) * 1e-9
-    at = np.stack([np.interp(wanted, time_s, column) for column in sums.T], axis=-1)
-    means: FloatArray = np.diff(at, axis=1) / np.diff(wanted, axis=1)[..., None]
+    at = RunningIntegral(imu.time_ns, imu.specific_force_m_s2).at(ends_ns.ravel())
+    moved = np.diff(at.reshape(*ends_ns.shape, 3), axis=1)
+    means: FloatArray = moved / (np.diff(ends_ns, axis=1) * 1e-9)[..., None]
     return means

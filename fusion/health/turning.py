@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.health.integral import RunningIntegral
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -78,14 +79,10 @@ class TurnedAngle:
     """The gyroscope's running integral: good for mean rates over short times."""
 
     def __init__(self, imu: ImuStream) -> None:
-        self.first_ns = int(imu.time_ns[0])
         parts = imu.stretches()
         self._begin_ns = np.array([one.time_ns[0] for one in parts])
         self._end_ns = np.array([one.time_ns[-1] for one in parts])
-        rate = imu.angular_rate_rad_s
-        steps = 0.5 * (rate[1:] + rate[:-1]) * (np.diff(imu.time_ns) * 1e-9)[:, None]
-        self._angle = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
-        self._time = (imu.time_ns - self.first_ns).astype(np.float64)
+        self._angle = RunningIntegral(imu.time_ns, imu.angular_rate_rad_s)
 
     def covers(self, first_ns: IntArray, last_ns: IntArray) -> NDArray[np.bool_]:
         """Which spans ``(m,)`` lie in one stretch of the stream."""
@@ -94,9 +91,7 @@ class TurnedAngle:
 
     def at(self, time_ns: IntArray) -> FloatArray:
         """Angles ``(m, 3)`` turned since the start."""
-        wanted = (time_ns - self.first_ns).astype(np.float64)
-        columns = [np.interp(wanted, self._time, column) for column in self._angle.T]
-        return np.stack(columns, axis=-1)
+        return self._angle.at(time_ns)
 
 
 def steady(
