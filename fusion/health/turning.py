@@ -131,16 +131,32 @@ def norm_correlations(rates: CameraRates, turned: TurnedAngle, offsets_s: FloatA
 
     Of ranks, so that wrong poses count no more than others.
     """
-    return np.array([_norm_correlation(rates, turned, float(one)) for one in offsets_s])
+    stamps, places = np.unique(np.stack([rates.start_ns, rates.end_ns]), return_inverse=True)
+    first, last = places.reshape(2, -1)
+    norms = np.linalg.norm(rates.rate_rad_s, axis=-1)
+    ranks, seconds = _ranks(norms), (rates.end_ns - rates.start_ns) * 1e-9
+    step_s = float(np.median(np.diff(rates.start_ns))) * 1e-9 if len(rates) > 1 else 0.0
+
+    def correlation(offset_s: float) -> float:
+        shift = round(offset_s * 1e9)
+        covered = turned.covers(rates.start_ns + shift, rates.end_ns + shift)
+        count = np.count_nonzero(covered)
+        if count < FEWEST_SPANS or count * step_s < LEAST_OVERLAP_S:
+            return np.nan
+        angle = turned.at(stamps + shift)
+        read = np.linalg.norm(angle[last] - angle[first], axis=-1) / seconds
+        if count == len(covered):
+            return _correlation(ranks, _ranks(read))
+        return _correlation(_ranks(norms[covered]), _ranks(read[covered]))
+
+    return np.array([correlation(float(one)) for one in offsets_s])
 
 
-def _norm_correlation(rates: CameraRates, turned: TurnedAngle, offset_s: float) -> float:
-    own, other = (np.linalg.norm(one, axis=-1) for one in rates.beside(turned, offset_s))
-    if len(own) < FEWEST_SPANS:
-        return np.nan
-    if len(own) * float(np.median(np.diff(rates.start_ns))) * 1e-9 < LEAST_OVERLAP_S:
-        return np.nan
-    return float(np.corrcoef(_ranks(own), _ranks(other))[0, 1])
+def _correlation(first: FloatArray, second: FloatArray) -> float:
+    """Of ranks from 0 on, none twice: their mean and spread are known from their number."""
+    count = len(first)
+    mean, spread = 0.5 * (count - 1), count * (count * count - 1) / 12.0
+    return float((first @ second - count * mean * mean) / spread)
 
 
 def _ranks(values: FloatArray) -> FloatArray:

@@ -118,15 +118,20 @@ class ImuStream:
                 f"ImuStream.at(time_ns): expected stamps in [{self.time_ns[0]}, "
                 f"{self.time_ns[-1]}], got {time_ns[0]} to {time_ns[-1]}"
             )
+        near = slice(None)
+        if time_ns.size:
+            first, last = np.searchsorted(self.time_ns, time_ns[[0, -1]], side="right")
+            near = slice(max(0, first - 1), last + 1)
         wanted = (time_ns - self.time_ns[0]).astype(np.float64)
-        known = (self.time_ns - self.time_ns[0]).astype(np.float64)
+        known = (self.time_ns[near] - self.time_ns[0]).astype(np.float64)
         rate, force = (
-            np.stack([np.interp(wanted, known, column) for column in values.T], axis=-1)
+            np.stack([np.interp(wanted, known, column) for column in values[near].T], axis=-1)
             for values in (self.angular_rate_rad_s, self.specific_force_m_s2)
         )
         return ImuStream(time_ns, rate, force)
 
     def around(self, time_ns: IntArray) -> ImuStream:
         """Samples at stamps ``(M,)``, as of `at`, and all that lie between them."""
-        own = self.time_ns[(self.time_ns > time_ns[0]) & (self.time_ns < time_ns[-1])]
+        first = np.searchsorted(self.time_ns, time_ns[0], side="right")
+        own = self.time_ns[first : np.searchsorted(self.time_ns, time_ns[-1])]
         return self.at(np.union1d(time_ns, own).astype(np.int64))

@@ -38,6 +38,7 @@ _LEAST_LEFT = 1e-3
 _FASTEST = 100.0  # most that a variance may grow or shrink in one step
 # Preintegration over a single step is rank deficient; far below any sensor's noise.
 _JITTER = np.repeat([1e-9, 1e-8, 1e-8, 1e-10, 1e-10], 3) ** 2
+_ROWS_AT_ONCE = 256  # of products of intervals, which a processor's cache then holds
 # How the shared unknowns stand in a row.
 OFFSET, ROTATION, LEVER, GRAVITY, SCALE = (
     slice(0, 1),
@@ -270,12 +271,15 @@ class _Intervals:
         return cls(residual, slope[..., :15], slope[..., 15:30], shared, covariance)
 
     def add_to(self, equations: Bordered) -> None:
-        factor = np.linalg.cholesky(self.covariance)
-        white = [
-            np.linalg.solve(factor, one)
-            for one in (self.residual[..., None], self.start, self.end, self.shared)
-        ]
-        equations.add_intervals(white[0][..., 0], *white[1:])
+        for first in range(0, len(self.residual), _ROWS_AT_ONCE):
+            rows = slice(first, first + _ROWS_AT_ONCE)
+            root = np.linalg.inv(np.linalg.cholesky(self.covariance[rows]))
+            slopes = self.start[rows], self.end[rows], self.shared[rows]
+            equations.add_intervals(
+                first,
+                (root @ self.residual[rows, :, None])[..., 0],
+                *(root @ one for one in slopes),
+            )
 
     def excess(self, solved: Solved) -> FloatArray:
         """Variances of gyroscope, accelerometer and their walks, over those that were assumed.

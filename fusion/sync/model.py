@@ -8,14 +8,20 @@ order, and bounded where it is far.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from motorcade.ga.algebra import Multivector
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.codegen.interpret import run_tape
+from motorcade.ga.codegen.tape import Operand, Tape
 from motorcade.ga.kernels.definitions import elements as on
+
+# Enough that NumPy computes more than it is called.
+_ROWS_AT_ONCE = 4096
 
 
 def interval_residuals(
@@ -45,9 +51,8 @@ def interval_residuals(
     count = len(duration_s)
     jacobian = bias_jacobian.transpose(0, 2, 1).reshape(count, 54)  # CasADi's order is by columns
     gravities = np.broadcast_to(gravity, (count, 3))
-    return _evaluated(
-        _interval(),
-        [*poses, *velocities, bias_steps, gravities, motion, jacobian, duration_s[:, None]],
+    return _interval()(
+        *poses, *velocities, bias_steps, gravities, motion, jacobian, duration_s[:, None]
     )
 
 
@@ -67,21 +72,46 @@ def pose_residuals(
         pose, the time offset (s), the extrinsics, and the logarithm of the measurements' scale.
     """
     extrinsics = np.broadcast_to(imu_T_camera, (len(poses), 8))
-    return _evaluated(_pose(), [poses, twists, extrinsics, measured])
+    return _pose()(poses, twists, extrinsics, measured)
 
 
-def _evaluated(function: Any, given: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
-    """Residuals ``(n, r)`` and derivatives ``(n, r, u)`` of n rows."""
-    count = len(given[0])
-    residual, jacobian = function.map(count)(*(np.ascontiguousarray(one.T) for one in given))
-    rows = residual.shape[0]
-    matrices = jacobian.full().reshape(rows, count, -1).transpose(1, 0, 2)
-    return residual.full().T, matrices
+@dataclass(frozen=True, eq=False)
+class _Traced:
+    """Residuals and the derivatives that are not always zero, as one tape of scalar operations.
+
+    Fields:
+        tape: the operations; its outputs are the residuals and the derivatives.
+        rows, unknowns: which residual, which unknown each of the derivatives belongs to.
+        shape: how many residuals and unknowns there are.
+    """
+
+    tape: Tape
+    rows: IntArray
+    unknowns: IntArray
+    shape: tuple[int, int]
+
+    def __call__(self, *given: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Residuals ``(n, r)`` and derivatives ``(n, r, u)`` of n rows of each input."""
+        count = len(given[0])
+        residual, derivative = np.empty((count, self.shape[0])), np.zeros((count, *self.shape))
+        for first in range(0, count, _ROWS_AT_ONCE):
+            part = slice(first, first + _ROWS_AT_ONCE)
+            columns = {
+                (operand.name, i): column
+                for operand, rows in zip(self.tape.inputs, given, strict=True)
+                for i, column in enumerate(np.ascontiguousarray(rows[part].T))
+            }
+            missed, slopes = run_tape(self.tape, columns)
+            for i, value in enumerate(missed):
+                residual[part, i] = value
+            for i, unknown, value in zip(self.rows, self.unknowns, slopes, strict=True):
+                derivative[part, i, unknown] = value
+        return residual, derivative
 
 
 @cache
-def _interval() -> Any:
-    """CasADi's function of one interval."""
+def _interval() -> _Traced:
+    """Of one interval."""
     import casadi as ca
 
     sizes = (8, 8, 3, 3, 6, 3, 16, 54, 1)
@@ -98,12 +128,12 @@ def _interval() -> Any:
     by_bias = ca.reshape(jacobian, 9, 6) @ step[9:15]
     residual = ca.vertcat(shifted, gained[3:]) - by_bias
     residual = ca.vertcat(residual, bias_step + step[24:30] - step[9:15])
-    return _with_derivative("interval", inputs, residual, step)
+    return _traced("interval", inputs, residual, step)
 
 
 @cache
-def _pose() -> Any:
-    """CasADi's function of one measured pose."""
+def _pose() -> _Traced:
+    """Of one measured pose."""
     import casadi as ca
 
     inputs = [ca.SX.sym(f"input{i}", size) for i, size in enumerate((8, 6, 8, 8))]
@@ -116,16 +146,27 @@ def _pose() -> Any:
     numbers = on.MOTOR.numbers(expected)
     shrunk = on.MOTOR.of(numbers[:4] + [(1 - step[13]) * number for number in numbers[4:]])
     residual = _difference(on.MOTOR.of(_listed(measured)), shrunk)
-    return _with_derivative("pose", inputs, residual, step)
+    return _traced("pose", inputs, residual, step)
 
 
-def _with_derivative(name: str, inputs: list[Any], residual: Any, step: Any) -> Any:
+def _traced(name: str, inputs: list[Any], residual: Any, step: Any) -> _Traced:
+    """The residual and its derivative by the step, where that is zero."""
     import casadi as ca
 
-    derivative = ca.jacobian(residual, step)
+    from motorcade.ga.codegen.trace import tape_of
+
     zero = ca.DM.zeros(step.shape[0])
-    outputs = [ca.substitute(one, step, zero) for one in (residual, derivative)]
-    return ca.Function(name, inputs, [outputs[0], ca.densify(outputs[1])])
+    derivative = ca.jacobian(residual, step)
+    missed, slope = (ca.substitute(one, step, zero) for one in (residual, derivative))
+    rows, unknowns = slope.sparsity().get_triplet()
+    outputs = [_operand("missed", residual.shape[0]), _operand("slope", len(rows))]
+    operands = [_operand(f"input{i}", one.shape[0]) for i, one in enumerate(inputs)]
+    tape = tape_of(name, operands, outputs, inputs, [_listed(missed), slope.nonzeros()])
+    return _Traced(tape, np.array(rows), np.array(unknowns), slope.shape)
+
+
+def _operand(name: str, width: int) -> Operand:
+    return Operand(name, tuple(map(str, range(width))))
 
 
 def _listed(column: Any) -> list[Any]:

@@ -7,11 +7,12 @@ border it and are solved first, by the Schur complement, whose inverse is their 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.chains import banded
+from motorcade.fusion.chains import ChainFactor
 from motorcade.ga.arrays import FloatArray
 
 
@@ -22,30 +23,34 @@ class Solved:
     Fields:
         states: ``(N, s)`` steps.
         shared: ``(g,)`` steps; covariance: ``(g, g)`` of them, 0 where they were held.
-        own: ``(N, s, s)`` covariance of each state if the shared unknowns were known.
-        cross: ``(N - 1, s, s)`` of each later state with the one before it, likewise.
         border: ``(N, s, g)`` how the states follow the shared unknowns: minus their derivative.
+        factor: of the states' matrix, the shared unknowns held.
     """
 
     states: FloatArray
     shared: FloatArray
     covariance: FloatArray
-    own: FloatArray
-    cross: FloatArray
     border: FloatArray
+    factor: ChainFactor
+
+    @cached_property
+    def _known_shared(self) -> tuple[FloatArray, FloatArray]:
+        """Covariance of each state, and with the one before it, were the shared unknowns known."""
+        return self.factor.inverse_blocks()
 
     def state_covariance(self, own: FloatArray, shared: FloatArray) -> FloatArray:
         """Covariance ``(N, r, r)`` of residuals of single states with derivatives ``(N, r, *)``."""
         along = shared - own @ self.border
-        spread: FloatArray = own @ self.own @ _turned(own)
+        spread: FloatArray = own @ self._known_shared[0] @ _turned(own)
         return spread + along @ self.covariance @ _turned(along)
 
     def interval_covariance(
         self, start: FloatArray, end: FloatArray, shared: FloatArray
     ) -> FloatArray:
         """Covariance ``(N - 1, r, r)`` of residuals with derivatives ``(N - 1, r, *)``."""
-        crossed = end @ self.cross @ _turned(start)
-        spread = start @ self.own[:-1] @ _turned(start) + end @ self.own[1:] @ _turned(end)
+        own, cross = self._known_shared
+        crossed = end @ cross @ _turned(start)
+        spread = start @ own[:-1] @ _turned(start) + end @ own[1:] @ _turned(end)
         along = shared - start @ self.border[:-1] - end @ self.border[1:]
         total: FloatArray = spread + crossed + _turned(crossed)
         return total + along @ self.covariance @ _turned(along)
@@ -76,15 +81,30 @@ class Bordered:
         self._pull -= _product(own, residual[..., None])[..., 0]
 
     def add_intervals(
-        self, residual: FloatArray, start: FloatArray, end: FloatArray, shared: FloatArray
+        self,
+        first: int,
+        residual: FloatArray,
+        start: FloatArray,
+        end: FloatArray,
+        shared: FloatArray,
     ) -> None:
-        """Residuals ``(N - 1, r)`` between neighbours, with derivatives by both, white."""
-        for part, own in ((slice(None, -1), start), (slice(1, None), end)):
-            self._own[part] += _product(own, own)
-            self._border[part] += _product(own, shared)
-            self._pull[part] -= _product(own, residual[..., None])[..., 0]
-        self._next += _product(end, start)
-        self._add_shared(residual, shared)
+        """Residuals ``(n, r)`` of states from `first` on to their next ones, white.
+
+        Derivatives are by both states and by what is shared.
+        """
+        size, count = start.shape[-1], len(residual)
+        told = np.flatnonzero(np.any(shared, axis=(0, 1)))
+        joined = np.concatenate([start, end, shared[..., told], residual[..., None]], axis=-1)
+        squares = np.ascontiguousarray(_turned(joined)) @ joined
+        for state, column in ((first, 0), (first + 1, size)):
+            part, rows = slice(state, state + count), squares[:, column : column + size]
+            self._own[part] += rows[..., column : column + size]
+            self._border[part, :, told] += rows[..., 2 * size : -1]
+            self._pull[part] -= rows[..., -1]
+        self._next[first : first + count] += squares[:, size : 2 * size, :size]
+        of_shared = np.sum(squares[:, 2 * size : -1], axis=0)
+        self._shared[np.ix_(told, told)] += of_shared[:, 2 * size : -1]
+        self._shared_pull[told] -= of_shared[:, -1]
 
     def add_prior(self, state: int, unknown: slice, error: FloatArray, sigma: FloatArray) -> None:
         """What is known beforehand of some unknowns of one state."""
@@ -102,44 +122,27 @@ class Bordered:
         Raises:
             ValueError: unknowns that nothing determines.
         """
-        from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
-
-        count, size, _ = self._border.shape
-        border = self._border[..., free].reshape(count * size, -1)
-        right = np.concatenate([self._pull.reshape(-1, 1), border], axis=1)
+        right = np.concatenate([self._pull[..., None], self._border[..., free]], axis=-1)
         try:
-            factor = cholesky_banded(banded(self._own, self._next), lower=True, check_finite=False)
-            solved = cho_solve_banded((factor, True), right, check_finite=False)
-            schur = self._shared[np.ix_(free, free)] - border.T @ solved[:, 1:]
+            factor = ChainFactor(self._own, self._next)
+            solved = factor.solve(right)
+            schur = self._shared[np.ix_(free, free)]
+            schur = schur - np.tensordot(right[..., 1:], solved[..., 1:], axes=([0, 1], [0, 1]))
             covariance = np.linalg.inv(schur)
             np.linalg.cholesky(schur)
-        except LinAlgError as fault:
+        except np.linalg.LinAlgError as fault:
             raise ValueError(
                 "camera and imu: expected motion that determines the states, got too little of it"
             ) from fault
-        step = covariance @ (self._shared_pull[free] - border.T @ solved[:, 0])
-        states = (solved[:, 0] - solved[:, 1:] @ step).reshape(count, size)
+        taken = np.einsum("nsg,ns->g", right[..., 1:], solved[..., 0])
+        step = covariance @ (self._shared_pull[free] - taken)
         shared = np.zeros(len(free))
         shared[free] = step
         full = np.zeros((len(free), len(free)))
         full[np.ix_(free, free)] = 0.5 * (covariance + covariance.T)
-        follow = np.zeros((count, size, len(free)))
-        follow[..., free] = solved[:, 1:].reshape(count, size, -1)
-        return Solved(states, shared, full, *self._marginals(), follow)
-
-    def _marginals(self) -> tuple[FloatArray, FloatArray]:
-        """Blocks of the inverse of the states' matrix, on and below its diagonal."""
-        count = len(self._own)
-        eliminated, gains = np.empty_like(self._own), np.empty_like(self._next)
-        eliminated[0] = np.linalg.inv(self._own[0])
-        for k in range(1, count):
-            gains[k - 1] = self._next[k - 1] @ eliminated[k - 1]
-            eliminated[k] = np.linalg.inv(self._own[k] - gains[k - 1] @ self._next[k - 1].T)
-        own, cross = eliminated.copy(), np.empty_like(self._next)
-        for k in range(count - 2, -1, -1):
-            cross[k] = -own[k + 1] @ gains[k]
-            own[k] = eliminated[k] - gains[k].T @ cross[k]
-        return own, cross
+        follow = np.zeros((*self._pull.shape, len(free)))
+        follow[..., free] = solved[..., 1:]
+        return Solved(solved[..., 0] - solved[..., 1:] @ step, shared, full, follow, factor)
 
     def _add_shared(self, residual: FloatArray, shared: FloatArray) -> None:
         self._shared += np.sum(_product(shared, shared), axis=0)

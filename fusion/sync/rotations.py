@@ -83,9 +83,11 @@ def offset_by_rotations(
     weights = [np.ones(len(block)) for block in blocks]
     solved = None
     for _ in range(_ITERATIONS):
+        steps, rate = _gyroscope(imu, camera.time_ns + round(offset_s * 1e9), gyro_bias_rad_s)
+        measured = (camera.motors.rotor @ imu_R_camera.inverse()).as_matrix()
         rows = [
-            _Rows.of(camera[block], imu, offset_s, imu_R_camera, gyro_bias_rad_s, weight)
-            for block, weight in zip(blocks, weights, strict=True)
+            _Rows.of(camera.time_ns[k], measured[k], steps[k[:-1]], rate[k], weight)
+            for k, weight in zip(blocks, weights, strict=True)
         ]
         solved = _solved(rows, weights)
         weights = solved.weights
@@ -123,31 +125,27 @@ class _Rows:
     @classmethod
     def of(
         cls,
-        camera: Trajectory,
-        imu: ImuStream,
-        offset_s: float,
-        imu_R_camera: Rotor,
-        bias: FloatArray,
+        stamps: IntArray,
+        measured: FloatArray,
+        steps: FloatArray,
+        rate: FloatArray,
         weight: FloatArray,
     ) -> _Rows:
-        stamps = camera.time_ns + round(offset_s * 1e9)
-        summed = preintegrate(imu, stamps, _SILENT, bias, np.zeros(3))
-        block_R_imu = _chained(summed.motion[:, 0].rotor.as_matrix())
-        measured = (camera.motors.rotor @ imu_R_camera.inverse()).as_matrix()
+        block_R_imu = _chained(steps)
         apart = measured @ block_R_imu.swapaxes(-1, -2)
         u, _, vt = np.linalg.svd(np.einsum("n,nij->ij", weight, apart))
         mean = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
         left = Rotor.from_matrix(mean.T @ apart).as_rotation_vector()
-        half = round(0.5 * _RATE_S * 1e9)
-        return cls(left, _slopes(imu, stamps, half, bias, block_R_imu), _drift(stamps))
+        slopes = np.concatenate([block_R_imu @ rate[..., None], block_R_imu], axis=-1)
+        return cls(left, slopes, _drift(stamps))
 
 
-def _slopes(
-    imu: ImuStream, stamps: IntArray, half: int, bias: FloatArray, block_R_imu: FloatArray
-) -> FloatArray:
+def _gyroscope(imu: ImuStream, stamps: IntArray, bias: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rotations ``(N - 1, 3, 3)`` from stamps to the next, and rates ``(N, 3)`` at them."""
+    summed = preintegrate(imu, stamps, _SILENT, bias, np.zeros(3))
+    half = round(0.5 * _RATE_S * 1e9)
     rates = [imu.at(stamps + shift).angular_rate_rad_s for shift in (-half, 0, half)]
-    rate = np.mean(rates, axis=0) - bias
-    return np.concatenate([block_R_imu @ rate[..., None], block_R_imu], axis=-1)
+    return summed.motion[:, 0].rotor.as_matrix(), np.mean(rates, axis=0) - bias
 
 
 def _drift(stamps: IntArray) -> FloatArray:

@@ -28,6 +28,7 @@ def run_tape(tape: Tape, inputs: Mapping[tuple[str, int], Any]) -> list[list[Any
     Where a value is no real number the result is NaN or infinite.
     """
     values: list[Any] = []
+    left = tape.uses()  # a value that nothing else needs is let go: its memory is the next one's
     with np.errstate(all="ignore"):
         for node in tape.nodes:
             if node.op == "const":
@@ -35,6 +36,10 @@ def run_tape(tape: Tape, inputs: Mapping[tuple[str, int], Any]) -> list[list[Any
             elif node.op == "input":
                 values.append(np.asarray(inputs[node.source], dtype=np.float64))
             else:
-                made = NUMPY_OPERATIONS[node.op](*(values[k] for k in node.args))
+                made = NUMPY_OPERATIONS[node.op](*[values[k] for k in node.args])
                 values.append(np.asarray(made, dtype=np.float64))
+                for k in node.args:
+                    left[k] -= 1
+                    if left[k] == 0:
+                        values[k] = None
     return [[values[k] for k in row] for row in tape.results]

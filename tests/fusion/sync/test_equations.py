@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from motorcade.fusion.chains import ChainFactor
 from motorcade.fusion.sync.model import interval_residuals, pose_residuals
 from motorcade.fusion.sync.normal_equations import Bordered
 from motorcade.ga import Motor, Rotor
@@ -121,6 +122,24 @@ def test_states_that_nothing_determines_are_refused(rng):
         equations.solve(np.array([True]))
 
 
+@pytest.mark.parametrize("count", range(1, 8))
+def test_a_chain_is_solved_and_inverted_as_its_dense_matrix(rng, count):
+    root = np.tril(np.triu(rng.standard_normal((3 * count, 3 * count)), -5))
+    for k in range(count):  # states touch their neighbours only
+        root[3 * k : 3 * k + 3, : 3 * max(k - 1, 0)] = 0.0
+    matrix = root @ root.T + np.eye(3 * count)
+    blocks = matrix.reshape(count, 3, count, 3).swapaxes(1, 2)
+    dense = np.linalg.inv(matrix).reshape(count, 3, count, 3).swapaxes(1, 2)
+    rows = np.arange(count)
+    factor = ChainFactor(blocks[rows, rows], blocks[rows[1:], rows[:-1]])
+    right = rng.standard_normal((count, 3, 2))
+    solved = np.linalg.solve(matrix, right.reshape(-1, 2)).reshape(right.shape)
+    np.testing.assert_allclose(factor.solve(right), solved, atol=1e-12)
+    own, cross = factor.inverse_blocks()
+    np.testing.assert_allclose(own, dense[rows, rows], atol=1e-12)
+    np.testing.assert_allclose(cross, dense[rows[1:], rows[:-1]], atol=1e-12)
+
+
 @pytest.mark.parametrize("free", [[True, True], [True, False]])
 def test_the_chain_is_solved_as_the_dense_system(rng, free):
     count, size, shared = 5, 3, 2
@@ -130,7 +149,8 @@ def test_the_chain_is_solved_as_the_dense_system(rng, free):
     first, second = rng.standard_normal((count, 4)), rng.standard_normal((count - 1, 3))
     equations = Bordered(count, size, shared)
     equations.add_states(first, own, by_shared)
-    equations.add_intervals(second, start, end, between)
+    equations.add_intervals(0, second[:2], start[:2], end[:2], between[:2])
+    equations.add_intervals(2, second[2:], start[2:], end[2:], between[2:])
     solved = equations.solve(np.array(free))
 
     rows = []
