@@ -58,7 +58,7 @@ from motorcade.tracking.slam import SlamResult
 
 # No frame is surer than this (rad, units of the map, metres), whatever its corners say: the
 # keyframes that it hangs on are not. A map's unit is about the depth of what it shows.
-_FLOOR = np.repeat([1e-3, 2e-3], 3) ** 2
+FLOOR = np.repeat([1e-3, 2e-3], 3) ** 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +121,7 @@ def metric_map(
     path, snapshot = result.trajectory, result.map
     if path is None:
         raise ValueError("result: expected a run of SLAM that found poses, got none")
-    given = PoseMeasurements(path, result.covariance + np.diag(_FLOOR))
+    given = PoseMeasurements(path, result.covariance + np.diag(FLOOR))
     start = start_inertial(given, imu, noise, imu_T_camera)
     inside = (snapshot.time_ns >= imu.time_ns[0]) & (snapshot.time_ns <= imu.time_ns[-1])
     own = Trajectory(snapshot.time_ns[inside], snapshot.world_T_camera[inside])
@@ -160,7 +160,7 @@ def _in_metres(
     relative = own.motors[row].inverse() @ path.motors
     metric = Motor.from_rotor_translation(relative.rotor, scale * relative.translation_m)
     units = np.repeat([1.0, scale], 3)
-    spread = units[:, None] * covariance * units + np.diag(_FLOOR)
+    spread = units[:, None] * covariance * units + np.diag(FLOOR)
     poses = adjusted[row] @ metric
     return PoseMeasurements(
         Trajectory(path.time_ns, poses, "world", "camera"),

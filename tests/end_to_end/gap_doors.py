@@ -66,17 +66,29 @@ from motorcade.fusion.smoothing import (
     smooth,
     smoothed_states,
 )
-from motorcade.fusion.visual_inertial import start_inertial
+from motorcade.fusion.visual_inertial import InertialSlam, start_inertial
 from motorcade.ga import CumulativeBSpline, Motor, ScrewPath
 from motorcade.replays.cli.main import main as motorcade
 from motorcade.replays.compare.own_data import compare_recorded
 from motorcade.replays.files.imu import read_imu, write_imu
 from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
+from motorcade.tracking import Camera
 from tests.end_to_end.gap_paths import Case
 
 
 class CommandFailedError(Exception):
     """A command that ended with neither 0 nor a refusal."""
+
+
+def _tracked(case: Case) -> object:
+    """A camera that stands still before noise, and the case's samples."""
+    slam = InertialSlam(Camera(160, 120, 150.0, 150.0, 79.5, 59.5), ADIS16448, Motor.identity())
+    slam.imu(case.imu)
+    gray = np.random.default_rng(0).integers(0, 255, (120, 160)).astype(np.uint8)
+    covered = case.time_ns[(case.time_ns >= 0) & (case.time_ns <= case.imu.time_ns[-1])]
+    for time_ns in covered[:: max(len(covered) // 10, 1)].tolist():
+        slam.track(time_ns, gray)
+    return slam.finish()
 
 
 def command(*words: str | Callable[[Case], str]) -> Callable[[Case], object]:
@@ -232,6 +244,7 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     "start_inertial": lambda case: start_inertial(
         case.measured, case.imu, ADIS16448, Motor.identity()
     ).in_metres(case.noisy),
+    "InertialSlam": lambda case: _tracked(case),
     "preintegrate": lambda case: preintegrate(case.imu, case.time_ns, ADIS16448),
     "estimate_noise": lambda case: estimate_noise(case.standing),
     "estimate_orientation": lambda case: estimate_orientation(case.imu),

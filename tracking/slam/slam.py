@@ -158,6 +158,10 @@ class VisualSlam:
         self._log.rescale(world_T_map)
         self._mapper.metric, self._mapper.adjuster = True, adjuster
 
+    def adjust_at_next_keyframe(self) -> None:
+        """Let the whole map be adjusted when the next keyframe is made, not only its window."""
+        self._mapper.adjusts_all = True
+
     def snapshot(self) -> MapSnapshot:
         """The map as it is now: keyframes, points, and where which was seen.
 

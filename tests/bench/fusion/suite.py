@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from tests.bench.fusion.flights import bench_flights, flights_table
+from tests.bench.fusion.inertial_slam import bench_inertial_slam, inertial_slam_table
 from tests.bench.fusion.offsets import bench_offsets, offsets_table
 from tests.bench.fusion.orientation import bench_orientation, orientation_table
 from tests.bench.fusion.simulator import bench_simulator, simulator_table
@@ -24,6 +25,7 @@ PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "offsets": (bench_offsets, offsets_table),
     "tags": (bench_tag_odometry, tag_odometry_table),
     "visual inertial": (bench_visual_inertial, visual_inertial_table),
+    "inertial slam": (bench_inertial_slam, inertial_slam_table),
     "orientation": (bench_orientation, orientation_table),
     "speed": (bench_speed, speed_table),
 }

@@ -64,6 +64,7 @@ class Mapper:
     Fields:
         metric: whether lengths are metres; loops are closed only then.
         adjuster: adjusts by more than pictures (an IMU, say); None: by pictures alone.
+        adjusts_all: whether the next keyframe is followed by an adjustment of the whole map.
     """
 
     def __init__(self, slam_map: SlamMap, camera: Camera, settings: SlamSettings) -> None:
@@ -74,6 +75,7 @@ class Mapper:
         self.disparity_px_m = camera.fx * baseline_m
         self.metric = False
         self.adjuster: Adjuster | None = None
+        self.adjusts_all = False
 
     def insert_keyframe(
         self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray
@@ -94,7 +96,10 @@ class Mapper:
         if loop is not None:
             close_loop(self.map, loop, self.camera)
             if self.settings.adjust:
-                self.adjust_all(_LOOP_ITERATIONS)
+                self.adjusts_all = True
+        if self.adjusts_all:
+            self.adjust_all(_LOOP_ITERATIONS)
+            self.adjusts_all = False
         tracked = self._newest(picture)
         return InsertedKeyframe(tracked, loop is not None, time.perf_counter() - started)
 
