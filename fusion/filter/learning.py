@@ -11,11 +11,17 @@ as of scales, axes or g-sensitivity, look small over one interval and large over
 densities and walks that are learnt are those that fit all of these spans together.
 
 Half of the recording, in turns of two seconds, is learnt from, the other half judges: what is
-learnt replaces what it started from only where it predicts both better there.
+learnt replaces what it started from only where it predicts both better there, and the positions
+held out not surely worse.
+
+What turns do not contradict stays as near to the start as that allows: a likelihood is flat where
+poses of half a degree tell of a gyroscope, and its top lies anywhere (`python -m
+tests.bench.fusion.learnt`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,6 +54,13 @@ magnitude. What the recording does not tell stays as it was."""
 _STEP, _CLOSE = float(np.log(2.0)), 0.05
 """First steps, and where to stop: five in a hundred of a density change no path."""
 _MOST_TRIALS = 80
+_CHANCE = 0.05
+"""What counts as chance, by Student's distribution over turns, to one side."""
+_GROWTH = 0.02
+"""Of an error that is none: errors of a few dozen spans know their own size to a tenth."""
+_NEAR = float(np.log(1.2))
+"""How near to the figure that turns contradict: a fifth of a density moves no deviation by more
+than a tenth."""
 _LAGS = (1, 2, 4, 8)
 
 
@@ -107,12 +120,8 @@ def learn_noise(
     trials = _Trials.of(used, imu, noise, imu_T_camera, chosen, time_offset_s)
 
     def cost(logarithms: FloatArray) -> float:
-        ahead, held = trials.predicted(_scaled(noise, logarithms))
-        learnt_from = ahead.densities[ahead.turn % 2 == 1].sum()
-        # The errors of a span are nearly one draw: it counts as one pose.
-        spans = held.of(1)
-        learnt_from += spans.densities.mean() * len(np.unique(spans.turn))
-        return float(0.5 * np.sum((logarithms / _DOUBT) ** 2) - learnt_from)
+        likely = _by_turn(*trials.predicted(_scaled(noise, logarithms)))
+        return float(0.5 * np.sum((logarithms / _DOUBT) ** 2) - likely.sum())
 
     corners = np.vstack([np.zeros(4), _STEP * np.eye(4)])
     best = minimize(
@@ -126,17 +135,86 @@ def learn_noise(
             "fatol": 0.1,  # of a log likelihood, far below what decides anything
         },
     )
-    found = _scaled(noise, best.x)
-    before, after = (_score(*trials.predicted(one)) for one in (noise, found))
-    factors = tuple(zip(DENSITIES_AND_WALKS, np.exp(best.x).tolist(), strict=True))
+    told = _as_far_as_told(lambda one: trials.predicted(_scaled(noise, one)), best.x)
+    found = _scaled(noise, told)
+    given, made = (trials.predicted(one) for one in (noise, found))
+    before, after = _score(*given), _score(*made)
+    factors = tuple(zip(DENSITIES_AND_WALKS, np.exp(told).tolist(), strict=True))
+    allowed = (1.0 + _GROWTH) ** 2 * _squares(given[1], 0)
     better = (
         after.log_density > before.log_density
         and after.held_out_log_density >= before.held_out_log_density
+        and not _surely_above_zero(_squares(made[1], 0) - allowed)
     )
     return LearntNoise(
         found if better else noise, better, _summary(better, factors, before, after), factors,
         before, after,
     )  # fmt: skip
+
+
+def _by_turn(ahead: _Predictions, held: _Predictions) -> FloatArray:
+    """Log likelihood of each turn to learn from, and of what was held out in it."""
+    turns = np.unique(ahead.of(1).turn)
+    row = np.searchsorted(turns, ahead.of(1).turn)
+    made: FloatArray = np.bincount(row, ahead.of(1).densities, len(turns))
+    # The errors of a span are nearly one draw: it counts as one pose.
+    spans = held.of(1)
+    row = np.searchsorted(turns, spans.turn)
+    count = np.bincount(row, minlength=len(turns))
+    return made + np.bincount(row, spans.densities, len(turns)) / np.maximum(count, 1)
+
+
+def _squares(held: _Predictions, parity: int) -> FloatArray:
+    """Mean square error of the positions held out in each turn."""
+    spans = held.of(parity)
+    _, row, count = np.unique(spans.turn, return_inverse=True, return_counts=True)
+    square: FloatArray = np.sum(spans.twist[:, 3:] ** 2, axis=1)
+    return np.bincount(row, square) / count
+
+
+def _surely_above_zero(differences: FloatArray) -> bool:
+    """Whether the sum of what paired turns differ by is above zero by more than chance."""
+    from scipy.stats import t
+
+    count = len(differences)
+    spread = differences.std(ddof=1) * np.sqrt(count)
+    return bool(differences.sum() > t.ppf(1.0 - _CHANCE, count - 1) * spread)
+
+
+def _as_far_as_told(
+    predicted: Callable[[FloatArray], tuple[_Predictions, _Predictions]], found: FloatArray
+) -> FloatArray:
+    """Each figure as near to where it started as turns do not contradict, one after another.
+
+    They contradict where what was found makes their poses surely more likely, or surely predicts
+    the positions held out better. Turns are paired and count as draws: they hold what poses within
+    them share. White noise that was found larger stays so, for too little of it is what makes a
+    path believe itself.
+    """
+    best = predicted(found)
+    likely, squares = _by_turn(*best), _squares(best[1], 1)
+    told = found.copy()
+
+    def contradicted(tried: FloatArray) -> bool:
+        made = predicted(tried)
+        return _surely_above_zero(likely - _by_turn(*made)) or _surely_above_zero(
+            _squares(made[1], 1) - (1.0 + _GROWTH) ** 2 * squares
+        )
+
+    for k, name in enumerate(DENSITIES_AND_WALKS):
+        if "density" in name and told[k] >= 0.0:
+            continue
+        start, shares = told[k], np.array([0.0, 1.0])
+        tried = told.copy()
+        tried[k] = 0.0
+        if not contradicted(tried):
+            told = tried
+            continue
+        while (shares[1] - shares[0]) * abs(start) > _NEAR:
+            tried[k] = start * (1.0 - shares.mean())
+            shares[int(contradicted(tried))] = shares.mean()
+        told[k] = start * (1.0 - shares[0])
+    return told
 
 
 def _summary(
@@ -149,7 +227,8 @@ def _summary(
     )
     gain = (
         f"log density of the next pose {before.log_density:.3f} to {after.log_density:.3f}, of "
-        f"those held out {before.held_out_log_density:.3f} to {after.held_out_log_density:.3f}"
+        f"those held out {before.held_out_log_density:.3f} to {after.held_out_log_density:.3f}, "
+        f"their error {1e3 * before.held_out_m:.0f} to {1e3 * after.held_out_m:.0f} mm"
     )
     if better:
         return f"the noise was learnt from the recording: {found}; where it was judged, {gain}"
