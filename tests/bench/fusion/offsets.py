@@ -26,7 +26,14 @@ from motorcade.fusion.sync import synchronise
 from tests.bench.data import data_folder
 from tests.bench.fusion.recorded import BLACKOUTS, DEGRADED, FLIGHTS, Flight, flight, measured
 
-__all__ = ["bench_offsets", "found_offset", "offsets_table", "own_offset", "spread"]
+__all__ = [
+    "bench_offsets",
+    "found_offset",
+    "offsets_table",
+    "own_offset",
+    "spread",
+    "summed_turns",
+]
 
 _DELAYS_S = (0.005, 0.02, 0.05, -0.01)
 _SEEDS = range(2)
@@ -84,7 +91,7 @@ def own_offset(one: Flight, span_s: float = _SPAN_S) -> float:
     span = (at_s[last] - at_s[first])[:, None]
     bias = np.zeros(3)
     for _ in range(3):  # what is left of the bias is small enough for turns to add up
-        summed = _summed(time_s, one.imu.angular_rate_rad_s - bias)
+        summed = summed_turns(time_s, one.imu.angular_rate_rad_s - bias)
 
         def left(x: np.ndarray, summed: Slerp = summed) -> np.ndarray:
             mount, now = Rotation.from_rotvec(x[1:4]), summed(at_s + 1e-3 * x[0])
@@ -98,7 +105,8 @@ def own_offset(one: Flight, span_s: float = _SPAN_S) -> float:
     return 1e-3 * float(found.x[0])
 
 
-def _summed(time_s: np.ndarray, rate: np.ndarray) -> Slerp:
+def summed_turns(time_s: np.ndarray, rate: np.ndarray) -> Slerp:
+    """Orientations that a gyroscope's rates add up to."""
     steps = Rotation.from_rotvec(0.5 * (rate[1:] + rate[:-1]) * np.diff(time_s)[:, None])
     turns = [Rotation.identity()]
     for step in steps:
