@@ -25,6 +25,9 @@ constexpr std::size_t most_rivals = 6;
 // How long the IMU alone may carry a prediction that was given up, as it may over gaps.
 constexpr std::int64_t longest_bridge_ns = 10'000'000'000;
 
+// How long measurements may agree on something else before it is no burst: as cameras are blind.
+constexpr std::int64_t longest_burst_ns = 2'000'000'000;
+
 // A state that runs beside the filter's own.
 template <std::size_t N> struct Track {
     State at;
@@ -37,6 +40,7 @@ template <std::size_t N> struct Rival {
     Track<N> track;
     std::size_t birth = 0;  // the event from which it started
     std::size_t hits = 0;   // measurements that it explained and the prediction did not
+    bool agreed = false;    // with the latest one
     std::size_t base = 0;   // measurements that the prediction had explained at its birth
     bool returned = false;  // it goes on where a prediction was given up
     Doubt room;             // what the prediction needs to agree with its birth
@@ -63,27 +67,39 @@ template <std::size_t N> void Timeline<N>::consider(std::size_t index) {
 template <std::size_t N> void Timeline<N>::challenge(std::size_t index) {
     const Event &event = events_[index];
     bool taken = false, returned = false;
-    for (Rival<N> &rival : rivals_)
-        if (agrees(rival, event)) taken = true, returned |= rival.returned;
+    for (Rival<N> &rival : rivals_) {
+        rival.agreed = agrees(rival, event);
+        if (rival.agreed) taken = true, returned |= rival.returned;
+    }
     if (former_ && !returned && former_->track.time_ns <= event.time_ns) {
         along(former_->track, [&] { advance_to(event.time_ns); });
         Rival<N> again = *former_;
-        again.hits = 0, again.base = explained_, again.birth = index, again.returned = true;
+        again.hits = 0, again.base = explained_, again.birth = index;
+        again.returned = again.agreed = true;
         // It may be worse than it says.
         if (agrees(again, event, settings_.most_noise)) taken = true, rivals_.push_back(again);
     }
     if (!taken) spawn(index);
     const auto fewer = [](const Rival<N> &one, const Rival<N> &other) {
-        return one.hits < other.hits;
+        return one.agreed == other.agreed ? one.hits < other.hits : other.agreed;
     };
     const auto best = std::max_element(rivals_.begin(), rivals_.end(), fewer);
-    if (best == rivals_.end()) return;
+    if (best == rivals_.end() || !best->agreed) return;
     const bool likely = best->returned || strained(events_[best->birth]);
     if (best->hits < (likely ? enough_likely_hits : enough_hits) + (explained_ - best->base))
         return;
+    if (!likely && imu_suffices(event)) return;
     const Rival<N> winner = *best;
     rivals_.clear();
     give_up(winner);
+}
+
+// Whether the IMU alone still tells the path as well as poses would, from a prediction that was
+// right for long. Measurements that agree on something else may be a burst of wrong ones, which is
+// seen when it ends; if the map was relocated, waiting costs what such a gap costs.
+template <std::size_t N> bool Timeline<N>::imu_suffices(const Event &event) const {
+    return own_hits_ >= established_hits && event.time_ns - doubted_ns_ <= longest_burst_ns &&
+           bridged(p_, event);
 }
 
 // Whether the prediction of what was left out may just have been worse than it said, as after a

@@ -320,6 +320,7 @@ private:
     void give_up(const Rival<N> &rival);
     void judge_before(const Rival<N> &rival);
     bool bridged(const Matrix<N> &covariance, const Event &event) const;
+    bool imu_suffices(const Event &event) const;
     void undo_jump(std::size_t jump, std::size_t from, std::size_t to);
     void take_for_wrong(std::size_t from, std::size_t to);
     void undecide(std::size_t from);

@@ -70,6 +70,21 @@ def test_live_a_wrong_start_is_found_within_a_second(record: Callable[..., Run],
     assert np.max(error[later]) < 3.0 * np.max(undisturbed[later])
 
 
+def test_live_a_burst_that_moves_as_one_is_not_followed(record: Callable[..., Run], rng):
+    """Second 4 to 5 lies elsewhere: the IMU carries the path, and all is well when that ends."""
+    run = record(rng, 8.0)
+    path = run.measurements.trajectory
+    seconds = path.time_s - path.time_s[0]
+    wrong = (seconds >= 4.0) & (seconds < 5.0)
+    shift = wrong[:, None] * np.array([0.0, 0.0, 0.4, 1.0, -2.0, 0.5])
+    found = spoiled(run, Motor.from_twist(shift) @ path.motors).fuse(smoothed=False)
+    error = absolute_translation_m(found.trajectory.motors, run.camera.at(path.time_ns))
+    assert np.max(error[seconds > 1.0]) < 0.1
+    np.testing.assert_array_equal(found.accepted[wrong], False)
+    assert found.accepted[seconds > 5.2].all()
+    assert not len(found.given_up_ns)
+
+
 def test_it_tells_for_which_spans_it_did_not_know(record: Callable[..., Run], rng):
     run, _ = disturbed(record(rng, 3.0), "start off by 1 m, 30°", 5)
     path, covariance = run.measurements.trajectory, run.measurements.covariance
