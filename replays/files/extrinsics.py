@@ -39,6 +39,21 @@ def read_extrinsics(path: Path) -> Motor:
     return found
 
 
+def read_offset(path: Path) -> float | None:
+    """What a Kalibr chain says that the IMU's clock is ahead of its first camera's, in seconds.
+
+    None: another file, which says nothing of clocks.
+
+    Raises:
+        RecordingError: as of `read_extrinsics`.
+    """
+    if path.suffix.lower() not in (".yaml", ".yml"):
+        return None
+    from motorcade.replays.readers.kalibr import read_chain
+
+    return read_chain(path)[0].offset_s
+
+
 def _of_sync(path: Path, data: bytes) -> Motor:
     try:
         given = json.loads(data)

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 from motorcade.replays.cli.arguments import Subparsers, new_command
 
 if TYPE_CHECKING:
-    from motorcade.fusion.imu import ImuStream
-    from motorcade.ga import Trajectory
+    from motorcade.fusion.imu import ImuNoise, ImuStream
+    from motorcade.ga import Motor, Trajectory
     from motorcade.ga.arrays import IntArray
     from motorcade.replays.fusing import FusingOptions
+    from motorcade.replays.readers.manifest.inertial import ImuCalibration
 
 
 def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
@@ -65,6 +66,13 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
 def _add_known(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("the sensor")
     group.add_argument(
+        "--rig",
+        type=Path,
+        metavar="FILE",
+        help="how camera and IMU belong together, TOML of `motorcade calibrate --imu`: scale and "
+        "axes of both sensors, extrinsics, clock offset, noise; other options go before it",
+    )
+    group.add_argument(
         "--noise", type=Path, metavar="FILE", help="Kalibr or EuRoC YAML; without it: ADIS16448"
     )
     group.add_argument(
@@ -86,8 +94,7 @@ def _add_known(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--offset-s",
         type=float,
-        default=0.0,
-        help="what the IMU's clock shows minus what the poses' does (0)",
+        help="what the IMU's clock shows minus what the poses' does (0, or as Kalibr's chain says)",
     )
     group.add_argument(
         "--estimate",
@@ -125,11 +132,15 @@ def fuse(arguments: argparse.Namespace) -> None:
     from motorcade.replays.files.atomic import write_bytes
     from motorcade.replays.files.trajectories import read_trajectory, write_trajectory
     from motorcade.replays.fusing import fuse_poses, write_covariance
+    from motorcade.replays.readers.manifest.inertial import read_imu_calibration
     from motorcade.replays.readers.opening import read_imu_of
 
-    options = _options(arguments)
+    rig = None if arguments.rig is None else read_imu_calibration(arguments.rig)
+    options = _options(arguments, rig)
     poses = read_trajectory(arguments.poses, rate_hz=arguments.rate_hz)
     imu = read_imu_of(arguments.imu)
+    if rig is not None:
+        imu = rig.corrected(imu)
     found = fuse_poses(poses, imu, options, _stamps(arguments.stamps, poses, imu, options))
     path = found.fused.trajectory
     write_trajectory(path, arguments.output, arguments.format)
@@ -146,10 +157,9 @@ def fuse(arguments: argparse.Namespace) -> None:
         write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
 
 
-def _options(arguments: argparse.Namespace) -> FusingOptions:
+def _options(arguments: argparse.Namespace, rig: ImuCalibration | None) -> FusingOptions:
     import numpy as np
 
-    from motorcade.replays.files.extrinsics import read_extrinsics
     from motorcade.replays.files.imu import read_noise
     from motorcade.replays.fusing import FusingOptions
 
@@ -159,15 +169,14 @@ def _options(arguments: argparse.Namespace) -> FusingOptions:
     def radians(degrees: float | None) -> float | None:
         return None if degrees is None else float(np.deg2rad(degrees))
 
+    imu_T_camera, offset_s, noise = _mounted(arguments.extrinsics, rig)
     return FusingOptions(
-        noise=None if arguments.noise is None else read_noise(arguments.noise),
+        noise=noise if arguments.noise is None else read_noise(arguments.noise),
         noise_factor=arguments.noise_factor,
         walk_factor=arguments.walk_factor,
         learn_noise=arguments.learn_noise,
-        imu_T_camera=None
-        if arguments.extrinsics is None
-        else read_extrinsics(arguments.extrinsics),
-        offset_s=arguments.offset_s,
+        imu_T_camera=imu_T_camera,
+        offset_s=offset_s if arguments.offset_s is None else arguments.offset_s,
         estimate=tuple(arguments.estimate),
         sigma_m=arguments.sigma_m,
         sigma_rad=radians(arguments.sigma_deg),
@@ -179,6 +188,22 @@ def _options(arguments: argparse.Namespace) -> FusingOptions:
         online=arguments.online,
         lag_s=arguments.lag,
     )
+
+
+def _mounted(
+    extrinsics: Path | None, rig: ImuCalibration | None
+) -> tuple[Motor | None, float, ImuNoise | None]:
+    """Extrinsics, the offset of the clocks and the noise, as files say them."""
+    from motorcade.replays.files.extrinsics import read_extrinsics, read_offset
+
+    imu_T_camera, offset_s, noise = None, 0.0, None
+    if rig is not None:
+        imu_T_camera, offset_s, noise = rig.imu_T_camera, rig.offset_s, rig.noise
+    if extrinsics is not None:
+        imu_T_camera = read_extrinsics(extrinsics)
+        told_s = read_offset(extrinsics)
+        offset_s = offset_s if told_s is None else told_s
+    return imu_T_camera, offset_s, noise
 
 
 def _stamps(

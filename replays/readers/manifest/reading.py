@@ -15,14 +15,11 @@ from dataclasses import replace
 from os.path import realpath
 from pathlib import Path
 
-import numpy as np
-
 from motorcade.ga import Motor
-from motorcade.ga.arrays import FloatArray
-from motorcade.replays.errors import one_line, refusal
-from motorcade.replays.files.imu import read_imu, read_noise
+from motorcade.replays.errors import refusal
+from motorcade.replays.files.imu import read_imu
 from motorcade.replays.files.trajectories import even_stamps, read_times
-from motorcade.replays.files.transforms import as_float, is_number, transform
+from motorcade.replays.files.transforms import transform
 from motorcade.replays.readers.frames.files import (
     PictureFrames,
     inside,
@@ -32,8 +29,8 @@ from motorcade.replays.readers.frames.files import (
 )
 from motorcade.replays.readers.frames.video import VideoFrames
 from motorcade.replays.readers.gpmf import read_telemetry
-from motorcade.replays.readers.kalibr import MOST_OFFSET_S
 from motorcade.replays.readers.layouts.detect import find_layout, read_layout
+from motorcade.replays.readers.manifest.inertial import IMU_KEYS, section_imu
 from motorcade.replays.readers.manifest.section import (
     CAMERA_KEYS,
     MARKERS_KEYS,
@@ -69,15 +66,6 @@ _TOP = (
 )
 FRAMES_KEYS = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
 STEREO_KEYS = ("right", "baseline_m")
-IMU_KEYS = (
-    "file",
-    "noise_file",
-    "imu_T_camera",
-    "clock_offset_s",
-    "gyro_correction",
-    "accel_correction",
-)
-_MOST_CORRECTION = 0.5  # of an entry from the identity's: a sensor so far off is another one
 
 
 def read(root: Path, manifest: Path, *, may_leave: bool) -> Recording:
@@ -250,37 +238,12 @@ class _Manifest:
             made = replace(made, imu=read_imu(self._file(section, "file")))
         if made.imu is None:
             raise section.fault("file", "the key is missing")
-        if "noise_file" in section:
-            path = self._file(section, "noise_file")
-            made = replace(made, imu_noise=read_noise(path))
-        if "imu_T_camera" in section:
-            pose = transform(section["imu_T_camera"], self.path, "[imu] imu_T_camera")
-            made = replace(made, imu_T_camera=pose)
-        if "clock_offset_s" in section and made.imu is not None:
-            offset_s = section.number("clock_offset_s", -MOST_OFFSET_S, MOST_OFFSET_S)
-            shifted = made.imu.time_ns - round(offset_s * 1e9)
-            made = replace(made, imu=replace(made.imu, time_ns=shifted))
-        if "gyro_correction" in section and made.imu is not None:
-            rate = made.imu.angular_rate_rad_s @ _correction(section, "gyro_correction").T
-            made = replace(made, imu=replace(made.imu, angular_rate_rad_s=rate))
-        if "accel_correction" in section and made.imu is not None:
-            force = made.imu.specific_force_m_s2 @ _correction(section, "accel_correction").T
-            made = replace(made, imu=replace(made.imu, specific_force_m_s2=force))
+        told = section_imu(section, self._file)
+        made = replace(made, imu=told.on_camera_clock(made.imu))
+        if told.noise is not None:
+            made = replace(made, imu_noise=told.noise)
+        if told.imu_T_camera is not None:
+            made = replace(made, imu_T_camera=told.imu_T_camera)
         if made.imu_T_camera is None:
             raise section.fault("imu_T_camera", "the key is missing", "give a 4 by 4 matrix")
         return made
-
-
-def _correction(section: Section, key: str) -> FloatArray:
-    """A matrix ``(3, 3)`` by which readings are multiplied; close to the identity."""
-    rows = section[key]
-    numbers = []
-    if isinstance(rows, list) and len(rows) == 3:
-        numbers = [one for row in rows if isinstance(row, list) for one in row]
-    if len(numbers) != 9 or not all(map(is_number, numbers)):
-        raise section.fault(key, f"expected 3 rows of 3 numbers, got {one_line(rows)}")
-    matrix = np.array([as_float(one) for one in numbers]).reshape(3, 3)
-    if not np.abs(matrix - np.eye(3)).max() <= _MOST_CORRECTION:
-        expected = f"expected entries within {_MOST_CORRECTION:g} of the identity's"
-        raise section.fault(key, f"{expected}, got {one_line(rows)}")
-    return matrix

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -225,15 +225,103 @@ def _text(folder: Path, text: str) -> Path:
     return file
 
 
+GYRO_READS = np.array([[1.04, 0.01, -0.02], [0.015, 0.97, 0.01], [-0.01, 0.02, 1.03]])
+ACCEL_READS = np.array([[0.96, 0.0, 0.0], [0.02, 1.05, 0.0], [-0.01, 0.015, 1.02]])
+LATE_S = 0.08
+NOISE = """gyroscope_noise_density: 1.7e-4
+gyroscope_random_walk: 1.9e-5
+accelerometer_noise_density: 2.0e-3
+accelerometer_random_walk: 3.0e-3
+"""
+
+
+def _rig(folder: Path, gyro: np.ndarray, accel: np.ndarray, offset_s: float) -> Path:
+    """What `motorcade calibrate --imu` would write."""
+    (folder / "rig-imu.yaml").write_text(NOISE)
+    file = folder / "rig.toml"
+    file.write_text(
+        f'[imu]\nnoise_file = "rig-imu.yaml"\nclock_offset_s = {offset_s}\n'
+        f"gyro_correction = {gyro.tolist()}\naccel_correction = {accel.tolist()}\n"
+        f"imu_T_camera = {IMU_T_CAMERA.as_matrix().tolist()}\n"
+    )
+    return file
+
+
+@pytest.fixture
+def faulty(files: Files, tmp_path: Path) -> Files:
+    """The same flight, read by sensors with scales and axes of their own and a clock ahead."""
+    late = files.stream.time_ns + round(1e9 * LATE_S)
+    rate = np.einsum("ij,nj->ni", GYRO_READS, files.stream.angular_rate_rad_s)
+    force = np.einsum("ij,nj->ni", ACCEL_READS, files.stream.specific_force_m_s2)
+    write_imu(ImuStream(late, rate, force), tmp_path / "faulty.csv")
+    return replace(files, imu=tmp_path / "faulty.csv")
+
+
+def test_a_calibrated_rig_takes_scale_axes_and_clock_off(
+    files: Files, faulty: Files, tmp_path: Path
+) -> None:
+    """Beside the path of a sensor without faults, the ground truth, and innovations."""
+    (tmp_path / "noise.yaml").write_text(NOISE)
+    given = ["--extrinsics", files.extrinsics, "--noise", tmp_path / "noise.yaml"]
+    right = fused(files, tmp_path / "right.tum", *given)
+    turned, forced = np.linalg.inv(GYRO_READS), np.linalg.inv(ACCEL_READS)
+
+    def told(gyro: np.ndarray, accel: np.ndarray, offset_s: float) -> tuple[float, float]:
+        rig, figures = _rig(tmp_path, gyro, accel, offset_s), tmp_path / "figures.json"
+        path = fused(faulty, tmp_path / "path.tum", "--rig", rig, "--json", figures)
+        nis = json.loads(figures.read_text())["nis_per_dimension"]
+        return evaluate(path, files.truth).ape_m.rmse, nis
+
+    least_m, least_nis = told(turned, forced, LATE_S)
+    apart = read_trajectory(tmp_path / "path.tum").motors.local(right.motors)
+    np.testing.assert_allclose(apart, 0.0, atol=1e-6)
+    for wrong in (
+        (GYRO_READS, forced, LATE_S),
+        (turned, ACCEL_READS, LATE_S),
+        (turned, forced, -LATE_S),
+    ):
+        error_m, nis = told(*wrong)
+        assert error_m > 1.1 * least_m
+        assert nis > 1.2 * least_nis
+
+
+def test_a_chains_time_shift_is_heeded(files: Files, tmp_path: Path) -> None:
+    late = replace(files.stream, time_ns=files.stream.time_ns + round(1e9 * LATE_S))
+    write_imu(late, tmp_path / "late.csv")
+    files = replace(files, imu=tmp_path / "late.csv")
+    chain = _chain(tmp_path, f"  timeshift_cam_imu: {LATE_S}\n")
+    named = fused(files, tmp_path / "b.tum", "--extrinsics", files.extrinsics, "--offset-s", LATE_S)
+    path = fused(files, tmp_path / "a.tum", "--extrinsics", chain)
+    np.testing.assert_allclose(path.motors.local(named.motors), 0.0, atol=1e-6)
+    unheeded = fused(files, tmp_path / "c.tum", "--extrinsics", chain, "--offset-s", 0)
+    errors = [evaluate(one, files.truth).ape_m.rmse for one in (path, unheeded)]
+    assert errors[1] > 1.5 * errors[0]
+
+
+def test_a_rig_without_what_is_needed_is_refused(
+    files: Files, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rig = tmp_path / "rig.toml"
+    base = ["fuse", files.poses, files.imu, "-o", tmp_path / "x.tum", "--rig", rig]
+    rig.write_text("[camera]\n")
+    assert "imu: the table is missing" in refused(capsys, *base)
+    rig.write_text("[imu]\nclock_offset_s = 0.1\n")
+    assert "[imu] imu_T_camera: the key is missing" in refused(capsys, *base)
+
+
 def test_extrinsics_are_read_as_kalibr_writes_them(tmp_path: Path) -> None:
     from motorcade.replays.files.extrinsics import read_extrinsics
 
+    apart = read_extrinsics(_chain(tmp_path)).local(IMU_T_CAMERA)
+    np.testing.assert_allclose(apart, 0.0, atol=1e-9)
+
+
+def _chain(folder: Path, more: str = "") -> Path:
     rows = "\n".join(f"  - {row}" for row in IMU_T_CAMERA.inverse().as_matrix().tolist())
-    chain = tmp_path / "camchain.yaml"
+    chain = folder / "camchain.yaml"
     chain.write_text(
         f"cam0:\n  T_cam_imu:\n{rows}\n  camera_model: pinhole\n  distortion_model: radtan\n"
         "  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n  intrinsics: [400.0, 400.0, 320.0, 240.0]\n"
-        "  resolution: [640, 480]\n"
+        f"  resolution: [640, 480]\n{more}"
     )
-    apart = read_extrinsics(chain).local(IMU_T_CAMERA)
-    np.testing.assert_allclose(apart, 0.0, atol=1e-9)
+    return chain
