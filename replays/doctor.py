@@ -76,7 +76,7 @@ def simd(known: Set[str], machine: str = platform.machine()) -> str:
 OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
     "pipeline": {
         "opencv-contrib-python-headless": ("cv2", "pictures, markers, boards, visual SLAM"),
-        "pupil-apriltags": ("pupil_apriltags", "AprilTags that the first detector misses"),
+        "pupil-apriltags": ("pupil_apriltags", "codes of AprilTag 3's families"),
         "pyproj": ("pyproj", "latitudes and longitudes as metres"),
         "gtsam": ("gtsam", "loops of visual SLAM, visual-inertial graphs"),
         "rosbags": ("rosbags", "recordings in ROS bags and MCAP, without ROS"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.tracking.checks import check_length
-from motorcade.tracking.markers.families import dictionary
+from motorcade.tracking.markers.families import check_family
 from motorcade.tracking.markers.marker_map import MarkerMap
 
 
@@ -29,7 +29,7 @@ class LooseMarkers:
     marker_map: MarkerMap | None = None
 
     def __post_init__(self) -> None:
-        dictionary(self.family)
+        check_family(self.family)
         check_length(self.side_m, "LooseMarkers.side_m")
 
     def content(self) -> bytes:

@@ -25,14 +25,14 @@ class CharucoBoard(SquaresBoard):
     """A ChArUco board of `columns` by `rows` squares.
 
     Args:
-        family: one of `families.FAMILIES`; ids count from 0.
+        family: one of `families.OPENCV_FAMILIES`; ids count from 0.
         columns, rows: squares across and down (inner corners are one fewer each way).
         square_m: side of a square.
         marker_m: side of a marker's black square, smaller than `square_m`.
 
     Raises:
-        ValueError: an unknown family or one with too few markers, fewer than 3 squares either
-            way, lengths not above zero, markers that do not fit into the squares.
+        ValueError: a family that OpenCV does not know or one with too few markers, fewer than 3
+            squares either way, lengths not above zero, markers that do not fit into the squares.
 
     >>> from motorcade.tracking import CharucoBoard
     >>> board = CharucoBoard("aruco_5x5_100", columns=5, rows=4, square_m=0.04, marker_m=0.03)
@@ -57,6 +57,7 @@ class CharucoBoard(SquaresBoard):
                 f"CharucoBoard.marker_m: expected less than square_m = {self.square_m}, "
                 f"got {self.marker_m}"
             )
+        dictionary(self.family)
         needed, size = self.columns * self.rows // 2, family_size(self.family)
         if needed > size:
             raise ValueError(

@@ -21,6 +21,7 @@ from motorcade.tracking.markers.edges import refine_quads
 from motorcade.tracking.markers.families import (
     border_share,
     family_size,
+    layout,
     marker_cells,
     marker_points_m,
 )
@@ -90,7 +91,9 @@ class _MarkerBoard(Board):
         if len(whole) == 0:
             return whole
         quads = whole.corners_px.reshape(-1, 4, 2)
-        sharp, good = refine_quads(image, quads, self._clear_share, camera)
+        sharp, good = refine_quads(
+            image, quads, self._clear_share, camera, layout(self.family).white_inside
+        )
         return whole.at(sharp.reshape(-1, 2)).keep(np.repeat(good, 4))
 
 
@@ -101,13 +104,13 @@ class MarkerGrid(_MarkerBoard):
     Args:
         family: one of `families.FAMILIES`.
         columns, rows: markers across and down.
-        marker_m: side of a marker's black square.
-        gap_m: white between neighbours.
+        marker_m: side of a marker, between its corners.
+        gap_m: between the sides of neighbours; where bits stand outside of the side, room for them.
         first_id: id of the top-left marker.
 
     Raises:
-        ValueError: an unknown family, counts below 1, lengths not above zero, or more markers
-            than the family has.
+        ValueError: an unknown family, counts below 1, lengths not above zero, more markers
+            than the family has, or prints that overlap.
 
     >>> from motorcade.tracking import MarkerGrid
     >>> board = MarkerGrid("tag36h11", columns=3, rows=2, marker_m=0.03, gap_m=0.009)
@@ -135,6 +138,12 @@ class MarkerGrid(_MarkerBoard):
                 f"MarkerGrid.first_id: {self.family} has ids 0 to {size - 1}, "
                 f"but this grid needs up to {last}"
             )
+        least = 2.0 * self._margin_m
+        if self.gap_m < least * (1.0 - 1e-9):
+            raise ValueError(
+                f"MarkerGrid.gap_m: {self.family} has bits outside of its side; expected at least "
+                f"{least:g} m beside {self.marker_m:g} m, got {self.gap_m:g}"
+            )
 
     @property
     def name(self) -> str:
@@ -146,7 +155,7 @@ class MarkerGrid(_MarkerBoard):
 
     @property
     def size_m(self) -> tuple[float, float]:
-        """Width and height over all markers, metres."""
+        """Width and height over all markers, between outermost corners, metres."""
         pitch = self.marker_m + self.gap_m
         return self.columns * pitch - self.gap_m, self.rows * pitch - self.gap_m
 
@@ -158,21 +167,27 @@ class MarkerGrid(_MarkerBoard):
     @cached_property
     def pattern(self) -> Pattern:
         """Bits and gaps as cells; the quiet zone is two bits wide."""
-        side = len(marker_cells(self.family, 0))
-        white = np.ones((self.rows * (side + 1) - 1, self.columns * (side + 1) - 1), bool)
+        cells = layout(self.family).cells
+        white = np.ones((self.rows * (cells + 1) - 1, self.columns * (cells + 1) - 1), bool)
         for index, marker in enumerate(self.marker_ids):
-            top, left = (part * (side + 1) for part in divmod(index, self.columns))
-            white[top : top + side, left : left + side] = marker_cells(self.family, int(marker))
-        return Pattern(
-            white,
-            self._edges(self.columns, side),
-            self._edges(self.rows, side),
-            2.0 * self.marker_m / side,
-        )
+            top, left = (part * (cells + 1) for part in divmod(index, self.columns))
+            white[top : top + cells, left : left + cells] = marker_cells(self.family, int(marker))
+        return Pattern(white, self._edges(self.columns), self._edges(self.rows), 2.0 * self._cell_m)
 
-    def _edges(self, count: int, side: int) -> FloatArray:
+    @property
+    def _cell_m(self) -> float:
+        return self.marker_m * border_share(self.family)
+
+    @property
+    def _margin_m(self) -> float:
+        """What a print reaches beyond its marker's side."""
+        return layout(self.family).margin * self._cell_m
+
+    def _edges(self, count: int) -> FloatArray:
+        shape = layout(self.family)
         first = np.arange(count)[:, None] * (self.marker_m + self.gap_m)
-        edges: FloatArray = (first + np.arange(side + 1) * (self.marker_m / side)).ravel()
+        within = (np.arange(shape.cells + 1) - shape.margin) * self._cell_m
+        edges: FloatArray = (first + within).ravel()
         return edges
 
     @property
@@ -186,7 +201,8 @@ class MarkerGrid(_MarkerBoard):
 
     @property
     def _clear_share(self) -> float:
-        return min(border_share(self.family), self.gap_m / self.marker_m)
+        share = border_share(self.family)
+        return share if self._margin_m else min(share, self.gap_m / self.marker_m)
 
 
 @dataclass(frozen=True)
@@ -196,7 +212,7 @@ class SingleMarker(_MarkerBoard):
     Args:
         family: one of `families.FAMILIES`.
         marker_id: its id.
-        size_m: side of the black square, metres (the file formats' "tag size").
+        size_m: side of the square between its corners, metres (the file formats' "tag size").
 
     Raises:
         ValueError: an unknown family, an id it does not have, or a side that is not above zero.
@@ -222,7 +238,7 @@ class SingleMarker(_MarkerBoard):
 
     @property
     def size_m(self) -> tuple[float, float]:
-        """Width and height of the black square, metres."""
+        """Width and height between its corners, metres."""
         return self.side_m, self.side_m
 
     @property
@@ -233,9 +249,9 @@ class SingleMarker(_MarkerBoard):
     @cached_property
     def pattern(self) -> Pattern:
         """Bits as cells; the quiet zone is two bits wide."""
-        white = marker_cells(self.family, self.marker_id)
-        edges = np.linspace(0.0, self.side_m, len(white) + 1)
-        return Pattern(white, edges, edges, 2.0 * self.side_m / len(white))
+        shape, cell_m = layout(self.family), self.side_m * border_share(self.family)
+        edges: FloatArray = (np.arange(shape.cells + 1) - shape.margin) * cell_m
+        return Pattern(marker_cells(self.family, self.marker_id), edges, edges, 2.0 * cell_m)
 
     @property
     def _first_corners_m(self) -> FloatArray:

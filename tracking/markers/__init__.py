@@ -1,15 +1,14 @@
-"""Square markers: families, detection by two libraries, corners to sub-pixels, pose candidates."""
+"""Square markers: families, detection, corners to sub-pixels, pose candidates."""
 
 from __future__ import annotations
 
 from motorcade.tracking.markers.detection import (
-    APRILTAG_FAMILIES,
     Backend,
     Detection,
     backend_for,
     detect_markers,
 )
-from motorcade.tracking.markers.families import FAMILIES
+from motorcade.tracking.markers.families import APRILTAG_FAMILIES, FAMILIES
 from motorcade.tracking.markers.poses import PosedMarker, pose_marker
 
 __all__ = [

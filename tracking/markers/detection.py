@@ -1,185 +1,69 @@
 """Markers of one family in a picture: found, refined to sub-pixels, read again, merged.
 
-Two libraries propose quads. Their sides are then fitted (`edges`), which on exact renderings puts
-corners nearer than AprilTag's own and than ``cornerSubPix``. Last, the print is read again, and a
-quad that does not look like it is discarded.
+Quads are searched twice: with a threshold half-way between dark and bright nearby, which finds
+small and shallow markers, and with one from the mean of a larger square, which finds markers beside
+bright or dark things. What both pass on is decoded (`reading`). The sides are then fitted
+(`edges`), which on exact renderings puts corners nearer than AprilTag's own and than
+``cornerSubPix``. Last, the print is read again, and a quad that does not look like it is discarded.
 
-Both libraries know the position of a marker to a pixel or so only. OpenCV's `ArucoDetector` knows
-every family, `pupil_apriltags` (the AprilTag 3 library) three. On AprilTags the latter misses
-fewer, above all small and shallow ones.
-
-Libraries accept some wrong bits and never look at the whole print, so texture passes for a marker
-now and then. Here every cell, black border included, is compared with the print of the id, after a
-linear change of the light across the marker has been taken out.
+Markers that are not AprilTags are searched by OpenCV's `ArucoDetector`.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cache
-from threading import local
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.markers.edges import refine_quads
-from motorcade.tracking.markers.families import border_share, dictionary, marker_cells, side_cells
-from motorcade.tracking.pictures import grey_levels
+from motorcade.tracking.markers.families import (
+    APRILTAG_FAMILIES,
+    border_share,
+    check_family,
+    dictionary,
+    layout,
+)
+from motorcade.tracking.markers.native._quads import find_quads
+from motorcade.tracking.markers.reading import (
+    LEAST_CONTRAST,
+    Quads,
+    Reading,
+    decode_quads,
+    read_markers,
+)
 
-if TYPE_CHECKING:
-    from pupil_apriltags import Detector
-
-# Places in a cell that are sampled, each way, as shares of its side: its inner part.
-_INSIDE = np.array([0.35, 0.65])
-Backend = Literal["apriltag", "opencv"]
-APRILTAG_FAMILIES = ("tag16h5", "tag25h9", "tag36h11")
-_CLOCKWISE = [3, 2, 1, 0]  # AprilTag's corners run anticlockwise from the bottom left
-_HALF_PX = 0.5  # AprilTag's pixel (0, 0) is the corner of the top-left pixel, not its centre
-_LEAST_SIDE_PX = 6  # AprilTag crashes on pictures two pixels wide, and needs six for a quad
-
-
-@dataclass(frozen=True, eq=False)
-class Reading:
-    """How well the picture agrees with the print, for m markers.
-
-    Fields:
-        wrong_cells: ``(m,)`` cells whose colour is not the print's.
-        agreement: ``(m,)`` correlation of the cells' brightness with the print, at most 1.
-        contrast: ``(m,)`` grey levels from black to white.
-    """
-
-    wrong_cells: IntArray
-    agreement: FloatArray
-    contrast: FloatArray
-
-
-def read_markers(
-    image: GrayImage, corners_px: FloatArray, family: str, marker_ids: IntArray
-) -> Reading:
-    """Compare markers with their prints.
-
-    Args:
-        image: grey picture.
-        corners_px: ``(m, 4, 2)`` clockwise from the printed top-left corner.
-        family: of all of them.
-        marker_ids: ``(m,)``.
-    """
-    if len(marker_ids) == 0:
-        return Reading(np.empty(0, np.int64), np.empty(0), np.empty(0))
-    prints = [_print(family, int(one)) for one in marker_ids]
-    white = np.stack([one[0] for one in prints])
-    print_ = np.stack([one[1] for one in prints])
-    light = _without_plane(_cell_levels(image, corners_px, side_cells(family)))
-    power = (print_ * print_).sum(axis=-1)
-    contrast = (light * print_).sum(axis=-1) / power
-    total = np.sqrt((light * light).sum(axis=-1) * power)
-    agreement = contrast * power / np.maximum(total, 1e-9)
-    # Brightness less half-way between black and white at each cell, the light's slope included.
-    distance = light - contrast[:, None] * (print_ - white + 0.5)
-    wrong = ((distance > 0.0) != white).sum(axis=-1)
-    return Reading(wrong.astype(np.int64), agreement, contrast)
-
-
-@cache
-def _print(family: str, marker_id: int) -> tuple[NDArray[np.bool_], FloatArray]:
-    """Whether each cell ``(side * side,)`` is white, and the same as numbers less their plane."""
-    white = marker_cells(family, marker_id).ravel()
-    return white, _without_plane(white[None].astype(np.float64))[0]
-
-
-@cache
-def _places(side: int) -> FloatArray:
-    """The places sampled in the unit square, ``(side * side, samples, 2)``: x right, y down."""
-    inside = np.stack(np.meshgrid(_INSIDE, _INSIDE), axis=-1).reshape(-1, 2)
-    down, across = np.divmod(np.arange(side * side), side)
-    places: FloatArray = (np.stack([across, down], axis=-1)[:, None] + inside) / side
-    return places
-
-
-def _cell_levels(image: GrayImage, corners_px: FloatArray, side: int) -> FloatArray:
-    """Mean brightness ``(m, side * side)`` of the inner part of each cell."""
-    places = _places(side)
-    levels = grey_levels(image, _map_squares(corners_px, places.reshape(-1, 2)))
-    mean: FloatArray = levels.reshape(len(corners_px), *places.shape[:2]).mean(axis=-1)
-    return mean
-
-
-def _map_squares(corners_px: FloatArray, places: FloatArray) -> FloatArray:
-    """Map places ``(n, 2)`` of the unit square (y down) into quads ``(m, 4, 2)``: ``(m, n, 2)``.
-
-    The homography of a square has a closed form (Heckbert 1989).
-    """
-    first, second, third, fourth = np.moveaxis(corners_px, 1, 0)
-    to_second, to_fourth, gap = second - third, fourth - third, first - second + third - fourth
-    area = _cross(to_second, to_fourth)
-    area = np.where(np.abs(area) < 1e-12, 1e-12, area)
-    along = (_cross(gap, to_fourth) / area)[:, None]
-    down = (_cross(to_second, gap) / area)[:, None]
-    x, y = places[:, 0, None], places[:, 1, None]
-    across = second - first + along * second
-    below = fourth - first + down * fourth
-    above = across[:, None] * x + below[:, None] * y + first[:, None]
-    scale = along[:, None] * x + down[:, None] * y + 1.0
-    mapped: FloatArray = above / scale
-    return mapped
-
-
-def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
-    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
-
-
-def _without_plane(values: FloatArray) -> FloatArray:
-    """Values ``(m, side * side)`` less the plane that fits them best."""
-    basis = _plane(values.shape[-1])
-    less: FloatArray = values - (values @ basis.T) @ basis
-    return less
-
-
-@cache
-def _plane(cells: int) -> FloatArray:
-    """Orthonormal basis ``(3, cells)`` of the planes over a square of cells."""
-    side = math.isqrt(cells)
-    ramp = np.linspace(-1.0, 1.0, side)
-    rows = np.stack([np.ones(cells), np.tile(ramp, side), np.repeat(ramp, side)])
-    basis: FloatArray = rows / np.linalg.norm(rows, axis=-1, keepdims=True)
-    return basis
-
-
-@dataclass(frozen=True, eq=False)
-class Quads:
-    """What a library found: ids ``(m,)`` and corners ``(m, 4, 2)``, clockwise from top left."""
-
-    ids: IntArray
-    corners_px: FloatArray
+Backend = Literal["loops", "opencv"]
+"""Loops of edges that four lines fit, or OpenCV's contours."""
+_MOST_SIDE_PX = 32767
+# Half the side of the square whose mean is the second threshold. OpenCV's largest is the same.
+_REACH_PX = 2
+# Quads of one id whose corners are nearer than this are one quad, found twice.
+_SAME_QUAD_PX = 1.5
 
 
 def backend_for(family: str) -> Backend:
-    """The library that finds more markers of a family at no more than 1.2 times the time."""
-    return "apriltag" if family in APRILTAG_FAMILIES else "opencv"
+    """What finds more markers of a family: loops for AprilTags, OpenCV for the others."""
+    return "loops" if family in APRILTAG_FAMILIES else "opencv"
 
 
-def find_quads(image: GrayImage, family: str, backend: Backend) -> Quads:
-    """Ask a library for the markers of a family.
+def find_markers(image: GrayImage, family: str, backend: Backend) -> Quads:
+    """Markers of a family, their corners right to a pixel or so; some may stand there twice.
 
     Raises:
-        ValueError: an unknown family or library, or a family that the library does not know.
+        ValueError: an unknown family or backend, or a family that OpenCV does not know.
     """
+    check_family(family)
     if backend == "opencv":
         return _find_opencv(image, family)
-    if backend != "apriltag":
-        raise ValueError(f"backend: expected apriltag or opencv, got {backend!r}")
-    if family not in APRILTAG_FAMILIES:
-        dictionary(family)
-        raise ValueError(
-            f"family: apriltag knows {', '.join(APRILTAG_FAMILIES)}, got {family!r}; use opencv"
-        )
-    return _find_apriltag(image, family)
+    if backend != "loops":
+        raise ValueError(f"backend: expected loops or opencv, got {backend!r}")
+    return _find_loops(image, family)
 
 
 def _find_opencv(image: GrayImage, family: str) -> Quads:
@@ -190,13 +74,25 @@ def _find_opencv(image: GrayImage, family: str) -> Quads:
     return Quads(np.ravel(ids).astype(np.int64), corners)
 
 
-def _find_apriltag(image: GrayImage, family: str) -> Quads:
-    if min(image.shape) < _LEAST_SIDE_PX:
-        return Quads(np.empty(0, np.int64), np.empty((0, 4, 2)))
-    found = apriltag_detector(family).detect(np.ascontiguousarray(image))
-    ids = np.array([one.tag_id for one in found], np.int64)
-    corners = np.array([one.corners[_CLOCKWISE] for one in found]).reshape(-1, 4, 2)
-    return Quads(ids, corners - _HALF_PX)
+def _find_loops(image: GrayImage, family: str) -> Quads:
+    if max(image.shape) > _MOST_SIDE_PX:
+        raise ValueError(
+            f"image: expected at most {_MOST_SIDE_PX} pixels a side, got {image.shape[::-1]}"
+        )
+    shape = layout(family)
+    whole = np.ascontiguousarray(image)
+    quads = [
+        find_quads(whole, shape.white_inside, float(shape.side_cells), reach)
+        for reach in (0, _REACH_PX)
+    ]
+    found = decode_quads(image, np.concatenate(quads).astype(np.float64), family)
+    kept: list[int] = []
+    for row, corners in enumerate(found.corners_px):
+        twins = [one for one in kept if found.ids[one] == found.ids[row]]
+        apart = np.linalg.norm(found.corners_px[twins] - corners, axis=-1).max(axis=-1, initial=0.0)
+        if not twins or apart.min() > _SAME_QUAD_PX:
+            kept.append(row)
+    return Quads(found.ids[kept], found.corners_px[kept])
 
 
 @cache
@@ -204,26 +100,8 @@ def _aruco(family: str) -> cv2.aruco.ArucoDetector:
     return cv2.aruco.ArucoDetector(dictionary(family))
 
 
-_own = local()
-
-
-def apriltag_detector(family: str) -> Detector:
-    """The AprilTag detector of this thread; no two threads may use one, and making one is slow."""
-    kept: dict[str, Detector] = _own.__dict__
-    if family not in kept:
-        from pupil_apriltags import Detector
-
-        detector = Detector(families=family, nthreads=1, quad_decimate=1.0)
-        # Its destructor frees the family before the detector that still writes into it, which
-        # corrupts memory; not knowing the family, it leaves those few kilobytes alone.
-        detector.tag_families.clear()
-        kept[family] = detector
-    return kept[family]
-
-
 # Texture that a library takes for a marker stays below 0.65, blurred small markers above 0.85.
 _LEAST_AGREEMENT = 0.75
-_LEAST_CONTRAST = 5.0  # grey levels
 # Two sightings of an id are one marker if their centres are nearer than this share of a side.
 _SAME_SHARE = 0.5
 
@@ -282,21 +160,22 @@ def detect_markers(
         image: ``(height, width)`` uint8.
         family: one of `families.FAMILIES`.
         camera: undistorts the sides before they are fitted; without one they count as straight.
-        backend: the library that searches; None takes the one that finds more.
+        backend: what searches; None takes what finds more.
 
     Returns:
         detections by rising id, then from left to right. An id may stand there more than once,
         where it is printed more than once.
 
     Raises:
-        ValueError: not a grey uint8 picture, an unknown family, or one that the library lacks.
+        ValueError: not a grey uint8 picture, an unknown family, or one that the backend lacks.
     """
     gray = checked_gray(image)
-    dictionary(family)
-    quads = find_quads(gray, family, backend or backend_for(family))
+    quads = find_markers(gray, family, backend or backend_for(family))
     if len(quads.ids) == 0:
         return ()
-    places, sharp = refine_quads(gray, quads.corners_px, border_share(family), camera)
+    places, sharp = refine_quads(
+        gray, quads.corners_px, border_share(family), camera, layout(family).white_inside
+    )
     corners = np.where(sharp[:, None, None], places, quads.corners_px)
     reading = read_markers(gray, corners, family, quads.ids)
     kept = _merged(Quads(quads.ids, corners), reading)
@@ -316,7 +195,7 @@ def detect_markers(
 def _merged(quads: Quads, reading: Reading) -> list[int]:
     """Rows to keep: those that look like their print, the best of each marker, in order."""
     centres = quads.corners_px.mean(axis=1)
-    legible = (reading.agreement >= _LEAST_AGREEMENT) & (reading.contrast >= _LEAST_CONTRAST)
+    legible = (reading.agreement >= _LEAST_AGREEMENT) & (reading.contrast >= LEAST_CONTRAST)
     kept: list[int] = []
     for row in np.argsort(-reading.agreement, kind="stable"):
         twins = [one for one in kept if quads.ids[one] == quads.ids[row]]

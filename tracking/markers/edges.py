@@ -31,9 +31,13 @@ _WORST_SPREAD_PX = 0.6
 
 
 def refine_quads(
-    image: GrayImage, quads: FloatArray, clear_share: float, camera: Camera | None = None
+    image: GrayImage,
+    quads: FloatArray,
+    clear_share: float,
+    camera: Camera | None = None,
+    white_inside: bool = False,
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Refine the corners of black markers on white paper to sub-pixel accuracy.
+    """Refine the corners of markers to sub-pixel accuracy.
 
     Args:
         image: grey picture.
@@ -41,10 +45,11 @@ def refine_quads(
         clear_share: the part of a marker's side up to which, inward and outward of it, nothing
             else is printed: the width of the black border or of the white gap.
         camera: whose lens distorts the sides; without one they are taken as straight.
+        white_inside: whether the markers are white squares on black.
 
     Returns:
         the corners ``(m, 4, 2)``, and a mask ``(m,)`` of markers all of whose sides were found:
-        black inside, white outside, straight to 0.6 px.
+        of the right colours, straight to 0.6 px.
     """
     places = quads.copy()
     sides = quads[:, _NEXT] - quads
@@ -53,7 +58,9 @@ def refine_quads(
     good = _inside(image, quads, reach)
     with np.errstate(divide="ignore", invalid="ignore"):
         for _ in range(_ROUNDS):
-            points, weights, seen = _side_points(image, places, reach)
+            points, weights, seen = _side_points(
+                image, places, reach, -1.0 if white_inside else 1.0
+            )
             lines, spread = _fit_lines(_undistorted(points, camera), weights)
             crossed = _distorted(_crossings(lines), camera)
             change = crossed - quads
@@ -65,9 +72,9 @@ def refine_quads(
 
 
 def _side_points(
-    image: GrayImage, quads: FloatArray, reach: FloatArray
+    image: GrayImage, quads: FloatArray, reach: FloatArray, outward_sign: float
 ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """Where each side's brightness steps from black to white.
+    """Where each side's brightness steps from black to white, outward (sign 1) or inward (-1).
 
     Returns:
         points ``(m, 4, k, 2)``, weights ``(m, 4, k)``, and whether a side ``(m, 4)`` is there.
@@ -79,7 +86,7 @@ def _side_points(
     offsets = reach[:, None, None, None] * _ACROSS
     places = base[..., None, :] + outward[:, :, None, None] * offsets[..., None]
     levels = grey_levels(image, places.reshape(*places.shape[:2], -1, 2)).reshape(places.shape[:-1])
-    steps = np.maximum(levels[..., 1:] - levels[..., :-1], 0.0)
+    steps = np.maximum(outward_sign * (levels[..., 1:] - levels[..., :-1]), 0.0)
     sharpness = steps * steps
     total = sharpness.sum(axis=-1)
     middle = reach[:, None, None] * ((sharpness @ _MIDDLES) / np.maximum(total, 1e-9))

@@ -3,10 +3,18 @@
 AprilTag families follow the pictures that their authors publish. Releases of OpenCV differ there:
 some store these tags turned by 180 degrees. The dictionary made here is turned back where
 needed, so that corners, boards and drawings all agree with the official print.
+
+A marker's corners, and its side, are those of the square where black meets white all round. In
+AprilTag 3's families bits stand outside of that square too, so that a print is larger than its
+side; its inside is white in "Standard" and "Custom" families. Cells that a layout leaves open (the
+corners round a circle, the middle of tagCustom48h12) stay white in drawings and are never read.
+
+Sources: Olson 2011; Krogius, Haggenmiller & Olson 2019 (layouts of AprilTag 3).
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from typing import cast
 
@@ -14,7 +22,8 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.markers.apriltag_codes import NEWER_FAMILIES, newer_codes
 
 # The topmost row of bits of tag 0 as printed officially (AprilRobotics/apriltag-imgs).
 _OFFICIAL_TOP_ROW = {
@@ -29,19 +38,127 @@ _PREDEFINED = {name: f"DICT_APRILTAG_{name[3:]}" for name in _OFFICIAL_TOP_ROW} 
     for count in (50, 100, 250, 1000)
 }
 _PREDEFINED |= {"aruco_original": "DICT_ARUCO_ORIGINAL", "aruco_mip_36h12": "DICT_ARUCO_MIP_36h12"}
-FAMILIES: tuple[str, ...] = tuple(_PREDEFINED)
+OPENCV_FAMILIES: tuple[str, ...] = tuple(_PREDEFINED)
+"""Families that OpenCV knows: black squares, all bits inside; ChArUco boards are made of these."""
+APRILTAG_FAMILIES: tuple[str, ...] = (*_OFFICIAL_TOP_ROW, *NEWER_FAMILIES)
+FAMILIES: tuple[str, ...] = (*_PREDEFINED, *NEWER_FAMILIES)
+
+
+@dataclass(frozen=True, eq=False)
+class FamilyLayout:
+    """Where a family's bits and borders stand, and what its markers' bits are.
+
+    Fields:
+        cells: of a whole print, across and down.
+        margin: cells from the print's edge to the marker's side.
+        white_inside: whether the marker's side has white within and black without.
+        blank: ``(cells, cells)`` bool, a print whose bits are all black; True is white.
+        known: ``(cells, cells)`` bool, cells that the layout does not leave open.
+        bit_rows, bit_columns: ``(b,)`` where the bits stand, the highest of a word first.
+        words: ``(n,)`` uint64, the bits of each marker.
+        most_wrong: bits that may be read wrong before a marker is not taken for this one.
+
+    >>> from motorcade.tracking.markers.families import layout
+    >>> tag = layout("tagStandard41h12")
+    >>> tag.cells, tag.side_cells, tag.white_inside, len(tag.bit_rows), len(tag.words)
+    (9, 5, True, 41, 2115)
+    """
+
+    cells: int
+    margin: int
+    white_inside: bool
+    blank: NDArray[np.bool_]
+    known: NDArray[np.bool_]
+    bit_rows: IntArray
+    bit_columns: IntArray
+    words: NDArray[np.uint64]
+    most_wrong: int
+
+    @property
+    def side_cells(self) -> int:
+        """Cells along the marker's side."""
+        return self.cells - 2 * self.margin
+
+
+@cache
+def layout(family: str) -> FamilyLayout:
+    """A family's layout and words.
+
+    Raises:
+        ValueError: an unknown family.
+    """
+    return _newer_layout(family) if family in NEWER_FAMILIES else _opencv_layout(family)
+
+
+def _opencv_layout(family: str) -> FamilyLayout:
+    book = dictionary(family)
+    size = int(book.markerSize)
+    prints = np.stack([_stored_bits(book, marker) for marker in range(len(book.bytesList))])
+    rows, columns = np.divmod(np.arange(size * size), size)
+    return FamilyLayout(
+        cells=size + 2,
+        margin=0,
+        white_inside=False,
+        blank=np.zeros((size + 2, size + 2), bool),
+        known=np.ones((size + 2, size + 2), bool),
+        bit_rows=rows + 1,
+        bit_columns=columns + 1,
+        words=words_of(prints.reshape(len(prints), -1)),
+        most_wrong=_MOST_WRONG
+        if family in APRILTAG_FAMILIES
+        else min(_MOST_WRONG, int(book.maxCorrectionBits)),
+    )
+
+
+def _newer_layout(family: str) -> FamilyLayout:
+    codes = newer_codes(family)
+    cells, margin = codes.cells, (codes.cells - codes.side_cells) // 2
+    blank, known = np.ones((cells, cells), bool), np.zeros((cells, cells), bool)
+    for ring, white in ((margin, codes.white_inside), (margin - 1, not codes.white_inside)):
+        square = _ring(cells, ring)
+        blank[square], known[square] = white, True
+    rows, columns = codes.bit_y + margin, codes.bit_x + margin
+    blank[rows, columns], known[rows, columns] = False, True
+    return FamilyLayout(
+        cells, margin, codes.white_inside, blank, known, rows, columns, codes.words, _MOST_WRONG
+    )
+
+
+# As the AprilTag library does by default.
+_MOST_WRONG = 2
+
+
+def _ring(cells: int, inset: int) -> NDArray[np.bool_]:
+    """The outermost cells ``(cells, cells)`` of the square that lies `inset` cells within."""
+    place = np.minimum(np.arange(cells), np.arange(cells)[::-1])
+    ring: NDArray[np.bool_] = np.minimum.outer(place, place) == inset
+    return ring
+
+
+def words_of(bits: NDArray[np.integer] | NDArray[np.bool_]) -> NDArray[np.uint64]:
+    """Words ``(*,)`` of bits ``(*, b)``, the highest first.
+
+    >>> import numpy as np
+    >>> int(words_of(np.array([1, 0, 1])))
+    5
+    """
+    places = np.arange(bits.shape[-1] - 1, -1, -1).astype(np.uint64)
+    return cast("NDArray[np.uint64]", (bits.astype(np.uint64) << places).sum(-1, dtype=np.uint64))
 
 
 @cache
 def dictionary(family: str) -> cv2.aruco.Dictionary:
-    """The family's dictionary with every marker the right way up.
+    """OpenCV's dictionary of a family with every marker the right way up.
 
     Raises:
-        ValueError: an unknown family, or a library whose tags match the official print neither
-            upright nor turned by 180 degrees.
+        ValueError: a family that OpenCV does not know, or a library whose tags match the official
+            print neither upright nor turned by 180 degrees.
     """
+    check_family(family)
     if family not in _PREDEFINED:
-        raise ValueError(f"family: expected one of {', '.join(FAMILIES)}, got {family!r}")
+        raise ValueError(
+            f"family: OpenCV does not know {family}; it knows {', '.join(_PREDEFINED)}"
+        )
     stored = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, _PREDEFINED[family]))
     if family not in _OFFICIAL_TOP_ROW:
         return stored
@@ -62,31 +179,34 @@ def dictionary(family: str) -> cv2.aruco.Dictionary:
     )
 
 
+def check_family(family: str) -> None:
+    """Refuse an unknown family.
+
+    Raises:
+        ValueError: naming those that there are.
+    """
+    if family not in FAMILIES:
+        raise ValueError(f"family: expected one of {', '.join(FAMILIES)}, got {family!r}")
+
+
 def family_size(family: str) -> int:
     """How many markers a family has.
 
     Raises:
         ValueError: an unknown family.
     """
-    return len(dictionary(family).bytesList)
-
-
-def side_cells(family: str) -> int:
-    """Cells along a marker's side, the black border included.
-
-    Raises:
-        ValueError: an unknown family.
-    """
-    return int(dictionary(family).markerSize) + 2
+    check_family(family)
+    return len(layout(family).words)
 
 
 def border_share(family: str) -> float:
-    """Width of the black border over the marker's side.
+    """Width of the border within a marker's side over that side.
 
     Raises:
         ValueError: an unknown family.
     """
-    return 1.0 / side_cells(family)
+    check_family(family)
+    return 1.0 / layout(family).side_cells
 
 
 _UNIT = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0], [0.0, -1.0, 0.0]])
@@ -105,17 +225,21 @@ def marker_points_m(side_m: ArrayLike) -> FloatArray:
 
 @cache
 def marker_cells(family: str, marker_id: int) -> NDArray[np.bool_]:
-    """A marker as printed, black border included: ``(side, side)`` bool, True is white.
+    """A marker's whole print: ``(cells, cells)`` bool, True is white.
 
     Raises:
         ValueError: an unknown family, or an id that it does not have.
     """
-    book = dictionary(family)
-    if not 0 <= marker_id < len(book.bytesList):
+    check_family(family)
+    shape = layout(family)
+    if not 0 <= marker_id < len(shape.words):
         raise ValueError(
-            f"marker_id: {family} expects 0 to {len(book.bytesList) - 1}, got {marker_id}"
+            f"marker_id: {family} expects 0 to {len(shape.words) - 1}, got {marker_id}"
         )
-    cells = np.pad(_stored_bits(book, marker_id).astype(bool), 1)
+    cells = shape.blank.copy()
+    places = np.arange(len(shape.bit_rows) - 1, -1, -1).astype(np.uint64)
+    bits = (shape.words[marker_id] >> places) & np.uint64(1)
+    cells[shape.bit_rows, shape.bit_columns] = bits.astype(bool)
     cells.setflags(write=False)
     return cells
 

@@ -42,12 +42,11 @@ def add_to(commands: Subparsers, shared: argparse.ArgumentParser) -> None:
         "--family",
         required=True,
         metavar="F",
-        help="tag16h5, tag25h9, tag36h10, tag36h11, aruco_NxN_COUNT (N 4 to 7; COUNT 50, 100, 250, "
-        "1000), aruco_original, aruco_mip_36h12",
+        help="tag16h5, tag25h9, tag36h10, tag36h11, tagStandard41h12, tagStandard52h13, "
+        "tagCircle21h7, tagCircle49h12, tagCustom48h12, aruco_NxN_COUNT (N 4 to 7; COUNT 50, 100, "
+        "250, 1000), aruco_original, aruco_mip_36h12",
     )
-    parser.add_argument(
-        "--size-m", type=float, metavar="S", help="side of the black square, for poses"
-    )
+    parser.add_argument("--size-m", type=float, metavar="S", help="side between corners, for poses")
     parser.add_argument(
         "--camera",
         type=Path,

@@ -16,7 +16,7 @@ from typing import Any
 
 from tests.bench.data import data_folder
 
-__all__ = ["bench_markers", "markers_table", "measure_pictures"]
+__all__ = ["apriltag_detector", "bench_markers", "markers_table", "measure_pictures"]
 
 FAMILY = "tag36h11"
 ROUNDS = 15
@@ -64,7 +64,6 @@ def _ways(picture: Any) -> dict[str, Callable[[], int]]:
     import cv2
 
     from motorcade.tracking.markers import detect_markers
-    from motorcade.tracking.markers.detection import apriltag_detector
     from motorcade.tracking.markers.families import dictionary
 
     peer = apriltag_detector(FAMILY)
@@ -74,6 +73,17 @@ def _ways(picture: Any) -> dict[str, Callable[[], int]]:
         "apriltag": lambda: len(peer.detect(picture)),
         "opencv": lambda: len(aruco.detectMarkers(picture)[0]),
     }
+
+
+def apriltag_detector(family: str) -> Any:
+    """The AprilTag library's own detector at full resolution, on one thread."""
+    from pupil_apriltags import Detector
+
+    detector = Detector(families=family, nthreads=1, quad_decimate=1.0)
+    # Its destructor frees the family before the detector that still writes into it, which corrupts
+    # memory; not knowing the family, it leaves those few kilobytes alone.
+    detector.tag_families.clear()
+    return detector
 
 
 def _take_turns(ways: Mapping[str, Callable[[], int]], rounds: int) -> dict[str, tuple[int, float]]:

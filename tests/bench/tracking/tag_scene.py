@@ -17,7 +17,7 @@ from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.markers.families import marker_cells, marker_points_m
+from motorcade.tracking.markers.families import layout, marker_cells, marker_points_m
 
 __all__ = ["TagScene", "handheld_path", "wall_of_markers"]
 
@@ -71,10 +71,10 @@ class TagScene:
         cells = np.pad(marker_cells(self.family, marker_id), 1, constant_values=True)
         levels = np.where(cells, _WHITE, _BLACK).astype(np.float32)
         print_ = np.kron(levels, np.ones((_CELL_PX, _CELL_PX), np.float32))
-        side = cells.shape[0] - 2
+        shape = layout(self.family)
         # Metres of the print's pixel centres, the margin left of and above the marker's corner.
-        step = self.side_m / (side * _CELL_PX)
-        first = (0.5 - _CELL_PX) * step
+        step = self.side_m / (shape.side_cells * _CELL_PX)
+        first = (0.5 - (1 + shape.margin) * _CELL_PX) * step
         to_marker = np.array([[step, 0.0, first], [0.0, -step, -first], [0.0, 0.0, 1.0]])
         view = camera_T_marker.as_matrix()[:3][:, [0, 1, 3]]
         finer = np.array(

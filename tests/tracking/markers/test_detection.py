@@ -1,7 +1,7 @@
 """Marker detection: on photographs reviewed by eye, on exact renderings, and on no markers at all.
 
-`reviewed.json` lists, for each picture, the markers that a person can make out whole: id, then
-column and row of the centre. Every one of the cubes in the photograph carries tag 0.
+`reviewed.json` lists, for each picture, markers that a person can make out whole: id, then column
+and row of the centre. Every one of the cubes in the photograph carries tag 0, on its top too.
 """
 
 import gc
@@ -17,9 +17,14 @@ import numpy as np
 import pytest
 
 from motorcade.tracking import Camera, MarkerGrid, SingleMarker
-from motorcade.tracking.markers import APRILTAG_FAMILIES, FAMILIES, detect_markers
-from motorcade.tracking.markers.detection import apriltag_detector, read_markers
-from motorcade.tracking.markers.families import marker_cells
+from motorcade.tracking.markers import FAMILIES, detect_markers
+from motorcade.tracking.markers.detection import read_markers
+from motorcade.tracking.markers.families import (
+    OPENCV_FAMILIES,
+    dictionary,
+    marker_cells,
+)
+from tests.bench.tracking.tag_markers import apriltag_detector
 
 REVIEWED: dict[str, list[list[int]]] = json.loads(
     (Path(__file__).parent / "reviewed.json").read_text()
@@ -47,15 +52,21 @@ def matched(found: list[tuple[int, np.ndarray]], truth: list[list[int]]) -> tupl
 
 
 @pytest.mark.parametrize("name", REVIEWED)
-def test_as_many_as_apriltag_and_none_that_is_false(name: str, data_dir: Path) -> None:
+def test_all_that_apriltag_or_opencv_find_and_none_that_is_false(name: str, data_dir: Path) -> None:
     picture = load(data_dir / "tags" / name)
     ours = [
         (one.marker_id, one.corners_px.mean(axis=0)) for one in detect_markers(picture, "tag36h11")
     ]
-    peer = apriltag_detector("tag36h11").detect(picture)
-    theirs, _ = matched([(one.tag_id, one.center - 0.5) for one in peer], REVIEWED[name])
+    peers = [
+        (one.tag_id, one.center - 0.5) for one in apriltag_detector("tag36h11").detect(picture)
+    ]
+    quads, ids, _ = cv2.aruco.ArucoDetector(dictionary("tag36h11")).detectMarkers(picture)
+    peers += [(int(i), quad[0].mean(axis=0)) for i, quad in zip(ids.ravel(), quads, strict=True)]
+    theirs = [one for one in REVIEWED[name] if matched(peers, [one])[0]]
     right, false = matched(ours, REVIEWED[name])
-    assert right >= theirs > 0
+    assert len(theirs) > 0
+    assert matched(ours, theirs)[0] == len(theirs)
+    assert right >= len(theirs)
     assert false == 0
 
 
@@ -65,10 +76,11 @@ def test_the_photographs_reference_corners(data_dir: Path) -> None:
     numbers = [line.replace("(", " ").replace(")", " ").replace(",", " ").split() for line in lines]
     reference = np.array([row[1:] for row in numbers if row], float).reshape(-1, 4, 2)
     found = detect_markers(load(data_dir / "tags/photos/33369213973_9d9bb4cc96_c.jpg"), "tag36h11")
-    assert len(found) == len(reference) == 12
-    for one in found:
-        gaps = np.linalg.norm(one.corners_px[:, None, None] - reference, axis=-1).min(axis=-1)
-        assert gaps.max(axis=0).min() < 2.0
+    corners = np.stack([one.corners_px for one in found])
+    assert len(found) >= len(reference) == 12
+    for one in reference:
+        gaps = np.linalg.norm(corners[:, :, None] - one, axis=-1).min(axis=-1)
+        assert gaps.max(axis=1).min() < 2.0
 
 
 @pytest.mark.parametrize("yaw_deg", range(-70, 71, 10))
@@ -88,8 +100,7 @@ def test_every_family_is_found_upright(family: str, render, look_at, straight_ca
         pose = look_at(board, 0.6, 20.0, 50.0, 100.0)
         picture = render(board, straight_camera, pose, noise=2.0)
         truth = straight_camera.project(pose.inverse().apply(board.points_m))
-        backends = ("opencv", "apriltag") if family in APRILTAG_FAMILIES else ("opencv",)
-        for backend in backends:
+        for backend in ("opencv", "loops") if family in OPENCV_FAMILIES else ("loops",):
             (one,) = detect_markers(picture, family, straight_camera, backend=backend)
             assert (one.family, one.marker_id, one.sharp) == (family, marker, True)
             assert np.abs(one.corners_px - truth).max() < 0.15
@@ -162,7 +173,7 @@ def test_a_marker_printed_twice_is_found_twice_and_each_once(
     board = SingleMarker("tag36h11", 4, 0.05)
     one = render(board, straight_camera, look_at(board, 0.5))
     both = np.hstack([one, one])
-    for backend in ("apriltag", "opencv"):
+    for backend in ("loops", "opencv"):
         found = detect_markers(both, "tag36h11", backend=backend)
         assert [each.marker_id for each in found] == [4, 4]
         gap = found[1].corners_px - found[0].corners_px
@@ -181,6 +192,16 @@ def test_at_the_rim_of_the_picture_corners_are_not_sharp(render, look_at, straig
     assert not one.sharp
     assert np.abs(one.corners_px - truth).max() < 2.0
     assert board.detect(picture) is None
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.5])
+def test_prints_without_noise_are_found(shift: float) -> None:
+    """There errors on both sides of a corner are equal to the last bit."""
+    picture, _ = GRID.draw(1200.0)
+    move = np.array([[1.0, 0.0, shift], [0.0, 1.0, shift]])
+    moved = cv2.warpAffine(picture, move, picture.shape[::-1], borderValue=255)
+    found = detect_markers(cv2.GaussianBlur(moved, (0, 0), 0.8), "tag36h11")
+    assert [one.marker_id for one in found] == list(range(12))
 
 
 def test_threads_do_not_share_a_detector(render, look_at, straight_camera) -> None:
@@ -205,11 +226,11 @@ def test_threads_do_not_share_a_detector(render, look_at, straight_camera) -> No
 _THREADS_THAT_END = """
 import gc, threading
 import numpy as np
-from motorcade.tracking.markers import APRILTAG_FAMILIES, detect_markers
+from motorcade.tracking.markers import detect_markers
 
 def work():
     picture = np.random.default_rng(0).integers(0, 256, (200, 200)).astype(np.uint8)
-    for family in APRILTAG_FAMILIES:
+    for family in ("tag16h5", "tag36h11", "tagStandard41h12"):
         detect_markers(picture, family)
 
 for _ in range(5):
@@ -221,8 +242,7 @@ for _ in range(5):
 """
 
 
-def test_threads_may_end_with_their_detectors() -> None:
-    """The library's own destructor corrupts memory, which aborts a process soon after."""
+def test_threads_may_end_after_they_searched() -> None:
     done = subprocess.run(
         [sys.executable, "-c", _THREADS_THAT_END], capture_output=True, check=False
     )
@@ -230,7 +250,7 @@ def test_threads_may_end_with_their_detectors() -> None:
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 2), (2, 500), (5, 5), (6, 6), (7, 300)])
-@pytest.mark.parametrize("backend", ["apriltag", "opencv"])
+@pytest.mark.parametrize("backend", ["loops", "opencv"])
 def test_tiny_pictures_hold_nothing(shape: tuple[int, int], backend, rng) -> None:
     picture = rng.integers(0, 256, shape).astype(np.uint8)
     assert detect_markers(picture, "tag36h11", backend=backend) == ()
@@ -249,10 +269,10 @@ def test_parts_of_larger_arrays_are_read_as_they_lie(render, look_at, straight_c
     ("call", "told"),
     [
         (lambda p: detect_markers(p, "qr"), "family: expected one of .* got 'qr'"),
-        (lambda p: detect_markers(p, "qr", backend="apriltag"), "family: expected one of"),
+        (lambda p: detect_markers(p, "qr", backend="loops"), "family: expected one of"),
         (
-            lambda p: detect_markers(p, "aruco_4x4_50", backend="apriltag"),
-            "family: apriltag knows tag16h5, .* got 'aruco_4x4_50'; use opencv",
+            lambda p: detect_markers(p, "tagCircle21h7", backend="opencv"),
+            "family: OpenCV does not know tagCircle21h7; it knows tag16h5",
         ),
         (lambda p: detect_markers(p, "tag36h11", backend="zbar"), "backend: .* got 'zbar'"),
         (lambda p: detect_markers(p[None], "tag36h11"), "image: expected a grey uint8 picture"),

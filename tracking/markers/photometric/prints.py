@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.markers.families import marker_cells, side_cells
+from motorcade.tracking.markers.families import layout, marker_cells
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -67,13 +67,13 @@ def homography_warp(*arguments: Any, **keywords: Any) -> Any:
 
 
 MARGIN_CELLS = 0.5
-"""Of the white round the border that is looked at too; families ask for one cell at least."""
+"""Of what surrounds the border that is looked at too; families ask for one cell at least."""
 _FINE = 16
 
 
 def grid_extent(family: str) -> float:
     """How much wider the grid is than the marker's side."""
-    return 1.0 + 2.0 * MARGIN_CELLS / side_cells(family)
+    return 1.0 + 2.0 * MARGIN_CELLS / layout(family).side_cells
 
 
 def prints(family: str, marker_ids: IntArray, samples: int) -> FloatArray:
@@ -85,6 +85,8 @@ def prints(family: str, marker_ids: IntArray, samples: int) -> FloatArray:
 def _print(family: str, marker_id: int, samples: int) -> FloatArray:
     """Each sample is the mean of the square round it."""
     cells = np.pad(marker_cells(family, marker_id), 1, constant_values=True)
+    beyond = layout(family).margin  # bits outside of the border, which are not looked at
+    cells = cells[beyond : len(cells) - beyond, beyond : len(cells) - beyond]
     fine = np.kron(cells.astype(np.float32), np.ones((_FINE, _FINE), np.float32))
     cut = round((1.0 - MARGIN_CELLS) * _FINE)
     fine = fine[cut : fine.shape[0] - cut, cut : fine.shape[1] - cut]

@@ -35,7 +35,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
-from motorcade.tracking.markers.families import marker_points_m, side_cells
+from motorcade.tracking.markers.families import layout, marker_points_m
 from motorcade.tracking.markers.photometric.prints import (
     PhotometricUnavailable,
     best_device,
@@ -188,7 +188,7 @@ class _Batch:
             tensor(sides),
             start,
             sizes,
-            side_cells(family),
+            layout(family).side_cells,
         )
 
     def refined(self) -> PhotometricPoses:
