@@ -15,6 +15,7 @@ import numpy as np
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.slam.geometry import in_world
+from motorcade.tracking.slam.mapping.loops import ClosedLoop
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
 
 SlamState = Literal["initialising", "tracking", "lost", "relocalised"]
@@ -31,6 +32,8 @@ class SlamFrame:
         covariance: ``(6, 6)`` of the right perturbation, rotation (rad) then translation.
         inliers: how many corners the pose explains.
         keyframe: whether it became a keyframe of the map.
+        map_number: in which map's world the pose is: 0 for the first (or the known) one, more for
+            those begun where the camera stayed lost.
 
     >>> from motorcade.ga import Motor
     >>> from motorcade.tracking.slam import SlamFrame
@@ -46,21 +49,39 @@ class SlamFrame:
     covariance: FloatArray | None = None
     inliers: int = 0
     keyframe: bool = False
+    map_number: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class SeparateMap:
+    """A map that nothing connected to the main one; how its world lies there is not known.
+
+    Args:
+        trajectory: world_T_camera of the frames that have a pose in it; None if there are none.
+        map: keyframes and points.
+    """
+
+    trajectory: Trajectory | None
+    map: MapSnapshot
 
 
 @dataclass(frozen=True, eq=False)
 class SlamResult:
     """A whole recording.
 
+    Where the camera stayed lost a new map was begun. If they met, they are one; if not, `map` is
+    the one that was known from the start or else has the most frames, and the others are apart.
+
     Args:
-        trajectory: world_T_camera of every frame that has a pose, as the final map corrects it;
+        trajectory: world_T_camera of every frame that has a pose in `map`, as it is in the end;
             None if there is none.
         covariance: ``(n, 6, 6)`` of these poses within the map, rotation (rad) then translation.
         time_ns: ``(f,)`` stamps of all frames; states: theirs.
-        online: world_T_camera as given at the time, of the frames that had a pose then.
+        online: world_T_camera as given at the time, of the frames that had a pose in it then.
         map: keyframes and points.
+        separate: maps that were not connected to it.
         metric: whether lengths are metres.
-        loops: how many loops were closed.
+        loops: those that were closed, and maps that were joined.
         seconds: time spent a part: "tracking", "mapping".
 
     >>> import numpy as np
@@ -78,17 +99,37 @@ class SlamResult:
     states: tuple[SlamState, ...]
     online: Trajectory | None
     map: MapSnapshot
+    separate: tuple[SeparateMap, ...]
     metric: bool
-    loops: int
+    loops: tuple[ClosedLoop, ...]
     seconds: dict[str, float]
 
 
 @dataclass(frozen=True, eq=False)
+class KeyframeAnchor:
+    """The keyframe that poses are relative to.
+
+    Args:
+        row: its row, which may still have to be made.
+        map_number: of the map that it belongs to.
+        world_T_camera: its pose when it was tracked.
+        scale: its `Keyframe.scale` then.
+    """
+
+    row: int
+    map_number: int
+    world_T_camera: Motor
+    scale: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
 class _Entry:
-    """A frame's pose relative to a keyframe."""
+    """A frame's pose relative to a keyframe, in the unit that lengths had there then."""
 
     time_ns: int
     keyframe: int
+    scale: float
+    map_number: int
     keyframe_T_camera: Motor
     covariance: FloatArray
     online: Motor | None
@@ -104,21 +145,25 @@ class RunLog:
     def note(
         self,
         time_ns: int,
-        keyframe: int,
-        keyframe_T_camera: Motor,
+        anchor: KeyframeAnchor,
+        world_T_camera: Motor,
         covariance: FloatArray,
-        online: Motor | None,
+        *,
+        online: bool,
     ) -> None:
         """Remember a frame by a keyframe near it.
 
         Args:
             time_ns: its stamp.
-            keyframe: row of the keyframe, which may still have to be made.
-            keyframe_T_camera: its pose from there.
+            anchor: the keyframe.
+            world_T_camera: its pose.
             covariance: ``(6, 6)``.
-            online: world_T_camera as given at the time; None where none was given.
+            online: whether the pose was given at the time.
         """
-        self._entries.append(_Entry(time_ns, keyframe, keyframe_T_camera, covariance, online))
+        relative = anchor.world_T_camera.inverse() @ world_T_camera
+        given = world_T_camera if online else None
+        where = anchor.row, anchor.scale, anchor.map_number
+        self._entries.append(_Entry(time_ns, *where, relative, covariance, given))
 
     def rescale(self, world_T_map: Similarity) -> None:
         """Tell all that was noted in another world, to which the map was taken."""
@@ -135,25 +180,56 @@ class RunLog:
             )
 
     def result(
-        self, slam_map: SlamMap, *, metric: bool, loops: int, seconds: dict[str, float]
+        self, slam_map: SlamMap, *, known: bool, loops: list[ClosedLoop], seconds: dict[str, float]
     ) -> SlamResult:
-        """Everything, by the map as it is now."""
+        """Everything, by the map as it is now; the first keyframe's is the main one if `known`."""
         kept = sorted(self._entries, key=lambda one: one.time_ns)
-        final = [
-            slam_map.keyframes[one.keyframe].world_T_camera @ one.keyframe_T_camera for one in kept
+        numbers = [slam_map.keyframes[one.keyframe].map_number for one in kept]
+        held = np.bincount(numbers, minlength=len(slam_map.metric))
+        main = slam_map.keyframes[0].map_number if known else int(np.argmax(held))
+        by_map: dict[int, list[_Entry]] = {main: []}
+        for one, number in zip(kept, numbers, strict=True):
+            by_map.setdefault(number, []).append(one)
+        mine = by_map.pop(main)
+        poses, covariance = _corrected(slam_map, mine)
+        seen = [
+            (one.time_ns, one.online)
+            for one in mine
+            if one.online is not None and one.map_number == main
         ]
-        seen = [(one.time_ns, one.online) for one in kept if one.online is not None]
         return SlamResult(
-            trajectory=_trajectory([one.time_ns for one in kept], final),
-            covariance=np.array([one.covariance for one in kept]).reshape(-1, 6, 6),
+            trajectory=_trajectory([one.time_ns for one in mine], poses),
+            covariance=covariance,
             time_ns=np.array([stamp for stamp, _ in self.frames], dtype=np.int64),
             states=tuple(state for _, state in self.frames),
             online=_trajectory([stamp for stamp, _ in seen], [pose for _, pose in seen]),
-            map=slam_map.snapshot(metric),
-            metric=metric,
-            loops=loops,
+            map=slam_map.snapshot(main),
+            separate=tuple(
+                SeparateMap(
+                    _trajectory([one.time_ns for one in apart], _corrected(slam_map, apart)[0]),
+                    slam_map.snapshot(number),
+                )
+                for number, apart in sorted(by_map.items())
+            ),
+            metric=slam_map.metric[main],
+            loops=tuple(loops),
             seconds=seconds,
         )
+
+
+def _corrected(slam_map: SlamMap, entries: list[_Entry]) -> tuple[list[Motor], FloatArray]:
+    """Poses and covariances ``(n, 6, 6)`` by the keyframes as they are now."""
+    poses, covariances = [], np.zeros((len(entries), 6, 6))
+    for row, one in enumerate(entries):
+        keyframe = slam_map.keyframes[one.keyframe]
+        stretch = keyframe.scale / one.scale
+        relative = Motor.from_rotor_translation(
+            one.keyframe_T_camera.rotor, stretch * one.keyframe_T_camera.translation_m
+        )
+        poses.append(keyframe.world_T_camera @ relative)
+        units = np.repeat([1.0, stretch], 3)
+        covariances[row] = units[:, None] * one.covariance * units
+    return poses, covariances
 
 
 def _trajectory(stamps: list[int], poses: list[Motor]) -> Trajectory | None:

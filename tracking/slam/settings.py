@@ -18,7 +18,7 @@ class SlamSettings:
         window: newest keyframes that each local adjustment moves.
         adjust: adjust the window at each keyframe, and the whole map after a loop and at the end;
             off shows what that is worth.
-        close_loops: recognise where the camera was before, in metric maps; off shows its worth.
+        close_loops: recognise where the camera was before, and join maps; off shows its worth.
         threads: map in a second thread, so that no frame waits for a keyframe to be worked in. What
             comes out then depends on how fast that goes; without, the same pictures give the same
             bytes.

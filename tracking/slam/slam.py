@@ -2,14 +2,15 @@
 
 World: the camera of the first keyframe (OpenCV axes). Lengths are metres with depth or a stereo
 pair; with one camera alone their unit is free (the median depth of the first map is 1), and only a
-comparison that frees the scale makes sense.
+comparison that frees the scale makes sense. Where the camera stays lost a new map begins, with a
+world of its own, until both are seen to show the same.
 """
 
 from __future__ import annotations
 
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,26 +20,19 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.slam.features import DepthImage, SlamPicture, find_corners
 from motorcade.tracking.slam.geometry import FittedPose, in_world, points_in_world, refine_pose
-from motorcade.tracking.slam.initialise import FEWEST_CORNERS, TwoViewInitialiser, TwoViewStart
 from motorcade.tracking.slam.mapping.adjustment import Adjuster
+from motorcade.tracking.slam.mapping.loops import ClosedLoop
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
 from motorcade.tracking.slam.mapping.mapper import InsertedKeyframe, Mapper
 from motorcade.tracking.slam.mapping.matching import candidates, verified
-from motorcade.tracking.slam.results import RunLog, SlamFrame, SlamResult, SlamState
+from motorcade.tracking.slam.results import KeyframeAnchor, RunLog, SlamFrame, SlamResult, SlamState
 from motorcade.tracking.slam.settings import SlamSettings
+from motorcade.tracking.slam.starting import MapStarter
 from motorcade.tracking.slam.tracker import TrackedPoints, Tracker, is_reliable
 
-_FEWEST_WITH_DEPTH = 60
+_LOST_FRAMES = 3  # that may be looked for in the maps there are, before a new one begins
 _CANDIDATES = 4
 _SAME_UNIT = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class _Anchor:
-    """The keyframe that poses are relative to: its row, and its pose when it was tracked."""
-
-    row: int
-    world_T_camera: Motor
 
 
 class VisualSlam:
@@ -81,13 +75,14 @@ class VisualSlam:
         self._map = SlamMap() if known is None else SlamMap.of(known)
         self._extends = known is None or extend
         self._mapper = Mapper(self._map, self._pinhole, self.settings)
-        self._mapper.metric = known is not None and known.metric
+        self._known = known is not None
         self._tracker = Tracker(self._pinhole)
-        self._initialiser = TwoViewInitialiser(self._pinhole, self.settings.features)
+        self._starter = MapStarter(self._mapper)
+        self._lost_frames = 0
         self._state: SlamState = "initialising" if known is None else "lost"
-        self._loops = 0
+        self._loops: list[ClosedLoop] = []
         self._log = RunLog()
-        self._anchor = _Anchor(0, Motor.identity())
+        self._anchor = KeyframeAnchor(0, 0, Motor.identity())
         self._worker: ThreadPoolExecutor | None = None
         self._inserting: Future[InsertedKeyframe] | None = None
         self._seconds = {"tracking": 0.0, "mapping": 0.0}
@@ -121,9 +116,9 @@ class VisualSlam:
         if self._inserting is not None and self._inserting.done():
             self._settle()
         if self._state == "initialising":
-            frame = self._initialised(picture)
+            frame = self._started(picture) or SlamFrame(picture.time_ns, "initialising")
         elif self._state == "lost":
-            frame = self._found_as_predicted(picture, predicted) or self._relocalised(picture)
+            frame = self._found_again(picture, predicted)
         else:
             frame = self._tracked(picture, predicted)
         self._state = frame.state
@@ -163,12 +158,12 @@ class VisualSlam:
         self._mapper.adjusts_all = True
 
     def snapshot(self) -> MapSnapshot:
-        """The map as it is now: keyframes, points, and where which was seen.
+        """The map that is tracked in, as it is now: keyframes, points, and where which was seen.
 
         With threads it waits for the keyframe that is being made.
         """
         self._settle()
-        return self._map.snapshot(self._mapper.metric)
+        return self._map.snapshot(self._mapper.active)
 
     def finish(self, *, adjust: bool = True) -> SlamResult:
         """Adjust the whole map once more (unless `adjust` is False) and give everything.
@@ -184,71 +179,32 @@ class VisualSlam:
             self._worker = None
         if adjust and self.settings.adjust and self._extends:
             self._mapper.adjust_all()
-        return self._log.result(
-            self._map, metric=self._mapper.metric, loops=self._loops, seconds=dict(self._seconds)
-        )
+        seconds = dict(self._seconds)
+        return self._log.result(self._map, known=self._known, loops=self._loops, seconds=seconds)
 
     # Frames in each state ------------------------------------------------------------------------
 
-    def _initialised(self, picture: SlamPicture) -> SlamFrame:
-        if picture.depth_m is not None or picture.right is not None:
-            return self._started_with_depth(picture)
-        start = self._initialiser.feed(picture)
-        return SlamFrame(picture.time_ns, "initialising") if start is None else self._begun(start)
-
-    def _started_with_depth(self, picture: SlamPicture) -> SlamFrame:
-        corners = find_corners(picture.gray, self.settings.features)
-        known = np.isfinite(self._mapper.depths(picture, corners.px))
-        if len(corners) < FEWEST_CORNERS or np.count_nonzero(known) < _FEWEST_WITH_DEPTH:
-            return SlamFrame(picture.time_ns, "initialising")
-        self._mapper.metric = True
-        world = Motor.identity()  # the world is this camera
-        inserted = self._mapper.insert_keyframe(picture, world, *_nothing())
-        self._tracker.restart(inserted.tracked)
-        self._tracker.anchor(inserted.tracked, world)
-        covariance = np.eye(6) * 1e-12
-        self._remember(picture.time_ns, world, covariance)
-        return SlamFrame(picture.time_ns, "tracking", world, covariance, int(known.sum()), True)
-
-    def _begun(self, start: TwoViewStart) -> SlamFrame:
-        """A map from two views, and the poses of the frames between them."""
-        ids = self._map.add_points(start.corners.descriptors)
-        pose = Motor.identity()
-        self._mapper.append(start.first, pose, ids, start.corners.px)
-        self._mapper.append(start.second, start.views.first_T_second, ids, start.second_px)
-        self._mapper.triangulate_newest()
-        self._mapper.adjust_all()
-        self._set_unit()
-        # The second comes back as an ordinary keyframe, with corners of its own.
-        second_pose = self._map.keyframes.pop().world_T_camera
-        self._remember(start.first.time_ns, pose, np.eye(6) * 1e-12, online=False)
-        for stamp, rows, px in start.between:
-            located = self._map.located[ids[rows]]
-            fit = self._refined(pose, ids[rows][located], px[located])
-            if is_reliable(fit, px[located], start.first.gray.shape):
-                pose = fit.world_T_camera
-                self._remember(stamp, pose, fit.covariance, online=False)
-        located, alive = self._map.located[ids], self._map.alive[ids]
-        fit = self._refined(second_pose, ids[located], start.second_px[located])
-        points = self._map.points[ids[alive]]
-        self._tracker.restart(
-            TrackedPoints(start.second, second_pose, ids[alive], start.second_px[alive], points)
-        )
-        return self._mapped(start.second, fit)
+    def _started(self, picture: SlamPicture) -> SlamFrame | None:
+        """Begin a map, once the pictures allow it."""
+        started = self._starter.feed(picture)
+        if started is None:
+            return None
+        self._anchor = KeyframeAnchor(started.row, self._mapper.active, Motor.identity())
+        for stamp, pose, covariance in started.between:
+            self._remember(stamp, pose, covariance, online=False)
+        self._tracker.restart(started.tracked)
+        if started.fit is not None:
+            return self._mapped(picture, started.fit)
+        if started.inserted is not None:
+            self._take(started.inserted)
+        pose, covariance = self._anchor.world_T_camera, np.eye(6) * 1e-12
+        self._remember(picture.time_ns, pose, covariance)
+        count = int(np.count_nonzero(started.tracked.located))
+        number = self._anchor.map_number
+        return SlamFrame(picture.time_ns, "tracking", pose, covariance, count, True, number)
 
     def _refined(self, pose: Motor, ids: IntArray, px: FloatArray) -> FittedPose:
         return refine_pose(pose, self._map.points[ids], px, self._pinhole)
-
-    def _set_unit(self) -> None:
-        """Make the median depth of the first keyframe 1."""
-        points = self._map.points[self._map.located]
-        unit = float(np.median(points[:, 2]))
-        self._map.points[:] /= unit
-        for keyframe in self._map.keyframes:
-            pose = keyframe.world_T_camera
-            keyframe.world_T_camera = Motor.from_rotor_translation(
-                pose.rotor, pose.translation_m / unit
-            )
 
     def _tracked(self, picture: SlamPicture, predicted: Motor | None) -> SlamFrame:
         fit = self._tracker.step(picture, predicted)
@@ -258,6 +214,8 @@ class VisualSlam:
             fit = self._tracker.step(picture, predicted)
         if fit is None:
             self._tracker.lose()
+            self._starter.forget()
+            self._lost_frames = 0
             return SlamFrame(picture.time_ns, "lost")
         if self._inserting is None and self._tracker.wants_keyframe():
             if self._extends:
@@ -265,14 +223,14 @@ class VisualSlam:
             tracked = self._tracker.tracked
             self._tracker.anchor(self._mapper.seen_again(tracked), tracked.world_T_camera)
         self._remember(picture.time_ns, fit.world_T_camera, fit.covariance)
-        return _frame(picture, fit, "tracking", fit.world_T_camera, False)
+        return self._frame(picture, fit, "tracking", fit.world_T_camera, False)
 
     def _mapped(self, picture: SlamPicture, fit: FittedPose) -> SlamFrame:
         """Make a keyframe of a tracked picture; without threads its pose is the adjusted one."""
         pose = fit.world_T_camera
         tracked = self._tracker.tracked
         work = (picture, pose, tracked.ids, tracked.px)
-        self._anchor = _Anchor(len(self._map.keyframes), pose)
+        self._anchor = KeyframeAnchor(len(self._map.keyframes), self._mapper.active, pose)
         if self.settings.threads:
             self._worker = self._worker or ThreadPoolExecutor(1, "slam mapping")
             self._inserting = self._worker.submit(self._mapper.insert_keyframe, *work)
@@ -280,7 +238,7 @@ class VisualSlam:
             self._take(self._mapper.insert_keyframe(*work))
             pose = self._anchor.world_T_camera
         self._remember(picture.time_ns, pose, fit.covariance)
-        return _frame(picture, fit, "tracking", pose, True)
+        return self._frame(picture, fit, "tracking", pose, True)
 
     def _settle(self) -> None:
         """Wait for the keyframe that is being made, if one is, and take over what became of it."""
@@ -290,10 +248,28 @@ class VisualSlam:
         self._take(inserting.result())
 
     def _take(self, inserted: InsertedKeyframe) -> None:
-        self._tracker.anchor(inserted.tracked, self._anchor.world_T_camera)
-        self._anchor = _Anchor(self._anchor.row, inserted.tracked.world_T_camera)
-        self._loops += inserted.closed
+        tracked, stretch = inserted.tracked, inserted.stretch
+        jumped = None if inserted.closed is None else stretch
+        self._tracker.anchor(tracked, self._anchor.world_T_camera, jumped)
+        number = self._mapper.active
+        self._anchor = KeyframeAnchor(self._anchor.row, number, tracked.world_T_camera, stretch)
+        if inserted.closed is not None:
+            self._loops.append(inserted.closed)
         self._seconds["mapping"] += inserted.seconds
+
+    def _found_again(self, picture: SlamPicture, predicted: Motor | None) -> SlamFrame:
+        """Look for the camera in the maps there are; where it stays lost, begin a new one.
+
+        Not where something else says where the camera is: it is lost in no world then.
+        """
+        self._settle()
+        frame = self._found_as_predicted(picture, predicted) or self._relocalised(picture)
+        if frame is not None:
+            return frame
+        self._lost_frames += 1
+        if self._extends and predicted is None and self._lost_frames >= _LOST_FRAMES:
+            frame = self._started(picture)
+        return frame or SlamFrame(picture.time_ns, "lost")
 
     def _found_as_predicted(
         self, picture: SlamPicture, predicted: Motor | None
@@ -301,26 +277,24 @@ class VisualSlam:
         """Look for points of the newest keyframes where a predicted pose puts them."""
         if predicted is None:
             return None
-        self._settle()
         ids, px = self._mapper.recover(picture, predicted, _nothing()[0])
         fit = self._refined(predicted, ids, px)
-        row = len(self._map.keyframes) - 1
+        row = int(self._map.rows_of(self._mapper.active)[-1])
         return self._gone_on(picture, fit, ids, px, row)
 
-    def _relocalised(self, picture: SlamPicture) -> SlamFrame:
-        """Look for the map in the picture; what is found is refined, then checked."""
-        self._settle()
+    def _relocalised(self, picture: SlamPicture) -> SlamFrame | None:
+        """Look for the maps in the picture; what is found is refined, then checked."""
         corners = find_corners(picture.gray, self.settings.features)
         rows = candidates(self._map, corners, _CANDIDATES)
         found = verified(self._map, corners, rows, self._pinhole)
         if found is None:
-            return SlamFrame(picture.time_ns, "lost")
+            return None
+        self._mapper.active = self._map.keyframes[found.keyframe].map_number
         ids, px = self._mapper.recover(picture, found.fit.world_T_camera, _nothing()[0])
         if len(ids) < len(found.ids):
             ids, px = found.ids, found.px
         fit = self._refined(found.fit.world_T_camera, ids, px)
-        frame = self._gone_on(picture, fit, ids, px, found.keyframe)
-        return SlamFrame(picture.time_ns, "lost") if frame is None else frame
+        return self._gone_on(picture, fit, ids, px, found.keyframe)
 
     def _gone_on(
         self, picture: SlamPicture, fit: FittedPose, ids: IntArray, px: FloatArray, row: int
@@ -330,18 +304,23 @@ class VisualSlam:
             return None
         pose, ids, px = fit.world_T_camera, ids[fit.inliers], px[fit.inliers]
         self._tracker.restart(TrackedPoints(picture, pose, ids, px, self._map.points[ids]))
-        self._anchor = _Anchor(row, self._map.keyframes[row].world_T_camera)
+        anchor = self._map.keyframes[row]
+        self._anchor = KeyframeAnchor(row, anchor.map_number, anchor.world_T_camera, anchor.scale)
         self._remember(picture.time_ns, pose, fit.covariance)
-        return _frame(picture, fit, "relocalised", pose, False)
+        return self._frame(picture, fit, "relocalised", pose, False)
+
+    def _frame(
+        self, picture: SlamPicture, fit: FittedPose, state: SlamState, pose: Motor, keyframe: bool
+    ) -> SlamFrame:
+        count, number = int(np.count_nonzero(fit.inliers)), self._anchor.map_number
+        return SlamFrame(picture.time_ns, state, pose, fit.covariance, count, keyframe, number)
 
     # Bookkeeping ---------------------------------------------------------------------------------
 
     def _remember(
         self, time_ns: int, pose: Motor, covariance: FloatArray, *, online: bool = True
     ) -> None:
-        relative = self._anchor.world_T_camera.inverse() @ pose
-        given = pose if online else None
-        self._log.note(time_ns, self._anchor.row, relative, covariance, given)
+        self._log.note(time_ns, self._anchor, pose, covariance, online=online)
 
     def _picture(
         self, time_ns: int, gray: GrayImage, depth_m: DepthImage | None, right: GrayImage | None
@@ -360,13 +339,6 @@ class VisualSlam:
         depth = None if depth_m is None else self.camera.undistort_depth(depth_m)
         other = None if right is None else self.camera.undistort_image(checked_gray(right))
         return SlamPicture(int(time_ns), straight, depth, other)
-
-
-def _frame(
-    picture: SlamPicture, fit: FittedPose, state: SlamState, pose: Motor, keyframe: bool
-) -> SlamFrame:
-    count = int(np.count_nonzero(fit.inliers))
-    return SlamFrame(picture.time_ns, state, pose, fit.covariance, count, keyframe)
 
 
 def _nothing() -> tuple[IntArray, FloatArray]:

@@ -115,7 +115,7 @@ class Tracker:
         self._reference = tracked
         self._accept(tracked)
 
-    def anchor(self, keyframe: TrackedPoints, before: Motor) -> None:
+    def anchor(self, keyframe: TrackedPoints, before: Motor, stretch: float | None = None) -> None:
         """Take over what the map made of a picture that was tracked: the newest, or one before.
 
         New points are tracked from the keyframe to the newest picture; poses since then move as
@@ -124,20 +124,26 @@ class Tracker:
         Args:
             keyframe: the keyframe with its points, as the map has it now.
             before: world_T_camera the keyframe had when it was tracked.
+            stretch: by how much lengths around it grew since, where a loop moved the map as a
+                whole; None where it was only adjusted, by less than poses are predicted to.
         """
         self._reference = keyframe
         self._located_then = int(np.count_nonzero(keyframe.located))
         last = self._tracked
         if last is None:
             return
-        if last.picture.time_ns == keyframe.picture.time_ns:
+        newest = last.picture.time_ns == keyframe.picture.time_ns
+        now = Similarity.from_motor_scale(keyframe.world_T_camera, stretch or 1.0)
+        correction = now @ Similarity.from_motor_scale(before).inverse()
+        if stretch is not None or not newest:
+            self._moments = [
+                _Moment(one.time_ns, in_world(correction, one.world_T_camera))
+                for one in self._moments
+            ]
+        if newest:
             self._accept(keyframe)
             return
-        correction = keyframe.world_T_camera @ before.inverse()
-        self._moments = [
-            _Moment(one.time_ns, correction @ one.world_T_camera) for one in self._moments
-        ]
-        pose = correction @ last.world_T_camera
+        pose = in_world(correction, last.world_T_camera)
         _, rows, last_rows = np.intersect1d(
             keyframe.ids, last.ids, assume_unique=True, return_indices=True
         )

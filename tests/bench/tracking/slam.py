@@ -93,7 +93,7 @@ def _run(recording: Recording, name: str, kind: str, switch: str) -> dict[str, A
         "frames": len(spent),
         "states": dict(Counter(result.states)),
         "keyframes": len(result.map.time_ns),
-        "loops": result.loops,
+        "loops": len(result.loops),
         "frame_mean_ms": float(np.mean(spent)),
         "frame_median_ms": float(np.median(spent)),
         "frame_worst_ms": float(np.max(spent)),

@@ -36,6 +36,7 @@ def add_keyframe(slam_map: SlamMap, view, world_T_camera: Motor, believed: Motor
 def around(view, last: Motor, count: int = 12) -> SlamMap:
     """Once around a room, each view a part of a turn on, and last where `last` says, drifted."""
     slam_map = SlamMap()
+    slam_map.metric = [True]
     for yaw in np.linspace(0.0, 2.0 * np.pi, count, endpoint=False):
         add_keyframe(slam_map, view, looking(yaw), looking(yaw))
     add_keyframe(slam_map, view, last, DRIFT @ last)
@@ -49,7 +50,8 @@ def test_where_it_was_before_it_knows_its_place_again(view) -> None:
     loop = find_loop(slam_map, FEATURES, CAMERA)
     assert loop is not None
     assert (loop.old, loop.new) == (0, 12)
-    found = loop.world_T_new
+    found = loop.world_S_new.rigid
+    assert float(loop.world_S_new.scale) == pytest.approx(1.0)
     assert np.linalg.norm(found.translation_m - last.translation_m) < 0.02
     assert (found.rotor.inverse() @ last.rotor).angle() < np.deg2rad(0.5)
     assert len(loop.ids) == len(loop.px) >= 40

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Similarity
 from motorcade.tracking import Camera
 from motorcade.tracking.cameras.camera import project
 from motorcade.tracking.slam.mapping.loops import LoopClosure, close_loop
@@ -25,6 +25,7 @@ def _ring(rng: np.random.Generator) -> tuple[SlamMap, Motor, np.ndarray]:
     # Along the axis of the circle: what drifts across it cancels over a full turn.
     drift = Motor.from_twist([0.0, -0.004, 0.0, 0.0, -0.01, 0.0])
     slam_map, points = SlamMap(), []
+    slam_map.metric = [True]
     pose = truth[0]
     for row in range(COUNT):
         if row:
@@ -39,6 +40,10 @@ def _ring(rng: np.random.Generator) -> tuple[SlamMap, Motor, np.ndarray]:
     return slam_map, truth, np.concatenate(points)
 
 
+def _rigid(pose: Motor) -> Similarity:
+    return Similarity.from_motor_scale(pose)
+
+
 def _worst_m(slam_map: SlamMap, truth: Motor) -> float:
     ours = Motor.stack([one.world_T_camera for one in slam_map.keyframes])
     return float(np.linalg.norm(ours.translation_m - truth.translation_m, axis=1).max())
@@ -50,7 +55,7 @@ def test_a_closed_loop_takes_out_most_of_the_drift(rng: np.random.Generator) -> 
     points_before = np.linalg.norm(slam_map.points - points, axis=1).mean()
     ids = np.arange(SHARED)
     px = rng.uniform(0.0, 300.0, (SHARED, 2))
-    close_loop(slam_map, LoopClosure(0, COUNT - 1, truth[-1], ids, px), CAMERA)
+    close_loop(slam_map, LoopClosure(0, COUNT - 1, _rigid(truth[-1]), ids, px), CAMERA)
     assert before > 0.1
     assert _worst_m(slam_map, truth) < before / 3.0
     assert np.linalg.norm(slam_map.points - points, axis=1).mean() < points_before / 3.0
@@ -59,7 +64,9 @@ def test_a_closed_loop_takes_out_most_of_the_drift(rng: np.random.Generator) -> 
 def test_the_newest_keyframe_then_sees_the_old_points(rng: np.random.Generator) -> None:
     slam_map, truth, _ = _ring(rng)
     px = rng.uniform(0.0, 300.0, (SHARED, 2))
-    close_loop(slam_map, LoopClosure(0, COUNT - 1, truth[-1], np.arange(SHARED), px), CAMERA)
+    close_loop(
+        slam_map, LoopClosure(0, COUNT - 1, _rigid(truth[-1]), np.arange(SHARED), px), CAMERA
+    )
     newest = slam_map.keyframes[-1]
     assert np.array_equal(newest.ids, np.unique(newest.ids))
     assert np.array_equal(newest.px[np.isin(newest.ids, np.arange(SHARED))], px)
@@ -78,7 +85,9 @@ def test_points_mapped_twice_become_one(rng: np.random.Generator) -> None:
     new.px[-SHARED:] = project(CAMERA, truth[-1], slam_map.points[old.ids])[0]
     seen = np.all((new.px[-SHARED:] > 12.0) & (new.px[-SHARED:] < (307.0, 227.0)), axis=1)
     assert np.count_nonzero(seen) >= 3
-    close_loop(slam_map, LoopClosure(0, COUNT - 1, truth[-1], old.ids, new.px[-SHARED:]), CAMERA)
+    close_loop(
+        slam_map, LoopClosure(0, COUNT - 1, _rigid(truth[-1]), old.ids, new.px[-SHARED:]), CAMERA
+    )
     merged = ~slam_map.alive[twins]
     assert np.count_nonzero(merged[seen]) >= np.count_nonzero(seen) - 2
     assert not np.isin(twins[merged], new.ids).any()
@@ -98,3 +107,59 @@ def test_merging_keeps_one_observation_a_keyframe(rng: np.random.Generator) -> N
     assert np.array_equal(later.ids, np.unique(later.ids))
     assert np.isin(np.arange(SHARED), later.ids).all()
     assert not slam_map.alive[SHARED : 2 * SHARED].any()
+
+
+def test_a_unit_that_drifted_is_brought_back_along_the_loop(rng: np.random.Generator) -> None:
+    slam_map, truth, points = _ring(rng)
+    slam_map.metric = [False]
+    # What one camera maps: every step three per cent longer than the one before.
+    growth = 1.03 ** np.arange(COUNT)
+    pose = truth[0]
+    for row in range(COUNT):
+        keyframe = slam_map.keyframes[row]
+        if row:
+            step = truth[row - 1].inverse() @ truth[row]
+            longer = growth[row] * step.translation_m
+            pose = pose @ Motor.from_rotor_translation(step.rotor, longer)
+        keyframe.world_T_camera = pose
+        mine = np.arange(row * SHARED, (row + 1) * SHARED)
+        in_camera = truth[row].inverse().apply(points[mine])
+        slam_map.points[mine] = pose.apply(growth[row] * in_camera)
+    before = _worst_m(slam_map, truth)
+    world_S_new = Similarity.from_motor_scale(truth[-1], 1.0 / growth[-1])
+    px = rng.uniform(0.0, 300.0, (SHARED, 2))
+    closed = close_loop(
+        slam_map, LoopClosure(0, COUNT - 1, world_S_new, np.arange(SHARED), px), CAMERA
+    )
+    assert before > 0.9
+    assert _worst_m(slam_map, truth) < before / 5.0
+    stretched = np.array([one.scale for one in slam_map.keyframes])
+    np.testing.assert_allclose(stretched * growth, 1.0, atol=0.1)
+    np.testing.assert_allclose(closed.correction.scale, 1.0 / growth[-1])
+
+
+def test_two_maps_that_meet_are_one_in_the_world_of_the_first(rng: np.random.Generator) -> None:
+    slam_map, _, _ = _ring(rng)
+    slam_map.metric = [True, False]
+    half = COUNT // 2
+    for row in range(half, COUNT):
+        keyframe = slam_map.keyframes[row]
+        keyframe.map_number = 1
+        keyframe.keep(keyframe.ids >= half * SHARED)
+    expected = [one.world_T_camera.as_matrix() for one in slam_map.keyframes]
+    points = slam_map.points.copy()
+    # The second half as one camera has it: in a world and unit of its own.
+    away = Similarity.from_twist([0.3, -0.2, 0.5, 1.0, 2.0, -1.0, 0.7])
+    slam_map.metric.append(False)
+    slam_map.join_maps(1, 2, away)
+    newest = slam_map.keyframes[-1]
+    world_S_new = away.inverse() @ Similarity.from_motor_scale(newest.world_T_camera)
+    loop = LoopClosure(0, COUNT - 1, world_S_new, np.arange(SHARED), np.zeros((SHARED, 2)))
+    closed = close_loop(slam_map, loop, CAMERA)
+    assert closed.maps == (2, 0)
+    assert {one.map_number for one in slam_map.keyframes} == {0}
+    found = [one.world_T_camera.as_matrix() for one in slam_map.keyframes]
+    np.testing.assert_allclose(found, expected, atol=1e-9)
+    np.testing.assert_allclose(slam_map.points, points, atol=1e-9)
+    scales = [one.scale for one in slam_map.keyframes]
+    np.testing.assert_allclose(scales, 1.0, atol=1e-9)

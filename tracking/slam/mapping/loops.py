@@ -1,27 +1,28 @@
 """Loops: the camera is back where it was, and the map is made to agree with that.
 
-A keyframe that looks like one far back along the map is matched to it; if one pose explains the
-matches, the drift between the two passes is spread over all keyframes by a pose graph (gtsam), and
-points move with the keyframe that first saw them. Lengths must be metres: with one camera alone
-the unit drifts too, and rigid poses cannot take that out.
+A keyframe that looks like one far back along the map is matched to it. If one pose explains the
+matches, the drift between the two passes is spread over all keyframes by a pose graph, and points
+move with the keyframe that first saw them. With one camera the unit drifts too: how much longer it
+has become is told by the depths of points that both passes mapped, and the graph spreads that as
+well. Where the old keyframe belongs to another map, this makes one map of the two.
 
-Source: pose graph over keyframes that share points, Mur-Artal & Tardos 2017.
+Sources: pose graph over keyframes that share points, Mur-Artal & Tardos 2017; of similarities,
+Strasdat et al. 2010; maps that meet, Campos et al. 2021 (ORB-SLAM3).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera, to_frame
 from motorcade.tracking.slam.features import Corners, find_corners
 from motorcade.tracking.slam.geometry import BoolArray, refine_pose
-from motorcade.tracking.slam.mapping.map import SlamMap
+from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 from motorcade.tracking.slam.mapping.matching import (
     RecognisedKeyframe,
     alike_where_expected,
@@ -29,6 +30,7 @@ from motorcade.tracking.slam.mapping.matching import (
     candidates,
     verified,
 )
+from motorcade.tracking.slam.mapping.pose_graph import PoseGraph
 from motorcade.tracking.slam.tracker import is_reliable
 
 _APART = 10  # keyframes between the two passes, at least
@@ -39,8 +41,10 @@ _ALIKE_PX = 6.0
 _SAME_PX = 4.0
 _AROUND = 5  # keyframes to each side of the old one that count as the same location
 _SIGMA_RAD, _SIGMA_SHARE = 0.01, 0.01  # of an edge that one point holds
-_FIXED = 1e6  # points that would hold a keyframe as if nailed down
 _EDGE_SHARED = 30
+_SAME_CORNER_PX = 2.0  # within which a corner found anew is the one that was tracked
+_FEWEST_DEPTHS = 15
+_MOST_SCALE_SIGMA = 0.02  # a loop closed by a scale known worse bends what it should mend
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,15 +53,32 @@ class LoopClosure:
 
     Args:
         old, new: rows of the keyframes.
-        world_T_new: the newest keyframe's pose as the old part of the map has it.
+        world_S_new: the newest keyframe's pose in the old keyframe's world, with the old unit of
+            length in terms of the new one.
         ids, px: ``(n,)``, ``(n, 2)`` old points that the newest keyframe sees, and where.
     """
 
     old: int
     new: int
-    world_T_new: Motor
+    world_S_new: Similarity
     ids: IntArray
     px: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedLoop:
+    """What closing a loop changed.
+
+    Args:
+        old_time_ns, time_ns: stamps of the keyframe that was recognised, and of the newest.
+        maps: numbers of the map that was and of the one that it is now; alike within one map.
+        correction: how the newest keyframe moved: where it believed to be, from where it is.
+    """
+
+    old_time_ns: int
+    time_ns: int
+    maps: tuple[int, int]
+    correction: Similarity
 
 
 def find_loop(slam_map: SlamMap, features: int, camera: Camera) -> LoopClosure | None:
@@ -66,8 +87,9 @@ def find_loop(slam_map: SlamMap, features: int, camera: Camera) -> LoopClosure |
     newest = slam_map.keyframes[new]
     if newest.gray is None:
         return None
-    untied = np.flatnonzero(~_tied(slam_map, newest.ids))
-    untied = untied[untied <= new - _APART]
+    number = np.array([one.map_number for one in slam_map.keyframes])
+    apart = ~_tied(slam_map, newest.ids) & (np.arange(new + 1) <= new - _APART)
+    untied = np.flatnonzero(np.where(number == newest.map_number, apart, True))
     if not len(untied):
         return None
     corners = find_corners(newest.gray, features)
@@ -83,7 +105,40 @@ def find_loop(slam_map: SlamMap, features: int, camera: Camera) -> LoopClosure |
     reliable = is_reliable(fit, px, newest.gray.shape)
     if np.count_nonzero(inliers) < _FEWEST_INLIERS or not reliable:
         return None
-    return LoopClosure(found.keyframe, new, fit.world_T_camera, ids[inliers], px[inliers])
+    ids, px, pose = ids[inliers], px[inliers], fit.world_T_camera
+    scale = 1.0
+    if not (slam_map.metric[newest.map_number] and slam_map.metric[number[found.keyframe]]):
+        told = _scale_by_depths(slam_map, newest, pose, ids, px)
+        if told is None:
+            return None
+        scale = told
+    world_S_new = Similarity.from_motor_scale(pose, scale)
+    return LoopClosure(found.keyframe, new, world_S_new, ids, px)
+
+
+def _scale_by_depths(
+    slam_map: SlamMap, newest: Keyframe, old_pose: Motor, ids: IntArray, px: FloatArray
+) -> float | None:
+    """The old unit of length by the new one: points of both passes that one corner shows."""
+    own = np.flatnonzero(slam_map.located[newest.ids])
+    if not len(own):
+        return None
+    apart = np.linalg.norm(newest.px[own][None] - px[:, None], axis=-1)
+    nearest = np.argmin(apart, axis=1)
+    same = apart[np.arange(len(px)), nearest] <= _SAME_CORNER_PX
+    if np.count_nonzero(same) < _FEWEST_DEPTHS:
+        return None
+    own_points = slam_map.points[newest.ids[own[nearest[same]]]]
+    depth = to_frame(old_pose, slam_map.points[ids[same]])[:, 2]
+    own_depth = to_frame(newest.world_T_camera, own_points)[:, 2]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratio = np.log(depth / own_depth)
+    ratio = ratio[np.isfinite(ratio)]
+    middle = float(np.median(ratio))
+    spread = 1.4826 * float(np.median(np.abs(ratio - middle)))  # the deviation, were it normal
+    if len(ratio) < _FEWEST_DEPTHS or spread > _MOST_SCALE_SIGMA * np.sqrt(len(ratio)):
+        return None
+    return float(np.exp(middle))
 
 
 def _tied(slam_map: SlamMap, ids: IntArray) -> BoolArray:
@@ -99,33 +154,58 @@ def _more_matches(
     slam_map: SlamMap, corners: Corners, found: RecognisedKeyframe, camera: Camera
 ) -> tuple[IntArray, FloatArray]:
     """Points of a keyframe and its neighbours, with the corners alike that lie near enough."""
-    ids, expected = _around(slam_map, found.keyframe, found.fit.world_T_camera, camera)
+    pose = found.fit.world_T_camera
+    near = _neighbours(slam_map, found.keyframe)
+    ids, expected = any_in_view(slam_map, near, np.zeros(0, np.int64), pose, camera)
     points, rows = alike_where_expected(expected, slam_map.descriptors[ids], corners, _ALIKE_PX)
     return ids[points], corners.px[rows]
 
 
-def _around(
-    slam_map: SlamMap, row: int, world_T_camera: Motor, camera: Camera
-) -> tuple[IntArray, FloatArray]:
-    """Points seen by a keyframe or its neighbours that a pose has in view, and where."""
-    rows = range(max(row - _AROUND, 0), min(row + _AROUND + 1, len(slam_map.keyframes)))
-    return any_in_view(slam_map, rows, np.zeros(0, np.int64), world_T_camera, camera)
+def _neighbours(slam_map: SlamMap, row: int) -> list[int]:
+    """Rows of the keyframes of the same map that were made just before and after one, and it."""
+    mine = slam_map.rows_of(slam_map.keyframes[row].map_number)
+    position = int(np.searchsorted(mine, row))
+    near: list[int] = mine[max(position - _AROUND, 0) : position + _AROUND + 1].tolist()
+    return near
 
 
-def close_loop(slam_map: SlamMap, loop: LoopClosure, camera: Camera) -> None:
+def close_loop(slam_map: SlamMap, loop: LoopClosure, camera: Camera) -> ClosedLoop:
     """Spread the drift over the keyframes, move the points along, and join the two passes."""
-    before = Motor.stack([one.world_T_camera for one in slam_map.keyframes])
-    after = _optimised(slam_map, before, loop)
-    owner = np.full(len(slam_map.alive), -1)
-    for row in reversed(range(len(before))):
-        owner[slam_map.keyframes[row].ids] = row
-    for row, keyframe in enumerate(slam_map.keyframes):
-        mine = np.flatnonzero((owner == row) & slam_map.located)
-        correction = after[row] @ before[row].inverse()
-        slam_map.points[mine] = correction.apply(slam_map.points[mine])
-        keyframe.world_T_camera = after[row]
-    _fuse(slam_map, loop, camera)
+    old, newest = slam_map.keyframes[loop.old], slam_map.keyframes[loop.new]
+    before = Similarity.from_motor_scale(newest.world_T_camera)
+    was = newest.map_number
+    first, second = (_neighbours(slam_map, row) for row in (loop.old, loop.new))
+    if was == old.map_number:
+        _spread(slam_map, loop)
+    else:
+        old_S_new = loop.world_S_new @ before.inverse()
+        if slam_map.metric[was] and not slam_map.metric[old.map_number]:
+            slam_map.join_maps(old.map_number, was, old_S_new.inverse())
+        else:
+            slam_map.join_maps(was, old.map_number, old_S_new)
+    _fuse(slam_map, first, second, camera)
     _join(slam_map, loop)
+    scale = loop.world_S_new.scale
+    after = Similarity.from_motor_scale(newest.world_T_camera, scale)
+    maps = was, newest.map_number
+    return ClosedLoop(old.time_ns, newest.time_ns, maps, after @ before.inverse())
+
+
+def _spread(slam_map: SlamMap, loop: LoopClosure) -> None:
+    """Spread the drift over the keyframes of one map, and move the points along."""
+    rows = slam_map.rows_of(slam_map.keyframes[loop.new].map_number)
+    before = Similarity.from_motor_scale(
+        Motor.stack([slam_map.keyframes[row].world_T_camera for row in rows])
+    )
+    after = _optimised(slam_map, rows, before, loop)
+    owner = np.full(len(slam_map.alive), -1)
+    for position in reversed(range(len(rows))):
+        owner[slam_map.keyframes[rows[position]].ids] = position
+    corrections = after @ before.inverse()
+    for position, row in enumerate(rows.tolist()):
+        mine = np.flatnonzero((owner == position) & slam_map.located)
+        slam_map.points[mine] = corrections[position].apply(slam_map.points[mine])
+        slam_map.keyframes[row].move(after[position])
 
 
 def _join(slam_map: SlamMap, loop: LoopClosure) -> None:
@@ -140,47 +220,43 @@ def _join(slam_map: SlamMap, loop: LoopClosure) -> None:
     newest.keep(np.argsort(newest.ids))
 
 
-def _fuse(slam_map: SlamMap, loop: LoopClosure, camera: Camera) -> None:
+def _fuse(slam_map: SlamMap, first: list[int], second: list[int], camera: Camera) -> None:
     """Make one of points that both passes mapped, so that the map holds together there."""
-    for row in range(max(loop.new - _AROUND, 0), loop.new + 1):
+    of_first = slam_map.observations(np.array(first))[1]
+    for row in second:
         keyframe = slam_map.keyframes[row]
-        ids, expected = _around(slam_map, loop.old, keyframe.world_T_camera, camera)
-        unseen = ~np.isin(ids, keyframe.ids)
-        ids, expected = ids[unseen], expected[unseen]
+        pose = keyframe.world_T_camera
+        ids, expected = any_in_view(slam_map, first, keyframe.ids, pose, camera)
         own = keyframe.ids[slam_map.located[keyframe.ids]]
-        own = own[~np.isin(own, slam_map.observations(np.arange(loop.old + _AROUND + 1))[1])]
+        own = own[~np.isin(own, of_first)]
         px = keyframe.px[np.isin(keyframe.ids, own)]
         corners = Corners(px, slam_map.descriptors[own])
         points, rows = alike_where_expected(expected, slam_map.descriptors[ids], corners, _SAME_PX)
         slam_map.merge(own[rows], ids[points])
 
 
-def _optimised(slam_map: SlamMap, before: Motor, loop: LoopClosure) -> Motor:
-    """Poses Motor ``(k,)`` of the keyframes after the loop."""
-    import gtsam
-
-    world_T = [gtsam.Pose3(pose) for pose in before.as_matrix()]
-    depth = _typical_depth(slam_map)
-    graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
-    for row, node in enumerate(world_T):
-        values.insert(row, node)
-    graph.add(gtsam.PriorFactorPose3(0, world_T[0], _noise(_FIXED, depth)))
-    for a, b, count in _edges(slam_map):
-        relative = world_T[a].inverse() * world_T[b]
-        graph.add(gtsam.BetweenFactorPose3(a, b, relative, _noise(count, depth)))
-    seen = world_T[loop.old].inverse() * gtsam.Pose3(loop.world_T_new.as_matrix())
-    noise = _noise(len(loop.ids), depth)
-    graph.add(gtsam.BetweenFactorPose3(loop.old, loop.new, seen, noise))
-    result = gtsam.LevenbergMarquardtOptimizer(graph, values).optimize()
-    return Motor.from_matrix([result.atPose3(row).matrix() for row in range(len(before))])
-
-
-def _noise(count: float, depth: float) -> Any:
-    """Of an edge that `count` points hold, in a map whose points lie `depth` away."""
-    import gtsam
-
-    sigmas = np.array([_SIGMA_RAD] * 3 + [_SIGMA_SHARE * depth] * 3)
-    return gtsam.noiseModel.Diagonal.Sigmas(sigmas / np.sqrt(count))
+def _optimised(
+    slam_map: SlamMap, rows: IntArray, world_S: Similarity, loop: LoopClosure
+) -> Similarity:
+    """Poses Similarity ``(k,)`` of the keyframes `rows` after the loop."""
+    a, b, count = _edges(slam_map, rows)
+    place = {int(row): position for position, row in enumerate(rows)}
+    old, new = place[loop.old], place[loop.new]
+    seen = world_S[old].inverse() @ loop.world_S_new
+    known = world_S[a].inverse() @ world_S[b]
+    between = Similarity(np.concatenate([known.coefficients, seen.coefficients[None]]))
+    share = _SIGMA_SHARE * _typical_depth(slam_map)
+    sigma = np.repeat((_SIGMA_RAD, share, _SIGMA_SHARE), (3, 3, 1))
+    counts = np.append(count, len(loop.ids))
+    graph = PoseGraph(
+        np.append(a, old),
+        np.append(b, new),
+        between,
+        sigma / np.sqrt(counts)[:, None],
+        np.arange(len(rows)) == 0,
+        rigid=slam_map.metric[slam_map.keyframes[loop.new].map_number],
+    )
+    return graph.relaxed(world_S)
 
 
 def _typical_depth(slam_map: SlamMap) -> float:
@@ -189,10 +265,15 @@ def _typical_depth(slam_map: SlamMap) -> float:
     return float(np.median(to_frame(newest.world_T_camera, slam_map.points[ids])[:, 2]))
 
 
-def _edges(slam_map: SlamMap) -> Iterator[tuple[int, int, int]]:
-    """Neighbours in time, and keyframes that share many points: rows, and how many they share."""
-    for row, keyframe in enumerate(slam_map.keyframes[:-1]):
-        shared = slam_map.shared(keyframe.ids)
-        for other in range(row + 1, len(slam_map.keyframes)):
-            if other == row + 1 or shared[other] >= _EDGE_SHARED:
-                yield row, other, max(int(shared[other]), 1)
+def _edges(slam_map: SlamMap, rows: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Neighbours in time, and keyframes that share many points: positions, and how many points."""
+    from scipy.sparse import coo_matrix
+
+    owner, ids, _, _ = slam_map.observations(rows)
+    shape = len(rows), len(slam_map.alive)
+    seen: Any = coo_matrix((np.ones(len(ids), dtype=np.int64), (owner, ids)), shape=shape).tocsr()
+    shared = (seen @ seen.T).toarray()
+    a, b = np.triu_indices(len(rows), 1)
+    count = shared[a, b]
+    edge = (b == a + 1) | (count >= _EDGE_SHARED)
+    return a[edge], b[edge], np.maximum(count[edge], 1)

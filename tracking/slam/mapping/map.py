@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Similarity
 from motorcade.ga.archives import load_arrays, save_arrays
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.slam.features import Descriptors
-from motorcade.tracking.slam.geometry import BoolArray
+from motorcade.tracking.slam.geometry import BoolArray, points_in_world
+from motorcade.tracking.slam.mapping.vocabulary import KeyframeIndex
 
 _FORMAT = "motorcade slam map 2"
 
@@ -34,6 +35,8 @@ class Keyframe:
         ids: ``(n,)`` numbers of the points seen, rising.
         px: ``(n, 2)`` where; depth: ``(n,)`` NaN where not measured.
         gray: the picture, while it may still serve to find points again; then None.
+        map_number: in which world; maps that were not connected have worlds of their own.
+        scale: by how much lengths around it were stretched since it was made.
     """
 
     time_ns: int
@@ -42,6 +45,13 @@ class Keyframe:
     px: FloatArray
     depth: FloatArray
     gray: GrayImage | None
+    map_number: int = 0
+    scale: float = 1.0
+
+    def move(self, world_S_camera: Similarity) -> None:
+        """Take another pose, and note how much longer a unit of old is there."""
+        self.world_T_camera = world_S_camera.rigid
+        self.scale *= float(world_S_camera.scale)
 
     def keep(self, kept: BoolArray | IntArray) -> None:
         """Drop the other observations; rows are put in the order given."""
@@ -66,7 +76,7 @@ class MapSnapshot:
         ValueError: lengths that do not agree, or observations of what is not there.
 
     >>> import numpy as np
-    >>> from motorcade.ga import Motor
+    >>> from motorcade.ga import Motor, Similarity
     >>> from motorcade.tracking import MapSnapshot
     >>> one_point = MapSnapshot(
     ...     time_ns=[0, 500_000_000],
@@ -147,10 +157,17 @@ _ARRAYS = tuple(field.name for field in fields(MapSnapshot))
 
 
 class SlamMap:
-    """The map while keyframes are inserted."""
+    """The map while keyframes are inserted; or several, as long as nothing connects them.
+
+    Fields:
+        keyframes: of all maps, in the order in which they were made.
+        metric: of each map by its number whether its lengths are metres.
+    """
 
     def __init__(self) -> None:
         self.keyframes: list[Keyframe] = []
+        self.metric: list[bool] = [False]
+        self._index = KeyframeIndex()
         self._count = 0
         self._points = np.zeros((0, 3))
         self._descriptors: Descriptors = np.zeros((0, 32), dtype=np.uint8)
@@ -201,6 +218,35 @@ class SlamMap:
             np.concatenate([one.depth for one in chosen]),
         )
 
+    def rows_of(self, number: int) -> IntArray:
+        """Rows of one map's keyframes, the oldest first."""
+        mine = [row for row, one in enumerate(self.keyframes) if one.map_number == number]
+        return np.array(mine, dtype=np.int64)
+
+    def points_of(self, number: int) -> IntArray:
+        """Numbers of one map's located points."""
+        rows = self.rows_of(number)
+        if not len(rows):
+            return np.zeros(0, dtype=np.int64)
+        ids = np.unique(self.observations(rows)[1])
+        return ids[self.located[ids]]
+
+    def alike(self, descriptors: Descriptors, allowed: IntArray, count: int) -> IntArray:
+        """Rows of up to `count` keyframes of `allowed` that look most like descriptors."""
+        for keyframe in self.keyframes[len(self._index) :]:
+            self._index.add(self.descriptors[keyframe.ids])
+        return self._index.alike(descriptors, allowed, count)
+
+    def join_maps(self, number: int, into: int, into_S_number: Similarity) -> None:
+        """Make one map a part of another, whose world and unit it takes."""
+        ids = self.points_of(number)
+        self.points[ids] = points_in_world(into_S_number, self.points[ids])
+        for row in self.rows_of(number):
+            keyframe = self.keyframes[row]
+            moved = into_S_number @ Similarity.from_motor_scale(keyframe.world_T_camera)
+            keyframe.move(moved)
+            keyframe.map_number = into
+
     def merge(self, gone: IntArray, kept: IntArray) -> None:
         """Let every keyframe that saw a point `gone` ``(n,)`` have seen `kept` ``(n,)`` instead.
 
@@ -227,6 +273,7 @@ class SlamMap:
     def of(cls, stored: MapSnapshot) -> SlamMap:
         """A map that goes on from a stored one; its keyframes have no pictures any more."""
         found = cls()
+        found.metric = [stored.metric]
         ids = found.add_points(stored.descriptors)
         found.points[:] = stored.points
         stamped = zip(stored.time_ns.tolist(), stored.world_T_camera, strict=True)
@@ -239,20 +286,21 @@ class SlamMap:
             found.keyframes.append(keyframe)
         return found
 
-    def snapshot(self, metric: bool) -> MapSnapshot:
-        """Keyframes, located points and their observations, frozen."""
-        rows = np.arange(len(self.keyframes))
+    def snapshot(self, number: int) -> MapSnapshot:
+        """One map's keyframes, located points and their observations, frozen."""
+        rows, metric = self.rows_of(number), self.metric[number]
         row_of = np.full(self._count, -1)
         if not len(rows):
             return _nothing_mapped(metric)
+        keyframes = [self.keyframes[row] for row in rows]
         owner, ids, px, depth = self.observations(rows)
         seen = self.located[ids]
         owner, ids, px, depth = owner[seen], ids[seen], px[seen], depth[seen]
         used = np.unique(ids)
         row_of[used] = np.arange(len(used))
         return MapSnapshot(
-            np.array([one.time_ns for one in self.keyframes], dtype=np.int64),
-            Motor.stack([one.world_T_camera for one in self.keyframes]),
+            np.array([one.time_ns for one in keyframes], dtype=np.int64),
+            Motor.stack([one.world_T_camera for one in keyframes]),
             self.points[used],
             self.descriptors[used],
             owner,

@@ -23,7 +23,7 @@ from motorcade.tracking.slam.features import (
 )
 from motorcade.tracking.slam.geometry import OUTLIER_PX, parallax_rad, triangulate
 from motorcade.tracking.slam.mapping.adjustment import AdjustedBundle, Adjuster, Bundle, adjust
-from motorcade.tracking.slam.mapping.loops import close_loop, find_loop
+from motorcade.tracking.slam.mapping.loops import ClosedLoop, close_loop, find_loop
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 from motorcade.tracking.slam.mapping.matching import alike_where_expected, any_in_view, in_view
 from motorcade.tracking.slam.settings import SlamSettings
@@ -46,12 +46,14 @@ class InsertedKeyframe:
     """What became of a keyframe.
 
     Args:
-        tracked: its points, to be tracked from here; closed: whether it closed a loop.
+        tracked: its points, to be tracked from here.
+        closed: the loop that it closed, or None; stretch: by how much that stretched its lengths.
         seconds: what it took.
     """
 
     tracked: TrackedPoints
-    closed: bool
+    closed: ClosedLoop | None
+    stretch: float
     seconds: float
 
 
@@ -62,7 +64,7 @@ class Mapper:
         slam_map: the map; camera: the pinhole; settings: see `SlamSettings`.
 
     Fields:
-        metric: whether lengths are metres; loops are closed only then.
+        active: number of the map that keyframes are inserted into.
         adjuster: adjusts by more than pictures (an IMU, say); None: by pictures alone.
         adjusts_all: whether the next keyframe is followed by an adjustment of the whole map.
     """
@@ -73,9 +75,23 @@ class Mapper:
         self.settings = settings
         baseline_m = settings.baseline_m or _DEPTH_BASELINE_M
         self.disparity_px_m = camera.fx * baseline_m
-        self.metric = False
+        self.active = 0
         self.adjuster: Adjuster | None = None
         self.adjusts_all = False
+
+    @property
+    def metric(self) -> bool:
+        """Whether the active map's lengths are metres."""
+        return self.map.metric[self.active]
+
+    @metric.setter
+    def metric(self, metric: bool) -> None:
+        self.map.metric[self.active] = metric
+
+    def begin_map(self) -> None:
+        """Insert keyframes into a new map from now on, with a world of its own."""
+        self.map.metric.append(False)
+        self.active = len(self.map.metric) - 1
 
     def insert_keyframe(
         self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray
@@ -90,25 +106,31 @@ class Mapper:
         """
         started = time.perf_counter()
         self._fill(picture, pose, ids, px)
-        loop = None
-        if self.settings.close_loops and self.metric:
-            loop = find_loop(self.map, self.settings.features, self.camera)
-        if loop is not None:
-            close_loop(self.map, loop, self.camera)
-            if self.settings.adjust:
-                self.adjusts_all = True
+        newest = self.map.keyframes[-1]
+        closed = self._closed() if self.settings.close_loops else None
         if self.adjusts_all:
             self.adjust_all(_LOOP_ITERATIONS)
             self.adjusts_all = False
         tracked = self._newest(picture)
-        return InsertedKeyframe(tracked, loop is not None, time.perf_counter() - started)
+        return InsertedKeyframe(tracked, closed, newest.scale, time.perf_counter() - started)
+
+    def _closed(self) -> ClosedLoop | None:
+        """Close a loop, or join two maps, where the newest keyframe shows one."""
+        loop = find_loop(self.map, self.settings.features, self.camera)
+        if loop is None:
+            return None
+        closed = close_loop(self.map, loop, self.camera)
+        self.active = closed.maps[1]
+        if self.settings.adjust:
+            self.adjusts_all = True
+        return closed
 
     def append(self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray) -> Keyframe:
         """Make a keyframe of a picture; a measured depth locates points that are not yet."""
         order = np.argsort(ids)
         ids, px = ids[order], px[order]
         depth = self.depths(picture, px) if self.metric else np.full(len(px), np.nan)
-        keyframe = Keyframe(picture.time_ns, pose, ids, px, depth, picture.gray)
+        keyframe = Keyframe(picture.time_ns, pose, ids, px, depth, picture.gray, self.active)
         self.map.keyframes.append(keyframe)
         if len(self.map.keyframes) > _PICTURES_KEPT:
             self.map.keyframes[-1 - _PICTURES_KEPT].gray = None
@@ -168,7 +190,8 @@ class Mapper:
         tracked[ids] = True
         all_ids, all_px = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 2))]
         hidden = []
-        for keyframe in self.map.keyframes[-_PICTURES_KEPT:]:
+        for row in self.map.rows_of(self.active)[-_PICTURES_KEPT:]:
+            keyframe = self.map.keyframes[row]
             usable, expected = in_view(self.map, keyframe, keyframe.ids, pose, self.camera)
             rows = np.flatnonzero(usable & ~tracked[keyframe.ids])
             if len(rows) >= _FEWEST_HIDDEN and keyframe.gray is not None:
@@ -193,10 +216,11 @@ class Mapper:
         what is tracked now.
         """
         old = sum(one.gray is None for one in self.map.keyframes)
-        shared = self.map.shared(ids)[:old]
-        near = np.flatnonzero(shared >= _FEWEST_HIDDEN)
+        mine = self.map.rows_of(self.active)
+        mine = mine[mine < old]
+        near = np.flatnonzero(self.map.shared(ids)[mine] >= _FEWEST_HIDDEN)
         around = np.unique(near[:, None] + np.arange(-_AROUND, _AROUND + 1))
-        around = around[(around >= 0) & (around < old)]
+        around = mine[around[(around >= 0) & (around < len(mine))]]
         known, expected = any_in_view(self.map, around.tolist(), ids, pose, self.camera)
         points, rows = alike_where_expected(
             expected, self.map.descriptors[known], corners, _ALIKE_PX
@@ -206,7 +230,8 @@ class Mapper:
     def triangulate_newest(self) -> None:
         """Locate points that the newest keyframe and an older one of the window see."""
         newest = self.map.keyframes[-1]
-        for older in self.map.keyframes[-1 - self.settings.window : -1]:
+        for row in self.map.rows_of(self.active)[-1 - self.settings.window : -1]:
+            older = self.map.keyframes[row]
             wanted = self.map.alive[newest.ids] & ~self.map.located[newest.ids]
             ids, rows, older_rows = np.intersect1d(
                 newest.ids[wanted], older.ids, assume_unique=True, return_indices=True
@@ -225,22 +250,22 @@ class Mapper:
 
     def adjust_window(self) -> None:
         """Adjust the newest keyframes and their points; older ones that see these stay fixed."""
-        count = len(self.map.keyframes)
-        free = np.arange(max(count - self.settings.window, 0), count)
+        mine = self.map.rows_of(self.active)
+        free = mine[-self.settings.window :]
         seen = np.unique(np.concatenate([self.map.keyframes[row].ids for row in free]))
         seen = seen[self.map.located[seen]]
         shared = self.map.shared(seen)
         shared[free] = 0
-        if self.adjuster is not None and free[0] > 0:
-            shared[free[0] - 1] = len(seen) + 1  # motion is measured from the one before
+        if self.adjuster is not None and len(mine) > len(free):
+            shared[mine[-1 - len(free)]] = len(seen) + 1  # motion is measured from the one before
         fixed = np.argsort(-shared, kind="stable")[:_MOST_FIXED]
         fixed = np.sort(fixed[shared[fixed] > 0])
         self._adjust(np.concatenate([fixed, free]), len(fixed), seen)
 
     def adjust_all(self, iterations: int = 20) -> None:
-        """Adjust the whole map; the first keyframe stays where it is."""
-        rows = np.arange(len(self.map.keyframes))
-        self._adjust(rows, 0, np.flatnonzero(self.map.located), iterations)
+        """Adjust the whole active map; its first keyframe stays where it is."""
+        rows = self.map.rows_of(self.active)
+        self._adjust(rows, 0, self.map.points_of(self.active), iterations)
 
     def _adjust(
         self, rows: IntArray, fixed_count: int, points: IntArray, iterations: int = 8

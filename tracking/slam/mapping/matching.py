@@ -2,9 +2,9 @@
 
 Likeness is the number of bits in which ORB's descriptors differ (Hamming distance).
 
-In a known map the camera is found in two steps. Every corner of the picture is compared with every
-point of the map, and votes for the keyframes that saw its nearest point. The best few keyframes are
-then matched one by one and verified by geometry, which alone decides.
+In a known map the camera is found in two steps. The keyframes that show the same words are looked
+up (`vocabulary`); the best few are then matched one by one and verified by geometry, which alone
+decides.
 
 Sources: ORB: Rublee et al. 2011; ratio of distances: Lowe 2004.
 """
@@ -122,22 +122,7 @@ def candidates(
 ) -> IntArray:
     """Rows of up to `count` keyframes (of `allowed`, if given) that look most like the corners."""
     rows = np.arange(len(slam_map.keyframes)) if allowed is None else allowed
-    if not len(rows) or not len(corners):
-        return np.zeros(0, dtype=np.int64)
-    owner, ids, _, _ = slam_map.observations(rows)
-    seen = slam_map.located[ids]
-    owner, ids = owner[seen], ids[seen]
-    known = np.unique(ids)
-    if not len(known):
-        return np.zeros(0, dtype=np.int64)
-    nearest = _nearest(corners.descriptors, slam_map.descriptors[known], 1)
-    votes = np.zeros(len(slam_map.alive))
-    for _, point, distance in nearest:
-        if distance[0] <= _FARTHEST:
-            votes[known[point[0]]] += 1.0
-    score = np.bincount(owner, weights=votes[ids], minlength=len(rows))
-    best = np.argsort(-score, kind="stable")[:count]
-    return np.asarray(rows[best[score[best] >= _FEWEST_MATCHES]])
+    return slam_map.alike(corners.descriptors, rows, count)
 
 
 def matched(slam_map: SlamMap, corners: Corners, keyframe: int) -> tuple[IntArray, IntArray]:
