@@ -139,6 +139,7 @@ class FusedPoses:
             "gravity_m_s2": found.gravity_m_s2[-1].tolist(),
             "gyro_bias_rad_s": found.gyro_bias_rad_s.mean(axis=0).tolist(),
             "accel_bias_m_s2": found.accel_bias_m_s2.mean(axis=0).tolist(),
+            "doubts": list(found.doubts),
             "noise": None if self.noise is None else self.noise.as_dict(),
         }
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.filter.doubts import path_doubts
 from motorcade.fusion.filter.sourced import Judgement
 from motorcade.fusion.health.stamps import check_stamps
 from motorcade.fusion.health.verdict import Health
@@ -113,11 +114,10 @@ class Fused:
             velocity (m/s) of the right perturbation, in the IMU's axes, then both biases. Where
             more is estimated ``(N, 24, 24)``: tilt of gravity (2, rad), right perturbation of
             `imu_T_camera` (6), time offset (s); variances of what is not estimated are zero. Those
-            of extrinsics and offset hold for a sensor that errs by noise and biases alone: axes of
-            the accelerometer that differ from the gyroscope's by tenths of a degree, and positions
-            whose clock differs from the orientations', move them by up to 16 deviations on EuRoC's
-            flights. `synchronise` covers both by its own. It has no rows where it was not asked
-            for.
+            of extrinsics and offset hold for a sensor that errs by noise and biases alone
+            (`doubts`): axes of the accelerometer that differ from the gyroscope's by tenths of a
+            degree, and positions whose clock differs from the orientations', move them by up to 16
+            deviations on EuRoC's flights. It has no rows where it was not asked for.
         nis: ``(N,)`` normalised innovations squared of the forward pass, six degrees of freedom;
             NaN where nothing was measured and at the start.
         accepted: ``(N,)`` false where a measurement was left out.
@@ -163,6 +163,11 @@ class Fused:
     also: tuple[Judgement, ...] = ()
     given_up_ns: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
     health: Health = field(default_factory=Health)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What the covariances do not cover, a line each; none on most paths."""
+        return path_doubts(self.trajectory.time_ns, self.covariance, self.state_covariance)
 
     @classmethod
     def joined(cls, parts: Sequence[Fused]) -> Fused:

@@ -57,7 +57,8 @@ _MOST_TRIALS = 80
 _CHANCE = 0.05
 """What counts as chance, by Student's distribution over turns, to one side."""
 _GROWTH = 0.02
-"""Of an error that is none: errors of a few dozen spans know their own size to a tenth."""
+"""Of an error that is none: errors of a few dozen spans know their own size to a tenth. Chosen with
+a look at all five flights."""
 _NEAR = float(np.log(1.2))
 """How near to the figure that turns contradict: a fifth of a density moves no deviation by more
 than a tenth."""
@@ -156,12 +157,13 @@ def _by_turn(ahead: _Predictions, held: _Predictions) -> FloatArray:
     """Log likelihood of each turn to learn from, and of what was held out in it."""
     turns = np.unique(ahead.of(1).turn)
     row = np.searchsorted(turns, ahead.of(1).turn)
-    made: FloatArray = np.bincount(row, ahead.of(1).densities, len(turns))
+    made = np.bincount(row, ahead.of(1).densities, len(turns))
     # The errors of a span are nearly one draw: it counts as one pose.
     spans = held.of(1)
-    row = np.searchsorted(turns, spans.turn)
-    count = np.bincount(row, minlength=len(turns))
-    return made + np.bincount(row, spans.densities, len(turns)) / np.maximum(count, 1)
+    at = np.searchsorted(turns, spans.turn)
+    count = np.bincount(at, minlength=len(turns))
+    both: FloatArray = made + np.bincount(at, spans.densities, len(turns)) / np.maximum(count, 1)
+    return both
 
 
 def _squares(held: _Predictions, parity: int) -> FloatArray:
@@ -177,6 +179,8 @@ def _surely_above_zero(differences: FloatArray) -> bool:
     from scipy.stats import t
 
     count = len(differences)
+    if count < 2:
+        return False
     spread = differences.std(ddof=1) * np.sqrt(count)
     return bool(differences.sum() > t.ppf(1.0 - _CHANCE, count - 1) * spread)
 

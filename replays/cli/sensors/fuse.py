@@ -150,9 +150,10 @@ def fuse(arguments: argparse.Namespace) -> None:
     if found.noise is not None:
         print(found.noise.summary)
     for key, value in figures.items():
-        if key == "noise":
-            continue
-        print(f"{key:>28}  {_shown(value)}")
+        if key not in ("noise", "doubts"):
+            print(f"{key:>28}  {_shown(value)}")
+    for line in found.fused.doubts:
+        print(line)
     if arguments.json is not None:
         write_bytes(arguments.json, (json.dumps(figures, indent=2) + "\n").encode())
 

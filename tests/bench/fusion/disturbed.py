@@ -26,6 +26,7 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.data import data_folder
+from tests.bench.fusion.ground_truth import found_faults, set_right
 from tests.bench.fusion.recorded import BLACKOUTS, FLIGHTS, NOISE, Flight, flight, measured
 from tests.bench.timing import on_one_core
 
@@ -127,6 +128,7 @@ def bench_disturbed(
     *,
     graph: bool = False,
     only: str = "",
+    upright: bool = False,
 ) -> dict[str, Any]:
     """Every flight that is present, disturbed in every way whose name contains `only`."""
     rows, left_out = [], []
@@ -135,6 +137,8 @@ def bench_disturbed(
         if one is None:
             left_out.append(f"{name}: not below {data_folder()}; set MOTORCADE_DATA")
             continue
+        if upright:
+            one = set_right(one, found_faults(one))
         rows += [
             {"flight": name, "disturbed": how, **disturbed_figures(one, how, seeds, graph=graph)}
             for how in DISTURBANCES
@@ -252,10 +256,15 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--graph", action="store_true", help="gtsam's batch beside it")
     parser.add_argument("--only", default="", help="disturbances whose name contains this")
+    parser.add_argument("--upright", action="store_true", help="the ground truth set right before")
     given = parser.parse_args()
     with on_one_core():
         found = bench_disturbed(
-            tuple(given.flights.split(",")), range(given.seeds), graph=given.graph, only=given.only
+            tuple(given.flights.split(",")),
+            range(given.seeds),
+            graph=given.graph,
+            only=given.only,
+            upright=given.upright,
         )
     print(disturbed_table(found))
 

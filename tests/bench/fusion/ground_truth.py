@@ -113,11 +113,12 @@ def _mount(turned: FloatArray, read: FloatArray) -> FloatArray:
 
 
 def _robust(left: Callable[[FloatArray], FloatArray], start: FloatArray) -> FloatArray:
-    plain = least_squares(lambda x: left(x).ravel(), start).x
-    scale = 3.0 * float(np.median(np.abs(left(plain))))
-    found: FloatArray = least_squares(
-        lambda x: left(x).ravel(), plain, loss="cauchy", f_scale=scale
-    ).x
+    def flat(x: FloatArray) -> FloatArray:
+        return left(x).ravel()
+
+    plain = least_squares(flat, start).x
+    scale = 3.0 * float(np.median(np.abs(flat(plain))))
+    found: FloatArray = least_squares(flat, plain, loss="cauchy", f_scale=scale).x
     return found
 
 

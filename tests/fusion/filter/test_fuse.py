@@ -104,6 +104,10 @@ def test_the_cameras_covariance_is_that_of_the_state_seen_from_it(record, rng, s
         lean.trajectory.motors.coefficients, whole.trajectory.motors.coefficients
     )
     assert len(lean.state_covariance) == 0
+    assert lean.doubts == ()
+    assert [line[:40] for line in whole.doubts] == [
+        "deviations of extrinsics and offset hold"
+    ] * bool(more)
 
 
 def blacked_out(measurements: PoseMeasurements, spans_s) -> PoseMeasurements:

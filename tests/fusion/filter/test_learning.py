@@ -103,4 +103,4 @@ def test_flights_know_their_errors_with_noise_that_they_taught(name, seed):
     found = learnt_figures(one, seed)
     assert 0.6 < found["nees_after"] < 1.6
     assert found["gain"] >= 0.0
-    assert found["error_ratio"] < 1.05
+    assert found["error_ratio"] < 1.1

@@ -7,6 +7,8 @@ of a hundred metres at deviations of one.
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -25,12 +27,13 @@ BOUND = 27.86 / 6.0
 
 
 def fused_after_one_pose(
-    kinds: tuple[str, ...], motion: str, seed: int, *, smoothed: bool
+    kinds: tuple[str, ...], motion: str, seed: int, *, smoothed: bool, duration_s: int = 6
 ) -> tuple[Fused, Motor]:
-    """Ten measurements a second for six seconds, and where the sensor was."""
+    """Ten measurements a second, and where the sensor was."""
     rng = np.random.default_rng(seed)
-    sensor = simulate_imu(ContinuousPath.along(MOTIONS[motion], 6.5), 200.0, ADIS16448, rng)
-    rows = slice(1, 1202, 20)
+    path = ContinuousPath.along(MOTIONS[motion], duration_s + 0.5)
+    sensor = simulate_imu(path, 200.0, ADIS16448, rng)
+    rows = slice(1, 200 * duration_s + 2, 20)
     stamps = sensor.stream.time_ns[rows]
     poses, later, sooner = (sensor.path.motors_at(stamps + off) for off in (0, 500_000, -500_000))
     speed = 1e3 * (later.translation_m - sooner.translation_m)
@@ -76,6 +79,21 @@ def test_an_altitude_leaves_the_horizontal_place_unknown() -> None:
     assert np.all(sigma_m[-1, :2] > 60.0)
     off_m = np.abs(found.trajectory.motors.translation_m - true.translation_m)
     assert np.all(off_m < 5.0 * sigma_m)
+
+
+@pytest.mark.parametrize("smoothed", [False, True], ids=["live", "smoothed"])
+def test_beyond_what_it_can_tell_it_says_so(smoothed: bool) -> None:
+    """The turn is unknown by a radian then, and no Gaussian holds where that points."""
+    for kinds, duration_s, said in (
+        (("altitude",), 4, False),
+        (("altitude",), 12, True),
+        (("pose",), 12, False),
+    ):
+        found, _ = fused_after_one_pose(
+            kinds, "handheld", 1, smoothed=smoothed, duration_s=duration_s
+        )
+        assert len(found.doubts) == said
+        assert not said or re.match(r"from [67]\.\d to 1[12]\.\d s the attitude", found.doubts[0])
 
 
 def test_where_the_state_is_known_an_altitude_counts_in_full() -> None:
