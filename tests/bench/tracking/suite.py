@@ -10,11 +10,13 @@ from tests.bench.tracking.tag_flips import bench_flips, flips_table
 from tests.bench.tracking.tag_map import bench_map, map_table
 from tests.bench.tracking.tag_markers import bench_markers, markers_table
 from tests.bench.tracking.tag_photometric import bench_photometric, photometric_table
+from tests.bench.tracking.tag_recall import bench_recall, recall_table
 
 __all__ = ["PARTS", "bench_tracking", "tracking_table"]
 
 PARTS: Mapping[str, tuple[Callable[[], Any], Callable[[Any], str]]] = {
     "markers": (bench_markers, markers_table),
+    "recall": (bench_recall, recall_table),
     "flips": (bench_flips, flips_table),
     "map": (bench_map, map_table),
     "board": (bench_board, board_table),

@@ -12,6 +12,7 @@ from tests.bench.tracking.tag_markers import (
     markers_table,
     measure_pictures,
 )
+from tests.bench.tracking.tag_recall import measure_recall, recall_table
 
 
 def test_all_three_count_the_same_print(tmp_path: Path) -> None:
@@ -42,3 +43,11 @@ def test_the_table_has_a_row_a_detector_or_says_what_is_missing(
         ["apriltag", "1"],
         ["opencv", "1"],
     ]
+
+
+@pytest.mark.slow
+def test_more_are_found_in_drawn_scenes_than_the_libraries_find_together() -> None:
+    found = measure_recall(12, first_seed=500)
+    assert found["right"]["motorcade"] >= found["libraries_together"] > found["right"]["apriltag"]
+    assert found["false"]["motorcade"] == 0
+    assert "together" in recall_table(found)

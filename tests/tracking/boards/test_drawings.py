@@ -14,6 +14,13 @@ BOARDS: list[Board] = [
     SingleMarker("tag25h9", 5, 0.105),
     CharucoBoard("aruco_5x5_100", 7, 5, 0.045, 0.035),
 ]
+NEWER: list[Board] = [
+    MarkerGrid("tagStandard41h12", 4, 3, 0.03, 0.026, first_id=3),
+    MarkerGrid("tagStandard52h13", 3, 2, 0.036, 0.03),
+    SingleMarker("tagCircle21h7", 7, 0.1),
+    MarkerGrid("tagCircle49h12", 2, 2, 0.04, 0.05),
+    MarkerGrid("tagCustom48h12", 3, 2, 0.036, 0.024),  # prints that touch
+]
 every_board = pytest.mark.parametrize("board", BOARDS, ids=lambda board: board.name)
 
 # Tag 0 of each family, as in the tables of the AprilTag library.
@@ -107,7 +114,7 @@ def warped(picture: np.ndarray, homography: np.ndarray, size: tuple[int, int]) -
     return np.rint(cv2.GaussianBlur(means, (0, 0), 0.6)).astype(np.uint8)
 
 
-@every_board
+@pytest.mark.parametrize("board", [*BOARDS, *NEWER], ids=lambda board: board.name)
 @pytest.mark.parametrize("turn_deg", [0.0, 37.0, 180.0])
 def test_corners_come_back_from_a_drawing(board: Board, turn_deg: float) -> None:
     scale = 4000.0
