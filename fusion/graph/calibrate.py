@@ -24,7 +24,7 @@ from motorcade.fusion.graph.kinds import parameter_key
 from motorcade.fusion.graph.shared import keys
 from motorcade.fusion.graph.smoothers import determined, factors_of, first_values, read_all
 from motorcade.fusion.imu.noise import ImuNoise
-from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.imu.stream import MOST_CORRECTION, ImuStream
 from motorcade.fusion.measurements.interface import Measurements
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
@@ -128,7 +128,8 @@ def calibrate_by_graph(
 
     Raises:
         ValueError: as `fuse_by_graph`; a stream of several pieces; a deviation that is not above
-            zero; data that leave the graph singular.
+            zero; data that leave the graph singular; readings that nothing but a correction by half
+            and more makes follow the poses.
 
     Examples:
         >>> import numpy as np
@@ -236,7 +237,14 @@ def _settled(
         gated = replace(graph, gates=[loose * gate for gate in graph.gates])
         factors = _factors(gated, values, about, sigmas)
         values = optimised(factors, values, _ITERATIONS, _RELATIVE)
-        still = np.max(np.abs(values.atVector(key) - about) / sigmas) < _STILL
+        now = values.atVector(key)
+        worst = float(np.max(np.abs(now[:_NUMBERS])))
+        if worst > MOST_CORRECTION:
+            raise ValueError(
+                f"imu: expected readings that follow the poses once scale and axes are corrected "
+                f"by up to {MOST_CORRECTION:g}, got {worst:.2f}; are units, axes and stamps right?"
+            )
+        still = np.max(np.abs(now - about) / sigmas) < _STILL
         if rounds == _ROUNDS or (rounds > len(_LOOSE) and still):
             return factors, values, rounds
 

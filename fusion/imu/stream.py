@@ -16,6 +16,9 @@ from motorcade.ga.stamps import LONGEST_BRIDGE_S, checked_increasing, stretches
 
 _REACH = 1e9
 
+MOST_CORRECTION = 0.5
+"""Of an entry of a correction from the identity's: a sensor that is so far off is another one."""
+
 
 @dataclass(frozen=True, eq=False)
 class ImuStream:

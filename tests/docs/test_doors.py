@@ -73,7 +73,6 @@ NO_LIMITS = {
     ("fusion/imu/noise.py", "_MOST"),
     ("render/video.py", "MOST_APART_S"),
     ("replays/readers/kalibr.py", "MOST_OFFSET_S"),
-    ("replays/readers/manifest/inertial.py", "_MOST_CORRECTION"),
 }
 UNITS = {"Ki": 1 << 10, "Mi": 1 << 20, "Gi": 1 << 30, "Ti": 1 << 40}
 

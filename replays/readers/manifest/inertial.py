@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.fusion.imu.noise import ImuNoise
-from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.imu.stream import MOST_CORRECTION, ImuStream
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.errors import one_line
@@ -29,7 +29,6 @@ IMU_KEYS = (
     "gyro_correction",
     "accel_correction",
 )
-_MOST_CORRECTION = 0.5  # of an entry from the identity's: a sensor so far off is another one
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +106,7 @@ def _correction(section: Section, key: str) -> FloatArray:
     if len(numbers) != 9 or not all(map(is_number, numbers)):
         raise section.fault(key, f"expected 3 rows of 3 numbers, got {one_line(rows)}")
     matrix = np.array([as_float(one) for one in numbers]).reshape(3, 3)
-    if not np.abs(matrix - np.eye(3)).max() <= _MOST_CORRECTION:
-        expected = f"expected entries within {_MOST_CORRECTION:g} of the identity's"
+    if not np.abs(matrix - np.eye(3)).max() <= MOST_CORRECTION:
+        expected = f"expected entries within {MOST_CORRECTION:g} of the identity's"
         raise section.fault(key, f"{expected}, got {one_line(rows)}")
     return matrix

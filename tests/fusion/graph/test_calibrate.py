@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,13 @@ import pytest
 from motorcade.fusion.filter import FilterSettings
 from motorcade.fusion.graph import GraphCalibration, calibrate_by_graph, fuse_by_graph
 from motorcade.fusion.graph.calibrate import corrected, corrections
-from motorcade.fusion.imu import ImuStream
+from motorcade.fusion.imu import ADIS16448, ImuStream
 from motorcade.fusion.measurements import CornerMeasurements, PredictedState, numerical_jacobian
 from motorcade.fusion.measurements.corners import with_intrinsics
+from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
+from tests.end_to_end.gap_paths import Case, shapes
 
 Record = Callable[..., Any]
 OPEN = FilterSettings(gate=1.0)
@@ -137,6 +140,13 @@ def pictures(run: Any, rng: np.random.Generator, **options: Any) -> CornerMeasur
         sigma_px=SPREAD_PX,
         **{"camera": CAMERA, **options},
     )
+
+
+def test_readings_that_are_not_of_the_motion_are_refused_rather_than_corrected_away(tmp_path: Path):
+    """Poses a second apart, read at the poses alone: what turned between them is not in it."""
+    case = Case.of(shapes(10**9)["gaps alone"], tmp_path)
+    with pytest.raises(ValueError, match="follow the poses once scale and axes are corrected"):
+        calibrate_by_graph(case.measured, case.imu, ADIS16448, Motor.identity())
 
 
 def test_derivatives_of_corners_are_those_of_differences(record: Record, rng):
