@@ -28,7 +28,8 @@ Examples:
     >>> path = Trajectory(frames.time_ns, map_T_camera)
     >>> covariance = np.broadcast_to(1e-6 * np.eye(6), (len(path), 6, 6))
     >>> states = ("tracking",) * len(path)
-    >>> result = SlamResult(path, covariance, path.time_ns, states, path, snapshot, False, 0, {})
+    >>> result = SlamResult(path, covariance, path.time_ns, states, path, snapshot, (),
+    ...     metric=False, loops=(), seconds={})
 
     >>> from motorcade.fusion.visual_inertial import fuse_map
     >>> made = fuse_map(result, camera, sensor.stream, ADIS16448, imu_T_camera=Motor.identity())

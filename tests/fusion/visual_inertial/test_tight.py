@@ -214,8 +214,9 @@ def test_a_run_of_slam_becomes_a_metric_path_through_darkness(scene: Scene):
         tuple("tracking" if one else "lost" for one in seen),
         None,
         snapshot,
+        (),
         False,
-        0,
+        (),
         {},
     )
     found = fuse_map(result, CAMERA, scene.imu, ADIS16448, IMU_T_CAMERA)

@@ -290,7 +290,7 @@ def mapped(truth: Trajectory) -> SlamResult:
     )
     spread = np.tile(np.diag(np.repeat([1e-3, 4e-3], 3) ** 2), (len(frames), 1, 1))
     states = ("tracking",) * len(frames)
-    return SlamResult(frames, spread, frames.time_ns, states, None, snapshot, False, 0, {})
+    return SlamResult(frames, spread, frames.time_ns, states, None, snapshot, (), False, (), {})
 
 
 def test_an_imu_tells_metres_where_it_was_carried_and_says_why_not(stream: ImuStream) -> None:
