@@ -27,8 +27,9 @@ MOTORCADE_INLINE Quad column_of(const double *block, std::size_t i, const Quad *
     return block[i] * x[0] + block[3 + i] * x[1] + block[6 + i] * x[2];
 }
 
-// The first nine rows of F X; the others are those of X.
-template <bool tilted, std::size_t W>
+// The first nine rows of F X; the others are those of X. Where `lower`, of a symmetric product only
+// what is left of the diagonal, and what else is in the same quads.
+template <bool tilted, bool lower, std::size_t W>
 MOTORCADE_INLINE void multiplied(const Transition &f, const double (*x)[W], double (*made)[W]) {
     for (std::size_t q = 0; q < W / 4; ++q) {
         Quad turned[3], shifted[3], faster[3], by_gyro[3], by_accel[3];
@@ -40,8 +41,9 @@ MOTORCADE_INLINE void multiplied(const Transition &f, const double (*x)[W], doub
             by_accel[i] = quad(x[accel + i], q);
         }
         for (std::size_t i = 0; i < 3; ++i) {
-            put(made[turn + i], q,
-                row_of(f.turn_turn, i, turned) + row_of(f.turn_gyro, i, by_gyro));
+            if (!lower || 4 * q < position)
+                put(made[turn + i], q,
+                    row_of(f.turn_turn, i, turned) + row_of(f.turn_gyro, i, by_gyro));
             Quad place = row_of(f.position_turn, i, turned) + row_of(f.turn_turn, i, shifted) +
                          row_of(f.position_gyro, i, by_gyro) +
                          row_of(f.position_accel, i, by_accel);
@@ -54,7 +56,7 @@ MOTORCADE_INLINE void multiplied(const Transition &f, const double (*x)[W], doub
                 place += 0.5 * f.dt * fall;
                 speed += fall;
             }
-            put(made[position + i], q, place);
+            if (!lower || 4 * q < velocity) put(made[position + i], q, place);
             put(made[velocity + i], q, speed);
         }
     }
@@ -103,17 +105,24 @@ MOTORCADE_INLINE void propagated(Matrix<N> &p, const Transition &f, const Densit
     constexpr bool tilted = N > 15;
     alignas(64) double top[9][W];
     alignas(64) double across[N][half];
-    alignas(64) double corner[9][half];
-    multiplied<tilted, W>(f, p.row, top);
+    alignas(64) double corner[9][half] = {};
+    multiplied<tilted, false, W>(f, p.row, top);
     for (std::size_t k = 0; k < N; ++k) {
         for (std::size_t i = 0; i < 9; ++i) across[k][i] = top[i][k];
         for (std::size_t i = 9; i < half; ++i) across[k][i] = 0.0;
     }
-    multiplied<tilted, half>(f, across, corner);
+    multiplied<tilted, true, half>(f, across, corner);
+    // In quads, so that what is read next was written as it is read.
     for (std::size_t i = 0; i < 9; ++i) {
-        for (std::size_t j = 0; j <= i; ++j) p.row[i][j] = p.row[j][i] = corner[i][j];
-        for (std::size_t j = 9; j < N; ++j) p.row[i][j] = p.row[j][i] = top[i][j];
+        for (std::size_t q = 0; q < 2; ++q) put(p.row[i], q, quad(corner[i], q));
+        for (std::size_t q = 2; q < W / 4; ++q) put(p.row[i], q, quad(top[i], q));
     }
+    for (std::size_t i = 9; i < N; ++i) {
+        for (std::size_t q = 0; q < 2; ++q) put(p.row[i], q, quad(across[i], q));
+        p.row[i][8] = across[i][8];
+    }
+    for (std::size_t i = 0; i < 9; ++i)
+        for (std::size_t j = i; j < 9; ++j) p.row[i][j] = corner[j][i];
     const double dt = f.dt;
     for (std::size_t i = 0; i < 3; ++i) {
         p.row[turn + i][turn + i] += q.rate * dt;
@@ -129,7 +138,7 @@ MOTORCADE_INLINE void propagated(Matrix<N> &p, const Transition &f, const Densit
 MOTORCADE_INLINE void transformed(Matrix<15> &x, const Transition &f) {
     constexpr std::size_t W = Matrix<15>::width;
     alignas(64) double top[9][W];
-    multiplied<false, W>(f, x.row, top);
+    multiplied<false, false, W>(f, x.row, top);
     for (std::size_t i = 0; i < 9; ++i)
         for (std::size_t j = 0; j < W; ++j) x.row[i][j] = top[i][j];
 }

@@ -78,20 +78,20 @@ template <std::size_t N> void Timeline<N>::put(std::size_t row, const Matrix<N> 
     if (sink.whole != nullptr)
         for (std::size_t i = 0; i < sink.size; ++i)
             std::copy_n(p.row[i], sink.size, sink.whole + (sink.size * row + i) * sink.size);
-    double effect[6][N] = {}, by_pose[36], spread[6][N];
-    motorcade_pose_effect(now_.imu_T_camera, by_pose);
+    double effect[36], spread[6][N] = {}, across[N][6], seen[36] = {};
+    motorcade_pose_effect(now_.imu_T_camera, effect);
     for (std::size_t a = 0; a < 6; ++a) {
-        std::copy_n(by_pose + 6 * a, 6, effect[a]);
-        if constexpr (N > 15) effect[a][extrinsics + a] = 1.0;
-        std::fill_n(spread[a], N, 0.0);
-        for (std::size_t k = 0; k < N; ++k) filter::add<N>(spread[a], effect[a][k], p.row[k]);
+        for (std::size_t k = 0; k < 6; ++k) filter::add<N>(spread[a], effect[6 * a + k], p.row[k]);
+        if constexpr (N > 15) filter::add<N>(spread[a], 1.0, p.row[extrinsics + a]);
+        for (std::size_t k = 0; k < N; ++k) across[k][a] = spread[a][k];
+    }
+    for (std::size_t b = 0; b < 6; ++b) {
+        for (std::size_t k = 0; k < 6; ++k)
+            filter::add<6>(seen + 6 * b, effect[6 * b + k], across[k]);
+        if constexpr (N > 15) filter::add<6>(seen + 6 * b, 1.0, across[extrinsics + b]);
     }
     for (std::size_t a = 0; a < 6; ++a)
-        for (std::size_t b = 0; b < 6; ++b) {
-            double &seen = sink.covariance[36 * row + 6 * a + b];
-            seen = 0.0;
-            for (std::size_t k = 0; k < N; ++k) seen += spread[a][k] * effect[b][k];
-        }
+        for (std::size_t b = 0; b < 6; ++b) sink.covariance[36 * row + 6 * a + b] = seen[6 * b + a];
     std::copy_n(now_.pose, 8, sink.pose + 8 * row);
     std::copy_n(now_.velocity, 3, sink.velocity + 3 * row);
     std::copy_n(now_.bias, 6, sink.bias + 6 * row);

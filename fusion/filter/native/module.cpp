@@ -118,7 +118,8 @@ public:
 
     void play() override {
         nb::gil_scoped_release unlocked;
-        while (filter_.play()) rest(filter_.samples().back());
+        while (filter_.play(rest_.wanted()))
+            if (rest_.wanted()) rest(filter_.samples().back());
     }
 
     void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data,

@@ -22,12 +22,11 @@ MOTORCADE_INLINE void go_on(State &state, const Reading &read, double dt, const 
     std::copy_n(state.velocity, 3, velocity);
     std::copy_n(state.bias, 6, bias);
     std::copy_n(fall, 3, gravity);
-    Transition f{};
-    f.dt = dt;
-    transition(bias, own.rate, own.force, dt, f.turn_turn, f.position_turn, f.velocity_turn,
-               f.turn_gyro, f.position_gyro, f.velocity_gyro, f.position_accel, f.velocity_accel);
+    made.dt = dt;
+    transition(bias, own.rate, own.force, dt, made.turn_turn, made.position_turn,
+               made.velocity_turn, made.turn_gyro, made.position_gyro, made.velocity_gyro,
+               made.position_accel, made.velocity_accel);
     step(pose, velocity, bias, own.rate, own.force, dt, gravity, next, faster);
-    made = f;
     std::copy_n(next, 8, state.pose);
     std::copy_n(faster, 3, state.velocity);
 }

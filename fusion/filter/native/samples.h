@@ -24,6 +24,14 @@ public:
         time_ns_ = time_ns, rate_ = rate, force_ = force, held_ = count;
     }
 
+    // All of those held before a moment, and the first from it on, are seen; false where all were.
+    bool show_until(std::int64_t time_ns) {
+        if (seen_ == held_) return false;
+        while (++seen_ < held_ && time_ns_[seen_ - 1] < time_ns) {
+        }
+        return true;
+    }
+
     // The next of those held becomes the last one seen; false where none is left.
     bool show() {
         if (seen_ == held_) return false;

@@ -64,6 +64,8 @@ public:
         double square = 0.0;
         for (int i = 0; i < 3; ++i)
             square += (read.rate[i] - state.bias[i]) * (read.rate[i] - state.bias[i]);
+        const double widest = largest_turn_rad / dt;
+        if (square < widest * widest) return 1;
         const double parts = std::floor(std::sqrt(square) * dt / largest_turn_rad) + 1.0;
         return parts < most ? static_cast<int>(parts) : most;
     }

@@ -78,9 +78,12 @@ public:
         samples_.show();
     }
 
-    // Moves everything on to the next sample held; false where none is left.
-    bool play() {
-        if (!samples_.show()) return false;
+    // Moves everything on to the next sample held, or the one that the next event waits for; false
+    // where none is left.
+    bool play(bool by_sample) {
+        const bool waits = next_ < events_.size();
+        const std::int64_t until = waits ? events_[next_].time_ns : INT64_MAX;
+        if (!(by_sample ? samples_.show() : samples_.show_until(until))) return false;
         catch_up();
         return true;
     }
@@ -135,12 +138,13 @@ public:
 protected:
     // Propagates the state to a moment within the samples; `each` sees every transition.
     template <class Each> void advance(std::int64_t to, Each &&each) {
+        if (!(time_ns_ < to)) return;
         double fall[3];
         motion_.gravity(now_, fall);
         while (time_ns_ < to && sample_ + 1 < samples_.size()) {
             const Sample one = samples_[sample_], next = samples_[sample_ + 1];
             const std::int64_t end = std::min(to, next.time_ns);
-            const Reading here = reading(time_ns_),
+            const Reading here = time_ns_ == one.time_ns ? one.read : reading(time_ns_),
                           there = end == next.time_ns ? next.read : reading(end);
             Reading mean;
             for (int i = 0; i < 3; ++i) {
