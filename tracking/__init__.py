@@ -29,7 +29,7 @@ Draw a marker, look at it straight on from 0.6 m, and find it again:
 >>> np.round(marker.camera_T_marker[0].translation_m[2], 1)  # 500 px * 0.12 m / 96 px
 np.float64(0.6)
 
-Sub-packages: `boards`, `markers` (`markers.disambiguate`, `markers.mapping`,
+Sub-packages: `boards`, `depth`, `markers` (`markers.disambiguate`, `markers.mapping`,
 `markers.photometric`), `planes`, `slam`.
 """
 

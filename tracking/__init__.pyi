@@ -1,5 +1,6 @@
 from . import boards as boards
 from . import cameras as cameras
+from . import depth as depth
 from . import markers as markers
 from . import optimise as optimise
 from . import planes as planes

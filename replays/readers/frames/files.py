@@ -21,10 +21,11 @@ from motorcade.replays.engine.progress import track
 from motorcade.replays.errors import DamagedError, one_line, refusal
 from motorcade.replays.files.door import read_bounded
 from motorcade.replays.readers.frames import pictures
-from motorcade.replays.recording import Frame
+from motorcade.replays.recording import DepthArray, Frame
 
 if TYPE_CHECKING:
     from motorcade.tracking import Camera
+    from motorcade.tracking.depth import DepthCamera
 
 FRAME_LIMIT = 1_000_000
 
@@ -40,6 +41,8 @@ class PictureFrames:
         depth_files: depth picture of each frame, None where it has none.
         depth_units_per_m: what a metre is in the depth pictures.
         right_files: right picture of each frame, where they are rectified pairs.
+        depth_camera: what took the depth pictures, where they do not lie on the pictures' pixels
+            yet: they are registered as they are read, to `colour_camera`.
         digests: size in bytes and SHA-256 of files that were read whole, when they were checked.
     """
 
@@ -49,6 +52,8 @@ class PictureFrames:
     depth_files: tuple[Path | None, ...] = ()
     depth_units_per_m: float = 1000.0
     right_files: tuple[Path, ...] = ()
+    depth_camera: DepthCamera | None = None
+    colour_camera: Camera | None = None
     digests: Mapping[Path, tuple[int, bytes]] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
@@ -67,12 +72,8 @@ class PictureFrames:
         index = range(len(self))[index]
         path, name = self.files[index], f"frame {index}"
         read_image = partial(pictures.read_picture, path, name, self.size)
-        depth = self.depth_files[index] if self.depth_files else None
-        read_depth = None
-        if depth is not None:
-            read_depth = partial(
-                pictures.read_depth, depth, name, self.size, self.depth_units_per_m
-            )
+        known = bool(self.depth_files) and self.depth_files[index] is not None
+        read_depth = partial(self._registered, index) if known else None
         read_right = None
         if self.right_files:
             read_right = partial(pictures.read_gray, self.right_files[index], name, self.size)
@@ -80,6 +81,34 @@ class PictureFrames:
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[index] for index in range(len(self)))
+
+    def measured_depth(self, index: int) -> DepthArray | None:
+        """Read a frame's depth as its sensor measured it, registered to nothing; None without.
+
+        Raises:
+            RecordingError: as `Frame.depth_m`.
+        """
+        path = self.depth_files[index] if self.depth_files else None
+        if path is None:
+            return None
+        units = self.depth_units_per_m
+        return pictures.read_depth(path, f"frame {index}", self._depth_size, units)
+
+    @property
+    def _depth_size(self) -> tuple[int, int] | None:
+        if self.depth_camera is None:
+            return self.size
+        return self.depth_camera.camera.width, self.depth_camera.camera.height
+
+    def _registered(self, index: int) -> DepthArray:
+        measured = self.measured_depth(index)
+        if measured is None:
+            raise ValueError(f"frame {index}: expected a depth picture, got none")
+        if self.depth_camera is None or self.colour_camera is None:
+            return measured
+        from motorcade.tracking.depth import register_depth
+
+        return register_depth(measured, self.depth_camera, self.colour_camera)
 
     def check(self, camera: Camera | None) -> None:
         """Read every file and look at its header, end and size, without decoding.
@@ -134,8 +163,11 @@ class PictureFrames:
         depth = set(self.depth_files)
         for path, name in self._all_files("reading pictures"):
             advice = pictures.UNALIGNED if path in depth else pictures.ANOTHER_SIZE
+            expected = size
+            if path in depth and self.depth_camera is not None:
+                expected = self._depth_size
             try:
-                digests[path] = _digest(pictures.read_picture_bytes(path, name, size, advice))
+                digests[path] = _digest(pictures.read_picture_bytes(path, name, expected, advice))
             except DamagedError as fault:
                 damage[path] = fault
         return damage, digests
@@ -143,6 +175,8 @@ class PictureFrames:
     def content(self) -> Iterator[bytes]:
         """Size and digest of every picture; files that were not checked yet are read."""
         yield f"depth units {self.depth_units_per_m!r}".encode()
+        if self.depth_camera is not None:
+            yield f"depth camera {self.depth_camera!r} {self.colour_camera!r}".encode()
         for path, name in self._all_files("reading pictures"):
             known = self.digests.get(path)
             length, digest = known or _digest(read_bounded(path, pictures.FILE_LIMIT, name))

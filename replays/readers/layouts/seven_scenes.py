@@ -1,8 +1,14 @@
 """7-Scenes layout: `frame-000000.color.png`, `.depth.png` (mm), `.pose.txt` (camera to world).
 
-Pictures at 30 Hz. `camera-intrinsics.txt` (3 by 3) is optional; without it the set's nominal
-fx = fy = 585, cx = 320, cy = 240 apply. Depth is taken as registered to colour, which costs some
-millimetres. The world is that of the set's first fusion volume; which way is up in it is unknown.
+Pictures at 30 Hz. What is published are the depth camera's fx = fy = 585, cx = 320, cy = 240, which
+an optional `camera-intrinsics.txt` (3 by 3) repeats; and that depth is not registered to colour.
+The sensor is the first Kinect: its colour camera has about 525 px and stands 25 to 27 mm to the
+right of the depth camera, its axis parallel but for half a degree. With these values depth is
+registered as it is read; runs then look whether it lies on colour. The published poses are
+the depth camera's; here they are carried to the colour camera, which is the recording's. The world
+is that of the set's first fusion volume; which way is up in it is unknown.
+
+Sources: Shotton et al. 2013 (the set); Herrera, Kannala & Heikkila 2012 (the sensor's cameras).
 """
 
 from __future__ import annotations
@@ -21,9 +27,14 @@ from motorcade.replays.readers.calibration import (
 )
 from motorcade.replays.readers.frames.files import PictureFrames, picture_glob, refuse_gaps
 from motorcade.replays.recording import Recording
+from motorcade.tracking.depth import DepthCamera
 
 RATE_HZ = 30.0
-_NOMINAL = (585.0, 585.0, 320.0, 240.0)
+_DEPTH = (585.0, 585.0, 320.0, 240.0)
+_COLOUR = (525.0, 525.0, 320.0, 240.0)
+_WIDTH = 640
+"""Of the pictures that these hold for; of resized ones they are scaled."""
+_COLOUR_T_DEPTH = Motor.from_translation([-0.026, 0.0, 0.0])
 _PATTERN = "frame-*.color.*"
 
 
@@ -49,15 +60,20 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     time_ns = even_stamps(len(files), RATE_HZ)
     depth = _beside(files, ".depth.png")
     given = [base / "camera-intrinsics.txt" for base in (folder, root)]
-    intrinsics = next((read_matrix(path) for path in given if path.is_file()), _NOMINAL)
     size = PictureFrames(files, time_ns).first_size()
-    camera = make_camera(folder, size, intrinsics, "pinhole", ())
+    scale = size[0] / _WIDTH
+    colour, nominal = (tuple(scale * value for value in camera) for camera in (_COLOUR, _DEPTH))
+    intrinsics = next((read_matrix(path) for path in given if path.is_file()), nominal)
+    camera = make_camera(folder, size, colour, "pinhole", ())
+    sensor = DepthCamera(make_camera(folder, size, intrinsics, "pinhole", ()), _COLOUR_T_DEPTH)
     poses = _beside(files, ".pose.txt") if own_truth else ()
     return Recording(
         name=folder.resolve().name,
         root=root,
         layout="seven_scenes",
-        frames=PictureFrames(files, time_ns, size, depth),
+        frames=PictureFrames(
+            files, time_ns, size, depth, depth_camera=sensor, colour_camera=camera
+        ),
         camera=camera,
         truth=_truth(poses, time_ns) if poses else None,
     )
@@ -85,4 +101,4 @@ def _beside(files: tuple[Path, ...], suffix: str) -> tuple[Path, ...]:
 
 def _truth(files: tuple[Path, ...], time_ns: IntArray) -> Trajectory:
     poses = [transform(read_numbers(path, (16,)), path, "world_T_camera") for path in files]
-    return Trajectory(time_ns, Motor.stack(poses))
+    return Trajectory(time_ns, Motor.stack(poses) @ _COLOUR_T_DEPTH.inverse())

@@ -206,7 +206,8 @@ class _Manifest:
         stated = "width" in section or "height" in section
         size = None if stated else frames.first_size()
         camera = self._camera(section, size)
-        frames = replace(frames, size=(camera.width, camera.height))
+        registered_to = None if frames.depth_camera is None else camera
+        frames = replace(frames, size=(camera.width, camera.height), colour_camera=registered_to)
         return replace(made, camera=camera, frames=frames)
 
     def _camera(self, section: Section, size: tuple[int, int] | None) -> Camera:

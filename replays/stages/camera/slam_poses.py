@@ -15,6 +15,7 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.engine.progress import track
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.camera.depth import refined_by_depth
 from motorcade.replays.stages.camera.metres import Metres, NoMetres, in_metres
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.values.sighted_points import SightedPoints
@@ -39,6 +40,8 @@ def slam_poses(
     In a saved map of the place, where the recording brings one, it goes on: the world is then that
     map's, and until the camera finds itself in it there is no pose. The covariance is that of each
     frame's pose within the map; that the map itself drifts is not in it.
+
+    With depth, the surfaces of keyframes are laid on each other in the end, and the path follows.
 
     `adjust` and `close_loops` switched off show what the map's adjustment and its loops are worth;
     `threads` maps in a second thread, after which two runs may differ.
@@ -71,7 +74,8 @@ def slam_poses(
             "only turns; tracked.by=simulated or a board would do"
         )
     if found.metric:
-        return _as_mapped(recording, found, "with depth", start)
+        refined = None if paired or not adjust else refined_by_depth(recording, found)
+        return _as_mapped(recording, refined or found, "with depth", start)
     try:
         metres = in_metres(recording, found)
     except NoMetres as why:

@@ -11,8 +11,10 @@ import pytest
 
 from motorcade.ga import Motor
 from motorcade.replays.errors import RecordingError
+from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.readers.layouts.tum_rgbd import nearest
 from motorcade.replays.readers.opening import open_recording
+from tests.replays.conftest import HEIGHT, WIDTH
 
 Make = Callable[..., Any]
 KNOWN = ("euroc", "seven_scenes", "tum_rgbd", "kitti")
@@ -190,17 +192,37 @@ class TestEuroc:
 
 
 class TestSevenScenes:
-    def test_truth_depth_and_nominal_camera(self, make: Make) -> None:
+    def test_truth_depth_and_nominal_cameras(self, make: Make) -> None:
+        """The published poses are the depth camera's, and its 585 px for 640 pixels of width."""
         made = make("seven_scenes")
         recording = open_recording(made.root)
+        frames, scale = recording.frames, WIDTH / 640
+        assert isinstance(frames, PictureFrames)
+        assert frames.depth_camera is not None
         assert recording.truth is not None
-        assert same_poses(recording.truth.poses, made.poses)
+        colour_T_depth = frames.depth_camera.colour_T_depth
+        assert same_poses(recording.truth.poses @ colour_T_depth, made.poses)
+        assert -0.027 <= colour_T_depth.translation_m[0] <= -0.025
         assert recording.camera is not None
-        assert (recording.camera.fx, recording.camera.cx) == (585.0, 320.0)
-        depth = recording.frames[2].depth_m()
+        assert recording.camera == frames.colour_camera
+        assert (recording.camera.fx, recording.camera.cx) == (525.0 * scale, 320.0 * scale)
+        assert frames.depth_camera.camera.fx == 585.0 * scale
+        measured, depth = frames.measured_depth(2), frames[2].depth_m()
+        assert measured is not None
         assert depth is not None
-        assert np.isnan(depth[0, :2]).all()
-        assert depth[5, 5] == pytest.approx(1.002)
+        assert np.isnan(measured[0, :2]).all()
+        assert measured[5, 5] == pytest.approx(1.002)
+        assert depth[HEIGHT // 2, WIDTH // 2] == pytest.approx(1.002)
+
+    def test_the_depth_cameras_file_is_not_the_colour_cameras(self, make: Make) -> None:
+        made = make("seven_scenes")
+        np.savetxt(made.root / "camera-intrinsics.txt", [[70, 0, 31], [0, 71, 23], [0, 0, 1]])
+        recording = open_recording(made.root)
+        assert isinstance(recording.frames, PictureFrames)
+        assert recording.frames.depth_camera is not None
+        assert recording.frames.depth_camera.camera.fy == 71.0
+        assert recording.camera is not None
+        assert recording.camera.fy == 525.0 * WIDTH / 640
 
     def test_a_scene_with_one_sequence_opens_and_with_two_asks(self, make: Make) -> None:
         made = make("seven_scenes")

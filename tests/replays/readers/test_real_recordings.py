@@ -9,6 +9,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from motorcade.replays.errors import RecordingError
+from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.readers.opening import open_recording
 from motorcade.tracking.boards import Checkerboard
 
@@ -90,8 +91,9 @@ def test_redkitchen_is_read_with_depth_and_unit_rotations(data_dir: Path) -> Non
     assert recording.truth is not None
     steps = np.linalg.norm(np.diff(recording.truth.poses.translation_m, axis=0), axis=1)
     assert steps.sum() == pytest.approx(1.32, abs=0.05)
-    frame = recording.frames[7]
-    depth, path = frame.depth_m(), data_dir / "replays/7scenes_redkitchen/frame-000007.depth.png"
+    assert isinstance(recording.frames, PictureFrames)
+    depth = recording.frames.measured_depth(7)
+    path = data_dir / "replays/7scenes_redkitchen/frame-000007.depth.png"
     stored = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
     unknown = (stored == 0) | (stored == 65535)
     assert depth is not None

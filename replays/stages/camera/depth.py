@@ -1,0 +1,59 @@
+"""A recording's depth as its sensor measured it, and SLAM's map refined by it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from motorcade.ga import Motor
+from motorcade.replays.readers.frames.files import PictureFrames
+from motorcade.replays.recording import DepthArray, Recording
+from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.tracking.depth import DepthCamera, refine_by_depth
+
+if TYPE_CHECKING:
+    from motorcade.tracking.slam import SlamResult
+
+MeasuredDepth = Callable[[int], DepthArray | None]
+"""The depth of a frame by its number, None without."""
+
+
+def measured_depth(recording: Recording) -> tuple[DepthCamera, MeasuredDepth]:
+    """The pinhole that took the depth pictures, and their undistorted pixels.
+
+    Depth that was recorded on colour's pixels counts as taken by the colour camera.
+    """
+    frames = recording.frames
+    if isinstance(frames, PictureFrames) and frames.depth_camera is not None:
+        lens, colour_T_depth = frames.depth_camera.camera, frames.depth_camera.colour_T_depth
+        read: MeasuredDepth = frames.measured_depth
+    else:
+        lens, colour_T_depth = camera_of(recording), Motor.identity()
+
+        def read(index: int) -> DepthArray | None:
+            return frames[index].depth_m()
+
+    def undistorted(index: int) -> DepthArray | None:
+        depth_m = read(index)
+        return None if depth_m is None else lens.undistort_depth(depth_m)
+
+    return DepthCamera(lens.undistorted(), colour_T_depth), undistorted
+
+
+def refined_by_depth(recording: Recording, found: SlamResult) -> SlamResult | None:
+    """SLAM's path and map, its keyframes refined by their depth; None where nothing overlaps."""
+    if found.trajectory is None:
+        return None
+    taken_by, depth_m = measured_depth(recording)
+    index = {stamp: row for row, stamp in enumerate(recording.frames.time_ns.tolist())}
+    refined = refine_by_depth(
+        found.map,
+        found.trajectory,
+        camera_of(recording).undistorted(),
+        taken_by,
+        lambda time_ns: depth_m(index[time_ns]),
+    )
+    if refined is None:
+        return None
+    return replace(found, trajectory=refined.trajectory, map=refined.map)

@@ -1,0 +1,246 @@
+"""Colour against colour, colour against depth, and depth against depth, in one adjustment.
+
+Unknown are the poses of some frames and, if they are asked for, what registers depth to colour:
+both focal lengths and the depth camera's pose on the colour camera. There are two kinds of
+residuals, each in its standard deviations and with a loss that outliers hardly pull:
+
+- a corner of one frame is put on the surface that the same frame's depth shows, and reprojected
+  into another frame, where it was tracked to;
+- a pixel of one frame's depth is carried to another frame, and its distance from the local plane of
+  that frame's depth is taken.
+
+Which plane belongs to which ray is looked up anew between the minimisations.
+
+Sources: Chen & Medioni 1992 (point to plane); Herrera, Kannala & Heikkila 2012 (colour and depth
+cameras in one adjustment).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from motorcade.ga.arrays import FloatArray
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.depth.cameras import DepthCamera
+from motorcade.tracking.depth.residuals import (
+    CORNER_PX,
+    GLOBALS,
+    CornerLinks,
+    DepthLinks,
+    FrameMatrices,
+    Matches,
+    RgbdState,
+)
+from motorcade.tracking.depth.surfaces import DepthSurfaces
+from motorcade.tracking.optimise import NormalEquations, Stop, huber_cauchy, minimise
+from motorcade.tracking.slam.geometry import BoolArray
+
+_HUBER, _OUTLIER = 1.5, 3.0
+_ROUNDS = 8
+_FAR_M = 0.1
+"""Surfaces farther apart than that are two, when distances are only measured."""
+_STEP = 1e-6
+_STOP = Stop(steps=6, gain=1e-5)
+
+
+@dataclass(frozen=True, eq=False)
+class Prior:
+    """What is believed of the cameras beforehand: a state, and ``(8,)`` deviations of globals.
+
+    A deviation of zero keeps the global where it is.
+    """
+
+    colour: Camera
+    depth: DepthCamera
+    sigma: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class RgbdFit:
+    """Where an adjustment ended.
+
+    Fields:
+        state: poses and cameras; covariance: ``(8, 8)`` of the globals, scaled by the scatter.
+        cost: mean robust loss of a residual.
+        corner_px, plane_m: median reprojection error and median distance between the surfaces.
+        count: residuals that took part.
+    """
+
+    state: RgbdState
+    covariance: FloatArray
+    cost: float
+    corner_px: float
+    plane_m: float
+    count: int
+
+
+def adjust_rgbd(
+    start: RgbdState,
+    surfaces: DepthSurfaces,
+    matches: Matches,
+    pairs: Sequence[tuple[int, int]],
+    fixed: Sequence[int],
+    prior: Prior,
+) -> RgbdFit:
+    """Minimise over the poses of all frames but the fixed ones, and over the free globals.
+
+    Args:
+        start: where to begin.
+        surfaces: of the frames' depth pictures.
+        matches: corners tracked between frames.
+        pairs: frames whose depth is compared.
+        fixed: frames that stay where they are, one at least a connected set.
+        prior: of the globals.
+
+    Raises:
+        ValueError: no residual at all: the frames share nothing.
+    """
+    free = np.ones(GLOBALS + 6 * len(start.world_T_colour), dtype=np.bool_)
+    free[:GLOBALS] = prior.sigma > 0.0
+    for frame in fixed:
+        free[GLOBALS + 6 * frame : GLOBALS + 6 * frame + 6] = False
+    state, problem = start, _Problem(start, surfaces, matches, pairs, prior, free)
+    for _ in range(_ROUNDS):
+        found = minimise(state, problem.evaluate, problem.moved, _STOP)
+        settled = found.start_cost - found.evaluation.cost <= 1e-3 * found.start_cost
+        state = found.state
+        problem = _Problem(state, surfaces, matches, pairs, prior, free)
+        if settled:
+            break
+    return problem.fit(state)
+
+
+def plane_distance_m(
+    state: RgbdState, surfaces: DepthSurfaces, pairs: Sequence[tuple[int, int]]
+) -> float:
+    """Median distance between the surfaces of pairs of frames; NaN where none meet."""
+    depths = DepthLinks.at(state, surfaces, pairs, gate_m=_FAR_M)
+    distance_m = depths.residuals(FrameMatrices(state))[2]
+    return float(np.median(distance_m)) if len(distance_m) else float("nan")
+
+
+class _Problem:
+    """The residuals with the planes that belong to them at one state."""
+
+    def __init__(
+        self,
+        at: RgbdState,
+        surfaces: DepthSurfaces,
+        matches: Matches,
+        pairs: Sequence[tuple[int, int]],
+        prior: Prior,
+        free: BoolArray,
+    ) -> None:
+        self.prior, self.free = prior, free
+        self.corners = CornerLinks.at(at, surfaces, matches)
+        self.depths = DepthLinks.at(at, surfaces, pairs)
+        if len(self.corners.matches.first) + len(self.depths.first) < np.count_nonzero(free):
+            raise ValueError("frames: expected some that see the same surfaces, got none")
+
+    def evaluate(self, state: RgbdState) -> _Evaluation:
+        return _Evaluation(self, state)
+
+    def moved(self, state: RgbdState, step: FloatArray) -> RgbdState:
+        whole = np.zeros(len(self.free))
+        whole[self.free] = step
+        return state.moved(whole)
+
+    def fit(self, state: RgbdState) -> RgbdFit:
+        here = _Evaluation(self, state)
+        sizes = np.concatenate([here.corner_size, here.depth_size])
+        # The robust scatter of what should be one standard deviation each.
+        scale = max(
+            float(np.median(here.depth_size)) / 0.6745 if len(here.depth_size) else 1.0, 1.0
+        )
+        covariance = np.zeros((GLOBALS, GLOBALS))
+        shared = self.free[:GLOBALS]
+        if shared.any():
+            count = int(np.count_nonzero(shared))
+            covariance[np.ix_(shared, shared)] = here.equations.covariance(scale)[:count, :count]
+        return RgbdFit(
+            state,
+            covariance,
+            here.cost / max(len(sizes), 1),
+            CORNER_PX * float(np.median(here.corner_size)) if len(here.corner_size) else np.nan,
+            float(np.median(here.distance_m)) if len(here.distance_m) else np.nan,
+            len(sizes),
+        )
+
+
+class _Evaluation:
+    """Residuals and equations of one state."""
+
+    def __init__(self, problem: _Problem, state: RgbdState) -> None:
+        self._problem, self._state = problem, state
+        self._frames = FrameMatrices(state)
+        corners, depths = problem.corners, problem.depths
+        self._corner, self._corner_in_second, _ = corners.residuals(self._frames)
+        self._depth, self._depth_in_second, self.distance_m = depths.residuals(self._frames)
+        self.corner_size = np.linalg.norm(self._corner, axis=-1)
+        self.depth_size = np.abs(self._depth[:, 0])
+        by_corner, self._corner_weight = huber_cauchy(self.corner_size, _HUBER, 2 * _OUTLIER)
+        by_depth, self._depth_weight = huber_cauchy(self.depth_size, _HUBER, _OUTLIER)
+        self._prior = self._prior_residuals()
+        self.cost = float(by_corner.sum() + by_depth.sum() + 0.5 * np.sum(self._prior**2))
+
+    def _prior_residuals(self) -> FloatArray:
+        prior, state = self._problem.prior, self._state
+        off = np.zeros(GLOBALS)
+        off[0] = np.log(state.colour.fx / prior.colour.fx)
+        off[1] = np.log(state.depth.camera.fx / prior.depth.camera.fx)
+        off[2:] = prior.depth.colour_T_depth.local(state.depth.colour_T_depth)
+        used = prior.sigma > 0.0
+        return np.where(used, off, 0.0) / np.where(used, prior.sigma, 1.0)
+
+    @cached_property
+    def equations(self) -> NormalEquations:
+        size = GLOBALS + 6 * len(self._state.world_T_colour)
+        information, gradient = np.zeros((size, size)), np.zeros(size)
+        shared = self._by_globals()
+        kinds = (
+            (self._corner, self._corner_in_second, self._corner_weight, self._problem.corners),
+            (self._depth, self._depth_in_second, self._depth_weight, self._problem.depths),
+        )
+        for (residual, link, weight, linked), by_globals in zip(kinds, shared, strict=True):
+            for rows, first, second in linked.pairs:
+                jacobian = np.concatenate(
+                    [by_globals[rows], link.by_first[rows], link.by_second[rows]], axis=-1
+                ).reshape(-1, GLOBALS + 12)
+                own = NormalEquations.of(
+                    jacobian,
+                    residual[rows].ravel(),
+                    np.repeat(weight[rows], residual.shape[1]),
+                )
+                columns = np.concatenate(
+                    [
+                        np.arange(GLOBALS),
+                        GLOBALS + 6 * first + np.arange(6),
+                        GLOBALS + 6 * second + np.arange(6),
+                    ]
+                )
+                information[np.ix_(columns, columns)] += own.information
+                gradient[columns] += own.gradient
+        sigma = self._problem.prior.sigma
+        for index in np.flatnonzero(sigma > 0.0):
+            information[index, index] += sigma[index] ** -2
+            gradient[index] += self._prior[index] / sigma[index]
+        free = self._problem.free
+        return NormalEquations(information[np.ix_(free, free)], gradient[free])
+
+    def _by_globals(self) -> tuple[FloatArray, FloatArray]:
+        """Derivatives by the globals, by differences: they are few, and the planes stay."""
+        corner = np.zeros((*self._corner.shape, GLOBALS))
+        depth = np.zeros((*self._depth.shape, GLOBALS))
+        for index in np.flatnonzero(self._problem.free[:GLOBALS]):
+            step = np.zeros(GLOBALS + 6 * len(self._state.world_T_colour))
+            step[index] = _STEP
+            frames = FrameMatrices(self._state.moved(step))
+            there, _, _ = self._problem.corners.residuals(frames)
+            corner[..., index] = (there - self._corner) / _STEP
+            there, _, _ = self._problem.depths.residuals(frames)
+            depth[..., index] = (there - self._depth) / _STEP
+        return np.nan_to_num(corner), np.nan_to_num(depth)

@@ -1,0 +1,175 @@
+"""A map's keyframes refined by whole depth pictures, once tracking is done.
+
+Tracking uses depth at corners alone. Here the surfaces of keyframes, neighbours and those that came
+back to the same place, are laid on each other (point to plane), together with the map's corners.
+Frames between keyframes follow them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.depth.adjustment import (
+    Prior,
+    adjust_rgbd,
+    plane_distance_m,
+)
+from motorcade.tracking.depth.cameras import DepthCamera
+from motorcade.tracking.depth.residuals import GLOBALS, Matches, RgbdState
+from motorcade.tracking.depth.surfaces import DepthSurfaces
+from motorcade.tracking.slam.features import DepthImage
+from motorcade.tracking.slam.mapping.map import MapSnapshot
+
+_MOST_KEYFRAMES = 200
+"""Equations of so many poses are solved in a tenth of a second; of more, every other is used."""
+_NEIGHBOURS = 2
+_PARTNERS = 8
+_FEWEST_SHARED = 20
+_FACING = 0.75
+_NEAR = 0.5
+"""Keyframes whose axes lie within 41 degrees, and half the scene's depth from each other."""
+
+
+@dataclass(frozen=True, eq=False)
+class RefinedByDepth:
+    """What became of a path and its map.
+
+    Fields:
+        trajectory: world_T_camera of the same frames.
+        map: with refined keyframes, and points moved along with them.
+        before_m, after_m: median distance between the surfaces of two keyframes.
+    """
+
+    trajectory: Trajectory
+    map: MapSnapshot
+    before_m: float
+    after_m: float
+
+
+def refine_by_depth(
+    found: MapSnapshot,
+    path: Trajectory,
+    colour: Camera,
+    taken_by: DepthCamera,
+    depth_at: Callable[[int], DepthImage | None],
+) -> RefinedByDepth | None:
+    """Refine a metric map and the path that was tracked in it.
+
+    Args:
+        found: the map.
+        path: poses of frames, keyframes among them.
+        colour: the pinhole of the map's pixels.
+        taken_by: the depth pictures' camera, a pinhole.
+        depth_at: the depth picture ``(height, width)`` of a keyframe, by its stamp.
+
+    Returns:
+        None where there is nothing to lay on each other: fewer than two keyframes with depth.
+    """
+    own = np.flatnonzero(np.isin(found.time_ns, path.time_ns))
+    own = own[:: max(-(-len(own) // _MOST_KEYFRAMES), 1)]
+    pictures = {int(row): depth_at(int(found.time_ns[row])) for row in own}
+    rows = np.array([row for row in own if pictures[int(row)] is not None], dtype=np.int64)
+    if len(rows) < 2:
+        return None
+    surfaces = DepthSurfaces.of([one for one in pictures.values() if one is not None])
+    start = RgbdState(found.world_T_camera[rows], colour, taken_by)
+    pairs = _overlapping(start.world_T_colour, surfaces)
+    prior = Prior(colour, taken_by, np.zeros(GLOBALS))
+    try:
+        fit = adjust_rgbd(start, surfaces, _matches(found, rows), pairs, [0], prior)
+    except ValueError:  # the keyframes share nothing that depth shows
+        return None
+    before_m = plane_distance_m(start, surfaces, pairs)
+    after_m = plane_distance_m(fit.state, surfaces, pairs)
+    moved = _Moved(found.time_ns[rows], start.world_T_colour, fit.state.world_T_colour)
+    keyframes = moved.poses(found.time_ns, found.world_T_camera)
+    refined = Trajectory(path.time_ns, moved.poses(path.time_ns, path.motors))
+    return RefinedByDepth(
+        refined,
+        replace(found, world_T_camera=keyframes, points=_points(found, keyframes)),
+        before_m,
+        after_m,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Moved:
+    """How keyframes moved; what lies between two moves as both do, by its share of the time."""
+
+    time_ns: IntArray
+    before: Motor
+    after: Motor
+
+    def poses(self, time_ns: IntArray, poses: Motor) -> Motor:
+        first = np.clip(
+            np.searchsorted(self.time_ns, time_ns, side="right") - 1, 0, len(self.time_ns) - 2
+        )
+        span = self.time_ns[first + 1] - self.time_ns[first]
+        share = np.clip((time_ns - self.time_ns[first]) / span, 0.0, 1.0)
+        world_T_world = self.after @ self.before.inverse()
+        one, other = world_T_world[first] @ poses, world_T_world[first + 1] @ poses
+        return one.retract(share[:, None] * one.local(other))
+
+
+def _points(found: MapSnapshot, keyframes: Motor) -> FloatArray:
+    """Each point where the first keyframe that saw it has taken it."""
+    points, seen = np.array(found.points), np.full(len(found.points), -1)
+    seen[found.point_of[::-1]] = found.keyframe_of[::-1]
+    held = np.flatnonzero(seen >= 0)
+    owner = seen[held]
+    in_camera = found.world_T_camera[owner].inverse().apply(points[held])
+    points[held] = keyframes[owner].apply(in_camera)
+    return points
+
+
+def _matches(found: MapSnapshot, rows: IntArray) -> Matches:
+    """Corners that keyframes near each other share, both ways."""
+    first, second, px, second_px = [], [], [], []
+    order = np.lexsort((found.point_of, found.keyframe_of))
+    keyframe_of, point_of = found.keyframe_of[order], found.point_of[order]
+    seen_px = found.px[order]
+    limits = np.searchsorted(keyframe_of, [rows, rows + 1])
+    for a in range(len(rows)):
+        mine = slice(limits[0, a], limits[1, a])
+        for b in range(a + 1, min(a + 1 + _NEIGHBOURS, len(rows))):
+            other = slice(limits[0, b], limits[1, b])
+            _, one, two = np.intersect1d(
+                point_of[mine], point_of[other], assume_unique=True, return_indices=True
+            )
+            if len(one) < _FEWEST_SHARED:
+                continue
+            there, back = seen_px[mine][one], seen_px[other][two]
+            first += [np.full(len(one), a), np.full(len(one), b)]
+            second += [np.full(len(one), b), np.full(len(one), a)]
+            px += [there, back]
+            second_px += [back, there]
+    none, nowhere = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
+    return Matches(
+        np.concatenate([none, *first]),
+        np.concatenate([none, *second]),
+        np.concatenate([nowhere, *px]),
+        np.concatenate([nowhere, *second_px]),
+    )
+
+
+def _overlapping(world_T_camera: Motor, surfaces: DepthSurfaces) -> list[tuple[int, int]]:
+    """Pairs of keyframes that look at the same: neighbours, and some of those farther apart."""
+    axes = world_T_camera.as_matrix()[:, :3, 2]
+    places = world_T_camera.translation_m
+    depth_m = 1.0 / float(np.nanmedian(surfaces.planes[..., 0]))
+    pairs = []
+    for a in range(len(places) - 1):
+        later = np.arange(a + 1, len(places))
+        near = np.linalg.norm(places[later] - places[a], axis=-1) < _NEAR * depth_m
+        near &= axes[later] @ axes[a] > _FACING
+        far = later[near & (later > a + _NEIGHBOURS)]
+        spread = np.unique(np.linspace(0, len(far) - 1, _PARTNERS).astype(np.int64))
+        chosen = [*later[:_NEIGHBOURS].tolist(), *(far[spread].tolist() if len(far) else [])]
+        pairs += [(a, b) for b in chosen]
+    return pairs
