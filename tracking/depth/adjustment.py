@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera
@@ -37,7 +38,6 @@ from motorcade.tracking.depth.residuals import (
 )
 from motorcade.tracking.depth.surfaces import DepthSurfaces
 from motorcade.tracking.optimise import NormalEquations, Stop, huber_cauchy, minimise
-from motorcade.tracking.slam.geometry import BoolArray
 
 _HUBER, _OUTLIER = 1.5, 3.0
 _ROUNDS = 8
@@ -48,7 +48,7 @@ _STOP = Stop(steps=6, gain=1e-5)
 
 
 @dataclass(frozen=True, eq=False)
-class Prior:
+class CamerasPrior:
     """What is believed of the cameras beforehand: a state, and ``(8,)`` deviations of globals.
 
     A deviation of zero keeps the global where it is.
@@ -84,7 +84,7 @@ def adjust_rgbd(
     matches: Matches,
     pairs: Sequence[tuple[int, int]],
     fixed: Sequence[int],
-    prior: Prior,
+    prior: CamerasPrior,
 ) -> RgbdFit:
     """Minimise over the poses of all frames but the fixed ones, and over the free globals.
 
@@ -132,8 +132,8 @@ class _Problem:
         surfaces: DepthSurfaces,
         matches: Matches,
         pairs: Sequence[tuple[int, int]],
-        prior: Prior,
-        free: BoolArray,
+        prior: CamerasPrior,
+        free: NDArray[np.bool_],
     ) -> None:
         self.prior, self.free = prior, free
         self.corners = CornerLinks.at(at, surfaces, matches)

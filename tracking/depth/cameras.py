@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.slam.features import DepthImage
+
+DepthImage = NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,8 @@
 """Whether depth lies on colour's pixels: where a surface ends, its picture changes.
 
-Needs no poses and no features: the pixels of nearer surfaces at jumps of depth are laid over the
-picture's gradient, shifted this way and that. They fit best where depth and colour agree.
+Needs no poses and no features: the last pixels of nearer surfaces are laid over the picture's
+gradient, shifted this way and that, larger and smaller. They fit best where depth and colour agree.
+A rotation of the depth camera shows as a shift, a wrong ratio of focal lengths as a zoom.
 """
 
 from __future__ import annotations
@@ -11,13 +12,15 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.slam.features import DepthImage
-from motorcade.tracking.slam.geometry import BoolArray
+from motorcade.tracking.depth.cameras import DepthImage
 
-_REACH_PX = 24
+_REACH = 0.05
+"""Shifts up to so much of the picture's width are tried (32 of 640 pixels)."""
+_ZOOMS = np.linspace(0.86, 1.14, 15)
 _JUMP = 1.12
 """A surface ends where what lies beside it is farther by an eighth: no slope looks like that."""
 _BESIDE_PX = 6
@@ -26,37 +29,40 @@ _BLUR_PX = 1.5
 _BRIGHTEST = 0.95
 _FEWEST = 4000
 _STANDS_OUT = 5.0
-"""Times the scatter of far shifts by which the best one must lead their mean."""
+"""Times the scatter of shifts far from it by which the best one must lead their mean."""
+_USUAL_WIDTH = 320
+"""Wider pictures are made smaller: what is looked for is pixels, not their fractions."""
 
 
 @dataclass(frozen=True)
 class EdgeOffset:
-    """How far depth lies off colour.
+    """How far depth lies off colour; NaN where the pictures do not tell.
 
     Fields:
-        right_px, down_px: by which depth has to be moved to lie on colour; NaN where the pictures
-            do not tell.
-        contrast: how far the best shift stands out among all, in standard deviations of theirs.
+        right_px, down_px: by which depth has to be moved to lie on colour.
+        zoom: by which it has to be made larger, about the picture's middle.
+        px: what both move a pixel by, root mean square over the picture.
+        contrast: how far the best fit stands out, in standard deviations of others.
         pixels: at edges of depth that were compared.
     """
 
     right_px: float
     down_px: float
+    zoom: float
+    px: float
     contrast: float
     pixels: int
 
-    @property
-    def px(self) -> float:
-        """Length of the offset; NaN where it is unknown."""
-        return float(np.hypot(self.right_px, self.down_px))
-
 
 def edge_offset(grays: Sequence[GrayImage], depths_m: Sequence[DepthImage]) -> EdgeOffset:
-    """Find the shift of depth, up to 24 pixels, that puts its edges on those of the pictures.
+    """Find shift and zoom of depth that put its edges on those of the pictures.
 
     Args:
         grays: pictures ``(height, width)`` uint8.
         depths_m: their depth, registered, of the same size.
+
+    Raises:
+        ValueError: no pictures, or not as many of the one as of the other.
 
     Boxes before a wall, whose depth is 6 pixels too far to the left:
 
@@ -67,43 +73,47 @@ def edge_offset(grays: Sequence[GrayImage], depths_m: Sequence[DepthImage]) -> E
     ...     gray[y : y + 20, x : x + 30] = 160
     ...     depth[y : y + 20, x - 6 : x + 24] = 2.0
     >>> found = edge_offset([gray] * 10, [depth] * 10)
-    >>> round(found.right_px), round(found.down_px)
-    (6, 0)
+    >>> round(found.right_px), round(found.down_px), round(found.zoom, 2)
+    (6, 0, 1.0)
     """
-    reach = _REACH_PX
-    score, count = np.zeros((2 * reach + 1, 2 * reach + 1)), 0
+    if not len(grays) or len(grays) != len(depths_m):
+        raise ValueError(f"depths_m: expected as many as pictures, got {len(depths_m)}")
+    height, width = grays[0].shape
+    shrunk = max(width // _USUAL_WIDTH, 1)
+    reach = round(_REACH * width / shrunk)
+    score, counts = np.zeros((len(_ZOOMS), 2 * reach + 1, 2 * reach + 1)), np.zeros(len(_ZOOMS))
+    pixels = 0
     for gray, depth_m in zip(grays, depths_m, strict=True):
-        slope = _slope(gray)
-        edges = _edges(depth_m).astype(np.float64)
-        inner = edges[reach:-reach, reach:-reach]
-        found = int(inner.sum())
-        if not found:
-            continue
-        # Correlation: score[a, b] sums the slope at every edge pixel moved by (a, b) - reach.
-        score += cv2.filter2D(slope, cv2.CV_64F, inner, borderType=cv2.BORDER_CONSTANT)[
-            _around(slope.shape[0], inner.shape[0], reach),
-            _around(slope.shape[1], inner.shape[1], reach),
-        ]
-        count += found
-    if count < _FEWEST:
-        return EdgeOffset(np.nan, np.nan, 0.0, count)
+        slope = np.fft.rfft2(_slope(gray, shrunk))
+        rows, columns = np.nonzero(_edges(depth_m))
+        pixels += len(rows)
+        for index, zoom in enumerate(_ZOOMS):
+            edges = _raster(columns, rows, zoom, (height, width), shrunk, reach)
+            counts[index] += edges.sum()
+            score[index] += _correlated(slope, edges, reach)
+    if pixels < _FEWEST or not np.all(counts > 0.0):
+        return EdgeOffset(np.nan, np.nan, np.nan, np.nan, 0.0, pixels)
+    return _best(score / counts[:, None, None], reach, shrunk, (height, width), pixels)
+
+
+def _best(
+    score: FloatArray, reach: int, shrunk: int, shape: tuple[int, int], pixels: int
+) -> EdgeOffset:
     best = np.unravel_index(int(np.argmax(score)), score.shape)
-    down, right = int(best[0]), int(best[1])
-    rows, columns = np.indices(score.shape)
-    far = np.hypot(rows - down, columns - right) > reach / 2
-    contrast = float((score[down, right] - score[far].mean()) / max(score[far].std(), 1e-12))
-    at_rim = not (0 < down < 2 * reach and 0 < right < 2 * reach)
-    if at_rim or contrast < _STANDS_OUT:
-        return EdgeOffset(np.nan, np.nan, contrast, count)
-    right_px = right - reach + _vertex(score[down, right - 1 : right + 2])
-    down_px = down - reach + _vertex(score[down - 1 : down + 2, right])
-    return EdgeOffset(float(right_px), float(down_px), contrast, count)
-
-
-def _around(size: int, kernel: int, reach: int) -> slice:
-    """The places of a correlation at which the kernel is at most `reach` from the middle."""
-    middle = reach + kernel // 2
-    return slice(max(middle - reach, 0), min(middle + reach + 1, size))
+    z, down, right = (int(index) for index in best)
+    rows, columns = np.indices(score.shape[1:])
+    far = score[:, np.hypot(rows - down, columns - right) > reach / 2]
+    contrast = float((score[z, down, right] - far.mean()) / max(far.std(), 1e-12))
+    inside = all(0 < index < size - 1 for index, size in zip(best, score.shape, strict=True))
+    if not inside or contrast < _STANDS_OUT:
+        return EdgeOffset(np.nan, np.nan, np.nan, np.nan, contrast, pixels)
+    right_px = shrunk * (right - reach + _vertex(score[z, down, right - 1 : right + 2]))
+    down_px = shrunk * (down - reach + _vertex(score[z, down - 1 : down + 2, right]))
+    step = float(_ZOOMS[1] - _ZOOMS[0])
+    zoom = float(_ZOOMS[z]) + step * _vertex(score[z - 1 : z + 2, down, right])
+    spread = (zoom - 1.0) ** 2 * (shape[0] ** 2 + shape[1] ** 2) / 12.0
+    px = float(np.sqrt(right_px**2 + down_px**2 + spread))
+    return EdgeOffset(float(right_px), float(down_px), zoom, px, contrast, pixels)
 
 
 def _vertex(values: FloatArray) -> float:
@@ -112,16 +122,18 @@ def _vertex(values: FloatArray) -> float:
     return float(0.5 * (values[0] - values[2]) / bend) if bend < 0.0 else 0.0
 
 
-def _slope(gray: GrayImage) -> FloatArray:
+def _slope(gray: GrayImage, shrunk: int) -> FloatArray:
     """Length of the picture's gradient; the steepest twentieth counts alike."""
     smooth = cv2.GaussianBlur(gray.astype(np.float64), (0, 0), _BLUR_PX)
     slope = np.hypot(cv2.Sobel(smooth, cv2.CV_64F, 1, 0), cv2.Sobel(smooth, cv2.CV_64F, 0, 1))
     top = max(float(np.quantile(slope, _BRIGHTEST)), 1e-9)
-    found: FloatArray = np.minimum(slope / top, 1.0)
+    height, width = slope.shape[0] // shrunk, slope.shape[1] // shrunk
+    cut = np.minimum(slope / top, 1.0)[: height * shrunk, : width * shrunk]
+    found: FloatArray = cut.reshape(height, shrunk, width, shrunk).mean(axis=(1, 3))
     return found
 
 
-def _edges(depth_m: DepthImage) -> BoolArray:
+def _edges(depth_m: DepthImage) -> NDArray[np.bool_]:
     """The last pixels of a nearer surface, where a farther one follows, at once or after a gap."""
     known = np.where(np.isfinite(depth_m) & (depth_m > 0.0), depth_m, np.nan)
     edges = np.zeros(known.shape, dtype=np.bool_)
@@ -131,3 +143,29 @@ def _edges(depth_m: DepthImage) -> BoolArray:
             for far in range(1, _BESIDE_PX + 1):
                 edges |= ends & (np.roll(known, sign * far, axis) > _JUMP * known)
     return edges
+
+
+def _raster(
+    columns: FloatArray,
+    rows: FloatArray,
+    zoom: float,
+    shape: tuple[int, int],
+    shrunk: int,
+    reach: int,
+) -> FloatArray:
+    """How many edge pixels fall on each pixel of the smaller picture; none near its rim."""
+    height, width = shape[0] // shrunk, shape[1] // shrunk
+    middle = 0.5 * (np.array(shape) - 1.0)
+    y = np.rint((middle[0] + zoom * (rows - middle[0]) + 0.5) / shrunk - 0.5).astype(np.int64)
+    x = np.rint((middle[1] + zoom * (columns - middle[1]) + 0.5) / shrunk - 0.5).astype(np.int64)
+    inside = (y >= reach) & (y < height - reach) & (x >= reach) & (x < width - reach)
+    counted = np.bincount(y[inside] * width + x[inside], minlength=height * width)
+    return counted.reshape(height, width).astype(np.float64)
+
+
+def _correlated(slope: np.ndarray, edges: FloatArray, reach: int) -> FloatArray:
+    """Sums of the slope at the edges, moved by ``(a, b) - reach``."""
+    whole = np.fft.irfft2(slope * np.conj(np.fft.rfft2(edges)), s=edges.shape)
+    around = np.arange(-reach, reach + 1)
+    found: FloatArray = whole[around[:, None], around]
+    return found

@@ -16,24 +16,23 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.adjustment import (
-    Prior,
+    CamerasPrior,
     adjust_rgbd,
     plane_distance_m,
 )
-from motorcade.tracking.depth.cameras import DepthCamera
+from motorcade.tracking.depth.cameras import DepthCamera, DepthImage
 from motorcade.tracking.depth.residuals import GLOBALS, Matches, RgbdState
 from motorcade.tracking.depth.surfaces import DepthSurfaces
-from motorcade.tracking.slam.features import DepthImage
 from motorcade.tracking.slam.mapping.map import MapSnapshot
 
 _MOST_KEYFRAMES = 200
 """Equations of so many poses are solved in a tenth of a second; of more, every other is used."""
 _NEIGHBOURS = 2
-_PARTNERS = 8
+_PARTNERS = 16
 _FEWEST_SHARED = 20
-_FACING = 0.75
+_FACING = 0.5
 _NEAR = 0.5
-"""Keyframes whose axes lie within 41 degrees, and half the scene's depth from each other."""
+"""Keyframes whose axes lie within 60 degrees, and half the scene's depth from each other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +79,7 @@ def refine_by_depth(
     surfaces = DepthSurfaces.of([one for one in pictures.values() if one is not None])
     start = RgbdState(found.world_T_camera[rows], colour, taken_by)
     pairs = _overlapping(start.world_T_colour, surfaces)
-    prior = Prior(colour, taken_by, np.zeros(GLOBALS))
+    prior = CamerasPrior(colour, taken_by, np.zeros(GLOBALS))
     try:
         fit = adjust_rgbd(start, surfaces, _matches(found, rows), pairs, [0], prior)
     except ValueError:  # the keyframes share nothing that depth shows

@@ -199,7 +199,7 @@ class DepthLinks:
         px = np.concatenate([np.zeros((0, 2)), *(grids[a][0] for a, _ in pairs)])
         inverse = np.concatenate([np.zeros(0), *(grids[a][1] for a, _ in pairs)])
         frames = FrameMatrices(state)
-        there = _carried(frames, first, second, px, inverse)[3]
+        there = _brought(frames, first, second, px, inverse)[3]
         planes, at = surfaces.at(second, state.depth.camera.project(there, allow_nan=True))
         own, own_px = surfaces.at(first, px)
         facing = frames.planes(planes, at)
@@ -221,7 +221,7 @@ class DepthLinks:
 
     def residuals(self, frames: FrameMatrices) -> tuple[FloatArray, Link, FloatArray]:
         """Residuals ``(n, 1)``, their derivatives, and distances ``(n,)`` in metres."""
-        one, relative, other, there = _carried(
+        one, relative, other, there = _brought(
             frames, self.first, self.second, self.px, self.inverse
         )
         facing = frames.planes(self.planes, self.plane_px)
@@ -246,7 +246,7 @@ def _depth_motion(frames: FrameMatrices, first: IntArray, second: IntArray) -> F
     return found
 
 
-def _carried(
+def _brought(
     frames: FrameMatrices, first: IntArray, second: IntArray, px: FloatArray, inverse: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Measured points in the first colour camera, the motion, and in the second's both cameras."""

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.depth.cameras import DepthImage
 from motorcade.tracking.planes.finding import depth_sigma_m
-from motorcade.tracking.slam.features import DepthImage
 
 _HALF = 3
 """Windows of 7 by 7 pixels: the noise of a plane's depth is a seventh of a pixel's, and a surface

@@ -25,7 +25,7 @@ from motorcade.replays.recording import DepthArray, Frame
 
 if TYPE_CHECKING:
     from motorcade.tracking import Camera
-    from motorcade.tracking.depth import DepthCamera
+    from motorcade.tracking.depth.cameras import DepthCamera
 
 FRAME_LIMIT = 1_000_000
 
@@ -106,7 +106,7 @@ class PictureFrames:
             raise ValueError(f"frame {index}: expected a depth picture, got none")
         if self.depth_camera is None or self.colour_camera is None:
             return measured
-        from motorcade.tracking.depth import register_depth
+        from motorcade.tracking.depth.cameras import register_depth
 
         return register_depth(measured, self.depth_camera, self.colour_camera)
 

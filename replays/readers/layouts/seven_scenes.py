@@ -27,7 +27,7 @@ from motorcade.replays.readers.calibration import (
 )
 from motorcade.replays.readers.frames.files import PictureFrames, picture_glob, refuse_gaps
 from motorcade.replays.recording import Recording
-from motorcade.tracking.depth import DepthCamera
+from motorcade.tracking.depth.cameras import DepthCamera
 
 RATE_HZ = 30.0
 _DEPTH = (585.0, 585.0, 320.0, 240.0)

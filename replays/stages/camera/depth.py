@@ -10,7 +10,8 @@ from motorcade.ga import Motor
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import DepthArray, Recording
 from motorcade.replays.stages.camera.offered import camera_of
-from motorcade.tracking.depth import DepthCamera, refine_by_depth
+from motorcade.tracking.depth.cameras import DepthCamera
+from motorcade.tracking.depth.refine import refine_by_depth
 
 if TYPE_CHECKING:
     from motorcade.tracking.slam import SlamResult

@@ -6,7 +6,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.tracking.depth import DepthCamera
-from motorcade.tracking.depth.adjustment import Prior, adjust_rgbd, plane_distance_m
+from motorcade.tracking.depth.adjustment import CamerasPrior, adjust_rgbd, plane_distance_m
 from motorcade.tracking.depth.residuals import GLOBALS, Matches, RgbdState
 from motorcade.tracking.depth.surfaces import DepthSurfaces
 from motorcade.tracking.slam.geometry import parallax_rad
@@ -54,7 +54,7 @@ def test_drift_of_keyframes_is_taken_out() -> None:
     found, exact = surfaces(), truth()
     drift = np.concatenate([np.zeros((1, 6)), rng.normal(0.0, [0.004] * 3 + [0.01] * 3, (3, 6))])
     start = RgbdState(exact.retract(drift), COLOUR, TAKEN_BY)
-    prior = Prior(COLOUR, TAKEN_BY, np.zeros(GLOBALS))
+    prior = CamerasPrior(COLOUR, TAKEN_BY, np.zeros(GLOBALS))
     fit = adjust_rgbd(start, found, matches(rng), PAIRS, [0], prior)
     before, after = (
         np.abs(exact.local(one.world_T_colour)).max(axis=0) for one in (start, fit.state)
@@ -72,7 +72,9 @@ def test_a_wrong_registration_is_found() -> None:
     wrong = DepthCamera(TAKEN_BY.camera, off)
     sigma = np.array([0.0, 0.0, *[0.05] * 3, *[0.05] * 3])
     start = RgbdState(truth(), COLOUR, wrong)
-    fit = adjust_rgbd(start, surfaces(), matches(rng), PAIRS, [0], Prior(COLOUR, wrong, sigma))
+    fit = adjust_rgbd(
+        start, surfaces(), matches(rng), PAIRS, [0], CamerasPrior(COLOUR, wrong, sigma)
+    )
     apart = COLOUR_T_DEPTH.local(fit.state.depth.colour_T_depth)
     assert np.all(np.abs(apart[:3]) < 0.003), apart
     assert np.all(np.abs(apart[3:]) < 0.006), apart
