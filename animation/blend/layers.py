@@ -92,6 +92,17 @@ def blend_layers(
     Raises:
         ValueError: another number of joints, a threshold that is not positive, or what
             `blend_poses` refuses.
+
+    >>> from motorcade.animation import PoseLayer, blend_layers
+    >>> from motorcade.ga import Motor
+    >>> rest = Motor.identity((2,))
+    >>> low, high = (Motor.from_translation([[0, 0, z]] * 2) for z in (0.2, 1.0))
+    >>> both = [PoseLayer(low, weight=1.0), PoseLayer(high, weight=3.0)]
+    >>> blend_layers(both, rest).translation_m[:, 2].round(6)
+    array([0.8, 0.8])
+    >>> raised = blend_layers(both, rest, additive_layers=[PoseLayer(low, mask=[0.0, 1.0])])
+    >>> raised.translation_m[:, 2].round(6)
+    array([0.8, 1. ])
     """
     checked_positive(threshold, "blend_layers(threshold)")
     for layer in (*layers, *additive_layers):

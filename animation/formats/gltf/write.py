@@ -90,6 +90,27 @@ def write_gltf(
             without a path, points of another shape, or a path so long that a looped clip has
             more than 200,000 keys along it.
         OSError: the file cannot be written.
+
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> from motorcade.animation import Character, Skeleton, read_character, write_gltf
+    >>> from motorcade.ga import Motor
+    >>> flag = Character(
+    ...     Skeleton(("pole",), np.array([-1]), Motor.identity((1,))),
+    ...     vertices=np.array([[0, 0, 0], [1, 0, 0], [0, 0, 2.0]]),
+    ...     normals=np.tile([0.0, -1.0, 0.0], (3, 1)),
+    ...     triangles=np.array([[0, 1, 2]]),
+    ...     colors=np.full((3, 3), 0.5),
+    ...     joints=np.zeros((3, 4), int),
+    ...     weights=np.tile([1.0, 0, 0, 0], (3, 1)),
+    ... )
+
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_gltf(Path(folder, "flag.glb"), flag)
+    ...     again = read_character(Path(folder, "flag.glb"))
+    >>> again.skeleton.names, again.vertices.shape
+    (('pole',), (3, 3))
     """
     target = Path(path)
     chosen = tuple(character.clips if clips is None else clips)

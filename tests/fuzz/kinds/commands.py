@@ -40,20 +40,22 @@ FED = [name for name in cli.NAMES if name not in SLOW] * 4 + list(SLOW)
 SMALL = ("a.tum", "a.csv", "a.kitti", "a.npz", "long.tum", "long.csv", "imu.csv", "noise.yaml")
 SMALL += ("camera.toml", "a.clu", "scene.json", "drags.jsonl", "a.glb", "a.bvh", "a.dae", "0.png")
 SMALL += ("sweep.toml", "marker_map.json", "slam_map.npz", "tiny/motorcade.toml", "tiny/truth.tum")
-SMALL += ("run/run.json", "poses.mcap", "transform.json")
+SMALL += ("run/run.json", "poses.mcap", "transform.json", "magnetic.csv", "rig.toml", "chain.yaml")
 LAST_STAGES = ("tracked", "camera_poses", "imu", "fused", "smoothed", "errors", "x")
 WRITTEN = ("output", "out", "draw", "plot", "svg", "cache", "gltf", "rrd", "json", "covariance")
+WRITTEN += ("deviations",)
 FITTING = {
     "camera": ["camera.toml", "a.tum"],
     "config": ["sweep.toml"],
     "character": ["a.glb", "a.dae"],
     "estimate": ["a.tum", "a.csv"],
-    "extrinsics": ["camera.toml", "a.tum"],
+    "extrinsics": ["chain.yaml", "transform.json"],
     "gestures": ["drags.jsonl"],
     "images": ["0.png", "tiny/images"],
     "imu": ["imu.csv"],
     "input": ["a.tum", "a.csv", "a.kitti", "long.tum"],
     "inputs": ["a.tum", "long.tum", "poses.mcap:/odom", "poses.mcap:map/base", "poses.mcap"],
+    "magnetometer": ["magnetic.csv"],
     "manifest": ["tiny/motorcade.toml", "camera.toml"],
     "motion": ["a.bvh", "a.glb"],
     "noise": ["noise.yaml"],
@@ -62,6 +64,7 @@ FITTING = {
     "recordings": ["tiny"],
     "reference": ["a.tum", "a.csv", "poses.mcap:/odom"],
     "resample_as": ["a.tum", "long.tum"],
+    "rig": ["rig.toml", "camera.toml"],
     "run": ["run"],
     "scene": ["scene.json"],
     "script": ["a.clu"],
@@ -284,6 +287,7 @@ def _write(given: Path) -> tuple[str, ...]:
         "[camera]\nwidth = 24\nheight = 16\nfx = 20.0\nfy = 20.0\ncx = 11.5\ncy = 7.5\n"
         '[board]\ntype = "checkerboard"\ncolumns = 4\nrows = 3\nsquare_m = 0.04\n'
     )
+    _write_rig(given)
     (given / "a.clu").write_text("?x = e1 * (e2 + a);\n?R = exp(0.3*e1^e2);\n")
     (given / "scene.json").write_text('{"objects": [{"name": "cup"}]}')
     (given / "drags.jsonl").write_text('{"object": "cup", "do": "scale", "factors": [1.1]}\n')
@@ -306,6 +310,25 @@ def _write(given: Path) -> tuple[str, ...]:
     names = tuple(sorted(one.name for one in given.iterdir()))
     hostile = [one for one in write_hostile(given) if "\0" not in one and "\ud800" not in one]
     return (*names, *names, *hostile, "\udcff")
+
+
+def _write_rig(given: Path) -> None:
+    """What calibrating writes, and a magnetometer's readings."""
+    (given / "rig.toml").write_text(
+        '[imu]\nnoise_file = "noise.yaml"\nclock_offset_s = 0.01\n'
+        "gyro_correction = [[1.01, 0, 0], [0, 0.99, 0], [0, 0, 1]]\n"
+        "accel_correction = [[1, 0, 0], [0.01, 1, 0], [0, 0, 1.02]]\n"
+        "imu_T_camera = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.1], [0, 0, 0, 1]]\n"
+    )
+    (given / "chain.yaml").write_text(
+        "cam0:\n  camera_model: pinhole\n  distortion_model: radtan\n"
+        "  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n  intrinsics: [20.0, 20.0, 11.5, 7.5]\n"
+        "  resolution: [24, 16]\n  timeshift_cam_imu: 0.01\n"
+        "  T_cam_imu: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.1], [0, 0, 0, 1]]\n"
+    )
+    stamps = [line.split(",")[0] for line in (given / "imu.csv").read_text().splitlines()[1::4]]
+    rows = [f"{stamp},0.2,{0.01 * (k % 7)},-0.4" for k, stamp in enumerate(stamps)]
+    (given / "magnetic.csv").write_text("\n".join(rows) + "\n")
 
 
 def _write_demo(folder: Path) -> None:
