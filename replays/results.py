@@ -17,7 +17,14 @@ from motorcade.replays.files.trajectories import write_trajectory
 from motorcade.replays.report.summary import without_nan
 
 _OUR_TRAJECTORY = re.compile(r"(camera_poses|fused|smoothed)_[a-z_]+\.tum")
-_OUR_FILES = ("overlay.mp4", "marker_map.json", "slam_map.npz", "report.html", "report.json")
+_OUR_FILES = (
+    "overlay.mp4",
+    "marker_map.json",
+    "slam_map.npz",
+    "slam_history.csv",
+    "report.html",
+    "report.json",
+)
 
 
 def require_writable(folder: Path) -> None:
@@ -103,6 +110,7 @@ def _write_files(run: GraphRun, out: Path) -> set[Path]:
     saved = {
         "marker_map.json": getattr(run.outputs.get("marker_poses"), "marker_map", None),
         "slam_map.npz": getattr(run.outputs.get("slam_poses"), "slam_map", None),
+        "slam_history.csv": getattr(run.outputs.get("slam_poses"), "slam_history", None),
     }
     for name, source in copied.items():
         if source is not None:

@@ -28,6 +28,7 @@ from motorcade.replays.report.findings import Findings, Spans, as_drawn, map_uni
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
 _FREEDOM = 6
+_MOST_EVENTS = 8
 # A one-sigma band holds this share of Gaussian errors.
 _WITHIN = 0.683
 
@@ -199,6 +200,11 @@ def sections(findings: Findings) -> list[ReportSection]:
             (*_errors(findings, lost), _jitter(findings, lost)),
         ),
         ReportSection(
+            "Visual SLAM",
+            "Whether it knew where it was. Tinted: no pose was measured.",
+            _slam(findings, lost),
+        ),
+        ReportSection(
             "The filter",
             "Whether it was as sure of itself as it should have been.",
             tuple(filter_pictures(findings)),
@@ -247,6 +253,38 @@ def _path(findings: Findings) -> tuple[PagePlot, ...]:
         )
         pictures.append(PagePlot("Rotation and twist", caption, svg, _AXES))
     return tuple(pictures)
+
+
+def _slam(findings: Findings, lost: Spans) -> tuple[PagePlot, ...]:
+    history = findings.camera_poses.slam_history
+    if history is None:
+        return ()
+    time_s = 1e-9 * (history.time_ns - findings.camera_poses.measurements.trajectory.time_ns[0])
+    states = (f"{count} {state}" for state, count in history.frames_in_state.items() if count)
+    happened = [one for one in history.events if one.kind != "map begun" or one.map_number != 0]
+    first = "; ".join(
+        f"{one.kind} at {1e-9 * (one.time_ns - history.time_ns[0]):.2f} s"
+        for one in happened[:_MOST_EVENTS]
+    )
+    more = " and more" if len(happened) > _MOST_EVENTS else ""
+    told = f" {first[:1].upper()}{first[1:]}{more}." if happened else ""
+    corners = plot_series(
+        {"measured": (time_s, history.inliers.astype(np.float64))},
+        "corners that the pose explains",
+        "corners",
+        shaded_s=lost,
+    )
+    keyframes = plot_series(
+        {"measured": (time_s, history.keyframes.astype(np.float64))},
+        "keyframes in all maps",
+        "keyframes",
+        shaded_s=lost,
+    )
+    caption = f"Frames: {', '.join(states)}.{told}"
+    return (
+        PagePlot("Corners that the pose explains", caption, corners, ("measured",)),
+        PagePlot("Keyframes", "In all maps together.", keyframes, ("measured",)),
+    )
 
 
 def _errors(findings: Findings, lost: Spans) -> tuple[PagePlot, ...]:

@@ -12,6 +12,7 @@ from motorcade.replays.engine.aside import ASIDE
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.tracking import PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
+from motorcade.tracking.frame_history import SlamHistory
 
 PoseOrigin = Literal["board", "markers", "slam", "simulated"]
 
@@ -33,6 +34,7 @@ class CameraPoses:
             be, and the relative deviation of that.
         sighted: points that the poses were measured by, where these are no board's.
         skipped: ways that were tried before this one, with the reason.
+        slam_history: what became of every frame, where SLAM tracked them.
         audit: whether what was told of cameras, rig, board or markers agrees with what was seen.
         seconds: what tracking took, reading and decoding the pictures included.
 
@@ -61,6 +63,7 @@ class CameraPoses:
     scale_sigma: float | None = None
     sighted: SightedPoints | None = None
     skipped: tuple[str, ...] = ()
+    slam_history: SlamHistory | None = None
     audit: tuple[AuditFinding, ...] = ()
     seconds: float = field(default=0.0, metadata=ASIDE)
 

@@ -7,19 +7,17 @@ with frames.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
 from motorcade.ga import Motor, Similarity, Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.frame_history import SlamEvent, SlamHistory, SlamState
 from motorcade.tracking.slam.geometry import in_world
 from motorcade.tracking.slam.mapping.loops import ClosedLoop
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
-
-SlamState = Literal["initialising", "tracking", "lost", "relocalised"]
-SLAM_STATES: tuple[SlamState, ...] = ("initialising", "tracking", "lost", "relocalised")
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +74,7 @@ class SlamResult:
         trajectory: world_T_camera of every frame that has a pose in `map`, as it is in the end;
             None if there is none.
         covariance: ``(n, 6, 6)`` of these poses within the map, rotation (rad) then translation.
-        time_ns: ``(f,)`` stamps of all frames; states: theirs.
+        history: what became of every frame, and what happened on the way.
         online: world_T_camera as given at the time, of the frames that had a pose in it then.
         map: keyframes and points.
         separate: maps that were not connected to it.
@@ -95,14 +93,23 @@ class SlamResult:
 
     trajectory: Trajectory | None
     covariance: FloatArray
-    time_ns: np.ndarray
-    states: tuple[SlamState, ...]
+    history: SlamHistory
     online: Trajectory | None
     map: MapSnapshot
     separate: tuple[SeparateMap, ...]
     metric: bool
     loops: tuple[ClosedLoop, ...]
     seconds: dict[str, float]
+
+    @property
+    def time_ns(self) -> IntArray:
+        """Stamps ``(f,)`` of all frames."""
+        return self.history.time_ns
+
+    @property
+    def states(self) -> tuple[SlamState, ...]:
+        """States of all frames."""
+        return self.history.states
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,12 +142,28 @@ class _Entry:
     online: Motor | None
 
 
+@dataclass(frozen=True)
+class _Seen:
+    """What became of a frame; `map_number` is -1 without a pose."""
+
+    time_ns: int
+    state: SlamState
+    map_number: int
+    inliers: int
+    keyframes: int
+
+
 class RunLog:
     """State and pose of every frame so far."""
 
     def __init__(self) -> None:
-        self.frames: list[tuple[int, SlamState]] = []
+        self.frames: list[_Seen] = []
         self._entries: list[_Entry] = []
+
+    def saw(self, frame: SlamFrame, keyframes: int) -> None:
+        """Remember what became of a frame, and how many keyframes there are after it."""
+        number = -1 if frame.world_T_camera is None else frame.map_number
+        self.frames.append(_Seen(frame.time_ns, frame.state, number, frame.inliers, keyframes))
 
     def note(
         self,
@@ -200,8 +223,7 @@ class RunLog:
         return SlamResult(
             trajectory=_trajectory([one.time_ns for one in mine], poses),
             covariance=covariance,
-            time_ns=np.array([stamp for stamp, _ in self.frames], dtype=np.int64),
-            states=tuple(state for _, state in self.frames),
+            history=_history(self.frames, loops),
             online=_trajectory([stamp for stamp, _ in seen], [pose for _, pose in seen]),
             map=slam_map.snapshot(main),
             separate=tuple(
@@ -215,6 +237,47 @@ class RunLog:
             loops=tuple(loops),
             seconds=seconds,
         )
+
+
+def _history(frames: list[_Seen], loops: list[ClosedLoop]) -> SlamHistory:
+    numbers = np.array(
+        [(one.map_number, one.inliers, one.keyframes) for one in frames], dtype=np.int64
+    )
+    map_number, inliers, keyframes = numbers.reshape(-1, 3).T.copy()
+    events = [*_turns(frames), *(_closing(one) for one in loops)]
+    return SlamHistory(
+        np.array([one.time_ns for one in frames], dtype=np.int64),
+        tuple(one.state for one in frames),
+        map_number,
+        inliers,
+        keyframes,
+        tuple(sorted(events, key=lambda one: one.time_ns)),
+    )
+
+
+def _turns(frames: list[_Seen]) -> Iterator[SlamEvent]:
+    """Maps that were begun, and where the camera was lost and found again."""
+    begun: set[int] = set()
+    before: SlamState = "initialising"
+    for one in frames:
+        if one.state == "relocalised":
+            yield SlamEvent(one.time_ns, "relocalised", one.map_number)
+        elif one.map_number >= 0 and one.map_number not in begun:
+            yield SlamEvent(one.time_ns, "map begun", one.map_number)
+        elif one.state == "lost" and before not in ("lost", "initialising"):
+            yield SlamEvent(one.time_ns, "lost", None)
+        begun.add(one.map_number)
+        before = one.state
+
+
+def _closing(loop: ClosedLoop) -> SlamEvent:
+    number, change = loop.maps[1], loop.correction
+    scale = float(change.scale)
+    if loop.maps[0] != number:  # two worlds: how far apart they are says nothing
+        seen = loop.old_time_ns
+        return SlamEvent(loop.time_ns, "maps joined", number, seen, stretched=scale)
+    moved, turned = float(np.linalg.norm(change.translation_m)), float(change.rotor.angle())
+    return SlamEvent(loop.time_ns, "loop closed", number, loop.old_time_ns, moved, turned, scale)
 
 
 def _corrected(slam_map: SlamMap, entries: list[_Entry]) -> tuple[list[Motor], FloatArray]:

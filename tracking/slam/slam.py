@@ -18,6 +18,7 @@ from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
+from motorcade.tracking.frame_history import SlamState
 from motorcade.tracking.slam.features import DepthImage, SlamPicture, find_corners
 from motorcade.tracking.slam.geometry import FittedPose, in_world, points_in_world, refine_pose
 from motorcade.tracking.slam.mapping.adjustment import Adjuster
@@ -25,7 +26,7 @@ from motorcade.tracking.slam.mapping.loops import ClosedLoop
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
 from motorcade.tracking.slam.mapping.mapper import InsertedKeyframe, Mapper
 from motorcade.tracking.slam.mapping.matching import candidates, verified
-from motorcade.tracking.slam.results import KeyframeAnchor, RunLog, SlamFrame, SlamResult, SlamState
+from motorcade.tracking.slam.results import KeyframeAnchor, RunLog, SlamFrame, SlamResult
 from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.starting import MapStarter
 from motorcade.tracking.slam.tracker import TrackedPoints, Tracker, is_reliable
@@ -122,7 +123,7 @@ class VisualSlam:
         else:
             frame = self._tracked(picture, predicted)
         self._state = frame.state
-        self._log.frames.append((frame.time_ns, frame.state))
+        self._log.saw(frame, len(self._map.keyframes))
         spent = time.perf_counter() - started
         if not self.settings.threads:
             spent -= self._seconds["mapping"] - waited
@@ -223,12 +224,14 @@ class VisualSlam:
             tracked = self._tracker.tracked
             self._tracker.anchor(self._mapper.seen_again(tracked), tracked.world_T_camera)
         self._remember(picture.time_ns, fit.world_T_camera, fit.covariance)
-        return self._frame(picture, fit, "tracking", fit.world_T_camera, False)
+        state: SlamState = "weak" if self._tracker.is_weak else "tracking"
+        return self._frame(picture, fit, state, fit.world_T_camera, False)
 
     def _mapped(self, picture: SlamPicture, fit: FittedPose) -> SlamFrame:
         """Make a keyframe of a tracked picture; without threads its pose is the adjusted one."""
         pose = fit.world_T_camera
         tracked = self._tracker.tracked
+        state: SlamState = "weak" if self._tracker.is_weak else "tracking"
         work = (picture, pose, tracked.ids, tracked.px)
         self._anchor = KeyframeAnchor(len(self._map.keyframes), self._mapper.active, pose)
         if self.settings.threads:
@@ -238,7 +241,7 @@ class VisualSlam:
             self._take(self._mapper.insert_keyframe(*work))
             pose = self._anchor.world_T_camera
         self._remember(picture.time_ns, pose, fit.covariance)
-        return self._frame(picture, fit, "tracking", pose, True)
+        return self._frame(picture, fit, state, pose, True)
 
     def _settle(self) -> None:
         """Wait for the keyframe that is being made, if one is, and take over what became of it."""
@@ -327,9 +330,9 @@ class VisualSlam:
     ) -> SlamPicture:
         if isinstance(time_ns, bool) or not isinstance(time_ns, (int, np.integer)):
             raise ValueError(f"time_ns: expected whole nanoseconds, got {time_ns!r}")
-        if self._log.frames and time_ns <= self._log.frames[-1][0]:
+        if self._log.frames and time_ns <= self._log.frames[-1].time_ns:
             raise ValueError(
-                f"time_ns: expected more than {self._log.frames[-1][0]}, got {time_ns}"
+                f"time_ns: expected more than {self._log.frames[-1].time_ns}, got {time_ns}"
             )
         if right is not None and self.settings.baseline_m is None:
             raise ValueError(

@@ -109,6 +109,13 @@ class Tracker:
             raise RuntimeError("Tracker.tracked: expected a picture that was tracked, got none")
         return self._tracked
 
+    @property
+    def is_weak(self) -> bool:
+        """Whether half of the located corners in the newest picture would be too few."""
+        px = self.tracked.px[self.tracked.located]
+        cells = np.unique(grid_cells(px, self.tracked.picture.gray.shape, _CELLS))
+        return len(px) < 2 * _FEWEST_INLIERS or len(cells) < 2 * _FEWEST_CELLS
+
     def restart(self, tracked: TrackedPoints) -> None:
         """Go on from a pose that was found otherwise; what the motion was is forgotten."""
         self._moments = []

@@ -99,12 +99,13 @@ def _as_mapped(recording: Recording, found: SlamResult, scale: str, start: float
         recording.frames.time_ns,
         np.full(len(path), np.nan),
         "slam",
-        _summary(recording, scale),
+        _summary(recording, found, scale),
         metric=found.metric,
         points=first_T_world.apply(found.map.points),
         sighted=_sighted(recording, found.map, in_world),
         seconds=time.perf_counter() - start,
         slam_map=found.map,
+        slam_history=found.history,
     )
 
 
@@ -121,13 +122,14 @@ def _by_inertia(recording: Recording, found: SlamResult, metres: Metres, start: 
         recording.frames.time_ns,
         np.full(len(measurements), np.nan),
         "slam",
-        _summary(recording, scale),
+        _summary(recording, found, scale),
         points=metres.made.keyframes.landmarks_m,
         metres_a_unit=unit,
         scale_sigma=sigma,
         sighted=_sighted(recording, found.map, measurements.trajectory, unit),
         seconds=time.perf_counter() - start,
         slam_map=found.map,
+        slam_history=found.history,
     )
 
 
@@ -150,6 +152,16 @@ def _sighted(
     return SightedPoints(pinhole, known.time_ns, frame, points, known.px[kept])
 
 
-def _summary(recording: Recording, scale: str) -> str:
+def _summary(recording: Recording, found: SlamResult, scale: str) -> str:
     resumed = "in a saved map, " if recording.slam_map is not None else ""
-    return f"tracked by visual SLAM {resumed}{scale}"
+    text = f"tracked by visual SLAM {resumed}{scale}"
+    loops = found.history.count("loop closed")
+    if loops:
+        text += f", {loops} {'loops' if loops > 1 else 'loop'} closed"
+    if found.separate:
+        apart = sum(0 if one.trajectory is None else len(one.trajectory) for one in found.separate)
+        text += (
+            f"; {apart} frames lie in {len(found.separate)} other maps, which nothing connects to "
+            "this one, and have no pose here"
+        )
+    return text

@@ -72,7 +72,7 @@ class ClosedLoop:
     Args:
         old_time_ns, time_ns: stamps of the keyframe that was recognised, and of the newest.
         maps: numbers of the map that was and of the one that it is now; alike within one map.
-        correction: how the newest keyframe moved: where it believed to be, from where it is.
+        correction: the newest keyframe's pose and unit now, from what it believed them to be.
     """
 
     old_time_ns: int
@@ -188,7 +188,7 @@ def close_loop(slam_map: SlamMap, loop: LoopClosure, camera: Camera) -> ClosedLo
     scale = loop.world_S_new.scale
     after = Similarity.from_motor_scale(newest.world_T_camera, scale)
     maps = was, newest.map_number
-    return ClosedLoop(old.time_ns, newest.time_ns, maps, after @ before.inverse())
+    return ClosedLoop(old.time_ns, newest.time_ns, maps, before.inverse() @ after)
 
 
 def _spread(slam_map: SlamMap, loop: LoopClosure) -> None:
