@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera, reproject
 from motorcade.tracking.optimise import NormalEquations, Stop, minimise
@@ -31,6 +31,9 @@ SIGMA_FLOOR_PX = 0.1
 _STOP = Stop(steps=50, gain=1e-12, damping=1e-6, most_damping=1e6)
 # Beyond this reprojection error IPPE is asked again, with rays moved by so much of themselves.
 _DOUBTFUL_PX = 1.0
+# Of a fisheye's corners farther than 80 degrees off the axis, where a plane across it stretches
+# pixels more than thirtyfold, the pose is looked for in a view that is turned towards them.
+_ASIDE_COSINE = np.cos(np.deg2rad(80.0))
 _NUDGES = (1e-9, 1e-8, 1e-7)
 
 
@@ -92,23 +95,42 @@ def planar_candidates(corners: BoardCorners, camera: Camera) -> PlanarCandidates
             lens model has no ray.
     """
     _check_spread(corners)
-    rays = camera.unproject(corners.corners_px)
-    if not np.isfinite(rays).all():
+    bearings = camera.bearings(corners.corners_px)
+    if not np.isfinite(bearings).all():
         raise TrackingError("corners: expected pixels that the lens model covers, got some outside")
-    found = _ippe(corners, camera, rays[:, :2])
+    camera_T_view = Motor.identity()
+    rays = camera.unproject(corners.corners_px)
+    if bearings[:, 2].min() < _ASIDE_COSINE:
+        camera_T_view = _looking_along(bearings.mean(axis=0))
+        seen = camera_T_view.inverse().apply(bearings)
+        if seen[:, 2].min() < _ASIDE_COSINE:
+            raise TrackingError("corners: expected them within one view, got them all around")
+        rays = seen / seen[:, 2:]
+    found = _ippe(corners, camera, rays[:, :2], camera_T_view)
     for nudge in _NUDGES:
         if found.error_px[0] <= _DOUBTFUL_PX:
             break
         # Exactly head on, rounding alone decides whether OpenCV's IPPE finds the rotation; corners
         # moved by far less than any noise lead it past that point.
         nudged = rays[:, :2] * (1.0 + nudge * np.linspace(-1.0, 1.0, len(rays))[:, None])
-        again = _ippe(corners, camera, nudged)
+        again = _ippe(corners, camera, nudged, camera_T_view)
         found = min(found, again, key=lambda one: float(one.error_px[0]))
     return found
 
 
-def _ippe(corners: BoardCorners, camera: Camera, rays: FloatArray) -> PlanarCandidates:
-    """IPPE's two poses, the one that reprojects better first."""
+def _looking_along(ray: FloatArray) -> Motor:
+    """camera_T_view of a view turned so that its axis is the ray."""
+    across = np.array([-ray[1], ray[0], 0.0])
+    sine = float(np.linalg.norm(across))
+    axis = across / sine if sine > 0.0 else np.array([1.0, 0.0, 0.0])
+    turn = Rotor.from_rotation_vector(np.arctan2(sine, ray[2]) * axis)
+    return Motor.from_rotor_translation(turn, np.zeros(3))
+
+
+def _ippe(
+    corners: BoardCorners, camera: Camera, rays: FloatArray, camera_T_view: Motor
+) -> PlanarCandidates:
+    """IPPE's two poses, the one that reprojects better first, from rays in a turned view."""
     count, rotations, translations, _ = cv2.solvePnPGeneric(
         corners.points_m,
         np.ascontiguousarray(rays),
@@ -123,7 +145,7 @@ def _ippe(corners: BoardCorners, camera: Camera, rays: FloatArray) -> PlanarCand
         used = min(which, count - 1)
         camera_T_world[which, :3, :3] = cv2.Rodrigues(rotations[used])[0]
         camera_T_world[which, :3, 3] = np.ravel(translations[used])
-    poses = Motor.from_matrix(camera_T_world).inverse()
+    poses = (camera_T_view @ Motor.from_matrix(camera_T_world)).inverse()
     errors = np.array([reprojection_px(corners, camera, pose) for pose in poses])
     order = np.argsort(errors, kind="stable")
     return PlanarCandidates(poses[order], errors[order])

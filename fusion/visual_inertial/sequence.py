@@ -56,6 +56,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.measurements import PoseMeasurements
 from motorcade.tracking.slam import SlamResult
+from motorcade.tracking.slam.geometry import seen_through
 
 # No frame is surer than this (rad, units of the map, metres), whatever its corners say: the
 # keyframes that it hangs on are not. A map's unit is about the depth of what it shows.
@@ -135,7 +136,7 @@ def metric_map(
         LandmarkObservations(
             rows[snapshot.keyframe_of[seen]], snapshot.point_of[seen], snapshot.px[seen]
         ),
-        camera.undistorted(),
+        seen_through(camera),
         imu,
         noise,
         imu_T_camera,

@@ -237,7 +237,7 @@ def _add_sightings(
     loss = gtsam.noiseModel.mEstimator.Huber.Create(_HUBER)
     model = gtsam.noiseModel.Robust.Create(loss, gtsam.noiseModel.Isotropic.Sigma(2, sigma_px))
     extrinsics, straight = as_pose(imu_T_camera), camera.undistort(observations.px)
-    rows = np.flatnonzero(used[observations.landmark])
+    rows = np.flatnonzero(used[observations.landmark] & np.isfinite(straight[:, 0]))
     for row in rows.tolist():
         pose = keys(int(observations.keyframe[row])).pose
         point = gtsam.symbol("l", int(observations.landmark[row]))

@@ -123,6 +123,10 @@ def inliers(corners: BoardCorners, camera: Camera, limit_px: float) -> BoardCorn
         TrackingError: no homography at all.
     """
     straight = camera.undistort(corners.corners_px)
+    corners = corners.keep(np.isfinite(straight[:, 0]))  # a plane shows nothing from 90 degrees on
+    straight = straight[np.isfinite(straight[:, 0])]
+    if len(corners) < 4:
+        raise TrackingError("corners: expected four that one pose explains, got none")
     homography, mask = cv2.findHomography(
         corners.points_m[:, :2], straight, cv2.RANSAC, limit_px, maxIters=500, confidence=0.999
     )
@@ -325,7 +329,7 @@ class BoardTracker:
 
     def _solved(self, corners: BoardCorners) -> _Fit | None:
         """Pose of the corners, without outliers; None where no pose follows from them."""
-        corners = corners.keep(np.isfinite(self.camera.unproject(corners.corners_px)[:, 0]))
+        corners = corners.keep(np.isfinite(self.camera.bearings(corners.corners_px)[:, 0]))
         if not corners.spanning:
             return None
         try:

@@ -157,6 +157,18 @@ class Camera:
         ideal = lenses.undistort(self.model, self._coefficients, plane)
         return np.concatenate([ideal, np.ones_like(ideal[..., :1])], axis=-1)
 
+    def bearings(self, pixels: ArrayLike) -> FloatArray:
+        """Map pixels ``(*, 2)`` to unit vectors ``(*, 3)`` along their rays in the camera frame.
+
+        As `unproject`, but an equidistant lens sees at 90 degrees and more from its axis too.
+
+        Raises:
+            ValueError: not ``(*, 2)`` or not finite.
+        """
+        given = checked_floats(pixels, "pixels", (2,))
+        plane = (given - (self.cx, self.cy)) / (self.fx, self.fy)
+        return lenses.bearings(self.model, self._coefficients, plane)
+
     def undistort(self, pixels: ArrayLike) -> FloatArray:
         """Where pixels ``(*, 2)`` of this camera lie in the picture of `undistorted`.
 

@@ -13,6 +13,7 @@ from motorcade.ga.arrays import FloatArray
 
 _ITERATIONS = 30
 _CONVERGED = 1e-12
+_REAL = 1e-9  # the imaginary part of a root that is real, by rounding
 
 
 def distort(model: str, coefficients: FloatArray, points: FloatArray) -> FloatArray:
@@ -47,6 +48,18 @@ def undistort(model: str, coefficients: FloatArray, plane: FloatArray) -> FloatA
     if model == "equidistant":
         return _undistort_equidistant(coefficients, plane)
     return _undistort_radtan(coefficients, plane)
+
+
+def bearings(model: str, coefficients: FloatArray, plane: FloatArray) -> FloatArray:
+    """Unit vectors ``(*, 3)`` along the rays of distorted coordinates; NaN where there are none."""
+    if model == "equidistant":
+        angle, radius = _equidistant_angle(coefficients, plane, _fold_rad(coefficients))
+        share = np.where(radius > 0.0, np.sin(angle) / np.where(radius > 0.0, radius, 1.0), 1.0)
+        return np.concatenate([plane * share[..., None], np.cos(angle)[..., None]], axis=-1)
+    ideal = undistort(model, coefficients, plane)
+    rays = np.concatenate([ideal, np.ones_like(ideal[..., :1])], axis=-1)
+    found: FloatArray = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+    return found
 
 
 def _perspective(points: FloatArray) -> FloatArray:
@@ -172,16 +185,33 @@ def _angle_slope(coefficients: FloatArray, angle: FloatArray) -> FloatArray:
 
 
 def _undistort_equidistant(coefficients: FloatArray, plane: FloatArray) -> FloatArray:
+    angle, radius = _equidistant_angle(coefficients, plane, 0.5 * np.pi)
+    with np.errstate(all="ignore"):
+        scale = np.where(radius > 0.0, np.tan(angle) / np.where(radius > 0.0, radius, 1.0), 1.0)
+    return plane * scale[..., None]
+
+
+def _fold_rad(coefficients: FloatArray) -> float:
+    """Angle from the axis beyond which the picture would fold back, half a turn at most."""
+    k1, k2, k3, k4 = coefficients
+    squares = np.roots([9.0 * k4, 7.0 * k3, 5.0 * k2, 3.0 * k1, 1.0])
+    real = squares.real[(np.abs(squares.imag) < _REAL) & (squares.real > 0.0)]
+    return float(np.sqrt(min(real.min(initial=np.inf), np.pi**2)))
+
+
+def _equidistant_angle(
+    coefficients: FloatArray, plane: FloatArray, most_rad: float
+) -> tuple[FloatArray, FloatArray]:
+    """Angles ``(*,)`` from the axis, NaN where none below `most_rad` is found, and the radii."""
     radius = np.hypot(plane[..., 0], plane[..., 1])
-    angle = np.minimum(radius, 0.5 * np.pi)
+    angle = np.minimum(radius, most_rad)
     with np.errstate(all="ignore"):
         for _ in range(_ITERATIONS):
             excess = _distorted_angle(coefficients, angle) - radius
             step = excess / _angle_slope(coefficients, angle)
-            angle = np.clip(angle - step, 0.0, 0.5 * np.pi)
+            angle = np.clip(angle - step, 0.0, most_rad)
             if not np.any(np.abs(step) > _CONVERGED):
                 break
         error = np.abs(_distorted_angle(coefficients, angle) - radius)
-        found = (error < 1e-9) & (angle < 0.5 * np.pi) & (_angle_slope(coefficients, angle) > 0.0)
-        scale = np.where(radius > 0.0, np.tan(angle) / np.where(radius > 0.0, radius, 1.0), 1.0)
-    return np.where(found[..., None], plane * scale[..., None], np.nan)
+        found = (error < 1e-9) & (angle < most_rad) & (_angle_slope(coefficients, angle) > 0.0)
+    return np.where(found, angle, np.nan), radius

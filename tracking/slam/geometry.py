@@ -1,8 +1,8 @@
 """Triangulation and the pose of one picture: what every part of SLAM shares.
 
-Poses are ``world_T_camera``, the camera is an undistorted pinhole, points are metres (or the free
-unit of a monocular map). A covariance belongs to the perturbation ``world_T_camera.retract(step)``,
-rotation (rad), then translation.
+Poses are ``world_T_camera``, the camera is an undistorted pinhole or a fisheye as it is, points are
+metres (or the free unit of a monocular map). A covariance belongs to the perturbation
+``world_T_camera.retract(step)``, rotation (rad), then translation.
 
 Sources: Hartley & Zisserman 2003, ch. 12; Barath et al. 2020 (MAGSAC++, in OpenCV).
 """
@@ -29,6 +29,9 @@ _SIGMA_FLOOR_PX = 0.3
 _STOP = Stop(steps=10, gain=1e-7, damping=1e-9)
 _SAMPLES = 300
 _FEWEST = 6
+# A pinhole stretches a fisheye's pixels fivefold along the radius where rays stand 65 degrees off
+# the axis; corners beyond are left to those who know the lens.
+_FLAT_COSINE = np.cos(np.deg2rad(65.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +51,42 @@ class FittedPose:
     error_px: float
 
 
+def is_native(camera: Camera) -> bool:
+    """Whether SLAM works in the pictures as the lens made them.
+
+    So it does for a fisheye: a pinhole's picture ends where the rays do long before 90 degrees. Of
+    other lenses the pictures are undistorted once, which is faster.
+    """
+    return camera.model == "equidistant"
+
+
+def seen_through(camera: Camera) -> Camera:
+    """The camera whose pictures SLAM works in, and whose pixels its map holds."""
+    return camera if is_native(camera) else camera.undistorted()
+
+
+def flattened(camera: Camera, px: FloatArray) -> FloatArray:
+    """Pixels ``(n, 2)`` of a pinhole with the camera's matrix; NaN far from the axis of a fisheye.
+
+    For estimators that know nothing but pinholes, and may leave corners out.
+    """
+    if not is_native(camera):
+        return px
+    bearings = camera.bearings(px)
+    near = bearings[:, 2] > _FLAT_COSINE
+    flat = np.full(px.shape, np.nan)
+    flat[near] = camera.undistorted().project(bearings[near])
+    return flat
+
+
+def reach(camera: Camera, in_camera: FloatArray) -> FloatArray:
+    """How far ``(n,)`` points are, as the size of what is seen of them goes by it.
+
+    That is the depth along the axis of a pinhole, and the distance from a fisheye.
+    """
+    return np.linalg.norm(in_camera, axis=-1) if is_native(camera) else in_camera[:, 2]
+
+
 def triangulate(
     first: Motor, second: Motor, px: FloatArray, other_px: FloatArray, camera: Camera
 ) -> FloatArray:
@@ -55,16 +94,37 @@ def triangulate(
     rows = []
     for world_T_camera, pixels in ((first, px), (second, other_px)):
         pose = world_T_camera.inverse().as_matrix()
-        plane = camera.unproject(pixels)
-        rows += [plane[:, k, None] * pose[2] - pose[k] for k in (0, 1)]
+        normals = _across(camera, pixels)
+        rows += [
+            normals[:, k, :1] * pose[0] + normals[:, k, 1:2] * pose[1] + normals[:, k, 2:] * pose[2]
+            for k in (0, 1)
+        ]
     system = np.stack(rows, axis=1)
     system = system / np.linalg.norm(system, axis=-1, keepdims=True)
+    known = np.isfinite(system).all(axis=(-1, -2))
+    system[~known] = 0.0
     # The smallest eigenvector of A^T A: four by four, and far faster than a batch of SVDs.
     _, vectors = np.linalg.eigh(np.swapaxes(system, -1, -2) @ system)
     homogeneous = vectors[..., 0]
     scale = np.where(np.abs(homogeneous[:, 3:]) > 1e-12, homogeneous[:, 3:], np.nan)
-    points: FloatArray = homogeneous[:, :3] / scale
+    points: FloatArray = homogeneous[:, :3] / np.where(known[:, None], scale, np.nan)
     return points
+
+
+def _across(camera: Camera, px: FloatArray) -> FloatArray:
+    """Two vectors ``(n, 2, 3)`` across the ray of each pixel: normals of planes that hold it."""
+    normals = np.zeros((len(px), 2, 3))
+    if not is_native(camera):
+        normals[:, [0, 1], [0, 1]] = -1.0
+        normals[:, :, 2] = camera.unproject(px)[:, :2]
+        return normals
+    bearings = camera.bearings(px)
+    least = np.zeros_like(bearings)
+    axis = np.argmin(np.abs(np.nan_to_num(bearings)), axis=-1)
+    np.put_along_axis(least, axis[:, None], 1.0, axis=-1)
+    normals[:, 0] = np.cross(bearings, least)
+    normals[:, 1] = np.cross(bearings, normals[:, 0])
+    return normals
 
 
 def parallax_rad(first: Motor, second: Motor, points: FloatArray) -> FloatArray:
@@ -161,12 +221,14 @@ def pose_by_sampling(points: FloatArray, px: FloatArray, camera: Camera) -> Fitt
 
     OpenCV seeds its samples alike at every call, so the same points give the same pose.
     """
-    if len(points) < _FEWEST:
+    flat = flattened(camera, px)
+    near = np.isfinite(flat[:, 0])
+    if np.count_nonzero(near) < _FEWEST:
         return None
     try:
         found, turn, shift, _ = cv2.solvePnPRansac(
-            np.ascontiguousarray(points),
-            np.ascontiguousarray(px),
+            np.ascontiguousarray(points[near]),
+            np.ascontiguousarray(flat[near]),
             np.array(camera.matrix),
             None,
             iterationsCount=_SAMPLES,

@@ -23,6 +23,7 @@ from motorcade.tracking.pictures import track_corners
 from motorcade.tracking.slam.features import Corners, SlamPicture, find_corners
 from motorcade.tracking.slam.geometry import (
     BoolArray,
+    flattened,
     parallax_rad,
     pose_from_opencv,
     triangulate,
@@ -81,8 +82,7 @@ def flow_beyond_rotation_px(first_px: FloatArray, px: FloatArray, camera: Camera
     """
     rays = []
     for pixels in (first_px, px):
-        ray = camera.unproject(pixels)
-        rays.append(ray / np.linalg.norm(ray, axis=1, keepdims=True))
+        rays.append(camera.bearings(pixels))
     weight = np.ones(len(px))
     left = np.zeros(len(px))
     for _ in range(8):
@@ -100,25 +100,28 @@ def two_views(first_px: FloatArray, px: FloatArray, camera: Camera) -> TwoViews 
     Refused: a flow that rotation explains, too few inliers, too little parallax, or two
     solutions that explain the views almost equally well.
     """
-    if len(px) < FEWEST_CORNERS:
+    flat_first, flat = flattened(camera, first_px), flattened(camera, px)
+    near = np.isfinite(flat_first[:, 0]) & np.isfinite(flat[:, 0])
+    if np.count_nonzero(near) < FEWEST_CORNERS:
         return None
+    flat_first, flat = flat_first[near], flat[near]
     essential, _ = cv2.findEssentialMat(
-        first_px,
-        px,
+        flat_first,
+        flat,
         np.array(camera.matrix),
         method=cv2.USAC_MAGSAC,
         prob=0.9999,
         threshold=_THRESHOLD_PX,
     )
-    homography, _ = cv2.findHomography(first_px, px, cv2.USAC_MAGSAC, 2.0 * _THRESHOLD_PX)
-    flat, deep = 0.0, 0.0
+    homography, _ = cv2.findHomography(flat_first, flat, cv2.USAC_MAGSAC, 2.0 * _THRESHOLD_PX)
+    plane, deep = 0.0, 0.0
     if homography is not None:
-        flat = _homography_score(homography, first_px, px)
+        plane = _homography_score(homography, flat_first, flat)
     if essential is not None and essential.shape == (3, 3):
-        deep = _essential_score(essential, first_px, px, camera.matrix)
-    if flat + deep <= 0.0:
+        deep = _essential_score(essential, flat_first, flat, camera.matrix)
+    if plane + deep <= 0.0:
         return None
-    model = "homography" if flat / (flat + deep) > _HOMOGRAPHY_SHARE else "essential"
+    model = "homography" if plane / (plane + deep) > _HOMOGRAPHY_SHARE else "essential"
     poses = _from_homography if model == "homography" else _from_essential
     given = homography if model == "homography" else essential
     supported = [
@@ -184,10 +187,10 @@ def _support(pose: Motor, first_px: FloatArray, px: FloatArray, camera: Camera) 
     """Corners whose point lies before both cameras, reprojects well and has parallax."""
     first = Motor.identity()
     points = triangulate(first, pose, first_px, px, camera)
-    one, near = project(camera, first, points)
-    other, far = project(camera, pose, points)
+    one, _ = project(camera, first, points)  # behind a camera none is seen
+    other, _ = project(camera, pose, points)
     error = np.sqrt(np.maximum(_squared(one, first_px), _squared(other, px)))
-    good = (near > 0.0) & (far > 0.0) & (np.nan_to_num(error, nan=np.inf) < _GOOD_PX)
+    good = np.nan_to_num(error, nan=np.inf) < _GOOD_PX
     parallax = parallax_rad(first, pose, points)
     wide = good & (parallax > _PARALLAX_RAD)
     if np.count_nonzero(wide) < _FEWEST_POINTS:

@@ -20,7 +20,14 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.frame_history import SlamState
 from motorcade.tracking.slam.features import DepthImage, SlamPicture, find_corners
-from motorcade.tracking.slam.geometry import FittedPose, in_world, points_in_world, refine_pose
+from motorcade.tracking.slam.geometry import (
+    FittedPose,
+    in_world,
+    is_native,
+    points_in_world,
+    refine_pose,
+    seen_through,
+)
 from motorcade.tracking.slam.mapping.adjustment import Adjuster
 from motorcade.tracking.slam.mapping.loops import ClosedLoop
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
@@ -40,7 +47,8 @@ class VisualSlam:
     """Tracks a camera and maps what it sees; feed frames in order of time.
 
     Args:
-        camera: the camera; its lens is taken out of every picture first.
+        camera: the camera; its lens is taken out of every picture first, but for a fisheye's
+            (equidistant), whose pictures are tracked as they are, to 90 degrees and beyond.
         settings: see `SlamSettings`.
         known: a map to go on in. The camera is lost until it is found there; then it is tracked.
         extend: whether keyframes are inserted into a known map; if not, it is left as it is.
@@ -72,7 +80,7 @@ class VisualSlam:
     ) -> None:
         self.camera = camera
         self.settings = (settings or SlamSettings()).for_size(camera.width, camera.height)
-        self._pinhole = camera.undistorted()
+        self._pinhole = seen_through(camera)
         self._map = SlamMap() if known is None else SlamMap.of(known)
         self._extends = known is None or extend
         self._mapper = Mapper(self._map, self._pinhole, self.settings)
@@ -338,10 +346,24 @@ class VisualSlam:
             raise ValueError(
                 "right: expected SlamSettings.baseline_m with a right picture, got None"
             )
+        if is_native(self.camera):
+            return self._fisheye(time_ns, gray, depth_m, right)
         straight = self.camera.undistort_image(checked_gray(gray))
         depth = None if depth_m is None else self.camera.undistort_depth(depth_m)
         other = None if right is None else self.camera.undistort_image(checked_gray(right))
         return SlamPicture(int(time_ns), straight, depth, other)
+
+    def _fisheye(
+        self, time_ns: int, gray: GrayImage, depth_m: DepthImage | None, right: GrayImage | None
+    ) -> SlamPicture:
+        """The picture as it is; checked as those are that a lens is taken out of."""
+        size = (self.camera.height, self.camera.width)
+        for name, given in (("gray", checked_gray(gray)), ("depth_m", depth_m)):
+            if given is not None and given.shape != size:
+                raise ValueError(f"{name}: expected shape {size}, got {given.shape}")
+        if right is not None:
+            raise ValueError("right: expected none with a fisheye, whose pairs are not rectified")
+        return SlamPicture(int(time_ns), gray, depth_m)
 
 
 def _nothing() -> tuple[IntArray, FloatArray]:

@@ -20,6 +20,7 @@ from motorcade.tracking.slam.geometry import (
     BoolArray,
     FittedPose,
     in_world,
+    is_native,
     points_in_world,
     pose_by_sampling,
     refine_pose,
@@ -272,8 +273,13 @@ class Tracker:
         last = self._moments[-1].world_T_camera
         relative = (fit.world_T_camera.inverse() @ last).as_matrix()
         x, y, z = relative[:3, 3]
-        to_plane = np.linalg.inv(self.camera.matrix)
         cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        if is_native(self.camera):
+            planes = self.camera.bearings(old_px) @ (cross @ relative[:3, :3]).T
+            length = np.linalg.norm(planes, axis=1) * _EPIPOLAR_PX / self.camera.fx
+            sine = np.abs(np.sum(planes * self.camera.bearings(px), axis=1))
+            return np.asarray(sine <= length + 1e-12)
+        to_plane = np.linalg.inv(self.camera.matrix)
         fundamental = to_plane.T @ cross @ relative[:3, :3] @ to_plane
         lines = np.concatenate([old_px, np.ones((len(px), 1))], axis=1) @ fundamental.T
         length = np.linalg.norm(lines[:, :2], axis=1)

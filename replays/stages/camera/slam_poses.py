@@ -21,6 +21,7 @@ from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.replays.values.slam_poses import SlamPoses
 from motorcade.tracking import PoseMeasurements, TrackingError
+from motorcade.tracking.slam.geometry import seen_through
 
 if TYPE_CHECKING:
     from motorcade.tracking.slam import MapSnapshot, SlamResult
@@ -148,8 +149,8 @@ def _sighted(
     camera_T_map = known.world_T_camera[frame].inverse()
     in_camera = unit * camera_T_map.apply(known.points[known.point_of[kept]])
     points = measured.motors_at(known.time_ns[frame]).apply(in_camera)
-    pinhole = camera_of(recording).undistorted()
-    return SightedPoints(pinhole, known.time_ns, frame, points, known.px[kept])
+    camera = seen_through(camera_of(recording))
+    return SightedPoints(camera, known.time_ns, frame, points, known.px[kept])
 
 
 def _summary(recording: Recording, found: SlamResult, scale: str) -> str:

@@ -33,10 +33,14 @@ def _walls() -> list[np.ndarray]:
     return walls
 
 
-def _rendered(world_T_camera: Motor) -> tuple[np.ndarray, np.ndarray]:
-    """Grey picture uint8 and depth in metres of the inside of a box."""
-    columns, rows = np.meshgrid(np.arange(CAMERA.width), np.arange(CAMERA.height))
-    rays = CAMERA.unproject(np.stack([columns, rows], axis=-1)).reshape(-1, 3)
+def rendered(world_T_camera: Motor, camera: Camera = CAMERA) -> tuple[np.ndarray, np.ndarray]:
+    """Grey picture uint8 of the inside of a box, and metres along each ray (depth of a pinhole)."""
+    columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+    px = np.stack([columns, rows], axis=-1)
+    fisheye = camera.model == "equidistant"
+    rays = (camera.bearings(px) if fisheye else camera.unproject(px)).reshape(-1, 3)
+    unseen = ~np.isfinite(rays[:, 0])
+    rays[unseen] = [0.01, 0.02, 1.0]
     matrix = world_T_camera.as_matrix()
     direction, origin = rays @ matrix[:3, :3].T, matrix[:3, 3]
     with np.errstate(divide="ignore"):
@@ -45,7 +49,7 @@ def _rendered(world_T_camera: Motor) -> tuple[np.ndarray, np.ndarray]:
     depth = distance[np.arange(len(rays)), axis]
     hit = origin + depth[:, None] * direction
     side = 2 * axis + (np.take_along_axis(direction, axis[:, None], 1)[:, 0] > 0.0)
-    shape = (CAMERA.height, CAMERA.width)
+    shape = (camera.height, camera.width)
     texel = (hit / TEXEL_M + 256.0).astype(np.float32).reshape(*shape, 3)
     side = side.reshape(shape)
     gray = np.zeros(shape, dtype=np.float32)
@@ -53,6 +57,7 @@ def _rendered(world_T_camera: Motor) -> tuple[np.ndarray, np.ndarray]:
         if np.any(side == number):
             u, v = (texel[..., other] for other in range(3) if other != number // 2)
             gray = np.where(side == number, cv2.remap(wall, u, v, cv2.INTER_LINEAR), gray)
+    gray[unseen.reshape(shape)] = 0.0
     return np.rint(gray).astype(np.uint8), depth.astype(np.float32).reshape(shape)
 
 
@@ -61,13 +66,13 @@ def view() -> View:
     """Picture and depth of the room from a pose; each pose is rendered once."""
     known: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
-    def rendered(world_T_camera: Motor) -> tuple[np.ndarray, np.ndarray]:
+    def seen(world_T_camera: Motor) -> tuple[np.ndarray, np.ndarray]:
         key = world_T_camera.coefficients.tobytes()
         if key not in known:
-            known[key] = _rendered(world_T_camera)
+            known[key] = rendered(world_T_camera)
         return known[key]
 
-    return rendered
+    return seen
 
 
 @pytest.fixture(scope="session")

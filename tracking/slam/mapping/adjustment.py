@@ -18,7 +18,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera, by_twist
 from motorcade.tracking.optimise import BlockEquations, Stop, huber, minimise, sum_by
-from motorcade.tracking.slam.geometry import BoolArray
+from motorcade.tracking.slam.geometry import BoolArray, is_native
 
 _HUBER = 1.5
 _NEAREST = 1e-3  # depths below it, and behind the camera, count as it
@@ -108,8 +108,11 @@ class BundleReprojection:
         self._turns = poses[bundle.pose_of, :3, :3]
         turned = self._turns @ state[1][bundle.point_of][..., None]
         in_camera = turned[..., 0] + poses[bundle.pose_of, :3, 3]
-        self._before = in_camera[:, 2] > 0.0
-        np.maximum(in_camera[:, 2], _NEAREST, out=in_camera[:, 2])
+        if is_native(bundle.camera):  # it sees all around
+            self._before = np.ones(len(in_camera), dtype=np.bool_)
+        else:
+            self._before = in_camera[:, 2] > 0.0
+            np.maximum(in_camera[:, 2], _NEAREST, out=in_camera[:, 2])
         self._in_camera = in_camera
         self._disparity = bundle.disparity_px_m / bundle.depth_sigma_px
         self._pixel = bundle.camera.project(in_camera) - bundle.px

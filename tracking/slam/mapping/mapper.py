@@ -243,9 +243,9 @@ class Mapper:
             points = triangulate(*poses, older_px, px, self.camera)
             good = parallax_rad(*poses, points) > _PARALLAX_RAD
             for pose, pixels in zip(poses, (older_px, px), strict=True):
-                seen, depth = project(self.camera, pose, points)
+                seen, _ = project(self.camera, pose, points)  # behind the camera none is seen
                 error = np.linalg.norm(seen - pixels, axis=1)
-                good &= (depth > 0.0) & (np.nan_to_num(error, nan=np.inf) < _GOOD_PX)
+                good &= np.nan_to_num(error, nan=np.inf) < _GOOD_PX
             self.map.points[ids[good]] = points[good]
 
     def adjust_window(self) -> None:

@@ -19,9 +19,9 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.cameras.camera import Camera, project, to_frame
+from motorcade.tracking.cameras.camera import Camera, to_frame
 from motorcade.tracking.slam.features import Corners, Descriptors
-from motorcade.tracking.slam.geometry import BoolArray, FittedPose, pose_by_sampling
+from motorcade.tracking.slam.geometry import BoolArray, FittedPose, pose_by_sampling, reach
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 
 _MOST_BITS = 64
@@ -42,11 +42,12 @@ def in_view(
         camera: the pinhole.
     """
     points = slam_map.points[ids]
-    expected, depth = project(camera, world_T_camera, points)
-    then = to_frame(seen_by.world_T_camera, points)[:, 2]
+    in_camera = to_frame(world_T_camera, points)
+    expected, far = camera.project(in_camera, allow_nan=True), reach(camera, in_camera)
+    then = reach(camera, to_frame(seen_by.world_T_camera, points))
     limit = (camera.width - 1 - _BORDER_PX, camera.height - 1 - _BORDER_PX)
     with np.errstate(invalid="ignore", divide="ignore"):
-        near = np.abs(np.log(depth / then)) < np.log(_SCALE_CHANGE)
+        near = np.abs(np.log(far / then)) < np.log(_SCALE_CHANGE)
         inside = np.all((expected >= _BORDER_PX) & (expected <= limit), axis=1)
     usable: BoolArray = slam_map.located[ids] & near & inside
     return usable, expected
