@@ -16,17 +16,15 @@ import numpy as np
 from motorcade.fusion.camera_imu.result import COMMON, CameraImuCalibration
 from motorcade.fusion.filter import FilterSettings
 from motorcade.fusion.graph.calibrate import GraphCalibration, calibrate_by_graph
+from motorcade.fusion.imu.gravity import GRAVITY_SIGMA_M_S2, STANDARD_GRAVITY_M_S2, upright
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.sync.synchronise import Synchronised, covered, synchronise
-from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.ga.arrays import FloatArray, checked_positive
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import checked_positive
 from motorcade.tracking.board_tracking.poses import BoardMeasurements
 from motorcade.tracking.measurements import PoseMeasurements
 
-STANDARD_GRAVITY_M_S2 = 9.81
-# Between the equator and the poles, at sea level and above.
-GRAVITY_SIGMA_M_S2 = 0.02
 # What is believed of the start: next to nothing, or the recording would be counted twice.
 _TILT_SIGMA_RAD = 0.1
 _TURN_SIGMA_RAD = 0.3
@@ -140,9 +138,7 @@ class _Run:
         self.seen, self.imu, self.rows = seen, imu, rows
         self.size_m_s2, self.size_sigma_m_s2 = size_m_s2, size_sigma_m_s2
         self.correction_sigma = correction_sigma
-        self.level_T_board = Motor.from_rotor_translation(
-            _upright(-start.gravity_m_s2), np.zeros(3)
-        )
+        self.level_T_board = Motor.from_rotor_translation(upright(start.gravity_m_s2), np.zeros(3))
         path = seen.measurements.trajectory[rows]
         self.measurements = PoseMeasurements(
             path.transformed_by(left=self.level_T_board), seen.measurements.covariance[rows]
@@ -203,15 +199,6 @@ class _Run:
             correction_sigma=self.correction_sigma,
             health=start.health,
         )
-
-
-def _upright(up: FloatArray) -> Rotor:
-    """The shortest rotation that takes a direction to z."""
-    direction = up / np.linalg.norm(up)
-    axis = np.cross(direction, [0.0, 0.0, 1.0])
-    sine = float(np.linalg.norm(axis))
-    axis = axis / sine if sine > 0.0 else np.array([1.0, 0.0, 0.0])
-    return Rotor.from_rotation_vector(np.arctan2(sine, direction[2]) * axis)
 
 
 def _checked(found: CameraImuCalibration) -> CameraImuCalibration:

@@ -26,8 +26,6 @@ from motorcade.ga.arrays import FloatArray
 
 FORCE_UNITS = {9.80665: "g", 9.80665e-3: "milli-g", 0.3048: "ft/s²", 0.01: "cm/s²"}
 """What readings must be multiplied by, and the unit that they are then in."""
-GRAVITY_SHARE = 0.07
-"""The accelerometer's scale and the shape of the earth leave gravity within this of 9.81 m/s²."""
 LEAN_RAD = float(np.deg2rad(5.0))
 """A world that was levelled by hand leans less."""
 

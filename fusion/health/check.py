@@ -6,7 +6,6 @@ import numpy as np
 
 from motorcade.fusion.health.accelerometer import (
     FORCE_UNITS,
-    GRAVITY_SHARE,
     ForceTrial,
     ForceVerdict,
 )
@@ -30,6 +29,7 @@ from motorcade.fusion.health.wording import (
     unknown_lines,
     unrelated_line,
 )
+from motorcade.fusion.imu.gravity import GRAVITY_SHARE
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
 

@@ -8,16 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from motorcade.fusion.imu.gravity import GRAVITY_SHARE, STANDARD_GRAVITY_M_S2
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga.arrays import FloatArray
 
-_GRAVITY = 9.81
 # Windows this long whose readings scatter by less than this share of their mean are quiet.
 _WINDOW_S = 0.5
 _QUIET_SHARE = 0.02
 _FEWEST_QUIET = 2
-# Scale errors and the shape of the earth leave gravity within this share of 9.81.
-_GRAVITY_SHARE = 0.07
 # Size at rest, what a unit that gives it is called, and what one of it is in m/s².
 _FORCE_UNITS = ((1.0, "g", 9.80665), (1000.0, "milli-g", 9.80665e-3), (32.174, "ft/s²", 0.3048))
 # Rates and forces are compared in means of this length.
@@ -64,10 +62,10 @@ def refuse_units_of_force(imu: ImuStream) -> None:
     """
     felt = _felt_at_rest(imu)
     for size, unit, factor in _FORCE_UNITS:
-        if felt is not None and abs(felt / size - 1.0) < _GRAVITY_SHARE:
+        if felt is not None and abs(felt / size - 1.0) < GRAVITY_SHARE:
             raise ValueError(
-                f"specific_force_m_s2: expected about {_GRAVITY} at rest, got {felt:.4g}, which is "
-                f"gravity in {unit}; multiply by {factor:g}"
+                f"specific_force_m_s2: expected about {STANDARD_GRAVITY_M_S2} at rest, got "
+                f"{felt:.4g}, which is gravity in {unit}; multiply by {factor:g}"
             )
 
 
@@ -148,9 +146,11 @@ def _turned_share(imu: ImuStream) -> float | None:
 
 def _gravity(imu: ImuStream) -> tuple[str, ...]:
     felt = _felt_at_rest(imu)
-    if felt is None or abs(felt / _GRAVITY - 1.0) < _GRAVITY_SHARE:
+    if felt is None or abs(felt / STANDARD_GRAVITY_M_S2 - 1.0) < GRAVITY_SHARE:
         return ()
-    return (f"the accelerometer reads {felt:.4g} m/s² at rest, expected about {_GRAVITY}",)
+    return (
+        f"the accelerometer reads {felt:.4g} m/s² at rest, expected about {STANDARD_GRAVITY_M_S2}",
+    )
 
 
 def _saturation(imu: ImuStream) -> tuple[str, ...]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
@@ -71,6 +70,7 @@ class CornerMeasurements(Measurements):
     shift_s: float = 0.0
     pinhole_sigma_px: float = 0.0
     distortion_sigma: float = 0.0
+    covariance: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         stamps = checked_stamps(self.time_ns, "time_ns")
@@ -83,18 +83,14 @@ class CornerMeasurements(Measurements):
         for name in ("pinhole_sigma_px", "distortion_sigma"):
             if not 0.0 <= getattr(self, name) < np.inf:
                 raise ValueError(f"{name}: expected a number from 0 on, got {getattr(self, name)}")
+        of_row = self.sigma_px**2 * np.eye(2 * count)  # of independent pixels
         for name, value in (
             ("time_ns", stamps),
             ("pixels", checked_rows(self.pixels, "pixels", len(stamps), (count, 2))),
             ("points_m", checked_rows(self.points_m, "points_m", len(stamps), (count, 3))),
+            ("covariance", np.broadcast_to(of_row, (len(stamps), 2 * count, 2 * count))),
         ):
             object.__setattr__(self, name, value)
-
-    @cached_property
-    def covariance(self) -> FloatArray:  # type: ignore[override]
-        """``(N, 2k, 2k)``: of independent pixels."""
-        size = 2 * self.pixels.shape[1]
-        return np.broadcast_to(self.sigma_px**2 * np.eye(size), (len(self), size, size))
 
     @property
     def parameters(self) -> FloatArray:

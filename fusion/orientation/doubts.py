@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from motorcade.fusion.imu.gravity import GRAVITY_SHARE
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.orientation.estimate import Orientation, OrientationModel
 from motorcade.ga.arrays import FloatArray
@@ -11,8 +12,6 @@ from motorcade.ga.arrays import FloatArray
 # Over windows of this length the acceleration of a hand, a limb or a small aircraft averages out,
 # and gravity does not.
 _WINDOW_S = 2.0
-# Scale errors and the shape of the earth leave gravity within this share.
-_GRAVITY_SHARE = 0.07
 # What windows may leave of horizontal specific force. Clean trials of BROAD and flights of EuRoC
 # have 0.01 to 0.08 of gravity; a gyro in degrees, with axes swapped or turned around 0.1 to 1.
 _LEVEL_SHARE = 0.1
@@ -65,7 +64,7 @@ def orientation_doubts(
             "upright: the gyroscope is in degrees a second, or its axes or signs are not the "
             "accelerometer's; or the sensor speeds up for seconds, as in a vehicle"
         )
-    elif abs(up / gravity - 1.0) > _GRAVITY_SHARE:
+    elif abs(up / gravity - 1.0) > GRAVITY_SHARE:
         told.append(_wrong_gravity(up, gravity))
     if np.median(found.tilt_deviation_rad) > _TILT_RAD:
         told.append(f"tilt is known to {_degrees(found.tilt_deviation_rad)} only")
@@ -76,7 +75,7 @@ def orientation_doubts(
 
 def _wrong_gravity(up: float, gravity: float) -> str:
     for size, unit, factor in _UNITS:
-        if abs(up / size - 1.0) < _GRAVITY_SHARE:
+        if abs(up / size - 1.0) < GRAVITY_SHARE:
             return (
                 f"specific force averages to {up:.4g} upwards, which is gravity in {unit}; "
                 f"multiply by {factor:g}"

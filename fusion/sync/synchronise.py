@@ -10,6 +10,7 @@ import numpy as np
 from motorcade.fusion.health.check import check_health
 from motorcade.fusion.health.stamps import check_stamps
 from motorcade.fusion.health.verdict import Health
+from motorcade.fusion.imu.gravity import GRAVITY_SIGMA_M_S2, STANDARD_GRAVITY_M_S2
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.sync.alignment import (
@@ -28,9 +29,6 @@ from motorcade.ga.arrays import FloatArray, IntArray
 
 log = logging.getLogger("motorcade.sync")
 
-_STANDARD_GRAVITY_M_S2 = 9.81
-# Gravity between the equator and the poles, at sea level and above.
-_GRAVITY_SIGMA_M_S2 = 0.02
 _LEVER_SIGMA_M = 1.0
 _MARGIN_S = 0.1
 _MOST_SEARCH_S = 60.0
@@ -194,7 +192,7 @@ def synchronise(
     start = Shared(match.offset_s, imu_T_camera, _gravity(used, imu, match.offset_s, imu_T_camera))
     health = _checked(used, imu, match)
     doubt_s = _DOUBT * match.offset_sigma_s
-    beliefs = Beliefs(doubt_s, np.pi, _LEVER_SIGMA_M, _GRAVITY_SIGMA_M_S2, 0.0)
+    beliefs = Beliefs(doubt_s, np.pi, _LEVER_SIGMA_M, GRAVITY_SIGMA_M_S2, 0.0)
     found = align(used, imu, noise, start, beliefs)
     if abs(found.shared.offset_s - match.offset_s) > doubt_s:
         raise ValueError(
@@ -281,7 +279,7 @@ def _gravity(
     size = float(np.linalg.norm(up))
     if size == 0.0:
         raise ValueError("imu: expected specific forces, got zeros")
-    fall: FloatArray = -_STANDARD_GRAVITY_M_S2 / size * up
+    fall: FloatArray = -STANDARD_GRAVITY_M_S2 / size * up
     return fall
 
 

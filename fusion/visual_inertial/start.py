@@ -11,17 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from motorcade.fusion.imu.gravity import GRAVITY_SIGMA_M_S2, STANDARD_GRAVITY_M_S2, upright
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.sync.alignment import GRAVITY, SCALE, Beliefs, Shared, align
 from motorcade.fusion.sync.synchronise import covered
 from motorcade.fusion.visual_inertial.linear import linear_start
-from motorcade.ga import Motor, Rotor, Similarity, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
 
-_GRAVITY_M_S2 = 9.81
-_GRAVITY_SIGMA_M_S2 = 0.01
 # The linear start looks at poses so far apart: over less time noise outweighs acceleration.
 _SPACING_S = 0.25
 _MOST_LINEAR = 120
@@ -114,14 +113,14 @@ def start_inertial(
     """
     used, imu = covered(measurements.trajectory, imu, 0.0, 0.0)
     scale, gravity = linear_start(_spaced(used), imu, noise, imu_T_camera)
-    fall = _GRAVITY_M_S2 / float(np.linalg.norm(gravity)) * gravity
-    beliefs = Beliefs(0.0, 0.0, 0.0, _GRAVITY_SIGMA_M_S2, np.inf)
+    fall = STANDARD_GRAVITY_M_S2 / float(np.linalg.norm(gravity)) * gravity
+    beliefs = Beliefs(0.0, 0.0, 0.0, GRAVITY_SIGMA_M_S2, np.inf)
     start = Shared(0.0, imu_T_camera, fall, scale)
     variances = np.median(np.einsum("kii->ki", measurements.covariance), axis=0)
     turn, shift = np.sqrt(variances.reshape(2, 3).mean(axis=-1))
     sigma = float(turn), scale * float(shift)
     found = align(used, imu, noise, start, beliefs, sigma, adapt=False)
-    up = _upright(found.shared.gravity_m_s2)
+    up = upright(found.shared.gravity_m_s2)
     size = float(np.linalg.norm(found.shared.gravity_m_s2))
     lean = up.as_matrix()[:2] @ found.covariance[GRAVITY, GRAVITY] @ up.as_matrix()[:2].T
     turned = Motor.from_rotor_translation(up, np.zeros(3))
@@ -146,13 +145,3 @@ def _spaced(camera: Trajectory) -> Trajectory:
             chosen.append(k)
             last = now
     return camera[chosen]
-
-
-def _upright(gravity: FloatArray) -> Rotor:
-    """The shortest turn that takes gravity to -z."""
-    down = gravity / np.linalg.norm(gravity)
-    axis = np.cross(down, [0.0, 0.0, -1.0])
-    sine, cosine = float(np.linalg.norm(axis)), float(-down[2])
-    if sine < 1e-12:
-        return Rotor.from_rotation_vector([np.pi if cosine < 0.0 else 0.0, 0.0, 0.0])
-    return Rotor.from_rotation_vector(np.arctan2(sine, cosine) / sine * axis)

@@ -171,7 +171,17 @@ def test_a_flight_is_refused(data_dir):
 def test_a_sensor_at_rest_passes_however_noisy_and_drifting(noise, rng):
     sizes = noise * np.array([1.7e-4, 1.9e-5, 2e-3, 3e-3])
     path = ContinuousPath.along(STANDING, 300.0)
-    refuse_movement(simulate_imu(path, 100.0, ImuNoise(*sizes), rng).stream)
+    still = simulate_imu(path, 100.0, ImuNoise(*sizes), rng).stream
+    refuse_movement(still)
+    with pytest.raises(ValueError, match="at rest, got one that moves"):
+        refuse_movement(_leaned(still))
+
+
+def _leaned(still: ImuStream) -> ImuStream:
+    """The same, turned on its side halfway."""
+    force = still.specific_force_m_s2.copy()
+    force[len(still) // 2 :] += [9.81, 0.0, -9.81]
+    return ImuStream(still.time_ns, still.angular_rate_rad_s, force)
 
 
 @pytest.mark.parametrize(
@@ -197,5 +207,10 @@ def test_what_is_a_movement_is_told_with_its_time(turned, pushed, said):
 
 
 def test_too_short_a_recording_says_nothing_of_movement(rng):
-    stamps = np.arange(99) * 10_000_000
-    refuse_movement(ImuStream(stamps, rng.standard_normal((99, 3)), np.zeros((99, 3))))
+    stamps, rate = np.arange(1000) * 10_000_000, 1e-3 * rng.standard_normal((1000, 3))
+    moved = _leaned(ImuStream(stamps, rate, np.tile([0.0, 0.0, 9.81], (1000, 1))))
+    with pytest.raises(ValueError, match="at rest, got one that moves"):
+        refuse_movement(moved)
+    few = slice(500 - 49, 500 + 50)
+    short = stamps[few], moved.angular_rate_rad_s[few], moved.specific_force_m_s2[few]
+    refuse_movement(ImuStream(*short))

