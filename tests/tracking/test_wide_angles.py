@@ -8,7 +8,7 @@ from motorcade.replays.readers.tagslam import corners as tagslam
 from motorcade.tracking import Camera
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.markers.families import marker_points_m
-from motorcade.tracking.markers.poses import planar_poses
+from motorcade.tracking.markers.planar import planar_poses
 from motorcade.tracking.pose import TrackingError, planar_candidates, refine
 from tests.bench.data import data_folder
 

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.ga import Motor
-from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import check_length
 from motorcade.tracking.markers.detection import Detection
 from motorcade.tracking.markers.families import marker_points_m
-from motorcade.tracking.pose import PlanarCandidates, TrackingError, planar_candidates
+from motorcade.tracking.pose import PlanarCandidates, planar_candidates
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,29 +49,6 @@ class PosedMarker:
         """The better reprojection error over the other, 0 to 1; near 1 the pixels cannot tell."""
         better, other = self.candidates.error_px
         return float(better / other) if other > 0.0 else 1.0
-
-
-def planar_poses(
-    camera: Camera, corners_px: FloatArray, side_m: FloatArray
-) -> tuple[IntArray, Motor, FloatArray]:
-    """Both planar poses of markers ``(n, 4, 2)`` with sides ``(n,)``, where there are any.
-
-    Returns:
-        rows ``(m,)`` of those that have poses, camera_T_marker Motor ``(m, 2)`` with the better
-        reprojection first, and their reprojection errors ``(m, 2)`` in pixels. The others have
-        corners through which the lens model has no ray, or that no planar pose explains.
-    """
-    rows, poses, errors = [], [], []
-    for row, (corners, points) in enumerate(zip(corners_px, marker_points_m(side_m), strict=True)):
-        try:
-            found = planar_candidates(BoardCorners(np.arange(4), corners, points), camera)
-        except TrackingError:
-            continue  # stands in the docstring
-        rows.append(row)
-        poses.append(found.world_T_camera.inverse())
-        errors.append(found.error_px)
-    camera_T_marker = Motor.stack(poses) if poses else Motor.identity((0, 2))
-    return np.array(rows, np.int64), camera_T_marker, np.array(errors).reshape(-1, 2)
 
 
 def pose_marker(detection: Detection, camera: Camera, side_m: float) -> PosedMarker:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import IntArray
 from motorcade.replays.errors import refusal
 from motorcade.replays.recording import Frame, ImageArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.scenes import MarkerScene
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,12 +27,14 @@ class CornerFrames:
         streams: by the name of the camera, the one whose path is looked for first.
         rig_T_camera: of the cameras whose place on the rig is known, at least one.
         side_m: side of the black square of each marker that was seen, by id.
+        scene: what else is stated of markers, bodies and cameras, where anything is.
     """
 
     path: Path
     streams: Mapping[str, CornerStream]
     rig_T_camera: Mapping[str, Motor]
     side_m: Mapping[int, float]
+    scene: MarkerScene | None = None
 
     @property
     def first(self) -> CornerStream:
@@ -69,7 +72,31 @@ class CornerFrames:
         for name, pose in sorted(self.rig_T_camera.items()):
             yield name.encode() + pose.coefficients.tobytes()
         yield repr(sorted(self.side_m.items())).encode()
+        yield from _content(self.scene)
 
     def _no_image(self, index: int) -> ImageArray:
         problem = "the recording holds corners of markers, and no pictures"
         raise refusal(self.path, problem, field=f"frame {index}")
+
+
+def _content(value: object) -> Iterator[bytes]:
+    """All that a tree of values holds."""
+    if isinstance(value, Motor):
+        yield value.coefficients.tobytes()
+    elif isinstance(value, np.ndarray):
+        yield value.tobytes()
+    elif isinstance(value, Trajectory):
+        yield value.time_ns.tobytes() + value.motors.coefficients.tobytes()
+    elif is_dataclass(value):
+        for field in fields(value):
+            yield field.name.encode()
+            yield from _content(getattr(value, field.name))
+    elif isinstance(value, Mapping):
+        for key in sorted(value):
+            yield repr(key).encode()
+            yield from _content(value[key])
+    elif isinstance(value, tuple):
+        for one in value:
+            yield from _content(one)
+    else:
+        yield repr(value).encode()

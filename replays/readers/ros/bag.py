@@ -14,6 +14,7 @@ from typing import Any
 
 from motorcade.replays.errors import RecordingError, one_line, refusal
 from motorcade.replays.files.door import admit_file, read_bounded
+from motorcade.replays.readers.ros.admission import bound_chunks
 from motorcade.replays.readers.ros.definitions import message_types
 
 PACKED_LIMIT = 2**26
@@ -21,15 +22,20 @@ BAG_LIMIT = 2**28
 _MESSAGE_LIMIT = 200_000
 
 
+class EmptyBag(RecordingError):
+    """A whole bag that holds no message of the types that were looked for."""
+
+
 def read_bag(path: Path, types: Sequence[str]) -> Iterator[tuple[str, str, Any]]:
     """Give topic, type and message of all messages of the given types, in the order recorded.
 
     Args:
         path: a ``.bag`` file of at most 256 MiB, or a ``.bag.bz2`` of at most 64 MiB that unpacks
-            to no more than that. Chunks inside must not be compressed.
+            to no more than that. Chunks inside may be compressed (bz2, lz4), to no more each.
         types: such as "nav_msgs/msg/Odometry"; other messages are skipped.
 
     Raises:
+        EmptyBag: none of these types.
         RecordingError: missing, too large, not a bag, damaged, more than 200,000 messages, or a
             type whose definition is another than the usual one.
     """
@@ -69,14 +75,11 @@ def plain_bag(path: Path, folder: Path) -> Path:
 
 
 def _messages(path: Path, plain: Path, types: Sequence[str]) -> Iterator[tuple[str, str, Any]]:
-    from rosbags.rosbag1.reader import Reader, decompressors
+    from rosbags.rosbag1.reader import Reader
 
     store = message_types(ros1=True)
+    bound_chunks()
     with Reader(plain) as bag:
-        if any(chunk.decompressor is not decompressors["none"] for chunk in bag.chunks.values()):
-            raise refusal(
-                path, "expected plain chunks, got compressed ones", advice="rosbag decompress does"
-            )
         if bag.message_count > _MESSAGE_LIMIT:
             problem = f"expected at most {_MESSAGE_LIMIT} messages, got {bag.message_count}"
             raise refusal(path, problem)
@@ -86,7 +89,8 @@ def _messages(path: Path, plain: Path, types: Sequence[str]) -> Iterator[tuple[s
                 problem = f"expected the usual {one.msgtype}, got another definition"
                 raise refusal(path, problem, field=one_line(one.topic))
         if not wanted:
-            raise refusal(path, f"expected messages of {' or '.join(types)}, got none")
+            problem = f"expected messages of {' or '.join(types)}, got none"
+            raise EmptyBag(str(refusal(path, problem)))
         for connection, _, raw in bag.messages(connections=wanted):
             message = store.deserialize_ros1(raw, connection.msgtype)
             yield connection.topic, connection.msgtype, message

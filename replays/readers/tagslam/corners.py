@@ -11,25 +11,30 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
 
-from motorcade.ga import Motor, Rotor
+from motorcade.ga import Motor, Trajectory
 from motorcade.replays.errors import one_line, refusal
+from motorcade.replays.files.door import read_bounded
 from motorcade.replays.readers.calibration import make_camera, read_yaml, yaml_floats
 from motorcade.replays.readers.ros.bag import read_bag
 from motorcade.replays.readers.ros.reader import header_stamp_ns
-from motorcade.replays.readers.tagslam.bodies import MarkerSides, read_marker_sides
+from motorcade.replays.readers.tagslam.scene import MarkerRemap, read_remaps, read_scene
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.scenes import BodyOdometry, MarkerScene
 
 _TAGS = "apriltag_msgs/msg/ApriltagArrayStamped"
 _MODELS = {"radtan": "radtan", "plumb_bob": "radtan", "equidistant": "equidistant"}
 _MOST_CAMERAS = 64
 _MOST_A_FRAME = 1000
 _MOST_TAGS = 1_000_000
+_UNIT = 1e-3
+_LONGEST_LINK = 256
+ODOMETRY = "nav_msgs/msg/Odometry"
 _HOUSE_ORDER = [3, 2, 1, 0]
 
 
@@ -43,12 +48,20 @@ class TagSlamRecording:
             size are left out.
         rig_T_camera: of the cameras whose pose `camera_poses.yaml` holds.
         side_m: side of the black square of each tag that was seen.
+        scene: all that was stated, and odometry.
     """
 
     root: Path
     streams: Mapping[str, CornerStream]
     rig_T_camera: Mapping[str, Motor]
     side_m: Mapping[int, float]
+    scene: MarkerScene
+
+    @property
+    def odometry(self) -> BodyOdometry | None:
+        """Of the first body with odometry; None where there is none."""
+        found = (body.odometry for body in self.scene.bodies)
+        return next((one for one in found if one is not None), None)
 
 
 def recognise(root: Path) -> bool:
@@ -65,12 +78,18 @@ def read(root: Path) -> TagSlamRecording:
             without messages; corners or stamps that are no numbers, or an id twice in a frame.
     """
     cameras = _cameras(root / "cameras.yaml")
-    sides = read_marker_sides(root / "tagslam.yaml")
     path = bag_file(root, "tag_detections")
+    remaps = read_remaps(root / "tagslam.yaml")
     topics = {topic: name for name, (_, topic) in cameras.items()}
     frames: dict[str, list[tuple[int, Sequence[Any]]]] = {name: [] for name in cameras}
+    odometry: dict[str, dict[int, Motor]] = {}
     total = 0
-    for topic, _, message in read_bag(path, (_TAGS,)):
+    for topic, kind, message in read_bag(path, (_TAGS, ODOMETRY)):
+        if kind == ODOMETRY:
+            pose = message.pose.pose
+            poses = odometry.setdefault(topic, {})
+            poses[header_stamp_ns(message)] = motor_of(path, pose.position, pose.orientation)
+            continue
         if topic not in topics:
             continue
         count = len(message.apriltags)
@@ -79,43 +98,91 @@ def read(root: Path) -> TagSlamRecording:
             problem = f"expected at most {_MOST_A_FRAME} tags a frame and {_MOST_TAGS} in all"
             raise refusal(path, problem, field=one_line(topic))
         frames[topics[topic]].append((header_stamp_ns(message), message.apriltags))
+    scene = read_scene(root, {topic: _path(poses) for topic, poses in odometry.items()})
     streams = {}
     for name, (camera, topic) in cameras.items():
         if not frames[name]:
             raise refusal(path, f"expected messages on {one_line(topic)}, got none", field=name)
         try:
-            streams[name] = _stream(camera, frames[name], sides)
+            streams[name] = _stream(camera, name, frames[name], scene, remaps)
         except ValueError as fault:
             raise refusal(path, str(fault), field=one_line(topic)) from fault
     seen = np.unique(np.concatenate([one.marker_ids for one in streams.values()]))
-    side_m = {int(marker): sides.side_m(int(marker)) for marker in seen}
+    side_m = {int(marker): scene.side_m(int(marker)) for marker in seen}
     known = {marker: side for marker, side in side_m.items() if side is not None}
-    return TagSlamRecording(root, streams, _camera_poses(root / "camera_poses.yaml"), known)
+    rig_T_camera = {name: stated.pose for name, stated in scene.cameras.items() if name in cameras}
+    return TagSlamRecording(root, streams, rig_T_camera, known, scene)
 
 
 def bag_file(root: Path, name: str) -> Path:
     """The bag of that name in the folder, plain or packed.
 
+    Where a checkout left a link as a text with the file's place, it is looked for there, in a
+    folder beside this one.
+
     Raises:
-        RecordingError: neither is there.
+        RecordingError: neither is there, or a text that names no such file.
     """
-    for path in (root / f"{name}.bag", root / f"{name}.bag.bz2"):
+    for path in _plain_or_packed(root / f"{name}.bag"):
         if path.is_file():
-            return path
+            return _linked(root, path)
     raise refusal(root, f"expected {name}.bag or {name}.bag.bz2, got neither")
 
 
+def _plain_or_packed(path: Path) -> tuple[Path, Path]:
+    return path, path.with_name(path.name + ".bz2")
+
+
+def _linked(root: Path, path: Path) -> Path:
+    if path.stat().st_size > _LONGEST_LINK:
+        return path
+    text = read_bounded(path, _LONGEST_LINK).strip()
+    if not text.startswith(b"../") or not text.endswith(b".bag"):
+        return path
+    target = PurePosixPath(text.decode("utf-8", "replace"))
+    if len(target.parts) == 3 and ".." not in target.parts[1:]:
+        for other in _plain_or_packed(root.parent / target.parts[1] / target.parts[2]):
+            if other.is_file():
+                return other
+    raise refusal(path, f"expected a file beside this folder, got {one_line(str(target))}")
+
+
+def motor_of(path: Path, position: Any, quaternion: Any) -> Motor:
+    """A message's pose.
+
+    Raises:
+        RecordingError: no rigid motion.
+    """
+    numbers = np.array([quaternion.w, quaternion.x, quaternion.y, quaternion.z], np.float64)
+    place = np.array([position.x, position.y, position.z], np.float64)
+    norm = float(np.linalg.norm(numbers))
+    if not abs(norm - 1.0) < _UNIT or not np.isfinite(place).all():
+        raise refusal(path, f"expected a rigid motion, got {numbers} and {place}")
+    return Motor.from_quaternion_translation(numbers / norm, place)
+
+
+def _path(poses: Mapping[int, Motor]) -> Trajectory:
+    stamps = sorted(poses)
+    motors = Motor.stack([poses[stamp] for stamp in stamps])
+    return Trajectory(np.array(stamps), motors, "odom", "odometry")
+
+
 def _stream(
-    camera: Camera, frames: Sequence[tuple[int, Sequence[Any]]], sides: MarkerSides
+    camera: Camera,
+    name: str,
+    frames: Sequence[tuple[int, Sequence[Any]]],
+    scene: MarkerScene,
+    remaps: Sequence[MarkerRemap],
 ) -> CornerStream:
     """All detections of one camera, in the order of their stamps; sorted by id in a frame."""
     ordered = sorted(frames, key=lambda one: one[0])
     rows, ids, corners = [], [], []
-    for row, (_, tags) in enumerate(ordered):
-        for tag in sorted(tags, key=lambda one: int(one.id)):
-            if sides.side_m(int(tag.id)) is not None:
+    for row, (time_ns, tags) in enumerate(ordered):
+        named = [(_meant(int(tag.id), time_ns, name, remaps), tag) for tag in tags]
+        for marker, tag in sorted(named, key=lambda one: one[0]):
+            if scene.side_m(marker) is not None:
                 rows.append(row)
-                ids.append(int(tag.id))
+                ids.append(marker)
                 corners.append([(corner.x, corner.y) for corner in tag.corners])
     return CornerStream(
         camera=camera,
@@ -124,6 +191,10 @@ def _stream(
         marker_ids=np.array(ids, np.int64),
         corners_px=np.array(corners, np.float64).reshape(-1, 4, 2)[:, _HOUSE_ORDER],
     )
+
+
+def _meant(marker: int, time_ns: int, camera: str, remaps: Sequence[MarkerRemap]) -> int:
+    return next((one.instead for one in remaps if one.applies(marker, time_ns, camera)), marker)
 
 
 def _cameras(path: Path) -> dict[str, tuple[Camera, str]]:
@@ -147,20 +218,3 @@ def _cameras(path: Path) -> dict[str, tuple[Camera, str]]:
     if not 0 < len(cameras) <= _MOST_CAMERAS:
         raise refusal(path, f"expected 1 to {_MOST_CAMERAS} cameras, got {len(cameras)}")
     return cameras
-
-
-def _camera_poses(path: Path) -> dict[str, Motor]:
-    """Poses on the rig by camera name; rotations are rotation vectors, radians."""
-    poses = {}
-    for name, entry in read_yaml(path).items():
-        pose = entry.get("pose") if isinstance(entry, dict) else None
-        parts = []
-        for part in ("position", "rotation"):
-            found = pose.get(part) if isinstance(pose, dict) else None
-            if not isinstance(found, dict):
-                problem = f"expected x, y and z, got {one_line(found)}"
-                raise refusal(path, problem, field=f"{one_line(name)}.pose.{part}")
-            parts.append(yaml_floats(path, {part: [found.get(one) for one in "xyz"]}, part, 3))
-        position, rotation = parts
-        poses[name] = Motor.from_rotor_translation(Rotor.from_rotation_vector(rotation), position)
-    return poses

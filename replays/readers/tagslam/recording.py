@@ -1,67 +1,23 @@
 """TagSLAM's folders as recordings of the pipeline: corners, odometry, its result as reference.
 
 The reference was made from the same corners (and odometry where there was one): errors against it
-show agreement, not accuracy. TagSLAM may also be told how tags lie on their boards, which is not
-read here: lengths are those of the tags' sides alone. In test_24 the two disagree by 2 %.
+show agreement, not accuracy.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import IntArray
-from motorcade.replays.errors import one_line, refusal
-from motorcade.replays.readers.calibration import read_yaml, yaml_floats
 from motorcade.replays.readers.frames.corners import CornerFrames
-from motorcade.replays.readers.tagslam.corners import bag_file
+from motorcade.replays.readers.ros.bag import EmptyBag
+from motorcade.replays.readers.tagslam.corners import TagSlamRecording, bag_file
 from motorcade.replays.readers.tagslam.corners import read as read_corners
-from motorcade.replays.readers.tagslam.reference import read_odometry, read_reference
+from motorcade.replays.readers.tagslam.reference import read_reference
 from motorcade.replays.recording import Odometry, Recording
-
-
-@dataclass(frozen=True, eq=False)
-class TagSlamOdometry:
-    """A path of what the odometry tracks, in its own world, and the rig's pose on that."""
-
-    trajectory: Trajectory
-    odometry_T_rig: Motor
-
-
-def read_rig_odometry(root: Path) -> TagSlamOdometry | None:
-    """Read both; None where no odometry was recorded.
-
-    `T_body_odom` takes the body's coordinates to the odometry's frame, whatever its name says: the
-    steps of odometry and tags in test_21 meet within 1 mrad that way, within 4 mrad the other.
-
-    Raises:
-        RecordingError: a bag or file that is missing or damaged, or no body with odometry.
-    """
-    trajectory = read_odometry(root)
-    if trajectory is None:
-        return None
-    path = root / "tagslam.yaml"
-    bodies = read_yaml(path).get("bodies")
-    for entry in bodies if isinstance(bodies, list) else []:
-        for name, body in entry.items() if isinstance(entry, dict) else ():
-            if isinstance(body, dict) and "T_body_odom" in body:
-                return TagSlamOdometry(trajectory, _pose(path, str(name), body["T_body_odom"]))
-    raise refusal(path, "expected a body with T_body_odom, got none", field="bodies")
-
-
-def _pose(path: Path, body: str, pose: object) -> Motor:
-    parts = []
-    for part in ("position", "rotation"):
-        found = pose.get(part) if isinstance(pose, dict) else None
-        if not isinstance(found, dict):
-            field = f"{one_line(body)}.T_body_odom.{part}"
-            raise refusal(path, f"expected x, y and z, got {one_line(found)}", field=field)
-        parts.append(yaml_floats(path, {part: [found.get(one) for one in "xyz"]}, part, 3))
-    position, rotation = (np.asarray(part) for part in parts)
-    return Motor.from_rotor_translation(Rotor.from_rotation_vector(rotation), position)
 
 
 def read(root: Path, *, own_truth: bool = True) -> Recording:
@@ -80,18 +36,20 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
         name=root.resolve().name,
         root=root,
         layout="tagslam",
-        frames=CornerFrames(bag_file(root, "tag_detections"), streams, known, found.side_m),
+        frames=CornerFrames(
+            bag_file(root, "tag_detections"), streams, known, found.side_m, found.scene
+        ),
         camera=streams[first].camera,
         truth=_reference(root, first, streams[first].marker_ids) if has_truth else None,
-        odometry=_odometry(root, known[first]),
+        odometry=_odometry(found, known[first]),
     )
 
 
-def _odometry(root: Path, rig_T_camera: Motor) -> Odometry | None:
-    found = read_rig_odometry(root)
-    if found is None:
+def _odometry(found: TagSlamRecording, rig_T_camera: Motor) -> Odometry | None:
+    odometry = found.odometry
+    if odometry is None:
         return None
-    return Odometry(found.trajectory, found.odometry_T_rig @ rig_T_camera)
+    return Odometry(odometry.trajectory, odometry.body_T_odometry.inverse() @ rig_T_camera)
 
 
 def _reference(root: Path, camera: str, marker_ids: IntArray) -> Trajectory | None:
@@ -100,7 +58,10 @@ def _reference(root: Path, camera: str, marker_ids: IntArray) -> Trajectory | No
     Our world is the markers'. Where TagSLAM holds the camera still and the markers are carried
     past it, the reference is therefore the camera seen from the marker that is seen most.
     """
-    reference = read_reference(root)
+    try:
+        reference = read_reference(root)
+    except EmptyBag:
+        return None
     frames = reference.world_T_frame
     tag = f"tag_{np.bincount(marker_ids).argmax()}" if len(marker_ids) else ""
     known = [row for row, names in enumerate(frames) if camera in names]

@@ -10,23 +10,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import IntArray
 from motorcade.replays.errors import one_line, refusal
-from motorcade.replays.readers.ros.bag import read_bag
+from motorcade.replays.readers.ros.bag import EmptyBag, read_bag
 from motorcade.replays.readers.ros.reader import header_stamp_ns
-from motorcade.replays.readers.tagslam.corners import bag_file
+from motorcade.replays.readers.tagslam.corners import ODOMETRY, bag_file, motor_of
 
-_ODOMETRY = "nav_msgs/msg/Odometry"
 _TRANSFORMS = "tf/msg/tfMessage"
 _MAP, _TAG = "map", "tag_"
 _DEEPEST = 8
 _MOST_TRANSFORMS = 5000
-_UNIT = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,54 +60,34 @@ def read_reference(root: Path) -> TagSlamReference:
     """Read the reference beside a recording.
 
     Raises:
-        RecordingError: missing, damaged, without poses, or transforms that are no rigid motions
+        EmptyBag: no pose of any body.
+        RecordingError: missing, damaged, or transforms that are no rigid motions
             or do not hang together.
     """
     path = bag_file(root, "reference")
     trees: dict[int, dict[str, tuple[str, Motor]]] = {}
     poses: dict[int, Motor] = {}
     child = ""
-    for _, kind, message in read_bag(path, (_ODOMETRY, _TRANSFORMS)):
-        if kind == _ODOMETRY:
+    for _, kind, message in read_bag(path, (ODOMETRY, _TRANSFORMS)):
+        if kind == ODOMETRY:
             pose = message.pose.pose
-            poses[header_stamp_ns(message)] = _motor(path, pose.position, pose.orientation)
+            poses[header_stamp_ns(message)] = motor_of(path, pose.position, pose.orientation)
             child = str(message.child_frame_id) or "rig"
             continue
         if len(message.transforms) > _MOST_TRANSFORMS:
             raise refusal(path, f"expected at most {_MOST_TRANSFORMS} transforms a message")
         for one in message.transforms:
-            there = _motor(path, one.transform.translation, one.transform.rotation)
+            there = motor_of(path, one.transform.translation, one.transform.rotation)
             tree = trees.setdefault(header_stamp_ns(one), {})
             tree[str(one.child_frame_id)] = (str(one.header.frame_id), there)
     stamps = sorted(poses)
     if not stamps:
-        raise refusal(path, "expected odometry, got none")
+        raise EmptyBag(str(refusal(path, "expected odometry, got none")))
     odometry = Trajectory(
         np.array(stamps), Motor.stack([poses[stamp] for stamp in stamps]), _MAP, child
     )
     rooted = tuple(_rooted(path, trees.get(stamp, {})) for stamp in stamps)
     return TagSlamReference(odometry.time_ns, odometry, rooted)
-
-
-def read_odometry(root: Path) -> Trajectory | None:
-    """The visual-inertial odometry recorded with the corners; None where there is none.
-
-    Raises:
-        RecordingError: a bag that is missing or damaged.
-    """
-    path = bag_file(root, "tag_detections")
-    poses: dict[int, Motor] = {}
-    frames = {"odom"}
-    for _, kind, message in read_bag(path, (_ODOMETRY, "apriltag_msgs/msg/ApriltagArrayStamped")):
-        if kind == _ODOMETRY:
-            pose = message.pose.pose
-            poses[header_stamp_ns(message)] = _motor(path, pose.position, pose.orientation)
-            frames = {str(message.child_frame_id)}
-    if not poses:
-        return None
-    stamps = sorted(poses)
-    motors = Motor.stack([poses[stamp] for stamp in stamps])
-    return Trajectory(np.array(stamps), motors, "odom", frames.pop())
 
 
 def _rooted(path: Path, tree: Mapping[str, tuple[str, Motor]]) -> dict[str, Motor]:
@@ -128,12 +105,3 @@ def _rooted(path: Path, tree: Mapping[str, tuple[str, Motor]]) -> dict[str, Moto
             raise refusal(path, f"expected {one_line(name)} to hang from {_MAP}, got a loop")
         rooted[name] = pose
     return rooted
-
-
-def _motor(path: Path, position: Any, quaternion: Any) -> Motor:
-    numbers = np.array([quaternion.w, quaternion.x, quaternion.y, quaternion.z], np.float64)
-    place: FloatArray = np.array([position.x, position.y, position.z], np.float64)
-    norm = float(np.linalg.norm(numbers))
-    if not abs(norm - 1.0) < _UNIT or not np.isfinite(place).all():
-        raise refusal(path, f"expected a rigid motion, got {numbers} and {place}")
-    return Motor.from_quaternion_translation(numbers / norm, place)

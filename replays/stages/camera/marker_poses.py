@@ -32,6 +32,7 @@ from motorcade.tracking.markers.photometric import (
     joined_frames,
     refine_frame,
 )
+from motorcade.tracking.markers.scenes import MarkerScene, map_scene
 
 Refine = Literal["none", "photometric"]
 _ONLY = "camera"
@@ -62,6 +63,9 @@ def marker_poses(
         raise ValueError(f"{recording.name}: refine={refine} takes all markers, got {moving=}")
     camera_of(recording)
     start = time.perf_counter()
+    frames = recording.frames
+    if isinstance(frames, CornerFrames) and frames.scene is not None and refine == "none":
+        return _by_scene(frames, frames.scene, moving, start)
     seen = _seen_markers(recording, refine)
     streams = {name: _standing(stream, moving) for name, stream in seen.streams.items()}
     if not any(len(stream) for stream in streams.values()):
@@ -89,6 +93,35 @@ def marker_poses(
         seconds=time.perf_counter() - start,
         marker_map=found.marker_map,
         sighted=_sighted(next(iter(streams.values())), found.marker_map),
+    )
+
+
+def _by_scene(
+    frames: CornerFrames, scene: MarkerScene, moving: tuple[int, ...], start: float
+) -> MarkerPoses:
+    """All that was stated of bodies, markers, cameras and lengths, and all corners, together."""
+    streams = {name: _standing(stream, moving) for name, stream in frames.streams.items()}
+    found = map_scene(streams, scene)
+    first = next(iter(streams))
+    path = found.seen_from(first)
+    if not len(path.measurements):
+        raise TrackingError("frames: expected some that show a marker, got none")
+    summary = (
+        f"tracked by the recorded corners of {len(path.marker_map)} markers, with all that was "
+        "stated of them"
+        + (f"; {len(found.left_out)} markers never seen beside them" if found.left_out else "")
+    )
+    spread = path.measurements.covariance + np.diag(_SIGMA_FLOOR**2)
+    return MarkerPoses(
+        PoseMeasurements(path.measurements.trajectory, spread),
+        found.seen.time_ns,
+        path.error_px,
+        "markers",
+        summary,
+        seconds=time.perf_counter() - start,
+        audit=found.audit,
+        marker_map=path.marker_map,
+        sighted=_sighted(streams[first], path.marker_map),
     )
 
 

@@ -20,7 +20,6 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.readers.tagslam import corners as tagslam
-from motorcade.replays.readers.tagslam.recording import read_rig_odometry
 from motorcade.tracking.markers.mapping import map_markers
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.tracking.tag_flips import tagslam_folder
@@ -49,14 +48,16 @@ def fuse_tags_and_odometry(root: Path) -> TagsAndOdometry:
     Raises:
         ValueError: a recording without odometry, or one that cannot be read.
     """
-    recording, odometry = tagslam.read(root), read_rig_odometry(root)
+    recording = tagslam.read(root)
+    odometry = recording.odometry
     if odometry is None:
         raise ValueError(f"{root}: expected odometry beside the tags, got none")
     found = map_markers(recording.streams, recording.side_m, recording.rig_T_camera)
     spread = np.diag(np.repeat([_TAG_SIGMA_RAD**2, _TAG_SIGMA_M**2], 3))
     tags = PoseMeasurements(found.trajectory, np.tile(spread, (len(found.trajectory), 1, 1)))
-    fused = fuse_odometry(tags, odometry.trajectory, odometry.odometry_T_rig)
-    own = odometry.trajectory.transformed_by(right=odometry.odometry_T_rig, child="rig")
+    odometry_T_rig = odometry.body_T_odometry.inverse()
+    fused = fuse_odometry(tags, odometry.trajectory, odometry_T_rig)
+    own = odometry.trajectory.transformed_by(right=odometry_T_rig, child="rig")
     return TagsAndOdometry(found.trajectory, own, fused)
 
 

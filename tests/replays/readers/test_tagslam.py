@@ -16,8 +16,8 @@ from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.replays.readers.ros import bag as ros_bag
 from motorcade.replays.readers.ros.definitions import message_types
 from motorcade.replays.readers.tagslam import corners as tagslam
-from motorcade.replays.readers.tagslam.bodies import read_marker_sides
-from motorcade.replays.readers.tagslam.reference import read_odometry, read_reference
+from motorcade.replays.readers.tagslam.reference import read_reference
+from motorcade.replays.readers.tagslam.scene import read_scene
 from motorcade.tracking import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.mapping import map_markers
@@ -117,11 +117,11 @@ def test_corners_run_clockwise_from_the_printed_top_left(folder: Path) -> None:
 
 
 def test_sizes_of_boards_and_of_unlisted_tags(folder: Path) -> None:
-    sides = read_marker_sides(folder / "tagslam.yaml")
+    sides = read_scene(folder, {})
     assert [sides.side_m(one) for one in (9, 10, 14, 15)] == [0.5, 0.05, 0.05, 0.5]
     assert [sides.side_m(one) for one in (20, 23, 24)] == [0.07, 0.07, 0.5]
     (folder / "tagslam.yaml").write_text(BODIES.replace("default_body: lab", ""))
-    assert read_marker_sides(folder / "tagslam.yaml").side_m(99) is None
+    assert read_scene(folder, {}).side_m(99) is None
 
 
 @pytest.mark.parametrize(
@@ -248,8 +248,6 @@ def test_what_the_recordings_hold(tagslam_dir: Path) -> None:
     assert list(rig.rig_T_camera) == ["cam0"]
     assert rig.side_m[2] == 0.16
     assert rig.side_m[101] == 0.1
-    assert len(read_odometry(tagslam_dir / "test_21")) == 2596
-    assert read_odometry(tagslam_dir / "test_24") is None
     far = tagslam.read(tagslam_dir / "test_24")
     true = reference_rotors(far.streams["cam0"], read_reference(tagslam_dir / "test_24"), "cam0")
     assert np.count_nonzero(np.isfinite(true[:, 0])) == 1139

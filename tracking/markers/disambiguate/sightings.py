@@ -20,7 +20,7 @@ from motorcade.tracking.markers.corner_stream import (
     checked_stamps,
 )
 from motorcade.tracking.markers.families import marker_points_m
-from motorcade.tracking.markers.poses import planar_poses
+from motorcade.tracking.markers.planar import planar_poses
 
 # A pose whose pixels leave a direction quite free would be inverted to infinity.
 _LEAST_INFORMATION = 1e-9

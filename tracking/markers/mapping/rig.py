@@ -130,7 +130,7 @@ def gather(
         raise ValueError("rig_T_camera: expected the pose of at least one camera, got none")
     if not 0.0 <= sync_s < np.inf:
         raise ValueError(f"sync_s: expected seconds of at least 0, got {sync_s}")
-    frame_ns, frames = _frames([streams[name].time_ns for name in names], sync_s)
+    frame_ns, frames = merged_frames([streams[name].time_ns for name in names], sync_s)
     parts = [
         (
             frames[which],
@@ -177,7 +177,7 @@ def _resolved(
     return seen.frame, seen.marker_ids, corners, poses, answer.probability
 
 
-def _frames(stamps: list[IntArray], sync_s: float) -> tuple[IntArray, list[IntArray]]:
+def merged_frames(stamps: list[IntArray], sync_s: float) -> tuple[IntArray, list[IntArray]]:
     """Stamps of the rig's frames, and the rig's frame of each camera's own.
 
     A frame begins with the first stamp that belongs to none yet, and ends before a camera would be

@@ -15,7 +15,7 @@ from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate.sightings import Sightings, rotation_covariance
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.photometric.refine import refine_photometric
-from motorcade.tracking.markers.poses import planar_poses
+from motorcade.tracking.markers.planar import planar_poses
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 
 # Neighbouring pixels err together: so many of them tell as much as one.

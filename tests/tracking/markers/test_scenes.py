@@ -1,0 +1,217 @@
+"""Scenes of bodies that move each on their own: found as they were, and wrong statements named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
+from motorcade.tracking import Camera
+from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.families import marker_points_m
+from motorcade.tracking.markers.scenes import (
+    BodyOdometry,
+    CornerDistance,
+    FixedMarker,
+    MappedScene,
+    MarkerBody,
+    MarkerScene,
+    StatedPose,
+    map_scene,
+)
+
+CAMERA = Camera(640, 480, 420.0, 420.0, 319.5, 239.5)
+FRAMES, RATE_HZ = 60, 10.0
+TIME_NS = np.rint(1e9 * np.arange(FRAMES) / RATE_HZ).astype(np.int64)
+SIDE_M = 0.16
+SURE = np.diag(np.repeat([1e-5, 1e-4], 3) ** 2)
+ROOM = {
+    k: Motor.from_euler_translation(
+        [0.1 * k, -0.05 * k, 0.2 * k], [0.3 * (k % 3), 0.3 * (k // 3), 0]
+    )
+    for k in range(6)
+}
+BLOCK = {100: Motor.identity(), 101: Motor.from_euler_translation([0, 0.5, 0], [0.2, 0, 0.05])}
+BODY_T_ODOMETRY = Motor.from_rotor_translation(
+    Rotor.from_rotation_vector([1.2, 1.2, 1.2]), [0.05, -0.02, 0.1]
+)
+
+
+def rig_path(rng: np.random.Generator) -> Motor:
+    """A camera that looks down at the room, turning about all its axes."""
+    s = np.linspace(0.0, 4.0 * np.pi, FRAMES)
+    vector = np.stack([np.pi + 0.2 * np.sin(s), 0.25 * np.cos(0.7 * s), 0.2 * np.sin(1.3 * s)], -1)
+    place = np.stack([0.3 + 0.2 * np.cos(s), 0.15 + 0.2 * np.sin(0.8 * s), 1.3 + 0 * s], -1)
+    return Motor.from_rotor_translation(Rotor.from_rotation_vector(vector), place)
+
+
+def block_path() -> Motor:
+    s = np.linspace(0.0, 3.0, FRAMES)
+    vector = np.stack([0.1 * np.sin(s), 0.2 * np.cos(s), s], -1)
+    place = np.stack([0.1 * s, 0.45 - 0.1 * s, 0.1 + 0.02 * s], -1)
+    return Motor.from_rotor_translation(Rotor.from_rotation_vector(vector), place)
+
+
+def seen_by(world_T_rig: Motor, rng: np.random.Generator, side_m: float = SIDE_M) -> CornerStream:
+    """Corners of both bodies, with 0.2 px of noise; every tenth frame shows nothing."""
+    frame, ids, corners = [], [], []
+    carried = block_path()
+    for row in range(FRAMES):
+        if row % 10 == 9:
+            continue
+        camera_T_world = world_T_rig[row].inverse()
+        poses = {k: camera_T_world @ pose for k, pose in ROOM.items()}
+        poses |= {k: camera_T_world @ carried[row] @ pose for k, pose in BLOCK.items()}
+        for marker, pose in poses.items():
+            size_m = side_m if marker == 3 else SIDE_M
+            px = CAMERA.project(pose.apply(marker_points_m(size_m)))
+            frame.append(row)
+            ids.append(marker)
+            corners.append(px + 0.2 * rng.standard_normal((4, 2)))
+    return CornerStream(CAMERA, TIME_NS, frame, ids, np.array(corners))
+
+
+def scene(odometry: BodyOdometry | None = None) -> MarkerScene:
+    room = MarkerBody(
+        "room",
+        moves=False,
+        stated=StatedPose(Motor.identity(), SURE),
+        markers={0: FixedMarker(SIDE_M, StatedPose(ROOM[0], SURE))},
+        other_side_m=SIDE_M,
+    )
+    block = MarkerBody(
+        "block",
+        moves=True,
+        markers={
+            100: FixedMarker(SIDE_M, StatedPose(BLOCK[100], SURE)),
+            101: FixedMarker(SIDE_M),
+        },
+    )
+    rig = MarkerBody("rig", moves=True, odometry=odometry)
+    stated = {"camera": StatedPose(Motor.identity(), SURE)}
+    return MarkerScene((room, block, rig), {"camera": "rig"}, stated, sigma_px=0.2)
+
+
+def off_m(found: MappedScene, name: str, true: Motor) -> FloatArray:
+    path = found.body(name).trajectory
+    rows = np.searchsorted(TIME_NS, path.time_ns)
+    return np.linalg.norm(path.motors.translation_m - true[rows].translation_m, axis=-1)
+
+
+def odometry_of(world_T_rig: Motor, stated: Motor) -> BodyOdometry:
+    """What sits on the rig at BODY_T_ODOMETRY, in a world of its own."""
+    elsewhere = Motor.from_euler_translation([0.3, 0.1, 2.0], [5.0, 1.0, 0.0])
+    poses = elsewhere @ world_T_rig @ BODY_T_ODOMETRY
+    return BodyOdometry(Trajectory(TIME_NS, poses, "odom", "imu"), stated)
+
+
+def verdicts(found: MappedScene) -> dict[str, str]:
+    return {one.name: one.verdict for one in found.audit}
+
+
+def test_two_bodies_that_move_are_both_found(rng: np.random.Generator) -> None:
+    truth = rig_path(rng)
+    found = map_scene({"camera": seen_by(truth, rng)}, scene())
+    assert len(found.body("rig")) == len(found.body("block")) == 54
+    assert off_m(found, "rig", truth).max() < 0.02
+    assert off_m(found, "block", block_path()).max() < 0.02
+    path = found.seen_from("camera")
+    assert len(path.marker_map) == 6
+    place = path.marker_map.world_T_marker.translation_m - [ROOM[k].translation_m for k in range(6)]
+    assert np.abs(place).max() < 0.005
+    assert set(verdicts(found).values()) == {"consistent"}
+
+
+def test_a_camera_that_stands_still_is_seen_from_what_moves(rng: np.random.Generator) -> None:
+    still = Motor.stack([rig_path(rng)[0]] * FRAMES)
+    stated = scene()
+    room = replace(stated.bodies[0], name="frame", markers={}, other_side_m=None)
+    stated = replace(
+        stated,
+        bodies=(room, stated.bodies[1]),
+        camera_body={"camera": "frame"},
+        cameras={"camera": StatedPose(still[0], SURE)},
+    )
+    found = map_scene({"camera": seen_by(still, rng)}, stated)
+    path = found.seen_from("camera").measurements.trajectory
+    true = block_path()[np.searchsorted(TIME_NS, path.time_ns)].inverse() @ still[0]
+    assert np.abs((true.inverse() @ path.motors).translation_m).max() < 0.04
+
+
+def test_the_stated_place_of_odometry_means_what_its_name_says(rng: np.random.Generator) -> None:
+    """120° about a diagonal: taken the other way round it would turn every step's axis."""
+    truth = rig_path(rng)
+    seen = {"camera": seen_by(truth, rng)}
+    found = map_scene(seen, scene(odometry_of(truth, BODY_T_ODOMETRY)))
+    assert verdicts(found)["odometry_extrinsics"] == "consistent"
+    assert len(found.body("rig")) == FRAMES  # the frames that show nothing, too
+    assert off_m(found, "rig", truth).max() < 0.02
+    wrong = map_scene(seen, scene(odometry_of(truth, BODY_T_ODOMETRY.inverse())))
+    (told,) = (one for one in wrong.audit if one.name == "odometry_extrinsics")
+    assert told.verdict == "contradicted"
+    assert told.figure == pytest.approx(120.0, abs=5.0)
+    assert "give the inverse" in told.sentence
+    # What was stated wrongly does no harm.
+    assert off_m(wrong, "rig", truth).max() < 0.02
+
+
+def test_a_wrong_size_and_a_wrong_place_are_named(rng: np.random.Generator) -> None:
+    truth = rig_path(rng)
+    small = map_scene({"camera": seen_by(truth, rng, 0.9 * SIDE_M)}, scene())
+    (told,) = (one for one in small.audit if one.name == "marker_sizes")
+    assert told.verdict == "contradicted"
+    assert "1 markers look larger or smaller than stated: 3 (-" in told.summary
+    stated = scene()
+    room = stated.bodies[0]
+    moved = ROOM[4] @ Motor.from_translation([0.2, 0.0, 0.0])
+    room = replace(room, markers={**room.markers, 4: FixedMarker(SIDE_M, StatedPose(moved, SURE))})
+    stated = replace(stated, bodies=(room, *stated.bodies[1:]))
+    found = map_scene({"camera": seen_by(truth, rng)}, stated)
+    (told,) = (one for one in found.audit if one.name == "stated_poses")
+    assert told.verdict == "contradicted"
+
+
+def test_a_marker_that_nothing_connects_is_told(rng: np.random.Generator) -> None:
+    """Frames that show the others show it never, so that no frame tells where it is."""
+    seen = seen_by(rig_path(rng), rng)
+    alone = CornerStream(
+        CAMERA,
+        TIME_NS,
+        np.append(seen.frame, FRAMES - 1),
+        np.append(seen.marker_ids, 77),
+        np.append(seen.corners_px, seen.corners_px[:1], axis=0),
+    )
+    found = map_scene({"camera": alone}, scene())
+    assert found.left_out == (77,)
+    (told,) = (one for one in found.audit if one.name == "marker_connection")
+    assert told.verdict == "doubtful"
+    assert told.sentence == (
+        "8 of 9 markers hang together; show marker 77 beside one of the others, or state its pose"
+    )
+
+
+def test_measured_distances_are_heeded(rng: np.random.Generator) -> None:
+    """All sides stated 3 % too large: a length across the room says so."""
+    truth = rig_path(rng)
+    stated = scene()
+    big = 1.03 * SIDE_M
+    room = replace(
+        stated.bodies[0],
+        markers={0: FixedMarker(big, stated.bodies[0].markers[0].stated)},
+        other_side_m=big,
+    )
+    ends = [ROOM[k].apply(marker_points_m(SIDE_M)[0]) for k in (1, 5)]
+    length_m = float(np.linalg.norm(ends[0] - ends[1]))
+    loose = replace(stated, bodies=(room, *stated.bodies[1:]))
+    held = replace(loose, distances=(CornerDistance((1, 5), (0, 0), length_m, 1e-5),))
+    seen = {"camera": seen_by(truth, rng)}
+    lengths = []
+    for one in (loose, held):
+        known = map_scene(seen, one).seen_from("camera").marker_map
+        corners = [known.world_T_marker[k].apply(marker_points_m(big)[0]) for k in (1, 5)]
+        lengths.append(float(np.linalg.norm(corners[0] - corners[1])))
+    assert abs(lengths[0] - length_m) > 0.01
+    assert abs(lengths[1] - length_m) < 1e-3

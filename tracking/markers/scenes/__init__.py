@@ -1,0 +1,28 @@
+"""Scenes of bodies that carry markers and cameras: what is stated of them, and what is found."""
+
+from __future__ import annotations
+
+from motorcade.tracking.markers.scenes.estimate import map_scene
+from motorcade.tracking.markers.scenes.mapped import MappedScene, ScenePath
+from motorcade.tracking.markers.scenes.scene import (
+    BodyOdometry,
+    CornerCoordinate,
+    CornerDistance,
+    FixedMarker,
+    MarkerBody,
+    MarkerScene,
+    StatedPose,
+)
+
+__all__ = [
+    "BodyOdometry",
+    "CornerCoordinate",
+    "CornerDistance",
+    "FixedMarker",
+    "MappedScene",
+    "MarkerBody",
+    "MarkerScene",
+    "ScenePath",
+    "StatedPose",
+    "map_scene",
+]

@@ -1,0 +1,278 @@
+"""Whether what was stated of a scene agrees with what was seen of it.
+
+Nothing here needs a ground truth. What no sighting speaks of is called unknown: one marker alone
+tells nothing of its size, and a rig that turns about one axis little of where its odometry sits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.audit import AuditFinding, Verdict
+from motorcade.tracking.markers.families import marker_points_m
+from motorcade.tracking.markers.scenes.mapped import MappedScene
+from motorcade.tracking.markers.scenes.scene import BodyOdometry, MarkerScene
+from motorcade.tracking.markers.scenes.start import stated_rows
+from motorcade.tracking.markers.scenes.table import BODY, CAMERA, CARRIER, MARKER, SceneSightings
+
+_GATE = 37.7
+"""χ² with six degrees of freedom exceeds it once in a million: there are thousands of markers."""
+_MOST_NAMED = 3
+_LONGEST_NS = 1_000_000_000
+_MISSTATED_RAD, _MISSTATED_SHARE = np.radians(2.0), 0.02
+"""A calibration that is surer of itself than it should be is off by less, the second as a share of
+the median distance; a wrong unit, sign or order of axes, and what was moved since, by more."""
+_FEWEST_STEPS = 20
+_LEAST_TURN_RAD = 0.01
+_SECOND_AXIS = 0.02
+"""Share of the turning about its main axis that there must be about another one."""
+_OFF_RAD = np.radians(10.0)
+"""No mounting is stated so badly; a sign, an order of axes or an inverse is off by more."""
+_DEVIATIONS = 6.0
+_SIZE_SHARE = 0.03
+"""A print is off by less than this, and so is a size that was measured with a ruler."""
+_CONTAMINATION = 0.1
+_SIGMAS = 3.0
+
+
+@dataclass(frozen=True)
+class HandEye:
+    """How well a body's steps and those of its odometry fit together.
+
+    Fields:
+        stated_rad: how far the stated rotation of the one on the other is from what fits best.
+        inverse_rad: how far its inverse is.
+        body_R_odometry: rotation vector of what fits best, radians.
+        sigma_rad: its deviation about the axis that is known least; infinite where one is unknown.
+    """
+
+    stated_rad: float
+    inverse_rad: float
+    body_R_odometry: tuple[float, float, float]
+    sigma_rad: float
+
+
+def hand_eye(odometry: BodyOdometry, time_ns: IntArray, world_T_body: Motor) -> HandEye | None:
+    """Compare rotations from frame to frame; None where there are too few.
+
+    Both readings of the stated pose are judged: a name like `T_body_odom` is read both ways.
+    Steps that do not fit count less and less (Geman-McClure's weights).
+
+    Args:
+        odometry: of the body.
+        time_ns: ``(n,)``.
+        world_T_body: Motor ``(n,)``, without the odometry's help.
+    """
+    path = odometry.trajectory
+    inside = (time_ns >= path.time_ns[0]) & (time_ns <= path.time_ns[-1])
+    time_ns, world_T_body = time_ns[inside], world_T_body[inside]
+    if len(time_ns) < _FEWEST_STEPS:
+        return None
+    near = np.diff(time_ns) <= _LONGEST_NS
+    there = path.motors_at(time_ns)
+    body, odom = (
+        (one[:-1].inverse() @ one[1:]).rotor.as_rotation_vector()[near]
+        for one in (world_T_body, there)
+    )
+    turns = np.linalg.norm(odom, axis=-1) > _LEAST_TURN_RAD
+    body, odom = body[turns], odom[turns]
+    if len(body) < _FEWEST_STEPS:
+        return None
+    weight = np.ones(len(body))
+    for _ in range(10):
+        matrix = _rotation(body, odom, weight)
+        off = np.linalg.norm(body - odom @ matrix.T, axis=-1)
+        scale = max(1.5 * float(np.median(off)), 1e-6)
+        weight = 1.0 / (1.0 + (off / scale) ** 2) ** 2
+    spread = np.linalg.eigvalsh(np.einsum("n,ni,nj->ij", weight, odom, odom))
+    known = spread[1] > _SECOND_AXIS**2 * spread[2]
+    sigma = scale / np.sqrt(max(spread[0] + spread[1], 1e-12)) if known else np.inf
+    best = Rotor.from_matrix(matrix)
+    stated = odometry.body_T_odometry.rotor
+    return HandEye(
+        float((best.inverse() @ stated).angle()),
+        float((best.inverse() @ stated.inverse()).angle()),
+        tuple(best.as_rotation_vector().tolist()),
+        float(sigma),
+    )
+
+
+def _rotation(body: FloatArray, odom: FloatArray, weight: FloatArray) -> FloatArray:
+    """The rotation that takes vectors ``(n, 3)`` to others best (Kabsch 1976)."""
+    left, _, right = np.linalg.svd(np.einsum("n,ni,nj->ij", weight, body, odom))
+    keep = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
+    return np.asarray(left @ keep @ right, np.float64)
+
+
+def odometry_finding(name: str, found: HandEye | None) -> AuditFinding:
+    """What hand and eye say of one body's odometry."""
+    what = "odometry_extrinsics"
+    if found is None:
+        return AuditFinding(what, "unknown", None, "deg", f"{name}: too few steps turn")
+    if not np.isfinite(found.sigma_rad):
+        told = f"{name} turns about one axis only: where its odometry sits is not told"
+        return AuditFinding(what, "unknown", None, "deg", told)
+    stated, inverse = np.rad2deg(found.stated_rad), np.rad2deg(found.inverse_rad)
+    told = (
+        f"the odometry of {name} turns as its stated pose says to {stated:.1f}°, as the inverse "
+        f"would to {inverse:.1f}°"
+    )
+    if found.stated_rad <= max(_OFF_RAD, _DEVIATIONS * found.sigma_rad):
+        return AuditFinding(what, "consistent", float(stated), "deg", told)
+    vector = ", ".join(f"{one:.3f}" for one in found.body_R_odometry)
+    mend = f"the odometry is left out; its rotation on the body is the vector ({vector}) rad"
+    if found.inverse_rad <= max(_OFF_RAD, _DEVIATIONS * found.sigma_rad):
+        mend = "the odometry is left out; give the inverse"
+    return AuditFinding(what, "contradicted", float(stated), "deg", told, mend)
+
+
+def scene_audit(found: MappedScene) -> tuple[AuditFinding, ...]:
+    """Connection, stated poses, stated sizes and corners of a scene as it was found."""
+    return (_connection(found), _stated(found), _sizes(found), _corners(found))
+
+
+def _connection(found: MappedScene) -> AuditFinding:
+    lost, count = found.left_out, len(found.seen.marker_ids)
+    told = f"{count - len(lost)} of {count} markers hang together"
+    if not lost:
+        return AuditFinding("marker_connection", "consistent", 0.0, "markers", told)
+    named = ", ".join(map(str, lost[:_MOST_NAMED])) + ("…" if len(lost) > _MOST_NAMED else "")
+    advice = f"show marker {named} beside one of the others, or state its pose"
+    return AuditFinding("marker_connection", "doubtful", float(len(lost)), "markers", told, advice)
+
+
+def _stated(found: MappedScene) -> AuditFinding:
+    """Poses that were stated, beside those that everything together asks for."""
+    rows = [(row, one) for row, one in stated_rows(found.seen, found.scene) if found.known[row]]
+    name = "stated_poses"
+    if not rows:
+        return AuditFinding(name, "unknown", None, "poses", "no pose was stated")
+    at = np.array([row for row, _ in rows])
+    apart = Motor.stack([one.pose for _, one in rows]).local(found.poses[at])
+    information = np.linalg.inv(np.stack([one.covariance for _, one in rows]))
+    chi2 = np.einsum("ni,nij,nj->n", apart, information, apart)
+    far_m = float(np.median(np.linalg.norm(found.seen.camera_T_marker.translation_m, axis=-1)))
+    turned = np.linalg.norm(apart[:, :3], axis=-1)
+    moved_m = np.linalg.norm(apart[:, 3:], axis=-1)
+    beyond = np.flatnonzero(
+        _never_fits(found)[at]
+        | (chi2 > _GATE) & ((turned > _MISSTATED_RAD) | (moved_m > _MISSTATED_SHARE * far_m))
+    )
+    told = f"{len(beyond)} of {len(rows)} stated poses are denied by what was seen"
+    if not len(beyond):
+        return AuditFinding(name, "consistent", 0.0, "poses", told)
+    first = beyond[np.argsort(-chi2[beyond])][:_MOST_NAMED]
+    named = "; ".join(
+        f"{_called(found.seen, found.scene, int(at[one]))}"
+        + (
+            f" by {1e3 * moved_m[one]:.0f} mm and {np.rad2deg(turned[one]):.1f}°"
+            if chi2[one] > _GATE
+            else ", where its corners never fit"
+        )
+        for one in first
+    )
+    advice = "measure them again, or state as much noise"
+    figure = float(len(beyond))
+    return AuditFinding(name, "contradicted", figure, "poses", f"{told}: {named}", advice)
+
+
+def _never_fits(found: MappedScene) -> NDArray[np.bool_]:
+    """``(P,)``: markers most of whose sightings lie far off, since they were stated too surely."""
+    seen = found.seen
+    good = np.isfinite(found.error_px)
+    limit_px = _limit_px(found)
+    size = len(seen.marker_ids)
+    sightings = np.bincount(seen.marker[good], minlength=size)
+    off = np.bincount(seen.marker[good], found.error_px[good] > limit_px, minlength=size)
+    rows = np.zeros(seen.rows, bool)
+    first = len(seen.names)
+    rows[first : first + size] = (2.0 * off > sightings) & (sightings >= _FEWEST_FRAMES)
+    return rows
+
+
+def _limit_px(found: MappedScene) -> float:
+    """Beyond this a sighting lies far off."""
+    errors = found.error_px[np.isfinite(found.error_px)]
+    usual = float(np.median(errors)) if len(errors) else 0.0
+    return _SIGMAS * max(usual, found.scene.sigma_px)
+
+
+def _called(seen: SceneSightings, scene: MarkerScene, row: int) -> str:
+    if row < len(seen.names):
+        return f"camera {seen.names[row]}"
+    marker = row - len(seen.names)
+    if marker < len(seen.marker_ids):
+        return f"marker {seen.marker_ids[marker]}"
+    return scene.bodies[int(np.searchsorted(seen.first_row, row, side="right")) - 1].name
+
+
+def _sizes(found: MappedScene) -> AuditFinding:
+    """Sizes that corners ask for where a frame shows other markers as well, all poses held."""
+    seen, name = found.seen, "marker_sizes"
+    used = np.flatnonzero(np.isfinite(found.error_px) & _in_company(seen))
+    if not len(used):
+        return AuditFinding(name, "unknown", None, "share", "no frame shows several markers")
+    chain = [found.poses[seen.chain[used, k]] for k in range(4)]
+    camera_T_marker = (chain[CARRIER] @ chain[CAMERA]).inverse() @ chain[BODY] @ chain[MARKER]
+    side = seen.side_m[seen.marker[used]]
+    centre = marker_points_m(side).mean(axis=-2, keepdims=True)
+    pixels = []
+    for factor in (1.0, 1.0 + _STEP):
+        points = centre + factor * (marker_points_m(side) - centre)
+        pixels.append(seen.residuals_px(used, camera_T_marker[:, None].apply(points)))
+    slope = (pixels[1] - pixels[0]).reshape(-1, 8) / _STEP
+    here = pixels[0].reshape(-1, 8)
+    good = np.isfinite(slope).all(-1) & np.isfinite(here).all(-1)
+    pull = np.where(good, np.sum(slope * here, axis=-1), 0.0)
+    weight = np.where(good, np.sum(slope**2, axis=-1), 0.0)
+    size = len(seen.marker_ids)
+    information = np.bincount(seen.marker[used], weight, minlength=size)
+    share = -np.bincount(seen.marker[used], pull, minlength=size) / np.maximum(information, 1e-9)
+    frames = np.bincount(seen.marker[used], minlength=size)
+    told_px = found.scene.sigma_px / np.sqrt(np.maximum(information, 1e-9))
+    judged = (frames >= _FEWEST_FRAMES) & (_DEVIATIONS * told_px < _SIZE_SHARE)
+    off = np.flatnonzero(judged & (np.abs(share) > _SIZE_SHARE))
+    most = float(np.max(np.abs(share[judged]))) if judged.any() else None
+    if not judged.any():
+        return AuditFinding(name, "unknown", None, "share", "too few frames show several markers")
+    if not len(off):
+        told = f"the sides of {np.count_nonzero(judged)} markers fit to {most:.1%}"
+        return AuditFinding(name, "consistent", most, "share", told)
+    worst = off[np.argsort(-np.abs(share[off]))][:_MOST_NAMED]
+    named = ", ".join(f"{seen.marker_ids[one]} ({share[one]:+.1%})" for one in worst)
+    told = f"{len(off)} markers look larger or smaller than stated: {named}"
+    return AuditFinding(name, "contradicted", most, "share", told, "measure their black squares")
+
+
+_STEP = 1e-4
+_FEWEST_FRAMES = 5
+
+
+def _in_company(seen: SceneSightings) -> NDArray[np.bool_]:
+    """Whether a sighting's camera sees another marker in the same frame."""
+    key = seen.frame * len(seen.cameras) + seen.camera
+    return np.asarray(np.bincount(key)[key] > 1)
+
+
+def _corners(found: MappedScene) -> AuditFinding:
+    """Sightings whose corners lie far from where everything else puts them."""
+    errors = found.error_px[np.isfinite(found.error_px)]
+    if not len(errors):
+        return AuditFinding("marker_corners", "unknown", None, "px", "no marker hangs together")
+    usual = float(np.median(errors))
+    limit = _limit_px(found)
+    off = int(np.count_nonzero(errors > limit))
+    told = (
+        f"corners of {off} of {len(errors)} sightings lie more than {limit:.2g} px off, of all "
+        f"{usual:.2g} px in the median"
+    )
+    verdict: Verdict = "consistent"
+    if off > _CONTAMINATION * len(errors) or usual > _SIGMAS * found.scene.sigma_px:
+        verdict = "doubtful"
+    advice = "check the camera's focal length and distortion, and whether some marker moved"
+    return AuditFinding("marker_corners", verdict, usual, "px", told, advice)

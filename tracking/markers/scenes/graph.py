@@ -1,0 +1,335 @@
+"""The factor graph of a scene: corners, stated poses, steps of odometry, measured lengths.
+
+All factors of a kind are linearised at once; the normal equations are sparse and solved by a direct
+solver (SuperLU), which eliminates what only a frame sees before what many see. A corner hangs on
+four poses: gtsam's Python has no such factor, and one written in Python costs a hundred times as
+much. Wrong sightings are bounded by Huber's loss, then by Cauchy's.
+
+Source: F. Dellaert and M. Kaess, Factor Graphs for Robot Perception, 2017.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.markers.families import marker_points_m
+from motorcade.tracking.markers.scenes.scene import BodyOdometry, MarkerScene
+from motorcade.tracking.markers.scenes.start import stated_rows
+from motorcade.tracking.markers.scenes.table import SceneSightings
+from motorcade.tracking.optimise import Stop, huber, huber_cauchy, minimise, pair_sums, sum_by
+
+_HUBER, _OUTLIER = 4.0, 12.0
+"""In deviations of the eight residuals of a sighting: where its loss turns straight, and flat."""
+_NO_IMAGE = 1e3
+_STOP = Stop(steps=40, gain=1e-5, most_damping=1e8)
+_FLOOR = 1e-6
+_STEP = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class _Linear:
+    """Factors of a kind: residuals ``(n, r)`` in deviations, derivatives ``(n, k, r, 6)`` by poses
+    at rows ``(n, k)``, and half their squares, or a robust loss.
+    """
+
+    rows: IntArray
+    residuals: FloatArray
+    jacobians: FloatArray
+    cost: float
+
+
+Factors = Callable[[Motor], _Linear]
+
+
+class SceneCorners:
+    """Corners of all sightings of which every pose is known."""
+
+    def __init__(self, seen: SceneSightings, used: IntArray, sigma_px: float, bounded: bool):
+        self._seen, self._used, self._sigma_px, self._bounded = seen, used, sigma_px, bounded
+
+    def __call__(self, poses: Motor) -> _Linear:
+        """Linearised at a table of poses."""
+        residuals, jacobians = self._seen.linearised(poses, self._used)
+        hidden = ~jacobians.any(axis=(1, 2, 3))
+        size = np.linalg.norm(residuals, axis=-1) / self._sigma_px
+        size = np.where(hidden, _NO_IMAGE, size)
+        if self._bounded:
+            loss, weight = huber_cauchy(size, _HUBER, _OUTLIER)
+        else:
+            loss, weight = huber(size, _HUBER)
+        root = np.sqrt(weight) / self._sigma_px
+        return _Linear(
+            self._seen.chain[self._used],
+            residuals * root[:, None],
+            jacobians * root[:, None, None, None],
+            float(np.sum(loss)),
+        )
+
+
+def stated(rows: IntArray, prior: Motor, covariance: FloatArray) -> Factors:
+    """Poses that were stated, ``(n,)`` with covariances ``(n, 6, 6)``."""
+    white = np.linalg.inv(np.linalg.cholesky(covariance))
+
+    def linearise(poses: Motor) -> _Linear:
+        apart = prior.local(poses[rows])
+        residuals = (white @ apart[..., None])[..., 0]
+        jacobians = (white @ Motor.right_jacobian_inverse(apart))[:, None]
+        return _Linear(rows[:, None], residuals, jacobians, 0.5 * float(np.sum(residuals**2)))
+
+    return linearise
+
+
+def between(before: IntArray, after: IntArray, step: Motor, sigma: FloatArray) -> Factors:
+    """Motions ``(n,)`` of a body from one frame to a later one, with deviations ``(n, 6)``.
+
+    Odometry may jump: Huber's loss.
+    """
+
+    def linearise(poses: Motor) -> _Linear:
+        moved = poses[before].inverse() @ poses[after]
+        apart = step.local(moved)
+        residuals = apart / sigma
+        loss, weight = huber(np.linalg.norm(residuals, axis=-1), _HUBER)
+        by_after = Motor.right_jacobian_inverse(apart)
+        by_before = -by_after @ moved.inverse().adjoint()
+        root = np.sqrt(weight)[:, None]
+        jacobians = np.stack([by_before, by_after], axis=1) / sigma[:, None, :, None]
+        return _Linear(
+            np.stack([before, after], axis=1),
+            residuals * root,
+            jacobians * root[..., None, None],
+            float(np.sum(loss)),
+        )
+
+    return linearise
+
+
+def measured(
+    rows: IntArray, value: Callable[[Motor], FloatArray], length_m: FloatArray, sigma_m: FloatArray
+) -> Factors:
+    """Lengths ``(n,)`` that are told of poses at rows ``(n, k)``; derivatives by differences."""
+
+    def linearise(poses: Motor) -> _Linear:
+        here = poses[rows]
+        residuals = (value(here) - length_m) / sigma_m
+        jacobians = np.empty((*rows.shape, 1, 6))
+        for column in range(rows.shape[1]):
+            for axis in range(6):
+                twist = np.zeros((*rows.shape, 6))
+                twist[:, column, axis] = _STEP
+                there = (value(here.retract(twist)) - value(here.retract(-twist))) / (2.0 * _STEP)
+                jacobians[:, column, 0, axis] = there / sigma_m
+        cost = 0.5 * float(np.sum(residuals**2))
+        return _Linear(rows, residuals[:, None], jacobians, cost)
+
+    return linearise
+
+
+def scene_factors(
+    seen: SceneSightings, scene: MarkerScene, known: NDArray[np.bool_]
+) -> list[Factors]:
+    """All that is stated and measured of poses that are known; corners are not among them."""
+    factors: list[Factors] = []
+    given = [(row, one) for row, one in stated_rows(seen, scene) if known[row]]
+    if given:
+        rows = np.array([row for row, _ in given])
+        prior = Motor.stack([one.pose for _, one in given])
+        factors.append(stated(rows, prior, np.stack([one.covariance for _, one in given])))
+    for body, first in zip(scene.bodies, seen.first_row.tolist(), strict=True):
+        if not body.moves:
+            continue
+        frames = np.flatnonzero(known[first : first + len(seen.time_ns)])
+        if body.odometry is not None:
+            path = body.odometry.trajectory
+            inside = (seen.time_ns[frames] >= path.time_ns[0]) & (
+                seen.time_ns[frames] <= path.time_ns[-1]
+            )
+            mine = frames[inside]
+            if len(mine) > 1:
+                step, sigma = odometry_steps(body.odometry, seen.time_ns[mine])
+                factors.append(between(first + mine[:-1], first + mine[1:], step, sigma))
+        if body.still is not None and len(frames) > 1:
+            apart = np.sqrt(np.diff(frames))[:, None]
+            sigma = apart * np.repeat(body.still, 3)
+            none = Motor.identity((len(frames) - 1,))
+            factors.append(between(first + frames[:-1], first + frames[1:], none, sigma))
+    return factors + _lengths(seen, scene, known)
+
+
+def odometry_steps(odometry: BodyOdometry, time_ns: IntArray) -> tuple[Motor, FloatArray]:
+    """Motion of the body between stamps ``(n,)``, and deviations ``(n - 1, 6)``."""
+    path = odometry.trajectory.transformed_by(right=odometry.body_T_odometry.inverse())
+    poses = path.motors_at(time_ns)
+    step = poses[:-1].inverse() @ poses[1:]
+    dt_s = np.maximum(np.diff(time_ns) * 1e-9, 1e-3)[:, None]
+    rate = step.as_twist() / dt_s
+    change = rate - np.concatenate([np.zeros((1, 6)), rate[:-1]])
+    sizes = np.stack(
+        [np.linalg.norm(change[:, :3], axis=-1), np.linalg.norm(change[:, 3:], axis=-1)], axis=-1
+    )
+    least, most = (np.array(one) * dt_s**2 for one in (odometry.least, odometry.most))
+    sigma: FloatArray = np.repeat(np.clip(sizes * dt_s, least, most), 3, axis=-1)
+    return step, sigma
+
+
+def _lengths(seen: SceneSightings, scene: MarkerScene, known: NDArray[np.bool_]) -> list[Factors]:
+    row_of = {int(one): k for k, one in enumerate(seen.marker_ids)}
+
+    def rows_of(marker: int) -> list[int] | None:
+        k = row_of.get(marker)
+        if k is None or scene.bodies[int(seen.marker_body[k])].moves:
+            return None
+        rows = [int(seen.first_row[seen.marker_body[k]]), len(seen.names) + k]
+        return rows if known[rows].all() else None
+
+    def corner_m(marker: int, corner: int | None) -> FloatArray:
+        points: FloatArray = marker_points_m(seen.side_m[row_of[marker]])
+        return np.asarray(points.mean(axis=0) if corner is None else points[corner], np.float64)
+
+    factors: list[Factors] = []
+    for one in scene.distances:
+        a, b = (rows_of(marker) for marker in one.markers)
+        if a is None or b is None:
+            continue
+        ends = [corner_m(*end) for end in zip(one.markers, one.corners, strict=True)]
+        value = partial(_distance_m, ends=ends)
+        factors.append(
+            measured(np.array([a + b]), value, np.array([one.distance_m]), np.array([one.sigma_m]))
+        )
+    for place in scene.coordinates:
+        a = rows_of(place.marker)
+        if a is None:
+            continue
+        value = partial(
+            _coordinate_m,
+            point=corner_m(place.marker, place.corner),
+            direction=np.array(place.direction),
+        )
+        factors.append(
+            measured(np.array([a]), value, np.array([place.length_m]), np.array([place.sigma_m]))
+        )
+    return factors
+
+
+def _distance_m(poses: Motor, ends: list[FloatArray]) -> FloatArray:
+    a = (poses[:, 0] @ poses[:, 1]).apply(ends[0])
+    b = (poses[:, 2] @ poses[:, 3]).apply(ends[1])
+    return np.asarray(np.linalg.norm(a - b, axis=-1), np.float64)
+
+
+def _coordinate_m(poses: Motor, point: FloatArray, direction: FloatArray) -> FloatArray:
+    return np.asarray((poses[:, 0] @ poses[:, 1]).apply(point) @ direction, np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class SparseEquations:
+    """``J^T J step = -J^T r`` of poses that meet few others.
+
+    Fields:
+        rows, columns: ``(m,)`` which poses meet; each pair stands once.
+        blocks: ``(m, 6, 6)``.
+        gradient: ``(P, 6)``.
+    """
+
+    rows: IntArray
+    columns: IntArray
+    blocks: FloatArray
+    gradient: FloatArray
+
+    def step(self, damping: float) -> FloatArray:
+        """Damped Gauss-Newton step ``(P, 6)``."""
+        solved = self._factorised(damping).solve(-self.gradient.ravel())
+        if not np.isfinite(solved).all():
+            raise np.linalg.LinAlgError("singular")
+        return np.asarray(solved, np.float64).reshape(-1, 6)
+
+    def _factorised(self, damping: float) -> Any:
+        from scipy.sparse import bsr_matrix, diags
+        from scipy.sparse.linalg import splu
+
+        count = len(self.gradient)
+        order = np.lexsort((self.columns, self.rows))
+        starts = np.searchsorted(self.rows[order], np.arange(count + 1))
+        matrix = bsr_matrix(
+            (self.blocks[order], self.columns[order], starts), shape=(6 * count, 6 * count)
+        ).tocsc()
+        matrix = matrix + diags(damping * matrix.diagonal() + _FLOOR, format="csc")
+        try:
+            return splu(
+                matrix,
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError as singular:
+            raise np.linalg.LinAlgError(str(singular)) from singular
+
+
+class _Evaluated:
+    """All factors at one table of poses."""
+
+    def __init__(self, factors: list[Factors], poses: Motor) -> None:
+        self._linear = [one(poses) for one in factors]
+        self._count = len(poses.coefficients)
+        self.cost = float(sum(one.cost for one in self._linear))
+
+    @cached_property
+    def equations(self) -> SparseEquations:
+        rows: list[IntArray] = []
+        columns: list[IntArray] = []
+        blocks: list[FloatArray] = []
+        gradient = np.zeros((self._count, 6))
+        for one in self._linear:
+            width = one.rows.shape[1]
+            for a in range(width):
+                left = one.jacobians[:, a].swapaxes(-1, -2)
+                pull = (left @ one.residuals[..., None])[..., 0]
+                gradient += sum_by(pull, one.rows[:, a], self._count)
+                for b in range(width):
+                    found = pair_sums(left @ one.jacobians[:, b], one.rows[:, a], one.rows[:, b])
+                    rows.append(found[0])
+                    columns.append(found[1])
+                    blocks.append(found[2])
+        joined = pair_sums(np.concatenate(blocks), np.concatenate(rows), np.concatenate(columns))
+        return SparseEquations(*joined, gradient)
+
+
+def adjust_scene(
+    seen: SceneSightings,
+    scene: MarkerScene,
+    poses: Motor,
+    known: NDArray[np.bool_],
+    *,
+    bounded: bool,
+) -> tuple[Motor, SparseEquations]:
+    """Refine all known poses at once; the others stay as they are.
+
+    Args:
+        seen: the sightings.
+        scene: what is stated.
+        poses: the table ``(P,)`` to start from.
+        known: ``(P,)``.
+        bounded: whether far sightings pull no more; the start must be near then.
+
+    Returns:
+        the table, and its equations at the end.
+    """
+    used = np.flatnonzero(known[seen.chain].all(axis=1))
+    factors: list[Factors] = [
+        SceneCorners(seen, used, scene.sigma_px, bounded),
+        *scene_factors(seen, scene, known),
+    ]
+    found = minimise(poses, partial(_Evaluated, factors), _retract, _STOP)
+    return found.state, found.evaluation.equations
+
+
+def _retract(poses: Motor, step: FloatArray) -> Motor:
+    return poses.retract(step)

@@ -1,0 +1,203 @@
+"""Sightings of a scene's markers, and one table of all poses that they depend on.
+
+A corner is seen through a chain of four poses, ``camera_T_marker = (world_T_carrier @
+carrier_T_camera).inverse() @ world_T_body @ body_T_marker``. The table holds a row for each camera,
+each marker, each body that stands still, and each frame of each body that moves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.cameras.camera import Camera, reproject
+from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.disambiguate.resolving import corner_noise_or
+from motorcade.tracking.markers.families import marker_points_m
+from motorcade.tracking.markers.mapping.rig import merged_frames
+from motorcade.tracking.markers.planar import planar_poses
+from motorcade.tracking.markers.scenes.scene import MarkerScene
+
+_WORST_PX = 1e3
+CAMERA, CARRIER, BODY, MARKER = range(4)
+"""Columns of the chain."""
+
+
+@dataclass(frozen=True, eq=False)
+class SceneSightings:
+    """N sightings, and where the poses of their chains stand in the table.
+
+    Fields:
+        time_ns: ``(F,)``.
+        names: of the cameras.
+        cameras: of each.
+        marker_ids: ``(M,)`` rising.
+        side_m: ``(M,)``.
+        marker_body: ``(M,)`` row of the body that each marker is on.
+        first_row: ``(B,)`` row of the table where each body begins.
+        rows: how many the table has.
+        frame, camera, marker: ``(N,)``.
+        chain: ``(N, 4)`` rows of the table.
+        corners_px: ``(N, 4, 2)``.
+        camera_T_marker: Motor ``(N, 2)``, both planar poses.
+        probability: ``(N, 2)`` of each, by how well it reprojects.
+        noise_px: of a corner's coordinate, by the better poses' errors.
+    """
+
+    time_ns: IntArray
+    names: tuple[str, ...]
+    cameras: tuple[Camera, ...]
+    marker_ids: IntArray
+    side_m: FloatArray
+    marker_body: IntArray
+    first_row: IntArray
+    rows: int
+    frame: IntArray
+    camera: IntArray
+    marker: IntArray
+    chain: IntArray
+    corners_px: FloatArray
+    camera_T_marker: Motor
+    probability: FloatArray
+    noise_px: float
+
+    def __len__(self) -> int:
+        """Number of sightings."""
+        return len(self.frame)
+
+    @property
+    def points_m(self) -> FloatArray:
+        """``(N, 4, 3)`` corners in the marker's own frame."""
+        return marker_points_m(self.side_m[self.marker])
+
+    def residuals_px(self, which: IntArray, in_camera: FloatArray) -> FloatArray:
+        """Reprojection of points ``(n, 4, 3)`` minus the corners of sightings ``(n,)``."""
+        found = np.full((len(which), 4, 2), np.nan)
+        for row, camera in enumerate(self.cameras):
+            mine = self.camera[which] == row
+            found[mine] = camera.project(in_camera[mine]) - self.corners_px[which[mine]]
+        return found
+
+    def linearised(
+        self, poses: Motor, rows: NDArray[np.int64] | slice = slice(None)
+    ) -> tuple[FloatArray, FloatArray]:
+        """Residuals ``(N, 8)`` and derivatives ``(N, 4, 8, 6)`` by the poses of the chain."""
+        chain = self.chain[rows]
+        camera_T_carrier = poses[chain[:, CAMERA]].inverse()
+        carrier_T_body = poses[chain[:, CARRIER]].inverse() @ poses[chain[:, BODY]]
+        camera_T_body = camera_T_carrier @ carrier_T_body
+        camera_T_marker = camera_T_body @ poses[chain[:, MARKER]]
+        in_camera = camera_T_marker[:, None].apply(self.points_m[rows])
+        residuals = np.full((len(chain), 4, 2), np.nan)
+        by_corner = np.zeros((len(chain), 4, 2, 6))
+        for row, camera in enumerate(self.cameras):
+            mine = self.camera[rows] == row
+            pixels, by_corner[mine], _ = reproject(camera, in_camera[mine])
+            residuals[mine] = pixels - self.corners_px[rows][mine]
+        own = by_corner.reshape(-1, 8, 6)
+        jacobians = np.stack(
+            [
+                own,
+                own @ camera_T_carrier.adjoint(),
+                -own @ camera_T_body.adjoint(),
+                -own @ camera_T_marker.adjoint(),
+            ],
+            axis=1,
+        )
+        flat = residuals.reshape(-1, 8)
+        hidden = ~np.isfinite(flat).all(-1) | ~np.isfinite(jacobians).all((-1, -2, -3))
+        flat[hidden], jacobians[hidden] = 0.0, 0.0
+        return flat, jacobians
+
+    def errors_px(self, poses: Motor) -> FloatArray:
+        """``(N,)`` root mean square reprojection errors; infinite where a corner has no image."""
+        chain = self.chain
+        camera_T_world = (poses[chain[:, CARRIER]] @ poses[chain[:, CAMERA]]).inverse()
+        camera_T_marker = camera_T_world @ poses[chain[:, BODY]] @ poses[chain[:, MARKER]]
+        found = self.residuals_px(
+            np.arange(len(self)), camera_T_marker[:, None].apply(self.points_m)
+        )
+        errors = np.sqrt(np.sum(found**2, axis=(-1, -2)) / 4.0)
+        return np.where(np.isfinite(errors), errors, np.inf)
+
+
+def gather_scene(
+    streams: Mapping[str, CornerStream], scene: MarkerScene, sync_s: float
+) -> SceneSightings:
+    """Bring the cameras' streams together.
+
+    Markers that the scene ignores are left out, and those that cannot be seen at all: on the body
+    that carries the camera, or through whose corners the lens model has no ray.
+    """
+    names = tuple(streams)
+    time_ns, frames = merged_frames([streams[name].time_ns for name in names], sync_s)
+    body_at = {body.name: row for row, body in enumerate(scene.bodies)}
+    seen_ids = np.unique(np.concatenate([streams[name].marker_ids for name in names]))
+    known = {int(one): row for one in seen_ids if (row := scene.body_of(int(one))) is not None}
+    sides = {one: float(scene.side_m(one) or 0.0) for one in known}
+    parts = []
+    for which, name in enumerate(names):
+        stream, carrier = streams[name], body_at[scene.camera_body[name]]
+        owner = np.array([known.get(int(one), carrier) for one in stream.marker_ids], np.int64)
+        mine = np.flatnonzero(owner != carrier)
+        side_m = np.array([sides[int(one)] for one in stream.marker_ids[mine]], np.float64)
+        rows, both, error_px = planar_poses(stream.camera, stream.corners_px[mine], side_m)
+        mine = mine[rows]
+        parts.append(
+            (
+                np.full(len(mine), which),
+                frames[which][stream.frame[mine]],
+                stream.marker_ids[mine],
+                stream.corners_px[mine],
+                both.coefficients,
+                error_px,
+            )
+        )
+    marker_ids = np.array(sorted(known), np.int64)
+    marker_body = np.array([known[int(one)] for one in marker_ids], np.int64)
+    sizes = [len(time_ns) if body.moves else 1 for body in scene.bodies]
+    begin = len(names) + len(marker_ids)
+    first_row = begin + np.concatenate([[0], np.cumsum(sizes)])
+    camera, frame, ids, corners, poses, errors = (
+        np.concatenate([part[column] for part in parts]) for column in range(6)
+    )
+    marker = np.searchsorted(marker_ids, ids)
+    order = np.lexsort((marker, camera, frame))
+    frame, camera, marker = frame[order], camera[order], marker[order]
+    noise_px = corner_noise_or(errors[:, 0], None) if len(errors) else 1.0
+    moves = np.array([body.moves for body in scene.bodies])
+    carriers = np.array([body_at[scene.camera_body[name]] for name in names])
+    chain = np.empty((len(frame), 4), np.int64)
+    chain[:, CAMERA], chain[:, MARKER] = camera, len(names) + marker
+    for column, body in ((CARRIER, carriers[camera]), (BODY, marker_body[marker])):
+        chain[:, column] = first_row[body] + np.where(moves[body], frame, 0)
+    return SceneSightings(
+        time_ns,
+        names,
+        tuple(streams[name].camera for name in names),
+        marker_ids,
+        np.array([sides[int(one)] for one in marker_ids], np.float64),
+        marker_body,
+        first_row[:-1],
+        int(first_row[-1]),
+        frame,
+        camera,
+        marker,
+        chain,
+        corners[order],
+        Motor(poses[order]),
+        _probabilities(errors[order], noise_px),
+        noise_px,
+    )
+
+
+def _probabilities(errors_px: FloatArray, noise_px: float) -> FloatArray:
+    """Of both planar poses ``(N, 2)``, whose four corners have so large errors."""
+    better = 2.0 * np.diff(np.minimum(errors_px, _WORST_PX) ** 2, axis=-1) / noise_px**2
+    first = 1.0 / (1.0 + np.exp(-np.minimum(better, 700.0)))
+    return np.concatenate([first, 1.0 - first], axis=-1)
