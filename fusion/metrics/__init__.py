@@ -47,6 +47,7 @@ from motorcade.fusion.metrics.poses.drift import KITTI_LENGTHS_M, Drift, drift_b
 from motorcade.fusion.metrics.poses.pose_error import (
     Statistics,
     absolute_translation_m,
+    constant_rotation,
     log_scales,
     rotation_rad,
     tilt_rad,
@@ -83,6 +84,7 @@ __all__ = [
     "angular_rate_lag_s",
     "associate",
     "chi2_bounds",
+    "constant_rotation",
     "cropped",
     "drift_by_length",
     "energy_excess_above",

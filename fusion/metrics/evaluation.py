@@ -32,7 +32,7 @@ from motorcade.fusion.metrics.matching import Matched, match
 from motorcade.fusion.metrics.poses.alignment import Align
 from motorcade.fusion.metrics.poses.deltas import Delta
 from motorcade.fusion.metrics.poses.drift import Drift, drift_by_length
-from motorcade.fusion.metrics.poses.pose_error import Statistics, tilt_rad
+from motorcade.fusion.metrics.poses.pose_error import Statistics, constant_rotation, tilt_rad
 from motorcade.fusion.metrics.poses.relations import Relation, absolute_errors, relative_errors
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 from motorcade.ga import Motor, Trajectory
@@ -42,6 +42,7 @@ T = TypeVar("T")
 _ERRORS = (
     "ape_m",
     "rotation_deg",
+    "rotation_rest_deg",
     "tilt_deg",
     "rpe_trans_m",
     "rpe_rot_deg",
@@ -69,6 +70,10 @@ class Evaluation:
         scale: the factor that the alignment put on the estimate.
         ape_m: distance between positions.
         rotation_deg: angle between orientations.
+        rotation_constant_deg: the part of it that one turn of the world, or of what moves, takes
+            away, whichever leaves less: an alignment by few positions, or extrinsics, not an error
+            of every pose.
+        rotation_rest_deg: the angle that is left then.
         tilt_deg: angle between the two directions of up.
         log_scale: logarithm of the ratio of the scales; None where both are rigid.
         rpe_trans_m, rpe_rot_deg: error of the motion over `rpe_delta`; None where no poses are so
@@ -110,6 +115,8 @@ class Evaluation:
     scale: float
     ape_m: Statistics
     rotation_deg: Statistics
+    rotation_constant_deg: float
+    rotation_rest_deg: Statistics
     tilt_deg: Statistics
     log_scale: Statistics | None
     rpe_trans_m: Statistics | None
@@ -149,6 +156,7 @@ class Evaluation:
                 flat[f"{error}_{statistic}_{unit}"] = getattr(found, statistic, None)
         for statistic in Statistics.names():
             flat[f"log_scale_{statistic}"] = getattr(self.log_scale, statistic, None)
+        flat["rotation_constant_deg"] = self.rotation_constant_deg
         flat["rpe_length_m"] = self.rpe_length_m
         flat["linear_jitter_m_s2"] = getattr(self.jitter, "linear_m_s2", None)
         flat["angular_jitter_rad_s2"] = getattr(self.jitter, "angular_rad_s2", None)
@@ -261,12 +269,15 @@ def evaluate_matched(
     trans, rot, *others = _relative(ours, true, delta, relations)
     far_trans, far_rot = _relative(ours, true, _delta_of_length(rpe_length_m))
     above_hz = _cutoff_hz(energy_above_hz, aligned)
+    constant_rad, rest_rad = constant_rotation(ours, true)
     return Evaluation(
         align=matched.align,
         pairs=len(matched.pairs),
         scale=matched.alignment.scale,
         ape_m=Statistics.of(absolute_errors(ours, true, "trans_part")),
         rotation_deg=Statistics.of(absolute_errors(ours, true, "angle_deg")),
+        rotation_constant_deg=degrees(constant_rad),
+        rotation_rest_deg=Statistics.of(np.rad2deg(rest_rad)),
         tilt_deg=Statistics.of(np.rad2deg(tilt_rad(ours, true))),
         log_scale=None if matched.log_scale is None else Statistics.of(np.abs(matched.log_scale)),
         rpe_trans_m=trans,

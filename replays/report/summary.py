@@ -17,6 +17,8 @@ from motorcade.replays.report.findings import Findings
 COLUMNS = {
     "ape_rmse_m": ("APE", "mm", 1e3),
     "rotation_rmse_deg": ("rotation", "deg", 1.0),
+    "rotation_constant_deg": ("constant part", "deg", 1.0),
+    "rotation_rest_rmse_deg": ("rest", "deg", 1.0),
     "rpe_trans_rmse_m": ("RPE", "mm", 1e3),
     "rpe_rot_rmse_deg": ("RPE rot.", "deg", 1.0),
     "angular_jitter_rad_s2": ("ang. jitter", "rad/s²", 1.0),

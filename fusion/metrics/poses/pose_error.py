@@ -127,3 +127,51 @@ def tilt_rad(estimate: Motor, reference: Motor) -> FloatArray:
     sine = np.linalg.norm(np.cross(ours, theirs), axis=-1)
     angle: FloatArray = np.arctan2(sine, np.sum(ours * theirs, axis=-1))
     return angle
+
+
+def constant_rotation(estimate: Motor, reference: Motor) -> tuple[float, FloatArray]:
+    """How far one turn takes orientations to the reference's, and what it leaves of each pose.
+
+    The turn is of the world (an alignment by few positions turns it at will) or of the moving frame
+    (wrong extrinsics), whichever leaves less: the mean of rotations in the sense of least squares.
+
+    Returns:
+        its angle, and the angles ``(P,)`` that are left, in radians.
+
+    Source: Moakher 2002 (means of rotations).
+
+    Examples:
+        >>> from motorcade.fusion.metrics import constant_rotation
+        >>> from motorcade.ga import Motor
+        >>> true = Motor.from_euler_translation([[0.0, 0, 0], [1.0, 0, 0], [0, 0, 1.0]], [0, 0, 0])
+        >>> tilted_world = Motor.from_euler_translation([0.01, 0, 0], [0, 0, 0])
+        >>> constant_rad, rest_rad = constant_rotation(tilted_world @ true, true)
+        >>> round(constant_rad, 6), bool(rest_rad.max() < 1e-9)
+        (0.01, True)
+    """
+    ours, theirs = estimate.rotor.as_matrix(), reference.rotor.as_matrix()
+    found = []
+    of_world = theirs @ np.swapaxes(ours, -1, -2)
+    of_moving = np.swapaxes(ours, -1, -2) @ theirs
+    for apart in (of_world, of_moving):
+        left, _, right = np.linalg.svd(apart.sum(axis=0))
+        turn = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
+        rest = apart @ turn.T
+        found.append((float(_angle(turn)), _angle(rest)))
+    constant, rest_rad = min(found, key=lambda one: float(np.sum(one[1] ** 2)))
+    return constant, rest_rad
+
+
+def _angle(matrix: FloatArray) -> FloatArray:
+    """Angles ``(*,)`` of rotation matrices, exact near zero too."""
+    skew = np.stack(
+        [
+            matrix[..., 2, 1] - matrix[..., 1, 2],
+            matrix[..., 0, 2] - matrix[..., 2, 0],
+            matrix[..., 1, 0] - matrix[..., 0, 1],
+        ],
+        axis=-1,
+    )
+    trace = np.trace(matrix, axis1=-2, axis2=-1)
+    angle: FloatArray = np.arctan2(np.linalg.norm(skew, axis=-1), trace - 1.0)
+    return angle

@@ -7,15 +7,14 @@ from __future__ import annotations
 
 import logging
 import time
-from itertools import islice
 
 from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.recording import Recording
+from motorcade.replays.stages.camera.board_audit import audited_board, board_looks
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.values.board_poses import BoardPoses
 from motorcade.tracking import Board, BoardTrack, Checkerboard, PoseMeasurements, track_board
-from motorcade.tracking.boards.checkerboard import extent_in_picture, extent_seen
 
 log = logging.getLogger("motorcade.camera_poses")
 
@@ -33,24 +32,10 @@ def warn_of_size(board: Board) -> None:
 
 
 def warn_of_wrong_board(recording: Recording, board: Board, tracked: BoardTrack) -> None:
-    """Warn of a checkerboard that is seen larger or smaller than described.
-
-    Smaller by what was tracked, larger by the first three pictures that show the board whole.
-    """
+    """Warn of a checkerboard that is seen larger or smaller than described."""
     if not isinstance(board, Checkerboard):
         return
-    described = (board.columns, board.rows)
-    whole = [one for one in tracked.observations if len(one.ids) == len(board.points_m)]
-    if whole:
-        corners = {one.time_ns: one.corners_px for one in whole[:_PICTURES]}
-        shown = (frame for frame in recording.frames if frame.time_ns in corners)
-        extents = [
-            extent_in_picture(board, frame.gray(), corners[frame.time_ns])
-            for frame in islice(shown, len(corners))
-        ]
-        looks = max((columns for columns, _ in extents)), max((rows for _, rows in extents))
-    else:
-        looks = extent_seen(board, tracked.observations)
+    looks, described = board_looks(recording, board, tracked), (board.columns, board.rows)
     if looks != described:
         log.warning(
             "camera_poses: the board looks like %d x %d inner corners, not %d x %d as described; "
@@ -86,6 +71,7 @@ def board_poses(recording: Recording) -> BoardPoses:
         tracked.error_px,
         "board",
         f"tracked by the {board.name} in the images",
+        audit=audited_board(recording, board, tracked),
         seconds=seconds,
         track=tracked,
     )

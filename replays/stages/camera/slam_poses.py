@@ -7,6 +7,7 @@ world stands upright where that map has its origin.
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +19,7 @@ from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.depth import refined_by_depth
 from motorcade.replays.stages.camera.metres import Metres, NoMetres, in_metres
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
+from motorcade.replays.stages.camera.sensor_audit import audited_depth, audited_pair
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.replays.values.slam_poses import SlamPoses
 from motorcade.tracking import PoseMeasurements, TrackingError
@@ -63,6 +65,9 @@ def slam_poses(
         threads=threads,
         baseline_m=recording.baseline_m if paired else None,
     )
+    recording, audit = audited_depth(recording)
+    if paired:
+        audit = (*audit, audited_pair(recording))
     known = recording.slam_map
     slam = VisualSlam(camera, settings, known=known, extend=known is not None)
     for frame in track(recording.frames, "mapping", len(recording.frames)):
@@ -75,8 +80,10 @@ def slam_poses(
             "only turns; tracked.by=simulated or a board would do"
         )
     if found.metric:
-        refined = None if paired or not adjust else refined_by_depth(recording, found)
-        return _as_mapped(recording, refined or found, "with depth", start)
+        whole = adjust and not paired and known is None
+        refined = refined_by_depth(recording, found) if whole else None
+        made = _as_mapped(recording, refined or found, "with depth", start)
+        return replace(made, audit=audit)
     try:
         metres = in_metres(recording, found)
     except NoMetres as why:
