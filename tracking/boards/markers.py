@@ -250,7 +250,7 @@ class SingleMarker(_MarkerBoard):
     def pattern(self) -> Pattern:
         """Bits as cells; the quiet zone is two bits wide."""
         shape, cell_m = layout(self.family), self.side_m * border_share(self.family)
-        edges: FloatArray = (np.arange(shape.cells + 1) - shape.margin) * cell_m
+        edges = cell_m * np.linspace(-shape.margin, shape.cells - shape.margin, shape.cells + 1)
         return Pattern(marker_cells(self.family, self.marker_id), edges, edges, 2.0 * cell_m)
 
     @property

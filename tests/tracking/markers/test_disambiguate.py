@@ -1,11 +1,13 @@
 """Planar flips over time: the optimum is the optimum, truth is found, the doubt is honest."""
 
+from dataclasses import replace
 from itertools import pairwise, product
 
 import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor
+from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
     FixedLagResolver,
     Resolution,
@@ -258,3 +260,45 @@ def test_bad_input_is_refused_by_name(make_scene) -> None:
             np.zeros((2, 2)),
             np.zeros((2, 2, 3, 3)),
         )
+
+
+# Markers never seen before -----------------------------------------------------------------------
+
+
+def wrong_at_first_sight(scenes, tilt_deg: float, seed: int) -> tuple[int, int]:
+    """Wrong at first sight when eight more markers come into view: each alone, and in company."""
+    rng = np.random.default_rng(seed)
+    sides = dict.fromkeys(range(16), 0.06)
+    place = scenes.wall(16, rng, tilt_deg)
+    whole = scenes.seen_by(scenes.camera, scenes.path(11, rng), place, sides, 0.4, rng)
+    stream = whole.stream
+    kept = (stream.marker_ids < 8) | (stream.frame == 10)
+    few = CornerStream(
+        stream.camera,
+        stream.time_ns,
+        stream.frame[kept],
+        stream.marker_ids[kept],
+        stream.corners_px[kept],
+    )
+    scene = replace(whole, stream=few)
+    sightings = pose_stream(few, sides)
+    late = sightings.marker_ids >= 8
+    right = right_choice(scene, sightings)
+    alone, company = best_single(sightings), resolve_online(sightings, 0)
+    return (
+        int(np.count_nonzero((alone.choice != right)[late])),
+        int(np.count_nonzero((company.choice != right)[late])),
+    )
+
+
+def test_a_new_marker_on_a_known_wall_is_right_at_first_sight(scenes) -> None:
+    found = np.array([wrong_at_first_sight(scenes, 0.0, seed) for seed in range(6)])
+    alone, company = found.sum(axis=0)
+    assert alone >= 6
+    assert company <= 0.35 * alone
+
+
+def test_where_no_markers_are_parallel_their_company_decides_nothing(scenes) -> None:
+    found = np.array([wrong_at_first_sight(scenes, 50.0, seed) for seed in range(6)])
+    alone, company = found.sum(axis=0)
+    assert company <= alone + 1

@@ -256,7 +256,7 @@ def _answer(frame: Sightings, solution: Solution | None, row: int) -> Resolution
     if solution is None or len(frame) == 0:
         return Resolution(frame, np.zeros(len(frame), np.int64), np.ones(len(frame)))
     own = solution.window.sightings.of_frame(row)
-    choice = solution.choice[own]
+    choice = np.argmax(solution.candidates[own], axis=-1)
     return Resolution(frame, choice, solution.candidates[own, choice])
 
 

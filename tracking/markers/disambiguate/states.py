@@ -28,6 +28,9 @@ _STILL = 2 * MODES
 # One sighting in a hundred thousand begins or ends a move, in nats; a hand turns markers so fast.
 _CHANGE = 12.0
 _TURN_RAD_S = 1.0
+# Markers on one board or wall are parallel to this much.
+_PARALLEL_RAD = np.radians(3.0)
+_NORMAL = np.array([0.0, 0.0, 1.0])
 
 
 def most_probable(first: FloatArray, unary: FloatArray, steps: FloatArray) -> IntArray:
@@ -191,7 +194,10 @@ def _costs(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """States ``(N, S)``, steps into each sighting ``(N, S, S)``, first states ``(K, S)``."""
     _, half = window.excess(orientations.world_R_camera, orientations.world_R_marker)
-    against = window.evidence
+    known = memory.rows_of(window.marker_ids)[window.marker]
+    fresh = (row == 0) & (known < 0)
+    against = window.evidence.copy()
+    against[fresh] += _against_company(window, orientations, memory)[fresh]
     still = against[:, None, :] + misfit(half)
     costs = np.concatenate([still.reshape(-1, _STILL), against], axis=-1)
     arrivals = np.full((len(costs), STATES, STATES), 2.0 * _CHANGE)
@@ -202,11 +208,31 @@ def _costs(
     arrivals[:, _STILL:, _STILL:] = _turning_costs(window, orientations, memory, row)
     first = np.zeros((len(window.marker_ids), STATES))
     first[:, _STILL:] = _CHANGE
-    known = memory.rows_of(window.marker_ids)[window.marker]
     again = (row == 0) & (known >= 0)
     before = memory.message[known[again], :, None] + arrivals[again]
     first[window.marker[again]] = -np.logaddexp.reduce(-before, axis=-2)
     return costs, arrivals, first
+
+
+def _against_company(window: Window, orientations: Orientations, memory: Memory) -> FloatArray:
+    """What speaks against each candidate ``(N, 2)`` of a marker never seen before, nats.
+
+    Markers hang on boards, walls and boxes, so that many share a normal. The share of those in
+    memory that share theirs with another one is how probably a new marker does so too; its normal
+    is then one of theirs, and any direction otherwise.
+    """
+    normals = memory.normals(_STILL)
+    if len(normals) < 2:
+        return np.zeros((len(window.marker), 2))
+    apart = np.arccos(np.clip(normals @ normals.T, -1.0, 1.0)) + 4.0 * np.eye(len(normals))
+    share = np.count_nonzero(apart.min(axis=1) < 2.0 * _PARALLEL_RAD) / (len(normals) + 1.0)
+    cameras = orientations.world_R_camera[window.frame]
+    seen = (cameras[:, None] @ window.camera_R_marker).apply(_NORMAL)
+    apart = np.arccos(np.clip(seen @ normals.T, -1.0, 1.0))
+    variance = _PARALLEL_RAD**2 + np.trace(window.covariance, axis1=-2, axis2=-1) / 3.0
+    near = np.exp(-0.5 * apart**2 / variance[..., None]).mean(axis=-1) / variance
+    cost: FloatArray = -np.log(1.0 - share + share * near)
+    return cost
 
 
 def _turning_costs(

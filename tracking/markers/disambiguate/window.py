@@ -2,7 +2,8 @@
 
 Two facts decide between candidates. A motion of the camera moves all markers in view, so that
 candidates of many markers vote for one rotation between frames (`vote`). And most markers do not
-move: over many frames only one orientation in the world fits (`orientations`).
+move: over many frames only one orientation in the world fits (`orientations`). Of a marker never
+seen before the company speaks: many hang on the same boards and walls (`states`).
 """
 
 from __future__ import annotations
@@ -123,6 +124,14 @@ class Memory:
     last_ns: IntArray
     last_R: Rotor
     last_covariance: FloatArray
+
+    def normals(self, still: int) -> FloatArray:
+        """``(M, 3)`` world, by the most probable of each marker's first `still` states."""
+        if len(self.marker_ids) == 0:
+            return np.zeros((0, 3))
+        mode = np.argmin(self.message[:, :still], axis=-1) // 2
+        rotors = self.world_R_marker[np.arange(len(mode)), mode]
+        return rotors.apply(np.array([0.0, 0.0, 1.0]))
 
     def rows_of(self, marker_ids: IntArray) -> IntArray:
         """Row ``(K,)`` of each of these markers; -1 where it is not known."""
