@@ -102,9 +102,11 @@ class InertialSlam:
         settings: of visual SLAM, without threads.
         gravity_m_s2: size of gravity.
         sigma_px: noise of a pixel's coordinate.
+        readout_s: from the first row of a picture to the last; 0 for a global shutter. Stamps are
+            the middle row's. Keyframes are adjusted with it; frames between are tracked without.
 
     Raises:
-        ValueError: settings with threads.
+        ValueError: settings with threads, or a readout time below 0 or above 0.2 s.
     """
 
     def __init__(
@@ -116,12 +118,13 @@ class InertialSlam:
         *,
         gravity_m_s2: float = 9.81,
         sigma_px: float = 1.0,
+        readout_s: float = 0.0,
     ) -> None:
         if settings is not None and settings.threads:
             raise ValueError("settings.threads: expected False with an IMU inside, got True")
         self._slam = VisualSlam(camera, settings)
         self._noise, self._imu_T_camera = noise, imu_T_camera
-        self._adjuster = InertialAdjuster(noise, imu_T_camera, gravity_m_s2, sigma_px)
+        self._adjuster = InertialAdjuster(noise, imu_T_camera, gravity_m_s2, sigma_px, readout_s)
         self._settings = FilterSettings(gravity_m_s2=gravity_m_s2)
         self._samples = self._adjuster.samples
         self._filter: PoseFilter | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.ga.arrays import IntArray
+from motorcade.ga.arrays import FloatArray, IntArray
 
 
 class GrowingImu:
@@ -59,6 +59,11 @@ class GrowingImu:
         first = max(int(np.searchsorted(starts, first_ns, side="right")) - 1, 0)
         last = int(np.searchsorted(starts, last_ns, side="right"))
         return _joined(self._chunks[first : last + 1])
+
+    def rates_at(self, time_ns: IntArray) -> FloatArray:
+        """Angular rates ``(k, 3)``, rad/s, at two stamps ``(k,)`` or more in any order."""
+        rising, place = np.unique(time_ns, return_inverse=True)
+        return self.around(rising).at(rising).angular_rate_rad_s[place]
 
     def around(self, time_ns: IntArray) -> ImuStream:
         """Samples that cover stamps ``(k,)``, and more."""

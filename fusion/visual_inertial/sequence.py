@@ -11,6 +11,7 @@ Examples:
     >>> from motorcade.fusion.motions import gimbal_crossing
     >>> from motorcade.ga import Motor, Trajectory
     >>> from motorcade.tracking import Camera, MapSnapshot, SlamResult
+    >>> from motorcade.tracking.slam import SlamHistory
     >>> rng = np.random.default_rng(0)
     >>> sensor = simulate_imu(ContinuousPath.along(gimbal_crossing(), 3.0), 100.0, ADIS16448, rng)
     >>> frames, camera = sensor.path[::5], Camera(640, 480, 400.0, 400.0, 320.0, 240.0)
@@ -27,9 +28,9 @@ Examples:
     ...     unknown, metric=False)
     >>> path = Trajectory(frames.time_ns, map_T_camera)
     >>> covariance = np.broadcast_to(1e-6 * np.eye(6), (len(path), 6, 6))
-    >>> states = ("tracking",) * len(path)
-    >>> result = SlamResult(path, covariance, path.time_ns, states, path, snapshot, (),
-    ...     metric=False, loops=(), seconds={})
+    >>> none = np.zeros(len(path), np.int64)
+    >>> history = SlamHistory(path.time_ns, ("tracking",) * len(path), none, none, none, ())
+    >>> result = SlamResult(path, covariance, history, path, snapshot, (), False, (), {})
 
     >>> from motorcade.fusion.visual_inertial import fuse_map
     >>> made = fuse_map(result, camera, sensor.stream, ADIS16448, imu_T_camera=Motor.identity())

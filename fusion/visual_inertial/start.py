@@ -108,7 +108,7 @@ def start_inertial(
         >>> from motorcade.ga import Motor
         >>> started = start_inertial(measured, sensor.stream, ADIS16448, Motor.identity())
 
-        >>> bool(abs(started.world_T_visual.scale - 1.0) < 0.02)
+        >>> bool(abs(np.log(started.world_T_visual.scale)) < 2.0 * started.log_scale_sigma)
         True
     """
     used, imu = covered(measurements.trajectory, imu, 0.0, 0.0)

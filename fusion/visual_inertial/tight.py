@@ -25,6 +25,11 @@ from motorcade.fusion.graph.shared import SharedUnknowns, keys
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.visual_inertial.observations import LandmarkObservations
+from motorcade.fusion.visual_inertial.readout import (
+    camera_twist_rate,
+    checked_readout,
+    rows_moved_px,
+)
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 from motorcade.tracking.cameras.camera import Camera
@@ -35,6 +40,7 @@ if TYPE_CHECKING:
 _ITERATIONS = 50
 _RELATIVE = 1e-6
 _HUBER = 1.5
+_READOUT_ROUNDS = 2
 _HELD_SIGMA = 1e-5
 _TILT_SIGMA_RAD = 0.3
 # Landmarks hardly seen from two sides stay where they were, to a hundred metres.
@@ -89,6 +95,7 @@ def adjust_visual_inertial(
     *,
     sigma_px: float = 1.0,
     gravity_m_s2: float = 9.81,
+    readout_s: float = 0.0,
 ) -> VisualInertial:
     """Adjust everything together.
 
@@ -103,6 +110,9 @@ def adjust_visual_inertial(
         imu_T_camera: pose of the camera on the IMU.
         sigma_px: noise of a pixel coordinate.
         gravity_m_s2: size of gravity, along -z of the world.
+        readout_s: from the first row of a picture to the last, 0 for a global shutter; stamps are
+            the middle row's. Pixels are taken to the stamp by the motion that was found, and
+            everything is adjusted again, twice.
 
     Raises:
         ValueError: shapes or rows that do not fit, keyframes outside the stream, numbers that are
@@ -136,15 +146,49 @@ def adjust_visual_inertial(
     landmarks = _checked(keyframes, landmarks_m, observations, imu)
     checked_positive(sigma_px, "sigma_px")
     checked_positive(gravity_m_s2, "gravity_m_s2")
+    checked_readout(readout_s)
     graph = _inertial(keyframes, imu, noise, gravity_m_s2)
     start = keyframes.motors @ imu_T_camera.inverse()
     used = np.bincount(observations.landmark, minlength=len(landmarks)) >= 2
-    factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
-    _add_states(factors, values, graph, start, keyframes.time_s)
-    _add_sightings(factors, observations, used, camera, imu_T_camera, sigma_px)
-    _add_landmarks(factors, values, landmarks, used)
-    found = optimised(factors, values, _ITERATIONS, _RELATIVE)
-    return _read(found, keyframes, landmarks, used, observations, camera, imu_T_camera)
+    at_stamp = observations
+    for rounds_left in range(_READOUT_ROUNDS if readout_s > 0.0 else 0, -1, -1):
+        factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+        _add_states(factors, values, graph, start, keyframes.time_s)
+        _add_sightings(factors, at_stamp, used, camera, imu_T_camera, sigma_px)
+        _add_landmarks(factors, values, landmarks, used)
+        values = optimised(factors, values, _ITERATIONS, _RELATIVE)
+        found = _read(values, keyframes, landmarks, used, at_stamp, camera, imu_T_camera)
+        if rounds_left:
+            at_stamp = _at_stamp(found, observations, camera, imu, imu_T_camera, readout_s)
+    return found
+
+
+def _at_stamp(
+    found: VisualInertial,
+    observations: LandmarkObservations,
+    camera: Camera,
+    imu: ImuStream,
+    imu_T_camera: Motor,
+    readout_s: float,
+) -> LandmarkObservations:
+    """The sightings as a global shutter would have had them."""
+    keyframes, camera_T_imu = found.trajectory, imu_T_camera.inverse()
+    rate = imu.at(keyframes.time_ns).angular_rate_rad_s - found.gyro_bias_rad_s
+    twist = camera_twist_rate(
+        keyframes.motors @ camera_T_imu, found.velocity_m_s, rate, camera_T_imu
+    )
+    moved = rows_moved_px(
+        camera,
+        readout_s,
+        keyframes.motors,
+        twist,
+        observations.keyframe,
+        found.landmarks_m[observations.landmark],
+        observations.px,
+    )
+    return LandmarkObservations(
+        observations.keyframe, observations.landmark, observations.px - moved
+    )
 
 
 def _checked(

@@ -13,33 +13,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
 from motorcade.fusion.filter.extended_pose import extended_pose
 from motorcade.fusion.filter.settings import VELOCITY_SIGMA_M_S
 from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S, ImuNoise
-from motorcade.fusion.imu.stream import ImuStream
-from motorcade.fusion.preintegration import Preintegrated, preintegrate
+from motorcade.fusion.preintegration import preintegrate
+from motorcade.fusion.visual_inertial.links import bridged, summed_links
+from motorcade.fusion.visual_inertial.readout import (
+    camera_twist_rate,
+    checked_readout,
+    rows_moved_px,
+)
 from motorcade.fusion.visual_inertial.samples import GrowingImu
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.ga.stamps import LONGEST_BRIDGE_S
 from motorcade.tracking.optimise import BlockEquations, Stop, minimise
 from motorcade.tracking.slam.mapping.adjustment import AdjustedBundle, Bundle, BundleReprojection
 
 _GAIN = 1e-4
 _HELD_SIGMA = 1e-5
 _TILT_SIGMA_RAD = 0.3
-_NO_LINKS = Preintegrated(
-    np.zeros(0),
-    Motor.identity((0, 2)),
-    np.zeros((0, 3)),
-    np.zeros((0, 3)),
-    np.zeros((0, 15, 15)),
-    np.zeros((0, 15, 15)),
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,10 +57,7 @@ class KeyframeMotion:
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """Poses ``(k,)`` and points as the bundle has them; velocities ``(k, 3)``, biases ``(k, 6)``.
-
-    Of poses outside the chain velocity and biases are zeros that nothing looks at.
-    """
+    """Poses and points as the bundle has them; velocities ``(k, 3)`` and biases ``(k, 6)``."""
 
     world_T_camera: Motor
     points: FloatArray
@@ -81,6 +73,10 @@ class InertialAdjuster:
         imu_T_camera: pose of the camera on the IMU.
         gravity_m_s2: size of gravity, along -z of the world.
         sigma_px: noise of a pixel's coordinate.
+        readout_s: from the first row of a picture to the last; 0 for a global shutter.
+
+    Raises:
+        ValueError: a readout time below 0 or above 0.2 s.
 
     Fields:
         samples: of the IMU so far; they must cover the keyframes.
@@ -88,8 +84,14 @@ class InertialAdjuster:
     """
 
     def __init__(
-        self, noise: ImuNoise, imu_T_camera: Motor, gravity_m_s2: float, sigma_px: float
+        self,
+        noise: ImuNoise,
+        imu_T_camera: Motor,
+        gravity_m_s2: float,
+        sigma_px: float,
+        readout_s: float = 0.0,
     ) -> None:
+        self.readout_s = checked_readout(readout_s)
         self.noise = noise
         self.imu_T_camera = imu_T_camera
         self.gravity_m_s2 = np.array([0.0, 0.0, -gravity_m_s2])
@@ -110,9 +112,11 @@ class InertialAdjuster:
         chain = _chained(bundle, time_ns)
         velocity, bias = np.zeros((len(time_ns), 3)), np.zeros((len(time_ns), 6))
         for row in chain:
-            known = self._motion(bundle, time_ns, int(row), chain)
-            velocity[row], bias[row] = known.velocity_m_s, known.bias
-            self.motions[int(time_ns[row])] = known
+            self.motions[int(time_ns[row])] = self._motion(bundle, time_ns, int(row), chain)
+        for row, stamp in enumerate(time_ns.tolist()):
+            if stamp in self.motions:
+                known = self.motions[stamp]
+                velocity[row], bias[row] = known.velocity_m_s, known.bias
         problem = _Problem(self, bundle, time_ns, chain, bias)
         start = _State(bundle.world_T_camera, bundle.points, velocity, bias)
         found = minimise(start, problem.evaluated, problem.retracted, Stop(iterations, _GAIN))
@@ -142,40 +146,12 @@ class InertialAdjuster:
         last = self.motions[int(time_ns[before])]
         span = time_ns[[before, row]]
         imu = self.samples.around(span)
-        if len(_bridged(imu.time_ns, span)) > 1:
+        if len(bridged(imu.time_ns, span)) > 1:
             return KeyframeMotion(np.zeros(3), last.bias)
         summed = preintegrate(imu, span, self.noise, last.bias[:3], last.bias[3:])
         pose = bundle.world_T_camera[[before]] @ self.imu_T_camera.inverse()
         _, velocity = summed.propagate(pose, last.velocity_m_s, self.gravity_m_s2)
         return KeyframeMotion(velocity[0], last.bias)
-
-
-def _bridged(samples_ns: IntArray, keys_ns: IntArray) -> list[slice]:
-    """Runs of keyframes between which samples are nowhere too far apart to be summed up."""
-    wide = np.flatnonzero(np.diff(samples_ns) > LONGEST_BRIDGE_S * 1e9)
-    spans = np.stack([samples_ns[wide], samples_ns[wide + 1]], axis=-1)
-    # A link is broken by a gap that begins before its end and ends after its start.
-    broken = (spans[:, :1] < keys_ns[1:]) & (spans[:, 1:] > keys_ns[:-1])
-    edges = [0, *(np.flatnonzero(broken.any(axis=0)) + 1).tolist(), len(keys_ns)]
-    return [slice(*edge) for edge in pairwise(edges)]
-
-
-def _summed(
-    imu: ImuStream, noise: ImuNoise, stamps_ns: list[IntArray], biases: list[FloatArray]
-) -> Preintegrated:
-    """All links, about the mean of the biases at both ends."""
-    parts = [_NO_LINKS]
-    for keys_ns, bias in zip(stamps_ns, biases, strict=True):
-        if len(keys_ns) > 1:
-            mean = 0.5 * (bias[1:] + bias[:-1])
-            parts.append(preintegrate(imu, keys_ns, noise, mean[:, :3], mean[:, 3:]))
-    motion = np.concatenate([part.motion.coefficients for part in parts])
-    rest = ("gyro_bias_rad_s", "accel_bias_m_s2", "transition", "covariance")
-    return Preintegrated(
-        np.concatenate([part.duration_s for part in parts]),
-        Motor(motion),
-        *(np.concatenate([getattr(part, name) for part in parts]) for name in rest),
-    )
 
 
 def _chained(bundle: Bundle, time_ns: IntArray) -> IntArray:
@@ -203,11 +179,11 @@ class _Problem:
         self.camera_T_imu = adjuster.imu_T_camera.inverse()
         self.by_camera = adjuster.imu_T_camera.adjoint()
         imu = adjuster.samples.around(time_ns[chain])
-        runs = [chain[run] for run in _bridged(imu.time_ns, time_ns[chain])]
+        runs = [chain[run] for run in bridged(imu.time_ns, time_ns[chain])]
         # Rows of the bundle before and after each link.
         self.one = np.concatenate([run[:-1] for run in runs])
         self.other = np.concatenate([run[1:] for run in runs])
-        self.summed = _summed(
+        self.summed = summed_links(
             imu, adjuster.noise, [time_ns[run] for run in runs], [bias[run] for run in runs]
         )
         # Pixels count as they are; what the IMU says is weighed against them.
@@ -216,6 +192,10 @@ class _Problem:
         self.slot = np.full(len(time_ns), -1)
         self.slot[self.free] = np.arange(len(self.free))
         self.prior = _Prior.of(self, bias, adjuster.sigma_px)
+        self.readout_s = adjuster.readout_s
+        self.rate_rad_s = np.zeros((len(time_ns), 3))
+        if self.readout_s > 0.0:
+            self.rate_rad_s = adjuster.samples.rates_at(time_ns)
 
     def evaluated(self, state: _State) -> _Evaluated:
         return _Evaluated(self, state)
@@ -282,8 +262,8 @@ class _Evaluated:
 
     def __init__(self, problem: _Problem, state: _State) -> None:
         self._problem, self._state = problem, state
-        self._seen = BundleReprojection(problem.bundle, (state.world_T_camera, state.points))
         self._world_T_imu = state.world_T_camera @ problem.camera_T_imu
+        self._seen = BundleReprojection(self._at_the_stamps(), (state.world_T_camera, state.points))
         self._residual = self._motion_residual()
         cost = np.einsum("ki,kij,kj->", self._residual, problem.information, self._residual)
         prior = problem.prior
@@ -297,6 +277,29 @@ class _Evaluated:
     @property
     def error_px(self) -> FloatArray:
         return self._seen.error_px
+
+    def _at_the_stamps(self) -> Bundle:
+        """The bundle with its pixels as a global shutter would have had them.
+
+        How that depends on the state is left out of the derivatives: it is as much smaller than
+        the rest as the readout is shorter than the motion.
+        """
+        problem, state = self._problem, self._state
+        bundle = problem.bundle
+        if problem.readout_s == 0.0:
+            return bundle
+        rate = problem.rate_rad_s - state.bias[:, :3]
+        twist = camera_twist_rate(self._world_T_imu, state.velocity_m_s, rate, problem.camera_T_imu)
+        moved = rows_moved_px(
+            bundle.camera,
+            problem.readout_s,
+            state.world_T_camera,
+            twist,
+            bundle.pose_of,
+            state.points[bundle.point_of],
+            bundle.px,
+        )
+        return replace(bundle, px=bundle.px - moved)
 
     def _motion_residual(self) -> FloatArray:
         """How far rotation, position, velocity and biases ``(m, 15)`` are from what was felt."""

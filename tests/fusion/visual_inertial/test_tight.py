@@ -18,9 +18,9 @@ from motorcade.fusion.visual_inertial import (
     start_inertial,
 )
 from motorcade.ga import Motor, Similarity, Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking import Camera, PoseMeasurements
-from motorcade.tracking.slam import SlamResult
+from motorcade.tracking.slam import SlamHistory, SlamResult, SlamState
 from motorcade.tracking.slam.mapping.map import MapSnapshot
 
 IMU_T_CAMERA = Motor.from_euler_translation(
@@ -28,6 +28,12 @@ IMU_T_CAMERA = Motor.from_euler_translation(
 )
 CAMERA = Camera(640, 480, 400.0, 400.0, 320.0, 240.0, "radtan", (-0.1, 0.02, 0.0, 0.0))
 SIGMA_PX = 0.5
+
+
+def history(time_ns: IntArray, states: tuple[SlamState, ...]) -> SlamHistory:
+    """Frames in these states, of which no more is told."""
+    none = np.zeros(len(time_ns), np.int64)
+    return SlamHistory(time_ns, states, none, none, none, ())
 
 
 @dataclass(frozen=True)
@@ -210,8 +216,7 @@ def test_a_run_of_slam_becomes_a_metric_path_through_darkness(scene: Scene):
     result = SlamResult(
         frames,
         np.tile(spread, (len(frames), 1, 1)),
-        truth.time_ns,
-        tuple("tracking" if one else "lost" for one in seen),
+        history(truth.time_ns, tuple("tracking" if one else "lost" for one in seen)),
         None,
         snapshot,
         (),

@@ -23,6 +23,7 @@ from motorcade.replays.values.camera_poses import CameraPoses
 from motorcade.replays.values.imu import UsedImu
 from motorcade.replays.values.paths import FusedPath
 from motorcade.tracking import Camera, PoseMeasurements
+from motorcade.tracking.frame_history import SlamHistory
 from motorcade.tracking.slam import MapSnapshot
 from motorcade.tracking.slam.results import SlamResult
 from tests.replays.stages.stamps import Stamps
@@ -290,7 +291,9 @@ def mapped(truth: Trajectory) -> SlamResult:
     )
     spread = np.tile(np.diag(np.repeat([1e-3, 4e-3], 3) ** 2), (len(frames), 1, 1))
     states = ("tracking",) * len(frames)
-    return SlamResult(frames, spread, frames.time_ns, states, None, snapshot, (), False, (), {})
+    none = np.zeros(len(frames), np.int64)
+    history = SlamHistory(frames.time_ns, states, none, none, none, ())
+    return SlamResult(frames, spread, history, None, snapshot, (), False, (), {})
 
 
 def test_an_imu_tells_metres_where_it_was_carried_and_says_why_not(stream: ImuStream) -> None:

@@ -1,0 +1,83 @@
+"""Rolling shutter: where a point would be seen, had all rows been read at the frame's stamp.
+
+A stamp is taken to be the time of the middle row; row r of h is read (r / (h - 1) - 1/2) times the
+readout time later. Meanwhile the camera goes on as its velocity and the gyroscope say, evenly: over
+30 ms a hand's acceleration moves it by less than a millimetre from that.
+
+Source: J. Hedborg, P.-E. Forssén, M. Felsberg, E. Ringaby, Rolling shutter bundle adjustment, CVPR
+2012; here the motion within a frame is the IMU's.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.cameras.camera import Camera
+
+_LONGEST_READOUT_S = 0.2
+
+
+def checked_readout(readout_s: float) -> float:
+    """Seconds from the first row to the last, 0 for a global shutter.
+
+    Raises:
+        ValueError: less than 0, or more than 0.2 s.
+    """
+    if not 0.0 <= readout_s <= _LONGEST_READOUT_S:
+        raise ValueError(
+            f"readout_s: expected seconds from 0 to {_LONGEST_READOUT_S:g}, got {readout_s}"
+        )
+    return float(readout_s)
+
+
+def rows_moved_px(
+    camera: Camera,
+    readout_s: float,
+    world_T_camera: Motor,
+    twist_rate: FloatArray,
+    pose_of: IntArray,
+    points: FloatArray,
+    px: FloatArray,
+) -> FloatArray:
+    """How far ``(n, 2)`` points are seen from where they are at the stamp, because rows come later.
+
+    Args:
+        camera: what saw them; its rows are those that are read in turn.
+        readout_s: from the first row to the last.
+        world_T_camera: Motor ``(k,)`` at the stamps.
+        twist_rate: ``(k, 6)`` how the camera moves: rad/s and m/s in its own axes.
+        pose_of: ``(n,)`` from which pose.
+        points: ``(n, 3)`` in the world.
+        px: ``(n, 2)`` where they were seen, which says in which row.
+
+    >>> import numpy as np
+    >>> from motorcade.fusion.visual_inertial.readout import rows_moved_px
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking import Camera
+    >>> camera = Camera(640, 481, 500.0, 500.0, 319.5, 240.0)
+    >>> to_the_right = np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]])  # m/s, two metres before a wall
+    >>> points = np.array([[0.0, -0.96, 2.0], [0.0, 0.0, 2.0], [0.0, 0.96, 2.0]])
+    >>> rows_moved_px(camera, 0.02, Motor.identity((1,)), to_the_right, np.zeros(3, np.int64),
+    ...     points, camera.project(points))[:, 0].round(6)
+    array([ 2.5,  0. , -2.5])
+    """
+    later_s = (px[:, 1] / (camera.height - 1) - 0.5) * readout_s
+    poses = world_T_camera.inverse().as_matrix()[pose_of]
+    at_stamp = (poses[:, :3, :3] @ points[..., None])[..., 0] + poses[:, :3, 3]
+    moved = Motor.from_twist(later_s[:, None] * twist_rate[pose_of])
+    then = moved.inverse().as_matrix()
+    later = (then[:, :3, :3] @ at_stamp[..., None])[..., 0] + then[:, :3, 3]
+    shift = camera.project(later, allow_nan=True) - camera.project(at_stamp, allow_nan=True)
+    return np.nan_to_num(shift)
+
+
+def camera_twist_rate(
+    world_T_imu: Motor, velocity_m_s: FloatArray, rate_rad_s: FloatArray, camera_T_imu: Motor
+) -> FloatArray:
+    """How a camera moves ``(k, 6)``, from velocity in the world and rate of the IMU it sits on."""
+    forward = world_T_imu.rotor.inverse().apply(velocity_m_s)
+    twist = np.concatenate([rate_rad_s, forward], axis=-1)
+    found: FloatArray = twist @ camera_T_imu.adjoint().T
+    return found
