@@ -78,8 +78,8 @@ def find_corners(gray: GrayImage, count: int, taken_px: FloatArray | None = None
     nothing = Corners(np.zeros((0, 2)), np.zeros((0, 32), dtype=np.uint8))
     if not found or len(taken) >= count:
         return nothing
-    px = np.array([point.pt for point in found])
-    strength = np.array([point.response for point in found])
+    px = np.asarray(cv2.KeyPoint.convert(found), dtype=np.float64)
+    strength = np.fromiter((point.response for point in found), np.float64, len(found))
     order = np.lexsort((px[:, 0], px[:, 1], -strength))
     fine = grid_cells(px, gray.shape, _FINER * count)
     _, first = np.unique(fine[order], return_index=True)
@@ -92,7 +92,7 @@ def find_corners(gray: GrayImage, count: int, taken_px: FloatArray | None = None
     if not len(chosen):
         return nothing
     kept, descriptors = _orb(count).compute(gray, [found[index] for index in chosen])
-    return Corners(np.array([point.pt for point in kept], dtype=np.float64), descriptors)
+    return Corners(np.asarray(cv2.KeyPoint.convert(kept), dtype=np.float64), descriptors)
 
 
 def _rank_among_equals(values: IntArray) -> IntArray:

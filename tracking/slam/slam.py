@@ -38,7 +38,7 @@ from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.starting import MapStarter
 from motorcade.tracking.slam.tracker import TrackedPoints, Tracker, is_reliable
 
-_LOST_FRAMES = 3  # that may be looked for in the maps there are, before a new one begins
+_LOST_FRAMES = 3  # in which nothing is found in the maps there are; in the last a new one may begin
 _CANDIDATES = 4
 _SAME_UNIT = 1e-9
 
@@ -225,7 +225,7 @@ class VisualSlam:
             self._tracker.lose()
             self._starter.forget()
             self._lost_frames = 0
-            return SlamFrame(picture.time_ns, "lost")
+            return self._found_again(picture, predicted)
         if self._inserting is None and self._tracker.wants_keyframe():
             if self._extends:
                 return self._mapped(picture, fit)
