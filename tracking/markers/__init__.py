@@ -10,6 +10,7 @@ from motorcade.tracking.markers.detection import (
 )
 from motorcade.tracking.markers.families import APRILTAG_FAMILIES, FAMILIES
 from motorcade.tracking.markers.poses import PosedMarker, pose_marker
+from motorcade.tracking.markers.refinding import refind_markers
 
 __all__ = [
     "APRILTAG_FAMILIES",
@@ -20,4 +21,5 @@ __all__ = [
     "backend_for",
     "detect_markers",
     "pose_marker",
+    "refind_markers",
 ]

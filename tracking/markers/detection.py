@@ -17,6 +17,7 @@ from typing import Literal
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 from motorcade.tracking.cameras.camera import Camera
@@ -192,10 +193,16 @@ def detect_markers(
     )
 
 
+def readable(reading: Reading) -> NDArray[np.bool_]:
+    """Which markers look like their prints, ``(m,)``."""
+    legible: NDArray[np.bool_] = reading.agreement >= _LEAST_AGREEMENT
+    return legible & (reading.contrast >= LEAST_CONTRAST)
+
+
 def _merged(quads: Quads, reading: Reading) -> list[int]:
     """Rows to keep: those that look like their print, the best of each marker, in order."""
     centres = quads.corners_px.mean(axis=1)
-    legible = (reading.agreement >= _LEAST_AGREEMENT) & (reading.contrast >= LEAST_CONTRAST)
+    legible = readable(reading)
     kept: list[int] = []
     for row in np.argsort(-reading.agreement, kind="stable"):
         twins = [one for one in kept if quads.ids[one] == quads.ids[row]]

@@ -32,6 +32,7 @@ from motorcade.tracking.markers.photometric import (
     joined_frames,
     refine_frame,
 )
+from motorcade.tracking.markers.refinding import refind_markers
 from motorcade.tracking.markers.scenes import MarkerScene, map_scene
 
 Refine = Literal["none", "photometric"]
@@ -181,7 +182,10 @@ def markers_found(
     ids, corners, refined = [], [], []
     for frame in track(frames, "detecting", len(frames)):
         gray = frame.gray()
-        found = _usable(detect_markers(gray, family, camera))
+        seen = detect_markers(gray, family, camera)
+        if markers.marker_map is not None:
+            seen = refind_markers(gray, family, camera, markers.marker_map, seen)
+        found = _usable(seen)
         ids.append(np.array([one.marker_id for one in found], np.int64))
         corners.append(np.array([one.corners_px for one in found]).reshape(-1, 4, 2))
         if refine == "photometric":
