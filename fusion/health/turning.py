@@ -18,6 +18,8 @@ _BASELINE_S = 0.15
 LONGEST_STEP_S = 3.0 * _BASELINE_S
 # Three axes, and a tail heavier than the normal distribution's.
 _STEADY_SIGMAS = 6.0
+# A gyroscope's scale may be off by so much and be sound.
+_STEADY_SHARE = 0.1
 FEWEST_SPANS = 20
 LEAST_OVERLAP_S = 2.0
 
@@ -116,8 +118,10 @@ def steady(
     turns = (rotors[:-1].inverse() @ rotors[1:]).as_rotation_vector()
     read = np.diff(turned.at(camera.time_ns + round(offset_s * 1e9)), axis=0)
     read -= np.diff(camera.time_ns)[:, None] * 1e-9 * bias_rad_s
-    apart = np.linalg.norm(turns - read @ camera_R_read.T, axis=-1)
-    right = np.concatenate([[False], apart < _STEADY_SIGMAS * sigma * _BASELINE_S, [False]])
+    read = read @ camera_R_read.T
+    apart = np.linalg.norm(turns - read, axis=-1)
+    allowed = _STEADY_SIGMAS * sigma * _BASELINE_S + _STEADY_SHARE * np.linalg.norm(read, axis=-1)
+    right = np.concatenate([[False], apart < allowed, [False]])
     return np.asarray(right[:-1] | right[1:], dtype=np.bool_)
 
 
