@@ -39,7 +39,7 @@ def fuse(
 ) -> Fused:
     """Fuse measured camera poses with an IMU, by the code of `PoseFilter`.
 
-    Inertial data are integrated at their full rate. Memory: about 1.5 kB a measurement, 0.9 kB a
+    Inertial data are integrated at their full rate. Memory: about 0.3 kB a measurement, 0.9 kB a
     stamp asked for, and 1.8 or 4.6 kB more for its `state_covariance`; what the backward pass needs
     besides is made again, piece by piece. Where the world's z is not up the accelerometer
     contradicts the camera, and the tilt ends up in its bias as far as the motion allows, unless
@@ -252,9 +252,12 @@ class _Made:
 
 def _schedule(run: Engine, measurements: PoseMeasurements) -> None:
     path = measurements.trajectory
-    rows = np.hstack([path.motors.coefficients, measurements.covariance.reshape(-1, 36)])
-    stamps = np.ascontiguousarray(path.time_ns)
-    run.schedule(KINDS["camera_pose"], stamps, rows, None, None, -1)
+    stamps, poses, covariances = (
+        np.ascontiguousarray(one)
+        for one in (path.time_ns, path.motors.coefficients, measurements.covariance)
+    )
+    noise = covariances.reshape(-1, 36)
+    run.schedule(KINDS["camera_pose"], stamps, poses, noise, None, None, -1)
 
 
 def _judged(

@@ -146,11 +146,12 @@ def schedule(run: Engine, also: Sequence[Measurements], first_ns: int, last_ns: 
             continue
         if given.since_ns is not None:
             starts = np.unique(given.since_ns[rows])
-            run.schedule(KEEP, starts, np.zeros((len(starts), 0)), None, None, -1)
+            run.schedule(KEEP, starts, np.zeros((len(starts), 0)), None, None, None, -1)
         run.schedule(
             SOURCED,
             np.ascontiguousarray(given.time_ns[rows], dtype=np.int64),
             np.ascontiguousarray(given.covariance[rows].reshape(len(rows), -1)),
+            None,
             rows.astype(np.int64),
             prediction(given),
             number,

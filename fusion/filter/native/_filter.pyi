@@ -22,6 +22,7 @@ class Engine:
         kind: int,
         time_ns: NDArray[Any],
         data: NDArray[Any],
+        noise: NDArray[Any] | None,
         numbers: NDArray[Any] | None,
         predict: Callable[[int, NDArray[Any]], NDArray[Any]] | None,
         source: int,

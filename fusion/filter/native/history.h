@@ -37,8 +37,8 @@ template <std::size_t N> void Timeline<N>::keep_pose() {
 template <std::size_t N>
 void Timeline<N>::keep_linear(Event &event, const Innovation<N> &innovation, const Gain<N> &gain) {
     const std::size_t m = innovation.size;
-    event.linear.resize(m * (1 + 2 * N + 2 * m));
-    double *to = std::copy_n(innovation.residual, m, event.linear.data());
+    event.linear.reset(new double[m * (1 + 2 * N + 2 * m)]);
+    double *to = std::copy_n(innovation.residual, m, event.linear.get());
     for (std::size_t a = 0; a < m; ++a, to += N) std::copy_n(innovation.effect[a], N, to);
     for (std::size_t a = 0; a < m; ++a, to += N) std::copy_n(gain.gain[a], N, to);
     for (std::size_t a = 0; a < m; ++a, to += m) std::copy_n(gain.inverse[a], m, to);

@@ -13,7 +13,7 @@
 namespace motorcade::filter {
 
 // At one moment they follow each other in this order; those up to corners as they came.
-enum class Kind : int {
+enum class Kind : std::uint8_t {
     camera_pose = 1,
     imu_pose,
     velocity,
@@ -57,30 +57,44 @@ struct Doubt {
 struct Event {
     std::int64_t time_ns = 0;   // on the IMU's clock, as far as that was known
     std::int64_t stamp_ns = 0;  // as given
-    Kind kind = Kind::check;
-    bool judged = false;
-    std::size_t number = 0;  // of the measurement, its source's row, or of the output
-    double shift_s = 0.0;    // what was added to the stamp
-    std::vector<double> data;
-    std::shared_ptr<const Source> source;  // of a sourced one, whose data are its noise (m, m)
+    std::size_t number = 0;     // of the measurement, its source's row, or of the output
+    // What was measured: the event's own, or where the caller holds it. Of a sourced one, the
+    // noise (m, m).
+    const double *data = nullptr;
+    const double *noise = nullptr;  // covariance of a pose or a velocity
+    std::unique_ptr<double[]> own;
+    std::shared_ptr<const Source> source;
 
     // What became of it. Long recordings have many: what can be made again is kept of few.
     double nis = 0.0, factor = 0.0;            // a factor of 0: left out
     double live_nis = 0.0, live_factor = 0.0;  // as judged first, before anything later was known
     double given = undecided;  // the factor that it must have, by what is known of others
-    bool by_later = false;     // as later ones made it in a window; see window.h
     // After a backward pass, of its residual from what all others say: normalised squares by its
     // own noise and by the most that it may have.
     std::array<double, 2> left_out = {nan_d, nan_d};
     std::unique_ptr<Doubt> doubt;
     std::unique_ptr<Known> known;
+    // For a backward pass residual (m), effect (m, N), gain (m, N), inverse and noise (m, m).
+    std::unique_ptr<double[]> linear;
+    std::uint32_t count = 0;  // of the data
+    Kind kind = Kind::check;
+    std::uint8_t size = 0;  // of the residual
+    bool judged = false;
+    bool by_later = false;  // weighed as later ones made it in a window; see window.h
     bool placed = false;    // it tells where the sensor is: its position, or more
     bool relative = false;  // it refers to the earlier pose
     bool bent = false;      // its prediction was no straight function of what was unknown
-    // For a backward pass residual (m), effect (m, N), gain (m, N), inverse and noise (m, m).
-    std::size_t size = 0;
-    std::vector<double> linear;
 
+    // Takes numbers over: of a pose or a velocity, its covariance behind it.
+    void take(const double *given, std::size_t n) {
+        own = std::make_unique<double[]>(n);
+        std::copy_n(given, n, own.get());
+        data = own.get(), count = static_cast<std::uint32_t>(n);
+        noise = data + (kind == Kind::velocity ? 3 : 8);
+    }
+
+    // What was added to the stamp.
+    double shift_s() const { return 1e-9 * static_cast<double>(time_ns - stamp_ns); }
     bool from_pose() const { return kind == Kind::camera_pose || kind == Kind::imu_pose; }
     bool measures() const { return kind < Kind::keep; }
     bool before(const Event &other) const {
@@ -108,7 +122,7 @@ public:
     }
 
     bool of(const Event &event, Innovation<N> &made) const {
-        const double *data = event.data.data();
+        const double *data = event.data;
         switch (event.kind) {
         case Kind::camera_pose:
             pose(event, data, made);
@@ -117,7 +131,7 @@ public:
             pose(event, data, made);
             return true;
         case Kind::velocity:
-            moving(data, made);
+            moving(event, data, made);
             return true;
         case Kind::corners:
             return corners(event, data, made);
@@ -133,9 +147,9 @@ private:
     // The pose at the camera's stamp, by the time offset known now.
     void at_stamp(const Event &event, double *pose) const {
         std::copy_n(state_.pose, 8, pose);
-        if (N == 15 || state_.delay_s == event.shift_s) return;
+        if (N == 15 || state_.delay_s == event.shift_s()) return;
         double ahead[6];
-        for (int i = 0; i < 6; ++i) ahead[i] = (state_.delay_s - event.shift_s) * going_[i];
+        for (int i = 0; i < 6; ++i) ahead[i] = (state_.delay_s - event.shift_s()) * going_[i];
         motorcade_retract(state_.pose, ahead, pose);
     }
 
@@ -158,7 +172,7 @@ private:
         motorcade_pose_effect(imu_T_camera, effect);
         for (std::size_t a = 0; a < 6; ++a) {
             std::copy_n(effect + 6 * a, 6, made.effect[a]);
-            std::copy_n(data + 8 + 6 * a, 6, made.noise[a]);
+            std::copy_n(event.noise + 6 * a, 6, made.noise[a]);
             if constexpr (N > 15)
                 if (camera) made.effect[a][extrinsics + a] = 1.0;
             if (camera) delayed(made, a);
@@ -167,7 +181,7 @@ private:
 
     void sourced(const Event &event, const double *data, Innovation<N> &made) const {
         double jacobian[widest * most];
-        for (made.size = 1; made.size * made.size < event.data.size();) ++made.size;
+        for (made.size = 1; made.size * made.size < event.count;) ++made.size;
         event.source->predict(event.number, made.size, state_, read_, made.residual, jacobian);
         for (std::size_t a = 0; a < made.size; ++a) {
             for (std::size_t k = 0; k < N; ++k) made.effect[a][k] = -jacobian[most * a + k];
@@ -175,21 +189,21 @@ private:
         }
     }
 
-    void moving(const double *data, Innovation<N> &made) const {
+    void moving(const Event &event, const double *data, Innovation<N> &made) const {
         double effect[9];
         motorcade_velocity_effect(state_.pose, effect);
         made.size = 3;
         for (std::size_t a = 0; a < 3; ++a) {
             made.residual[a] = data[a] - state_.velocity[a];
             std::copy_n(effect + 3 * a, 3, made.effect[a] + velocity);
-            std::copy_n(data + 3 + 3 * a, 3, made.noise[a]);
+            std::copy_n(event.noise + 3 * a, 3, made.noise[a]);
         }
     }
 
     bool corners(const Event &event, const double *data, Innovation<N> &made) const {
         double pose[8], seen[2], depth[1], by_pose[12], by_extrinsics[12];
         at_stamp(event, pose);
-        const std::size_t count = event.data.size() / corner_numbers;
+        const std::size_t count = event.count / corner_numbers;
         made.size = 2 * count;
         for (std::size_t c = 0; c < count; ++c) {
             const double *corner = data + c * corner_numbers;

@@ -67,8 +67,8 @@ public:
     virtual void add(int kind, std::int64_t time_ns, std::size_t number, const Flat &data,
                      const nb::object &predict, std::int64_t source) = 0;
     virtual void schedule(int kind, const Stamps &time_ns, const Rows &data,
-                          const std::optional<Stamps> &numbers, const nb::object &predict,
-                          std::int64_t source) = 0;
+                          const std::optional<Rows> &noise, const std::optional<Stamps> &numbers,
+                          const nb::object &predict, std::int64_t source) = 0;
     virtual void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity,
                          const Made &bias, const MadeCubes &covariance, const Made &others,
                          const std::optional<MadeCubes> &whole, bool final) = 0;
@@ -129,29 +129,33 @@ public:
         event.kind = static_cast<Kind>(kind);
         event.stamp_ns = time_ns;
         event.number = number;
-        event.data.assign(data.data(), data.data() + data.shape(0));
+        event.take(data.data(), data.shape(0));
         filter_.add(std::move(event));
     }
 
     void schedule(int kind, const Stamps &time_ns, const Rows &data,
-                  const std::optional<Stamps> &numbers, const nb::object &predict,
-                  std::int64_t number) override {
-        expect(data.shape(0) == time_ns.shape(0) &&
-                   (!numbers || numbers->shape(0) == time_ns.shape(0)),
+                  const std::optional<Rows> &noise, const std::optional<Stamps> &numbers,
+                  const nb::object &predict, std::int64_t number) override {
+        const std::size_t count = time_ns.shape(0);
+        expect(data.shape(0) == count && (!noise || noise->shape(0) == count) &&
+                   (!numbers || numbers->shape(0) == count),
                "schedule: expected a row a stamp");
         std::shared_ptr<const Source> source;
         if (!predict.is_none()) source = std::make_shared<Python>(predict, number);
-        std::vector<Event> events(time_ns.shape(0));
-        many_ |= events.size() >= many_events;
-        for (std::size_t k = 0; k < events.size(); ++k) {
-            events[k].kind = static_cast<Kind>(kind);
-            events[k].stamp_ns = time_ns.data()[k];
-            events[k].number = numbers ? static_cast<std::size_t>(numbers->data()[k]) : k;
-            events[k].source = source;
-            events[k].data.assign(data.data() + k * data.shape(1),
-                                  data.data() + (k + 1) * data.shape(1));
-        }
-        filter_.schedule(std::move(events));
+        many_ |= count >= many_events;
+        held_data_.push_back(data);
+        if (noise) held_data_.push_back(*noise);
+        filter_.schedule(count, [&](std::size_t k) {
+            Event event;
+            event.kind = static_cast<Kind>(kind);
+            event.stamp_ns = time_ns.data()[k];
+            event.number = numbers ? static_cast<std::size_t>(numbers->data()[k]) : k;
+            event.source = source;
+            event.data = data.data() + k * data.shape(1);
+            event.count = static_cast<std::uint32_t>(data.shape(1));
+            if (noise) event.noise = noise->data() + k * noise->shape(1);
+            return event;
+        });
     }
 
     void outputs(const Stamps &time_ns, const Made &pose, const Made &velocity, const Made &bias,
@@ -173,13 +177,13 @@ public:
                         whole ? whole->data() : nullptr,
                         whole ? whole->shape(1) : 0,
                         final};
-        std::vector<Event> events(count);
-        for (std::size_t k = 0; k < count; ++k) {
-            events[k].kind = Kind::output;
-            events[k].stamp_ns = time_ns.data()[k];
-            events[k].number = k;
-        }
-        filter_.schedule(std::move(events));
+        filter_.schedule(count, [&](std::size_t k) {
+            Event event;
+            event.kind = Kind::output;
+            event.stamp_ns = time_ns.data()[k];
+            event.number = k;
+            return event;
+        });
     }
 
     void smooth() override {
@@ -201,8 +205,12 @@ public:
     nb::object judged() const override {
         std::vector<std::int64_t> whole;
         std::vector<double> real;
-        for (const Event &event : filter_.events()) {
-            if (!event.measures() || !event.judged) continue;
+        const auto told = [](const Event &event) { return event.measures() && event.judged; };
+        const std::deque<Event> &all = filter_.events();
+        const auto each = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), told));
+        whole.reserve(5 * each), real.reserve(4 * each);
+        for (const Event &event : all) {
+            if (!told(event)) continue;
             whole.insert(whole.end(), {event.stamp_ns, static_cast<std::int64_t>(event.number),
                                        static_cast<std::int64_t>(event.kind),
                                        static_cast<std::int64_t>(event.size),
@@ -258,7 +266,7 @@ private:
         still.kind = Kind::velocity;
         still.stamp_ns = sample.time_ns;
         still.number = Rest::number;
-        still.data = rest_.measurement();
+        still.take(rest_.measurement().data(), 12);
         filter_.add(std::move(still));
     }
 
@@ -267,6 +275,7 @@ private:
     double gravity_;
     Stamps held_time_;
     Rows held_rate_, held_force_;
+    std::vector<Rows> held_data_;  // of what is scheduled
 };
 
 std::unique_ptr<Engine>
@@ -358,8 +367,8 @@ NB_MODULE(_filter, module) {
         .def("play", &Engine::play)
         .def("add", &Engine::add, "kind"_a, "time_ns"_a, "number"_a, "data"_a, "predict"_a.none(),
              "source"_a)
-        .def("schedule", &Engine::schedule, "kind"_a, "time_ns"_a, "data"_a, "numbers"_a.none(),
-             "predict"_a.none(), "source"_a)
+        .def("schedule", &Engine::schedule, "kind"_a, "time_ns"_a, "data"_a, "noise"_a.none(),
+             "numbers"_a.none(), "predict"_a.none(), "source"_a)
         .def("outputs", &Engine::outputs, "time_ns"_a, "pose"_a, "velocity"_a, "bias"_a,
              "covariance"_a, "others"_a, "whole"_a.none(), "final"_a)
         .def("smooth", &Engine::smooth)

@@ -24,7 +24,7 @@ public:
 
     bool wanted() const { return window_ns_ > 0; }
 
-    std::vector<double> measurement() const {
+    std::array<double, 12> measurement() const {
         const double square = sigma_ * sigma_;
         return {0.0, 0.0, 0.0, square, 0.0, 0.0, 0.0, square, 0.0, 0.0, 0.0, square};
     }

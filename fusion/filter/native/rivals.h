@@ -258,7 +258,7 @@ bool Timeline<N>::bridged(const Matrix<N> &covariance, const Event &event) const
     if (!event.from_pose()) return false;
     for (std::size_t k = position; k < velocity; ++k) {
         square += covariance.row[k][k];
-        measured += event.data[8 + 7 * k];
+        measured += event.noise[7 * k];
     }
     return square <= settings_.gate[6] * measured;
 }

@@ -54,7 +54,7 @@ protected:
                 look_back(i, gradient, curvature);
                 if (i > 0) step_back(this->events_[i - 1], event.time_ns, gradient, curvature);
                 event.known.reset();
-                event.linear = std::vector<double>();
+                event.linear.reset();
             }
             end = first;
         }
@@ -64,7 +64,7 @@ protected:
     void look_back(std::size_t index, double *gradient, Matrix<N> &curvature) {
         Event &event = this->events_[index];
         if (index == 0) start_from(event, gradient);
-        const bool took = event.factor > 0.0 && !event.linear.empty();
+        const bool took = event.factor > 0.0 && event.linear;
         if (took && event.bent) before_step(event, gradient, curvature);
         if (event.measures()) event.left_out = left_out(event, gradient, curvature);
         if (took) take_in(event, gradient, curvature);
@@ -89,7 +89,7 @@ protected:
     // The step that a measurement made, K y, took back: see bend.h.
     static void before_step(const Event &event, double *gradient, Matrix<N> &curvature) {
         const std::size_t m = event.size;
-        const double *residual = event.linear.data(), *gain = residual + m + m * N;
+        const double *residual = event.linear.get(), *gain = residual + m + m * N;
         double step[N] = {};
         for (std::size_t a = 0; a < m; ++a) filter::add<N>(step, residual[a], gain + a * N);
         rebase_back(curvature, gradient, step);
@@ -98,8 +98,8 @@ protected:
     // λ becomes (1 - K H)' λ - H' S⁻¹ y, and Λ likewise with H' S⁻¹ H added.
     void take_in(const Event &event, double *gradient, Matrix<N> &curvature) {
         const std::size_t m = event.size;
-        const double *residual = event.linear.data(), *effect = residual + m,
-                     *gain = effect + m * N, *inverse = gain + m * N;
+        const double *residual = event.linear.get(), *effect = residual + m, *gain = effect + m * N,
+                     *inverse = gain + m * N;
         Innovation<N> seen;
         Gain<N> by;
         seen.size = m;
@@ -168,7 +168,7 @@ protected:
         const std::size_t m = event.size;
         const double most = this->settings_.most_noise;
         double by[widest][widest], pull[widest] = {};
-        if (event.linear.empty()) {
+        if (!event.linear) {
             if (&event != &this->events_.front()) return {nan_d, nan_d};  // not predicted
             // The pose that all started from, which was no news.
             for (std::size_t a = 0; a < 6; ++a) {
@@ -178,7 +178,7 @@ protected:
             const double apart = quadratic(by, pull, 6);
             return {apart, apart / most};
         }
-        const double *residual = event.linear.data(), *gain = residual + m + m * N,
+        const double *residual = event.linear.get(), *gain = residual + m + m * N,
                      *inverse = gain + m * N, *noise = inverse + m * m;
         const double sign = event.factor > 0.0 ? 1.0 : -1.0;
         for (std::size_t a = 0; a < m; ++a) {

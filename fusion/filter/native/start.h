@@ -39,13 +39,12 @@ template <std::size_t N> void Timeline<N>::from_pose(const Event &event) {
     now_ = first_;
     p_ = Matrix<N>();
     const double *imu_T_camera = event.kind == Kind::camera_pose ? first_.imu_T_camera : one;
-    motorcade_start(event.data.data(), imu_T_camera, now_.pose, spread);
+    motorcade_start(event.data, imu_T_camera, now_.pose, spread);
     for (std::size_t i = 0; i < 6; ++i)
         for (std::size_t j = 0; j < 6; ++j)
             for (std::size_t a = 0; a < 6; ++a)
                 for (std::size_t b = 0; b < 6; ++b)
-                    p_.row[i][j] +=
-                        spread[6 * i + a] * event.data[8 + 6 * a + b] * spread[6 * j + b];
+                    p_.row[i][j] += spread[6 * i + a] * event.noise[6 * a + b] * spread[6 * j + b];
     symmetrise(p_);
     unknown_at_start();
 }
@@ -86,7 +85,7 @@ template <std::size_t N> void Timeline<N>::make_room(const Event &event, const D
     if (doubt.relocated) {
         const double *imu_T_camera = event.kind == Kind::camera_pose ? now_.imu_T_camera : one;
         double spread[36], pose[8], from[9], to[9], own[3] = {};
-        motorcade_start(event.data.data(), imu_T_camera, pose, spread);
+        motorcade_start(event.data, imu_T_camera, pose, spread);
         motorcade_velocity_effect(now_.pose, from);
         motorcade_velocity_effect(pose, to);
         for (std::size_t i = 0; i < 3; ++i)

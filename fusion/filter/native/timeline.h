@@ -90,7 +90,7 @@ public:
 
     // Takes an event at any time that the history still holds.
     void add(Event &&event) {
-        place_in_time(event);
+        place_in_time(event, events_.empty() ? nullptr : &events_.front());
         if (started_ && event.measures()) settle_before(event.time_ns);
         const auto place = std::upper_bound(events_.begin(), events_.end(), event, precedes);
         const auto index = static_cast<std::size_t>(place - events_.begin());
@@ -105,18 +105,25 @@ public:
         catch_up();
     }
 
-    // Takes events that rise in time, none of them late.
-    void schedule(std::vector<Event> &&rising) {
-        const auto known = static_cast<std::ptrdiff_t>(events_.size());
-        for (Event &event : rising) {
-            place_in_time(event);
+    // Takes so many events that rise in time, none of them late; `make` gives one after another.
+    template <class Make> void schedule(std::size_t count, Make &&make) {
+        std::deque<Event> rising, merged;
+        for (std::size_t k = 0; k < count; ++k) {
+            rising.push_back(make(k));
+            Event &event = rising.back();
+            const std::deque<Event> &all = events_.empty() ? rising : events_;
+            place_in_time(event, &all.front() == &event ? nullptr : &all.front());
             if (started_ && event.time_ns < time_ns_)
                 refuse("schedule: expected stamps still ahead");
-            events_.push_back(std::move(event));
         }
-        std::vector<Event>().swap(rising);  // merging takes as much memory again
-        std::inplace_merge(events_.begin() + static_cast<std::ptrdiff_t>(next_),
-                           events_.begin() + known, events_.end(), precedes);
+        // From the end on, so that each list gives back what the other takes.
+        while (!rising.empty()) {
+            const bool wait = events_.size() > next_ && precedes(rising.back(), events_.back());
+            std::deque<Event> &later = wait ? events_ : rising;
+            merged.push_front(std::move(later.back()));
+            later.pop_back();
+        }
+        for (; !merged.empty(); merged.pop_front()) events_.push_back(std::move(merged.front()));
         catch_up();
     }
 
@@ -234,30 +241,29 @@ private:
 
     static bool precedes(const Event &one, const Event &other) { return one.before(other); }
 
-    void place_in_time(Event &event) const {
+    // `first`: of all events, where there is one already.
+    void place_in_time(Event &event, const Event *first) const {
         event.time_ns = event.stamp_ns;
         if (event.kind == Kind::camera_pose || event.kind == Kind::corners) {
             const double delay_s = started_ ? now_.delay_s : first_.delay_s;
             event.time_ns += static_cast<std::int64_t>(std::llround(delay_s * 1e9));
-            event.shift_s = 1e-9 * static_cast<double>(event.time_ns - event.stamp_ns);
         }
-        check_time(event);
+        check_time(event, first);
     }
 
-    void check_time(const Event &event) const {
+    void check_time(const Event &event, const Event *first) const {
         if (samples_.empty())
             refuse("time_ns: expected inertial data before measurements, got none so far");
-        const std::int64_t first =
-            events_.empty() ? samples_.front().time_ns : events_.front().time_ns;
-        if (event.time_ns < first) {
-            const std::string named = std::to_string(first) + " on";
+        const std::int64_t first_ns = first == nullptr ? samples_.front().time_ns : first->time_ns;
+        if (event.time_ns < first_ns) {
+            const std::string named = std::to_string(first_ns) + " on";
             refuse("time_ns: expected a stamp from " +
-                   (events_.empty() ? named + ", where inertial data begin"
-                    : forgotten_    ? named + ", which the history holds"
-                                    : "the start at " + named) +
+                   (first == nullptr ? named + ", where inertial data begin"
+                    : forgotten_     ? named + ", which the history holds"
+                                     : "the start at " + named) +
                    ", got " + std::to_string(event.stamp_ns));
         }
-        if (events_.empty() && event.kind != Kind::camera_pose && event.kind != Kind::imu_pose)
+        if (first == nullptr && event.kind != Kind::camera_pose && event.kind != Kind::imu_pose)
             refuse("time_ns: expected a measured pose to start from, got another measurement");
     }
 

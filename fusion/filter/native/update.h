@@ -14,9 +14,9 @@ template <std::size_t N> void Timeline<N>::measure(Event &event) {
     event.factor = 0.0;
     event.bent = false;
     event.nis = std::nan("");
-    event.linear = std::vector<double>();
+    event.linear.reset();
     const bool predicted = predict(event, innovation) && weigh(p_, innovation, 1.0, gain);
-    event.size = innovation.size;
+    event.size = static_cast<std::uint8_t>(innovation.size);
     if (!predicted) return;
     tells(event, innovation);
     event.nis = gain.nis;

@@ -136,7 +136,7 @@ private:
     // What was settled is not needed again, but for states to begin from.
     void release(std::size_t index) {
         Event &event = this->events_[index];
-        event.linear = std::vector<double>();
+        event.linear.reset();
         if (this->settings_.check_every == 0 && index % stride != 0) event.known.reset();
     }
 };

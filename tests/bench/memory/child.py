@@ -3,6 +3,7 @@
 python -m tests.bench.memory.child run RECORDING --out DIR
 python -m tests.bench.memory.child footage FOLDER FRAMES
 python -m tests.bench.memory.child stream FOLDER SECONDS
+python -m tests.bench.memory.child fuse FOLDER
 """
 
 from __future__ import annotations
@@ -35,6 +36,8 @@ def main() -> int:
     what, *given = sys.argv[1:]
     if what == "run":
         import motorcade.replays.pipeline  # noqa: F401  # part of what stands before any data
+    elif what == "fuse":
+        from tests.bench.memory.fused import fuse_measured
     else:
         from tests.bench.memory.recordings import write_footage, write_long_stream
     start, imported = time.perf_counter(), peak_bytes()
@@ -43,6 +46,8 @@ def main() -> int:
         write_footage(Path(given[0]), int(given[1]))
     elif what == "stream":
         write_long_stream(Path(given[0]), float(given[1]))
+    elif what == "fuse":
+        fuse_measured(Path(given[0]))
     else:
         status = command_line([what, *given])
     seconds = time.perf_counter() - start

@@ -11,11 +11,13 @@ import numpy as np
 
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, simulate_imu
 from motorcade.fusion.motions import gimbal_crossing
+from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render.video import write_video
 from motorcade.replays.files.imu import write_imu
 from motorcade.replays.files.trajectories import write_trajectory
 from motorcade.tracking import Camera, Checkerboard
+from tests.bench.memory.fused import write_measured
 
 __all__ = ["write_footage", "write_long_stream"]
 
@@ -76,7 +78,7 @@ def write_footage(folder: Path, frames: int) -> None:
 
 
 def write_long_stream(folder: Path, duration_s: float) -> None:
-    """Write an IMU's stream on a turning path, the true path, and a single picture."""
+    """Write an IMU's stream on a turning path, the true path, a single picture, measured poses."""
     folder.mkdir(parents=True)
     made = simulate_imu(
         ContinuousPath.along(gimbal_crossing(), duration_s),
@@ -86,6 +88,8 @@ def write_long_stream(folder: Path, duration_s: float) -> None:
     )
     write_imu(made.stream, folder / "imu.csv")
     write_trajectory(made.path[:: round(IMU_HZ / TRUTH_HZ)], folder / "truth.tum")
+    poses = simulate_camera_poses(made.path, TRUTH_HZ, 0.01, 0.01, np.random.default_rng(1))
+    write_measured(folder, made.stream, poses)
     cv2.imwrite(str(folder / "0.png"), np.zeros((CAMERA.height, CAMERA.width), np.uint8))
     (folder / "motorcade.toml").write_text('name = "long stream"\n' + _IMU_TOML + _CAMERA_TOML)
 
