@@ -60,15 +60,18 @@ bodies:
 CORNERS = [(10.0, 40.0), (40.0, 40.0), (40.0, 10.0), (10.0, 10.0)]  # as recorded: bottom left first
 
 
-def packed_bag(messages, corners=CORNERS) -> bytes:
-    """A bag with one message a list of ids; stamps 1 s, 2 s, ..."""
+def packed_bag(messages, corners=CORNERS, chunks=None) -> bytes:
+    """A bag with one message a list of ids; stamps 1 s, 2 s, ...; chunks compressed where named."""
     import tempfile
 
     store = message_types(ros1=True)
     types = store.types
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "new.bag"
-        with Writer(path) as bag:
+        writer = Writer(path)
+        if chunks is not None:
+            writer.set_compression(Writer.CompressionFormat[chunks])
+        with writer as bag:
             link = bag.add_connection("/tags", TAGS, typestore=store)
             for second, ids in messages:
                 stamp = types["builtin_interfaces/msg/Time"](sec=second, nanosec=5)
@@ -93,6 +96,8 @@ def packed_bag(messages, corners=CORNERS) -> bytes:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
+    tmp_path = tmp_path / "own"
+    tmp_path.mkdir()
     (tmp_path / "cameras.yaml").write_text(CAMERAS)
     (tmp_path / "camera_poses.yaml").write_text(POSES)
     (tmp_path / "tagslam.yaml").write_text(BODIES)
@@ -114,6 +119,90 @@ def test_corners_run_clockwise_from_the_printed_top_left(folder: Path) -> None:
         Rotor.from_rotation_vector([0.0, 0.0, 1.0]), [0.1, 0.2, 0.3]
     )
     np.testing.assert_array_equal(found.rig_T_camera["cam0"].coefficients, expected.coefficients)
+
+
+@pytest.mark.parametrize("chunks", ["BZ2", "LZ4"])
+def test_compressed_chunks_are_read(folder: Path, chunks: str) -> None:
+    plain = tagslam.read(folder).streams["cam0"]
+    bag = packed_bag([(2, [10, 1]), (1, [2]), (3, [])], chunks=chunks)
+    (folder / "tag_detections.bag.bz2").write_bytes(bag)
+    found = tagslam.read(folder).streams["cam0"]
+    np.testing.assert_array_equal(found.marker_ids, plain.marker_ids)
+    np.testing.assert_array_equal(found.corners_px, plain.corners_px)
+
+
+def test_a_link_that_a_checkout_left_as_text_is_followed_beside_the_folder(folder: Path) -> None:
+    beside = folder.parent / "beside"
+    beside.mkdir()
+    (folder / "tag_detections.bag.bz2").rename(beside / "tag_detections.bag.bz2")
+    link = folder / "tag_detections.bag"
+    link.write_text("../beside/tag_detections.bag")
+    assert len(tagslam.read(folder).streams["cam0"]) == 3
+    for elsewhere in ("../../beside/tag_detections.bag", "../other/tag_detections.bag"):
+        link.write_text(elsewhere)
+        with pytest.raises(RecordingError, match="beside this folder"):
+            tagslam.read(folder)
+
+
+def test_ids_change_over_time_as_stated(folder: Path) -> None:
+    (folder / "tagslam.yaml").write_text(
+        BODIES
+        + """
+tag_id_remap:
+ - id: 10
+   remaps:
+    - {remap_id: 13, start_time: 1.5, end_time: 2.5}
+    - {remap_id: 14, start_time: 2.6, end_time: 9.0}
+"""
+    )
+    np.testing.assert_array_equal(tagslam.read(folder).streams["cam0"].marker_ids, [2, 1, 13])
+
+
+def test_poses_and_noise_are_read_as_they_are_stated(folder: Path) -> None:
+    (folder / "tagslam.yaml").write_text(
+        """
+bodies:
+ - wall:
+     is_static: true
+     type: staggered_board
+     staggered_board:
+       {tag_start_id: 10, tag_size: 0.05, tag_spacing: 1.0, tag_rows: 3, tag_columns: 3,
+        tag_rotation_noise: 0.002, tag_position_noise: 0.001}
+     pose:
+       position: {x: 1, y: 2, z: 3}
+       rotation: {x: 0, y: 0, z: 0.5}
+       position_noise: {x: 0.1, y: 0.2, z: 0.3}
+       rotation_noise: {x: 0.01, y: 0.02, z: 0.03}
+ - wand:
+     is_static: false
+     type: simple
+     fake_odom_translation_noise: 0.2
+     fake_odom_rotation_noise: 0.1
+     tags: [{id: 2, size: 0.2, pose: {position: {x: 0, y: 0, z: 1}, rotation: {x: 0, y: 0, z: 0}}}]
+distance_measurements:
+ - a: {tag1: 10, tag2: 13, corner1: 0, corner2: 3, distance: 0.5, noise: 0.01}
+plane_measurements:
+ - b: {tags: [10], distance: 0.7, noise: 0.02, direction: [0, 0, 1]}
+"""
+    )
+    scene = tagslam.read(folder).scene
+    wall, wand, rig = scene.bodies
+    assert (wall.moves, wand.moves, rig.moves, rig.name) == (False, True, True, "rig")
+    assert wall.stated is not None
+    np.testing.assert_allclose(wall.stated.pose.translation_m, [1, 2, 3])
+    np.testing.assert_allclose(
+        np.sqrt(np.diag(wall.stated.covariance)), [0.01, 0.02, 0.03, 0.1, 0.2, 0.3]
+    )
+    # The second row of a staggered board begins one place to the right, one place down.
+    second = wall.markers[12].stated
+    assert second is not None
+    np.testing.assert_allclose(second.pose.translation_m, [0.1 - 0.025, -0.1 + 0.025, 0.0])
+    (centre,) = (wand.markers[2].stated,)
+    assert centre is not None
+    np.testing.assert_allclose(centre.pose.translation_m, [-0.1, 0.1, 1.0])
+    assert wand.still == (0.1, 0.2)
+    assert scene.distances[0].corners == (3, 0)
+    assert (scene.coordinates[0].marker, scene.coordinates[0].corner) == (10, None)
 
 
 def test_sizes_of_boards_and_of_unlisted_tags(folder: Path) -> None:
