@@ -250,7 +250,8 @@ class SingleMarker(_MarkerBoard):
     def pattern(self) -> Pattern:
         """Bits as cells; the quiet zone is two bits wide."""
         shape, cell_m = layout(self.family), self.side_m * border_share(self.family)
-        edges = cell_m * np.linspace(-shape.margin, shape.cells - shape.margin, shape.cells + 1)
+        beyond_m = shape.margin * cell_m
+        edges = np.linspace(-beyond_m, self.side_m + beyond_m, shape.cells + 1)
         return Pattern(marker_cells(self.family, self.marker_id), edges, edges, 2.0 * cell_m)
 
     @property

@@ -8,7 +8,6 @@ small or half in shadow shows its sides and its print long after it shows no loo
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -119,10 +118,9 @@ def _expected(
     across, down = points[:, 1] - points[:, 0], points[:, 3] - points[:, 0]
     facing = np.sum(np.cross(across, down) * points.mean(axis=1), axis=-1) > 0.0
     quads = camera.project(points)
-    inside: NDArray[np.bool_] = np.isfinite(quads).all(axis=(1, 2))
     limit = (camera.width - 1.0, camera.height - 1.0)
     with np.errstate(invalid="ignore"):
-        inside &= ((quads >= 0.0) & (quads <= limit)).all(axis=(1, 2))
+        inside = np.all((quads >= 0.0) & (quads <= limit), axis=(1, 2))  # not where unknown
         sides = np.linalg.norm(np.roll(quads, 1, axis=1) - quads, axis=-1).min(axis=1)
         rows = np.flatnonzero(facing & inside & (sides >= _LEAST_CELL_PX * cells))
     return rows, quads[rows]
