@@ -201,7 +201,8 @@ class InertialSlam:
         return InertialFrame(seen.time_ns, state, None, None, None, seen)
 
     def _metric(self, seen: SlamFrame, before: FilterState) -> InertialFrame:
-        if seen.world_T_camera is None or seen.covariance is None:
+        # A map that began before the IMU told metres has a world and a unit of its own.
+        if seen.world_T_camera is None or seen.covariance is None or not self._slam.metric:
             spread = before.covariance[:6, :6]
             adjoint = self._imu_T_camera.inverse().adjoint()
             spread = adjoint @ spread @ adjoint.T

@@ -162,6 +162,11 @@ class VisualSlam:
         self._log.rescale(world_T_map)
         self._mapper.metric, self._mapper.adjuster = True, adjuster
 
+    @property
+    def metric(self) -> bool:
+        """Whether the map that is tracked in is in metres."""
+        return self._mapper.metric
+
     def adjust_at_next_keyframe(self) -> None:
         """Let the whole map be adjusted when the next keyframe is made, not only its window."""
         self._mapper.adjusts_all = True

@@ -30,7 +30,7 @@ from motorcade.tracking.slam import VisualSlam
 from tests.textured_room.inertial import IMU_T_CAMERA, simulated_imu
 from tests.textured_room.scenarios import RATE_HZ, Scenario, scenario
 
-__all__ = ["ROOMS", "bench_inertial_slam", "inertial_slam_table"]
+__all__ = ["ROOMS", "bench_inertial_slam", "feed", "inertial_slam_table"]
 
 ROOMS: Mapping[str, Scenario] = {
     "handheld": replace(scenario("gap"), frames=600, covered=(450, 480)),
@@ -68,7 +68,7 @@ def _measured(room: Scenario, beside: bool) -> dict[str, Any]:
     mapped_s, scale_error, fed = np.inf, float("nan"), 0
     for number, view in enumerate(room.views()):
         time_ns = int(truth.time_ns[number])
-        fed = _feed(slam, imu, fed, time_ns)
+        fed = feed(slam, imu, fed, time_ns)
         frames.append(slam.track(time_ns, view.gray))
         if beside:
             plain.track(time_ns, view.gray)
@@ -85,7 +85,7 @@ def _measured(room: Scenario, beside: bool) -> dict[str, Any]:
     return judged
 
 
-def _feed(slam: InertialSlam, imu: ImuStream, fed: int, time_ns: int) -> int:
+def feed(slam: InertialSlam, imu: ImuStream, fed: int, time_ns: int) -> int:
     """Hand over samples until they reach a stamp; returns how many were given so far."""
     reached = int(np.searchsorted(imu.time_ns, time_ns)) + 2
     rows = slice(fed, reached)

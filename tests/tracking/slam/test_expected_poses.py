@@ -53,7 +53,9 @@ def test_all_that_was_said_goes_along_to_another_unit(view: View, swaying: Poses
         for step, pose in enumerate(poses):
             frame = slam.track(step * STEP_NS, view(pose)[0])
             if rescaled and step == 30:
+                assert not slam.metric
                 slam.rescale(similarity)
+                assert slam.metric
         results.append(slam.finish(adjust=False))
         assert frame.state == "tracking"
     plain, moved = (result.trajectory.motors for result in results)
