@@ -11,7 +11,7 @@ Sources: C. Campos et al., ORB-SLAM3, IEEE TRO 37(6), 2021, for the order of ste
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -122,7 +122,8 @@ class InertialSlam:
     ) -> None:
         if settings is not None and settings.threads:
             raise ValueError("settings.threads: expected False with an IMU inside, got True")
-        self._slam = VisualSlam(camera, settings)
+        # A map of its own would have neither the IMU's metres nor its world.
+        self._slam = VisualSlam(camera, replace(settings or SlamSettings(), new_maps=False))
         self._noise, self._imu_T_camera = noise, imu_T_camera
         self._adjuster = InertialAdjuster(noise, imu_T_camera, gravity_m_s2, sigma_px, readout_s)
         self._settings = FilterSettings(gravity_m_s2=gravity_m_s2)

@@ -19,6 +19,8 @@ class SlamSettings:
         adjust: adjust the window at each keyframe, and the whole map after a loop and at the end;
             off shows what that is worth.
         close_loops: recognise where the camera was before, and join maps; off shows its worth.
+        new_maps: begin a new map, with a world of its own, where the camera stays lost; off leaves
+            it lost until it is found.
         threads: map in a second thread, so that no frame waits for a keyframe to be worked in. What
             comes out then depends on how fast that goes; without, the same pictures give the same
             bytes.
@@ -37,6 +39,7 @@ class SlamSettings:
     window: int = 10
     adjust: bool = True
     close_loops: bool = True
+    new_maps: bool = True
     threads: bool = False
     baseline_m: float | None = None
     depth_sigma_px: float = 0.5

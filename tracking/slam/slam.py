@@ -274,16 +274,14 @@ class VisualSlam:
         self._seconds["mapping"] += inserted.seconds
 
     def _found_again(self, picture: SlamPicture, predicted: Motor | None) -> SlamFrame:
-        """Look for the camera in the maps there are; where it stays lost, begin a new one.
-
-        Not where something else says where the camera is: it is lost in no world then.
-        """
+        """Look for the camera in the maps there are; where it stays lost, begin a new one."""
         self._settle()
         frame = self._found_as_predicted(picture, predicted) or self._relocalised(picture)
         if frame is not None:
             return frame
         self._lost_frames += 1
-        if self._extends and predicted is None and self._lost_frames >= _LOST_FRAMES:
+        begins = self._extends and self.settings.new_maps
+        if begins and self._lost_frames >= _LOST_FRAMES:
             frame = self._started(picture)
         return frame or SlamFrame(picture.time_ns, "lost")
 

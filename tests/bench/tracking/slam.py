@@ -60,7 +60,7 @@ def bench_slam() -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as drawn:
         write_recording(Path(drawn), scenario("loop"), name="drawn loop")
         recording = open_recording(Path(drawn))
-        for kind in ("depth", "pair"):
+        for kind in ("depth", "pair", "one camera"):
             rows += [_run(recording, "drawn loop", kind, switch) for switch in _LOOP]
     return {"rows": rows, "left_out": sorted(set(left_out))}
 
