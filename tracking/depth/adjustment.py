@@ -201,12 +201,12 @@ class _Evaluation:
         size = GLOBALS + 6 * len(self._state.world_T_colour)
         information, gradient = np.zeros((size, size)), np.zeros(size)
         shared = self._by_globals()
-        kinds = (
-            (self._corner, self._corner_in_second, self._corner_weight, self._problem.corners),
-            (self._depth, self._depth_in_second, self._depth_weight, self._problem.depths),
-        )
-        for (residual, link, weight, linked), by_globals in zip(kinds, shared, strict=True):
-            for rows, first, second in linked.pairs:
+        corners, depths = self._problem.corners.pairs, self._problem.depths.pairs
+        for pairs, residual, link, weight, by_globals in (
+            (corners, self._corner, self._corner_in_second, self._corner_weight, shared[0]),
+            (depths, self._depth, self._depth_in_second, self._depth_weight, shared[1]),
+        ):
+            for rows, first, second in pairs:
                 jacobian = np.concatenate(
                     [by_globals[rows], link.by_first[rows], link.by_second[rows]], axis=-1
                 ).reshape(-1, GLOBALS + 12)

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.depth.cameras import DepthImage
 
@@ -146,8 +146,8 @@ def _edges(depth_m: DepthImage) -> NDArray[np.bool_]:
 
 
 def _raster(
-    columns: FloatArray,
-    rows: FloatArray,
+    columns: IntArray,
+    rows: IntArray,
     zoom: float,
     shape: tuple[int, int],
     shrunk: int,
