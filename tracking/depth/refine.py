@@ -1,8 +1,8 @@
-"""A map's keyframes refined by whole depth pictures, once tracking is done.
+"""A path and its map refined by whole depth pictures, once tracking is done.
 
-Tracking uses depth at corners alone. Here the surfaces of keyframes, neighbours and those that came
-back to the same place, are laid on each other (point to plane), together with the map's corners.
-Frames between keyframes follow them.
+Tracking uses depth at corners alone. Here the surfaces of keyframes and of frames between them,
+neighbours and those that came back to the same place, are laid on each other (point to plane),
+together with the map's corners. All other frames follow them.
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ from motorcade.tracking.depth.residuals import GLOBALS, Matches, RgbdState
 from motorcade.tracking.depth.surfaces import DepthSurfaces
 from motorcade.tracking.slam.mapping.map import MapSnapshot
 
-_MOST_KEYFRAMES = 200
-"""Equations of so many poses are solved in a tenth of a second; of more, every other is used."""
+_MOST_FRAMES = 60
+"""Keyframes, and as many between: equations of so many poses are solved in a tenth of a second, and
+their surfaces fill 60 MB. What lies between moves as they do."""
 _NEIGHBOURS = 2
-_PARTNERS = 16
+_PARTNERS = 12
 _FEWEST_SHARED = 20
 _FACING = 0.5
 _NEAR = 0.5
@@ -71,22 +72,28 @@ def refine_by_depth(
         None where there is nothing to lay on each other: fewer than two keyframes with depth.
     """
     own = np.flatnonzero(np.isin(found.time_ns, path.time_ns))
-    own = own[:: max(-(-len(own) // _MOST_KEYFRAMES), 1)]
-    pictures = {int(row): depth_at(int(found.time_ns[row])) for row in own}
-    rows = np.array([row for row in own if pictures[int(row)] is not None], dtype=np.int64)
-    if len(rows) < 2:
+    between = path.time_ns[:: max(-(-len(path) // _MOST_FRAMES), 1)]
+    own = own[:: max(-(-len(own) // _MOST_FRAMES), 1)]
+    pictures = {
+        stamp: depth_at(stamp)
+        for stamp in np.union1d(found.time_ns[own], between).astype(np.int64).tolist()
+    }
+    stamps = np.array([stamp for stamp, one in pictures.items() if one is not None], np.int64)
+    if len(stamps) < 2:
         return None
+    rows = own[np.isin(found.time_ns[own], stamps)]
     surfaces = DepthSurfaces.of([one for one in pictures.values() if one is not None])
-    start = RgbdState(found.world_T_camera[rows], colour, taken_by)
+    start = RgbdState(path.motors_at(stamps), colour, taken_by)
+    matches = _matches(found, rows, np.searchsorted(stamps, found.time_ns[rows]))
     pairs = _overlapping(start.world_T_colour, surfaces)
     prior = CamerasPrior(colour, taken_by, np.zeros(GLOBALS))
     try:
-        fit = adjust_rgbd(start, surfaces, _matches(found, rows), pairs, [0], prior)
-    except ValueError:  # the keyframes share nothing that depth shows
+        fit = adjust_rgbd(start, surfaces, matches, pairs, [0], prior)
+    except ValueError:  # the frames share nothing that depth shows
         return None
     before_m = plane_distance_m(start, surfaces, pairs)
     after_m = plane_distance_m(fit.state, surfaces, pairs)
-    moved = _Moved(found.time_ns[rows], start.world_T_colour, fit.state.world_T_colour)
+    moved = _Moved(stamps, start.world_T_colour, fit.state.world_T_colour)
     keyframes = moved.poses(found.time_ns, found.world_T_camera)
     refined = Trajectory(path.time_ns, moved.poses(path.time_ns, path.motors))
     return RefinedByDepth(
@@ -127,8 +134,8 @@ def _points(found: MapSnapshot, keyframes: Motor) -> FloatArray:
     return points
 
 
-def _matches(found: MapSnapshot, rows: IntArray) -> Matches:
-    """Corners that keyframes near each other share, both ways."""
+def _matches(found: MapSnapshot, rows: IntArray, frames: IntArray) -> Matches:
+    """Corners that keyframes `rows` near each other share, both ways, by numbers of `frames`."""
     first, second, px, second_px = [], [], [], []
     order = np.lexsort((found.point_of, found.keyframe_of))
     keyframe_of, point_of = found.keyframe_of[order], found.point_of[order]
@@ -144,8 +151,8 @@ def _matches(found: MapSnapshot, rows: IntArray) -> Matches:
             if len(one) < _FEWEST_SHARED:
                 continue
             there, back = seen_px[mine][one], seen_px[other][two]
-            first += [np.full(len(one), a), np.full(len(one), b)]
-            second += [np.full(len(one), b), np.full(len(one), a)]
+            first += [np.full(len(one), frames[a]), np.full(len(one), frames[b])]
+            second += [np.full(len(one), frames[b]), np.full(len(one), frames[a])]
             px += [there, back]
             second_px += [back, there]
     none, nowhere = np.zeros(0, dtype=np.int64), np.zeros((0, 2))
