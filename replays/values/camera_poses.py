@@ -36,6 +36,7 @@ class CameraPoses:
         skipped: ways that were tried before this one, with the reason.
         slam_history: what became of every frame, where SLAM tracked them.
         audit: whether what was told of cameras, rig, board or markers agrees with what was seen.
+        has_odometry: whether the recorded odometry is in the poses already.
         seconds: what tracking took, reading and decoding the pictures included.
 
     >>> import numpy as np
@@ -65,6 +66,7 @@ class CameraPoses:
     skipped: tuple[str, ...] = ()
     slam_history: SlamHistory | None = None
     audit: tuple[AuditFinding, ...] = ()
+    has_odometry: bool = False
     seconds: float = field(default=0.0, metadata=ASIDE)
 
     @property

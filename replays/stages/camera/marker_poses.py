@@ -110,6 +110,7 @@ def _by_scene(
     summary = (
         f"tracked by the recorded corners of {len(path.marker_map)} markers, with all that was "
         "stated of them"
+        + (", joined with the recorded odometry" if found.has_odometry else "")
         + (f"; {len(found.left_out)} markers never seen beside them" if found.left_out else "")
     )
     spread = path.measurements.covariance + np.diag(_SIGMA_FLOOR**2)
@@ -121,6 +122,7 @@ def _by_scene(
         summary,
         seconds=time.perf_counter() - start,
         audit=found.audit,
+        has_odometry=found.has_odometry,
         marker_map=path.marker_map,
         sighted=_sighted(streams[first], path.marker_map),
     )

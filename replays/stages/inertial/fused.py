@@ -168,7 +168,8 @@ def _chosen(
         return "nothing"
     if imu.origin != "none":
         return "imu"
-    return "odometry" if odometry and look_ahead else "nothing"
+    usable = odometry and look_ahead and not camera_poses.has_odometry
+    return "odometry" if usable else "nothing"
 
 
 def _reason(camera_poses: CameraPoses, imu: UsedImu, odometry: Odometry | None, by: FusedBy) -> str:
@@ -177,6 +178,8 @@ def _reason(camera_poses: CameraPoses, imu: UsedImu, odometry: Odometry | None, 
         return "fused.by=nothing"
     if not camera_poses.metric:
         return "lengths have no unit, so nothing can be fused with it"
+    if camera_poses.has_odometry:
+        return f"{imu.absent}, and the recorded odometry is in the measured poses already"
     if odometry is not None:
         return f"{imu.absent}, and the recorded odometry is joined only where fused.look_ahead is"
     return f"{imu.absent}, so there is nothing to fuse it with"

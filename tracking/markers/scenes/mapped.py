@@ -12,7 +12,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.markers.scenes.scene import MarkerScene
-from motorcade.tracking.markers.scenes.table import BODY, CARRIER, SceneSightings
+from motorcade.tracking.markers.scenes.table import SceneSightings
 from motorcade.tracking.measurements import PoseMeasurements
 from motorcade.tracking.pose import TrackingError
 
@@ -22,9 +22,10 @@ class ScenePath:
     """Where a camera was, and the markers that do not move in the world of its path.
 
     Fields:
-        measurements: ``world_T_camera`` at the frames in which a marker was seen.
+        measurements: ``world_T_camera`` at the frames in which a marker was seen, or that odometry
+            reaches.
         marker_map: of that world.
-        error_px: ``(n,)`` reprojection error of each of these frames.
+        error_px: ``(n,)`` reprojection error of each of these frames; 0 where nothing was seen.
     """
 
     measurements: PoseMeasurements
@@ -72,6 +73,11 @@ class MappedScene:
         return self.poses[row] if self.known[row] else None
 
     @property
+    def has_odometry(self) -> bool:
+        """Whether odometry is in the poses."""
+        return any(body.odometry is not None for body in self.scene.bodies)
+
+    @property
     def left_out(self) -> tuple[int, ...]:
         """Markers that were seen and could not be connected."""
         first = len(self.seen.names)
@@ -92,7 +98,6 @@ class MappedScene:
             raise TrackingError(f"{camera}: expected it to be connected with markers, got it apart")
         if scene.bodies[carrier].moves:
             first, frames = self._frames(scene.bodies[carrier].name)
-            frames = frames[np.isin(frames, self._frames_seen(CARRIER, first))]
             rows, inside = first + frames, self.poses[row]
             poses, right = self.poses[rows] @ inside, inside.inverse().adjoint()
             markers = self._markers([k for k, one in enumerate(scene.bodies) if not one.moves])
@@ -103,7 +108,6 @@ class MappedScene:
             seen = np.bincount(self.seen.marker_body[self.seen.marker], minlength=len(scene.bodies))
             base = max(moving, key=lambda k: int(seen[k]))
             first, frames = self._frames(scene.bodies[base].name)
-            frames = frames[np.isin(frames, self._frames_seen(BODY, first))]
             rows = first + frames
             stands = self.poses[int(self.seen.first_row[carrier])] @ self.poses[row]
             poses = self.poses[rows].inverse() @ stands
@@ -113,11 +117,6 @@ class MappedScene:
         covariance = 0.5 * (covariance + covariance.swapaxes(-1, -2))
         path = Trajectory(self.seen.time_ns[frames], poses, "world", "camera")
         return ScenePath(PoseMeasurements(path, covariance), markers, self._errors_px(frames))
-
-    def _frames_seen(self, column: int, first: int) -> IntArray:
-        """Frames in which a sighting hangs on a body that moves, with rows from `first` on."""
-        rows = self.seen.chain[np.isfinite(self.error_px), column] - first
-        return np.unique(rows[(rows >= 0) & (rows < len(self.seen.time_ns))])
 
     def _errors_px(self, frames: IntArray) -> FloatArray:
         """Root mean square over the sightings of each frame."""
