@@ -295,6 +295,11 @@ class Mapper:
         else:
             time_ns = np.array([self.map.keyframes[row].time_ns for row in rows], dtype=np.int64)
             result = self.adjuster(bundle, time_ns, iterations)
+            if fixed_count == 0:
+                # It may know how long a unit is: frames are then as much farther from keyframes.
+                stretch = _extent(result.world_T_camera) / _extent(bundle.world_T_camera)
+                for row in rows:
+                    self.map.keyframes[row].scale *= stretch
         for row, pose in zip(rows, result.world_T_camera, strict=True):
             self.map.keyframes[row].world_T_camera = pose
         self.map.points[points] = result.points
@@ -318,3 +323,9 @@ class Mapper:
             held[keyframe.ids] += 1 + np.isfinite(keyframe.depth)
         loose = points[held[points] < 2]
         self.map.alive[loose] = False
+
+
+def _extent(world_T_camera: Motor) -> float:
+    """RMS distance of places from their mean."""
+    places = world_T_camera.translation_m
+    return float(np.sqrt(np.mean(np.sum((places - places.mean(axis=0)) ** 2, axis=-1))))
