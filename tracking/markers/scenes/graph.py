@@ -293,11 +293,15 @@ class _Evaluated:
                 left = one.jacobians[:, a].swapaxes(-1, -2)
                 pull = (left @ one.residuals[..., None])[..., 0]
                 gradient += sum_by(pull, one.rows[:, a], self._count)
-                for b in range(width):
+                for b in range(a, width):
                     found = pair_sums(left @ one.jacobians[:, b], one.rows[:, a], one.rows[:, b])
                     rows.append(found[0])
                     columns.append(found[1])
                     blocks.append(found[2])
+                    if b > a:  # the same, mirrored
+                        rows.append(found[1])
+                        columns.append(found[0])
+                        blocks.append(found[2].swapaxes(-1, -2))
         joined = pair_sums(np.concatenate(blocks), np.concatenate(rows), np.concatenate(columns))
         return SparseEquations(*joined, gradient)
 
