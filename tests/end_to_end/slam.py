@@ -58,7 +58,7 @@ class Loop:
 
 def loops(seed: int, kinds: Iterable[str] = KINDS) -> Iterator[Loop]:
     """Draw a loop once, and run each kind with loops closed and without."""
-    made = scenario("loop", seed=seed, frames=_LAP + 60)
+    made = scenario("loop", seed=seed)
     camera, truth = made.sensor.camera, made.truth()
     runs = {
         (kind, closed): VisualSlam(camera, _settings(made, kind, closed))
