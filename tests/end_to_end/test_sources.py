@@ -170,7 +170,7 @@ def test_recorded_corners_run_to_a_report_without_a_video(
     found = report(tmp_path / "out", folder)
     assert "overlay: left out: the recording holds corners" in caplog.text
     assert found["camera_poses"]["origin"] == "markers"
-    assert "recorded corners of 8 loose markers" in found["camera_poses"]["summary"]
+    assert "recorded corners of 8 markers" in found["camera_poses"]["summary"]
     # The markers are carried past a camera at rest: the reference is seen from them.
     assert found["errors"]["measured"]["ape_rmse_m"] < 0.002
     assert found["overlay"] is None

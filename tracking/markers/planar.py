@@ -7,6 +7,7 @@ homography's derivative at the square's centre has two rotations; translations f
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -70,7 +71,7 @@ def _views(bearings: FloatArray) -> tuple[FloatArray, FloatArray]:
         return np.where(ahead, seen[..., :2] / seen[..., 2:], np.nan), view
 
 
-def _convex(rays: FloatArray) -> FloatArray:
+def _convex(rays: FloatArray) -> NDArray[np.bool_]:
     """Whether four rays go round without a corner on, or beyond, the line of its neighbours."""
     sides = np.roll(rays, -1, axis=-2) - rays
     after = np.roll(sides, -1, axis=-2)

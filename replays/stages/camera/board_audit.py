@@ -33,7 +33,7 @@ def audited_board(
     return tuple(findings)
 
 
-def board_looks(recording: Recording, board: Checkerboard, tracked: BoardTrack) -> tuple[int, int]:
+def _board_looks(recording: Recording, board: Checkerboard, tracked: BoardTrack) -> tuple[int, int]:
     """Columns and rows of inner corners that a checkerboard is seen to have.
 
     Fewer than described by what was tracked, more by the first three pictures that show it whole.
@@ -51,7 +51,7 @@ def board_looks(recording: Recording, board: Checkerboard, tracked: BoardTrack) 
 
 
 def _extent(recording: Recording, board: Checkerboard, tracked: BoardTrack) -> AuditFinding:
-    looks, described = board_looks(recording, board, tracked), (board.columns, board.rows)
+    looks, described = _board_looks(recording, board, tracked), (board.columns, board.rows)
     off = float(max(abs(looks[0] - described[0]), abs(looks[1] - described[1])))
     seen = "the board looks like {} x {} inner corners".format(*looks)
     if looks == described:

@@ -11,15 +11,15 @@ import time
 from motorcade.replays.engine.progress import track
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera.board_audit import audited_board, board_looks
+from motorcade.replays.stages.camera.board_audit import audited_board
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.values.board_poses import BoardPoses
-from motorcade.tracking import Board, BoardTrack, Checkerboard, PoseMeasurements, track_board
+from motorcade.tracking import Board, PoseMeasurements, track_board
+from motorcade.tracking.audit import AuditFinding
 
 log = logging.getLogger("motorcade.camera_poses")
 
 _LARGEST_M = 5.0
-_PICTURES = 3
 
 
 def warn_of_size(board: Board) -> None:
@@ -31,18 +31,11 @@ def warn_of_size(board: Board) -> None:
         )
 
 
-def warn_of_wrong_board(recording: Recording, board: Board, tracked: BoardTrack) -> None:
-    """Warn of a checkerboard that is seen larger or smaller than described."""
-    if not isinstance(board, Checkerboard):
-        return
-    looks, described = board_looks(recording, board, tracked), (board.columns, board.rows)
-    if looks != described:
-        log.warning(
-            "camera_poses: the board looks like %d x %d inner corners, not %d x %d as described; "
-            "poses from a wrong board are wrong",
-            *looks,
-            *described,
-        )
+def warn_of_contradictions(audit: tuple[AuditFinding, ...]) -> None:
+    """Warn of what the pictures contradict: poses from a wrong board or camera are wrong."""
+    for one in audit:
+        if one.verdict == "contradicted":
+            log.warning("camera_poses: %s; %s", one.summary, one.advice)
 
 
 def board_poses(recording: Recording) -> BoardPoses:
@@ -62,7 +55,8 @@ def board_poses(recording: Recording) -> BoardPoses:
     pictures = ((frame.time_ns, frame.gray()) for frame in track(frames, "tracking", len(frames)))
     tracked = track_board(pictures, camera, board)
     seconds = time.perf_counter() - start
-    warn_of_wrong_board(recording, board, tracked)
+    audit = audited_board(recording, board, tracked)
+    warn_of_contradictions(audit)
     on_board = tracked.measurements
     in_world = on_board.trajectory.transformed_by(left=recording.world_T_board)
     return BoardPoses(
@@ -71,7 +65,7 @@ def board_poses(recording: Recording) -> BoardPoses:
         tracked.error_px,
         "board",
         f"tracked by the {board.name} in the images",
-        audit=audited_board(recording, board, tracked),
+        audit=audit,
         seconds=seconds,
         track=tracked,
     )

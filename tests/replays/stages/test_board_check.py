@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
-from motorcade.replays.stages.camera.board_poses import warn_of_size, warn_of_wrong_board
+from motorcade.replays.stages.camera.board_audit import audited_board
+from motorcade.replays.stages.camera.board_poses import warn_of_contradictions, warn_of_size
 from motorcade.tracking import Checkerboard, MarkerGrid
 from motorcade.tracking.boards.checkerboard import extent_in_picture, extent_seen
 from motorcade.tracking.measurements import MarkerObservation
@@ -33,10 +34,10 @@ def observed(ids: np.ndarray, corners: np.ndarray) -> MarkerObservation:
 
 def told(board: Any, observation: MarkerObservation, caplog: pytest.LogCaptureFixture) -> list[str]:
     frame = SimpleNamespace(time_ns=7, gray=lambda: picture()[0])
-    recording: Any = SimpleNamespace(frames=[frame])
+    recording: Any = SimpleNamespace(frames=[frame], camera=None)
     tracked: Any = SimpleNamespace(observations=(observation,))
     with caplog.at_level(logging.WARNING, "motorcade"):
-        warn_of_wrong_board(recording, board, tracked)
+        warn_of_contradictions(audited_board(recording, board, tracked))
     return caplog.messages
 
 

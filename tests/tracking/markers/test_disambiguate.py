@@ -24,8 +24,14 @@ from motorcade.tracking.markers.disambiguate import (
 
 def right_choice(scene, sightings: Sightings) -> np.ndarray:
     """The candidate nearest to the true orientation, ``(N,)``."""
-    true = scene.camera_T_marker().rotor
+    seen = np.isin(_keys(scene.stream), _keys(sightings))  # markers nearly edge-on have no pose
+    true = scene.camera_T_marker().rotor[seen]
     return np.argmin((true[:, None].inverse() @ sightings.camera_T_marker.rotor).angle(), axis=-1)
+
+
+def _keys(detections: CornerStream | Sightings) -> np.ndarray:
+    """One number for each detection: its frame and its marker."""
+    return detections.frame * 1000 + detections.marker_ids
 
 
 def wrong(answer: Resolution, scene) -> int:

@@ -75,7 +75,8 @@ def test_the_camera_is_not_lost_for_points_that_are_still_being_made(
     states = [slam.track(i * STEP_NS, *seen).state for i, seen in enumerate(views)]
     assert held.is_set(), "it waited"
     slam.finish()
-    assert states == ["tracking"] * len(views)
+    assert len(states) == len(views)
+    assert set(states) <= {"tracking", "weak"}
 
 
 def test_a_fault_of_the_mapper_reaches_the_caller(
