@@ -15,6 +15,7 @@ from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.families import marker_points_m
 
 _LEAST_DEPTH = 1e-9
+_LARGEST_CONDITION = 1e15
 _ASIDE_COSINE = np.cos(np.deg2rad(80.0))
 """Farther from the axis the plane of unit depth stretches corners beyond use."""
 
@@ -87,7 +88,7 @@ def _homographies(flat: FloatArray, rays: FloatArray) -> FloatArray:
     above = np.stack([x, y, one, zero, zero, zero, -u * x, -u * y], axis=-1)
     below = np.stack([zero, zero, zero, x, y, one, -v * x, -v * y], axis=-1)
     matrix = np.concatenate([above, below], axis=-2)
-    found = np.linalg.solve(matrix, np.concatenate([u, v], axis=-1)[..., None])[..., 0]
+    found = _solved(matrix, np.concatenate([u, v], axis=-1)[..., None])[..., 0]
     return np.concatenate([found, np.ones((len(found), 1))], axis=-1).reshape(-1, 3, 3)
 
 
@@ -101,7 +102,7 @@ def _rotations(homography: FloatArray) -> FloatArray:
     view[:, 0, 0] = view[:, 1, 1] = 1.0
     view[:, 0, 2], view[:, 1, 2] = -p, -q
     affine = np.linalg.solve(view @ turn[:, :, :2], derivative)
-    upper = affine / np.linalg.norm(affine, ord=2, axis=(-2, -1))[:, None, None]
+    upper = affine / _largest_stretch(affine)[:, None, None]
     lower = np.sqrt(np.maximum(1.0 - np.sum(upper**2, axis=-2), 0.0))
     opposite = np.sum(upper[:, :, 0] * upper[:, :, 1], axis=-1) > 0.0
     lower[:, 1] = np.where(opposite, -lower[:, 1], lower[:, 1])
@@ -111,6 +112,25 @@ def _rotations(homography: FloatArray) -> FloatArray:
         third = np.cross(columns[..., 0], columns[..., 1])
         found[:, which] = turn @ np.concatenate([columns, third[..., None]], axis=-1)
     return _orthonormal(found)
+
+
+def _largest_stretch(matrix: FloatArray) -> FloatArray:
+    """The largest singular value of matrices ``(n, 2, 2)``; NaN stays NaN."""
+    square = matrix.swapaxes(-1, -2) @ matrix
+    first, second, mixed = square[:, 0, 0], square[:, 1, 1], square[:, 0, 1]
+    return np.sqrt(0.5 * (first + second + np.hypot(first - second, 2.0 * mixed)))
+
+
+def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    """Of systems ``(..., k, k)``; NaN where one is singular, as of a marker shrunk to a point."""
+    try:
+        return np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        finite = np.isfinite(matrix).all((-1, -2), keepdims=True)
+        condition = np.linalg.cond(np.where(finite, matrix, 0.0))[..., None, None]
+        regular = condition < _LARGEST_CONDITION
+        found = np.linalg.solve(np.where(regular, matrix, np.eye(matrix.shape[-1])), right)
+        return np.where(regular, found, np.nan)
 
 
 def _orthonormal(matrix: FloatArray) -> FloatArray:
@@ -142,5 +162,5 @@ def _translations(rotation: FloatArray, flat: FloatArray, rays: FloatArray) -> F
     )
     normal = matrix.swapaxes(-1, -2) @ matrix
     pull = matrix.swapaxes(-1, -2) @ np.broadcast_to(right[..., None], (*rotation.shape[:2], 8, 1))
-    found = np.linalg.solve(np.broadcast_to(normal, (*rotation.shape[:2], 3, 3)), pull)[..., 0]
+    found = _solved(np.broadcast_to(normal, (*rotation.shape[:2], 3, 3)), pull)[..., 0]
     return np.where(found[..., 2:] > _LEAST_DEPTH, found, np.nan)

@@ -24,6 +24,7 @@ from motorcade.tracking.markers.families import (
     dictionary,
     marker_cells,
 )
+from motorcade.tracking.markers.native._quads import find_quads
 from tests.bench.tracking.tag_markers import apriltag_detector
 
 REVIEWED: dict[str, list[list[int]]] = json.loads(
@@ -281,3 +282,16 @@ def test_parts_of_larger_arrays_are_read_as_they_lie(render, look_at, straight_c
 def test_bad_input_is_refused(call, told: str) -> None:
     with pytest.raises(ValueError, match=told):
         call(np.zeros((40, 40), np.uint8))
+
+
+def test_equal_neighbours_on_both_sides_of_the_threshold_lose_no_quad() -> None:
+    found = 0
+    for turn_deg in np.linspace(2.0, 88.0, 40):
+        square = np.full((80, 80), 200.0)
+        square[24:56, 24:56] = 60.0
+        turned = cv2.warpAffine(
+            square, cv2.getRotationMatrix2D((40, 40), turn_deg, 1.0), (80, 80), borderValue=(200.0,)
+        )
+        coarse = np.round(cv2.GaussianBlur(turned, (0, 0), 1.5) / 16.0) * 16.0
+        found += len(find_quads(coarse.clip(0, 255).astype(np.uint8), False, 8.0, 2)) > 0
+    assert found >= 32

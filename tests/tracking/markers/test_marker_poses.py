@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from motorcade.tracking import Camera, Detection, SingleMarker, TrackingError, pose_marker
+from motorcade.tracking.markers.planar import planar_poses
 
 SIDE_M = 0.1
 CAMERA = Camera(480, 360, 420.0, 418.0, 242.3, 176.8)
@@ -73,3 +74,14 @@ def test_what_gives_no_pose_is_refused(look_at) -> None:
         pose_marker(found, folding, SIDE_M)
     with pytest.raises(ValueError, match=r"Detection\.corners_px: expected \(4, 2\)"):
         Detection("tag36h11", 5, np.zeros((3, 2)), 0, 1.0, True)
+
+
+def test_a_marker_shrunk_to_a_point_has_no_pose_and_harms_no_other(look_at) -> None:
+    whole = seen_from(look_at(BOARD, 0.5, 30.0, 70.0, 25.0)).corners_px
+    around = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    tiny = [(100.0, 50.0) + 10.0**power * around for power in range(-14, -5)]
+    rows, poses, errors = planar_poses(CAMERA, np.stack([*tiny, whole]), np.full(10, 0.1))
+    assert rows[-1] == 9
+    alone = planar_poses(CAMERA, whole[None], np.array([0.1]))
+    assert poses[-1:].isclose(alone[1]).all()
+    assert errors[-1:] == pytest.approx(alone[2])

@@ -131,7 +131,7 @@ def pose_stream(stream: CornerStream, side_m: Mapping[int, float]) -> Sightings:
         side_m: side of each marker's black square, metres, by id.
 
     Raises:
-        ValueError: a marker whose size is not given.
+        ValueError: a marker whose size is not given, or is not above 0.
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor, Rotor
@@ -151,6 +151,11 @@ def pose_stream(stream: CornerStream, side_m: Mapping[int, float]) -> Sightings:
     missing = sorted(set(stream.marker_ids.tolist()) - set(side_m))
     if missing:
         raise ValueError(f"side_m: expected the size of marker {missing[0]}, got none")
+    wrong = [one for one, side in side_m.items() if not 0.0 < side < np.inf]
+    if wrong:
+        raise ValueError(
+            f"side_m: expected metres above 0, got {side_m[wrong[0]]} for marker {wrong[0]}"
+        )
     sides = np.array([side_m[int(marker)] for marker in stream.marker_ids], np.float64)
     rows, camera_T_marker, errors = planar_poses(stream.camera, stream.corners_px, sides)
     points = marker_points_m(sides[rows])

@@ -19,6 +19,7 @@ using Numbers = nb::ndarray<nb::numpy, std::int64_t, nb::ndim<1>>;
 using Corners = nb::ndarray<nb::numpy, float, nb::shape<-1, 4, 2>>;
 
 Corners find_quads(Grey image, bool white_inside, float least_side, int reach) {
+    if (reach < 0) throw std::invalid_argument("find_quads: expected a reach from 0 on");
     if (image.shape(0) > 32767 || image.shape(1) > 32767)
         throw std::invalid_argument("image: expected at most 32767 pixels a side");
     const Picture picture{image.data(), static_cast<std::ptrdiff_t>(image.shape(1)),

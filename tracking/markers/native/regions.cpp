@@ -244,7 +244,9 @@ private:
 };
 
 // How far from the first of two neighbours the brightness crosses what separates them, 0 to 1.
+// Equal ones are separated half way: by their thresholds, which differ.
 float crossing(int before, int after, int low, int high) {
+    if (before == after) return 0.5F;
     const float middle = 0.5F * static_cast<float>(low + high);
     const float share = (middle - static_cast<float>(before)) / static_cast<float>(after - before);
     return std::clamp(share, 0.0F, 1.0F);
