@@ -42,7 +42,7 @@ def read_extrinsics(path: Path) -> Motor:
 def read_offset(path: Path) -> float | None:
     """What a Kalibr chain says that the IMU's clock is ahead of its first camera's, in seconds.
 
-    None: another file, which says nothing of clocks.
+    None: a chain without `timeshift_cam_imu`, or another file: both say nothing of clocks.
 
     Raises:
         RecordingError: as of `read_extrinsics`.

@@ -36,13 +36,14 @@ MOST_OFFSET_S = 1e6
 class ChainCamera:
     """One camera of a chain: its topic where the file names one, and where it sits on the IMU.
 
-    `offset_s` is what the IMU's clock shows at an event minus what the camera's shows.
+    `offset_s` is what the IMU's clock shows at an event minus what the camera's shows; None: the
+    file does not say.
     """
 
     camera: Camera
     imu_T_camera: Motor | None
     topic: str | None
-    offset_s: float
+    offset_s: float | None
 
     def on_camera_clock(self, imu: ImuStream | None) -> ImuStream | None:
         """The IMU's readings with the stamps that the camera's clock shows."""
@@ -92,9 +93,15 @@ def _camera(table: dict[str, object], path: Path, name: str) -> ChainCamera:
         place = transform(table["T_cam_imu"], path, f"{name} T_cam_imu").inverse()
     topic = table.get("rostopic")
     camera = make_camera(path, size, intrinsics, model, distortion)
-    offset = table.get("timeshift_cam_imu", 0.0)
+    named = topic if isinstance(topic, str) else None
+    return ChainCamera(camera, place, named, _offset_s(table, path, name))
+
+
+def _offset_s(table: dict[str, object], path: Path, name: str) -> float | None:
+    if "timeshift_cam_imu" not in table:
+        return None
+    offset = table["timeshift_cam_imu"]
     if not is_number(offset) or not abs(as_float(offset)) <= MOST_OFFSET_S:
         problem = f"expected seconds within {MOST_OFFSET_S:g}, got {one_line(offset)}"
         raise refusal(path, problem, field=f"{name} timeshift_cam_imu")
-    named = topic if isinstance(topic, str) else None
-    return ChainCamera(camera, place, named, as_float(offset))
+    return as_float(offset)

@@ -122,8 +122,8 @@ def _from_chain(root: Path, mav: Path) -> _Calibration:
         raise refusal(chain, "the key is missing", field="cam0 T_cam_imu")
     noise = kalibr.find(chain.parent, kalibr.IMU_NAMES)
     densities = None if noise is None else read_noise(noise)
-    place = known.imu_T_camera
-    return _Calibration(known.camera, place, densities, place, round(1e9 * known.offset_s))
+    place, offset_ns = known.imu_T_camera, round(1e9 * (known.offset_s or 0.0))
+    return _Calibration(known.camera, place, densities, place, offset_ns)
 
 
 def _frames(folder: Path, size: tuple[int, int] | None) -> PictureFrames:

@@ -298,6 +298,25 @@ def test_a_chains_time_shift_is_heeded(files: Files, tmp_path: Path) -> None:
     assert errors[1] > 1.5 * errors[0]
 
 
+def test_a_chain_without_a_time_shift_leaves_the_rigs_offset(files: Files, tmp_path: Path) -> None:
+    rig = _rig(tmp_path, np.eye(3), np.eye(3), LATE_S)
+
+    def offset_ms(more: str) -> float:
+        given = [
+            "--rig",
+            rig,
+            "--extrinsics",
+            _chain(tmp_path, more),
+            "--json",
+            tmp_path / "a.json",
+        ]
+        fused(files, tmp_path / "a.tum", *given)
+        return float(json.loads((tmp_path / "a.json").read_text())["offset_ms"])
+
+    assert offset_ms("") == pytest.approx(1e3 * LATE_S)
+    assert offset_ms("  timeshift_cam_imu: 0.0\n") == 0.0
+
+
 def test_a_rig_without_what_is_needed_is_refused(
     files: Files, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
