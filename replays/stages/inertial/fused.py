@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -71,16 +71,20 @@ def fused(
 
     Raises ValueError where `by` asks for what is not there, or for what looks ahead without leave.
     """
-    _check_lag(lag_s, look_ahead)
-    _check_settings(noise_factor, walk_factor, alignment_sigma_deg, gate, initial_tilt_deg)
+    asked = _FilterKnobs(
+        look_ahead=look_ahead,
+        lag_s=lag_s,
+        learn_noise=learn_noise,
+        noise_factor=noise_factor,
+        walk_factor=walk_factor,
+        alignment_sigma_deg=alignment_sigma_deg,
+        gate=gate,
+        initial_tilt_deg=initial_tilt_deg,
+    )
     odometry = recording.odometry
     to_the_end = look_ahead and lag_s is None
     chosen = _chosen(camera_poses, imu, odometry, to_the_end) if by == "auto" else by
-    if chosen != "nothing" and not camera_poses.metric:
-        raise ValueError(f"fused.by={by}: lengths of the tracked path have no unit")
-    if chosen == "odometry" and odometry is not None and not to_the_end:
-        raise ValueError("fused.by=odometry looks ahead always; choose fused.by=imu without")
-
+    _check_choice(by, chosen, camera_poses, imu, odometry, to_the_end)
     harm: str | None = None
 
     def path_of(poses: CameraPoses) -> FusedPath:
@@ -88,77 +92,75 @@ def fused(
             return _as_tracked(poses, harm or _reason(poses, imu, odometry, by))
         if chosen == "odometry":
             return _with_the_rest(_by_odometry(poses, odometry), poses)
-        noise = assumed_noise(imu.noise, imu.origin, noise_factor, walk_factor)
-        stream = imu.stream(recording)
-        level = levelled(poses, imu, stream)
-        settings = filter_settings(
-            imu, initial_tilt_deg, alignment_sigma_deg, gate, leaned=level.leaned
-        )
-        ahead_s = (np.inf if lag_s is None else lag_s) if look_ahead else 0.0
+        curve_asked = lag_curve and poses is camera_poses
+        return _with_the_rest(_by_imu(poses, recording, imu, asked, curve_asked), poses)
 
-        told = None
-        if learn_noise:
-            upright = replace(settings, initial_tilt_error_rad=0.0)
-            given = level.measurements, stream, noise, imu.imu_T_camera
-            told = noise_of(*given, settings=upright)
-            noise = told.noise
-
-        def with_lag(lag_s: float, *, judged: bool = False) -> Fused:
-            return (fuse if judged else fuse_unjudged)(
-                level.measurements,
-                stream,
-                noise,
-                imu.imu_T_camera,
-                poses.frame_times_ns,
-                settings=settings,
-                lag_s=lag_s,
-                state_covariances=False,
-            )
-
-        found = _by_imu(with_lag(ahead_s, judged=True), imu, level, lag_s)
-        curve = latency_curve(with_lag) if lag_curve and poses is camera_poses else None
-        if told is not None and poses is camera_poses:
-            log.info("%s", told.summary)
-        return replace(_with_the_rest(found, poses), latency=curve, noise=told)
-
-    if chosen == "imu" and imu.origin == "none":
-        raise ValueError(f"fused.by=imu, but {imu.absent}")
     if chosen == "odometry" and by == "auto":
         harm = _harm(camera_poses, path_of)
         if harm is not None:
             chosen = "nothing"
             log.warning("%s: the path is left as tracked: %s", recording.name, harm)
+    found = path_of(camera_poses)
+    if found.noise is not None:
+        log.info("%s", found.noise.summary)
     kept = None if recording.truth is not None else without_held_out(camera_poses)
     return replace(
-        path_of(camera_poses),
+        found,
         looked_ahead=chosen != "nothing" and look_ahead,
         held_out=None if kept is None else path_of(kept).trajectory,
     )
 
 
-def _check_lag(lag_s: float | None, look_ahead: bool) -> None:
-    if lag_s is not None:
-        checked_positive(lag_s, "fused.lag_s")
-        if not look_ahead:
-            raise ValueError("fused.lag_s: expected none without fused.look_ahead, got one")
+@dataclass(frozen=True)
+class _FilterKnobs:
+    """The knobs of `fused` that are the filter's; refused if wrong, whether one runs or not."""
+
+    look_ahead: bool
+    lag_s: float | None
+    learn_noise: bool
+    noise_factor: float | None
+    walk_factor: float | None
+    alignment_sigma_deg: float | None
+    gate: float
+    initial_tilt_deg: float
+
+    def __post_init__(self) -> None:
+        if self.lag_s is not None:
+            checked_positive(self.lag_s, "fused.lag_s")
+            if not self.look_ahead:
+                raise ValueError("fused.lag_s: expected none without fused.look_ahead, got one")
+        factors = (("noise_factor", self.noise_factor), ("walk_factor", self.walk_factor))
+        for name, factor in factors:
+            if factor is not None:
+                checked_positive(factor, f"fused.{name}")
+        FilterSettings(
+            gate=self.gate,
+            initial_tilt_error_rad=float(np.deg2rad(self.initial_tilt_deg)),
+            gravity_sigma_rad=float(np.deg2rad(self.alignment_sigma_deg or 0.0)),
+        )
+
+    @property
+    def ahead_s(self) -> float:
+        """How much of its future each pose knows."""
+        if not self.look_ahead:
+            return 0.0
+        return np.inf if self.lag_s is None else self.lag_s
 
 
-def _check_settings(
-    noise_factor: float | None,
-    walk_factor: float | None,
-    alignment_sigma_deg: float | None,
-    gate: float,
-    initial_tilt_deg: float,
+def _check_choice(
+    by: FusedBy,
+    chosen: FusedWith,
+    camera_poses: CameraPoses,
+    imu: UsedImu,
+    odometry: Odometry | None,
+    to_the_end: bool,
 ) -> None:
-    """Refuse what no filter takes, whether one runs or not."""
-    for name, factor in (("noise_factor", noise_factor), ("walk_factor", walk_factor)):
-        if factor is not None:
-            checked_positive(factor, f"fused.{name}")
-    FilterSettings(
-        gate=gate,
-        initial_tilt_error_rad=float(np.deg2rad(initial_tilt_deg)),
-        gravity_sigma_rad=float(np.deg2rad(alignment_sigma_deg or 0.0)),
-    )
+    if chosen != "nothing" and not camera_poses.metric:
+        raise ValueError(f"fused.by={by}: lengths of the tracked path have no unit")
+    if chosen == "odometry" and odometry is not None and not to_the_end:
+        raise ValueError("fused.by=odometry looks ahead always; choose fused.by=imu without")
+    if chosen == "imu" and imu.origin == "none":
+        raise ValueError(f"fused.by=imu, but {imu.absent}")
 
 
 def _chosen(
@@ -215,9 +217,14 @@ def _with_the_rest(found: FusedPath, camera_poses: CameraPoses) -> FusedPath:
         (found.accepted, np.ones(len(rest), dtype=np.bool_)),
     )
     covariance, nis, accepted = (np.concatenate(parts)[order] for parts in joined)
-    trajectory = Trajectory(time_ns[order], motors[order], path.parent, path.child)
-    summary = f"{found.summary}; {len(rest)} poses outside its span are left as tracked"
-    return FusedPath(trajectory, covariance, nis, accepted, found.by, summary)
+    return replace(
+        found,
+        trajectory=Trajectory(time_ns[order], motors[order], path.parent, path.child),
+        covariance=covariance,
+        nis=nis,
+        accepted=accepted,
+        summary=f"{found.summary}; {len(rest)} poses outside its span are left as tracked",
+    )
 
 
 def _unjudged(found: PoseMeasurements, by: FusedWith, summary: str) -> FusedPath:
@@ -243,7 +250,42 @@ def _by_odometry(camera_poses: CameraPoses, odometry: Odometry | None) -> FusedP
     return _unjudged(PoseMeasurements(at, found.covariance[rows]), "odometry", summary)
 
 
-def _by_imu(found: Fused, imu: UsedImu, level: Levelled, lag_s: float | None) -> FusedPath:
+def _by_imu(
+    poses: CameraPoses, recording: Recording, imu: UsedImu, asked: _FilterKnobs, lag_curve: bool
+) -> FusedPath:
+    """The filter's path at the times of the frames, with what was learnt on the way."""
+    noise = assumed_noise(imu.noise, imu.origin, asked.noise_factor, asked.walk_factor)
+    stream = imu.stream(recording)
+    level = levelled(poses, imu, stream)
+    settings = filter_settings(
+        imu, asked.initial_tilt_deg, asked.alignment_sigma_deg, asked.gate, leaned=level.leaned
+    )
+    learnt = None
+    if asked.learn_noise:
+        upright = replace(settings, initial_tilt_error_rad=0.0)
+        given = level.measurements, stream, noise, imu.imu_T_camera
+        learnt = noise_of(*given, settings=upright)
+        noise = learnt.noise
+
+    def with_lag(lag_s: float, *, judged: bool = False) -> Fused:
+        return (fuse if judged else fuse_unjudged)(
+            level.measurements,
+            stream,
+            noise,
+            imu.imu_T_camera,
+            poses.frame_times_ns,
+            settings=settings,
+            lag_s=lag_s,
+            state_covariances=False,
+        )
+
+    found = _in_their_world(with_lag(asked.ahead_s, judged=True), imu, level, asked.lag_s)
+    curve = latency_curve(with_lag) if lag_curve else None
+    return replace(found, latency=curve, noise=learnt)
+
+
+def _in_their_world(found: Fused, imu: UsedImu, level: Levelled, lag_s: float | None) -> FusedPath:
+    """The filter's path in the world of the measured poses, whose z may lean."""
     summary = f"fused with the {'recorded' if imu.origin == 'recorded' else 'simulated'} IMU"
     if lag_s is not None:
         summary += f", each pose by what was measured up to {lag_s:g} s after it"
