@@ -33,7 +33,7 @@ _STOP = Stop(steps=50, gain=1e-12, damping=1e-6, most_damping=1e6)
 _DOUBTFUL_PX = 1.0
 # Of a fisheye's corners farther than 80 degrees off the axis, where a plane across it stretches
 # pixels more than thirtyfold, the pose is looked for in a view that is turned towards them.
-_ASIDE_COSINE = np.cos(np.deg2rad(80.0))
+ASIDE_COSINE = np.cos(np.deg2rad(80.0))
 _NUDGES = (1e-9, 1e-8, 1e-7)
 
 
@@ -100,10 +100,10 @@ def planar_candidates(corners: BoardCorners, camera: Camera) -> PlanarCandidates
         raise TrackingError("corners: expected pixels that the lens model covers, got some outside")
     camera_T_view = Motor.identity()
     rays = camera.unproject(corners.corners_px)
-    if bearings[:, 2].min() < _ASIDE_COSINE:
+    if bearings[:, 2].min() < ASIDE_COSINE:
         camera_T_view = _looking_along(bearings.mean(axis=0))
         seen = camera_T_view.inverse().apply(bearings)
-        if seen[:, 2].min() < _ASIDE_COSINE:
+        if seen[:, 2].min() < ASIDE_COSINE:
             raise TrackingError("corners: expected them within one view, got them all around")
         rays = seen / seen[:, 2:]
     found = _ippe(corners, camera, rays[:, :2], camera_T_view)

@@ -105,7 +105,16 @@ class ImuStream:
         return [ImuStream(self.time_ns[part], rate[part], force[part]) for part in parts]
 
     def corrected(self, gyro: FloatArray, accel: FloatArray) -> ImuStream:
-        """The stream with each reading multiplied by its sensor's correction ``(3, 3)``."""
+        """The stream at the same stamps, with each reading r replaced by ``correction @ r``.
+
+        Args:
+            gyro: ``(3, 3)``, without unit, for angular rates.
+            accel: ``(3, 3)``, without unit, for specific forces.
+
+        Raises:
+            ValueError: corrections of another shape, with NaN or infinity, or that take readings
+                beyond 1e9.
+        """
         return ImuStream(
             self.time_ns, self.angular_rate_rad_s @ gyro.T, self.specific_force_m_s2 @ accel.T
         )

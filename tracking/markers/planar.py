@@ -13,11 +13,10 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.families import marker_points_m
+from motorcade.tracking.pose import ASIDE_COSINE
 
 _LEAST_DEPTH = 1e-9
 _LARGEST_CONDITION = 1e15
-_ASIDE_COSINE = np.cos(np.deg2rad(80.0))
-"""Farther from the axis the plane of unit depth stretches corners beyond use."""
 
 
 def planar_poses(
@@ -63,11 +62,11 @@ def _views(bearings: FloatArray) -> tuple[FloatArray, FloatArray]:
     they do not lie within one view.
     """
     view = np.tile(np.eye(3), (len(bearings), 1, 1))
-    aside = np.flatnonzero(bearings[..., 2].min(axis=-1, initial=1.0) < _ASIDE_COSINE)
+    aside = np.flatnonzero(bearings[..., 2].min(axis=-1, initial=1.0) < ASIDE_COSINE)
     middle = bearings[aside].mean(axis=-2)
     view[aside] = _to_ray(middle / np.linalg.norm(middle, axis=-1, keepdims=True))
     seen = bearings @ view
-    ahead = seen[..., 2:] >= _ASIDE_COSINE
+    ahead = seen[..., 2:] >= ASIDE_COSINE
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(ahead, seen[..., :2] / seen[..., 2:], np.nan), view
 
