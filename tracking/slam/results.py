@@ -188,11 +188,14 @@ class RunLog:
         where = anchor.row, anchor.scale, anchor.map_number
         self._entries.append(_Entry(time_ns, *where, relative, covariance, given))
 
-    def rescale(self, world_T_map: Similarity) -> None:
-        """Tell all that was noted in another world, to which the map was taken."""
+    def rescale(self, world_T_map: Similarity, keyframes: IntArray) -> None:
+        """Tell what was noted by these keyframes in another world, to which they were taken."""
         scale = float(world_T_map.scale)
         units = np.repeat([1.0, scale], 3)
+        taken = set(keyframes.tolist())
         for row, one in enumerate(self._entries):
+            if one.keyframe not in taken:
+                continue
             relative = Motor.from_rotor_translation(
                 one.keyframe_T_camera.rotor, scale * one.keyframe_T_camera.translation_m
             )

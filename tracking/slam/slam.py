@@ -24,7 +24,6 @@ from motorcade.tracking.slam.geometry import (
     FittedPose,
     in_world,
     is_native,
-    points_in_world,
     refine_pose,
     seen_through,
 )
@@ -139,7 +138,9 @@ class VisualSlam:
         return frame
 
     def rescale(self, world_T_map: Similarity, adjuster: Adjuster | None = None) -> None:
-        """Take the map to a world in metres, and all that was said of frames before with it.
+        """Take the map to a world in metres, and all that was said of its frames before with it.
+
+        It is the map that is tracked in; others, which nothing connects to it, stay as they are.
 
         Args:
             world_T_map: from the map's world and unit.
@@ -152,14 +153,12 @@ class VisualSlam:
         if self._mapper.metric and abs(scale - 1.0) > _SAME_UNIT:
             raise ValueError(f"world_T_map: expected scale 1 for a map in metres, got {scale:.6g}")
         self._settle()
-        self._map.points[:] = points_in_world(world_T_map, self._map.points)
-        for keyframe in self._map.keyframes:
-            keyframe.world_T_camera = in_world(world_T_map, keyframe.world_T_camera)
+        self._map.rescale(self._mapper.active, world_T_map)
         self._anchor = replace(
             self._anchor, world_T_camera=in_world(world_T_map, self._anchor.world_T_camera)
         )
         self._tracker.rescale(world_T_map)
-        self._log.rescale(world_T_map)
+        self._log.rescale(world_T_map, self._map.rows_of(self._mapper.active))
         self._mapper.metric, self._mapper.adjuster = True, adjuster
 
     @property

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor, Rotor
+from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.tracking import Camera
 from motorcade.tracking.slam import SlamSettings, VisualSlam
 
@@ -53,3 +53,20 @@ def test_a_camera_put_elsewhere_begins_a_new_map_at_its_third_frame(
         assert np.abs(pose.local(expected)).max() < 0.01
     told = [one.kind for one in result.history.events]
     assert told == ["map begun", "lost", "map begun"]
+
+
+def test_a_map_taken_to_another_world_leaves_the_others_where_they_are(view: View) -> None:
+    slam = VisualSlam(CAMERA)
+    for index, pose in enumerate(_poses()):
+        frame = slam.track(index * STEP_NS, *view(pose))
+    assert frame.map_number == 1
+    away = Motor.from_translation([1.0, 2.0, 3.0])
+    slam.rescale(Similarity.from_motor_scale(away))
+    result = slam.finish(adjust=False)
+    (apart,) = result.separate
+    for map_and_path, first in ((result, Motor.identity()), (apart, away)):
+        assert map_and_path.trajectory is not None
+        for poses in (map_and_path.map.world_T_camera, map_and_path.trajectory.motors):
+            assert np.abs(poses[0].local(first)).max() < 1e-9
+    assert result.online is not None
+    assert np.abs(result.online.motors[0].translation_m).max() < 1e-9

@@ -19,7 +19,7 @@ from motorcade.ga.archives import load_arrays, save_arrays
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.slam.features import Descriptors
-from motorcade.tracking.slam.geometry import BoolArray, points_in_world
+from motorcade.tracking.slam.geometry import BoolArray, in_world, points_in_world
 from motorcade.tracking.slam.mapping.vocabulary import KeyframeIndex
 
 _FORMAT = "motorcade slam map 2"
@@ -76,7 +76,7 @@ class MapSnapshot:
         ValueError: lengths that do not agree, or observations of what is not there.
 
     >>> import numpy as np
-    >>> from motorcade.ga import Motor, Similarity
+    >>> from motorcade.ga import Motor
     >>> from motorcade.tracking import MapSnapshot
     >>> one_point = MapSnapshot(
     ...     time_ns=[0, 500_000_000],
@@ -246,6 +246,16 @@ class SlamMap:
             moved = into_S_number @ Similarity.from_motor_scale(keyframe.world_T_camera)
             keyframe.move(moved)
             keyframe.map_number = into
+
+    def rescale(self, number: int, world_T_map: Similarity) -> None:
+        """Take one map to another world and unit, as if it had been made there."""
+        mine = np.ones(self._count, dtype=np.bool_)
+        for keyframe in self.keyframes:
+            if keyframe.map_number == number:
+                keyframe.world_T_camera = in_world(world_T_map, keyframe.world_T_camera)
+            else:
+                mine[keyframe.ids] = False
+        self.points[mine] = points_in_world(world_T_map, self.points[mine])
 
     def merge(self, gone: IntArray, kept: IntArray) -> None:
         """Let every keyframe that saw a point `gone` ``(n,)`` have seen `kept` ``(n,)`` instead.

@@ -86,6 +86,7 @@ class Mapper:
 
     @metric.setter
     def metric(self, metric: bool) -> None:
+        """Say whether they are; points and keyframes stay where they are."""
         self.map.metric[self.active] = metric
 
     def begin_map(self) -> None:
