@@ -1,11 +1,12 @@
 """Closing a loop takes out the drift between two passes and moves the points along."""
 
 import numpy as np
+import pytest
 
 from motorcade.ga import Motor, Similarity
 from motorcade.tracking import Camera
 from motorcade.tracking.cameras.camera import project
-from motorcade.tracking.slam.mapping.loops import LoopClosure, close_loop
+from motorcade.tracking.slam.mapping.loops import LoopClosure, _scale_by_depths, close_loop
 from motorcade.tracking.slam.mapping.map import Keyframe, SlamMap
 
 COUNT, SHARED = 24, 12
@@ -135,12 +136,17 @@ def test_a_unit_that_drifted_is_brought_back_along_the_loop(rng: np.random.Gener
     assert _worst_m(slam_map, truth) < before / 5.0
     stretched = np.array([one.scale for one in slam_map.keyframes])
     np.testing.assert_allclose(stretched * growth, 1.0, atol=0.1)
-    np.testing.assert_allclose(closed.correction.scale, 1.0 / growth[-1])
+    # What the graph made of the measured scale, which it weighs against every edge.
+    np.testing.assert_allclose(closed.correction.scale, stretched[-1], rtol=1e-12)
+    assert abs(stretched[-1] * growth[-1] - 1.0) > 1e-6
 
 
-def test_two_maps_that_meet_are_one_in_the_world_of_the_first(rng: np.random.Generator) -> None:
+@pytest.mark.parametrize("metric", ["older", "newer"])
+def test_two_maps_that_meet_are_one_in_the_world_of_the_one_in_metres(
+    rng: np.random.Generator, metric: str
+) -> None:
     slam_map, _, _ = _ring(rng)
-    slam_map.metric = [True, False]
+    slam_map.metric = [metric == "older", metric == "newer"]
     half = COUNT // 2
     for row in range(half, COUNT):
         keyframe = slam_map.keyframes[row]
@@ -148,18 +154,53 @@ def test_two_maps_that_meet_are_one_in_the_world_of_the_first(rng: np.random.Gen
         keyframe.keep(keyframe.ids >= half * SHARED)
     expected = [one.world_T_camera.as_matrix() for one in slam_map.keyframes]
     points = slam_map.points.copy()
-    # The second half as one camera has it: in a world and unit of its own.
+    # The other half as one camera has it: in a world and unit of its own.
     away = Similarity.from_twist([0.3, -0.2, 0.5, 1.0, 2.0, -1.0, 0.7])
     slam_map.metric.append(False)
-    slam_map.join_maps(1, 2, away)
+    gone, into = (1, 0) if metric == "older" else (0, 1)
+    slam_map.join_maps(gone, 2, away)
     newest = slam_map.keyframes[-1]
-    world_S_new = away.inverse() @ Similarity.from_motor_scale(newest.world_T_camera)
+    old_S_new = away.inverse() if metric == "older" else away
+    world_S_new = old_S_new @ Similarity.from_motor_scale(newest.world_T_camera)
     loop = LoopClosure(0, COUNT - 1, world_S_new, np.arange(SHARED), np.zeros((SHARED, 2)))
     closed = close_loop(slam_map, loop, CAMERA)
-    assert closed.maps == (2, 0)
-    assert {one.map_number for one in slam_map.keyframes} == {0}
+    assert closed.maps == (2, into)
+    stretched = float(old_S_new.scale) if metric == "older" else 1.0
+    np.testing.assert_allclose(closed.correction.scale, stretched)
+    assert {one.map_number for one in slam_map.keyframes} == {into}
     found = [one.world_T_camera.as_matrix() for one in slam_map.keyframes]
     np.testing.assert_allclose(found, expected, atol=1e-9)
     np.testing.assert_allclose(slam_map.points, points, atol=1e-9)
     scales = [one.scale for one in slam_map.keyframes]
     np.testing.assert_allclose(scales, 1.0, atol=1e-9)
+
+
+def test_one_map_goes_to_another_world_without_the_others(rng: np.random.Generator) -> None:
+    slam_map, _, _ = _ring(rng)
+    slam_map.metric = [False, False]
+    half = COUNT // 2
+    for keyframe in slam_map.keyframes[half:]:
+        keyframe.map_number = 1
+        keyframe.keep(keyframe.ids >= half * SHARED)
+    points = slam_map.points.copy()
+    poses = Motor.stack([one.world_T_camera for one in slam_map.keyframes])
+    world_T_map = Similarity.from_twist([0.3, -0.2, 0.5, 1.0, 2.0, -1.0, 0.7])
+    slam_map.rescale(1, world_T_map)
+    found = Motor.stack([one.world_T_camera for one in slam_map.keyframes])
+    mine = np.arange(COUNT) >= half
+    np.testing.assert_array_equal(found[~mine].coefficients, poses[~mine].coefficients)
+    places = world_T_map.apply(poses[mine].translation_m)
+    np.testing.assert_allclose(found[mine].translation_m, places, atol=1e-9)
+    own = np.arange(COUNT * SHARED) >= half * SHARED
+    np.testing.assert_array_equal(slam_map.points[~own], points[~own])
+    np.testing.assert_allclose(slam_map.points[own], world_T_map.apply(points[own]), atol=1e-9)
+
+
+def test_points_behind_the_camera_tell_no_scale(rng: np.random.Generator) -> None:
+    slam_map, count = SlamMap(), 20
+    px = rng.uniform(0.0, 200.0, (count, 2))
+    ids = slam_map.add_points(np.zeros((2 * count, 32), dtype=np.uint8))
+    slam_map.points[:] = np.repeat([[0.0, 0.0, 2.0], [0.0, 0.0, -2.0]], count, axis=0)
+    own = ids[count:]
+    newest = Keyframe(0, Motor.identity(), own, px, np.full(count, np.nan), None)
+    assert _scale_by_depths(slam_map, newest, Motor.identity(), ids[:count], px) is None

@@ -71,7 +71,7 @@ class ClosedLoop:
 
     Args:
         old_time_ns, time_ns: stamps of the keyframe that was recognised, and of the newest.
-        maps: numbers of the map that was and of the one that it is now; alike within one map.
+        maps: numbers of the map that is gone and of the one that took it up; alike within one map.
         correction: the newest keyframe's pose and unit now, from what it believed them to be.
     """
 
@@ -134,9 +134,11 @@ def _scale_by_depths(
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.log(depth / own_depth)
     ratio = ratio[np.isfinite(ratio)]
+    if len(ratio) < _FEWEST_DEPTHS:
+        return None
     middle = float(np.median(ratio))
     spread = 1.4826 * float(np.median(np.abs(ratio - middle)))  # the deviation, were it normal
-    if len(ratio) < _FEWEST_DEPTHS or spread > _MOST_SCALE_SIGMA * np.sqrt(len(ratio)):
+    if spread > _MOST_SCALE_SIGMA * np.sqrt(len(ratio)):
         return None
     return float(np.exp(middle))
 
@@ -172,23 +174,21 @@ def _neighbours(slam_map: SlamMap, row: int) -> list[int]:
 def close_loop(slam_map: SlamMap, loop: LoopClosure, camera: Camera) -> ClosedLoop:
     """Spread the drift over the keyframes, move the points along, and join the two passes."""
     old, newest = slam_map.keyframes[loop.old], slam_map.keyframes[loop.new]
-    before = Similarity.from_motor_scale(newest.world_T_camera)
-    was = newest.map_number
+    before, scale_before = Similarity.from_motor_scale(newest.world_T_camera), newest.scale
+    gone, into = newest.map_number, old.map_number
     first, second = (_neighbours(slam_map, row) for row in (loop.old, loop.new))
-    if was == old.map_number:
+    if gone == into:
         _spread(slam_map, loop)
     else:
-        old_S_new = loop.world_S_new @ before.inverse()
-        if slam_map.metric[was] and not slam_map.metric[old.map_number]:
-            slam_map.join_maps(old.map_number, was, old_S_new.inverse())
-        else:
-            slam_map.join_maps(was, old.map_number, old_S_new)
+        into_S_gone = loop.world_S_new @ before.inverse()
+        if slam_map.metric[gone] and not slam_map.metric[into]:
+            gone, into, into_S_gone = into, gone, into_S_gone.inverse()
+        slam_map.join_maps(gone, into, into_S_gone)
     _fuse(slam_map, first, second, camera)
     _join(slam_map, loop)
-    scale = loop.world_S_new.scale
-    after = Similarity.from_motor_scale(newest.world_T_camera, scale)
-    maps = was, newest.map_number
-    return ClosedLoop(old.time_ns, newest.time_ns, maps, before.inverse() @ after)
+    stretch = newest.scale / scale_before
+    after = Similarity.from_motor_scale(newest.world_T_camera, stretch)
+    return ClosedLoop(old.time_ns, newest.time_ns, (gone, into), before.inverse() @ after)
 
 
 def _spread(slam_map: SlamMap, loop: LoopClosure) -> None:
