@@ -78,7 +78,7 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
         "opencv-contrib-python-headless": ("cv2", "pictures, markers, boards, visual SLAM"),
         "pupil-apriltags": ("pupil_apriltags", "codes of AprilTag 3's families"),
         "pyproj": ("pyproj", "latitudes and longitudes as metres"),
-        "gtsam": ("gtsam", "loops of visual SLAM, visual-inertial graphs"),
+        "gtsam": ("gtsam", "poses and an IMU fused by a graph"),
         "rosbags": ("rosbags", "recordings in ROS bags and MCAP, without ROS"),
         "h5py": ("h5py", "inertial recordings in HDF5"),
         "scikit-image": ("skimage", "structural similarity, picture measures"),

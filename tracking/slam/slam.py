@@ -52,6 +52,9 @@ class VisualSlam:
         known: a map to go on in. The camera is lost until it is found there; then it is tracked.
         extend: whether keyframes are inserted into a known map; if not, it is left as it is.
 
+    Raises:
+        ValueError: a known map in which no keyframe sees a point, so that nothing can be found.
+
     >>> import numpy as np
     >>> from motorcade.tracking import Camera, VisualSlam
     >>> noise = np.random.default_rng(0).integers(0, 255, (60, 80)).astype(np.uint8)
@@ -77,6 +80,8 @@ class VisualSlam:
         known: MapSnapshot | None = None,
         extend: bool = False,
     ) -> None:
+        if known is not None and not len(known.keyframe_of):
+            raise ValueError("known: expected a map whose keyframes see points, got none")
         self.camera = camera
         self.settings = (settings or SlamSettings()).for_size(camera.width, camera.height)
         self._pinhole = seen_through(camera)

@@ -3,6 +3,7 @@
 import gc
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import FunctionType, ModuleType
 
@@ -84,6 +85,22 @@ def test_a_strange_room_is_not_taken_for_the_saved_one(
         assert frame.state == "lost"
         assert frame.world_T_camera is None
     assert slam.finish().trajectory is None
+
+
+def test_a_known_map_that_shows_nothing_is_refused(stored: MapSnapshot) -> None:
+    nothing = replace(
+        stored,
+        keyframe_of=stored.keyframe_of[:0],
+        point_of=stored.point_of[:0],
+        px=stored.px[:0],
+        depth=stored.depth[:0],
+    )
+    grey = np.full((CAMERA.height, CAMERA.width), 128, dtype=np.uint8)
+    unmapped = VisualSlam(CAMERA)
+    unmapped.track(0, grey)
+    for known in (nothing, unmapped.finish().map):
+        with pytest.raises(ValueError, match="known: expected a map whose keyframes see points"):
+            VisualSlam(CAMERA, known=known)
 
 
 def held_bytes(thing: object) -> int:

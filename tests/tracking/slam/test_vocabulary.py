@@ -38,6 +38,16 @@ def test_before_there_are_words_the_newest_come_first(rng: np.random.Generator) 
     assert index.alike(_scenes(rng)[0], np.arange(5), 3).tolist() == [4, 3, 2]
 
 
+def test_words_are_learnt_once_a_keyframe_shows_something(rng: np.random.Generator) -> None:
+    scenes, index = _scenes(rng), KeyframeIndex()
+    for _ in range(9):
+        index.add(scenes[0][:0])
+    assert index.alike(scenes[0], np.arange(9), 2).tolist() == [8, 7]
+    for scene in scenes[:3]:
+        index.add(scene)
+    assert index.alike(scenes[0], np.arange(12), 1).tolist() == [9]
+
+
 def test_the_same_descriptors_give_the_same_words(rng: np.random.Generator) -> None:
     seen = np.concatenate(_scenes(rng)[:10])
     one, other = (Vocabulary.learnt(seen, 3).words(seen) for _ in range(2))

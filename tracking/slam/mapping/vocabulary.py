@@ -88,8 +88,9 @@ class KeyframeIndex:
     def add(self, descriptors: Descriptors) -> None:
         """Take the next keyframe, by the descriptors ``(n, 32)`` of what it shows."""
         self._descriptors.append(descriptors)
-        depth = _LEARNT_AT.get(len(self))
-        if depth is not None:
+        learnt = 0 if self._vocabulary is None else len(self._vocabulary.levels)
+        depth = max((one for count, one in _LEARNT_AT.items() if count <= len(self)), default=0)
+        if depth > learnt and any(len(one) for one in self._descriptors):
             self._vocabulary = Vocabulary.learnt(np.concatenate(self._descriptors), depth)
             self._showing = {}
             for row, known in enumerate(self._descriptors):
@@ -98,7 +99,7 @@ class KeyframeIndex:
                 self._descriptors = [one[:0] for one in self._descriptors]
         elif self._vocabulary is not None:
             self._enter(len(self) - 1, descriptors)
-            if len(self) > max(_LEARNT_AT):
+            if learnt == max(_LEARNT_AT.values()):
                 self._descriptors[-1] = descriptors[:0]
 
     def alike(self, descriptors: Descriptors, allowed: IntArray, count: int) -> IntArray:
