@@ -17,6 +17,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.replays.errors import one_line, refusal
 from motorcade.replays.readers.calibration import read_yaml, yaml_floats
 from motorcade.tracking.markers.scenes import BodyOdometry, FixedMarker, MarkerBody, StatedPose
+from motorcade.tracking.markers.scenes.scene import positive_definite
 
 _MOST_TAGS = 100_000
 _LARGEST_M = 100.0
@@ -24,6 +25,8 @@ _HIGHEST = 1e6
 _POSITION_M, _ROTATION_RAD = 0.05, 0.01
 """Deviations of a stated pose where neither it nor `body_defaults` states them."""
 _LEAST = 1e-7
+_SUREST = 1e12
+"""One over a deviation: nothing is placed to a picometre."""
 _ACCELERATION = 5.0
 _JUMP = 10.0
 
@@ -82,9 +85,7 @@ def read_pose(
     position, rotation = (_vector(path, f"{field}.{part}", pose.get(part)) for part in _PARTS)
     motor = Motor.from_rotor_translation(Rotor.from_rotation_vector(rotation), position)
     if "R" in pose:
-        root = np.array(yaml_floats(path, pose, "R", 36)).reshape(6, 6)
-        information = root.T @ root + np.eye(6) / _HIGHEST**2
-        return StatedPose(motor, np.linalg.inv(information))
+        return StatedPose(motor, _covariance(path, field, pose))
     position_m, rotation_rad = noise or (_POSITION_M, _ROTATION_RAD)
     sigmas = []
     for part, usual in (("rotation_noise", rotation_rad), ("position_noise", position_m)):
@@ -97,6 +98,22 @@ def read_pose(
 
 
 _PARTS = ("position", "rotation")
+
+
+def _covariance(path: Path, field: str, pose: Mapping[str, object]) -> FloatArray:
+    """By the square root of the information."""
+    root = np.array(yaml_floats(path, pose, "R", 36)).reshape(6, 6)
+    if np.abs(root).max() > _SUREST:
+        problem = f"expected numbers up to {_SUREST:g}, got {np.abs(root).max():g}"
+        raise refusal(path, problem, field=f"{one_line(field)}.R")
+    try:
+        covariance = np.linalg.inv(root.T @ root + np.eye(6) / _HIGHEST**2)
+    except np.linalg.LinAlgError:
+        covariance = np.full((6, 6), np.nan)
+    if not positive_definite(covariance):
+        problem = f"expected a matrix of rank 6, got rank {np.linalg.matrix_rank(root)}"
+        raise refusal(path, problem, field=f"{one_line(field)}.R")
+    return covariance
 
 
 def _vector(path: Path, field: str, found: object) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,12 +21,15 @@ from motorcade.tracking.markers.scenes import (
     StatedPose,
 )
 
+_LOG = logging.getLogger("motorcade.replays")
 _MOST_MEASURED = 10_000
 _STAMP_NS = 1000
 """Seconds of this century have no more digits in a double."""
 _RIG = "rig"
 _PIXEL = 1.0
 _HIGHEST = 1e9
+_LATEST_S = 1e18
+"""Stamps end at 9e9 s; what is written for "for ever" may be later, but must fit in nanoseconds."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,8 @@ def read_scene(root: Path, odometry: Mapping[str, Trajectory]) -> MarkerScene:
     sigma_px = _parameter(path, parameters, "pixel_noise", _PIXEL)
     if sigma_px == 0.0:
         raise refusal(path, "expected pixels above 0, got 0", field="pixel_noise")
+    if content.get("amnesia") is True:
+        _LOG.warning("%s: amnesia is not heeded: frames are mapped together, none alone", path)
     try:
         return MarkerScene(
             bodies,
@@ -87,7 +93,6 @@ def read_scene(root: Path, odometry: Mapping[str, Trajectory]) -> MarkerScene:
             _coordinates(path, content.get("coordinate_measurements"))
             + _planes(path, content.get("plane_measurements")),
             sigma_px,
-            content.get("amnesia") is True,
         )
     except ValueError as fault:
         raise refusal(path, str(fault)) from fault
@@ -112,12 +117,16 @@ def read_remaps(path: Path) -> tuple[MarkerRemap, ...]:
             marker, instead = (
                 _whole(path, table, key) for table, key in ((entry, "id"), (one, "remap_id"))
             )
-            first, last = (
-                round(1e9 * yaml_floats(path, {key: [one.get(key, 0.0)]}, key, 1)[0])
-                for key in ("start_time", "end_time")
-            )
+            first, last = (_stamp_ns(path, one, key) for key in ("start_time", "end_time"))
             found.append(MarkerRemap(marker, instead, first, last, str(one.get("camera", ""))))
     return tuple(found)
+
+
+def _stamp_ns(path: Path, table: Mapping[str, object], key: str) -> int:
+    (stamp_s,) = yaml_floats(path, {key: [table.get(key, 0.0)]}, key, 1)
+    if abs(stamp_s) > _LATEST_S:
+        raise refusal(path, f"expected seconds up to {_LATEST_S:g}, got {stamp_s:g}", field=key)
+    return round(1e9 * stamp_s)
 
 
 def _camera_poses(path: Path) -> dict[str, StatedPose]:

@@ -14,6 +14,7 @@ from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.scenes import (
     BodyOdometry,
+    CornerCoordinate,
     CornerDistance,
     FixedMarker,
     MappedScene,
@@ -215,3 +216,44 @@ def test_measured_distances_are_heeded(rng: np.random.Generator) -> None:
         lengths.append(float(np.linalg.norm(corners[0] - corners[1])))
     assert abs(lengths[0] - length_m) > 0.01
     assert abs(lengths[1] - length_m) < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("made", "said"),
+    [
+        (lambda: FixedMarker(0.0), "FixedMarker.side_m"),
+        (lambda: MarkerBody("room", moves=False, other_side_m=-0.1), "MarkerBody.other_side_m"),
+        (lambda: MarkerBody("room", moves=True, still=(0.1, np.nan)), "MarkerBody.still"),
+        (lambda: CornerDistance((1, 5), (0, 4), 0.5, 0.01), "CornerDistance.corners"),
+        (lambda: CornerDistance((1, 5), (0, 3), np.nan, 0.01), "CornerDistance.distance_m"),
+        (lambda: CornerDistance((1, 5), (0, 3), 0.5, 0.0), "CornerDistance.sigma_m"),
+        (lambda: CornerCoordinate(1, -1, (0, 0, 1), 0.5, 0.01), "CornerCoordinate.corner"),
+        (lambda: CornerCoordinate(1, 0, (0, 0, np.inf), 0.5, 0.01), "CornerCoordinate.direction"),
+        (lambda: CornerCoordinate(1, None, (0, 0, 1), 0.5, -0.01), "CornerCoordinate.sigma_m"),
+        (lambda: replace(scene(), sigma_px=0.0), "MarkerScene.sigma_px"),
+        (lambda: replace(scene(), sigma_px=np.inf), "MarkerScene.sigma_px"),
+    ],
+)
+def test_values_that_no_scene_has_are_refused(made, said: str) -> None:
+    with pytest.raises(ValueError, match=f"{said}: expected"):
+        made()
+
+
+@pytest.mark.parametrize("covariance", [np.ones((6, 6)), np.nan * SURE, -SURE, np.eye(3)])
+def test_covariances_that_weigh_nothing_are_refused(covariance: FloatArray) -> None:
+    bad, good = StatedPose(Motor.identity(), covariance), scene()
+    with pytest.raises(ValueError, match="covariance of camera camera"):
+        replace(good, cameras={"camera": bad})
+    for room, name in (
+        (replace(good.bodies[0], stated=bad), "body room"),
+        (replace(good.bodies[0], markers={0: FixedMarker(SIDE_M, bad)}), "marker 0"),
+    ):
+        with pytest.raises(ValueError, match=f"covariance of {name}"):
+            replace(good, bodies=(room, *good.bodies[1:]))
+
+
+def test_streams_of_no_camera_and_of_strange_cameras_are_refused(rng: np.random.Generator) -> None:
+    with pytest.raises(ValueError, match="at least one camera"):
+        map_scene({}, scene())
+    with pytest.raises(ValueError, match="of the scene \\(camera\\), got other"):
+        map_scene({"other": seen_by(rig_path(rng), rng)}, scene())

@@ -37,6 +37,7 @@ def map_scene(
 
     Raises:
         TrackingError: nothing seen.
+        ValueError: no stream, or one of a camera that the scene does not know.
 
     Examples:
         >>> import numpy as np

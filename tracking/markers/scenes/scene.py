@@ -8,11 +8,43 @@ carried about.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
+
+
+def positive_definite(covariance: FloatArray) -> bool:
+    """Whether a covariance is finite, ``(6, 6)`` and has the Cholesky factor that it weighs by."""
+    covariance = np.asarray(covariance, np.float64)
+    if covariance.shape != (6, 6) or not np.isfinite(covariance).all():
+        return False
+    try:
+        np.linalg.cholesky(covariance)
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+def _finite(field: str, *values: float) -> None:
+    for value in values:
+        if not np.isfinite(value):
+            raise ValueError(f"{field}: expected a finite number, got {value}")
+
+
+def _above_zero(field: str, *values: float) -> None:
+    for value in values:
+        if not 0.0 < value < np.inf:
+            raise ValueError(f"{field}: expected a finite number above 0, got {value}")
+
+
+def _corners(field: str, *values: int) -> None:
+    for value in values:
+        if value not in range(4):
+            raise ValueError(f"{field}: expected a corner of 0 to 3, got {value}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +53,8 @@ class StatedPose:
 
     Fields:
         pose: a Motor.
-        covariance: ``(6, 6)`` of its right perturbation, rotation (rad) then translation (m).
+        covariance: ``(6, 6)`` of its right perturbation, rotation (rad) then translation (m);
+            positive definite.
     """
 
     pose: Motor
@@ -35,10 +68,16 @@ class FixedMarker:
     Fields:
         side_m: of its black square.
         stated: ``body_T_marker``; None where it is to be found.
+
+    Raises:
+        ValueError: a side that is not above 0.
     """
 
     side_m: float
     stated: StatedPose | None = None
+
+    def __post_init__(self) -> None:
+        _above_zero("FixedMarker.side_m", self.side_m)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,12 +90,19 @@ class BodyOdometry:
         trajectory: ``odometry_world_T_odometry``; only its steps matter.
         body_T_odometry: takes what the odometry tracks to the body.
         least, most: ``(2,)`` rad/s² and m/s²: bounds on a step's deviation over its time squared.
+
+    Raises:
+        ValueError: bounds that are not above 0.
     """
 
     trajectory: Trajectory
     body_T_odometry: Motor
     least: tuple[float, float] = (5.0, 5.0)
     most: tuple[float, float] = (50.0, 50.0)
+
+    def __post_init__(self) -> None:
+        _above_zero("BodyOdometry.least", *self.least)
+        _above_zero("BodyOdometry.most", *self.most)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +119,9 @@ class MarkerBody:
         odometry: of what is fixed to it.
         still: ``(2,)`` deviations, rad and m, of its motion from frame to frame about none; None
             where nothing is known of it.
+
+    Raises:
+        ValueError: a side or deviations that are not above 0.
     """
 
     name: str
@@ -84,6 +133,12 @@ class MarkerBody:
     odometry: BodyOdometry | None = None
     still: tuple[float, float] | None = None
 
+    def __post_init__(self) -> None:
+        if self.other_side_m is not None:
+            _above_zero("MarkerBody.other_side_m", self.other_side_m)
+        if self.still is not None:
+            _above_zero("MarkerBody.still", *self.still)
+
 
 @dataclass(frozen=True)
 class CornerDistance:
@@ -92,12 +147,20 @@ class CornerDistance:
     Fields:
         markers, corners: of both ends.
         distance_m, sigma_m: as measured.
+
+    Raises:
+        ValueError: a corner that is none, a length that is no number, or a deviation not above 0.
     """
 
     markers: tuple[int, int]
     corners: tuple[int, int]
     distance_m: float
     sigma_m: float
+
+    def __post_init__(self) -> None:
+        _corners("CornerDistance.corners", *self.corners)
+        _finite("CornerDistance.distance_m", self.distance_m)
+        _above_zero("CornerDistance.sigma_m", self.sigma_m)
 
 
 @dataclass(frozen=True)
@@ -109,6 +172,10 @@ class CornerCoordinate:
         corner: 0 to 3; None for the marker's centre.
         direction: unit vector of the world.
         length_m, sigma_m: as measured.
+
+    Raises:
+        ValueError: a corner that is none, a length or direction that is no number, or a deviation
+            not above 0.
     """
 
     marker: int
@@ -116,6 +183,13 @@ class CornerCoordinate:
     direction: tuple[float, float, float]
     length_m: float
     sigma_m: float
+
+    def __post_init__(self) -> None:
+        if self.corner is not None:
+            _corners("CornerCoordinate.corner", self.corner)
+        _finite("CornerCoordinate.direction", *self.direction)
+        _finite("CornerCoordinate.length_m", self.length_m)
+        _above_zero("CornerCoordinate.sigma_m", self.sigma_m)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,11 +202,10 @@ class MarkerScene:
         cameras: ``body_T_camera`` of those that were stated.
         distances, coordinates: measured by hand.
         sigma_px: noise of a corner's coordinate, as stated.
-        by_frame: whether nothing is to be learnt of markers from other frames ("amnesia").
 
     Raises:
-        ValueError: no body that stands still, a camera on a body that is not there, or a marker on
-            two bodies.
+        ValueError: no body that stands still, a camera on a body that is not there, a marker on
+            two bodies, noise that is not above 0, or a covariance that is not positive definite.
     """
 
     bodies: tuple[MarkerBody, ...]
@@ -141,7 +214,6 @@ class MarkerScene:
     distances: tuple[CornerDistance, ...] = ()
     coordinates: tuple[CornerCoordinate, ...] = ()
     sigma_px: float = 1.0
-    by_frame: bool = False
 
     def __post_init__(self) -> None:
         if all(body.moves for body in self.bodies):
@@ -155,6 +227,24 @@ class MarkerScene:
         listed = [marker for body in self.bodies for marker in body.markers]
         if len(set(listed)) < len(listed):
             raise ValueError("MarkerScene.bodies: expected a marker on one body, got it on two")
+        _above_zero("MarkerScene.sigma_px", self.sigma_px)
+        for what, stated in self._stated_poses():
+            if not positive_definite(stated.covariance):
+                raise ValueError(
+                    f"MarkerScene: expected a covariance of {what} that is (6, 6) and positive "
+                    "definite, got another"
+                )
+
+    def _stated_poses(self) -> Iterator[tuple[str, StatedPose]]:
+        """Every pose that was stated, and what of."""
+        for body in self.bodies:
+            if body.stated is not None:
+                yield f"body {body.name}", body.stated
+            for marker_id, marker in body.markers.items():
+                if marker.stated is not None:
+                    yield f"marker {marker_id}", marker.stated
+        for name, stated in self.cameras.items():
+            yield f"camera {name}", stated
 
     def body_of(self, marker_id: int) -> int | None:
         """Which body a marker is on; None for one that is to be ignored."""

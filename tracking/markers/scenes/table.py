@@ -133,8 +133,17 @@ def gather_scene(
 
     Markers that the scene ignores are left out, and those that cannot be seen at all: on the body
     that carries the camera, or through whose corners the lens model has no ray.
+
+    Raises:
+        ValueError: no stream, or one of a camera that the scene does not know.
     """
     names = tuple(streams)
+    if not names:
+        raise ValueError("streams: expected at least one camera, got none")
+    strange = [name for name in names if name not in scene.camera_body]
+    if strange:
+        cameras = ", ".join(scene.camera_body)
+        raise ValueError(f"streams: expected cameras of the scene ({cameras}), got {strange[0]}")
     time_ns, frames = merged_frames([streams[name].time_ns for name in names], sync_s)
     body_at = {body.name: row for row, body in enumerate(scene.bodies)}
     seen_ids = np.unique(np.concatenate([streams[name].marker_ids for name in names]))

@@ -1,0 +1,70 @@
+"""What TagSLAM's YAML states and cannot be, or is not heeded: refused, or said so."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.replays.errors import RecordingError
+from motorcade.replays.readers.tagslam.scene import read_remaps, read_scene
+
+FILES = {
+    "cameras.yaml": "cam0: {rig_body: rig}\n",
+    "camera_poses.yaml": "cam0: {pose: POSE}\n",
+    "tagslam.yaml": """
+bodies:
+ - lab: {type: simple, tags: [{id: 2, size: 0.5, pose: POSE}]}
+""",
+}
+POSE = "{position: {x: 0, y: 0, z: 1}, rotation: {x: 0, y: 0, z: 0}}"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text.replace("POSE", POSE))
+    return tmp_path
+
+
+@pytest.mark.parametrize("rows", ["start_time: 1.0e300", "start_time: 0.0, end_time: -1.0e300"])
+def test_stamps_that_no_clock_shows_are_refused(tmp_path: Path, rows: str) -> None:
+    path = tmp_path / "tagslam.yaml"
+    path.write_text(f"tag_id_remap: [{{id: 10, remaps: [{{remap_id: 13, {rows}}}]}}]\n")
+    with pytest.raises(RecordingError, match="_time: expected seconds up to"):
+        read_remaps(path)
+
+
+@pytest.mark.parametrize(
+    ("root", "said"),
+    [
+        (np.full((6, 6), 1e6), "rank 6, got rank 1"),
+        (np.full((6, 6), 1e200), r"up to 1e\+12"),
+        (1e200 * np.eye(6), r"up to 1e\+12"),
+    ],
+)
+@pytest.mark.parametrize("name", ["tagslam.yaml", "camera_poses.yaml"])
+def test_information_that_gives_no_covariance_is_refused(
+    folder: Path, name: str, root: np.ndarray, said: str
+) -> None:
+    told = ", ".join(map(str, root.ravel().tolist()))
+    (folder / name).write_text(FILES[name].replace("POSE", f"{POSE[:-1]}, R: [{told}]}}"))
+    with pytest.raises(RecordingError, match=f"R: .*{said}"):
+        read_scene(folder, {})
+
+
+@pytest.mark.parametrize("deviation", [1e-6, 1e-2, 1.0])
+def test_information_gives_the_covariance_that_it_states(folder: Path, deviation: float) -> None:
+    told = ", ".join(map(str, (np.eye(6) / deviation).ravel().tolist()))
+    text = FILES["camera_poses.yaml"].replace("POSE", f"{POSE[:-1]}, R: [{told}]}}")
+    (folder / "camera_poses.yaml").write_text(text)
+    stated = read_scene(folder, {}).cameras["cam0"]
+    np.testing.assert_allclose(stated.covariance, deviation**2 * np.eye(6), rtol=1e-9)
+
+
+def test_amnesia_is_said_not_to_be_heeded(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
+    read_scene(folder, {})
+    assert "amnesia" not in caplog.text
+    with (folder / "tagslam.yaml").open("a") as file:
+        file.write("amnesia: true\n")
+    read_scene(folder, {})
+    assert "amnesia is not heeded" in caplog.text
