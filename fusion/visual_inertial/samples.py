@@ -40,8 +40,12 @@ class GrowingImu:
 
     @property
     def first_ns(self) -> int:
-        """Stamp of the first sample."""
-        return int(self._chunks[0].time_ns[0])
+        """Stamp of the first sample.
+
+        Raises:
+            ValueError: no samples so far. So `all` and `between`.
+        """
+        return int(self._some()[0].time_ns[0])
 
     @property
     def last_ns(self) -> int:
@@ -50,12 +54,12 @@ class GrowingImu:
 
     def all(self) -> ImuStream:
         """Everything so far."""
-        self._chunks = [_joined(self._chunks)]
+        self._chunks = [_joined(self._some())]
         return self._chunks[0]
 
     def between(self, first_ns: int, last_ns: int) -> ImuStream:
         """Samples that cover a span, and more."""
-        starts = [int(chunk.time_ns[0]) for chunk in self._chunks]
+        starts = [int(chunk.time_ns[0]) for chunk in self._some()]
         first = max(int(np.searchsorted(starts, first_ns, side="right")) - 1, 0)
         last = int(np.searchsorted(starts, last_ns, side="right"))
         return _joined(self._chunks[first : last + 1])
@@ -68,6 +72,11 @@ class GrowingImu:
     def around(self, time_ns: IntArray) -> ImuStream:
         """Samples that cover stamps ``(k,)``, and more."""
         return self.between(int(time_ns.min()), int(time_ns.max()))
+
+    def _some(self) -> list[ImuStream]:
+        if not self._chunks:
+            raise ValueError("GrowingImu: expected samples, got none")
+        return self._chunks
 
 
 def _joined(chunks: list[ImuStream]) -> ImuStream:
