@@ -34,8 +34,9 @@ from motorcade.tracking.slam.mapping.map import MapSnapshot
 
 InertialState = Literal["initialising", "visual", "tracking", "inertial", "lost"]
 
-# Less motion than this leaves scale, lean and biases to each other; tried again so often.
-_FIRST_START_S, _TRY_AGAIN_S = 2.0, 0.5
+# Less motion than this leaves scale, lean and biases to each other; tried again so often, and only
+# once there is so much more: each try goes through all so far, so that all tries stay linear.
+_FIRST_START_S, _TRY_AGAIN_S, _TRY_AGAIN_SHARE = 2.0, 0.5, 0.2
 # The start may be as wrong as linearising forgives; the adjustments that follow do the rest.
 _MOST_LOG_SCALE_SIGMA, _MOST_TILT_SIGMA_RAD = 0.05, 0.02
 _GROWTH, _SETTLED_S = 1.5, 60.0
@@ -157,7 +158,10 @@ class InertialSlam:
             raise ValueError(f"time_ns: expected samples up to {time_ns}, got them up to {last}")
         before = self._advanced(time_ns)
         expected = None if before is None else before.world_T_camera
+        closed = len(self._slam.loops)
         seen = self._slam.track(time_ns, gray, predicted=expected)
+        # A loop moves the world under the filter, which would predict in the old one for seconds.
+        self._replays |= len(self._slam.loops) > closed
         if seen.world_T_camera is not None and self._mapped_ns is None:
             self._mapped_ns = time_ns
         frame = self._unmeasured(seen) if before is None else self._metric(seen, before)
@@ -278,7 +282,8 @@ class InertialSlam:
         """Give the map metres as soon as the IMU tells them."""
         if self._mapped_ns is None or time_ns - self._mapped_ns < _FIRST_START_S * 1e9:
             return
-        if time_ns - self._tried_ns < _TRY_AGAIN_S * 1e9:
+        tried_s = (self._tried_ns - self._mapped_ns) * 1e-9
+        if (time_ns - self._tried_ns) * 1e-9 < max(_TRY_AGAIN_S, _TRY_AGAIN_SHARE * tried_s):
             return
         self._tried_ns = time_ns
         found = self._slam.finish(adjust=False)

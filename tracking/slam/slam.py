@@ -171,6 +171,11 @@ class VisualSlam:
         """Whether the map that is tracked in is in metres."""
         return self._mapper.metric
 
+    @property
+    def loops(self) -> tuple[ClosedLoop, ...]:
+        """Those closed so far, and maps that were joined."""
+        return tuple(self._loops)
+
     def adjust_at_next_keyframe(self) -> None:
         """Let the whole map be adjusted when the next keyframe is made, not only its window."""
         self._mapper.adjusts_all = True

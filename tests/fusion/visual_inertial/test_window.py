@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 
 from motorcade.fusion.imu import ADIS16448, ImuStream
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions.standard import MOTIONS
-from motorcade.fusion.visual_inertial import InertialAdjuster, InertialSlam, KeyframeMotion
+from motorcade.fusion.visual_inertial import (
+    InertialAdjuster,
+    InertialSlam,
+    KeyframeMotion,
+    online,
+)
 from motorcade.fusion.visual_inertial.samples import GrowingImu
 from motorcade.fusion.visual_inertial.window import _chained, _Problem, _State
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.ga.arrays import FloatArray
-from motorcade.tracking.slam import SlamSettings
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.slam import SlamFrame, SlamSettings, VisualSlam
 from motorcade.tracking.slam.mapping.adjustment import Bundle
 from tests.fusion.visual_inertial.test_tight import CAMERA, IMU_T_CAMERA, SIGMA_PX, Scene, scene
 
@@ -155,6 +164,88 @@ def test_samples_are_joined_where_they_are_asked_for():
     np.testing.assert_array_equal(samples.all().time_ns, stamps)
     with pytest.raises(ValueError, match="samples: expected stamps after 295000000, got 0"):
         samples.add(ImuStream(stamps, rate, force))
+
+
+@pytest.mark.parametrize(
+    "asked", [lambda imu: imu.first_ns, lambda imu: imu.all(), lambda imu: imu.between(0, 1)]
+)
+def test_no_samples_are_told_where_some_are_asked_for(asked: Callable[[GrowingImu], object]):
+    assert GrowingImu().last_ns == -1
+    with pytest.raises(ValueError, match="GrowingImu: expected samples, got none"):
+        asked(GrowingImu())
+
+
+class _Pictures:
+    """Visual SLAM of a camera at rest; the world moves by `moved_m` where a loop is closed."""
+
+    metric = True
+
+    def __init__(self, loop_ns: int, moved_m: float) -> None:
+        self._loop_ns, self._moved_m = loop_ns, moved_m
+        self._stamps: list[int] = []
+        self.loops: tuple[int, ...] = ()
+        self.asked: list[int] = []
+
+    def track(self, time_ns: int, gray: object, *, predicted: Motor | None) -> SlamFrame:
+        self._stamps.append(time_ns)
+        if time_ns == self._loop_ns:
+            self.loops = (time_ns,)
+        closed = time_ns == self._loop_ns
+        return SlamFrame(time_ns, "tracking", self._pose(), np.eye(6) * 1e-8, 200, closed)
+
+    def finish(self, *, adjust: bool) -> Any:
+        self.asked.append(self._stamps[-1])
+        path = Trajectory(np.array(self._stamps), Motor.stack([self._pose()] * len(self._stamps)))
+        spread = np.broadcast_to(np.eye(6) * 1e-8, (len(path), 6, 6))
+        return SimpleNamespace(trajectory=path, covariance=spread)
+
+    def _pose(self) -> Motor:
+        return Motor.from_translation([self._moved_m * len(self.loops), 0.0, 0.0])
+
+
+def _at_rest(pictures: _Pictures, rate_hz: int) -> tuple[InertialSlam, IntArray]:
+    """SLAM that has a map since 0 ns, the samples of a minute at rest, and the frames' stamps."""
+    slam = InertialSlam(CAMERA, ADIS16448, Motor.identity())
+    slam._slam = cast("VisualSlam", pictures)
+    still = np.zeros((12_020, 3))
+    stamps = 5_000_000 * np.arange(len(still))
+    slam.imu(ImuStream(stamps, still, still + np.array([0.0, 0.0, 9.81])))
+    return slam, np.arange(0, 60_000_000_000, 1_000_000_000 // rate_hz)
+
+
+def test_the_filter_goes_into_the_world_that_a_late_loop_leaves(monkeypatch: pytest.MonkeyPatch):
+    pictures = _Pictures(loop_ns=3_000_000_000, moved_m=1.0)
+    slam, stamps = _at_rest(pictures, 20)
+    monkeypatch.setattr(slam, "_start", object())
+    monkeypatch.setattr(slam, "_adjusted_s", np.inf)  # nothing but the loop feeds it again
+    slam._mapped_ns = 0
+    for stamp in stamps[:20].tolist():
+        slam.track(stamp, np.zeros(0))
+    slam._replay()
+    for stamp in stamps[20:62].tolist():
+        slam.track(stamp, np.zeros(0))
+    assert pictures.asked == [950_000_000, 3_000_000_000]
+    state = slam._filter.state if slam._filter is not None else None
+    assert state is not None
+    np.testing.assert_allclose(state.world_T_imu.translation_m, [1.0, 0.0, 0.0], atol=0.01)
+
+
+def test_a_start_that_the_imu_never_tells_is_tried_at_growing_intervals(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setattr(online, "start_inertial", _too_little_motion)
+    pictures = _Pictures(loop_ns=-1, moved_m=0.0)
+    slam, stamps = _at_rest(pictures, 10)
+    for stamp in stamps.tolist():
+        slam.track(stamp, np.zeros(0))
+    tried = np.array(pictures.asked) * 1e-9
+    np.testing.assert_allclose(tried[:3], [2.0, 2.5, 3.0])
+    assert len(tried) < 22
+    assert np.all(np.diff(tried[3:]) >= 0.2 * tried[3:-1] - 1e-9)
+
+
+def _too_little_motion(*_: object) -> None:
+    raise ValueError("too little motion")
 
 
 def test_frames_that_samples_do_not_reach_are_refused():
