@@ -12,6 +12,7 @@ from motorcade.replays.recording import DepthArray, Recording
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.depth.refine import refine_by_depth
+from motorcade.tracking.slam.geometry import seen_through
 
 if TYPE_CHECKING:
     from motorcade.tracking.slam import SlamResult
@@ -43,7 +44,7 @@ def measured_depth(recording: Recording) -> tuple[DepthCamera, MeasuredDepth]:
 
 
 def refined_by_depth(recording: Recording, found: SlamResult) -> SlamResult | None:
-    """SLAM's path and map, its keyframes refined by their depth; None where nothing overlaps."""
+    """SLAM's path and map, refined by depth; None without a path, or as `refine_by_depth` says."""
     if found.trajectory is None:
         return None
     taken_by, depth_m = measured_depth(recording)
@@ -51,7 +52,7 @@ def refined_by_depth(recording: Recording, found: SlamResult) -> SlamResult | No
     refined = refine_by_depth(
         found.map,
         found.trajectory,
-        camera_of(recording).undistorted(),
+        seen_through(camera_of(recording)),
         taken_by,
         lambda time_ns: depth_m(index[time_ns]),
     )

@@ -79,11 +79,15 @@ def slam_poses(
             f"{recording.name}: visual SLAM found no pose: too little texture, or a camera that "
             "only turns; tracked.by=simulated or a board would do"
         )
+    if found.metric and adjust and not paired and known is None:
+        found = refined_by_depth(recording, found) or found
+    return replace(_measured(recording, found, start), audit=audit)
+
+
+def _measured(recording: Recording, found: SlamResult, start: float) -> SlamPoses:
+    """The path in metres where depth, a known map or an IMU gives them, else in the map's unit."""
     if found.metric:
-        whole = adjust and not paired and known is None
-        refined = refined_by_depth(recording, found) if whole else None
-        made = _as_mapped(recording, refined or found, "with depth", start)
-        return replace(made, audit=audit)
+        return _as_mapped(recording, found, "with depth", start)
     try:
         metres = in_metres(recording, found)
     except NoMetres as why:
