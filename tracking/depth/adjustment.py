@@ -47,6 +47,10 @@ _STEP = 1e-6
 _STOP = Stop(steps=6, gain=1e-5)
 
 
+class NothingShared(ValueError):
+    """The frames see too little of the same for their poses to be adjusted."""
+
+
 @dataclass(frozen=True, eq=False)
 class CamerasPrior:
     """What is believed of the cameras beforehand: a state, and ``(8,)`` deviations of globals.
@@ -97,7 +101,7 @@ def adjust_rgbd(
         prior: of the globals.
 
     Raises:
-        ValueError: no residual at all: the frames share nothing.
+        NothingShared: fewer residuals than unknowns.
     """
     free = np.ones(GLOBALS + 6 * len(start.world_T_colour), dtype=np.bool_)
     free[:GLOBALS] = prior.sigma > 0.0
@@ -139,7 +143,10 @@ class _Problem:
         self.corners = CornerLinks.at(at, surfaces, matches)
         self.depths = DepthLinks.at(at, surfaces, pairs)
         if len(self.corners.matches.first) + len(self.depths.first) < np.count_nonzero(free):
-            raise ValueError("frames: expected some that see the same surfaces, got none")
+            raise NothingShared(
+                "frames: expected as many shared corners and surfaces as there are unknowns, "
+                "got fewer"
+            )
 
     def evaluate(self, state: RgbdState) -> _Evaluation:
         return _Evaluation(self, state)

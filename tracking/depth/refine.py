@@ -17,6 +17,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.adjustment import (
     CamerasPrior,
+    NothingShared,
     adjust_rgbd,
     plane_distance_m,
 )
@@ -43,7 +44,7 @@ class RefinedByDepth:
     Fields:
         trajectory: world_T_camera of the same frames.
         map: with refined keyframes, and points moved along with them.
-        before_m, after_m: median distance between the surfaces of two keyframes.
+        before_m, after_m: median distance between the surfaces of two frames; it became less.
     """
 
     trajectory: Trajectory
@@ -64,12 +65,14 @@ def refine_by_depth(
     Args:
         found: the map.
         path: poses of frames, keyframes among them.
-        colour: the pinhole of the map's pixels.
+        colour: the camera of the map's pixels: a pinhole, or a fisheye as it is.
         taken_by: the depth pictures' camera, a pinhole.
-        depth_at: the depth picture ``(height, width)`` of a keyframe, by its stamp.
+        depth_at: the depth picture ``(height, width)`` of a frame of the path, by its stamp.
 
     Returns:
-        None where there is nothing to lay on each other: fewer than two keyframes with depth.
+        None where there is nothing to lay on each other (fewer than two frames with depth, or
+        frames that see too little of the same), and where the surfaces lie no nearer to each other
+        afterwards: then the path is better left as it was tracked.
     """
     own = np.flatnonzero(np.isin(found.time_ns, path.time_ns))
     between = path.time_ns[:: max(-(-len(path) // _MOST_FRAMES), 1)]
@@ -89,10 +92,12 @@ def refine_by_depth(
     prior = CamerasPrior(colour, taken_by, np.zeros(GLOBALS))
     try:
         fit = adjust_rgbd(start, surfaces, matches, pairs, [0], prior)
-    except ValueError:  # the frames share nothing that depth shows
+    except NothingShared:
         return None
     before_m = plane_distance_m(start, surfaces, pairs)
     after_m = plane_distance_m(fit.state, surfaces, pairs)
+    if not after_m < before_m:  # NaN, where no surfaces meet, neither
+        return None
     moved = _Moved(stamps, start.world_T_colour, fit.state.world_T_colour)
     keyframes = moved.poses(found.time_ns, found.world_T_camera)
     refined = Trajectory(path.time_ns, moved.poses(path.time_ns, path.motors))

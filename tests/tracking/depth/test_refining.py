@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import replace
+from types import SimpleNamespace
 
-from motorcade.ga import Motor
-from motorcade.tracking.depth import DepthCamera
+import numpy as np
+import pytest
+
+from motorcade.ga import Motor, Trajectory
+from motorcade.tracking import Camera, MapSnapshot
+from motorcade.tracking.depth import DepthCamera, refine_by_depth
 from motorcade.tracking.depth.adjustment import CamerasPrior, adjust_rgbd, plane_distance_m
 from motorcade.tracking.depth.residuals import GLOBALS, Matches, RgbdState
 from motorcade.tracking.depth.surfaces import DepthSurfaces
@@ -78,3 +83,81 @@ def test_a_wrong_registration_is_found() -> None:
     apart = COLOUR_T_DEPTH.local(fit.state.depth.colour_T_depth)
     assert np.all(np.abs(apart[:3]) < 0.003), apart
     assert np.all(np.abs(apart[3:]) < 0.006), apart
+
+
+def mapped(poses: Motor, colour: Camera) -> tuple[MapSnapshot, Trajectory]:
+    """A map of points that keyframes at the frames' true poses saw, and the path, as given."""
+    at = np.random.default_rng(5).integers((30, 30), (290, 210), (60, 2))
+    ahead = seen(FRAMES[0])[0].depth_m[at[:, 1], at[:, 0], None]
+    points = truth()[0].apply(COLOUR.unproject(at) * ahead)
+    keyframe_of, point_of = np.divmod(np.arange(4 * 60), 60)
+    px = colour.project(truth()[keyframe_of].inverse().apply(points[point_of]), allow_nan=True)
+    seen_by = np.flatnonzero(np.isfinite(px[:, 0]))
+    stamps = 1_000_000 * np.array(FRAMES, np.int64)
+    snapshot = MapSnapshot(
+        time_ns=stamps,
+        world_T_camera=poses,
+        points=points,
+        descriptors=np.zeros((60, 32), np.uint8),
+        keyframe_of=keyframe_of[seen_by],
+        point_of=point_of[seen_by],
+        px=px[seen_by],
+        depth=np.full(len(seen_by), np.nan),
+        metric=True,
+    )
+    return snapshot, Trajectory(stamps, poses)
+
+
+def measured(time_ns: int) -> np.ndarray:
+    return seen(time_ns // 1_000_000)[1].depth_m
+
+
+FISHEYE = Camera(320, 240, 262.0, 262.0, 159.5, 119.5, "equidistant", (0.0, 0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("colour", [COLOUR, FISHEYE])
+def test_a_path_and_its_map_are_refined(colour: Camera) -> None:
+    rng = np.random.default_rng(3)
+    drift = np.concatenate([np.zeros((1, 6)), rng.normal(0.0, [0.004] * 3 + [0.01] * 3, (3, 6))])
+    found = refine_by_depth(*mapped(truth().retract(drift), colour), colour, TAKEN_BY, measured)
+    assert found is not None
+    assert found.after_m < 0.5 * found.before_m
+    left = np.abs(truth().local(found.trajectory.motors)).max(axis=0)
+    assert np.all(left < 0.5 * np.abs(drift).max(axis=0)), left
+
+
+def test_a_path_that_surfaces_do_not_mend_is_left_as_it_was(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Here the adjustment ends at poses a centimetre worse than those it began with."""
+
+    def spoilt(start: RgbdState, *_: object) -> SimpleNamespace:
+        off = np.random.default_rng(6).normal(0.0, 0.01, (4, 6))
+        return SimpleNamespace(
+            state=replace(start, world_T_colour=start.world_T_colour.retract(off))
+        )
+
+    monkeypatch.setattr("motorcade.tracking.depth.refine.adjust_rgbd", spoilt)
+    assert refine_by_depth(*mapped(truth(), COLOUR), COLOUR, TAKEN_BY, measured) is None
+
+
+def test_frames_that_see_nothing_of_the_same_are_left_but_faults_are_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    apart = Motor.from_translation([[100.0 * k, 0.0, 0.0] for k in range(4)])
+    given = mapped(apart @ truth(), COLOUR)
+    bare = replace(
+        given[0],
+        keyframe_of=np.zeros(0, int),
+        point_of=np.zeros(0, int),
+        px=np.zeros((0, 2)),
+        depth=np.zeros(0),
+    )
+    assert refine_by_depth(bare, given[1], COLOUR, TAKEN_BY, measured) is None
+
+    def faulty(*_: object) -> None:
+        raise ValueError("another fault")
+
+    monkeypatch.setattr("motorcade.tracking.depth.refine.adjust_rgbd", faulty)
+    with pytest.raises(ValueError, match="another fault"):
+        refine_by_depth(*given, COLOUR, TAKEN_BY, measured)
