@@ -61,7 +61,7 @@ def register_depth(depth_m: DepthImage, taken_by: DepthCamera, colour: Camera) -
         colour: the camera to register it to.
 
     Raises:
-        ValueError: not of the depth camera's size.
+        ValueError: not of the depth camera's size, or colour more than 64 times as fine.
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor
@@ -78,6 +78,12 @@ def register_depth(depth_m: DepthImage, taken_by: DepthCamera, colour: Camera) -
         raise ValueError(
             f"depth_m: expected shape {(camera.height, camera.width)}, got {depth_m.shape}"
         )
+    finer = colour.fx / camera.fx
+    if finer > _FINEST:
+        raise ValueError(
+            f"colour: expected at most {_FINEST} times the depth camera's focal length in pixels, "
+            f"got {finer:.0f} times"
+        )
     known = np.isfinite(depth_m) & (depth_m > 0.0)
     rays = _rays(camera)[known]
     points = rays * depth_m[known, None].astype(np.float64)
@@ -85,13 +91,13 @@ def register_depth(depth_m: DepthImage, taken_by: DepthCamera, colour: Camera) -
     seen = points @ pose[:3, :3].T + pose[:3, 3]
     px = colour.project(seen)
     # Half the side of the square that a pixel of the depth camera makes in the other picture.
-    half = np.maximum(0.5 * colour.fx / camera.fx * points[:, 2] / np.abs(seen[:, 2]), 0.5)
+    half = np.maximum(0.5 * finer * points[:, 2] / np.abs(seen[:, 2]), 0.5)
     nearest = np.full(colour.height * colour.width, np.inf, dtype=np.float32)
     usable = np.isfinite(px[:, 0])
     px, half, ahead = px[usable], half[usable], seen[usable, 2].astype(np.float32)
     first = np.ceil(px - half[:, None]).astype(np.int64)
     last = np.ceil(px + half[:, None]).astype(np.int64) - 1
-    widest = int(np.minimum(np.max(last - first, initial=0), _WIDEST))
+    widest = int(np.minimum(np.max(last - first, initial=0), max(_WIDEST, np.ceil(finer))))
     for right in range(widest + 1):
         for down in range(widest + 1):
             column, row = first[:, 0] + right, first[:, 1] + down
@@ -103,7 +109,11 @@ def register_depth(depth_m: DepthImage, taken_by: DepthCamera, colour: Camera) -
 
 
 _WIDEST = 3
-"""Pixels that one square covers at most, less one: a depth picture of a quarter of the size."""
+"""Pixels that one square covers at most, less one, where colour is hardly finer than depth; else
+as many as it is finer by."""
+_FINEST = 64
+"""Times by which colour may be finer: each pixel is drawn that often squared, and time-of-flight
+sensors of 8 by 8 zones are 55 times as coarse as VGA."""
 
 
 def _rays(camera: Camera) -> NDArray[np.float64]:

@@ -136,13 +136,15 @@ def _slope(gray: GrayImage, shrunk: int) -> FloatArray:
 def _edges(depth_m: DepthImage) -> NDArray[np.bool_]:
     """The last pixels of a nearer surface, where a farther one follows, at once or after a gap."""
     known = np.where(np.isfinite(depth_m) & (depth_m > 0.0), depth_m, np.nan)
+    # A rim of unknown depth, so that nothing is compared with the opposite side of the picture.
+    known = np.pad(known, _BESIDE_PX, constant_values=np.nan)
     edges = np.zeros(known.shape, dtype=np.bool_)
     for axis in (0, 1):
         for sign in (-1, 1):
             ends = ~(np.roll(known, sign, axis) < _JUMP * known)
             for far in range(1, _BESIDE_PX + 1):
                 edges |= ends & (np.roll(known, sign * far, axis) > _JUMP * known)
-    return edges
+    return edges[_BESIDE_PX:-_BESIDE_PX, _BESIDE_PX:-_BESIDE_PX]
 
 
 def _raster(

@@ -67,6 +67,18 @@ def test_a_depth_picture_of_half_the_size_leaves_no_gaps() -> None:
     assert np.all(registered[4:-4, 4:-4] == 2.0)
 
 
+def test_a_depth_picture_of_a_sixteenth_of_the_size_leaves_no_gaps() -> None:
+    tiny = Camera(20, 15, 16.375, 16.375, 9.5, 7.0)
+    registered = register_depth(np.full((15, 20), 2.0, np.float32), DepthCamera(tiny), COLOUR)
+    assert np.all(registered[8:-8, 8:-8] == 2.0)
+
+
+def test_colour_too_fine_for_its_depth_is_refused() -> None:
+    tiny = Camera(4, 3, 4.0, 4.0, 1.5, 1.0)
+    with pytest.raises(ValueError, match="colour: expected at most 64 times"):
+        register_depth(np.full((3, 4), 2.0, np.float32), DepthCamera(tiny), COLOUR)
+
+
 def test_unknown_depth_stays_unknown_and_other_sizes_are_refused() -> None:
     nothing = np.full((240, 320), np.nan, np.float32)
     nothing[3, 4], nothing[5, 6] = 0.0, -1.0
@@ -102,3 +114,11 @@ def test_a_picture_without_edges_tells_nothing() -> None:
     flat = np.full((240, 320), 90, np.uint8)
     found = edge_offset([flat], [np.full((240, 320), 2.0, np.float32)])
     assert np.isnan(found.px)
+
+
+def test_opposite_sides_of_a_depth_picture_make_no_edges() -> None:
+    """A floor that rises gently from the bottom to the top, and a wall that turns away."""
+    gray = np.full((240, 320), 90, np.uint8)
+    down, right = np.linspace(1.0, 3.0, 240), np.linspace(1.0, 3.0, 320)
+    for depth in (np.tile(right, (240, 1)), np.tile(down[:, None], (1, 320))):
+        assert edge_offset([gray], [depth.astype(np.float32)]).pixels == 0
