@@ -100,7 +100,7 @@ def _rotations(homography: FloatArray) -> FloatArray:
     view = np.zeros((len(p), 2, 3))
     view[:, 0, 0] = view[:, 1, 1] = 1.0
     view[:, 0, 2], view[:, 1, 2] = -p, -q
-    affine = np.linalg.solve(view @ turn[:, :, :2], derivative)
+    affine = np.asarray(np.linalg.solve(view @ turn[:, :, :2], derivative), np.float64)
     upper = affine / _largest_stretch(affine)[:, None, None]
     lower = np.sqrt(np.maximum(1.0 - np.sum(upper**2, axis=-2), 0.0))
     opposite = np.sum(upper[:, :, 0] * upper[:, :, 1], axis=-1) > 0.0
@@ -123,7 +123,7 @@ def _largest_stretch(matrix: FloatArray) -> FloatArray:
 def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
     """Of systems ``(..., k, k)``; NaN where one is singular, as of a marker shrunk to a point."""
     try:
-        return np.linalg.solve(matrix, right)
+        return np.asarray(np.linalg.solve(matrix, right), np.float64)
     except np.linalg.LinAlgError:
         finite = np.isfinite(matrix).all((-1, -2), keepdims=True)
         condition = np.linalg.cond(np.where(finite, matrix, 0.0))[..., None, None]
