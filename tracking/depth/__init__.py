@@ -18,6 +18,17 @@ A wall 2 m away, seen by a depth camera that sits 25 mm to the left of the colou
 (2.0, True)
 """
 
-import lazy_loader as lazy
+from motorcade.tracking.depth.cameras import DepthCamera, register_depth
+from motorcade.tracking.depth.edges import EdgeOffset, edge_offset
+from motorcade.tracking.depth.lattice import inverse_depth_step
+from motorcade.tracking.depth.refine import RefinedByDepth, refine_by_depth
 
-__getattr__, __dir__, __all__ = lazy.attach_stub(__name__, __file__)
+__all__ = [
+    "DepthCamera",
+    "EdgeOffset",
+    "RefinedByDepth",
+    "edge_offset",
+    "inverse_depth_step",
+    "refine_by_depth",
+    "register_depth",
+]
