@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motorcade.fusion.metrics import evaluate
+from motorcade.fusion.metrics import Align, evaluate
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.files.trajectories import even_stamps
 from motorcade.tracking.slam import SlamFrame, SlamResult, SlamSettings, VisualSlam
@@ -78,8 +78,8 @@ def loops(seed: int, kinds: Iterable[str] = KINDS) -> Iterator[Loop]:
 def _ape_m(result: SlamResult, truth: Trajectory) -> float:
     if result.trajectory is None:
         return float("inf")
-    align = "se3" if result.metric else "sim3"
-    return evaluate(result.trajectory, truth, align=align).ape_m.rmse  # type: ignore[arg-type]
+    align: Align = "se3" if result.metric else "sim3"
+    return evaluate(result.trajectory, truth, align=align).ape_m.rmse
 
 
 @dataclass(frozen=True)

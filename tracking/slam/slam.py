@@ -300,7 +300,7 @@ class VisualSlam:
         """Look for points of the newest keyframes where a predicted pose puts them."""
         if predicted is None:
             return None
-        ids, px = self._mapper.recover(picture, predicted, _nothing()[0])
+        ids, px = self._mapper.recover(picture, predicted, self._mapper.active)
         fit = self._refined(predicted, ids, px)
         row = int(self._map.rows_of(self._mapper.active)[-1])
         return self._gone_on(picture, fit, ids, px, row)
@@ -312,8 +312,8 @@ class VisualSlam:
         found = verified(self._map, corners, rows, self._pinhole)
         if found is None:
             return None
-        self._mapper.active = self._map.keyframes[found.keyframe].map_number
-        ids, px = self._mapper.recover(picture, found.fit.world_T_camera, _nothing()[0])
+        number = self._map.keyframes[found.keyframe].map_number
+        ids, px = self._mapper.recover(picture, found.fit.world_T_camera, number)
         if len(ids) < len(found.ids):
             ids, px = found.ids, found.px
         fit = self._refined(found.fit.world_T_camera, ids, px)
@@ -322,12 +322,13 @@ class VisualSlam:
     def _gone_on(
         self, picture: SlamPicture, fit: FittedPose, ids: IntArray, px: FloatArray, row: int
     ) -> SlamFrame | None:
-        """Track on from a pose that was found again, if it is reliable."""
+        """Track on from a pose that was found again by the keyframe `row`, if it is reliable."""
         if not is_reliable(fit, px, picture.gray.shape):
             return None
         pose, ids, px = fit.world_T_camera, ids[fit.inliers], px[fit.inliers]
         self._tracker.restart(TrackedPoints(picture, pose, ids, px, self._map.points[ids]))
         anchor = self._map.keyframes[row]
+        self._mapper.active = anchor.map_number
         self._anchor = KeyframeAnchor(row, anchor.map_number, anchor.world_T_camera, anchor.scale)
         self._remember(picture.time_ns, pose, fit.covariance)
         return self._frame(picture, fit, "relocalised", pose, False)
@@ -376,8 +377,3 @@ class VisualSlam:
         if right is not None:
             raise ValueError("right: expected none with a fisheye, whose pairs are not rectified")
         return SlamPicture(int(time_ns), gray, depth_m)
-
-
-def _nothing() -> tuple[IntArray, FloatArray]:
-    """No points, nowhere."""
-    return np.zeros(0, dtype=np.int64), np.zeros((0, 2))

@@ -70,3 +70,16 @@ def test_a_map_taken_to_another_world_leaves_the_others_where_they_are(view: Vie
             assert np.abs(poses[0].local(first)).max() < 1e-9
     assert result.online is not None
     assert np.abs(result.online.motors[0].translation_m).max() < 1e-9
+
+
+def test_a_map_that_is_recognised_in_vain_does_not_become_the_one_that_is_tracked_in(
+    view: View, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slam, poses = VisualSlam(CAMERA), _poses()
+    for index, pose in enumerate(poses):
+        slam.track(index * STEP_NS, *view(pose))
+    stamps = slam.snapshot().time_ns
+    assert stamps[0] > 0
+    monkeypatch.setattr("motorcade.tracking.slam.slam.is_reliable", lambda *_: False)
+    assert slam.track(len(poses) * STEP_NS, *view(poses[0])).state == "lost"
+    np.testing.assert_array_equal(slam.snapshot().time_ns, stamps)

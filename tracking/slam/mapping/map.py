@@ -63,8 +63,8 @@ class MapSnapshot:
     """A map as it was at one moment, read-only: what is saved, and what other estimators build on.
 
     Where lengths are not metres, poses and points share one free scale. Pixels are those of the
-    undistorted picture, a pinhole with the camera's matrix; the world is the first keyframe's
-    camera, or that of the map that was gone on in.
+    undistorted picture, a pinhole with the camera's matrix; or those of a fisheye (equidistant) as
+    it is. The world is the first keyframe's camera, or that of the map that was gone on in.
 
     Args:
         time_ns: ``(k,)`` stamps of the keyframes; world_T_camera: Motor ``(k,)``.

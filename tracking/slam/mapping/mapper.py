@@ -142,7 +142,7 @@ class Mapper:
 
     def _fill(self, picture: SlamPicture, pose: Motor, ids: IntArray, px: FloatArray) -> None:
         """Make a keyframe, fill it with corners, locate points and adjust the window."""
-        found_ids, found_px = self.recover(picture, pose, ids)
+        found_ids, found_px = self.recover(picture, pose, self.active, ids)
         ids, px = np.concatenate([ids, found_ids]), np.concatenate([px, found_px])
         corners = find_corners(picture.gray, self.settings.features, px)
         known_ids, rows = self.recognised(pose, ids, corners)
@@ -181,17 +181,18 @@ class Mapper:
         return np.full(len(px), np.nan)
 
     def recover(
-        self, picture: SlamPicture, pose: Motor, ids: IntArray
+        self, picture: SlamPicture, pose: Motor, number: int, ids: IntArray | None = None
     ) -> tuple[IntArray, FloatArray]:
-        """Points of the map that should be in view but are not tracked, found again.
+        """Points of a map that should be in view but are not tracked (`ids`), found again.
 
         They are tracked from the keyframe's own picture, so they come back without drift.
         """
         tracked = np.zeros(len(self.map.alive), dtype=np.bool_)
-        tracked[ids] = True
+        if ids is not None:
+            tracked[ids] = True
         all_ids, all_px = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 2))]
         hidden = []
-        for row in self.map.rows_of(self.active)[-_PICTURES_KEPT:]:
+        for row in self.map.rows_of(number)[-_PICTURES_KEPT:]:
             keyframe = self.map.keyframes[row]
             usable, expected = in_view(self.map, keyframe, keyframe.ids, pose, self.camera)
             rows = np.flatnonzero(usable & ~tracked[keyframe.ids])
