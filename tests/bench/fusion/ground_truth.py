@@ -6,7 +6,7 @@ ground truth and readings, without simulated poses:
 - the vertical: over two seconds and a half, what positions bend is what the accelerometer felt,
   turned by the ground truth's orientations, plus gravity. Gravity is free as a vector, with a bias
   and a turn of the accelerometer; its angle from the world's z is how far the ground truth leans;
-- the axes: turns of gyroscope and ground truth over 0.3 s, the mounting of one on the other free.
+- the axes: turns of gyroscope and ground truth over 0.3 s, the rotation between them free.
 
 Deviations are those of a jackknife over blocks of ten seconds. Then NEES/6 of the smoothed path, by
 default settings, which believe world and axes: with the ground truth as it is, and set right by
@@ -15,7 +15,6 @@ these five angles. What that takes off was the ground truth's (or its axes again
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -24,14 +23,19 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation, Slerp
 
 from motorcade.fusion.filter import fuse
-from motorcade.fusion.metrics import normalised_squared
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from tests.bench.data import data_folder
 from tests.bench.fusion.offsets import summed_turns
-from tests.bench.fusion.recorded import BLACKOUTS, FLIGHTS, NOISE, Flight, flight, measured
+from tests.bench.fusion.recorded import (
+    BLACKOUTS,
+    NOISE,
+    Flight,
+    flights_asked_for,
+    measured,
+    nees,
+)
 
-__all__ = ["GroundTruthFaults", "found_faults", "nees", "set_right"]
+__all__ = ["GroundTruthFaults", "found_faults", "set_right", "smoothed_nees"]
 
 _BEND_S = 2.5
 _TURN_S = 0.3
@@ -45,21 +49,21 @@ class GroundTruthFaults:
 
     Fields:
         lean_rad: ``(2,)`` rotation vector, about x and y, that sets the world upright.
-        mount_rad: ``(3,)`` rotation vector of the ground truth's axes in the gyroscope's.
-        lean_sigma_rad, mount_sigma_rad: of their lengths.
+        axes_rad: ``(3,)`` rotation vector of the ground truth's axes in the gyroscope's.
+        lean_sigma_rad, axes_sigma_rad: of their lengths.
     """
 
     lean_rad: FloatArray
-    mount_rad: FloatArray
+    axes_rad: FloatArray
     lean_sigma_rad: float
-    mount_sigma_rad: float
+    axes_sigma_rad: float
 
 
 def found_faults(one: Flight) -> GroundTruthFaults:
     """Both witnesses on one flight."""
     lean, lean_sigma = _jackknifed(*_bends(one), _lean)
-    mount, mount_sigma = _jackknifed(*_turns(one), _mount)
-    return GroundTruthFaults(lean, mount, lean_sigma, mount_sigma)
+    axes, axes_sigma = _jackknifed(*_turns(one), _axes)
+    return GroundTruthFaults(lean, axes, lean_sigma, axes_sigma)
 
 
 def _bends(one: Flight) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -104,7 +108,7 @@ def _turns(one: Flight) -> tuple[FloatArray, FloatArray, FloatArray]:
     return first, pair[0], pair[1] + middle
 
 
-def _mount(turned: FloatArray, read: FloatArray) -> FloatArray:
+def _axes(turned: FloatArray, read: FloatArray) -> FloatArray:
     def left(x: FloatArray) -> FloatArray:
         made: FloatArray = Rotation.from_rotvec(x[:3]).apply(turned) - read - x[3:]
         return made
@@ -143,39 +147,30 @@ def _interpolated(at: FloatArray, given: FloatArray, values: FloatArray) -> Floa
 def set_right(one: Flight, faults: GroundTruthFaults) -> Flight:
     """The flight with its ground truth upright, and in the gyroscope's axes."""
     lean = Motor.from_twist(np.concatenate([faults.lean_rad, np.zeros(4)]))
-    mount = Motor.from_twist(np.concatenate([faults.mount_rad, np.zeros(3)]))
-    poses = lean @ one.truth.motors @ mount.inverse()
+    axes = Motor.from_twist(np.concatenate([faults.axes_rad, np.zeros(3)]))
+    poses = lean @ one.truth.motors @ axes.inverse()
     return replace(one, truth=replace(one.truth, poses=poses))
 
 
-def nees(one: Flight, seed: int) -> float:
+def smoothed_nees(one: Flight, seed: int) -> float:
     """NEES/6 of the smoothed path of one draw of poses, by default settings."""
     fused = fuse(measured(one, seed, degraded=BLACKOUTS), one.imu, NOISE, Motor.identity())
-    off = fused.trajectory.motors.local(one.truth.motors_at(fused.trajectory.time_ns))
-    return float(np.mean(normalised_squared(off, fused.covariance))) / 6.0
+    return nees(one, fused)
 
 
 def main() -> None:
     """Print a line a flight."""
-    parser = argparse.ArgumentParser(prog="python -m tests.bench.fusion.ground_truth")
-    parser.add_argument("--flights", default=",".join(FLIGHTS), help="by commas")
-    parser.add_argument("--seeds", type=int, default=3)
-    given = parser.parse_args()
-    for name in given.flights.split(","):
-        one = flight(name, data_folder())
-        if one is None:
-            print(f"{name}: not below {data_folder()}; set MOTORCADE_DATA")
-            continue
+    for one, seeds in flights_asked_for("tests.bench.fusion.ground_truth", 3):
         faults = found_faults(one)
         right = set_right(one, faults)
         before, after = (
-            np.mean([nees(each, seed) for seed in range(given.seeds)]) for each in (one, right)
+            np.mean([smoothed_nees(each, seed) for seed in seeds]) for each in (one, right)
         )
-        lean, mount = (np.rad2deg(np.linalg.norm(x)) for x in (faults.lean_rad, faults.mount_rad))
+        lean, axes = (np.rad2deg(np.linalg.norm(x)) for x in (faults.lean_rad, faults.axes_rad))
         print(
-            f"{name}: leans {lean:.3f}° ± {np.rad2deg(faults.lean_sigma_rad):.3f}, axes turned by "
-            f"{mount:.3f}° ± {np.rad2deg(faults.mount_sigma_rad):.3f} "
-            f"({', '.join(f'{x:+.3f}' for x in np.rad2deg(faults.mount_rad))}); "
+            f"{one.name}: leans {lean:.3f}° ± {np.rad2deg(faults.lean_sigma_rad):.3f}, axes turned "
+            f"by {axes:.3f}° ± {np.rad2deg(faults.axes_sigma_rad):.3f} "
+            f"({', '.join(f'{x:+.3f}' for x in np.rad2deg(faults.axes_rad))}); "
             f"NEES/6 {before:.2f}, set right {after:.2f}",
             flush=True,
         )

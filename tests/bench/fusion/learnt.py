@@ -9,17 +9,14 @@ root mean square error of their positions. Constants were chosen on V1_02 and MH
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import replace
 
 import numpy as np
 
 from motorcade.fusion.filter import FilterSettings, fuse, learn_noise
 from motorcade.fusion.imu import ADIS16448
-from motorcade.fusion.metrics import normalised_squared
 from motorcade.ga import Motor
-from tests.bench.data import data_folder
-from tests.bench.fusion.recorded import BLACKOUTS, FLIGHTS, Flight, flight, measured
+from tests.bench.fusion.recorded import BLACKOUTS, Flight, flights_asked_for, measured, nees
 
 __all__ = ["SHEET", "TILTED", "learnt_figures"]
 
@@ -49,27 +46,18 @@ def learnt_figures(one: Flight, seed: int) -> dict[str, float]:
         made["error_ratio"] = found.after.held_out_m / found.before.held_out_m
     for name, noise in (("before", SHEET), ("after", found.noise)):
         fused = fuse(given, one.imu, noise, Motor.identity(), settings=TILTED)
-        off = fused.trajectory.motors.local(one.truth.motors_at(fused.trajectory.time_ns))
-        made[f"nees_{name}"] = float(np.mean(normalised_squared(off, fused.covariance))) / 6.0
+        made[f"nees_{name}"] = nees(one, fused)
     return made
 
 
 def main() -> None:
     """Measure what is asked for, a line a draw and one a flight."""
-    parser = argparse.ArgumentParser(prog="python -m tests.bench.fusion.learnt")
-    parser.add_argument("--flights", default=",".join(FLIGHTS), help="by commas")
-    parser.add_argument("--seeds", type=int, default=10)
-    given = parser.parse_args()
-    for name in given.flights.split(","):
-        one = flight(name, data_folder())
-        if one is None:
-            print(f"{name}: not below {data_folder()}; set MOTORCADE_DATA")
-            continue
+    for one, seeds in flights_asked_for("tests.bench.fusion.learnt", 10):
         rows = []
-        for seed in range(given.seeds):
+        for seed in seeds:
             rows.append(learnt_figures(one, seed))
-            print(f"{name}, seed {seed}: " + _line([rows[-1]]), flush=True)
-        print(f"{name}, {len(rows)} seeds: " + _line(rows), flush=True)
+            print(f"{one.name}, seed {seed}: " + _line([rows[-1]]), flush=True)
+        print(f"{one.name}, {len(rows)} seeds: " + _line(rows), flush=True)
 
 
 def _line(rows: list[dict[str, float]]) -> str:

@@ -76,8 +76,8 @@ def found_offset(one: Flight, seed: int, delay_s: float, degraded: Degradation) 
 def own_offset(one: Flight, span_s: float = _SPAN_S) -> float:
     """The gyroscope's clock minus that of the ground truth's orientations, seconds.
 
-    That at which turns of both over spans are most alike, the mounting and the gyroscope's bias
-    free; by SciPy's rotations, none of the product's.
+    That at which turns of both over spans are most alike, the rotation between them
+    and the gyroscope's bias free; by SciPy's rotations, none of the product's.
     """
     zero = one.imu.time_ns[0]
     time_s = (one.imu.time_ns - zero) * 1e-9
@@ -94,8 +94,8 @@ def own_offset(one: Flight, span_s: float = _SPAN_S) -> float:
         summed = summed_turns(time_s, one.imu.angular_rate_rad_s - bias)
 
         def left(x: np.ndarray, summed: Slerp = summed) -> np.ndarray:
-            mount, now = Rotation.from_rotvec(x[1:4]), summed(at_s + 1e-3 * x[0])
-            read = mount * now[first].inv() * now[last] * mount.inv()
+            turn, now = Rotation.from_rotvec(x[1:4]), summed(at_s + 1e-3 * x[0])
+            read = turn * now[first].inv() * now[last] * turn.inv()
             error: np.ndarray = (turned.inv() * read).as_rotvec() - x[4:] * span
             return error.ravel()
 

@@ -6,13 +6,16 @@ degrees of freedom and scales of 0.5 m and 0.5 rad; for 2 s every 15 s there is 
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from motorcade.fusion.filter import FilterSettings
+from motorcade.fusion.filter import FilterSettings, Fused
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
+from motorcade.fusion.metrics import normalised_squared
 from motorcade.fusion.motions.degradations import Blackouts, Degradation, InTurn, Outliers
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Trajectory
@@ -20,6 +23,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.replays.files.imu import read_imu
 from motorcade.replays.files.trajectories import read_trajectory
 from motorcade.tracking.measurements import PoseMeasurements
+from tests.bench.data import data_folder
 
 __all__ = [
     "BLACKOUTS",
@@ -29,7 +33,9 @@ __all__ = [
     "SETTINGS",
     "Flight",
     "flight",
+    "flights_asked_for",
     "measured",
+    "nees",
 ]
 
 _STATES = {
@@ -122,3 +128,23 @@ def measured(
     path = poses.trajectory
     late = Trajectory(path.time_ns + round(1e9 * delay_s), path.motors, path.parent, "imu")
     return PoseMeasurements(late, poses.covariance)
+
+
+def nees(one: Flight, fused: Fused) -> float:
+    """NEES/6 of a fused path, averaged over its poses."""
+    off = fused.trajectory.motors.local(one.truth.motors_at(fused.trajectory.time_ns))
+    return float(np.mean(normalised_squared(off, fused.covariance))) / 6.0
+
+
+def flights_asked_for(program: str, seeds: int) -> Iterator[tuple[Flight, range]]:
+    """The flights that the command line names, with as many seeds; those that lack are printed."""
+    parser = argparse.ArgumentParser(prog=f"python -m {program}")
+    parser.add_argument("--flights", default=",".join(FLIGHTS), help="by commas")
+    parser.add_argument("--seeds", type=int, default=seeds)
+    given = parser.parse_args()
+    for name in given.flights.split(","):
+        one = flight(name, data_folder())
+        if one is None:
+            print(f"{name}: not below {data_folder()}; set MOTORCADE_DATA")
+        else:
+            yield one, range(given.seeds)

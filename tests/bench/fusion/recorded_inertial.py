@@ -28,7 +28,7 @@ from tests.bench.fusion.inertial_slam import feed
 
 __all__ = ["track_recorded"]
 
-# A small camera's sensor is some ten times worse than EuRoC's, and shakes with its mount.
+# A small camera's sensor is some ten times worse than EuRoC's, and shakes with its holder.
 _TIMES_WORSE = 10.0
 _STEP = 5  # frames between which turns are compared
 
