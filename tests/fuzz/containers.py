@@ -1,7 +1,7 @@
 """Bags, MCAP, MP4 and GPMF taken apart into records, and put together again.
 
 A record has a head, a body, and records within; its lengths are written anew, so that a fault in
-one place does not spoil the rest, unless they are meant to be wrong.
+one place does not touch the rest, unless they are meant to be wrong.
 """
 
 from __future__ import annotations

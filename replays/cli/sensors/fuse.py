@@ -170,7 +170,7 @@ def _options(arguments: argparse.Namespace, rig: ImuCalibration | None) -> Fusin
     def radians(degrees: float | None) -> float | None:
         return None if degrees is None else float(np.deg2rad(degrees))
 
-    imu_T_camera, offset_s, noise = _mounted(arguments.extrinsics, rig)
+    imu_T_camera, offset_s, noise = _calibration(arguments.extrinsics, rig)
     return FusingOptions(
         noise=noise if arguments.noise is None else read_noise(arguments.noise),
         noise_factor=arguments.noise_factor,
@@ -191,7 +191,7 @@ def _options(arguments: argparse.Namespace, rig: ImuCalibration | None) -> Fusin
     )
 
 
-def _mounted(
+def _calibration(
     extrinsics: Path | None, rig: ImuCalibration | None
 ) -> tuple[Motor | None, float, ImuNoise | None]:
     """Extrinsics, the offset of the clocks and the noise, as files say them."""

@@ -19,7 +19,7 @@ from tests.bench.fusion.recorded import flight
 from tests.fusion.conftest import Run
 
 
-def spoiled(run: Run, poses: Motor) -> Run:
+def shifted(run: Run, poses: Motor) -> Run:
     path = run.measurements.trajectory
     moved = Trajectory(path.time_ns, poses, path.parent, path.child)
     return replace(run, measurements=PoseMeasurements(moved, run.measurements.covariance))
@@ -29,7 +29,7 @@ def disturbed(run: Run, how: str, seed: int) -> tuple[Run, np.ndarray]:
     path = run.measurements.trajectory
     seconds = path.time_s - path.time_s[0]
     poses, wrong = DISTURBANCES[how](path.motors, seconds, np.random.default_rng(seed))
-    return spoiled(run, poses), wrong
+    return shifted(run, poses), wrong
 
 
 def without(run: Run, wrong: np.ndarray) -> Fused:
@@ -77,7 +77,7 @@ def test_live_a_burst_that_moves_as_one_is_not_followed(record: Callable[..., Ru
     seconds = path.time_s - path.time_s[0]
     wrong = (seconds >= 4.0) & (seconds < 5.0)
     shift = wrong[:, None] * np.array([0.0, 0.0, 0.4, 1.0, -2.0, 0.5])
-    found = spoiled(run, Motor.from_twist(shift) @ path.motors).fuse(smoothed=False)
+    found = shifted(run, Motor.from_twist(shift) @ path.motors).fuse(smoothed=False)
     error = absolute_translation_m(found.trajectory.motors, run.camera.at(path.time_ns))
     assert np.max(error[seconds > 1.0]) < 0.1
     np.testing.assert_array_equal(found.accepted[wrong], False)

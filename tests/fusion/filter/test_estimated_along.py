@@ -18,8 +18,8 @@ from motorcade.tracking.measurements import PoseMeasurements
 GRAVITY = np.array([0.0, 0.0, 9.81])
 
 
-def test_gravity_mount_and_time_offset_are_found(record, rng):
-    """Poses of a world 2° off upright, by a camera mounted 1° and 2 cm off, 30 ms late."""
+def test_gravity_extrinsics_and_time_offset_are_found(record, rng):
+    """A world 2° off upright, extrinsics that are 1° and 2 cm off, poses 30 ms late."""
     run = record(rng, 30.0)
     tilt = Motor.from_twist([np.deg2rad(2.0), np.deg2rad(-1.0), 0.3, 1.0, 2.0, 3.0])
     extrinsics = run.imu_T_camera @ Motor.from_twist([0.017, -0.01, 0.008, 0.02, -0.01, 0.015])
@@ -53,7 +53,7 @@ def test_gravity_mount_and_time_offset_are_found(record, rng):
 
 
 @pytest.mark.slow
-def test_mount_and_time_offset_err_as_much_as_their_covariance_says():
+def test_extrinsics_and_time_offset_err_as_much_as_their_covariance_says():
     """NEES of seven unknowns over simulated runs, started a few degrees and centimetres off."""
     true = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
     settings = FilterSettings(

@@ -320,10 +320,12 @@ def flight(data_dir: Path) -> Recording:
 
 
 def flown(flight, truth_file: str, rng, dark_s=()):
-    mount, noise = flight.imu_T_camera, flight.imu_noise.scaled(FLIGHT_NOISE_FACTOR)
-    truth = read_trajectory(flight.root / truth_file).transformed_by(right=mount, child="camera")
+    imu_T_camera, noise = flight.imu_T_camera, flight.imu_noise.scaled(FLIGHT_NOISE_FACTOR)
+    truth = read_trajectory(flight.root / truth_file).transformed_by(
+        right=imu_T_camera, child="camera"
+    )
     measured = simulate_camera_poses(truth, 20.0, 0.01, np.deg2rad(0.5), rng)
-    return truth, blacked_out(measured, dark_s), (flight.imu, noise, mount)
+    return truth, blacked_out(measured, dark_s), (flight.imu, noise, imu_T_camera)
 
 
 @pytest.mark.slow

@@ -204,7 +204,7 @@ def test_a_measured_point_and_velocity(rng, call):
 def test_a_corner_through_a_camera(rng, call):
     pose, extrinsics = motor_with(rng, 0.5), motor_with(rng, 0.5)
     point = (pose @ extrinsics).apply(np.array([0.4, -0.3, 2.5]))
-    seen, depth, by_pose, by_mount = call(
+    seen, depth, by_pose, by_extrinsics = call(
         "corner", pose.coefficients, extrinsics.coefficients, point
     )
     np.testing.assert_allclose([*seen, *depth], [0.16, -0.12, 2.5], atol=1e-12)
@@ -216,4 +216,4 @@ def test_a_corner_through_a_camera(rng, call):
     moved = numeric(lambda e: through(pose @ Motor.from_twist(e) @ extrinsics), 6, 1e-5)
     shifted = numeric(lambda e: through(pose @ extrinsics @ Motor.from_twist(e)), 6, 1e-5)
     np.testing.assert_allclose(by_pose.reshape(2, 6), moved, atol=1e-8)
-    np.testing.assert_allclose(by_mount.reshape(2, 6), shifted, atol=1e-8)
+    np.testing.assert_allclose(by_extrinsics.reshape(2, 6), shifted, atol=1e-8)

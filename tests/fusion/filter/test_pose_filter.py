@@ -108,7 +108,7 @@ def test_what_comes_too_late_or_from_before_the_start_is_refused(record, rng):
         assert count < 100  # of 400 samples, half a second and what lies between kept states
 
 
-def test_without_its_mount_nothing_of_a_camera_is_taken():
+def test_without_its_extrinsics_nothing_of_a_camera_is_taken():
     """It is never taken for the identity: a pose of the IMU itself is another measurement."""
     stream = PoseFilter(ADIS16448)
     stream.imu(0, np.zeros(3), GRAVITY)

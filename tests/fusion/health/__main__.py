@@ -1,6 +1,6 @@
 """A table of faults and recordings: which fault the verdict names on which recording.
 
-`python -m tests.fusion.health [--mount askew|quarter] [--seeds N] [--lines]`
+`python -m tests.fusion.health [--extrinsics askew|quarter] [--seeds N] [--lines]`
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import argparse
 import sys
 
 from tests.bench.data import data_folder
-from tests.fusion.health.cases import FAULTS, FLIGHTS, MOUNTS, Case, checked, flown, simulated
+from tests.fusion.health.cases import EXTRINSICS, FAULTS, FLIGHTS, Case, checked, flown, simulated
 
 MOTIONS = ("handheld", "walk_and_look", "stop_and_go", "gimbal_hover", "tumble")
 
@@ -17,14 +17,14 @@ MOTIONS = ("handheld", "walk_and_look", "stop_and_go", "gimbal_hover", "tumble")
 def main() -> int:
     """Print the table; 1 where a fault goes unnamed or a sound recording raises one."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--mount", choices=MOUNTS, default="askew")
+    parser.add_argument("--extrinsics", choices=EXTRINSICS, default="askew")
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--lines", action="store_true", help="print each verdict in full")
     options = parser.parse_args()
     missed = 0
     for seed in range(options.seeds):
-        cases = {name: flown(name, data_folder(), options.mount, seed) for name in FLIGHTS}
-        cases |= {name: simulated(name, options.mount, seed) for name in MOTIONS}
+        cases = {name: flown(name, data_folder(), options.extrinsics, seed) for name in FLIGHTS}
+        cases |= {name: simulated(name, options.extrinsics, seed) for name in MOTIONS}
         missed += _table(cases, lines=options.lines)
     print(f"{missed} of {options.seeds * (len(FAULTS) + 1) * (len(FLIGHTS) + len(MOTIONS))} missed")
     return int(missed > 0)

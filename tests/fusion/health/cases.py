@@ -22,7 +22,7 @@ from motorcade.tracking.measurements import PoseMeasurements
 DEGRADED = InTurn((Outliers(0.02, 0.5, 0.5), Blackouts(2.0, 15.0)))
 """What any tracker does: 2 % of the poses are off, and for 2 s every 15 s there is none."""
 
-MOUNTS: Mapping[str, Motor] = {
+EXTRINSICS: Mapping[str, Motor] = {
     # Euler angles and metres of a camera that sits askew, and EuRoC's own, turned by a quarter.
     "askew": Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07])),
     "quarter": Motor.from_rotor_translation(
@@ -61,7 +61,7 @@ class Case:
         imu_T_camera: the extrinsics, as stated.
         gravity_m_s2: as stated.
         truth: `world_T_imu`, for faults that need it.
-        mount: name of the extrinsics.
+        extrinsics: name of the extrinsics.
     """
 
     poses: PoseMeasurements
@@ -69,13 +69,13 @@ class Case:
     imu_T_camera: Motor
     gravity_m_s2: float
     truth: Trajectory
-    mount: str = "askew"
+    extrinsics: str = "askew"
 
 
 def flown(
     name: str,
     folder: Path,
-    mount: str = "askew",
+    extrinsics: str = "askew",
     seed: int = 0,
     degraded: Degradation | None = DEGRADED,
 ) -> Case:
@@ -83,24 +83,31 @@ def flown(
     stream, states = (folder / one for one in FLIGHTS[name])
     imu, truth = read_imu(stream), read_trajectory(states, child="imu")
     inside = (truth.time_ns >= imu.time_ns[0]) & (truth.time_ns <= imu.time_ns[-1])
-    return replace(case(truth[inside], imu, MOUNTS[mount], seed, degraded), mount=mount)
+    return replace(
+        case(truth[inside], imu, EXTRINSICS[extrinsics], seed, degraded), extrinsics=extrinsics
+    )
 
 
-def simulated(name: str, mount: str = "askew", seed: int = 0, duration_s: float = 40.0) -> Case:
+def simulated(
+    name: str, extrinsics: str = "askew", seed: int = 0, duration_s: float = 40.0
+) -> Case:
     """One of the standard motions with a simulated sensor."""
     path = ContinuousPath.along(MOTIONS[name], duration_s, start_ns=10**18)
     sensor = simulate_imu(path, 200.0, ADIS16448, np.random.default_rng(seed))
-    return replace(case(sensor.path, sensor.stream, MOUNTS[mount], seed, DEGRADED), mount=mount)
+    return replace(
+        case(sensor.path, sensor.stream, EXTRINSICS[extrinsics], seed, DEGRADED),
+        extrinsics=extrinsics,
+    )
 
 
 def case(
-    truth: Trajectory, imu: ImuStream, mount: Motor, seed: int, degraded: Degradation | None
+    truth: Trajectory, imu: ImuStream, extrinsics: Motor, seed: int, degraded: Degradation | None
 ) -> Case:
-    """The case of a path and its stream, with the camera mounted so."""
-    camera = truth.transformed_by(right=mount, child="camera")
+    """The case of a path and its stream, with the camera so on its IMU."""
+    camera = truth.transformed_by(right=extrinsics, child="camera")
     rng = np.random.default_rng(seed)
     poses = simulate_camera_poses(camera, 20.0, 0.01, float(np.deg2rad(0.5)), rng, degraded)
-    return Case(poses, imu, mount, 9.81, truth)
+    return Case(poses, imu, extrinsics, 9.81, truth)
 
 
 Fault = Callable[[Case, Case], Case]
@@ -109,12 +116,12 @@ Fault = Callable[[Case, Case], Case]
 def _readings(rate: FloatArray | float = 1.0, force: FloatArray | float = 1.0) -> Fault:
     """Readings multiplied by a number or a matrix."""
 
-    def spoilt(one: Case, _: Case) -> Case:
+    def degraded_case(one: Case, _: Case) -> Case:
         rates = one.imu.angular_rate_rad_s @ (np.eye(3) * rate if np.ndim(rate) == 0 else rate)
         forces = one.imu.specific_force_m_s2 @ (np.eye(3) * force if np.ndim(force) == 0 else force)
         return replace(one, imu=ImuStream(one.imu.time_ns, rates, forces))
 
-    return spoilt
+    return degraded_case
 
 
 def _on_the_moon(one: Case, _: Case) -> Case:
@@ -130,16 +137,18 @@ def _extrinsics(changed: Callable[[Motor], Motor]) -> Fault:
     return lambda one, _: replace(one, imu_T_camera=changed(one.imu_T_camera))
 
 
-def _turned(mount: Motor) -> Motor:
+def _turned(extrinsics: Motor) -> Motor:
     axis = np.array([1.0, -2.0, 1.5])
     vector = np.deg2rad(20.0) * axis / np.linalg.norm(axis)
-    return mount @ Motor.from_rotor_translation(Rotor.from_rotation_vector(vector), np.zeros(3))
+    return extrinsics @ Motor.from_rotor_translation(
+        Rotor.from_rotation_vector(vector), np.zeros(3)
+    )
 
 
 def _stamps(imu: Callable[..., np.ndarray], poses: Callable[..., np.ndarray]) -> Fault:
     """Other stamps for either stream."""
 
-    def spoilt(one: Case, _: Case) -> Case:
+    def degraded_case(one: Case, _: Case) -> Case:
         stream = ImuStream(
             imu(one.imu.time_ns), one.imu.angular_rate_rad_s, one.imu.specific_force_m_s2
         )
@@ -147,7 +156,7 @@ def _stamps(imu: Callable[..., np.ndarray], poses: Callable[..., np.ndarray]) ->
         moved = Trajectory(poses(path.time_ns), path.motors, path.parent, path.child)
         return replace(one, imu=stream, poses=PoseMeasurements(moved, one.poses.covariance))
 
-    return spoilt
+    return degraded_case
 
 
 def _of_another(one: Case, other: Case) -> Case:
@@ -179,7 +188,10 @@ FAULTS: Mapping[str, tuple[Fault, str]] = {
     "axes cycled": (_readings(_CYCLE, _CYCLE), "axes"),
     "z negated": (_readings(_FLIP, _FLIP), "axes"),
     "left-handed": (_readings(-_FLIP, _FLIP), "axes"),
-    "extrinsics transposed": (_extrinsics(lambda mount: mount.inverse()), "extrinsics_inverted"),
+    "extrinsics transposed": (
+        _extrinsics(lambda extrinsics: extrinsics.inverse()),
+        "extrinsics_inverted",
+    ),
     "extrinsics off by 20°": (_extrinsics(_turned), "extrinsics_turned"),
     "IMU's stamps in µs": (_stamps(lambda ns: ns // 1000, _same), "stamp_unit"),
     "poses' stamps in µs": (_stamps(_same, lambda ns: ns // 1000), "stamp_unit"),
@@ -200,12 +212,12 @@ ALIKE = {("quarter", "extrinsics transposed"): ("extrinsics_inverted", "axes")}
 
 def checked(fault: str, one: Case, other: Case) -> tuple[Health, bool]:
     """The verdict on a case with a fault ("none" for as it is), and whether it is right."""
-    spoil, expected = FAULTS.get(fault, (None, ""))
-    given = one if spoil is None else spoil(one, other)
+    plant, expected = FAULTS.get(fault, (None, ""))
+    given = one if plant is None else plant(one, other)
     found = check_health(
         given.poses.trajectory, given.imu, given.imu_T_camera, gravity_m_s2=given.gravity_m_s2
     )
-    if spoil is None:
+    if plant is None:
         return found, found.sound
     names = [(one.fault, one.instead) for one in found.findings]
-    return found, names == [ALIKE.get((one.mount, fault), (expected, None))]
+    return found, names == [ALIKE.get((one.extrinsics, fault), (expected, None))]

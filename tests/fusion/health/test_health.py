@@ -20,7 +20,16 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Outliers
 from motorcade.fusion.simulate_poses import simulate_camera_poses
 from motorcade.ga import Motor, Trajectory
-from tests.fusion.health.cases import FAULTS, FLIGHTS, MOUNTS, Case, case, checked, flown, simulated
+from tests.fusion.health.cases import (
+    EXTRINSICS,
+    FAULTS,
+    FLIGHTS,
+    Case,
+    case,
+    checked,
+    flown,
+    simulated,
+)
 
 # One of each kind; the slow test has them all.
 QUICK = (
@@ -96,14 +105,14 @@ def test_no_measurement_tells_an_inverse_from_two_negated_axes(handheld):
         np.einsum(
             "kijl,jl->ki",
             Pushes.of(camera, stream, 0.0, 100).force,
-            mount.inverse().rotor.as_matrix(),
+            extrinsics.inverse().rotor.as_matrix(),
         )
-        for stream, mount in ((imu, QUARTER.inverse()), (negated, QUARTER))
+        for stream, extrinsics in ((imu, QUARTER.inverse()), (negated, QUARTER))
     ]
     np.testing.assert_allclose(felt[0], felt[1], atol=1e-12)
     one, other = (
-        TurnedAngle(stream).at(camera.time_ns[::20]) @ mount.rotor.as_matrix()
-        for stream, mount in ((imu, QUARTER.inverse()), (negated, QUARTER))
+        TurnedAngle(stream).at(camera.time_ns[::20]) @ extrinsics.rotor.as_matrix()
+        for stream, extrinsics in ((imu, QUARTER.inverse()), (negated, QUARTER))
     )
     np.testing.assert_allclose(one, other, atol=1e-12)
 
@@ -161,9 +170,9 @@ def test_gravity_alone_tells_sign_and_unit_where_up_is_known(rng, factor, fault)
 
 
 def test_outliers_raise_no_alarm(handheld):
-    mount = handheld.imu_T_camera
+    extrinsics = handheld.imu_T_camera
     for share in (0.1, 0.3):
-        wild = case(handheld.truth, handheld.imu, mount, 3, Outliers(share, 1.0, 0.8))
+        wild = case(handheld.truth, handheld.imu, extrinsics, 3, Outliers(share, 1.0, 0.8))
         found, _ = checked("none", wild, wild)
         assert found.sound, found.summary
 
@@ -237,10 +246,10 @@ def test_windows_take_accelerations_exactly():
     path = ContinuousPath.along(MOTIONS["walk_and_look"], 12.0, start_ns=10**18)
     tiny = ADIS16448.scaled(1e-6)
     sensor = simulate_imu(path, 400.0, tiny, np.random.default_rng(0))
-    mount = MOUNTS["askew"]
-    camera = sensor.path.transformed_by(right=mount)
+    extrinsics = EXTRINSICS["askew"]
+    camera = sensor.path.transformed_by(right=extrinsics)
     pushes = Pushes.of(camera, sensor.stream, 0.0, 100)
-    camera_T_imu = mount.inverse()
+    camera_T_imu = extrinsics.inverse()
     felt = np.einsum("kijl,jl->ki", pushes.force, camera_T_imu.rotor.as_matrix())
     arm = pushes.lever @ camera_T_imu.translation_m
     left = pushes.acceleration_m_s2 + arm - felt - np.array([0.0, 0.0, -9.81])
@@ -267,11 +276,11 @@ def test_units_of_stamps_are_told(poses, imu, line):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FLIGHTS)
-@pytest.mark.parametrize("mount", MOUNTS)
-def test_every_fault_of_a_flight_is_named(data_dir: Path, name, mount):
+@pytest.mark.parametrize("extrinsics", EXTRINSICS)
+def test_every_fault_of_a_flight_is_named(data_dir: Path, name, extrinsics):
     others = list(FLIGHTS)
-    one = flown(name, data_dir, mount)
-    other = flown(others[others.index(name) - 1], data_dir, mount)
+    one = flown(name, data_dir, extrinsics)
+    other = flown(others[others.index(name) - 1], data_dir, extrinsics)
     missed = {
         fault: found.summary
         for fault, (found, right) in (

@@ -54,14 +54,14 @@ def test_a_cameras_poses_give_the_imu_bolted_to_it(moving: Path, tmp_path: Path)
     plain, bolted = tmp_path / "plain.csv", tmp_path / "bolted.csv"
     half = 0.5**0.5
     assert run("simulate-imu", moving, "-o", plain, "--noise", "none") == 0
-    mount = ["--imu-from-poses", "0", "0", "0", "0", "0", half, half]
-    assert run("simulate-imu", moving, "-o", bolted, "--noise", "none", *mount) == 0
+    extrinsics = ["--imu-from-poses", "0", "0", "0", "0", "0", half, half]
+    assert run("simulate-imu", moving, "-o", bolted, "--noise", "none", *extrinsics) == 0
     camera, imu = read_imu(plain), read_imu(bolted)
     x, y, z = camera.angular_rate_rad_s.T
     np.testing.assert_allclose(imu.angular_rate_rad_s, np.stack([-y, x, z], axis=-1), atol=1e-12)
 
 
-def test_bad_mounts_and_noise_are_refused_in_one_line(
+def test_bad_extrinsics_and_noise_are_refused_in_one_line(
     moving: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "imu.csv"

@@ -187,7 +187,7 @@ def test_frames_that_do_not_join_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("spoil", "problem"),
+    ("change", "problem"),
     [
         (lambda row, at: (row * np.repeat([1.0, 0.0], [3, 4]), at), "unit quaternion.* norm 0"),
         (lambda row, at: (row * np.nan, at), "pose 2: expected a position within"),
@@ -196,12 +196,12 @@ def test_frames_that_do_not_join_are_refused(tmp_path: Path) -> None:
     ],
 )
 def test_poses_that_are_none_are_refused(
-    tmp_path: Path, spoil: Any, problem: str, caplog: pytest.LogCaptureFixture
+    tmp_path: Path, change: Any, problem: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     made, rows = Messages(ros1=True), numbers(np.random.default_rng(1), 4)
     sent = []
     for index, (at, row) in enumerate(zip(stamps(4), rows, strict=True)):
-        numbers_, stamp = spoil(row, at) if index == 2 else (row, at)
+        numbers_, stamp = change(row, at) if index == 2 else (row, at)
         sent.append(("/p", at, made.pose(POSE_TYPES[0], stamp, numbers_, ("a", ""))))
     bag = write_messages(tmp_path, "bag", sent)
     if problem == "stamps go back":  # a stamp of 0 among others is a stamp

@@ -156,7 +156,7 @@ def test_telemetry_is_used_only_where_the_camera_sits_on_it(
     manifest.write_text(manifest.read_text() + placed)
     bare = open_recording(path, manifest).imu
     assert bare is not None
-    # The same where the manifest names the video: used with a mount, told of without one.
+    # The same where the manifest names the video: used with extrinsics, told of without.
     manifest.write_text('[frames]\nvideo = "karma.mp4"\n' + manifest.read_text())
     named = open_recording(path.parent, manifest).imu
     assert named is not None
@@ -168,7 +168,7 @@ def test_telemetry_is_used_only_where_the_camera_sits_on_it(
 
 
 def test_the_gyroscopes_z_turns_with_the_pictures_upward_axis(data_dir: Path) -> None:
-    """Pictures shift sideways as the camera turns; witness of the mount that the tutorial gives."""
+    """Pictures shift sideways as the camera turns: a witness of the tutorial's extrinsics."""
     recording = open_recording(data_dir / "replays" / "gopro" / "karma.mp4")
     frames, imu = recording.frames, recording.imu
     assert imu is not None

@@ -99,7 +99,7 @@ MISTAKES = {
         r"\[truth\] convention: the key is missing",
     ),
     "rows": (FRAMES + TRUTH + "rows = 13\n", "rows: expected a whole number from 1 to 12"),
-    "imu mounting": (FRAMES + '[imu]\nfile = "imu.csv"\n', r"imu_T_camera: the key is missing"),
+    "imu extrinsics": (FRAMES + '[imu]\nfile = "imu.csv"\n', r"imu_T_camera: the key is missing"),
     "no imu": (FRAMES + f"[imu]\nimu_T_camera = {IDENTITY}\n", r"\[imu\] file: the key is missing"),
     "name": (FRAMES.replace("[frames]", "name = 3\n[frames]"), "name: expected text, got '3'"),
     "settings": ("settings = 'a.b=1'\n" + FRAMES, "settings: expected a list of texts"),

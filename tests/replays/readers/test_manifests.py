@@ -261,7 +261,7 @@ class TestOnTopOfALayout:
         expected = recording.imu_T_camera.translation_m + np.array([1.0, 0.0, 0.0])
         assert np.allclose(recording.truth.poses.translation_m[0], expected)
 
-    def test_noise_and_mounting_can_be_replaced_alone(self, make: Make) -> None:
+    def test_noise_and_extrinsics_can_be_replaced_alone(self, make: Make) -> None:
         made = make("euroc")
         (made.root / "noise.yaml").write_text(
             "gyroscope_noise_density: 1e-3\ngyroscope_random_walk: 1e-4\n"

@@ -28,7 +28,9 @@ from motorcade.tracking.slam import MapSnapshot
 from motorcade.tracking.slam.results import SlamResult
 from tests.replays.stages.stamps import Stamps
 
-MOUNT = Motor.from_euler_translation(np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07]))
+IMU_T_CAMERA = Motor.from_euler_translation(
+    np.array([1.2, -0.4, 0.3]), np.array([0.05, -0.1, 0.07])
+)
 CAMERA = Camera(640, 480, 300.0, 300.0, 319.5, 239.5)
 OFFSET_S = 0.025
 
@@ -36,7 +38,7 @@ OFFSET_S = 0.025
 def path(rate_hz: float = 20.0, child: str = "camera") -> Trajectory:
     """Where the camera really was for ten seconds; z is up."""
     sampled = MOTIONS["handheld"].sampled(rate_hz, 10.0, child="imu")
-    return sampled.transformed_by(right=MOUNT, child=child)
+    return sampled.transformed_by(right=IMU_T_CAMERA, child=child)
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +64,7 @@ def recording(**more: Any) -> Recording:
 
 
 def with_imu(stream: ImuStream) -> Recording:
-    return recording(imu=stream, imu_T_camera=MOUNT)
+    return recording(imu=stream, imu_T_camera=IMU_T_CAMERA)
 
 
 def both(one: Recording, poses: CameraPoses, **knobs: Any) -> tuple[UsedImu, FusedPath]:
@@ -109,7 +111,7 @@ def test_the_clock_of_a_recorded_imu_is_set_where_that_is_asked_for(stream: ImuS
     assert errors[1] < 0.7 * errors[0]
 
 
-def test_an_imu_of_unknown_mount_is_never_taken_to_sit_in_the_camera(
+def test_an_imu_of_unknown_extrinsics_is_never_taken_to_sit_in_the_camera(
     stream: ImuStream, caplog: pytest.LogCaptureFixture
 ) -> None:
     one, poses = recording(imu=stream), measured()
@@ -213,15 +215,17 @@ def test_measured_poses_outside_what_is_fused_stay_as_they_were_tracked(
 
 def drifting() -> Odometry:
     """A path in its own world that goes astray by a few centimetres, smooth from step to step."""
-    mount = Motor.from_euler_translation(np.array([0.3, 0.2, -0.1]), np.array([0.1, 0.0, 0.2]))
-    truth = path(30.0).transformed_by(right=mount.inverse(), child="body")
+    body_T_odometry = Motor.from_euler_translation(
+        np.array([0.3, 0.2, -0.1]), np.array([0.1, 0.0, 0.2])
+    )
+    truth = path(30.0).transformed_by(right=body_T_odometry.inverse(), child="body")
     astray = np.cumsum(
         np.random.default_rng(5).standard_normal((len(truth), 6)) * np.repeat([2e-4, 5e-4], 3),
         axis=0,
     )
     own = Motor.from_euler_translation(np.array([0.0, 0.0, 2.0]), np.array([5.0, 0.0, 0.0]))
     drifted = truth.transformed_by(left=own, right=Motor.from_twist(astray))
-    return Odometry(drifted, mount)
+    return Odometry(drifted, body_T_odometry)
 
 
 def test_a_recorded_odometry_bridges_what_the_camera_did_not_see(stream: ImuStream) -> None:
@@ -236,7 +240,7 @@ def test_a_recorded_odometry_bridges_what_the_camera_did_not_see(stream: ImuStre
     with pytest.raises(ValueError, match=r"fused\.by=imu, but no IMU was recorded"):
         fused(recording(odometry=drifting()), poses, made, by="imu")
     # What was measured by an IMU goes through the filter.
-    one = recording(odometry=drifting(), imu=stream, imu_T_camera=MOUNT)
+    one = recording(odometry=drifting(), imu=stream, imu_T_camera=IMU_T_CAMERA)
     assert both(one, poses)[1].by == "imu"
     live = fused(recording(odometry=drifting()), poses, made, look_ahead=False)
     assert (live.by, len(live.trajectory)) == ("nothing", len(poses.measurements))
@@ -309,7 +313,7 @@ def test_an_imu_tells_metres_where_it_was_carried_and_says_why_not(stream: ImuSt
         in_metres(replace(one, imu_T_camera=None), mapped(path()))
     still = Trajectory(path().time_ns, Motor.stack([path().motors[0]] * len(path())))
     at_rest = simulate_imu(
-        still.transformed_by(right=MOUNT.inverse(), child="imu"),
+        still.transformed_by(right=IMU_T_CAMERA.inverse(), child="imu"),
         200.0,
         ADIS16448,
         np.random.default_rng(1),

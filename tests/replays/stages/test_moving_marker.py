@@ -232,7 +232,7 @@ def test_what_is_asked_for_and_not_there_is_refused() -> None:
         placed(nameless, found, smoothed, on="marker", marker=ID)
 
 
-def test_a_marker_that_is_said_to_move_spoils_no_map() -> None:
+def test_a_marker_that_is_said_to_move_does_no_harm_to_the_map() -> None:
     rng = np.random.default_rng(8)
     wall = wall_of_markers(3, 1, 0.16, 20.0, rng)
     cameras, pictures = handheld_path(FRAMES, 0.7), []

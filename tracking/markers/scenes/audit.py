@@ -32,7 +32,7 @@ _LEAST_TURN_RAD = 0.01
 _SECOND_AXIS = 0.02
 """Share of the turning about its main axis that there must be about another one."""
 _OFF_RAD = np.radians(10.0)
-"""No mounting is stated so badly; a sign, an order of axes or an inverse is off by more."""
+"""No extrinsics are stated so badly; a sign, an order of axes or an inverse is off by more."""
 _DEVIATIONS = 6.0
 _SIZE_SHARE = 0.03
 """A print is off by less than this, and so is a size that was measured with a ruler."""
