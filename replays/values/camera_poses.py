@@ -12,6 +12,7 @@ from motorcade.replays.engine.aside import ASIDE
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.tracking import PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
+from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.frame_history import SlamHistory
 
 PoseOrigin = Literal["board", "markers", "slam", "simulated"]
@@ -36,6 +37,8 @@ class CameraPoses:
         skipped: ways that were tried before this one, with the reason.
         slam_history: what became of every frame, where SLAM tracked them.
         audit: whether what was told of cameras, rig, board or markers agrees with what was seen.
+        depth_camera: what took the depth pictures, where they do not lie on colour as the recording
+            has it; whatever reads depth along these poses reads it through this one.
         has_odometry: whether the recorded odometry is in the poses already.
         seconds: what tracking took, reading and decoding the pictures included.
 
@@ -66,6 +69,7 @@ class CameraPoses:
     skipped: tuple[str, ...] = ()
     slam_history: SlamHistory | None = None
     audit: tuple[AuditFinding, ...] = ()
+    depth_camera: DepthCamera | None = None
     has_odometry: bool = False
     seconds: float = field(default=0.0, metadata=ASIDE)
 

@@ -16,6 +16,7 @@ from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import DepthArray, ImageArray, Recording
 from motorcade.replays.stages.camera.depth import measured_depth
 from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.stages.camera.registered import registered_by
 from motorcade.tracking.audit import AuditFinding, Verdict
 from motorcade.tracking.depth.cameras import DepthCamera
 from motorcade.tracking.depth.edges import EdgeOffset, edge_offset
@@ -38,30 +39,31 @@ _LEVEL_PX = 2.0
 _FEWEST_MATCHES = 60
 
 
-def audited_depth(recording: Recording) -> tuple[Recording, tuple[AuditFinding, ...]]:
-    """Look whether depth lies on colour; where it does not, and a correction does, register anew.
+def audited_depth(
+    recording: Recording,
+) -> tuple[DepthCamera | None, tuple[AuditFinding, ...]]:
+    """Look whether depth lies on colour; where it does not, and a correction does, say by which.
 
     Returns:
-        the recording, its depth registered as it fits best, and what was found.
+        the depth camera that brings depth onto colour, None to leave it, and what was found.
     """
-    if recording.frames[0].read_depth is None and not _sampled(recording):
-        return recording, ()
     numbers = _sampled(recording)
+    if not numbers:
+        return None, ()
     grays = [_undistorted(recording, recording.frames[number].gray()) for number in numbers]
     stated = edge_offset(grays, [_registered(recording, number) for number in numbers])
     findings = [_unit(recording, numbers)] if recording.layout == "seven_scenes" else []
     if not np.isfinite(stated.px):
         summary = "edges of depth and of colour do not tell whether they fit"
-        return recording, (
-            *findings,
-            AuditFinding("depth_on_colour", "unknown", None, "px", summary),
-        )
+        found = AuditFinding("depth_on_colour", "unknown", None, "px", summary)
+        return None, (*findings, found)
     if stated.px <= _OFF_PX:
         summary = f"depth lies on colour to {stated.px:.1f} px"
         found = AuditFinding("depth_on_colour", "consistent", stated.px, "px", summary)
-        return recording, (*findings, found)
+        return None, (*findings, found)
     corrected = _corrected(recording, stated)
-    again = edge_offset(grays, [_registered(corrected, number) for number in numbers])
+    anew = registered_by(recording, corrected)
+    again = edge_offset(grays, [_registered(anew, number) for number in numbers])
     mended = np.isfinite(again.px) and again.px <= _OFF_PX
     verdict: Verdict = "contradicted" if stated.px > _CLEARLY_PX else "doubtful"
     summary = (
@@ -74,7 +76,7 @@ def audited_depth(recording: Recording) -> tuple[Recording, tuple[AuditFinding, 
     if abs(stated.zoom - 1.0) >= _ZOOMED:
         advice += f": colour's to depth's is {stated.zoom:.3f} times what is stated"
     found = AuditFinding("depth_on_colour", verdict, stated.px, "px", summary, advice)
-    return (corrected if mended else recording), (*findings, found)
+    return (corrected if mended else None), (*findings, found)
 
 
 def audited_pair(recording: Recording) -> AuditFinding:
@@ -133,19 +135,17 @@ def _registered(recording: Recording, number: int) -> DepthArray:
     return camera_of(recording).undistort_depth(depth_m)
 
 
-def _corrected(recording: Recording, off: EdgeOffset) -> Recording:
-    """The recording with its depth camera turned and zoomed so that edges meet."""
+def _corrected(recording: Recording, off: EdgeOffset) -> DepthCamera:
+    """The depth camera, turned and zoomed so that edges meet."""
     frames, colour = recording.frames, camera_of(recording)
-    if not isinstance(frames, PictureFrames):
-        return recording
     taken_by, _ = measured_depth(recording)
-    lens = taken_by.camera if frames.depth_camera is None else frames.depth_camera.camera
+    stated = frames.depth_camera if isinstance(frames, PictureFrames) else None
+    lens = taken_by.camera if stated is None else stated.camera
     turn = Rotor.from_rotation_vector([-off.down_px / colour.fy, off.right_px / colour.fx, 0.0])
-    sensor = DepthCamera(
+    return DepthCamera(
         replace(lens, fx=lens.fx / off.zoom, fy=lens.fy / off.zoom),
         Motor.from_rotor_translation(turn, np.zeros(3)) @ taken_by.colour_T_depth,
     )
-    return replace(recording, frames=replace(frames, depth_camera=sensor, colour_camera=colour))
 
 
 def _unit(recording: Recording, numbers: list[int]) -> AuditFinding:

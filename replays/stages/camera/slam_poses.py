@@ -19,6 +19,7 @@ from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.depth import refined_by_depth
 from motorcade.replays.stages.camera.metres import Metres, NoMetres, in_metres
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
+from motorcade.replays.stages.camera.registered import registered_by
 from motorcade.replays.stages.camera.sensor_audit import audited_depth, audited_pair
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.replays.values.slam_poses import SlamPoses
@@ -65,7 +66,8 @@ def slam_poses(
         threads=threads,
         baseline_m=recording.baseline_m if paired else None,
     )
-    recording, audit = audited_depth(recording)
+    depth_camera, audit = audited_depth(recording)
+    recording = registered_by(recording, depth_camera)
     if paired:
         audit = (*audit, audited_pair(recording))
     known = recording.slam_map
@@ -81,7 +83,7 @@ def slam_poses(
         )
     if found.metric and adjust and not paired and known is None:
         found = refined_by_depth(recording, found) or found
-    return replace(_measured(recording, found, start), audit=audit)
+    return replace(_measured(recording, found, start), audit=audit, depth_camera=depth_camera)
 
 
 def _measured(recording: Recording, found: SlamResult, start: float) -> SlamPoses:

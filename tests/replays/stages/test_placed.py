@@ -15,11 +15,14 @@ from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.readers.opening import open_recording
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.view.ground import upward
+from motorcade.replays.stages.view.overlay import overlay
 from motorcade.replays.stages.view.placed import placed
 from motorcade.replays.values.camera_poses import CameraPoses, PoseOrigin
 from motorcade.replays.values.integrity import Integrity
+from motorcade.replays.values.paths import SmoothedPaths
 from motorcade.replays.values.view import PlacedCharacter
 from motorcade.tracking import Board, Checkerboard, MarkerGrid, PoseMeasurements
+from motorcade.tracking.depth import DepthCamera
 from tests.textured_room.paths import handheld
 from tests.textured_room.recording import write_recording
 from tests.textured_room.scenarios import Scenario, scenario
@@ -276,3 +279,32 @@ def test_a_file_that_is_no_character_is_refused_by_the_knobs_name(tmp_path: Path
     broken.write_bytes(b"no glTF")
     with pytest.raises(ValueError, match=r"placed\.character: .*broken\.glb"):
         character_named(str(broken))
+
+
+def test_depth_is_seen_as_the_poses_were_found_with_it(
+    looking_down: Recording, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A depth camera that the recording states half a metre aside, and that SLAM found to be none.
+
+    The character stands, and is hidden, by the depth that the poses were tracked with.
+    """
+    frames, camera = looking_down.frames, looking_down.camera
+    assert isinstance(frames, PictureFrames)
+    assert camera is not None
+    aside = DepthCamera(camera, Motor.from_translation([0.5, 0.0, 0.0]))
+    stated = replace(frames, depth_camera=aside, colour_camera=camera)
+    told_wrong, path = replace(looking_down, frames=stated), drawn(looking_down)
+    right = stood(looking_down, path).placement.world_T_character.as_matrix()
+    wrong = stood(told_wrong, path).placement.world_T_character.as_matrix()
+    given = poses(path, depth_camera=DepthCamera(camera))
+    found = placed(told_wrong, given, path)
+    assert np.abs(wrong - right).max() > 0.05
+    np.testing.assert_allclose(found.placement.world_T_character.as_matrix(), right, atol=1e-3)
+    hiding: list[np.ndarray] = []
+    monkeypatch.setattr(
+        "motorcade.replays.stages.view.overlay.render_overlay",
+        lambda pictures, *_, **__: hiding.extend(depth_m for _, _, depth_m in pictures),
+    )
+    monkeypatch.setattr("motorcade.replays.stages.view.overlay.write_video", lambda *_: None)
+    overlay(told_wrong, given, SmoothedPaths({"motor": path.drawn}, None), path, found)
+    np.testing.assert_allclose(hiding[0], frames[0].depth_m(), atol=1e-6)

@@ -74,7 +74,7 @@ def test_what_was_found_of_the_sensors_stays_with_the_poses(
 
     given = recording(PINHOLE)
     monkeypatch.setattr("motorcade.tracking.slam.VisualSlam", Tracked)
-    monkeypatch.setattr(slam_poses, "audited_depth", lambda one: (one, (FOUND_OUT,)))
+    monkeypatch.setattr(slam_poses, "audited_depth", lambda _: (None, (FOUND_OUT,)))
     monkeypatch.setattr(slam_poses, "track", lambda *_: ())  # no picture is read
     found = slam_poses.slam_poses(given, adjust=False)
     assert found.metric == metric
