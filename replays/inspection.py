@@ -17,6 +17,7 @@ from motorcade.fusion.health import check_health
 from motorcade.fusion.imu import ImuStream, screen_imu
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import near_steps
+from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import Recording
 
 
@@ -31,6 +32,7 @@ def describe(recording: Recording) -> dict[str, Any]:
         about["focal_px"] = [camera.fx, camera.fy]
         about["principal_point_px"] = [camera.cx, camera.cy]
         about["distortion"] = list(camera.distortion)
+    about |= _depth(recording)
     if recording.board is not None:
         about["board"] = recording.board.name
         about["board_size_m"] = list(recording.board.size_m)
@@ -43,6 +45,23 @@ def describe(recording: Recording) -> dict[str, Any]:
         about |= _stream("truth", recording.truth.time_ns)
         steps = np.diff(recording.truth.poses.translation_m, axis=0)
         about["truth_path_m"] = float(np.linalg.norm(steps, axis=1).sum())
+    return about
+
+
+def _depth(recording: Recording) -> dict[str, Any]:
+    """How many frames have depth, in which unit, and what took it if not the frames' camera."""
+    frames = recording.frames
+    if not isinstance(frames, PictureFrames) or not any(frames.depth_files):
+        return {}
+    about: dict[str, Any] = {
+        "depth_count": sum(path is not None for path in frames.depth_files),
+        "depth_units_per_m": frames.depth_units_per_m,
+    }
+    if frames.depth_camera is not None:
+        lens = frames.depth_camera.camera
+        about["depth_image_size_px"] = [lens.width, lens.height]
+        about["depth_focal_px"] = [lens.fx, lens.fy]
+        about["depth_position_m"] = frames.depth_camera.colour_T_depth.translation_m.tolist()
     return about
 
 

@@ -79,9 +79,9 @@ def register_depth(depth_m: DepthImage, taken_by: DepthCamera, colour: Camera) -
             f"depth_m: expected shape {(camera.height, camera.width)}, got {depth_m.shape}"
         )
     finer = colour.fx / camera.fx
-    if finer > _FINEST:
+    if finer > FINEST:
         raise ValueError(
-            f"colour: expected at most {_FINEST} times the depth camera's focal length in pixels, "
+            f"colour: expected at most {FINEST} times the depth camera's focal length in pixels, "
             f"got {finer:.0f} times"
         )
     known = np.isfinite(depth_m) & (depth_m > 0.0)
@@ -111,7 +111,7 @@ def register_depth(depth_m: DepthImage, taken_by: DepthCamera, colour: Camera) -
 _WIDEST = 3
 """Pixels that one square covers at most, less one, where colour is hardly finer than depth; else
 as many as it is finer by."""
-_FINEST = 64
+FINEST = 64
 """Times by which colour may be finer: each pixel is drawn that often squared, and time-of-flight
 sensors of 8 by 8 zones are 55 times as coarse as VGA."""
 

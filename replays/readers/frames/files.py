@@ -165,7 +165,7 @@ class PictureFrames:
             advice = pictures.UNALIGNED if path in depth else pictures.ANOTHER_SIZE
             expected = size
             if path in depth and self.depth_camera is not None:
-                expected = self._depth_size
+                expected, advice = self._depth_size, pictures.ANOTHER_DEPTH_SIZE
             try:
                 digests[path] = _digest(pictures.read_picture_bytes(path, name, expected, advice))
             except DamagedError as fault:
@@ -190,6 +190,12 @@ class PictureFrames:
             RecordingError: the first picture is missing or truncated.
         """
         data = pictures.read_picture_bytes(self.files[0], "frame 0", None)
+        return pictures.picture_size(data)
+
+    def first_depth_size(self) -> tuple[int, int]:
+        """Width and height of the first depth picture; raises as `first_size`."""
+        index = next(k for k, path in enumerate(self.depth_files) if path is not None)
+        data = pictures.read_picture_bytes(self.depth_files[index], f"depth of frame {index}", None)
         return pictures.picture_size(data)
 
     def _all_files(self, what: str) -> Iterator[tuple[Path, str]]:

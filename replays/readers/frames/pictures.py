@@ -28,7 +28,8 @@ _PNM_HEADER = re.compile(rb"P[56]" + 3 * rb"(?:\s|#[^\n]*\n)+(\d{1,9})" + rb"\s"
 _TRUNCATED = "the picture is truncated"
 _COPY_AGAIN = "copy the file again"
 ANOTHER_SIZE = "correct the camera's width and height, or leave the picture out"
-UNALIGNED = "depth has to lie on the colour camera's pixels: register it to that camera first"
+UNALIGNED = "depth on pixels of its own needs [depth_camera] in a manifest"
+ANOTHER_DEPTH_SIZE = "correct the depth camera's width and height, or leave the picture out"
 
 
 def read_picture_bytes(

@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 from motorcade.replays.readers.manifest.inertial import IMU_KEYS
-from motorcade.replays.readers.manifest.reading import FRAMES_KEYS, LOCAL_NAME, STEREO_KEYS, read
+from motorcade.replays.readers.manifest.reading import (
+    DEPTH_CAMERA_KEYS,
+    FRAMES_KEYS,
+    LOCAL_NAME,
+    STEREO_KEYS,
+    read,
+)
 
-__all__ = ["FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "STEREO_KEYS", "read"]
+__all__ = ["DEPTH_CAMERA_KEYS", "FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "STEREO_KEYS", "read"]

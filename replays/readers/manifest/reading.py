@@ -48,6 +48,7 @@ from motorcade.replays.readers.tables import UNITS
 from motorcade.replays.recording import FrameSequence, Recording
 from motorcade.tracking.boards import Board
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.depth.cameras import FINEST, DepthCamera
 
 _LOG = logging.getLogger("motorcade.replays")
 
@@ -57,6 +58,7 @@ _TOP = (
     "settings",
     "frames",
     "camera",
+    "depth_camera",
     "board",
     "markers",
     "truth",
@@ -66,6 +68,7 @@ _TOP = (
 )
 FRAMES_KEYS = ("images", "video", "rate_hz", "stamps", "stamps_unit", "depth", "depth_units_per_m")
 STEREO_KEYS = ("right", "baseline_m")
+DEPTH_CAMERA_KEYS = (*CAMERA_KEYS, "colour_T_depth")
 
 
 def read(root: Path, manifest: Path, *, may_leave: bool) -> Recording:
@@ -100,6 +103,8 @@ class _Manifest:
         if "settings" in self.top:
             made = replace(made, settings=tuple(map(self._setting, self.top.texts("settings"))))
         made = self._with_camera(made)
+        if "depth_camera" in self.top:
+            made = self._with_depth_camera(made)
         if "stereo" in self.top:
             made = self._with_right(made)
         if "board" in self.top:
@@ -212,6 +217,23 @@ class _Manifest:
 
     def _camera(self, section: Section, size: tuple[int, int] | None) -> Camera:
         return section_camera(self.path, section, size, lambda key: self._file(section, key))
+
+    def _with_depth_camera(self, made: Recording) -> Recording:
+        """Say what took the depth pictures, where they lie on pixels of their own."""
+        section = self._section("depth_camera", DEPTH_CAMERA_KEYS)
+        frames, colour = made.frames, made.camera
+        if not isinstance(frames, PictureFrames) or not any(frames.depth_files):
+            raise section.fault("", "expected depth pictures, got none", "say [frames] depth")
+        if colour is None:
+            raise section.fault("", "expected a [camera] to register depth to, got none")
+        stated = "width" in section or "height" in section
+        lens = self._camera(section, None if stated else frames.first_depth_size())
+        if colour.fx > FINEST * lens.fx:
+            expected = f"expected at least a {FINEST}th of the camera's {colour.fx:g} px"
+            raise section.fault("fx", f"{expected}, got {lens.fx:g}")
+        pose = transform(section["colour_T_depth"], self.path, "[depth_camera] colour_T_depth")
+        taken_by = DepthCamera(lens, pose)
+        return replace(made, frames=replace(frames, depth_camera=taken_by, colour_camera=colour))
 
     def _with_right(self, made: Recording) -> Recording:
         """Add the right pictures of rectified pairs."""

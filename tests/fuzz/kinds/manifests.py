@@ -41,6 +41,7 @@ KEYS: dict[str, tuple[str, ...]] = {
     "": reading._TOP,
     "frames": reading.FRAMES_KEYS,
     "camera": section.CAMERA_KEYS,
+    "depth_camera": reading.DEPTH_CAMERA_KEYS,
     "stereo": reading.STEREO_KEYS,
     "board": ("type", "world_T_board", *{k for keys in section.BOARD_KEYS.values() for k in keys}),
     "markers": section.MARKERS_KEYS,
@@ -70,6 +71,7 @@ RIGHT: dict[str, list[Any]] = {
     "fov_deg": [65.0, 1.0, 170.0],
     "distortion": [[], [-0.28, 0.07, 0.0002, 1e-5], [0.1, 0.1], [1e12] * 5, [-5.0] * 8],
     "distortion_file": ["D.txt"],
+    "colour_T_depth": [MATRIX],
     "right": ["right/*.png"],
     "baseline_m": [0.12, 1e3],
     "type": list(section.BOARD_KEYS),
@@ -270,6 +272,8 @@ def _right(rng: np.random.Generator, bare: bool) -> dict[str, dict[str, Any]]:
         lens = one_of([{"fx": 20.0, "fy": 21.0, "cx": 11.5, "cy": 7.5}, {"fov_deg": 65.0}], rng)
         bent = one_of([{}, {"model": "radtan", "distortion": [-0.28, 0.07, 2e-4, 1e-5]}], rng)
         made["camera"] = lens | bent
+        if "depth" in made.get("frames", {}):
+            made["depth_camera"] = lens | some("colour_T_depth")
     if not video and not bare and rng.random() < 0.3:
         made["stereo"] = some("right", "baseline_m")
     if rng.random() < 0.3:

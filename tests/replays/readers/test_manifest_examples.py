@@ -64,6 +64,7 @@ def test_the_example_of_every_key_opens_and_names_every_key(make: Make) -> None:
         *CAMERA_KEYS,
         *manifest.IMU_KEYS,
         *manifest.STEREO_KEYS,
+        *manifest.DEPTH_CAMERA_KEYS,
         *TRUTH_KEYS,
         *boards,
     }
