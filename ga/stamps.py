@@ -28,6 +28,8 @@ LONGEST_BRIDGE_S = 10.0
 """A longer gap splits a path."""
 LONGEST_SPAN_S = 1e9
 """No window, shift or offset is longer than this, thirty years."""
+LONGEST_READOUT_S = 0.2
+"""No rolling shutter takes longer from the first row of a picture to the last."""
 _MOST, _MOST_A_POSE, _MOST_OF_A_FORMULA = 50_000, 500, 10_000_000
 
 

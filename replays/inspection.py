@@ -32,6 +32,8 @@ def describe(recording: Recording) -> dict[str, Any]:
         about["focal_px"] = [camera.fx, camera.fy]
         about["principal_point_px"] = [camera.cx, camera.cy]
         about["distortion"] = list(camera.distortion)
+        if recording.readout_s:
+            about["readout_s"] = recording.readout_s
     about |= _depth(recording)
     if recording.board is not None:
         about["board"] = recording.board.name

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import IntArray
 from motorcade.ga.files import off_record
+from motorcade.ga.stamps import LONGEST_READOUT_S
 from motorcade.replays.errors import refusal
 
 if TYPE_CHECKING:
@@ -148,6 +149,8 @@ class Recording:
             or "synthetic".
         frames: the pictures.
         camera: intrinsics, of the pictures' size.
+        readout_s: from the first row of a picture to the last, whose middle row is read at the
+            stamp (rolling shutter); 0 for a global one.
         baseline_m: how far to its right the camera of the frames' right pictures stands.
         imu, imu_noise: angular rate and specific force; noise densities and bias walks.
         imu_T_camera: where the camera sits on the IMU (camera coordinates to IMU coordinates).
@@ -193,6 +196,7 @@ class Recording:
     damaged: tuple[str, ...] = ()
     baseline_m: float | None = None
     odometry: Odometry | None = None
+    readout_s: float = 0.0
 
     def __post_init__(self) -> None:
         if len(self.frames) == 0:
@@ -200,6 +204,9 @@ class Recording:
         if self.baseline_m is not None and not 0.0 < self.baseline_m < np.inf:
             problem = f"expected metres above 0, got {self.baseline_m}"
             raise refusal(self.root, problem, field="baseline_m")
+        if not 0.0 <= self.readout_s <= LONGEST_READOUT_S:
+            problem = f"expected seconds from 0 to {LONGEST_READOUT_S:g}, got {self.readout_s}"
+            raise refusal(self.root, problem, field="readout_s")
         for name in ("imu_T_camera", "world_T_board"):
             motor = getattr(self, name)
             if motor is not None and motor.shape != ():
@@ -275,6 +282,8 @@ class Recording:
         if self.baseline_m is not None:
             yield "baseline", repr(self.baseline_m).encode()
         yield "frame stamps", _bytes(self.frames.time_ns)
+        if self.readout_s:
+            yield "readout", repr(self.readout_s).encode()
         if self.imu is not None:
             yield "imu stamps", _bytes(self.imu.time_ns)
             yield "angular rate", _bytes(self.imu.angular_rate_rad_s)

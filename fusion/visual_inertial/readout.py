@@ -14,9 +14,8 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.stamps import LONGEST_READOUT_S
 from motorcade.tracking.cameras.camera import Camera
-
-_LONGEST_READOUT_S = 0.2
 
 
 def checked_readout(readout_s: float) -> float:
@@ -25,9 +24,9 @@ def checked_readout(readout_s: float) -> float:
     Raises:
         ValueError: less than 0, or more than 0.2 s.
     """
-    if not 0.0 <= readout_s <= _LONGEST_READOUT_S:
+    if not 0.0 <= readout_s <= LONGEST_READOUT_S:
         raise ValueError(
-            f"readout_s: expected seconds from 0 to {_LONGEST_READOUT_S:g}, got {readout_s}"
+            f"readout_s: expected seconds from 0 to {LONGEST_READOUT_S:g}, got {readout_s}"
         )
     return float(readout_s)
 

@@ -97,6 +97,7 @@ def fuse_map(
     noise: ImuNoise,
     imu_T_camera: Motor,
     stamps_ns: IntArray | None = None,
+    readout_s: float = 0.0,
 ) -> FusedMap:
     """Fuse a finished run of visual SLAM with an IMU.
 
@@ -107,18 +108,24 @@ def fuse_map(
         noise: its densities and walks.
         imu_T_camera: pose of the camera on the IMU.
         stamps_ns: where the path is wanted; by default at all frames from the first pose on.
+        readout_s: from the first row of a picture to the last; see `adjust_visual_inertial`.
 
     Raises:
         ValueError: a run without poses, or what `start_inertial` and `fuse` refuse.
     """
-    made = metric_map(result, camera, imu, noise, imu_T_camera)
+    made = metric_map(result, camera, imu, noise, imu_T_camera, readout_s)
     wanted = np.asarray(result.time_ns) if stamps_ns is None else stamps_ns
     path = fuse(made.measurements, imu, noise, imu_T_camera, wanted)
     return FusedMap(path, made.keyframes, made.start)
 
 
 def metric_map(
-    result: SlamResult, camera: Camera, imu: ImuStream, noise: ImuNoise, imu_T_camera: Motor
+    result: SlamResult,
+    camera: Camera,
+    imu: ImuStream,
+    noise: ImuNoise,
+    imu_T_camera: Motor,
+    readout_s: float = 0.0,
 ) -> MetricMap:
     """Give a finished run of visual SLAM metres and up; arguments and errors as of `fuse_map`."""
     path, snapshot = result.trajectory, result.map
@@ -141,6 +148,7 @@ def metric_map(
         imu,
         noise,
         imu_T_camera,
+        readout_s=readout_s,
     )
     scale = float(start.world_T_visual.scale) * _spread(keyframes.trajectory) / _spread(before)
     measured = _in_metres(path, result.covariance, own, keyframes.trajectory.motors, scale)

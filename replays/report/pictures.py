@@ -280,10 +280,25 @@ def _slam(findings: Findings, lost: Spans) -> tuple[PagePlot, ...]:
         "keyframes",
         shaded_s=lost,
     )
-    caption = f"Frames: {', '.join(states)}.{told}"
+    caption = f"Frames: {', '.join(states)}.{told}{_inertial(findings)}"
     return (
         PagePlot("Corners that the pose explains", caption, corners, ("measured",)),
         PagePlot("Keyframes", "In all maps together.", keyframes, ("measured",)),
+    )
+
+
+def _inertial(findings: Findings) -> str:
+    """What the IMU inside told, as further sentences of a caption."""
+    told = findings.camera_poses.inertial
+    if told is None:
+        return ""
+    states = ", ".join(f"{count} {state}" for state, count in told.frames_in_state.items())
+    across, down, ahead = told.gravity_direction
+    return (
+        f" With the IMU: {states}. The map has been in metres since {told.metric_from_s:.2f} s, "
+        f"when its unit was {told.metres_a_unit:.4g} m ± {100 * told.scale_sigma:.2g} %. Gravity "
+        f"is along ({across:.3f}, {down:.3f}, {ahead:.3f}) in the axes of the map's first camera, "
+        f"± {np.rad2deg(told.tilt_sigma_rad):.2g}°."
     )
 
 

@@ -52,6 +52,7 @@ def summarise(findings: Findings) -> dict[str, Any]:
             "reprojection_median_px": float(np.median(poses.reprojection_px)),
             "damaged_pictures": list(findings.recording.damaged),
             "slam": None if poses.slam_history is None else poses.slam_history.as_dict(),
+            "inertial": None if poses.inertial is None else poses.inertial.as_dict(),
         },
         "imu": {
             "origin": findings.imu.origin,

@@ -9,6 +9,7 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.engine.aside import ASIDE
+from motorcade.replays.values.inertial_history import InertialHistory
 from motorcade.replays.values.sighted_points import SightedPoints
 from motorcade.tracking import PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
@@ -36,6 +37,7 @@ class CameraPoses:
         sighted: points that the poses were measured by, where these are no board's.
         skipped: ways that were tried before this one, with the reason.
         slam_history: what became of every frame, where SLAM tracked them.
+        inertial: when and how the IMU told metres, where SLAM ran with one inside.
         audit: whether what was told of cameras, rig, board or markers agrees with what was seen.
         depth_camera: what took the depth pictures, where they do not lie on colour as the recording
             has it; whatever reads depth along these poses reads it through this one.
@@ -68,6 +70,7 @@ class CameraPoses:
     sighted: SightedPoints | None = None
     skipped: tuple[str, ...] = ()
     slam_history: SlamHistory | None = None
+    inertial: InertialHistory | None = None
     audit: tuple[AuditFinding, ...] = ()
     depth_camera: DepthCamera | None = None
     has_odometry: bool = False

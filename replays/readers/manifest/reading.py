@@ -16,6 +16,7 @@ from os.path import realpath
 from pathlib import Path
 
 from motorcade.ga import Motor
+from motorcade.ga.stamps import LONGEST_READOUT_S
 from motorcade.replays.errors import refusal
 from motorcade.replays.files.imu import read_imu
 from motorcade.replays.files.trajectories import even_stamps, read_times
@@ -197,11 +198,15 @@ class _Manifest:
         return PictureFrames(files, time_ns, None, depth, units)
 
     def _with_camera(self, made: Recording) -> Recording:
-        """Replace the camera, and ask the frames for its size."""
+        """Replace the camera, and ask the frames for its size; or say how it reads its rows."""
         if "camera" not in self.top:
             return made
         frames = made.frames
         section = self._section("camera", CAMERA_KEYS)
+        if "readout_s" in section:
+            made = replace(made, readout_s=section.number("readout_s", 0.0, LONGEST_READOUT_S))
+            if made.camera is not None and section.holds_only("readout_s"):
+                return made
         if isinstance(frames, VideoFrames):
             camera = self._camera(section, frames.size)
             frames.check(camera)

@@ -137,6 +137,10 @@ class Section:
                 raise self.fault(key, f"expected texts, got {one_line(item)}")
         return tuple(value)
 
+    def holds_only(self, key: str) -> bool:
+        """Whether nothing but one key stands in the table."""
+        return set(self._table) == {key}
+
     def only_one(self, first: str, second: str) -> None:
         """Refuse two keys that say the same thing."""
         if first in self and second in self:
@@ -220,6 +224,7 @@ CAMERA_KEYS = (
     "fov_deg",
     "distortion",
     "distortion_file",
+    "readout_s",
 )
 
 

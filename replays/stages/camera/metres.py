@@ -42,7 +42,7 @@ def in_metres(recording: Recording, found: SlamResult) -> Metres:
         raise NoMetres("where the camera sits on the IMU is not known")
     noise = assumed_noise(recording.imu_noise or ADIS16448, "recorded")
     try:
-        made = metric_map(found, camera, imu, noise, recording.imu_T_camera)
+        made = metric_map(found, camera, imu, noise, recording.imu_T_camera, recording.readout_s)
     except (ValueError, RuntimeError) as refused:  # gtsam's own errors are RuntimeErrors
         raise NoMetres(f"the IMU does not tell the scale: {refused}") from refused
     sigma = made.start.log_scale_sigma

@@ -17,6 +17,11 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.replays.engine.progress import track
 from motorcade.replays.recording import Recording
 from motorcade.replays.stages.camera.depth import refined_by_depth
+from motorcade.replays.stages.camera.inertial_slam import (
+    MappedWithImu,
+    carries_imu,
+    mapped_with_imu,
+)
 from motorcade.replays.stages.camera.metres import Metres, NoMetres, in_metres
 from motorcade.replays.stages.camera.offered import camera_of, require_pictures
 from motorcade.replays.stages.camera.registered import registered_by
@@ -27,7 +32,8 @@ from motorcade.tracking import PoseMeasurements, TrackingError
 from motorcade.tracking.slam.geometry import seen_through
 
 if TYPE_CHECKING:
-    from motorcade.tracking.slam import MapSnapshot, SlamResult
+    from motorcade.tracking.cameras.camera import Camera
+    from motorcade.tracking.slam import MapSnapshot, SlamResult, SlamSettings
 
 _SIGMA_FLOOR_RAD, _SIGMA_FLOOR_M = 1e-4, 1e-4
 
@@ -38,6 +44,7 @@ def slam_poses(
     adjust: bool = True,
     close_loops: bool = True,
     threads: bool = False,
+    imu_inside: bool = True,
 ) -> SlamPoses:
     """Track a recording by what it sees, with its depth or else its right pictures if it has any.
 
@@ -46,9 +53,13 @@ def slam_poses(
     frame's pose within the map; that the map itself drifts is not in it.
 
     With depth, the surfaces of keyframes are laid on each other in the end, and the path follows.
+    One camera by itself that was recorded with an IMU goes over to metres and up as soon as the IMU
+    tells them, and is mapped and tracked with it from then on; if it never tells them, what the
+    pictures alone gave is adjusted with the IMU afterwards.
 
     `adjust` and `close_loops` switched off show what the map's adjustment and its loops are worth;
-    `threads` maps in a second thread, after which two runs may differ.
+    `threads` maps in a second thread, after which two runs may differ, and `imu_inside` switched
+    off keeps the IMU till afterwards, as `threads` or no `adjust` do.
 
     Raises:
         NotOffered: no camera known, or no pictures.
@@ -56,7 +67,7 @@ def slam_poses(
     """
     camera = camera_of(recording)
     require_pictures(recording)
-    from motorcade.tracking.slam import SlamSettings, VisualSlam
+    from motorcade.tracking.slam import SlamSettings
 
     start = time.perf_counter()
     paired = recording.baseline_m is not None and recording.frames[0].read_depth is None
@@ -70,10 +81,24 @@ def slam_poses(
     recording = registered_by(recording, depth_camera)
     if paired:
         audit = (*audit, audited_pair(recording))
+    if imu_inside and adjust and not threads and carries_imu(recording):
+        mapped = mapped_with_imu(recording, settings)
+        if mapped is not None:
+            return replace(_with_imu_inside(recording, mapped, start), audit=audit)
+    found = _by_vision(recording, camera, settings)
+    if found.metric and adjust and not paired and recording.slam_map is None:
+        found = refined_by_depth(recording, found) or found
+    return replace(_measured(recording, found, start), audit=audit, depth_camera=depth_camera)
+
+
+def _by_vision(recording: Recording, camera: Camera, settings: SlamSettings) -> SlamResult:
+    """A finished run by pictures, and depth or right pictures where there are some."""
+    from motorcade.tracking.slam import VisualSlam
+
     known = recording.slam_map
     slam = VisualSlam(camera, settings, known=known, extend=known is not None)
     for frame in track(recording.frames, "mapping", len(recording.frames)):
-        right = frame.right() if paired else None
+        right = None if settings.baseline_m is None else frame.right()
         slam.track(frame.time_ns, frame.gray(), frame.depth_m(), right)
     found = slam.finish()
     if found.trajectory is None:
@@ -81,9 +106,7 @@ def slam_poses(
             f"{recording.name}: visual SLAM found no pose: too little texture, or a camera that "
             "only turns; tracked.by=simulated or a board would do"
         )
-    if found.metric and adjust and not paired and known is None:
-        found = refined_by_depth(recording, found) or found
-    return replace(_measured(recording, found, start), audit=audit, depth_camera=depth_camera)
+    return found
 
 
 def _measured(recording: Recording, found: SlamResult, start: float) -> SlamPoses:
@@ -144,6 +167,31 @@ def _by_inertia(recording: Recording, found: SlamResult, metres: Metres, start: 
         seconds=time.perf_counter() - start,
         slam_map=found.map,
         slam_history=found.history,
+    )
+
+
+def _with_imu_inside(recording: Recording, mapped: MappedWithImu, start: float) -> SlamPoses:
+    """The path in metres, z up, that SLAM with an IMU inside gave."""
+    found, told, measurements = mapped.found, mapped.told, mapped.measurements
+    scale = (
+        f"by one camera with the IMU inside, metres and up {told.metric_from_s:.1f} s after the "
+        f"first frame (the map's unit was {told.metres_a_unit:.4g} m ± "
+        f"{100 * told.scale_sigma:.2g} % then)"
+    )
+    return SlamPoses(
+        measurements,
+        recording.frames.time_ns,
+        np.full(len(measurements), np.nan),
+        "slam",
+        _summary(recording, found, scale),
+        points=found.map.points,
+        metres_a_unit=told.metres_a_unit,
+        scale_sigma=told.scale_sigma,
+        sighted=_sighted(recording, found.map, measurements.trajectory),
+        seconds=time.perf_counter() - start,
+        slam_map=found.map,
+        slam_history=found.history,
+        inertial=told,
     )
 
 

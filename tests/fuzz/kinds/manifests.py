@@ -72,6 +72,7 @@ RIGHT: dict[str, list[Any]] = {
     "distortion": [[], [-0.28, 0.07, 0.0002, 1e-5], [0.1, 0.1], [1e12] * 5, [-5.0] * 8],
     "distortion_file": ["D.txt"],
     "colour_T_depth": [MATRIX],
+    "readout_s": [0.0, 0.015, 0.2],
     "right": ["right/*.png"],
     "baseline_m": [0.12, 1e3],
     "type": list(section.BOARD_KEYS),

@@ -248,6 +248,17 @@ class TestOnTopOfALayout:
         assert recording.truth is not None
         assert recording.frames[0].depth_m() is not None
 
+    def test_a_readout_time_alone_leaves_the_layouts_camera(self, make: Make) -> None:
+        made = make("euroc")
+        own = open_recording(made.root)
+        rolling = described(made.root, "[camera]\nreadout_s = 0.015\n")
+        assert (own.readout_s, rolling.readout_s) == (0.0, 0.015)
+        assert rolling.camera == own.camera is not None
+        assert rolling.digest() != own.digest()
+        with_another = described(made.root, CAMERA, "readout_s = 0.02\n")
+        assert with_another.camera != own.camera
+        assert with_another.readout_s == 0.02
+
     def test_a_truth_can_be_chosen_where_the_layout_cannot(self, make: Make) -> None:
         made = make("euroc")
         truth = made.root / "mav0" / "state_groundtruth_estimate0" / "data.csv"

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor, Trajectory
+from motorcade.fusion.imu import ImuStream
+from motorcade.fusion.visual_inertial import InertialSlamResult, InertialStart
+from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.replays.readers.frames.files import PictureFrames
 from motorcade.replays.recording import Recording
-from motorcade.replays.stages.camera import depth, slam_poses
+from motorcade.replays.stages.camera import depth, inertial_slam, slam_poses
 from motorcade.tracking import Camera, MapSnapshot
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.slam import SlamHistory, SlamResult
@@ -79,3 +82,114 @@ def test_what_was_found_of_the_sensors_stays_with_the_poses(
     found = slam_poses.slam_poses(given, adjust=False)
     assert found.metric == metric
     assert found.audit == (FOUND_OUT,)
+
+
+def carried(
+    first_ns: int = -10_000_000, last_ns: int = 130_000_000, step_ns: int = 5_000_000
+) -> Recording:
+    """Two pictures by a rolling shutter, and an IMU at rest."""
+    stamps = np.arange(first_ns, last_ns, step_ns)
+    still = np.zeros((len(stamps), 3))
+    imu = ImuStream(stamps, still, still + np.array([0.0, 0.0, 9.81]))
+    return replace(recording(PINHOLE), imu=imu, imu_T_camera=Motor.identity(), readout_s=0.01)
+
+
+class FedInertialSlam:
+    """Takes what it is given, and says that the IMU told metres with the second picture."""
+
+    told = True
+
+    def __init__(self, *_: object, readout_s: float) -> None:
+        assert readout_s == 0.01
+        self.samples_ns: list[int] = []
+
+    def imu(self, samples: ImuStream) -> None:
+        assert not self.samples_ns or samples.time_ns[0] > self.samples_ns[-1]
+        self.samples_ns += samples.time_ns.tolist()
+
+    def track(self, time_ns: int, _gray: object) -> None:
+        assert self.samples_ns[-1] >= time_ns
+
+    def finish(self) -> InertialSlamResult:
+        if not self.told:
+            return InertialSlamResult(mapped(metric=False), None, None, None, ("visual",) * 2)
+        lean = Motor.from_rotor_translation(Rotor.from_rotation_vector([-np.pi / 2, 0, 0]), [0] * 3)
+        start = InertialStart(
+            Similarity.from_motor_scale(lean, 2.5),
+            0.02,
+            0.003,
+            STAMPS,
+            Motor.identity((2,)),
+            *(np.zeros((2, 3)) for _ in range(3)),
+        )
+        states = "visual", "tracking"
+        return InertialSlamResult(mapped(metric=True), start, int(STAMPS[1]), None, states)
+
+
+@pytest.fixture
+def fed(monkeypatch: pytest.MonkeyPatch) -> type[FedInertialSlam]:
+    class Fed(FedInertialSlam): ...
+
+    monkeypatch.setattr(inertial_slam, "InertialSlam", Fed)
+    monkeypatch.setattr("motorcade.replays.recording.Frame.gray", lambda _: None)
+    return Fed
+
+
+@pytest.mark.parametrize("step_ns", [5_000_000, 60_000_000])  # 200 Hz; fewer than two a picture
+def test_an_imu_goes_into_slam_and_what_it_told_stays_with_the_poses(
+    step_ns: int, fed: type[FedInertialSlam]
+) -> None:
+    found = slam_poses.slam_poses(carried(-60_000_000, 250_000_000, step_ns))
+    assert found.metric
+    assert "with the IMU inside, metres and up 0.1 s after the first frame" in found.summary
+    assert (found.metres_a_unit, found.scale_sigma) == (pytest.approx(2.5), 0.02)
+    told = found.inertial
+    assert told is not None
+    assert told.frames_in_state == {"visual": 1, "tracking": 1}
+    # The world stands upright by a quarter turn about x: gravity is along the camera's y.
+    np.testing.assert_allclose(told.gravity_direction, [0.0, 1.0, 0.0], atol=1e-12)
+    figures = told.as_dict()
+    assert figures["states"] == [
+        {"start_s": 0.0, "state": "visual"},
+        {"start_s": 0.1, "state": "tracking"},
+    ]
+    assert (figures["metric_from_s"], figures["readout_s"]) == (0.1, 0.01)
+    # The poses stay in the upright world, and so do the points.
+    np.testing.assert_array_equal(found.points, mapped(metric=True).map.points)
+
+
+def test_an_imu_that_tells_no_metres_leaves_pictures_alone(
+    fed: type[FedInertialSlam], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Tracked:
+        def __init__(self, *_: object, **__: object) -> None: ...
+
+        def track(self, *_: object) -> None: ...
+
+        def finish(self) -> SlamResult:
+            return mapped(metric=False)
+
+    monkeypatch.setattr("motorcade.tracking.slam.VisualSlam", Tracked)
+    for one in (carried(), carried(last_ns=-1)):
+        fed.told = False
+        found = slam_poses.slam_poses(one)
+        assert not found.metric
+        assert found.inertial is None
+
+
+@pytest.mark.parametrize(
+    ("first_ns", "last_ns", "carries"),
+    [
+        (-10_000_000, 130_000_000, True),
+        (50_000_000, 130_000_000, True),  # one frame is given up for the IMU
+        (-900_000_000, -600_000_000, False),
+        (700_000_000, 900_000_000, False),
+    ],
+)
+def test_an_imu_goes_in_where_it_covers_the_pictures(
+    first_ns: int, last_ns: int, carries: bool
+) -> None:
+    one = carried(first_ns, last_ns)
+    assert inertial_slam.carries_imu(one) == carries
+    for lacking in ({"imu": None}, {"imu_T_camera": None}, {"baseline_m": 0.1}):
+        assert not inertial_slam.carries_imu(replace(one, **lacking))
