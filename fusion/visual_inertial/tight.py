@@ -30,16 +30,17 @@ from motorcade.fusion.visual_inertial.readout import (
     checked_readout,
     rows_moved_px,
 )
+from motorcade.fusion.visual_inertial.sightings import add_sightings
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.slam.geometry import is_native
 
 if TYPE_CHECKING:
     import gtsam
 
 _ITERATIONS = 50
 _RELATIVE = 1e-6
-_HUBER = 1.5
 _READOUT_ROUNDS = 2
 _HELD_SIGMA = 1e-5
 _TILT_SIGMA_RAD = 0.3
@@ -57,8 +58,8 @@ class VisualInertial:
         gyro_bias_rad_s: ``(K, 3)``; accel_bias_m_s2: ``(K, 3)``.
         landmarks_m: ``(L, 3)``; those seen less than twice are where they were given.
         seen: ``(L,)`` whether each took part.
-        error_px: ``(N,)`` reprojection error of each sighting, infinite behind the camera and
-            where the landmark did not take part.
+        error_px: ``(N,)`` reprojection error of each sighting, infinite behind a camera that is no
+            fisheye and where the landmark did not take part.
 
     Examples:
         >>> import numpy as np
@@ -150,17 +151,23 @@ def adjust_visual_inertial(
     graph = _inertial(keyframes, imu, noise, gravity_m_s2)
     start = keyframes.motors @ imu_T_camera.inverse()
     used = np.bincount(observations.landmark, minlength=len(landmarks)) >= 2
-    at_stamp = observations
+    at_stamp, by_pixels = observations, (imu_T_camera, sigma_px)
     for rounds_left in range(_READOUT_ROUNDS if readout_s > 0.0 else 0, -1, -1):
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         _add_states(factors, values, graph, start, keyframes.time_s)
-        _add_sightings(factors, at_stamp, used, camera, imu_T_camera, sigma_px)
+        add_sightings(factors, at_stamp, _told(at_stamp, used, camera), camera, *by_pixels)
         _add_landmarks(factors, values, landmarks, used)
         values = optimised(factors, values, _ITERATIONS, _RELATIVE)
         found = _read(values, keyframes, landmarks, used, at_stamp, camera, imu_T_camera)
         if rounds_left:
             at_stamp = _at_stamp(found, observations, camera, imu, imu_T_camera, readout_s)
     return found
+
+
+def _told(observations: LandmarkObservations, used: NDArray[np.bool_], camera: Camera) -> IntArray:
+    """Rows of sightings of landmarks in use at pixels that the lens gives a ray."""
+    known = np.isfinite(camera.bearings(observations.px)[:, 0])
+    return np.flatnonzero(used[observations.landmark] & known)
 
 
 def _at_stamp(
@@ -266,32 +273,6 @@ def _add_states(
     factors.push_back(gtsam.PriorFactorPose3(keys(0).pose, as_pose(start[0]), model))
 
 
-def _add_sightings(
-    factors: gtsam.NonlinearFactorGraph,
-    observations: LandmarkObservations,
-    used: NDArray[np.bool_],
-    camera: Camera,
-    imu_T_camera: Motor,
-    sigma_px: float,
-) -> None:
-    import gtsam
-
-    matrix = camera.matrix
-    lens = gtsam.Cal3_S2(matrix[0, 0], matrix[1, 1], 0.0, matrix[0, 2], matrix[1, 2])
-    loss = gtsam.noiseModel.mEstimator.Huber.Create(_HUBER)
-    model = gtsam.noiseModel.Robust.Create(loss, gtsam.noiseModel.Isotropic.Sigma(2, sigma_px))
-    extrinsics, straight = as_pose(imu_T_camera), camera.undistort(observations.px)
-    rows = np.flatnonzero(used[observations.landmark] & np.isfinite(straight[:, 0]))
-    for row in rows.tolist():
-        pose = keys(int(observations.keyframe[row])).pose
-        point = gtsam.symbol("l", int(observations.landmark[row]))
-        factors.push_back(
-            gtsam.GenericProjectionFactorCal3_S2(
-                straight[row], model, pose, point, lens, False, False, extrinsics
-            )
-        )
-
-
 def _add_landmarks(
     factors: gtsam.NonlinearFactorGraph,
     values: gtsam.Values,
@@ -325,7 +306,9 @@ def _read(
     for row in np.flatnonzero(used).tolist():
         points[row] = found.atPoint3(gtsam.symbol("l", row))
     own = poses[observations.keyframe].inverse().apply(points[observations.landmark])
-    ahead = (own[:, 2] > 0.0) & used[observations.landmark]
+    ahead = used[observations.landmark]
+    if not is_native(camera):  # a fisheye sees all around
+        ahead &= own[:, 2] > 0.0
     error = np.full(len(observations), np.inf)
     error[ahead] = np.linalg.norm(camera.project(own[ahead]) - observations.px[ahead], axis=-1)
     return VisualInertial(

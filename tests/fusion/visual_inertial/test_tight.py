@@ -87,6 +87,35 @@ def scene() -> Scene:
     return Scene(keyframes, landmarks, seen_all, simulated.stream, wrong)
 
 
+def test_a_fisheye_is_adjusted_by_all_that_it_sees():
+    """Points at the rim alone, 75 to 115 degrees off the axis, where no pinhole has pixels left."""
+    rng = np.random.default_rng(4)
+    fisheye = Camera(800, 800, 200.0, 200.0, 399.5, 399.5, "equidistant", (0.01, -0.002, 0.0, 0.0))
+    path = MOTIONS["handheld"].sampled(100.0, 4.0, child="imu")
+    simulated = simulate_imu(path, 100.0, ADIS16448, rng)
+    truth = simulated.path.transformed_by(right=IMU_T_CAMERA).at_rate(4.0)
+    away, around = np.deg2rad(rng.uniform(75.0, 115.0, 80)), rng.uniform(0.0, 2.0 * np.pi, 80)
+    rays = np.stack([np.cos(around) * np.sin(away), np.sin(around) * np.sin(away), np.cos(away)])
+    landmarks = truth.motors[0].apply(rays.T * rng.uniform(2.0, 4.0, (80, 1)))
+    row, point = np.indices((len(truth), 80)).reshape(2, -1)
+    px = fisheye.project(truth.motors[row].inverse().apply(landmarks[point]))
+    px += SIGMA_PX * rng.standard_normal(px.shape)
+    astray = np.repeat([0.01, 0.03], 3) * rng.standard_normal((len(truth), 6))
+    found = adjust_visual_inertial(
+        replace(truth, poses=truth.motors @ Motor.from_twist(astray)),
+        landmarks + 0.05 * rng.standard_normal(landmarks.shape),
+        LandmarkObservations(row, point, px),
+        fisheye,
+        simulated.stream,
+        ADIS16448,
+        IMU_T_CAMERA,
+        sigma_px=SIGMA_PX,
+    )
+    assert np.median(found.error_px) < 1.2 * SIGMA_PX * np.sqrt(2.0 * np.log(2.0))
+    assert np.isfinite(found.error_px).all()
+    assert evaluate(found.trajectory, truth, align="se3").ape_m.rmse < 0.005
+
+
 def test_a_monocular_start_becomes_metric(scene: Scene):
     """Poses and points of unknown scale, leaning: scale within 1 %, keyframes within a centimetre,
     though the start was some per cent off.
