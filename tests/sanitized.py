@@ -30,6 +30,7 @@ MODULES = {
     "motorcade.fusion.filter.native._filter",
     "motorcade.animation.native._runtime",
     "motorcade.tracking.markers.native._quads",
+    "motorcade.tracking.native._flow",
 }
 TESTS = (
     "tests/ga/kernels/test_kernels.py",
@@ -43,6 +44,7 @@ TESTS = (
     "tests/animation/test_runtime.py",
     "tests/animation/skin",
     "tests/tracking/markers/test_detection.py",
+    "tests/tracking/test_pictures.py",
     # Thousands of samples for the accuracy, and an hour of them, on paths that the others take.
     "--deselect=tests/ga/kernels/test_kernels.py::test_backends_agree_on_hard_motors",
     "--deselect=tests/fusion/orientation/test_orientation.py::test_it_stays_sound_over_an_hour",

@@ -1,14 +1,13 @@
 """Grey levels between pixels, and corners of one picture found in the next.
 
 Corners are tracked by pyramidal Lucas-Kanade flow. A corner counts as found if the flow back from
-its new place ends where it began. What is found is right to some tenths of a pixel.
+its new place ends where it began. What is found is right to some tenths of a pixel. The compiled
+flow gives what OpenCV's gives, several times faster.
 
 Sources: Lucas & Kanade 1981; Bouguet 2000 (pyramids); Kalal et al. 2010 (forward-backward check).
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import cv2
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.native._flow import Pyramid, follow_corners
 
 
 def grey_levels(image: GrayImage, px: FloatArray) -> FloatArray:
@@ -31,13 +31,9 @@ def grey_levels(image: GrayImage, px: FloatArray) -> FloatArray:
     return np.asarray(levels, np.float64).reshape(px.shape[:-1])
 
 
-_WINDOW_PX = 21
-_LEVELS = 3
-
-
 def track_corners(
-    before: GrayImage,
-    after: GrayImage,
+    before: GrayImage | Pyramid,
+    after: GrayImage | Pyramid,
     px: FloatArray,
     guess: FloatArray,
     *,
@@ -49,8 +45,8 @@ def track_corners(
     Motions of up to about 60 px from the guess are found.
 
     Args:
-        before: the picture that holds the corners.
-        after: the picture to find them in.
+        before: the picture that holds the corners, or its pyramid, for one that is used again.
+        after: the picture to find them in, likewise.
         px: ``(n, 2)`` in `before`.
         guess: ``(n, 2)`` about where in `after`.
         return_px: how far from its start the flow back may end.
@@ -68,27 +64,7 @@ def track_corners(
     """
     if not len(px):
         return np.zeros((0, 2)), np.zeros(0, dtype=np.bool_)
-    start = px.astype(np.float32).reshape(-1, 1, 2)
-    aim = guess.astype(np.float32).reshape(-1, 1, 2)
-    there, found, _ = _flow(before, after, start, aim.copy(), _LEVELS)
-    back, returned, _ = _flow(after, before, there, start.copy(), 1)
-    apart_px = np.linalg.norm((back - start)[:, 0], axis=-1)
-    px_after = there[:, 0].astype(np.float64)
-    limit = (after.shape[1] - 1 - border_px, after.shape[0] - 1 - border_px)
-    inside = np.all((px_after >= border_px) & (px_after <= limit), axis=-1)
-    kept = (found.ravel() == 1) & (returned.ravel() == 1) & (apart_px < return_px) & inside
-    return px_after, kept
-
-
-def _flow(before: GrayImage, after: GrayImage, px: Any, guess: Any, levels: int) -> Any:
-    return cv2.calcOpticalFlowPyrLK(
-        before,
-        after,
-        px,
-        guess,
-        winSize=(_WINDOW_PX, _WINDOW_PX),
-        maxLevel=levels,
-        criteria=(cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 20, 0.01),
-        flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
-        minEigThreshold=1e-4,
-    )
+    one, other = (of if isinstance(of, Pyramid) else Pyramid(of) for of in (before, after))
+    there, found = follow_corners(one, other, px, guess, return_px)
+    limit = (other.width - 1 - border_px, other.height - 1 - border_px)
+    return there, found & np.all((there >= border_px) & (there <= limit), axis=-1)

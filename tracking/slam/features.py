@@ -9,6 +9,7 @@ Source: Rublee et al. 2011 (ORB).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import cv2
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.native._flow import Pyramid
 from motorcade.tracking.pictures import track_corners
 
 DepthImage = NDArray[np.float32]
@@ -46,6 +48,11 @@ class SlamPicture:
     gray: GrayImage
     depth_m: DepthImage | None = None
     right: GrayImage | None = None
+
+    @cached_property
+    def pyramid(self) -> Pyramid:
+        """The picture as corners are tracked in it."""
+        return Pyramid(self.gray)
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +144,7 @@ def depth_at(depth_m: DepthImage, px: FloatArray) -> FloatArray:
 
 
 def stereo_depth(
-    left: GrayImage, right: GrayImage, px: FloatArray, disparity_px_m: float
+    left: GrayImage | Pyramid, right: GrayImage, px: FloatArray, disparity_px_m: float
 ) -> FloatArray:
     """Depths ``(n,)`` of pixels of a rectified pair; NaN where the right picture shows no match.
 

@@ -248,7 +248,7 @@ class TwoViewInitialiser:
     def _tracked(self, picture: SlamPicture) -> bool:
         """Track the corners one picture on; False where too few remain."""
         guess = self._px + self._motion
-        px, found = track_corners(self._last.gray, picture.gray, self._px, guess)
+        px, found = track_corners(self._last.pyramid, picture.pyramid, self._px, guess)
         self._motion = (px - self._px)[found]
         self._rows, self._px, self._last = self._rows[found], px[found], picture
         return len(self._rows) >= max(FEWEST_CORNERS, _KEPT_SHARE * len(self._corners))

@@ -158,7 +158,7 @@ class Tracker:
         px = self._guess(keyframe, pose)
         px[rows] = last.px[last_rows]
         new = np.setdiff1d(np.arange(len(px)), rows)
-        pictures = keyframe.picture.gray, last.picture.gray
+        pictures = keyframe.picture.pyramid, last.picture.pyramid
         px[new], found = track_corners(*pictures, keyframe.px[new], px[new])
         kept = np.sort(np.concatenate([rows, new[found]]))
         self._tracked = TrackedPoints(
@@ -203,7 +203,7 @@ class Tracker:
         if predicted is None:
             predicted = self._predicted(picture.time_ns)
         guess = self._guess(before, predicted)
-        px, found = track_corners(before.picture.gray, picture.gray, before.px, guess)
+        px, found = track_corners(before.picture.pyramid, picture.pyramid, before.px, guess)
         ids, points = before.ids[found], before.points[found]
         px, old_px = px[found], before.px[found]
         located = np.isfinite(points[:, 0])

@@ -177,7 +177,7 @@ class Mapper:
         if picture.depth_m is not None:
             return depth_at(picture.depth_m, px)
         if picture.right is not None:
-            return stereo_depth(picture.gray, picture.right, px, self.disparity_px_m)
+            return stereo_depth(picture.pyramid, picture.right, px, self.disparity_px_m)
         return np.full(len(px), np.nan)
 
     def recover(
@@ -204,7 +204,7 @@ class Mapper:
             gray = keyframe.gray
             if gray is None or not len(rows):
                 continue
-            px, found = track_corners(gray, picture.gray, keyframe.px[rows], expected[rows])
+            px, found = track_corners(gray, picture.pyramid, keyframe.px[rows], expected[rows])
             found &= np.linalg.norm(px - expected[rows], axis=1) < OUTLIER_PX
             all_ids.append(keyframe.ids[rows[found]])
             all_px.append(px[found])

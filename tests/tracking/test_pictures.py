@@ -1,0 +1,122 @@
+"""Corners found again: against OpenCV's flow, and against motions that are known."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from motorcade.tracking.native._flow import Pyramid
+from motorcade.tracking.pictures import track_corners
+
+HEIGHT, WIDTH = 210, 290
+
+
+@pytest.fixture
+def texture(rng: np.random.Generator) -> np.ndarray:
+    """Noise of several sizes, larger than a picture."""
+    layers = [
+        cv2.resize(
+            rng.normal(0, 1, (330 // s, 410 // s)), (410, 330), interpolation=cv2.INTER_CUBIC
+        )
+        for s in (6, 12, 30)
+    ]
+    return np.clip(128 + 35 * sum(layers), 0, 255).astype(np.float32)
+
+
+def taken(texture: np.ndarray, turn_rad: float, shift_px: tuple[float, float]) -> np.ndarray:
+    """A picture of the texture, turned about its first pixel and shifted."""
+    cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
+    rows = np.array([[cosine, -sine, 60 + shift_px[0]], [sine, cosine, 60 + shift_px[1]]])
+    flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
+    return cv2.warpAffine(texture, rows, (WIDTH, HEIGHT), flags=flags).round().astype(np.uint8)
+
+
+@pytest.fixture
+def corners() -> np.ndarray:
+    grid = np.meshgrid(np.linspace(30, WIDTH - 30, 12), np.linspace(30, HEIGHT - 30, 8))
+    return np.stack(grid, axis=-1).reshape(-1, 2) + 0.3
+
+
+def by_opencv(before: np.ndarray, after: np.ndarray, px: np.ndarray) -> np.ndarray:
+    start = px.astype(np.float32).reshape(-1, 1, 2)
+    flags, stop = cv2.OPTFLOW_USE_INITIAL_FLOW, (3, 20, 0.01)
+    there, *_ = cv2.calcOpticalFlowPyrLK(
+        before, after, start, start.copy(), winSize=(21, 21), maxLevel=3, criteria=stop, flags=flags
+    )
+    return there[:, 0].astype(np.float64)
+
+
+@pytest.mark.parametrize(
+    ("turn_rad", "shift_px"), [(0.0, (0.0, 0.0)), (0.02, (3.3, -2.7)), (-0.01, (17.5, 11.0))]
+)
+def test_corners_are_found_where_opencv_finds_them(
+    texture: np.ndarray, corners: np.ndarray, turn_rad: float, shift_px: tuple[float, float]
+) -> None:
+    before, after = taken(texture, 0.0, (0.0, 0.0)), taken(texture, turn_rad, shift_px)
+    there, found = track_corners(before, after, corners, corners)
+    theirs = by_opencv(before, after, corners)
+    assert np.count_nonzero(found) > 0.6 * len(corners)
+    assert np.quantile(np.linalg.norm(there - theirs, axis=1)[found], 0.9) < 0.02
+
+
+def test_corners_are_found_where_the_picture_was_moved_to(
+    texture: np.ndarray, corners: np.ndarray
+) -> None:
+    before, after = taken(texture, 0.0, (0.0, 0.0)), taken(texture, 0.0, (5.25, -3.5))
+    there, found = track_corners(before, after, corners, corners + 1.0)
+    assert np.count_nonzero(found) > 0.9 * len(corners)
+    off = np.abs(there - (corners - (5.25, -3.5)))[found]
+    assert np.quantile(off, 0.9) < 0.1
+    assert np.median(off) < 0.05
+
+
+def test_pyramids_and_pictures_give_the_same(texture: np.ndarray, corners: np.ndarray) -> None:
+    before, after = taken(texture, 0.0, (0.0, 0.0)), taken(texture, 0.01, (2.0, 1.0))
+    one = track_corners(before, after, corners, corners)
+    other = track_corners(Pyramid(before), Pyramid(after), corners, corners)
+    by_columns = track_corners(np.asfortranarray(before), after, corners, corners)
+    for ours, theirs in zip((*one, *one), (*other, *by_columns), strict=True):
+        assert np.array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize(
+    "start", [(-1e300, 50.0), (50.0, 1e300), (np.nan, 50.0), (np.inf, np.inf), (-25.0, 50.0)]
+)
+def test_nothing_is_found_outside_a_picture(
+    texture: np.ndarray, start: tuple[float, float]
+) -> None:
+    picture = taken(texture, 0.0, (0.0, 0.0))
+    inside = np.array([[50.0, 50.0], [60.0, 50.0]])
+    for px, guess in (
+        (np.array([start, inside[1]]), inside),
+        (inside, np.array([start, inside[1]])),
+    ):
+        _, found = track_corners(picture, picture, px, guess)
+        assert not found[0]
+        assert found[1]
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (7, 300), (22, 22), (45, 23)])
+def test_nothing_is_found_where_nothing_is_seen(shape: tuple[int, int]) -> None:
+    flat = np.full(shape, 90, np.uint8)
+    px = np.array([[0.0, 0.0], [shape[1] / 2, shape[0] / 2], [shape[1] - 1.0, shape[0] - 1.0]])
+    _, found = track_corners(flat, flat, px, px, border_px=0.0)
+    assert not found.any()
+
+
+def test_every_place_to_the_edge_can_be_looked_at(rng: np.random.Generator) -> None:
+    """Windows reach beyond all edges of all levels; `make sanitize` runs this."""
+    noise = rng.integers(0, 255, (61, 47)).astype(np.uint8)
+    px = rng.uniform(-22.0, 83.0, (400, 2))
+    there, _ = track_corners(noise, noise[::-1], px, px + rng.normal(0, 9.0, px.shape))
+    assert there.shape == px.shape
+
+
+def test_pictures_that_are_none_are_refused() -> None:
+    for shape in ((0, 5), (5, 0), (2, 32768)):
+        with pytest.raises(ValueError, match="image: expected 1 to 32767 pixels a side"):
+            Pyramid(np.zeros(shape, np.uint8))
+    one = np.zeros((30, 30), np.uint8)
+    with pytest.raises(ValueError, match="guess: expected one for each"):
+        track_corners(one, one, np.zeros((2, 2)), np.zeros((1, 2)))

@@ -1,0 +1,1 @@
+"""Follows corners from picture to picture, compiled from the C++ files beside this one."""

@@ -1,0 +1,24 @@
+"""Corners of one picture found in another; see motorcade.tracking.pictures."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motorcade.ga.arrays import FloatArray
+from motorcade.tracking.checks import GrayImage
+
+class Pyramid:
+    """A picture with all that tracking corners needs of it, for one that is used again."""
+
+    def __init__(self, image: GrayImage) -> None: ...
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+
+def follow_corners(
+    before: Pyramid,
+    after: Pyramid,
+    px: FloatArray,
+    guess: FloatArray,
+    return_px: float,
+) -> tuple[FloatArray, NDArray[np.bool_]]: ...
